@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The main job, headless: touch a model, sculpt it while it is felt, and look at it.
+# Touches a model, sculpts it while it is felt, and draws it, without a window:
 #   bash apps/demo.sh [MODEL.ply]        without a model: the built-in sculpture
-# Installs what is missing, builds the release, and leaves in out/: touch.png, before.png, trace.csv, forces.png,
-# sculpted.ply. The model path is taken from where you stand; out/ lies beside README.md.
+# Installs missing packages, builds the release, and writes to out/ (beside README.md): touch.png, before.png,
+# trace.csv, forces.png, sculpted.ply. The model's path is relative to the current folder.
 set -euo pipefail
 
 case "${1:-}" in -h | --help) sed -n '2,5s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
@@ -14,7 +14,7 @@ cd "$(dirname "$0")/.."
 steps=6 step=0
 say() { step=$((step + 1)); echo; echo "[$step/$steps] $*"; }
 
-say "Looking for what palpate is built with, and installing what is missing"
+say "Installing the packages that are missing"
 bash third_party/install.sh
 say "Building the release (the first time takes minutes; the numbers in front count the files)"
 cmake --preset release > /dev/null
@@ -27,12 +27,12 @@ if [ -z "$model" ]; then
   [ -f "$model" ] || "$palpate" make sculpture -o "$model"
 fi
 
-say "Drawing $model as it is: out/before.png"
+say "Drawing $model before sculpting: out/before.png"
 "$palpate" render "$model" -o out/before.png
 say "Touching it and pushing a dent into it: out/touch.png, out/trace.csv, out/sculpted.ply"
 "$palpate" touch "$model" --path builtin:press --penetration 5 \
   --edit push --tau 1 --beta 0.1 --tool-radius 8 \
   --picture out/touch.png --trace out/trace.csv --save out/sculpted.ply
-say "Drawing the forces that were felt: out/forces.png"
+say "Plotting the forces: out/forces.png"
 /usr/bin/python3 apps/bench/plot_forces.py out/trace.csv out/forces.png
-say "Done; all of it lies in $PWD/out. build/release/palpate $model opens the window."
+say "Done; the results are in $PWD/out. build/release/palpate $model opens the window."

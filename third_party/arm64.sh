@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds what needs no GPU for Linux on Arm of 64 bits, on a Debian 12 of another machine, and runs its tests under
-# qemu. Idempotent; the packages of arm64 are laid out below build/, and the machine's own stay as they are.
+# Builds the parts that need no GPU for 64-bit Arm Linux, on Debian 12 of another processor, and runs their tests under
+# qemu. Idempotent; the arm64 packages are unpacked below build/, and the machine's own are unchanged.
 #   third_party/arm64.sh               build/arm64, and its tests
-#   third_party/arm64.sh --libraries   only what it is linked to, in build/arm64-libraries/root
+#   third_party/arm64.sh --libraries   only its libraries, in build/arm64-libraries/root
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 
@@ -13,7 +13,7 @@ packages=(libc6-dev libstdc++6 libfmt-dev libglm-dev nlohmann-json3-dev libhidap
 
 usage() { sed -n '2,5s/^# \{0,1\}//p' "$0"; }
 
-# Downloads the packages and their dependencies for arm64: apt is told of such a machine with nothing installed.
+# Downloads the packages and their dependencies: apt is configured for an arm64 machine without installed packages.
 fetch() {
   local apt=(apt-get -q -y -o APT::Architecture=arm64 -o APT::Architectures=arm64
              -o Dir::Etc::sourcelist="$place/debian.sources" -o Dir::Etc::sourceparts=/dev/null
@@ -43,9 +43,9 @@ build_libraries() {
   fetch
   local file
   for file in "$place"/cache/archives/*.deb; do dpkg -x "$file" "$root"; done
-  # Links from the top, as /lib/aarch64-linux-gnu/libc.so.6, would lead to this machine.
+  # Absolute links, such as /lib/aarch64-linux-gnu/libc.so.6, would lead to this machine's files.
   find "$root" -type l -lname '/*' | while read -r file; do ln -sfrn "$root$(readlink "$file")" "$file"; done
-  # Where a package says by itself that it lies in /usr.
+  # For packages whose files contain the prefix /usr.
   find "$root" -name '*.cmake' -exec sed -i "s|set(_IMPORT_PREFIX \"/usr\")|set(_IMPORT_PREFIX \"$root/usr\")|" {} +
   touch "$place/done"
 }

@@ -1,5 +1,5 @@
-# Linux on Arm of 64 bits (Jetson, Raspberry Pi, servers) from Linux on another machine: Debian's cross compiler, and
-# the libraries that arm64.sh has laid out. Tests run under qemu.
+# 64-bit Arm Linux (Jetson, Raspberry Pi, servers) from Linux on another processor: Debian's cross compiler, and the
+# libraries that arm64.sh has unpacked. Tests run under qemu.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)

@@ -1,13 +1,13 @@
-# NVIDIA's compiler, for the CUDA back end (engine/cuda) alone: nothing else depends on it, and where it is missing
-# PALPATE_HAS_CUDA is off and the rest is built as ever. The runtime is linked statically and opens the driver when it
-# is first used, so the program starts on machines without one. Sanitizers and the CUDA driver want the same addresses.
+# NVIDIA's compiler, for the CUDA back end (engine/cuda) only: if it is missing, PALPATE_HAS_CUDA is off and everything
+# else is built as usual. The runtime is linked statically and opens the driver at its first use, so the program starts
+# on machines without a driver. Sanitizers and the CUDA driver require the same addresses.
 set(PALPATE_HAS_CUDA OFF)
 if(PALPATE_CUDA STREQUAL "ON" OR (PALPATE_CUDA STREQUAL "AUTO" AND NOT PALPATE_SANITIZE))
   find_program(PALPATE_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin $ENV{CUDA_PATH}/bin /usr/local/cuda/bin)
   if(PALPATE_NVCC)
     set(PALPATE_HAS_CUDA ON)
   elseif(PALPATE_CUDA STREQUAL "ON")
-    message(FATAL_ERROR "PALPATE_CUDA is ON and there is no nvcc; install the CUDA toolkit, or name it in PALPATE_NVCC")
+    message(FATAL_ERROR "PALPATE_CUDA is ON, but nvcc was not found; install the CUDA toolkit, or set PALPATE_NVCC")
   endif()
 endif()
 
@@ -20,7 +20,7 @@ if(PALPATE_HAS_CUDA)
   endif()
   enable_language(CUDA)
   set(CMAKE_CUDA_STANDARD 20)
-  if(NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION)  # CMake 3.25 does not know that nvcc speaks it
+  if(NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION)  # CMake 3.25 does not know that nvcc supports it
     set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION "-std=c++20")
     set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION "-std=c++20")
   endif()

@@ -1,9 +1,9 @@
-# `cpack --preset release`: packages for Debian: libpalpate0, libpalpate-dev, palpate, python3-palpate. Built here, for
-# this release of Debian; what they depend on is what they are linked to.
+# `cpack --preset release`: Debian packages libpalpate0, libpalpate-dev, palpate and python3-palpate, for the Debian
+# release of this machine; they depend on the libraries they are linked to.
 set(files ${CMAKE_CURRENT_LIST_DIR}/debian)
 set(made ${CMAKE_BINARY_DIR}/debian)
 
-# What every package says of itself, with the notices of what is compiled in or linked, as Debian's packages have them.
+# The documentation of every package, with the notices of compiled-in and linked libraries from their Debian packages.
 set(notices "")
 foreach(package libglm-dev nlohmann-json3-dev libnanoflann-dev libstb-dev libvulkan-volk-dev libvulkan-dev libcli11-dev
                 libimgui-dev libfmt-dev libhidapi-dev libglfw3-dev libpugixml-dev pybind11-dev
@@ -12,7 +12,7 @@ foreach(package libglm-dev nlohmann-json3-dev libnanoflann-dev libstb-dev libvul
     file(READ /usr/share/doc/${package}/copyright text)
     string(APPEND notices "==== ${package}\n\n${text}\n\n")
   else()
-    string(APPEND notices "==== ${package}: its notice is not on the machine that built this\n\n")
+    string(APPEND notices "==== ${package}: its notice was missing on the build machine\n\n")
   endif()
 endforeach()
 file(WRITE ${made}/third-party-notices "${notices}")
@@ -23,13 +23,13 @@ foreach(pair "library;libpalpate0" "dev;libpalpate-dev" "program;palpate" "pytho
   list(GET pair 0 component)
   list(GET pair 1 package)
   install(FILES ${files}/copyright ${made}/changelog.gz DESTINATION share/doc/${package} COMPONENT ${component})
-  if(NOT component STREQUAL dev)  # it has headers of its own alone
+  if(NOT component STREQUAL dev)  # it contains only palpate's headers
     install(FILES ${made}/third-party-notices DESTINATION share/doc/${package} COMPONENT ${component})
   endif()
 endforeach()
 
 if(TARGET palpate)
-  # The manual is what the program says of itself.
+  # The manual is generated from the program's help.
   add_custom_command(OUTPUT ${made}/palpate.1.gz DEPENDS palpate ${files}/manual.sh VERBATIM
     COMMAND bash ${files}/manual.sh $<TARGET_FILE:palpate> ${PROJECT_VERSION} ${made}/palpate.1.gz)
   add_custom_target(palpate_manual ALL DEPENDS ${made}/palpate.1.gz)
@@ -73,13 +73,13 @@ sculpted, on any Vulkan GPU or without one."
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "fonts-noto-cjk | fonts-droid-fallback")
 endif()
 if(TARGET palpate_library)
-  package(library libpalpate0 libs "The shared library: sessions that other programs have, by a C interface." "")
+  package(library libpalpate0 libs "The shared library: haptic sessions for other programs, with a C interface." "")
   set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
   set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${files}/triggers)
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "libvulkan1")
   package(dev libpalpate-dev libdevel
-          "What programs are built with: headers for C and C++, and files for CMake and\npkg-config."
+          "Development files: headers for C and C++, and files for CMake and\npkg-config."
           "libpalpate0 (= ${PROJECT_VERSION})")
 endif()
 if(TARGET palpate_python)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Unpacks another Vulkan driver and a current validation layer for the tests, both from Debian's package
 # chromium-common, below build/drivers: swiftshader.json for VK_DRIVER_FILES, the folder itself for VK_LAYER_PATH.
-# Installs nothing, and unpacks once. Prints the folder, or why there is none.
+# Installs nothing; later calls reuse the folder. Prints the folder, or the reason of a failure.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=$PWD/build/drivers
@@ -11,9 +11,9 @@ if [ ! -e "$folder/complete" ]; then
   work=$folder.unpacking
   rm -rf "$work"
   mkdir -p "$work"
-  # The user that apt reads as may not write here, which it would say.
+  # As root: apt would warn that its sandbox user cannot write here.
   if ! problem=$(cd "$work" && apt-get -o APT::Sandbox::User=root download "$package" 2>&1); then
-    echo "drivers.sh: the package $package cannot be had: ${problem##*$'\n'}" >&2
+    echo "drivers.sh: the package $package cannot be downloaded: ${problem##*$'\n'}" >&2
     exit 1
   fi
   dpkg -x "$work"/*.deb "$work/package"

@@ -11,7 +11,7 @@ packages=(
   build-essential            # compiler and linker
   cmake                      # build generator, 3.25 or newer
   ninja-build                # build tool of the presets
-  ccache                     # what was compiled once is not compiled again
+  ccache                     # reuses earlier compilations
   lld                        # links tests in half the time
   ca-certificates            # lets apt verify the archives it reads from
   glslang-tools              # GLSL to SPIR-V at build time
@@ -26,39 +26,39 @@ packages=(
   nlohmann-json3-dev         # --json
   libglfw3-dev               # the window of palpate view
   libx11-dev                 # pictures for displays that a GPU cannot present to
-  libimgui-dev               # its panels
-  fonts-dejavu-core          # their font, and
-  fonts-droid-fallback       # Chinese, Japanese and Korean letters
+  libimgui-dev               # panels of the window
+  fonts-dejavu-core          # font of the window
+  fonts-droid-fallback       # Chinese, Japanese and Korean letters in the window
   libstb-dev                 # PNG writing and reading
   libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
   libpugixml-dev             # the XML of E57
   libhidapi-dev              # 3D mice and gamepads (its back end over the kernel's nodes: libhidapi-hidraw0)
   pybind11-dev               # the Python module
-  python3-dev                # and its headers
-  python3-numpy              # whose arrays go in and out
-  python3-pytest             # its tests
-  mypy                       # and its types
-  cyclonedds-dev             # DDS: sessions that several machines have, and
-  cyclonedds-tools           # idlc, which compiles what is said on the network
-  libssl-dev                 # keys of sessions that are encrypted
+  python3-dev                # headers for the Python module
+  python3-numpy              # arrays of the Python module
+  python3-pytest             # tests of the Python module
+  mypy                       # type checks of the Python module
+  cyclonedds-dev             # DDS: sessions shared by several machines
+  cyclonedds-tools           # idlc, which compiles the network messages
+  libssl-dev                 # keys of encrypted sessions
   doctest-dev                # tests
   clang-format               # version 14: the format of the sources, which a test checks
   clang-tidy                 # version 14: checks the sources (tests/lint.sh)
-  xvfb                       # a display for the tests of the window, and
-  xauth                      # what its xvfb-run needs
+  xvfb                       # a display for the tests of the window
+  xauth                      # required by xvfb-run
   iproute2                   # a slow link between two network namespaces, for the tests of sharing
-  libfastrtps-dev            # another maker's DDS hears ours and is heard, in the tests of sharing, and
-  libfastcdr-dev             # how it writes messages
-  tshark                     # whose dissector reads what goes over the wire there
-  python3-pysph              # another program's dam that breaks, to hold ours against
+  libfastrtps-dev            # another vendor's DDS, for interoperability tests of sharing
+  libfastcdr-dev             # message encoding of that DDS
+  tshark                     # decodes the traffic in the tests of sharing
+  python3-pysph              # another program's dam break, compared with palpate's in tests
   python3-matplotlib         # forces.png
 )
 
 windows_packages=(
   g++-mingw-w64-x86-64-posix # compiler; the threads of its standard library are POSIX's
   dpkg-dev                   # unpacks Debian's sources of the libraries
-  wine64                     # runs the tests, and
-  wine                       # its command
+  wine64                     # runs the tests
+  wine                       # the command wine
 )
 
 arm64_packages=(
@@ -75,7 +75,7 @@ become_root() {  # TO-DO-WHAT
   as_root=(sudo)
 }
 
-# Installs the rule and lets the system apply it to what is plugged in already.
+# Installs the rule and applies it to devices that are already plugged in.
 install_udev_rule() {
   local rule target=/etc/udev/rules.d/70-palpate.rules
   rule="$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/70-palpate.rules"
@@ -87,16 +87,16 @@ install_udev_rule() {
     echo "install.sh: wrote $target"
   fi
   if ! command -v udevadm >/dev/null; then
-    echo "install.sh: there is no udevadm here; the rule holds once udev runs"
+    echo "install.sh: udevadm is missing; the rule applies once udev runs"
     return
   fi
-  become_root "reload the rules of udev"
+  become_root "reload the udev rules"
   if ! "${as_root[@]}" udevadm control --reload; then
-    echo "install.sh: udev does not run; the rule holds once it does"
+    echo "install.sh: udev does not run; the rule applies once it does"
     return
   fi
   "${as_root[@]}" udevadm trigger --subsystem-match=hidraw --action=change
-  echo "install.sh: the rule holds now, also for what is plugged in; from afar (ssh) be in the group plugdev"
+  echo "install.sh: the rule applies now, also to devices already plugged in; over ssh it requires the group plugdev"
 }
 
 if [ "${1:-}" = --windows ]; then packages+=("${windows_packages[@]}"); fi

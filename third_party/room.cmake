@@ -1,5 +1,5 @@
-# palpate_system_sources(TARGET names…): what each system does in a way of its own has one header and a file for each
-# system, NAME_linux.cpp and NAME_windows.cpp.
+# palpate_system_sources(TARGET names…): adds system-dependent sources, which have one header and a file for each
+# system: NAME_linux.cpp, NAME_windows.cpp.
 function(palpate_system_sources target)
   if(WIN32)
     list(TRANSFORM ARGN APPEND _windows.cpp)
@@ -10,8 +10,8 @@ function(palpate_system_sources target)
 endfunction()
 
 # palpate_room(NAME SOURCES files… SYSTEM names… LINKS rooms-and-libraries…)
-# One static library per room, known to the others as palpate::NAME. Includes are written from the top of the tree
-# ("engine/gpu/device.hpp"), so a reader sees which room a header belongs to, and so does the test of the arrows.
+# One static library per room, which others link as palpate::NAME. Include paths start at the top of the tree
+# ("engine/gpu/device.hpp"), so that readers and tests/house/architecture_test.cpp see a header's room.
 function(palpate_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;SYSTEM;LINKS" ${ARGN})
   add_library(palpate_${name} STATIC ${ROOM_SOURCES})
@@ -27,9 +27,9 @@ function(palpate_room name)
   endif()
 endfunction()
 
-# palpate_precompile(TARGET headers… | REUSE_FROM TARGET): what nearly every file includes of other libraries, and these
-# headers, are read once and not again for each file. Only where PALPATE_PRECOMPILE is on: without it a file that does
-# not include what it uses is found.
+# palpate_precompile(TARGET headers… | REUSE_FROM TARGET): precompiles these headers and those of other libraries that
+# nearly every file includes. Only with PALPATE_PRECOMPILE: builds without it detect files that do not include what they
+# use.
 function(palpate_precompile target)
   if(NOT PALPATE_PRECOMPILE)
     return()
@@ -44,13 +44,13 @@ function(palpate_precompile target)
     <random> <set> <span> <sstream> <string> <thread> <variant> <vector>)
 endfunction()
 
-# palpate_unite(TARGET): several files are compiled as one, which reads the headers of palpate less often: a cold build
-# takes half the time. Files with flags of their own stay alone. Names in anonymous namespaces are therefore unique in a
-# target, not in a file. Only where PALPATE_PRECOMPILE is on; the other presets compile each file by its own includes.
+# palpate_unite(TARGET): compiles several files as one. palpate's headers are then read less often: a cold build takes
+# half the time. Files with their own flags are compiled separately. Names in anonymous namespaces must therefore be
+# unique in a target. Only with PALPATE_PRECOMPILE; the other presets compile each file by its own includes.
 function(palpate_unite target)
   if(PALPATE_PRECOMPILE)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${PALPATE_FILES_AT_ONCE})
   endif()
 endfunction()
-set(PALPATE_FILES_AT_ONCE 6 CACHE STRING "How many files are compiled as one where PALPATE_PRECOMPILE is on")
+set(PALPATE_FILES_AT_ONCE 6 CACHE STRING "Number of files compiled as one with PALPATE_PRECOMPILE")
 mark_as_advanced(PALPATE_FILES_AT_ONCE)

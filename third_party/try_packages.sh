@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the packages of `cpack --preset release` into a bare Debian 12 and uses each of them there: the program
 # without a GPU driver and with one, Python, and programs in C and C++ that see only the installed headers. Removes the
-# packages again and looks for files that are left. As root; debootstrap makes that Debian again below build/ each time.
+# packages again and looks for remaining files. Requires root; debootstrap recreates that Debian below build/ each time.
 #   third_party/try_packages.sh [FOLDER_OF_PACKAGES]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,15 +11,15 @@ debian=$PWD/build/clean_debian
 fail() { echo "try_packages.sh: $*" >&2; exit 1; }
 say() { printf '\n== %s\n' "$*"; }
 
-[ "$(id -u)" -eq 0 ] || fail "needs root to change into another system"
-command -v debootstrap > /dev/null || fail "needs debootstrap: apt-get install debootstrap"
+[ "$(id -u)" -eq 0 ] || fail "requires root for chroot"
+command -v debootstrap > /dev/null || fail "requires debootstrap: apt-get install debootstrap"
 ls "$packages"/*.deb > /dev/null 2>&1 || fail "no packages in $packages; cpack --preset release makes them"
-# What is mounted below the other system goes with this process, however it ends.
+# A mount namespace: the mounts below that Debian end with this process, however it ends.
 if [ "${PALPATE_TRIES:-}" != own ]; then
   PALPATE_TRIES=own exec unshare --mount bash "$PWD/third_party/try_packages.sh" "$packages"
 fi
 
-say "a Debian of its own"
+say "installing a bare Debian"
 rm -rf "$debian"
 mirror=$(bash third_party/mirror.sh)
 debootstrap --variant=minbase --include=ca-certificates bookworm "$debian" "$mirror" > build/clean_debian.log 2>&1 \
@@ -32,7 +32,7 @@ mkdir "$debian/packages"
 cp "$packages"/*.deb "$debian/packages/"
 cp -r apps/examples "$debian/examples"
 
-inside() {  # COMMANDS: as a newcomer's shell there
+inside() {  # COMMANDS: runs them there in a clean environment
   chroot "$debian" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
     DEBIAN_FRONTEND=noninteractive ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
     bash -euo pipefail -c "cd /root; $1"
@@ -44,9 +44,9 @@ install() {
 inside 'apt-get update > /tmp/apt.log 2>&1 || { tail /tmp/apt.log; exit 1; }; dpkg-query -W | wc -l > /tmp/before'
 inside 'find / -xdev -path /packages -prune -o -path /examples -prune -o -iname "*palpate*" -print' \
   > build/clean_debian.log
-[ -s build/clean_debian.log ] && fail "it has of palpate already: $(cat build/clean_debian.log)"
+[ -s build/clean_debian.log ] && fail "files of palpate exist already: $(cat build/clean_debian.log)"
 
-say "the program, without a driver of a GPU"
+say "the program, without a GPU driver"
 install '/packages/palpate_*.deb'
 inside 'palpate --version; palpate make sculpture -n 200000 -o cloud.ply
   for other in las laz pcd npy csv; do palpate convert cloud.ply cloud.$other; done
@@ -60,7 +60,7 @@ install mesa-vulkan-drivers libvulkan1
 inside 'palpate doctor | head -n 30; palpate touch cloud.laz --backend vulkan; palpate render cloud.laz -o picture.png
   test "$(head -c 4 picture.png | tail -c 3)" = PNG'
 
-# A model that anybody can write: a plane with a hump.
+# A model written by hand: a plane with a hump.
 inside 'awk "BEGIN {print \"x,y,z\"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++j)
   printf \"%g,%g,%g\\n\", i, j, 20 * exp(-(i * i + j * j) / 800)}" > hump.csv'
 
@@ -76,11 +76,11 @@ inside 'cmake -S /examples -B built -DCMAKE_BUILD_TYPE=Release > cmake.log || { 
   built/press; built/dent hump.csv dented.ply; built/stir
   cc -o press /examples/press.c $(pkg-config --cflags --libs palpate) -lm; ./press'
 
-say "taken away again"
+say "removing the packages"
 inside 'apt-get purge -y palpate libpalpate0 libpalpate-dev python3-palpate > /tmp/apt.log 2>&1 \
     || { tail /tmp/apt.log; exit 1; }
   rm -rf /root/*'
 left=$(inside 'find / -xdev -path /packages -prune -o -path /examples -prune -o -path /proc -prune \
   -o -path /root -prune -o -iname "*palpate*" -print')
 [ -z "$left" ] || fail "left behind: $left"
-echo "try_packages.sh: all of them were installed, used and taken away"
+echo "try_packages.sh: all packages were installed, used and removed"

@@ -1,4 +1,4 @@
-# What only the GPU's half and the program need: Vulkan, the shader compiler, the window, the command line.
+# Libraries that only the GPU parts and the program need: Vulkan, the shader compiler, the window, the command line.
 find_path(VULKAN_DIR vulkan/vulkan.h REQUIRED)  # headers; the loader itself is opened by volk at run time
 find_program(GLSLANG glslangValidator REQUIRED)  # GLSL to SPIR-V at build time
 find_program(SPIRV_VAL spirv-val REQUIRED)       # checks every module that is built
@@ -17,12 +17,12 @@ endif()
 find_package(CLI11 REQUIRED)          # the command line
 find_package(glfw3 REQUIRED)          # the window
 if(NOT WIN32)
-  find_package(X11 REQUIRED)          # and displays that a GPU cannot present to
+  find_package(X11 REQUIRED)          # displays that a GPU cannot present to
   set_target_properties(X11::X11 PROPERTIES IMPORTED_GLOBAL TRUE)
 endif()
-find_path(IMGUI_DIR imgui.h PATH_SUFFIXES imgui REQUIRED)  # its panels: the core alone, drawn by our own pass
+find_path(IMGUI_DIR imgui.h PATH_SUFFIXES imgui REQUIRED)  # its panels: only the core, drawn by palpate's pass
 find_library(IMGUI_LIBRARY imgui REQUIRED)
-find_library(STB_LIBRARY stb)         # which Debian's needs for its font
+find_library(STB_LIBRARY stb)         # for the font of Debian's Dear ImGui
 foreach(target glfw CLI11::CLI11)
   set_target_properties(${target} PROPERTIES IMPORTED_GLOBAL TRUE)
 endforeach()

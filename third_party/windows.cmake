@@ -1,5 +1,5 @@
-# Windows, by mingw: which of it the headers show, programs whose files hold the bytes that were written, and the stack
-# that Linux gives a program.
+# Windows, by mingw: the Windows version of the headers, binary mode for all files, and the stack size that Linux gives
+# a program.
 target_compile_definitions(palpate_build_options INTERFACE _WIN32_WINNT=0x0A00 WIN32_LEAN_AND_MEAN NOMINMAX)
 execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=binmode.o
                 OUTPUT_VARIABLE binmode OUTPUT_STRIP_TRAILING_WHITESPACE)

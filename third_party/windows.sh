@@ -1,22 +1,22 @@
 #!/usr/bin/env bash
-# Builds palpate for Windows on a Debian 12, from its own sources and Debian's: one folder with one program that needs
-# nothing else, and a zip of it. Idempotent; what is fetched and built stays below build/.
+# Builds palpate for Windows on Debian 12, from its own sources and Debian's: a folder with one self-contained program,
+# and a zip of it. Idempotent; downloads and builds stay below build/.
 #   third_party/windows.sh               build/windows/palpate.exe, and the zip beside it
-#   third_party/windows.sh --libraries   only what it is linked to, in build/windows-libraries/prefix
-#   third_party/windows.sh --check       whether the tests could run here: exit 1 and why not
+#   third_party/windows.sh --libraries   only its libraries, in build/windows-libraries/prefix
+#   third_party/windows.sh --check       checks whether the tests can run here; if not, prints the reason, exit 1
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 
 place=$PWD/build/windows-libraries
 prefix=$place/prefix
 sources=(fmtlib glfw3 hidapi imgui)  # Debian's source packages of the libraries
-# Of headers alone: they are the same for every system, and are taken from the packages that install.sh installs.
+# Header-only libraries: equal on every system, copied from the packages that install.sh installs.
 headers=(libglm-dev nlohmann-json3-dev libcli11-dev doctest-dev libnanoflann-dev libstb-dev libvulkan-dev
          libvulkan-volk-dev)
 
 usage() { sed -n '2,6s/^# \{0,1\}//p' "$0"; }
 
-# Sources by apt, whose lists of them are kept apart from the system's.
+# Downloads the sources by apt, with package lists separate from the system's.
 fetch() {
   local apt=(apt-get -q -o Dir::Etc::sourcelist="$place/debian.sources" -o Dir::Etc::sourceparts=/dev/null
              -o Dir::State::lists="$place/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache=
@@ -35,7 +35,7 @@ END
   (cd "$place/sources" && "${apt[@]}" source "${sources[@]}")
 }
 
-cmake_library() {  # NAME OPTIONS...: of the source package NAME
+cmake_library() {  # NAME OPTIONS...: builds the source package NAME
   local name=$1
   shift
   cmake -G Ninja -S "$place/sources/$name"-[0-9]*/ -B "$place/build/$name" -DCMAKE_INSTALL_PREFIX="$prefix" \
@@ -57,17 +57,17 @@ build_imgui() {
   cp "$folder"/*.h "$prefix/include/imgui/"
 }
 
-# An include folder of their own: the system's would bring the headers of Linux along.
+# A separate include folder: the system's would add the headers of Linux.
 copy_headers() {
   local file
   dpkg -L "${headers[@]}" | grep -E '^/usr/(include/|(lib|share)/(.*/)?cmake/)' | while read -r file; do
     if [ -f "$file" ]; then install -D -m 644 "$file" "$prefix/${file#/usr/}"; fi
   done
-  # Where a package says by itself that it lies in /usr.
+  # For packages whose files contain the prefix /usr.
   find "$prefix" -name '*.cmake' -exec sed -i "s|set(_IMPORT_PREFIX \"/usr\")|set(_IMPORT_PREFIX \"$prefix\")|" {} +
 }
 
-# What the program is linked to says under which terms it may be passed on; so does its font.
+# The terms on which the linked libraries and the font may be distributed.
 copy_licences() {
   local name
   for name in "${sources[@]}"; do
@@ -93,10 +93,10 @@ build_libraries() {
   touch "$place/done"
 }
 
-# Nothing, or why the tests cannot run.
+# Prints nothing, or why the tests cannot run.
 what_is_missing() {
-  if [ ! -f "$place/done" ]; then echo "the libraries are not built (third_party/windows.sh)"; fi
-  if ! command -v wine > /dev/null; then echo "there is no wine (third_party/install.sh --windows)"; fi
+  if [ ! -f "$place/done" ]; then echo "the libraries are not built (run third_party/windows.sh)"; fi
+  if ! command -v wine > /dev/null; then echo "wine is not installed (run third_party/install.sh --windows)"; fi
 }
 
 case "${1:-}" in

@@ -1,4 +1,4 @@
-# `cpack --preset windows`: a zip of one folder with the program, its font, and the licences of what it is linked to.
+# `cpack --preset windows`: a zip of one folder with the program, its font, and the licences of its libraries.
 install(TARGETS palpate RUNTIME DESTINATION .)
 install(FILES /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf DESTINATION .)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/build/windows-libraries/prefix/licences DESTINATION .)

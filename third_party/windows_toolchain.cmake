@@ -1,5 +1,5 @@
-# Windows of 64 bits from Linux: Debian's mingw, and what windows.sh has built for it. Programs are static, so that one
-# file runs on a Windows without anything installed; tests run under wine, in a world of their own below build/.
+# 64-bit Windows from Linux: Debian's mingw, and the libraries that windows.sh has built. Programs are static, so that
+# one file runs on Windows without an installation; tests run under wine, in a separate prefix below build/.
 set(CMAKE_SYSTEM_NAME Windows)
 set(CMAKE_SYSTEM_PROCESSOR x86_64)
 set(CMAKE_C_COMPILER x86_64-w64-mingw32-gcc-posix)

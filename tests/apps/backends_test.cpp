@@ -8,7 +8,7 @@
 namespace palpate::backends_test {
 
 TEST_CASE(
-    "every query method gives the same trace, byte by byte; brute, which adds up in another order, the same force") {
+    "every query method gives the same trace, byte for byte; brute, with another summation order, the same force") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 5000 -o " + model);
@@ -34,7 +34,7 @@ TEST_CASE(
   CHECK(std::ranges::any_of(rows, &Row::contact));
 }
 
-TEST_CASE("the CPU answers as the GPU does: the same press gives the same forces, on a still and on a yielding cloud") {
+TEST_CASE("CPU and GPU give the same forces for the same press, on a static and on a sculpted cloud") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 15000 -o " + model);
@@ -67,7 +67,7 @@ TEST_CASE("the CPU answers as the GPU does: the same press gives the same forces
   }
 }
 
-TEST_CASE("the CPU needs no GPU unless a picture is asked for, sculpts and saves, and the same again byte by byte") {
+TEST_CASE("the CPU back end needs no GPU except for pictures, sculpts and saves, and repeats byte for byte") {
   const ScratchFolder folder;
   const std::string model = (folder / "torus.ply").string();
   works("make torus -n 5000 -o " + model);
@@ -84,7 +84,7 @@ TEST_CASE("the CPU needs no GPU unless a picture is asked for, sculpts and saves
   CHECK(contentOf(folder / "p.png").starts_with("\x89PNG"));
 }
 
-TEST_CASE("a simulated Touch presses, slides and rests, the same every time, and makes no energy") {
+TEST_CASE("a simulated Touch presses, slides and rests, the same each time, without energy gain") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), json = (folder / "t.json").string();
   works("make sphere -n 20000 -o " + model);
@@ -116,7 +116,7 @@ TEST_CASE("a simulated Touch presses, slides and rests, the same every time, and
   CHECK(jsonOf(json)["passivity_energy_mJ"].is_null());
 }
 
-TEST_CASE("a back end that is not there, and a method that it does not have, are told apart") {
+TEST_CASE("a missing back end and an unknown method are reported differently") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 5000 -o " + model);

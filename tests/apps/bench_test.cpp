@@ -12,7 +12,7 @@
 
 namespace palpate::bench_test {
 
-TEST_CASE("bench measures every job by every way of the back ends that are asked for, and plots it" * kFull) {
+TEST_CASE("bench measures every job with every method of the requested back ends, and plots them" * kFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "b.json").string(), plot = (folder / "b.png").string();
   const Outcome outcome =
@@ -42,7 +42,7 @@ TEST_CASE("bench measures every job by every way of the back ends that are asked
   CHECK(std::filesystem::file_size(plot) > 20'000);
 }
 
-TEST_CASE("bench measures several jobs at once, a tick by the method that is asked for, and plots them") {
+TEST_CASE("bench measures several jobs at once with the requested methods, and plots them") {
   const ScratchFolder folder;
   const std::string json = (folder / "b.json").string(), plot = (folder / "b.png").string();
   const Outcome outcome =
@@ -76,7 +76,7 @@ TEST_CASE("bench measures several jobs at once, a tick by the method that is ask
     for (const char* size : {" 1000", " 2000"}) CHECK(sizes.count(std::string(bench) + size) > 0);
 }
 
-TEST_CASE("bench share says how long it takes until a press is felt by another hand" * kClock) {
+TEST_CASE("bench share measures the time until another hand feels a press" * kClock) {
   const ScratchFolder folder;
   const std::string domain = " --domain " + std::to_string(ownDomain());
   if (palpate("doctor --network" + domain).code != 0) {
@@ -104,7 +104,7 @@ TEST_CASE("bench share says how long it takes until a press is felt by another h
   CHECK(says(none.text, "no session named 'nobody' is served"));
 }
 
-TEST_CASE("bench refuses a method or a back end that there is not, and measures only what it is told") {
+TEST_CASE("bench refuses unknown methods and back ends, and measures only what is requested") {
   CHECK(palpate("bench step --sizes 2000 --backend quantum").code == 2);
   const Outcome wrong = palpate("bench step --sizes 2000 --method persistent");
   CHECK(wrong.code == 2);
@@ -115,7 +115,7 @@ TEST_CASE("bench refuses a method or a back end that there is not, and measures 
   CHECK(brute.text.find("fused") == std::string::npos);
 }
 
-TEST_CASE("each bench shows and takes its own options, and those that are measured together take each other's") {
+TEST_CASE("each bench shows and accepts its own options, and benches run together accept each other's") {
   const Outcome all = palpate("bench --help"), edit = palpate("bench edit --help"),
                 build = palpate("bench build --help");
   CHECK(all.code == 0);
@@ -135,7 +135,7 @@ TEST_CASE("each bench shows and takes its own options, and those that are measur
   works("bench sort --sizes 2000 build --backend cpu --repeat 5 --moved 0.5");
 }
 
-TEST_CASE("bench touch judges what is felt: nothing in the air, the same twice, along the true normal") {
+TEST_CASE("bench touch judges the force: none in the air, equal in two runs, along the true normal") {
   const ScratchFolder folder;
   works("bench touch --backend cpu --sizes 5000 --shapes sphere,cube --conditions clean,uneven --json " +
         (folder / "t.json").string());
@@ -168,7 +168,7 @@ TEST_CASE("bench touch judges what is felt: nothing in the air, the same twice, 
   }
 }
 
-TEST_CASE("bench touch judges normals that were estimated from noisy points") {
+TEST_CASE("bench touch judges normals estimated from noisy points") {
   const ScratchFolder folder;
   const std::string result = (folder / "t.json").string();
   works(
@@ -183,7 +183,7 @@ TEST_CASE("bench touch judges normals that were estimated from noisy points") {
   CHECK(p95(1) < 6);
 }
 
-TEST_CASE("bench touch holds a scan against its mesh, and refuses one without the other") {
+TEST_CASE("bench touch compares a scan with its mesh, and refuses one without the other") {
   const ScratchFolder folder;
   const std::string scan = (folder / "scan.ply").string(), mesh = (folder / "mesh.ply").string();
   works("make plane -n 20000 -o " + scan);
@@ -201,8 +201,7 @@ TEST_CASE("bench touch holds a scan against its mesh, and refuses one without th
   CHECK(palpate("bench touch --shapes ball").code == 2);
 }
 
-TEST_CASE("bench edit sculpts with tools that reach as many points as they are asked to, and plots what that costs" *
-          kMoreInFull) {
+TEST_CASE("bench edit sculpts with tools that reach the requested number of points, and plots the cost" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "e.json").string(), plot = (folder / "e.png").string();
   const std::string few = (folder / "few.ply").string(), many = (folder / "many.ply").string();
@@ -272,7 +271,7 @@ TEST_CASE("bench edit sculpts with every brush" * kMoreInFull) {
   }
 }
 
-TEST_CASE("bench edit tells what compactions cost where there are few spare slots") {
+TEST_CASE("bench edit reports the cost of compactions if spare slots are few") {
   const ScratchFolder folder;
   const std::string json = (folder / "c.json").string();
   const Outcome outcome = palpate(
@@ -287,7 +286,7 @@ TEST_CASE("bench edit tells what compactions cost where there are few spare slot
   CHECK(outcome.text.find("step that compacts") != std::string::npos);
 }
 
-TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured" * kClock) {
+TEST_CASE("bench edit sculpts in real time, and refuses what it cannot measure" * kClock) {
   const ScratchFolder folder;
   const std::string json = (folder / "s.json").string(), model = (folder / "few.ply").string();
   works("make sphere -n 3000 -o " + model);
@@ -307,8 +306,8 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
     CHECK(cost["compacting_step_us"]["p999"] <= cost["step_us"]["max"].get<double>());
     CHECK(cost["longest_compaction_end_us"] > 0);
   } else {
-    MESSAGE("this machine is too busy to tell what a compaction costs: in " << kTicks << " ticks it came to "
-                                                                            << cost["edits"].dump() << " edits");
+    MESSAGE("this machine is too busy to measure a compaction: in " << kTicks << " ticks it made "
+                                                                    << cost["edits"].dump() << " edits");
     CHECK(cost["edits"] < kTicks / 2);  // too few to cause a compaction
   }
   CHECK(cost["stroke"]["held_up_edits"] <= kTicks);
@@ -328,7 +327,7 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
   CHECK(tooMany.text.find("--touched") != std::string::npos);
 }
 
-TEST_CASE("bench splat times every pass, and its pictures are true to the shapes" * kMoreInFull) {
+TEST_CASE("bench splat times every pass, and its pictures match the shapes" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "s.json").string();
   const int points = byTier(15000, 30000);
@@ -377,7 +376,7 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
   CHECK(palpate("bench splat build").code == 2);
 }
 
-TEST_CASE("bench splat holds discs and marching cubes against the same truth, in one table" * kMoreInFull) {
+TEST_CASE("bench splat compares discs and marching cubes with the same truth, in one table" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "w.json").string();
   const int repeat = byTier(2, 5);
@@ -408,7 +407,7 @@ TEST_CASE("bench splat holds discs and marching cubes against the same truth, in
   CHECK(palpate("bench splat --mesh 0").code == 2);
 }
 
-TEST_CASE("bench matter measures what is stirred on each back end, and its passes") {
+TEST_CASE("bench matter measures stirred matter and its passes on each back end") {
   const ScratchFolder folder;
   const std::string json = (folder / "matter.json").string();
   works("bench matter --sizes 200 --backend vulkan,cpu --repeat 2 --passes --json " + json);
@@ -461,7 +460,7 @@ TEST_CASE("bench matter measures what is stirred on each back end, and its passe
   CHECK(palpate("bench matter --points -1").code == 2);
 }
 
-TEST_CASE("bench read reads what it is given, on as many threads as are asked for") {
+TEST_CASE("bench read reads the given files on the requested number of threads") {
   const ScratchFolder folder;
   const std::string las = (folder / "a.las").string(), laz = (folder / "a.laz").string(),
                     json = (folder / "r.json").string();

@@ -47,7 +47,7 @@ bool differs(const Picture& a, const Picture& b, const DVec2& place_px) {
 
 }  // namespace
 
-TEST_CASE("render draws a camera's pyramid with its corners where its intrinsics have them") {
+TEST_CASE("render draws a camera's frustum with the corners of its intrinsics") {
   const ScratchFolder folder;
   writeColmap(folder / "model", sheet());
   works(rendering(folder / "model", folder / "without.png"));
@@ -103,7 +103,7 @@ TEST_CASE("render draws a camera's pyramid with its corners where its intrinsics
   CHECK(changed == 0);
 }
 
-TEST_CASE("where no view is asked for, the picture shows the cameras as well") {
+TEST_CASE("without a requested view the picture includes the cameras") {
   const ScratchFolder folder;
   WrittenColmap far = sheet();
   for (WrittenImage& image : far.images) image.centre.z = -60;
@@ -129,7 +129,7 @@ TEST_CASE("where no view is asked for, the picture shows the cameras as well") {
   CHECK(pixels(draw(""), isBlue) == 0);
 }
 
-TEST_CASE("a model that says nothing of cameras is drawn as it was, and it is said") {
+TEST_CASE("a model without cameras is drawn unchanged, with a message") {
   const ScratchFolder folder;
   works("--quiet make sphere -n 2000 -o " + (folder / "s.ply").string());
   works("render " + (folder / "s.ply").string() + " --size 200x150 -o " + (folder / "without.png").string());
@@ -154,7 +154,7 @@ TEST_CASE("the first frame of a recording is drawn with its camera") {
   CHECK(changed < with.rgb.size() / 4);
 }
 
-TEST_CASE("convert keeps all points of a COLMAP folder; info and render leave unreliable ones out and say so") {
+TEST_CASE("unreliable COLMAP points are left out by info and render, and by convert on request, with a message") {
   const ScratchFolder folder;
   WrittenColmap written = sheet();
   for (int k = 0; k < 50; ++k) written.points.push_back({.place = {0.1 * k, 0, 900}, .images = {7, 9, 11}});
@@ -181,8 +181,7 @@ TEST_CASE("convert keeps all points of a COLMAP folder; info and render leave un
   CHECK_MESSAGE(says(drawn.text, "left out are 50 of 950 points"), drawn.text);
 }
 
-TEST_CASE(
-    "the window shows a reconstruction's cameras, and a recording's with the way that it has gone; F hides them") {
+TEST_CASE("the window shows a reconstruction's cameras, and a recording's camera with its path; F hides them") {
   if (!hasDisplay()) return;
   const auto played = play("%/model --size 480x360 --backend cpu", R"(
 0.1 key tab

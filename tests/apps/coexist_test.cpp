@@ -43,7 +43,8 @@ void checkRow(const Result& row) {
 
 }  // namespace
 
-TEST_CASE("bench coexist counts ticks and pictures in every situation, and the pictures see the edits" * kMoreInFull) {
+TEST_CASE("bench coexist counts ticks and pictures in every situation, and the pictures contain the edits" *
+          kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "c.json").string();
   const Outcome outcome =
@@ -61,7 +62,7 @@ TEST_CASE("bench coexist counts ticks and pictures in every situation, and the p
     CHECK(outcome.text.find(title) != std::string::npos);
 }
 
-TEST_CASE("bench coexist draws what another machine touches: edits get there through the host" * kMoreInFull) {
+TEST_CASE("bench coexist draws what another device touches: edits arrive through the host" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "c.json").string();
   for (const std::string elsewhere : {"--queues separate --sight-gpu 0 ", "--backend cpu "}) {
@@ -74,7 +75,7 @@ TEST_CASE("bench coexist draws what another machine touches: edits get there thr
   }
 }
 
-TEST_CASE("bench coexist draws and touches under validation, on one GPU and on two" * kMoreInFull) {
+TEST_CASE("bench coexist draws and touches without validation messages, on one GPU and on two" * kMoreInFull) {
   const std::string arguments = std::string("bench coexist ") + byTier("--validate=core", "--validate") +
                                 " --sizes 2000 --size 64x48 --touched 50 --rate 20 --duration 1 --situations "
                                 "drawn-sculpting --queues no-priority";
@@ -82,7 +83,7 @@ TEST_CASE("bench coexist draws and touches under validation, on one GPU and on t
   works(arguments + " --sight-gpu 0");
 }
 
-TEST_CASE("bench coexist refuses what cannot be measured") {
+TEST_CASE("bench coexist refuses what it cannot measure") {
   CHECK(palpate("bench coexist --sizes 2000 --backend vulkan,cpu").code == 2);
   CHECK(palpate("bench coexist --sizes 2000 --queues two").code == 2);
   CHECK(palpate("bench coexist --sizes 2000 --situations asleep").code == 2);

@@ -57,7 +57,7 @@ void writeGaussians(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("a folder of depth frames becomes one cloud, whose points lie on what stood before the camera") {
+TEST_CASE("a folder of depth frames becomes one cloud whose points lie on the recorded surfaces") {
   const ScratchFolder folder;
   const std::filesystem::path room = folder / "room";
   writeRedwood(room, {.frames = 6, .rate_Hz = 30});
@@ -90,7 +90,7 @@ TEST_CASE("a folder of depth frames becomes one cloud, whose points lie on what 
   CHECK_FALSE(std::filesystem::exists(out));
 }
 
-TEST_CASE("a scene of Gaussians is told of, converted, felt and sculpted, and its file stays") {
+TEST_CASE("a scene of Gaussians is described, converted, felt and sculpted, and its file stays unchanged") {
   const ScratchFolder folder;
   const std::filesystem::path scene = folder / "scene.ply";
   writeGaussians(scene);
@@ -131,7 +131,7 @@ TEST_CASE("a scene of Gaussians is told of, converted, felt and sculpted, and it
   CHECK(contentOf(folder / "scene.ply.bak") == before);
 }
 
-TEST_CASE("the folder of a COLMAP model is told of, converted and felt, and nothing in it changes") {
+TEST_CASE("a COLMAP folder is described, converted and felt, and stays unchanged") {
   const ScratchFolder folder;
   const std::filesystem::path model = folder / "model";
   writeColmapFolder(model);
@@ -187,7 +187,7 @@ TEST_CASE("convert keeps points, properties and faces, and names what is lost") 
   CHECK(content.find("nx") == std::string::npos);
 }
 
-TEST_CASE("convert adds normals where it is told to, and only there") {
+TEST_CASE("convert adds normals only on request") {
   const ScratchFolder folder;
   const std::string in = (folder / "in.ply").string();
   std::ofstream(in) << kMesh;
@@ -199,7 +199,7 @@ TEST_CASE("convert adds normals where it is told to, and only there") {
   CHECK(palpate("convert " + in + " " + face + " --normals guess").code == 2);
 }
 
-TEST_CASE("convert destroys nothing that exists: not the file that it reads, not another one") {
+TEST_CASE("convert overwrites neither its input nor another existing file") {
   const ScratchFolder folder;
   const std::string in = (folder / "in.ply").string(), other = (folder / "other.ply").string();
   const std::string link = (folder / "link.ply").string();
@@ -227,7 +227,7 @@ TEST_CASE("convert destroys nothing that exists: not the file that it reads, not
   CHECK(contentOf(other).starts_with("ply\nformat binary"));  // unchanged
 }
 
-TEST_CASE("convert refuses names that it writes nothing under, and says what is wrong with a file") {
+TEST_CASE("convert refuses output names of unknown type, and reports what is wrong with a file") {
   const ScratchFolder folder;
   const std::string in = (folder / "in.ply").string();
   std::ofstream(in) << kMesh;
@@ -242,7 +242,7 @@ TEST_CASE("convert refuses names that it writes nothing under, and says what is 
   CHECK_FALSE(std::filesystem::exists(folder / "out.ply"));
 }
 
-TEST_CASE("convert samples as many points from a mesh as it is asked for, and none from points") {
+TEST_CASE("convert samples the requested number of points from a mesh, and refuses to sample points") {
   const ScratchFolder folder;
   const std::string mesh = (folder / "roof.obj").string(), points = (folder / "points.ply").string();
   // Two squares that meet at a ridge, one of them four times as large.
@@ -268,7 +268,7 @@ TEST_CASE("convert samples as many points from a mesh as it is asked for, and no
   CHECK_FALSE(std::filesystem::exists(folder / "b.ply"));
 }
 
-TEST_CASE("from mesh to mesh the triangles stay, to points they are sampled, and what is not written is refused") {
+TEST_CASE("convert keeps triangles from mesh to mesh, samples them for points, and refuses what it cannot write") {
   const ScratchFolder folder;
   const auto file = [&](const char* name) { return (folder / name).string(); };
   std::ofstream(folder / "part.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3 4\nf 1 2 5\n";

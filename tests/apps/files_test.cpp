@@ -7,7 +7,7 @@
 
 namespace palpate::files_test {
 
-TEST_CASE("in the window a file is looked for by folder and format, saved elsewhere, and its mesh is exported") {
+TEST_CASE("the window opens a file by folder and format, saves it elsewhere, and exports its mesh") {
   if (!hasDisplay()) return;
   const auto played =
       play("%/ball.ply --size 900x640 --rate 250 --backend cpu --lattice 32", R"(
@@ -58,7 +58,7 @@ TEST_CASE("in the window a file is looked for by folder and format, saved elsewh
   CHECK(contentOf(played->folder / "inner" / "notes.doc") == "no cloud");
 }
 
-TEST_CASE("a place that is picked says which point is there, its normal, its attributes and how stiff it is") {
+TEST_CASE("picking a position shows the point there, its normal, its attributes and its stiffness") {
   if (!hasDisplay()) return;
   const auto played = play(
       "%/ball.ply --size 480x480 --rate 250 --backend cpu", R"(
@@ -99,7 +99,7 @@ TEST_CASE("a place that is picked says which point is there, its normal, its att
   CHECK(says(picked["stiffness_of"], "rigid"));
 }
 
-TEST_CASE("the file dialogue shows what a format has, and goes to the folders of what was open lately") {
+TEST_CASE("the file dialogue filters by format and offers recent folders") {
   if (!hasDisplay()) return;
   const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu", R"(
 0.05 key ctrl+o
@@ -134,7 +134,7 @@ TEST_CASE("the file dialogue shows what a format has, and goes to the folders of
   CHECK(played->state("recent.json")["model"].get<std::string>().ends_with("lately/ring.xyz"));
 }
 
-TEST_CASE("the triangles are exported as each of the formats of meshes") {
+TEST_CASE("the window exports triangles in each mesh format") {
   if (!hasDisplay()) return;
   const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu --lattice 32", R"(
 0.10 key M
@@ -166,7 +166,7 @@ TEST_CASE("the triangles are exported as each of the formats of meshes") {
   }
 }
 
-TEST_CASE("a file of every format that is dropped on the window is opened" * kMoreInFull) {
+TEST_CASE("a file of every format opens when dropped on the window" * kMoreInFull) {
   if (!hasDisplay()) return;
   std::map<std::string, std::string> dropped;
   std::string script;

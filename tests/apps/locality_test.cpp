@@ -4,7 +4,7 @@
 
 namespace palpate::locality_test {
 
-TEST_CASE("bench locality plays every brush and gesture on every cloud, and fails where a promise is broken") {
+TEST_CASE("bench locality plays every brush and gesture on every cloud, and fails if a guarantee is broken") {
   const ScratchFolder folder;
   const std::string model = (folder / "model.ply").string();
   works("make sphere -n 3000 -o " + model);
@@ -44,7 +44,7 @@ TEST_CASE("bench locality plays every brush and gesture on every cloud, and fail
   for (const char* heading : {"far moved", "turned", "broken"}) CHECK(outcome.text.find(heading) != std::string::npos);
 }
 
-TEST_CASE("bench locality refuses what it does not know, and having nothing to edit") {
+TEST_CASE("bench locality refuses unknown names and an empty selection") {
   CHECK(palpate("bench locality --backend cpu --clouds cheese").code == 2);
   CHECK(palpate("bench locality --backend cpu --brushes comb").code == 2);
   CHECK(palpate("bench locality --backend cpu --clouds none").code == 2);

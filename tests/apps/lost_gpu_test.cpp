@@ -22,7 +22,7 @@ long submissionsOf(const std::string& command) {
 
 }  // namespace
 
-TEST_CASE("a program that loses its GPU keeps the trace, says so in one line and ends with 1") {
+TEST_CASE("a program that loses its GPU keeps the trace, reports it in one line and exits with 1") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), trace = (folder / "trace.csv").string();
   works("make sphere -n 20000 -o " + model);
@@ -55,8 +55,7 @@ TEST_CASE("a program that loses its GPU keeps the trace, says so in one line and
     }
 }
 
-TEST_CASE("what was sculpted is saved when the GPU is lost, in the session or while strokes are taken back" *
-          kMoreInFull) {
+TEST_CASE("sculpted points are saved when the GPU is lost, during the session or during undo" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), saved = (folder / "saved.ply").string();
   works("make sphere -n 2000 -o " + model);
@@ -87,7 +86,7 @@ TEST_CASE("what was sculpted is saved when the GPU is lost, in the session or wh
     }
 }
 
-TEST_CASE("the layer that takes the GPU away lets everything else pass") {
+TEST_CASE("the layer that loses the GPU changes nothing else") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 5000 -o " + model);

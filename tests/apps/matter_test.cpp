@@ -17,7 +17,7 @@ constexpr const char* kTank =
 
 }  // namespace
 
-TEST_CASE("a ball that dives into water is lifted by what it displaces, the same each time, and replayed") {
+TEST_CASE("a ball that dives into water is lifted by the displaced water, the same each time, and replayed") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   std::ofstream(in("tank.json")) << kTank;
@@ -57,7 +57,7 @@ TEST_CASE("a ball that dives into water is lifted by what it displaces, the same
   works("replay " + in("log"));  // the log contains the scene
 }
 
-TEST_CASE("both back ends feel the same water") {
+TEST_CASE("both back ends give the same forces in the same water") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   std::ofstream(in("tank.json")) << kTank;
@@ -78,7 +78,7 @@ TEST_CASE("both back ends feel the same water") {
   CHECK(most_N > 0.05);
 }
 
-TEST_CASE("scenes that need no file are told of, drawn and stirred by two hands") {
+TEST_CASE("built-in scenes are described, drawn and stirred by two hands") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("info dam --json " + in("i.json"));
@@ -96,7 +96,7 @@ TEST_CASE("scenes that need no file are told of, drawn and stirred by two hands"
   CHECK(readTrace(in("second.csv")).size() == 301);
 }
 
-TEST_CASE("a soft body is told of, felt on both back ends, saved as it is dented, and replayed") {
+TEST_CASE("a soft body is described, felt on both back ends, saved with its dent, and replayed") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   std::ofstream(in("block.json")) << R"({"matter": "soft", "box_mm": [100, 80, 100], "fill_mm": [40, 30, 40],
@@ -127,9 +127,7 @@ TEST_CASE("a soft body is told of, felt on both back ends, saved as it is dented
   CHECK(boundsOf(dented).max.y < 32);
 }
 
-TEST_CASE(
-    "a soft body is sculpted, taken back and replayed, and one whose shapes are matched says that it is not "
-    "calibrated") {
+TEST_CASE("a soft body is sculpted, undone and replayed, and shape matching is reported as not calibrated") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   std::ofstream(in("block.json")) << R"({"matter": "soft", "box_mm": [100, 80, 100], "fill_mm": [40, 30, 40],
@@ -166,9 +164,7 @@ TEST_CASE(
   CHECK(dented < undone - 0.8f);
 }
 
-TEST_CASE(
-    "a soft body on a GPU is sculpted, taken back and replayed, as on the CPU; where shapes are matched the CPU moves "
-    "it") {
+TEST_CASE("a soft body on a GPU is sculpted, undone and replayed as on the CPU; shape matching runs on the CPU") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   std::ofstream(in("block.json")) << R"({"matter": "soft", "box_mm": [100, 80, 100], "fill_mm": [40, 30, 40],
@@ -203,7 +199,7 @@ TEST_CASE(
   CHECK(matched.text.find("the body on") != std::string::npos);
 }
 
-TEST_CASE("what does not go with a scene is refused, and says why") {
+TEST_CASE("options that are incompatible with a scene are refused with the reason") {
   const ScratchFolder folder;
   const std::string bad = (folder / "bad.json").string();
   std::ofstream(bad) << R"({"matter": "water", "box_mm": [1, 1, 1], "fill_mm": [1, 1, 1], "spacing_mm": 1, "salt": 3})";
@@ -224,7 +220,7 @@ TEST_CASE("what does not go with a scene is refused, and says why") {
   refused("info " + bad, 1, bad + ": 'salt': is not known");
 }
 
-TEST_CASE("in the window water moves, is held, begins anew, is saved beside the scene, and takes no tool") {
+TEST_CASE("the window plays, pauses and restarts water, saves it beside the scene, and refuses a tool") {
   if (!hasDisplay()) return;
   const auto played =
       play("%/dam.json --size 480x360 --rate 500 --backend cpu", R"(
@@ -270,7 +266,7 @@ TEST_CASE("in the window water moves, is held, begins anew, is saved beside the 
   CHECK(contentOf(played->folder / "dam.json").find("\"water\"") != std::string::npos);
 }
 
-TEST_CASE("in the window gravity, viscosity and gain change while water moves, and what there is not is said") {
+TEST_CASE("the window changes gravity, viscosity and gain while water moves, and reports unknown parameters") {
   if (!hasDisplay()) return;
   const auto played =
       play("%/tank.json --size 320x240 --rate 500 --backend cpu", R"(
@@ -303,7 +299,7 @@ TEST_CASE("in the window gravity, viscosity and gain change while water moves, a
   CHECK(played->state("reset.json")["parameters"] == set);
 }
 
-TEST_CASE("what stands in water stops the ball that a hand holds, and is drawn and saved with it") {
+TEST_CASE("a body in water stops the hand's ball, and is drawn and saved with the water") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make torus -n 6000 -o " + in("ring.ply"));
@@ -345,7 +341,7 @@ TEST_CASE("what stands in water stops the ball that a hand holds, and is drawn a
   for (const std::string command : {"simulate", "touch"}) CHECK(says(palpate(command + " --help").text, "bunny.ply"));
 }
 
-TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and says which brush it does not take") {
+TEST_CASE("the window sculpts a soft body, undoes the stroke, and names a brush that the body cannot take") {
   if (!hasDisplay()) return;
   const auto played =
       play("%/block.json --size 480x360 --rate 250 --backend cpu --edit push", R"(
@@ -379,7 +375,7 @@ TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and s
   CHECK_MESSAGE(message.find("a soft body cannot be carved") != std::string::npos, message);
 }
 
-TEST_CASE("the discs of water are wholly inside of the box that is drawn around them") {
+TEST_CASE("the discs of water lie entirely within the box drawn around them") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   std::ofstream(in("tank.json"))

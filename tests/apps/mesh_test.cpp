@@ -6,7 +6,7 @@
 
 namespace palpate::mesh_test {
 
-TEST_CASE("mesh writes a closed mesh of a closed shape, and says so") {
+TEST_CASE("mesh writes a closed mesh of a closed shape, and reports it as closed") {
   const ScratchFolder folder;
   const std::string cloud = (folder / "torus.ply").string(), mesh = (folder / "mesh.ply").string();
   works("make torus -n 20000 -o " + cloud);
@@ -27,7 +27,7 @@ TEST_CASE("mesh writes a closed mesh of a closed shape, and says so") {
   CHECK(info["normals"] == true);
 }
 
-TEST_CASE("the same mesh comes out each time, in ASCII too") {
+TEST_CASE("mesh writes the same mesh each time, also in ASCII") {
   const ScratchFolder folder;
   const std::string cloud = (folder / "c.ply").string();
   works("make bumpy-sphere -n 8000 -o " + cloud);
@@ -37,7 +37,7 @@ TEST_CASE("the same mesh comes out each time, in ASCII too") {
   CHECK(contentOf(folder / "t.ply").find("format ascii") != std::string::npos);
 }
 
-TEST_CASE("mesh refuses what it cannot do, in words, and leaves no file") {
+TEST_CASE("mesh refuses what it cannot do with a reason, and leaves no file") {
   const ScratchFolder folder;
   const std::string cloud = (folder / "c.ply").string(), out = (folder / "m.ply").string();
   works("make sphere -n 4000 -o " + cloud);
@@ -64,7 +64,7 @@ TEST_CASE("mesh refuses what it cannot do, in words, and leaves no file") {
   CHECK(palpate("mesh " + cloud + " -o /nowhere/m.ply").code == 1);
 }
 
-TEST_CASE("render draws the mesh of a model, also of one that has none") {
+TEST_CASE("render draws the mesh of a model, also of an empty one") {
   const ScratchFolder folder;
   const std::string cloud = (folder / "c.ply").string();
   works("make sphere -n 5000 -o " + cloud);
@@ -75,7 +75,7 @@ TEST_CASE("render draws the mesh of a model, also of one that has none") {
   CHECK(palpate("render " + cloud + " --mode clay -o " + (folder / "x.png").string()).code == 2);
 }
 
-TEST_CASE("bench mesh measures each pass and an edit, and holds the mesh against shapes") {
+TEST_CASE("bench mesh measures each pass and an edit, and compares the mesh with shapes") {
   const ScratchFolder folder;
   const Outcome outcome =
       palpate("bench mesh --sizes 5000 --lattice 16 32 --repeat 2 --truth-points 5000 --shapes sphere,cube --json " +

@@ -5,7 +5,7 @@
 
 namespace palpate::moving_test {
 
-TEST_CASE("a model that comes and goes under a hand at rest is felt by both back ends as deep as it is") {
+TEST_CASE("both back ends feel an oscillating model at its true depth under a hand at rest") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), trace = (folder / "t.csv").string();
   works("make plane -n 3000 -o " + model);
@@ -36,7 +36,7 @@ TEST_CASE("a model that comes and goes under a hand at rest is felt by both back
   }
 }
 
-TEST_CASE("a motion without extent leaves the trace that none leaves, byte by byte") {
+TEST_CASE("a motion without extent leaves the trace of no motion, byte for byte") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 2000 -o " + model);
@@ -54,7 +54,7 @@ TEST_CASE("a motion without extent leaves the trace that none leaves, byte by by
   }
 }
 
-TEST_CASE("a picture of a model that moves shows it where it is at the end, whoever has answered") {
+TEST_CASE("a picture of a moving model shows its final position, for either back end") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 3000 -o " + model);
@@ -71,7 +71,7 @@ TEST_CASE("a picture of a model that moves shows it where it is at the end, whoe
   CHECK(picture("--backend cpu --motion drift --motion-speed 200 --motion-axis 1,0,0") == moved);
 }
 
-TEST_CASE("what does not go with a model that moves is refused, and says which option") {
+TEST_CASE("options that are incompatible with a moving model are refused by name") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 1000 -o " + model);
@@ -86,7 +86,7 @@ TEST_CASE("what does not go with a model that moves is refused, and says which o
   refused("--motion-amplitude -1", "--motion-amplitude");
 }
 
-TEST_CASE("the window shows a model where it is, and takes no tool to it") {
+TEST_CASE("the window shows a moving model at its position, and refuses a tool") {
   if (!hasDisplay()) return;
   for (const std::string backend : {"cpu", "vulkan"}) {
     CAPTURE(backend);

@@ -69,8 +69,7 @@ std::size_t differing(const Picture& a, const Picture& b) {
 
 }  // namespace
 
-TEST_CASE(
-    "a window shows others from where it looks, shows from where they look, and tells ROS; and it can hide that") {
+TEST_CASE("a window shows the others' cameras, shows them its own, publishes it to ROS, and can hide it") {
   if (!hasDisplay()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -152,7 +151,7 @@ TEST_CASE(
   CHECK(serving.wait(SIGINT) == 0);
 }
 
-TEST_CASE("a camera is hidden from nobody where nothing is joined") {
+TEST_CASE("--hide-camera requires --join") {
   const Outcome outcome = palpate("view a.ply --hide-camera");
   CHECK(outcome.code == 2);
   CHECK(outcome.text.find("--hide-camera: is for --join") != std::string::npos);

@@ -21,7 +21,7 @@ double worst_N(const std::vector<Row>& rows, const DVec3& out, const std::functi
 
 }  // namespace
 
-TEST_CASE("a plane that a depth camera of ROS sees is felt where it is, in either encoding, and drawn" * kClock) {
+TEST_CASE("a plane before a ROS depth camera is felt at its position, in either encoding, and drawn" * kClock) {
   const DVec3 out = glm::normalize(DVec3(0.15, -0.1, -1));
   const double away_m = -glm::dot(out, DVec3(0, 0, 0.5));
   for (const bool isWhole : {false, true}) {
@@ -54,7 +54,7 @@ TEST_CASE("a plane that a depth camera of ROS sees is felt where it is, in eithe
   }
 }
 
-TEST_CASE("what a camera sees has the colours of the topic that is named") {
+TEST_CASE("points of a ROS camera have the colours of the named topic") {
   const ScratchFolder folder;
   const SendingCamera camera(network(), "dyed/depth", infoOf(kCamera),
                              [](int) { return pictureOf(kCamera, [](const DVec3&) { return 0.5; }); });
@@ -79,7 +79,7 @@ TEST_CASE("what a camera sees has the colours of the topic that is named") {
   CHECK(redOf("") == 0);
 }
 
-TEST_CASE("what a camera sees is felt in the frame that is asked for, and a cloud is converted into it" * kClock) {
+TEST_CASE("a ROS camera is felt in the requested frame, and a cloud is converted into it" * kClock) {
   const ScratchFolder folder;
   const SendingCamera camera(network(), "placed/depth", infoOf(kCamera),
                              [](int) { return pictureOf(kCamera, [](const DVec3&) { return 0.5; }); });
@@ -116,7 +116,7 @@ TEST_CASE("what a camera sees is felt in the frame that is asked for, and a clou
   CHECK(lonely.text.find("no transform on /tf_static and /tf leads to 'mars'") != std::string::npos);
 }
 
-TEST_CASE("pictures of ROS become a map, which is kept, and are seen in the window as they come" * kClock) {
+TEST_CASE("ROS depth images are fused into a saved map, and are shown in the window as they arrive" * kClock) {
   const ScratchFolder folder;
   // Slopes in all directions, since a camera that could slide along its view is not tracked.
   const SendingCamera camera(network(), "seen/depth", infoOf(kCamera), [](int) {

@@ -7,7 +7,7 @@ namespace palpate::ros_scanner_test {
 
 using namespace sharing;
 
-TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by now" * kClock) {
+TEST_CASE("a ball before a ROS scanner is felt as a ball, at its current position" * kClock) {
   const ScratchFolder folder;
   const Participant participant = rosParticipant(network());
   const RosPublisher<RosPointCloud2> scans(participant, "rt/scans", RosDelivery::bestEffort);
@@ -51,8 +51,7 @@ TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by n
   CHECK(most_N < 0.08);
 }
 
-TEST_CASE("a camera of ROS that sends nothing any more but lies is said, and after three seconds nothing is felt" *
-          kClock) {
+TEST_CASE("a ROS camera that sends only invalid images is reported, and its force stops after three seconds" * kClock) {
   const ScratchFolder folder;
   const SendingCamera camera(network(), "failing/depth", infoOf(kCamera), [&](int frame) {
     SentPicture picture = pictureOf(kCamera, [](const DVec3&) { return 0.5; });
@@ -73,7 +72,7 @@ TEST_CASE("a camera of ROS that sends nothing any more but lies is said, and aft
   CHECK_FALSE(frames["silent_since_s"].is_null());
 }
 
-TEST_CASE("topics of ROS that are no live camera, and options that do not go with them, are refused in words") {
+TEST_CASE("ROS topics that are not a live camera, and incompatible options, are refused with a reason") {
   const Participant participant = rosParticipant(network());
   const RosPublisher<RosPoseStamped> pose(participant, "rt/pose", RosDelivery::reliable);
   const RosPublisher<RosPointCloud2> points(participant, "rt/points", RosDelivery::reliable);

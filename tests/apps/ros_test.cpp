@@ -23,7 +23,7 @@ bool isNear(const geometry_msgs_msg_dds__Point_& heard_m, const DVec3& place, do
 
 }  // namespace
 
-TEST_CASE("a hand of touch is heard by readers of ROS's types, tick by tick as its trace has it") {
+TEST_CASE("ROS readers receive a hand tick by tick as in its trace") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make sphere -n 5000 -o " + in("m.ply"));
@@ -101,7 +101,7 @@ TEST_CASE("a hand of touch is heard by readers of ROS's types, tick by tick as i
   CHECK(most_N > 0.5);
 }
 
-TEST_CASE("a served cloud is heard as a model of ROS, felt, sculpted, and heard again as others have sculpted it") {
+TEST_CASE("a served cloud is read as a ROS model, felt, sculpted, and read again as others have sculpted it") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
@@ -128,7 +128,7 @@ TEST_CASE("a served cloud is heard as a model of ROS, felt, sculpted, and heard 
   CHECK(serving.wait(SIGINT) == 0);
 }
 
-TEST_CASE("what ROS cannot name, and options of its network without it, are refused") {
+TEST_CASE("invalid ROS names, and ROS options without ROS, are refused") {
   const auto refuses = [](const std::string& arguments, const std::string& words) {
     const Outcome outcome = palpate(arguments);
     CAPTURE(outcome.text);

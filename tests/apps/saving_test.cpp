@@ -32,7 +32,7 @@ Attribute numbered(const std::string& name, ScalarType type, std::size_t count, 
 
 }  // namespace
 
-TEST_CASE("unknown properties of points are carried through touch --save, and new points have those of a neighbour") {
+TEST_CASE("touch --save keeps unknown point properties, and new points have those of a neighbour") {
   const ScratchFolder folder;
   PointCloud cloud = sphere(folder);
   cloud.extra.push_back(numbered<float>("scalar_Intensity", ScalarType::f32, cloud.size(), 0.5));
@@ -96,7 +96,7 @@ TEST_CASE("touch --save over its input names what is lost before the session, an
   CHECK_FALSE(std::filesystem::exists(folder / "mesh.ply.bak2"));
 }
 
-TEST_CASE("what another file of the name has is kept as well, by touch and by replay") {
+TEST_CASE("an existing file of the same name is kept as a backup, by touch and by replay") {
   const ScratchFolder folder;
   sphere(folder);
   const auto out = folder / "out.ply", log = folder / "log";
@@ -111,7 +111,7 @@ TEST_CASE("what another file of the name has is kept as well, by touch and by re
   CHECK(contentOf(out) == saved);
 }
 
-TEST_CASE("a trace for which there is no room does not cost the sculpted points") {
+TEST_CASE("a trace that does not fit on the disk does not cost the sculpted points") {
   const ScratchFolder folder;
   sphere(folder);
   const std::string said = (folder / "said").string();

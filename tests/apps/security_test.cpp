@@ -19,7 +19,7 @@ bool isBuilt(const ScratchFolder& folder) {
   const Outcome network = palpate("doctor --network" + domain()),
                 keys = palpate("keys " + (folder / "try").string() + " --name a");
   if (network.code == 0 && keys.code == 0) return true;
-  MESSAGE("skipped: this palpate was built without DDS, or without what encrypts: " << network.text << keys.text);
+  MESSAGE("skipped: this palpate was built without DDS or without its encryption: " << network.text << keys.text);
   return false;
 }
 
@@ -46,8 +46,7 @@ class Serving {
 
 }  // namespace
 
-TEST_CASE(
-    "holders of keys join, sculpt, and have the same points; without keys, or with others', there is no session") {
+TEST_CASE("holders of keys join, sculpt and have the same points; without these keys there is no session") {
   const ScratchFolder folder;
   if (!isBuilt(folder)) return;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
@@ -97,7 +96,7 @@ TEST_CASE(
   CHECK(contentOf(in("end.npy")) != contentOf(in("m.npy")));
 
   if (!wire.isListening()) {
-    MESSAGE("skipped: this user may not listen on the loopback, so that nothing is said of what is on the wire");
+    MESSAGE("skipped: this user may not capture on the loopback, so that the encryption on the wire is not checked");
     return;
   }
   const PointCloud cloud = readCloud(in("m.ply")).cloud;
@@ -117,7 +116,7 @@ TEST_CASE(
   CHECK(all.find("/block") != std::string::npos);
 }
 
-TEST_CASE("keys that cannot be used are refused before anything is sent, and so is what is no name") {
+TEST_CASE("unusable keys and invalid names are refused before anything is sent") {
   const ScratchFolder folder;
   if (!isBuilt(folder)) return;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };

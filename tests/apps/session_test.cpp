@@ -71,7 +71,7 @@ void changeText(const std::filesystem::path& from, const std::filesystem::path& 
 
 }  // namespace
 
-TEST_CASE("with every stroke undone the saved file is the model's, byte by byte; redone, it is the sculpted one's") {
+TEST_CASE("with every stroke undone the saved file equals the model's; redone, the sculpted one's, byte for byte") {
   const Scene scene(3, 5'000);
   std::string backend;
   SUBCASE("cpu") { backend = "cpu"; }
@@ -95,7 +95,7 @@ TEST_CASE("with every stroke undone the saved file is the model's, byte by byte;
   CHECK(save("back.ply", "--undo 2 --redo 1") == save("two.ply", "", "two.csv"));
 }
 
-TEST_CASE("strokes past the memory for them are forgotten, and that is said") {
+TEST_CASE("strokes beyond the undo memory are forgotten, with a message") {
   const Scene scene(3);
   const Outcome outcome = palpate(scene.touch("--backend cpu --undo 3 --undo-memory 0.0001 --save " +
                                               scene.file("s.ply") + " --json " + scene.file("t.json")));
@@ -108,7 +108,7 @@ TEST_CASE("strokes past the memory for them are forgotten, and that is said") {
   CHECK(json["too_large"] == 3);
 }
 
-TEST_CASE("a recorded session comes out the same again: on the CPU, on the GPU, with a hand, friction and undo" *
+TEST_CASE("a recorded session is replayed identically: on the CPU, on the GPU, with a hand, friction and undo" *
           kMoreInFull) {
   const Scene scene(2, 5'000);
   for (const std::string options :
@@ -129,7 +129,7 @@ TEST_CASE("a recorded session comes out the same again: on the CPU, on the GPU, 
   }
 }
 
-TEST_CASE("a session that only feels is recorded and comes out the same too") {
+TEST_CASE("a session that only feels is recorded and replayed identically") {
   const Scene scene(1);
   works("touch " + scene.file("model.ply") + " --backend cpu --path builtin:slide --log " + scene.file("log"));
   const auto json = replay(scene, scene.file("log"));
@@ -137,7 +137,7 @@ TEST_CASE("a session that only feels is recorded and comes out the same too") {
   CHECK(json["edits"] == 0);
 }
 
-TEST_CASE("a replay that does not come out the same says by how much, and is exit code 1") {
+TEST_CASE("a replay that differs reports by how much, and exits with 1") {
   const Scene scene(2);
   works(scene.touch("--backend cpu --log " + scene.file("log")));
   SUBCASE("another stiffness: other forces, the same points") {
@@ -157,7 +157,7 @@ TEST_CASE("a replay that does not come out the same says by how much, and is exi
     CHECK(json["first_difference_s"] < 0.08);
     CHECK(json["ends_as_recorded"] == true);
   }
-  SUBCASE("an option that is none") {
+  SUBCASE("an unknown option") {
     changeText(scene.file("log"), scene.file("other"), "\"beta\": 0.1", "\"geta\": 0.1");
     const Outcome outcome = palpate("replay " + scene.file("other"));
     CHECK(outcome.code == 1);
@@ -165,7 +165,7 @@ TEST_CASE("a replay that does not come out the same says by how much, and is exi
   }
 }
 
-TEST_CASE("a log that was cut off gives what is whole, and says where it ends") {
+TEST_CASE("a truncated log is replayed up to its end, which is reported") {
   const Scene scene(6);
   works(scene.touch("--backend cpu --log " + scene.file("log")));
   const std::string whole = contentOf(scene.folder / "log");
@@ -186,7 +186,7 @@ TEST_CASE("a log that was cut off gives what is whole, and says where it ends") 
   CHECK(readPly(scene.folder / "r.ply").positions != readPly(scene.folder / "model.ply").positions);
 }
 
-TEST_CASE("a byte that changed in the middle of a log costs its block, and replay says which ticks and edits that is") {
+TEST_CASE("a changed byte within a log costs its block, and replay reports the ticks and edits lost") {
   const Scene scene(6);
   works(scene.touch("--backend cpu --log " + scene.file("log")));
   std::string content = contentOf(scene.folder / "log");
@@ -224,7 +224,7 @@ TEST_CASE("a byte that changed in the middle of a log costs its block, and repla
   CHECK(differing < moved / 2);
 }
 
-TEST_CASE("what cannot be replayed is one clear line") {
+TEST_CASE("a log that cannot be replayed is reported in one clear line") {
   const Scene scene(1, 5'000);
   works(scene.touch("--backend cpu --log " + scene.file("log")));
   const auto fails = [&](const std::string& arguments, int code, const std::string& reason) {
@@ -265,7 +265,7 @@ TEST_CASE("what cannot be replayed is one clear line") {
   works("replay " + log + " --model " + scene.file("moved.ply"));
 }
 
-TEST_CASE("against the clock only what can be the same is compared, and the edits are held against the end") {
+TEST_CASE("a real-time recording is compared only where it is reproducible, and its edits with its end") {
   const Scene scene(2, 5'000);
   for (const std::string options : {"--backend cpu", "--backend vulkan", "--backend vulkan --deterministic"}) {
     CAPTURE(options);
@@ -285,7 +285,7 @@ TEST_CASE("against the clock only what can be the same is compared, and the edit
   }
 }
 
-TEST_CASE("a killed session loses no more than its last second, and the rest is recovered and runs again") {
+TEST_CASE("a killed session loses at most its last second, and the rest is recovered and replayed") {
   const Scene scene(60, 2'000);  // 30 s of taps
   RunningProgram session(scene.touch("--backend cpu --realtime --log " + scene.file("log")), scene.folder / "said");
   REQUIRE_MESSAGE(session.waitForTicks(scene.folder / "log"), contentOf(scene.folder / "said"));
@@ -302,7 +302,7 @@ TEST_CASE("a killed session loses no more than its last second, and the rest is 
   CHECK(readPly(scene.folder / "r.ply").positions != readPly(scene.folder / "model.ply").positions);
 }
 
-TEST_CASE("an interrupted session has its log to the end, undo included") {
+TEST_CASE("an interrupted session has a complete log, undo included") {
   const Scene scene(60, 2'000);
   RunningProgram session(scene.touch("--backend cpu --realtime --undo 99 --log " + scene.file("log") + " --save " +
                                      scene.file("saved.ply")),
@@ -316,7 +316,7 @@ TEST_CASE("an interrupted session has its log to the end, undo included") {
   CHECK(json["ends_as_recorded"] == true);
 }
 
-TEST_CASE("on a full disk the log ends, the session goes on, and what was there before stays") {
+TEST_CASE("on a full disk the log ends, the session continues, and existing files stay") {
   const Scene scene(12);
   std::ofstream(scene.folder / "saved.ply") << "old";
   const auto limited = [&](const std::string& options) {

@@ -66,7 +66,7 @@ class Announcement {
 
 }  // namespace
 
-TEST_CASE("a hand that is killed in mid-stroke leaves whole pieces, and the others and the server go on") {
+TEST_CASE("a hand killed during a stroke leaves whole pieces, and the others and the server continue") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
@@ -112,9 +112,7 @@ TEST_CASE("a hand that is killed in mid-stroke leaves whole pieces, and the othe
   CHECK(pointsOf(in("again.ply")) == pointsOf(in("end.ply")));
 }
 
-TEST_CASE(
-    "where a server hangs the force fades, is gone, and comes back from outside; of what nobody sculpts it stays" *
-    kClock) {
+TEST_CASE("the force fades while a server hangs, and returns from outside; of a read-only model it stays" * kClock) {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make sphere -n 20000 -o " + in("m.ply"));
@@ -177,7 +175,7 @@ TEST_CASE(
     if (row.t_s > 1 && row.t_s < 6) REQUIRE(glm::length(row.force) > 0.9 * most_N);
 }
 
-TEST_CASE("a window says what silence does to the force") {
+TEST_CASE("a window reports the effect of a silent server on the force") {
   if (!hasDisplay()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -208,7 +206,7 @@ std::string olderAndThis() { return fmt::format("({}, and this is {})", sharing:
 
 }  // namespace
 
-TEST_CASE("versions that do not go together are refused in words on both sides, and so is a name that two have") {
+TEST_CASE("incompatible versions are refused on both sides with a reason, and so is a duplicate name") {
   const ScratchFolder folder;
   works("make sphere -n 1000 -o " + (folder / "m.ply").string());
   Serving serving((folder / "m.ply").string() + " --name here", folder / "said");

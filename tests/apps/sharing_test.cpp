@@ -39,7 +39,7 @@ class Serving {
 
 }  // namespace
 
-TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded, and run again beside the file") {
+TEST_CASE("a joined model is felt like its file, byte for byte, drawn, recorded, and replayed with the file") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const std::string model = (folder / "far.ply").string(), at = (folder / "r.json").string();
@@ -76,9 +76,7 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   CHECK(palpate("doctor --network" + domain()).text.find("the city") == std::string::npos);
 }
 
-TEST_CASE(
-    "two hands sculpt what a third program serves: in the end all three have the same points, and so has who comes "
-    "later") {
+TEST_CASE("two hands sculpt a served model, and all three programs and later clients have the same points") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -128,7 +126,7 @@ TEST_CASE(
   CHECK(served["again"] == 0);
 }
 
-TEST_CASE("a window that joins what is served to be felt alone shows it, and says so where a brush is taken") {
+TEST_CASE("a window that joins a read-only model shows it, and reports that it takes no brush") {
   if (!isBuilt() || !hasDisplay()) return;
   const ScratchFolder folder;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
@@ -144,7 +142,7 @@ TEST_CASE("a window that joins what is served to be felt alone shows it, and say
   CHECK(state["last_message"] == "still: the model is served read-only; serve it without --read-only to sculpt it");
 }
 
-TEST_CASE("two windows on one model show each other's hands, and what both do to it" * kFull) {
+TEST_CASE("two windows on one model show each other's hands, and the edits of both" * kFull) {
   if (!isBuilt() || !hasDisplay()) return;
   const ScratchFolder folder;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
@@ -187,8 +185,7 @@ TEST_CASE("two windows on one model show each other's hands, and what both do to
   CHECK(contentOf(in("m.npy")) != contentOf(in("end.npy")));
 }
 
-TEST_CASE("a window and a program that are near their hands, and one that has all points, show one another's hands" *
-          kMoreInFull) {
+TEST_CASE("a window, a program with only nearby points and one with all points show each other's hands" * kMoreInFull) {
   if (!isBuilt() || !hasDisplay()) return;
   const ScratchFolder folder;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
@@ -250,8 +247,7 @@ TEST_CASE("a window and a program that are near their hands, and one that has al
   }
 }
 
-TEST_CASE(
-    "a server that is killed in mid-stroke goes on with its journal, and nothing of a stroke is lost or done twice") {
+TEST_CASE("a server killed during a stroke continues with its journal, and no edit is lost or applied twice") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -312,7 +308,7 @@ std::vector<std::string> rowsOf(const std::filesystem::path& trace) {
 
 }  // namespace
 
-TEST_CASE("who has the points around the hand alone feels the file, byte by byte, in virtual time") {
+TEST_CASE("a client with only nearby points feels the file, byte for byte, in virtual time") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -347,7 +343,7 @@ TEST_CASE("who has the points around the hand alone feels the file, byte by byte
   CHECK(served["frames"] == 0);
 }
 
-TEST_CASE("who has the points around the hand alone feels the file, against the clock" * kClock) {
+TEST_CASE("a client with only nearby points feels the file in real time" * kClock) {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -373,7 +369,7 @@ TEST_CASE("who has the points around the hand alone feels the file, against the 
   CHECK(serving.program.wait(SIGINT) == 0);
 }
 
-TEST_CASE("who has the points around the hand alone sculpts the file, byte by byte, and who joins later has it so") {
+TEST_CASE("a client with only nearby points sculpts like the file, byte for byte, and later clients get the result") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -406,7 +402,7 @@ TEST_CASE("who has the points around the hand alone sculpts the file, byte by by
   }
 }
 
-TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives way to far hands" * kClock) {
+TEST_CASE("a served moving model is felt as it moves, and a served soft body yields to remote hands" * kClock) {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -469,9 +465,7 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
   CHECK(journal.text.find("stands still") != std::string::npos);
 }
 
-TEST_CASE(
-    "water that two hands of one far program beat until it fails begins anew, which that program and a window are "
-    "told") {
+TEST_CASE("served water that two hands beat until it fails restarts, and their program and a window report it") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -521,8 +515,7 @@ TEST_CASE(
   CHECK(serving.program.wait(SIGINT) == 0);
 }
 
-TEST_CASE("water is served: a far hand feels what it does to a ball, its ball is in the water there, and it is seen" *
-          kClock) {
+TEST_CASE("a remote hand feels served water through its ball, which displaces it, and the water is shown" * kClock) {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -538,7 +531,7 @@ TEST_CASE("water is served: a far hand feels what it does to a ball, its ball is
   works(touch + " --duration 2 --trace " + in("t.csv") + " --json " + in("j.json"));
   const Result felt = jsonOf(in("j.json"));
   MESSAGE("of " << felt["ticks"] << " ticks " << felt["contact_ticks"] << " had a force, of at most "
-                << felt["peak_force_N"] << " N; " << felt["near"]["steps"] << " steps came");
+                << felt["peak_force_N"] << " N; " << felt["near"]["steps"] << " steps were received");
   CHECK(felt["near"]["steps"] > 20);
   CHECK(felt["near"]["most_known"] > 300);
   CHECK(felt["contact_ticks"] > 100);
@@ -556,7 +549,7 @@ TEST_CASE("water is served: a far hand feels what it does to a ball, its ball is
   CHECK(served["near_points"] > 5000);
 }
 
-TEST_CASE("what joins and cannot be served says so, and so do options that do not go together") {
+TEST_CASE("models that cannot be served, and incompatible sharing options, are refused with a reason") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto refuses = [](const std::string& arguments, const std::string& words) {

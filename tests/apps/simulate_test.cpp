@@ -16,7 +16,7 @@ constexpr const char* kSmallTank =
 
 }  // namespace
 
-TEST_CASE("a scene is simulated without a hand, and its particles are kept") {
+TEST_CASE("a scene is simulated without a hand, and its particles are saved") {
   const ScratchFolder folder;
   const std::string scene = (folder / "tank.json").string(), json = (folder / "out.json").string();
   std::ofstream(scene) << kSmallTank;
@@ -40,7 +40,7 @@ TEST_CASE("a scene is simulated without a hand, and its particles are kept") {
   CHECK(bounds.max.x < 80);
 }
 
-TEST_CASE("the scenes that need no file run, the same for any number of threads") {
+TEST_CASE("the built-in scenes run, with the same result for any number of threads") {
   const ScratchFolder folder;
   for (const std::string name : {"water", "dam", "sand", "jelly"}) {
     CAPTURE(name);
@@ -53,7 +53,7 @@ TEST_CASE("the scenes that need no file run, the same for any number of threads"
   }
 }
 
-TEST_CASE("what a hand would feel of a scene is said: the gain of forces, and what would hold its ball") {
+TEST_CASE("simulate reports the gain of a scene's forces and the coupling of the hand's ball") {
   const ScratchFolder folder;
   const std::string json = (folder / "out.json").string();
   const Outcome drop = palpate("simulate drop --duration 0.001 --backend cpu --json " + json);
@@ -66,7 +66,7 @@ TEST_CASE("what a hand would feel of a scene is said: the gain of forces, and wh
   CHECK(jsonOf(json)["coupling_N_mm"].is_null());
 }
 
-TEST_CASE("a GPU moves a scene as the CPU does") {
+TEST_CASE("a GPU simulates a scene like the CPU") {
   const ScratchFolder folder;
   const std::string scene = (folder / "tank.json").string(), json = (folder / "out.json").string();
   std::ofstream(scene) << kSmallTank;
@@ -84,7 +84,7 @@ TEST_CASE("a GPU moves a scene as the CPU does") {
   CHECK(palpate("simulate water --backend abacus").code == 2);
 }
 
-TEST_CASE("a scan that is closed is soft: its points fall and bend, and keep their order") {
+TEST_CASE("a closed scan is soft: its points fall and bend, and keep their order") {
   const ScratchFolder folder;
   const std::string scene = (folder / "soft.json").string(), json = (folder / "out.json").string();
   works("make sphere -n 5000 -o " + (folder / "ball.ply").string());
@@ -129,11 +129,11 @@ TEST_CASE("a scan that is closed is soft: its points fall and bend, and keep the
   CHECK(says(palpate("simulate jelly --model " + (folder / "plane.ply").string()).text, "model: "));
 }
 
-TEST_CASE("matter that this machine has no memory for is refused before anything runs, and told of all the same") {
+TEST_CASE("a scene too large for the memory is refused before it runs, and info still describes it") {
   // Half of the machine's memory is allowed, at 1600 bytes a particle; this scene has more.
   const double particles = 1.2 * 0.5 * static_cast<double>(hostMemory_bytes()) / 1600;
   if (particles > 8e7) {
-    MESSAGE("skipped: this machine has memory for more particles than can be numbered");
+    MESSAGE("skipped: this machine has memory for more particles than a scene may have");
     return;
   }
   const ScratchFolder folder;
@@ -154,7 +154,7 @@ TEST_CASE("matter that this machine has no memory for is refused before anything
     }
 }
 
-TEST_CASE("what cannot be simulated is refused in a sentence, and leaves no file") {
+TEST_CASE("a scene that cannot be simulated is refused with a reason, and leaves no file") {
   const ScratchFolder folder;
   const std::string scene = (folder / "scene.json").string(), save = (folder / "out.ply").string();
   const auto refusal = [&](const std::string& text) {

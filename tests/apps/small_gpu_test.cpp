@@ -6,7 +6,7 @@
 
 namespace palpate::small_gpu_test {
 
-TEST_CASE("doctor names what a GPU lacks, and what is refused is refused for that") {
+TEST_CASE("doctor names what a GPU lacks, and refused commands name the same") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 5000 -o " + model);
@@ -20,7 +20,7 @@ TEST_CASE("doctor names what a GPU lacks, and what is refused is refused for tha
   CHECK(says(touch.text, "scalarBlockLayout, maxComputeWorkGroupInvocations of 256 at least (it is 128)"));
 }
 
-TEST_CASE("where doctor says yes to the least of GPUs, models are touched, sculpted, drawn and meshed on it") {
+TEST_CASE("on a minimal GPU that doctor accepts, models are touched, sculpted, drawn and meshed") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), saved = (folder / "dent.ply").string();
   works("make sphere -n 5000 -o " + model);

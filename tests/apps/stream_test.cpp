@@ -54,7 +54,7 @@ TEST_CASE("a recorded folder is played under a hand, and both back ends feel the
   }
 }
 
-TEST_CASE("info says what a recording has, and mesh that it is none of its") {
+TEST_CASE("info describes a recording, and mesh refuses it") {
   const ScratchFolder folder;
   writeTum(folder / "recorded", {.frames = 5, .rate_Hz = 30});
   const std::string model = (folder / "recorded").string();
@@ -70,7 +70,7 @@ TEST_CASE("info says what a recording has, and mesh that it is none of its") {
   isRefused("mesh " + model + " -o " + (folder / "o.ply").string(), 1, "is a recorded depth camera, and not one cloud");
 }
 
-TEST_CASE("the frames of a recorded folder fuse under a hand, and both back ends feel the same map") {
+TEST_CASE("the frames of a recorded folder are fused under a hand, and both back ends feel the same map") {
   const ScratchFolder folder;
   writeRedwood(folder / "recorded", {.frames = 3, .rate_Hz = 30});
   const std::string trace = (folder / "t.csv").string();
@@ -94,7 +94,7 @@ TEST_CASE("the frames of a recorded folder fuse under a hand, and both back ends
   CHECK(forces_N[1] == near(forces_N[0], 0.01));
 }
 
-TEST_CASE("the first frame of a recording is drawn, in its colours") {
+TEST_CASE("the first frame of a recording is drawn in its colours") {
   const ScratchFolder folder;
   writeRedwood(folder / "recorded");
   const std::string picture = (folder / "p.png").string();
@@ -106,7 +106,7 @@ TEST_CASE("the first frame of a recording is drawn, in its colours") {
   CHECK(colors.size() > 4);
 }
 
-TEST_CASE("frames on standard input are felt against the clock until they end, and what is torn is said") {
+TEST_CASE("frames on standard input are felt in real time until they end, and truncated ones are reported") {
   const ScratchFolder folder;
   const DepthCamera camera = recordedCamera();
   std::string frames = intrinsicsJson(camera, R"(, "depth_scale": 5000, "format": "z16")") + "\n";
@@ -129,7 +129,7 @@ TEST_CASE("frames on standard input are felt against the clock until they end, a
   CHECK(report["contact_ticks"] > 10);
 }
 
-TEST_CASE("frames on standard input fuse against the clock until they end, on both back ends") {
+TEST_CASE("frames on standard input are fused in real time until they end, on both back ends") {
   const ScratchFolder folder;
   const DepthCamera camera = recordedCamera();
   std::string frames =
@@ -159,7 +159,7 @@ TEST_CASE("frames on standard input fuse against the clock until they end, on bo
   }
 }
 
-TEST_CASE("what does not go with a depth camera is refused, and says which option") {
+TEST_CASE("options that are incompatible with a depth camera are refused by name") {
   const ScratchFolder folder;
   writeRedwood(folder / "recorded");
   const std::string model = (folder / "recorded").string(), cloud = (folder / "s.ply").string();
@@ -211,7 +211,7 @@ TEST_CASE("the window plays a recording") {
   CHECK(jsonOf(played->folder / "end.json")["last_message"] == "frames are held");
 }
 
-TEST_CASE("in the window a frame that is held is sculpted, undone and saved, and the next ones go on") {
+TEST_CASE("the window sculpts, undoes and saves a held frame, and playback continues") {
   if (!hasDisplay()) return;
   const auto played =
       play("%/recorded --size 480x360 --rate 200 --backend cpu --speed 0.2 --edit carve --mm-per-unit 20",

@@ -36,7 +36,7 @@ std::string writePress(const ScratchFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a tool of one point leaves the trace that a point leaves, byte by byte") {
+TEST_CASE("a tool of one point leaves the trace of a point, byte for byte") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 10000 -o " + model);
@@ -52,7 +52,7 @@ TEST_CASE("a tool of one point leaves the trace that a point leaves, byte by byt
   }
 }
 
-TEST_CASE("tools are felt by both back ends alike, the same every time, and say what they turn with") {
+TEST_CASE("both back ends feel tools alike, the same each time, and report their torque") {
   const ScratchFolder folder;
   const std::string model = (folder / "p.ply").string(), path = writePress(folder);
   works("make plane -n 10000 -o " + model);
@@ -95,7 +95,7 @@ TEST_CASE("tools are felt by both back ends alike, the same every time, and say 
   }
 }
 
-TEST_CASE("a session with a tool that sculpts and rubs runs again from its log") {
+TEST_CASE("a session with a sculpting tool and friction is replayed from its log") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), log = (folder / "log").string();
   works("make sphere -n 5000 -o " + model);
@@ -107,7 +107,7 @@ TEST_CASE("a session with a tool that sculpts and rubs runs again from its log")
   }
 }
 
-TEST_CASE("what does not go with a tool is refused before anything is loaded") {
+TEST_CASE("options that are incompatible with a tool are refused before a file is loaded") {
   const auto fails = [&](const std::string& arguments, const std::string& reason) {
     CAPTURE(arguments);
     const Outcome outcome = palpate("touch not-there.ply " + arguments);
@@ -126,7 +126,7 @@ TEST_CASE("what does not go with a tool is refused before anything is loaded") {
   fails("--tool pad --ahead on", "not asked ahead");
 }
 
-TEST_CASE("bench step measures what a tool costs beside a point") {
+TEST_CASE("bench step measures the cost of a tool beside that of a point") {
   const ScratchFolder folder;
   const std::string json = (folder / "b.json").string();
   works("bench step --sizes 400 --repeat 1 --backend vulkan,cpu --method fused,direct --tool-points 1,4 --json " +

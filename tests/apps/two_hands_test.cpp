@@ -26,7 +26,7 @@ struct Scene {
 
 }  // namespace
 
-TEST_CASE("two scripted hands leave the traces that each leaves alone, byte for byte, on both back ends") {
+TEST_CASE("two scripted hands leave the same traces as each hand alone, byte for byte, on both back ends") {
   const Scene scene;
   for (const std::string backend : {"cpu", "vulkan"}) {
     CAPTURE(backend);
@@ -59,7 +59,7 @@ TEST_CASE("two scripted hands leave the traces that each leaves alone, byte for 
   }
 }
 
-TEST_CASE("a simulated hand and a replayed one may be the second, and what the first one edits stays the same") {
+TEST_CASE("the second hand may be simulated or replayed, and does not change the first hand's edits") {
   const Scene scene;
   const std::string edit = "--edit push --penetration 4 ";
   works(scene.touch(edit + "--save " + scene.file("alone.ply") + " --trace " + scene.file("alone.csv")));
@@ -114,7 +114,7 @@ TEST_CASE("two styluses of one driver, one for each hand") {
   CHECK(second.back().force == DVec3(0));
 }
 
-TEST_CASE("what does not go together with a second hand is wrong usage, in a sentence") {
+TEST_CASE("options that are incompatible with a second hand are refused with a reason") {
   const Scene scene;
   const auto wrong = [&](const std::string& options, const std::string& part, const std::string& backend = "cpu") {
     const Outcome outcome = palpate(scene.touch(options, backend));

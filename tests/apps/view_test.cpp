@@ -19,7 +19,7 @@ constexpr const char* kBroken = "ply\nformat ascii 1.0\nelement vertex 3\nproper
 
 }  // namespace
 
-TEST_CASE("a script that is wrong is refused with its line before anything is opened") {
+TEST_CASE("an invalid script is refused with its line before anything is opened") {
   if (!hasDisplay()) return;
   for (const auto& [line, complaint] :
        {std::pair{"0.2 resize 640x", "script.txt:2: the width: '640x' is not a number"},
@@ -38,7 +38,7 @@ TEST_CASE("a script that is wrong is refused with its line before anything is op
   }
 }
 
-TEST_CASE("each press of the button is one stroke, however quick, and one that goes over an edge, too") {
+TEST_CASE("each press of the button is one stroke, even a quick one or one across an edge") {
   if (!hasDisplay()) return;
   const auto played = play(
       "%/cube.ply --size 560x420 --edit push", R"(
@@ -158,7 +158,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
   CHECK(first.at(200, 40)[0] < first.at(330, 40)[0]);
 }
 
-TEST_CASE("a second press in one place meets the surface, however soon the cursor is there before it") {
+TEST_CASE("a second press at one position meets the surface, however soon the cursor arrives before it") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0.1 mouse 373 180
@@ -185,7 +185,7 @@ TEST_CASE("a second press in one place meets the surface, however soon the curso
   }
 }
 
-TEST_CASE("a script plays the same ticks on any machine, and in real time those of the clock") {
+TEST_CASE("a script runs the same ticks on any machine, and in real time those of the clock") {
   if (!hasDisplay()) return;
   const std::string script = R"(
 0.1 mouse 335 120
@@ -215,7 +215,7 @@ TEST_CASE("a script plays the same ticks on any machine, and in real time those 
   CHECK(state["ticks"].get<int>() + state["missed_ticks"].get<int>() > 325);
 }
 
-TEST_CASE("the cap of a 3D mouse is the model, and the stylus while its first button holds that") {
+TEST_CASE("the cap of a 3D mouse moves the model, or the stylus once its first button has grabbed it") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0.1 mouse 373 180
@@ -301,7 +301,7 @@ TEST_CASE("no validation message while a model is touched, sculpted and meshed")
   CHECK(undone["mesh_triangles"] == mesh["mesh_triangles"]);  // it follows what is taken back
 }
 
-TEST_CASE("the window closes while a model is loaded, and models follow one another") {
+TEST_CASE("the window can be closed while a model loads, and can load one model after another") {
   if (!hasDisplay()) return;
   int points = 200'000;
   const auto prepare = [&](const std::filesystem::path& folder) {
@@ -335,7 +335,7 @@ TEST_CASE("the window closes while a model is loaded, and models follow one anot
             .starts_with((changed->folder.path() / "torus.ply").string() + "\n"));
 }
 
-TEST_CASE("a session that was recorded in the window runs again, in the window and without one") {
+TEST_CASE("a session recorded in the window is replayed, in the window and without one") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x300 --rate 250 --edit push", R"(
 0.1 mouse 373 145
@@ -366,7 +366,7 @@ TEST_CASE("a session that was recorded in the window runs again, in the window a
   CHECK(again.text.find("recorded edits        give the recorded points") != std::string::npos);
 }
 
-TEST_CASE("another device draws what this one touches: edits cross through the host") {
+TEST_CASE("another GPU draws what this one touches: edits arrive through the host") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x300 --edit paint --backend vulkan --sight-gpu 0 --rate 250", R"(
 0.1 mouse 373 145
@@ -390,7 +390,7 @@ TEST_CASE("another device draws what this one touches: edits cross through the h
   CHECK(differing(before, after, 373, 145, 30) > 20);
 }
 
-TEST_CASE("a device that a person holds is felt in the window, and goes where the hand does on the screen") {
+TEST_CASE("a held haptic device is felt in the window, and moves along the axes of the screen") {
   if (!hasDisplay()) return;
   // From before the sphere into it, along the device's axis towards the user.
   const FakeDriver driver("fake_hd", "hurry\nlead 2\nbutton 1 3.5 60", "0,0,0,34.5\n1,0,0,28\n60,0,0,28\n");
@@ -421,7 +421,7 @@ TEST_CASE("a device that a person holds is felt in the window, and goes where th
   CHECK(driver.note().closed == 1);
 }
 
-TEST_CASE("without a display the window says what it needs") {
+TEST_CASE("without a display the window reports what it needs") {
   if (std::getenv("PALPATE_PROGRAM")) return;
   const Outcome outcome = run("env -u DISPLAY -u WAYLAND_DISPLAY " + program() + " view");
   CHECK(outcome.code == 1);

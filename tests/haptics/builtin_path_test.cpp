@@ -68,7 +68,7 @@ void checkOrbit(const Model& model) {
 
 }  // namespace
 
-TEST_CASE("press, slide and orbit find their way on shapes of any size and place") {
+TEST_CASE("press, slide and orbit work on shapes of any size and position") {
   struct Case {
     const char* name;
     double size;
@@ -98,7 +98,7 @@ TEST_CASE("press, slide and orbit find their way on shapes of any size and place
   }
 }
 
-TEST_CASE("on the sculpture press and slide stay near their depth in spite of its detail") {
+TEST_CASE("press and slide stay near their depth on the detailed sculpture") {
   const Model model("sculpture", 100, DVec3(0), 200'000);
   checkPress(model, 2, 0.15);
   const Deviation deviation = alongSlide(model, builtinPath("slide", model.cloud, model.scale));
@@ -107,12 +107,12 @@ TEST_CASE("on the sculpture press and slide stay near their depth in spite of it
   checkOrbit(model);
 }
 
-TEST_CASE("a noisy cloud is touched at about its true surface") {
+TEST_CASE("a noisy cloud is touched near its true surface") {
   const Model model("sphere", 100, DVec3(0), 60'000, 0.3);
   checkPress(model, 2, 0.3);
 }
 
-TEST_CASE("the target faces the default camera") {
+TEST_CASE("the target of a built-in path faces the default camera") {
   for (const char* name : {"sphere", "torus", "cube", "sculpture"}) {
     CAPTURE(name);
     const Model model(name, 100, DVec3(0), 30'000);
@@ -122,7 +122,7 @@ TEST_CASE("the target faces the default camera") {
   }
 }
 
-TEST_CASE("scan taps twenty-five times and is outside between taps") {
+TEST_CASE("the scan path taps 25 times and is outside between taps") {
   const Model model("sphere", 100, DVec3(0));
   const Path path = builtinPath("scan", model.cloud, model.scale);
   int taps = 0;
@@ -139,7 +139,7 @@ TEST_CASE("scan taps twenty-five times and is outside between taps") {
   CHECK(model.height_mm(path.at(path.duration_s())) == near(2, 0.1));
 }
 
-TEST_CASE("the same cloud gives the same path") {
+TEST_CASE("the same cloud gives the same built-in path") {
   const Model model("torus", 100, DVec3(0), 20'000);
   for (const std::string_view name : builtinPathNames()) {
     const Path a = builtinPath(name, model.cloud, model.scale), b = builtinPath(name, model.cloud, model.scale);
@@ -173,7 +173,7 @@ TEST_CASE("tiny and degenerate clouds still give finite paths") {
   }
 }
 
-TEST_CASE("what cannot be touched is refused in words") {
+TEST_CASE("a built-in path for a cloud that cannot be touched is refused with a reason") {
   const PointCloud empty;
   for (const std::string_view name : builtinPathNames()) CHECK_THROWS_AS(builtinPath(name, empty, {}), Error);
   PointCloud bare;

@@ -60,7 +60,7 @@ double fastest_mm_per_s(const ServoResult& result, double from_s) {
 
 }  // namespace
 
-TEST_CASE("what others raise under a hand comes slowly, and is not taken for energy that the loop makes") {
+TEST_CASE("a surface raised by others lifts the hand slowly and does not count as energy from the loop") {
   InformationAge still, changing;
   changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));  // longer than the test takes
   const ServoResult own = pressed(0.5, &still), others = pressed(0.5, &changing), rest = pressed(0, &changing);
@@ -76,7 +76,7 @@ TEST_CASE("what others raise under a hand comes slowly, and is not taken for ene
         near(glm::length(pressed(0, &still).trace().rows.back().force_N), 1e-6));
 }
 
-TEST_CASE("however others raise a surface, the hand gets no more than it has put in, but for half a millijoule") {
+TEST_CASE("a hand gets at most half a millijoule more than it put in, however others raise the surface") {
   InformationAge changing;
   changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));
   for (const double jump : {0.02, 0.1, 0.3, 0.5, 1.0, 2.0})
@@ -98,7 +98,7 @@ TEST_CASE("however others raise a surface, the hand gets no more than it has put
     }
 }
 
-TEST_CASE("a surface whose answers are late now and then goes nowhere by that") {
+TEST_CASE("with occasional late answers a changing surface gives the energy of its force-rise limit alone") {
   InformationAge still, changing;
   changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));
   // The same limit of the force's rise gives the same energy.

@@ -49,7 +49,7 @@ class Floor final : public OneHandQuery {
 
 }  // namespace
 
-TEST_CASE("while the clutch is drawn the HIP stays, and goes on from there without a jump") {
+TEST_CASE("the HIP stays while clutched and continues from there without a jump") {
   Clutch clutch({.scale = 2, .offset = {1, 0, 0}});
   CHECK(clutch.toModel({1, 0, 0}, false) == DVec3(3, 0, 0));
   CHECK(clutch.toModel({2, 0, 0}, true) == DVec3(5, 0, 0));
@@ -60,7 +60,7 @@ TEST_CASE("while the clutch is drawn the HIP stays, and goes on from there witho
   CHECK_FALSE(clutch.isDrawn());
 }
 
-TEST_CASE("the buttons of a stylus clutch and sculpt, and what it cannot render ramps up again") {
+TEST_CASE("a stylus's buttons clutch and sculpt, and force that could not be rendered ramps up again") {
   Gliding device;
   Floor floor;
   ServoLoop loop(device, floor, ForceLaw({.stiffness_N_per_mm = 0.09, .damping_N_s_per_mm = 0}, {}),

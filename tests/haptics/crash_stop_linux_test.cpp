@@ -70,11 +70,11 @@ int statusOfSession(
 
 }  // namespace
 
-TEST_CASE("a program that crashes in the middle of a touch leaves no force behind and dies of its own signal") {
+TEST_CASE("a program that crashes during a touch leaves no force and ends by the original signal") {
   const SharedNote note;
   int signal = 0;
   std::function<void()> doom;
-  SUBCASE("a write where none may") {
+  SUBCASE("a write to protected memory") {
     signal = SIGSEGV;
     doom = writeWhereNoneMay;
   }
@@ -82,7 +82,7 @@ TEST_CASE("a program that crashes in the middle of a touch leaves no force behin
     signal = SIGABRT;
     doom = [] { std::abort(); };
   }
-  SUBCASE("sent from outside") {
+  SUBCASE("a signal from outside") {
     for (const int sent : {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGBUS, SIGFPE, SIGILL, SIGSEGV}) {
       const std::string name = std::to_string(sent);
       SUBCASE(name.c_str()) {
@@ -97,7 +97,7 @@ TEST_CASE("a program that crashes in the middle of a touch leaves no force behin
   checkStopped(*note);
 }
 
-TEST_CASE("a crash takes the force from all hands") {
+TEST_CASE("a crash stops the force of all hands") {
   std::array<SharedNote, kMaxHands> notes;
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
@@ -121,7 +121,7 @@ TEST_CASE("a crash takes the force from all hands") {
   }
 }
 
-TEST_CASE("a signal that the program handles is handled, after the force is gone") {
+TEST_CASE("a signal that the program handles is handled after the force has stopped") {
   const SharedNote note;
   const int status = statusOfSession(
       *note, [] { std::raise(SIGINT); }, [] { std::signal(SIGINT, [](int) { stopAsked = true; }); });
@@ -130,7 +130,7 @@ TEST_CASE("a signal that the program handles is handled, after the force is gone
   checkStopped(*note);
 }
 
-TEST_CASE("a signal that is ignored stays so, and the session goes on") {
+TEST_CASE("a signal that the program ignores stays ignored, and the session continues") {
   const SharedNote note;
   const int status = statusOfSession(
       *note, [] { std::raise(SIGHUP); }, [] { std::signal(SIGHUP, SIG_IGN); });
@@ -139,7 +139,7 @@ TEST_CASE("a signal that is ignored stays so, and the session goes on") {
   CHECK(note->closed == 0);
 }
 
-TEST_CASE("after a session the handlers are those from before it") {
+TEST_CASE("the signal handlers are restored after a session") {
   const SharedNote note;
   struct sigaction before {
   }, after{};
@@ -155,7 +155,7 @@ TEST_CASE("after a session the handlers are those from before it") {
   CHECK((after.sa_handler == before.sa_handler));
 }
 
-TEST_CASE("more devices than can be guarded are an error, and those that are stay guarded") {
+TEST_CASE("guarding more devices than possible is an error, and the others stay guarded") {
   const SharedNote note;
   RecordingDevice device(*note);
   {

@@ -67,7 +67,7 @@ TEST_CASE("a doomed program" * doctest::skip()) {
   ServoLoop(device, sphere, ForceLaw({}, {}), {.duration_s = 1}).run();
 }
 
-TEST_CASE("a program that crashes or aborts in the middle of a touch leaves no force behind") {
+TEST_CASE("a program that crashes or aborts during a touch leaves no force") {
   for (const char* doom : {"write", "abort"}) {
     CAPTURE(doom);
     const End end = endOfProgram(doom);

@@ -23,7 +23,7 @@ ServoResult feel(double duration_s = 0.6) {
 
 }  // namespace
 
-TEST_CASE("an omega presses on a sphere, in our axes and millimetres") {
+TEST_CASE("an omega presses on a sphere in the model's axes and millimetres") {
   const FakeDriver driver("fake_dhd", "", kPressing);
   const ServoResult result = feel();
   CHECK_FALSE(result.deviceFailed);
@@ -36,7 +36,7 @@ TEST_CASE("an omega presses on a sphere, in our axes and millimetres") {
   CHECK(note.closed == 1);
 }
 
-TEST_CASE("positions and forces keep their axes") {
+TEST_CASE("positions and forces of a Force Dimension device keep their axes") {
   const FakeDriver driver("fake_dhd", "", "0,1.1,2.2,3.3\n");
   ForceDimensionDevice device;
   const DeviceState state = device.read(0);
@@ -55,18 +55,18 @@ TEST_CASE("positions and forces keep their axes") {
   CHECK(device.facts().driver == "3.17.6.0");
 }
 
-TEST_CASE("what goes wrong with a Force Dimension is said in words") {
+TEST_CASE("faults of a Force Dimension device are reported with a reason") {
   SUBCASE("no device") {
     const FakeDriver driver("fake_dhd", "fault init");
     CHECK_THROWS_WITH_AS(ForceDimensionDevice{},
                          doctest::Contains("device 0 cannot be opened: no device found; check cable"), Error);
   }
-  SUBCASE("another program has it") {
+  SUBCASE("another program uses it") {
     const FakeDriver driver("fake_dhd");
     const ForceDimensionDevice first;
     CHECK_THROWS_WITH_AS(ForceDimensionDevice{}, doctest::Contains("device already open"), Error);
   }
-  SUBCASE("it vanishes in mid-touch") {
+  SUBCASE("it disappears during a touch") {
     const FakeDriver driver("fake_dhd", "fault error 0 0.45", kPressing);
     const ServoResult result = feel();
     CHECK(result.deviceFailed);
@@ -74,7 +74,7 @@ TEST_CASE("what goes wrong with a Force Dimension is said in words") {
     CHECK(result.trace().rows.back().force_N == DVec3(0));
     CHECK(driver.note().mostForce_N > 0.1);
   }
-  SUBCASE("a position that is no number") {
+  SUBCASE("a position that is not a number") {
     const FakeDriver driver("fake_dhd", "fault nan 0 0.45", kPressing);
     const ServoResult result = feel();
     CHECK(result.deviceFailed);

@@ -39,7 +39,7 @@ Gate engaged() {
 
 }  // namespace
 
-TEST_CASE("forces ramp up over half a second after they are enabled, and not again with each contact") {
+TEST_CASE("forces ramp up over half a second after they are enabled, and not at each contact") {
   Gate gate;
   gate.free(kTick_s);
   double last = gate.tick();
@@ -55,7 +55,7 @@ TEST_CASE("forces ramp up over half a second after they are enabled, and not aga
   CHECK(gate.tick() == near(0.8, 1e-6));
 }
 
-TEST_CASE("a session that starts inside gives no force until the hand has come out once") {
+TEST_CASE("a session that starts inside gives no force until the hand has been outside once") {
   Gate gate;
   CHECK(gate.after(2) == 0);
   CHECK(gate.after(kTick_s, {}, DVec3(0, 0, 0.05)) > 0);  // a demand below 0.1 N counts as outside
@@ -63,18 +63,18 @@ TEST_CASE("a session that starts inside gives no force until the hand has come o
   CHECK(gate.after(0.6) == near(0.8, 1e-6));
 }
 
-TEST_CASE("an old answer does not count as coming out") {
+TEST_CASE("an old answer does not show that the hand is outside") {
   Gate gate;
   gate.after(0.1, {.fresh = false}, DVec3(0));
   CHECK(gate.after(1) == 0);
 }
 
-TEST_CASE("a short error means zero and then the ramp; a long one also waits for a small demand") {
+TEST_CASE("after a short error the force ramps up from zero; after a long one it also waits for a small demand") {
   Gate gate = engaged();
   TickSigns error;
   DVec3 wanted = kPush;
   SUBCASE("no valid answer") { error.answered = false; }
-  SUBCASE("a force that is no number") { wanted.z = std::numeric_limits<double>::quiet_NaN(); }
+  SUBCASE("a force that is not a number") { wanted.z = std::numeric_limits<double>::quiet_NaN(); }
   SUBCASE("an infinite force") { wanted.z = std::numeric_limits<double>::infinity(); }
   CHECK(gate.after(0.05, error, wanted) == 0);
   CHECK(gate.tick() < 0.01);
@@ -87,7 +87,7 @@ TEST_CASE("a short error means zero and then the ramp; a long one also waits for
   CHECK(gate.gate.counts().errors == 2);
 }
 
-TEST_CASE("after a jump of the device the hand has to come out before it feels anything") {
+TEST_CASE("after a jump of the device the hand must be outside before it feels a force") {
   Gate gate = engaged();
   CHECK(gate.tick({.jumped = true}) == 0);
   CHECK(gate.after(1) == 0);
@@ -95,7 +95,7 @@ TEST_CASE("after a jump of the device the hand has to come out before it feels a
   CHECK(gate.tick() < 0.01);
 }
 
-TEST_CASE("a pause in the ticks counts as an error") {
+TEST_CASE("a pause between ticks counts as an error") {
   Gate gate = engaged();
   CHECK(glm::length(gate.gate.pass(kPush, {.demand_N = 0.8}, 0.02)) == near(0.8, 1e-6));
   CHECK(glm::length(gate.gate.pass(kPush, {.demand_N = 0.8}, 0.08)) == 0);
@@ -105,14 +105,14 @@ TEST_CASE("a pause in the ticks counts as an error") {
   CHECK(glm::length(gate.gate.pass(kPush, {.demand_N = 0.8}, std::numeric_limits<double>::quiet_NaN())) == 0);
 }
 
-TEST_CASE("a slow rate is no pause") {
+TEST_CASE("a slow tick rate does not count as a pause") {
   ForceGate gate(DeviceLimits{}, 0.2);
   gate.pass(DVec3(0), {}, 0.2);
   for (int i = 0; i < 3; ++i) gate.pass(kPush, {.demand_N = 0.8}, 0.2);
   CHECK(glm::length(gate.pass(kPush, {.demand_N = 0.8}, 0.2)) == near(0.8, 1e-6));
 }
 
-TEST_CASE("stale data keep their force for 20 ms, lose it over 50 ms, and the force comes back with the ramp") {
+TEST_CASE("stale data keep their force for 20 ms and lose it over 50 ms; fresh data bring it back with the ramp") {
   Gate gate = engaged();
   CHECK(gate.after(0.019, {.fresh = false}) == near(0.8, 1e-6));
   double last = gate.tick({.fresh = false});
@@ -128,7 +128,7 @@ TEST_CASE("stale data keep their force for 20 ms, lose it over 50 ms, and the fo
   CHECK(gate.after(0.5) == near(0.8, 1e-6));
 }
 
-TEST_CASE("answers that say how old they are keep their force while that is little, and not when it grows") {
+TEST_CASE("answers that report their age keep their force while it is small, and lose it when it grows") {
   Gate gate = engaged();
   CHECK(gate.after(1, {.fresh = false, .age_s = 0.0004}) == near(0.8, 1e-6));
   CHECK(gate.gate.counts().stale == 0);
@@ -136,7 +136,7 @@ TEST_CASE("answers that say how old they are keep their force while that is litt
   CHECK(gate.after(0.1, {.fresh = false, .age_s = 0.5}) == within(0, 1e-6));
 }
 
-TEST_CASE("forces switched off are zero at once and come back only through a small demand and the ramp") {
+TEST_CASE("forces switched off are zero at once and return only after a small demand and with the ramp") {
   Gate gate = engaged();
   CHECK(gate.tick({.on = false}) == 0);
   CHECK(gate.after(0.3, {.on = false}, DVec3(0)) == 0);
@@ -145,7 +145,8 @@ TEST_CASE("forces switched off are zero at once and come back only through a sma
   CHECK(gate.after(0.25) == near(0.4, 0.01));
 }
 
-TEST_CASE("a force fades with what is known, rises no faster than the ramp, and once gone waits for a small demand") {
+TEST_CASE(
+    "a force fades with the known share of the surface, rises with the ramp, and once zero waits for a small demand") {
   Gate gate = engaged();
   // Even if the knowledge ends at once, the force fades.
   double last = 0.8;
@@ -174,7 +175,7 @@ TEST_CASE("a force fades with what is known, rises no faster than the ramp, and 
   CHECK(broken.after(0.1, {.known = std::numeric_limits<double>::quiet_NaN()}) == 0);
 }
 
-TEST_CASE("the peak is never exceeded, and hot motors get the continuous force") {
+TEST_CASE("the peak force is never exceeded, and hot motors get the continuous force") {
   Gate gate = engaged();
   const DVec3 hard(0, 30, 40);
   CHECK(gate.tick({}, hard) == near(3.3, 1e-6));
@@ -184,7 +185,7 @@ TEST_CASE("the peak is never exceeded, and hot motors get the continuous force")
   CHECK(gate.tick({}, hard) == near(3.3, 1e-6));
 }
 
-TEST_CASE("a script without a hand starts with the gate open, and its errors still ramp") {
+TEST_CASE("a script without a hand starts with full force, and ramps up after its errors") {
   ForceGate gate({.handHeld = false}, kTick_s);
   CHECK(gate.pass(kPush, {.demand_N = 0.8}, kTick_s) == kPush);
   CHECK(gate.pass(kPush, {.answered = false, .demand_N = 0.8}, kTick_s) == DVec3(0));

@@ -34,21 +34,21 @@ TEST_CASE("the spring pushes along the normal with stiffness times depth in mill
   CHECK(force_N.z == near(0.8 * 2, 1e-6));
 }
 
-TEST_CASE("without contact or with a fault the force is exactly zero") {
+TEST_CASE("the force is exactly zero without contact and at a fault") {
   ForceLaw law({}, ModelScale{});
   const Pose pose = below(1);
   Contact contact = onPlane(pose);
   SUBCASE("not touching") { contact.touching = false; }
   SUBCASE("not valid") { contact.valid = false; }
-  SUBCASE("proxy is no number") { contact.proxy.y = kNaN; }
-  SUBCASE("proxy is infinite") { contact.proxy.z = kInfinity; }
-  SUBCASE("proxy is so far that its square overflows") { contact.proxy.z = 1e200; }
-  SUBCASE("normal is no number") { contact.normal.x = kNaN; }
-  SUBCASE("normal is missing") { contact.normal = DVec3(0); }
+  SUBCASE("the proxy is not a number") { contact.proxy.y = kNaN; }
+  SUBCASE("the proxy is infinite") { contact.proxy.z = kInfinity; }
+  SUBCASE("the proxy is so far away that its square overflows") { contact.proxy.z = 1e200; }
+  SUBCASE("the normal is not a number") { contact.normal.x = kNaN; }
+  SUBCASE("the normal is missing") { contact.normal = DVec3(0); }
   CHECK(law.update(contact, pose, kTick_s) == DVec3(0));
 }
 
-TEST_CASE("a damper brakes what hand and surface do, and not what another frame of a moving surface did") {
+TEST_CASE("a damper brakes hand and surface motion, and not the jump to another frame of a moving surface") {
   ForceLaw law({.maxRise_N_per_s = kInfinity}, ModelScale{1});
   const Pose pose = below(3);
   const auto at = [&](double aside_mm, double velocity_mm_s) {
@@ -67,7 +67,7 @@ TEST_CASE("a damper brakes what hand and surface do, and not what another frame 
   CHECK(at(0.3, 0).x == near(0.8 * 0.3 + 0.002 * 300, 1e-6));
 }
 
-TEST_CASE("where a surface is lost under a loaded hand the force falls as fast as it may rise, and otherwise at once") {
+TEST_CASE("if a surface is lost under a loaded hand the force falls at its rise limit, otherwise at once") {
   ForceLaw law({.damping_N_s_per_mm = 0}, ModelScale{1});
   const auto load = [&] {
     law.reset();
@@ -92,11 +92,11 @@ TEST_CASE("where a surface is lost under a loaded hand the force falls as fast a
   free.isWithin = true;
   law.update(free, pose, kTick_s);
   SUBCASE("a fault ends it") { free.valid = false; }
-  SUBCASE("a hand without a load has nothing to let go of") { law.reset(); }
+  SUBCASE("a hand without a load") { law.reset(); }
   CHECK(law.update(free, pose, kTick_s) == DVec3(0));
 }
 
-TEST_CASE("a pose or a time that is no number gives no force, and the next good tick starts afresh") {
+TEST_CASE("a pose or time that is not a number gives no force, and the next valid tick starts again from zero") {
   ForceLaw law({}, ModelScale{});
   pushed_N(law, 1);
   Pose broken = below(1);
@@ -108,7 +108,7 @@ TEST_CASE("a pose or a time that is no number gives no force, and the next good 
   CHECK(pushed_N(law, 1) == near(0.6, 1e-6));  // the slew limit starts at zero again
 }
 
-TEST_CASE("the magnitude is clamped and the direction kept") {
+TEST_CASE("the force is clamped in magnitude and keeps its direction") {
   ForceLaw law({.damping_N_s_per_mm = 0, .maxForce_N = 2, .maxRise_N_per_s = kInfinity}, ModelScale{});
   const Pose pose{.hip = {-30, 0, -40}};
   Contact contact = onPlane(pose);
@@ -122,14 +122,14 @@ TEST_CASE("the magnitude is clamped and the direction kept") {
   CHECK(law.update(contact, pose, kTick_s) == DVec3(0));
 }
 
-TEST_CASE("the force grows no faster than the slew limit and falls at once") {
+TEST_CASE("the force rises no faster than the slew limit and falls at once") {
   ForceLaw law({.damping_N_s_per_mm = 0, .maxRise_N_per_s = 100}, ModelScale{});
   for (int tick = 1; tick <= 8; ++tick) CHECK(pushed_N(law, 1) == near(std::min(0.1 * tick, 0.8), 1e-6));
   CHECK(pushed_N(law, 0.1) == near(0.08, 1e-6));
   CHECK(pushed_N(law, 1) == near(0.18, 1e-6));
 }
 
-TEST_CASE("while somebody else changes the surface the force rises a tenth as fast, and falls at once all the same") {
+TEST_CASE("while others change the surface the force rises a tenth as fast, and still falls at once") {
   ForceLaw law({}, ModelScale{});
   law.setChanging(true);
   CHECK(pushed_N(law, 4) == near(0.06, 1e-6));
@@ -139,14 +139,14 @@ TEST_CASE("while somebody else changes the surface the force rises a tenth as fa
   CHECK(pushed_N(law, 4) == near(0.6, 1e-6));
 }
 
-TEST_CASE("a late tick does not make up for lost time in one jump") {
+TEST_CASE("a late tick does not catch up in one jump of the force") {
   ForceLaw law({.damping_N_s_per_mm = 0, .maxRise_N_per_s = 100}, ModelScale{});
   CHECK(law.update(onPlane(below(4)), below(4), 1.0).z == near(0.2, 1e-6));
   CHECK(law.update(onPlane(below(4)), below(4), 0).z == near(0.2, 1e-6));
   CHECK(law.update(onPlane(below(4)), below(4), -1).z == near(0.2, 1e-6));
 }
 
-TEST_CASE("damping resists the motion and starts with the second tick of contact") {
+TEST_CASE("damping resists motion and starts at the second tick of contact") {
   ForceLaw law({.maxRise_N_per_s = kInfinity}, ModelScale{});
   CHECK(pushed_N(law, 1) == near(0.8, 1e-6));
   CHECK(pushed_N(law, 1.05) == near(0.8 * 1.05 + 0.002 * 50, 1e-6));
@@ -155,7 +155,7 @@ TEST_CASE("damping resists the motion and starts with the second tick of contact
   CHECK(pushed_N(law, 1) == near(0.8, 1e-6));
 }
 
-TEST_CASE("at 10 kHz the steps of an encoder do not become knocks") {
+TEST_CASE("encoder steps at 10 kHz do not become force jumps") {
   constexpr double kFast_s = 1e-4, kStep_mm = 0.055, kSpeed_mm_per_s = 20;
   ForceLaw law({}, ModelScale{});
   double least = 1e9, most = -1e9, sum = 0;
@@ -181,7 +181,7 @@ TEST_CASE("the damper never pulls into the surface") {
   CHECK(law.update(onPlane(sideways), sideways, kTick_s) == DVec3(0));
 }
 
-TEST_CASE("options out of range are refused") {
+TEST_CASE("force options out of range are refused") {
   CHECK_THROWS_AS(ForceLaw({.stiffness_N_per_mm = -1}, {}), UsageError);
   CHECK_THROWS_AS(ForceLaw({.stiffness_N_per_mm = kInfinity}, {}), UsageError);
   CHECK_THROWS_AS(ForceLaw({.damping_N_s_per_mm = kNaN}, {}), UsageError);
@@ -189,7 +189,7 @@ TEST_CASE("options out of range are refused") {
   CHECK_THROWS_AS(ForceLaw({.maxRise_N_per_s = -600}, {}), UsageError);
 }
 
-TEST_CASE("a force turns no faster than it may grow") {
+TEST_CASE("a force changes direction no faster than it may rise") {
   ForceLaw law({.stiffness_N_per_mm = 1, .damping_N_s_per_mm = 0, .maxForce_N = 3, .maxRise_N_per_s = 500}, {1});
   const auto pushed = [&](const DVec3& normal) {
     return law.update({.proxy = 2.0 * normal, .normal = normal, .touching = true, .fresh = true, .valid = true}, {},
@@ -210,7 +210,7 @@ TEST_CASE("a force turns no faster than it may grow") {
   CHECK(ticks < 10);
 }
 
-TEST_CASE("what a surface that moves does to the hand in a second is limited, and nothing else changes") {
+TEST_CASE("the power of a moving surface on the hand is limited, and other forces are unchanged") {
   ForceOptions options = kSpringOnly;
   options.maxSurfacePower_W = 0.5;
   const auto felt_N = [&](const DVec3& velocity) {
@@ -230,7 +230,7 @@ TEST_CASE("what a surface that moves does to the hand in a second is limited, an
   CHECK(felt_N({0, 0, 1e-3}) == DVec3(0));
 }
 
-TEST_CASE("a force that is given is felt as it is, pulls included, within the same limits") {
+TEST_CASE("a given force is felt unchanged within the limits, pulls included") {
   ForceLaw law({.maxForce_N = 2, .maxRise_N_per_s = 500}, ModelScale{10});
   const auto felt_N = [&](const DVec3& given_N, const DVec3& velocity = DVec3(0)) {
     Contact contact = onPlane(below(1));
@@ -253,7 +253,7 @@ TEST_CASE("a force that is given is felt as it is, pulls included, within the sa
   CHECK(law.update({.touching = true, .force_N = DVec3(1)}, below(1), kTick_s) == DVec3(0));
 }
 
-TEST_CASE("a torque that is given goes with its force, less where a limit takes from that, and is none without it") {
+TEST_CASE("a given torque scales with its force at a limit, and is zero without the force") {
   ForceLaw law({.maxForce_N = 2, .maxRise_N_per_s = 1e9}, ModelScale{10});
   Contact contact = onPlane(below(1));
   contact.force_N = DVec3(0, 1, 0);
@@ -273,7 +273,7 @@ TEST_CASE("a torque that is given goes with its force, less where a limit takes 
   CHECK(law.torque_mNm() == DVec3(0));
 }
 
-TEST_CASE("a law of another program's has the say in contact, knows the usual force, and keeps within the limits") {
+TEST_CASE("a custom force law decides in contact, receives the default force, and stays within the limits") {
   struct Seen {
     DVec3 usual_N{0}, force_N{0.1, 0, -0.2};
     int calls = 0;

@@ -33,7 +33,7 @@ struct Four {
 
 }  // namespace
 
-TEST_CASE("four hands leave the traces that each leaves alone, byte for byte") {
+TEST_CASE("four hands leave the same traces as each hand alone, byte for byte") {
   Four four;
   const ServoResult result = four.play();
   for (std::size_t i = 0; i < kHands; ++i) {
@@ -44,7 +44,7 @@ TEST_CASE("four hands leave the traces that each leaves alone, byte for byte") {
   }
 }
 
-TEST_CASE("of four hands one that is lifted, clutched or mute leaves the others alone") {
+TEST_CASE("a lifted, clutched or mute hand does not disturb the other three") {
   for (std::size_t troubled = 0; troubled < kHands; ++troubled) {
     CAPTURE(troubled);
     const auto trouble = [&](TroubledDevice& device) {
@@ -68,7 +68,7 @@ TEST_CASE("of four hands one that is lifted, clutched or mute leaves the others 
   }
 }
 
-TEST_CASE("the query hears which of four hands was put down") {
+TEST_CASE("the query is notified which of four hands was put down") {
   Four four;
   four.devices[2].putDownAt_s = 0.8;
   SharedSphere sphere(kHands);
@@ -78,7 +78,7 @@ TEST_CASE("the query hears which of four hands was put down") {
   CHECK(sphere.putDown == std::vector<int>{0, 0, 1, 0});
 }
 
-TEST_CASE("a fault of one of four devices takes all forces away at its tick") {
+TEST_CASE("a fault of one of four devices stops all forces at its tick") {
   for (std::size_t failing = 0; failing < kHands; ++failing)
     for (const bool reading : {true, false}) {
       CAPTURE(failing);

@@ -36,7 +36,7 @@ class Recorder final : public TickRecorder {
 
 }  // namespace
 
-TEST_CASE("a lifted stylus is parked, and is put down where the hand first aims") {
+TEST_CASE("a lifted stylus is parked, and put down at the hand's first aim") {
   GuidedTouch device({}, kParked);
   CHECK(glm::distance(device.read(0).position, kParked) < 0.01);
   CHECK(!device.read(0.001).putDown);
@@ -53,7 +53,7 @@ TEST_CASE("a lifted stylus is parked, and is put down where the hand first aims"
   CHECK(glm::distance(lifted.position, kParked) < 0.01);
 }
 
-TEST_CASE("a stylus that is lifted and put down between two reads was lifted all the same") {
+TEST_CASE("a stylus lifted and put down between two reads counts as lifted") {
   GuidedTouch device({}, kParked);
   device.aim({0, 0, 10});
   device.read(0);
@@ -64,7 +64,7 @@ TEST_CASE("a stylus that is lifted and put down between two reads was lifted all
   CHECK(glm::distance(state.position, DVec3(0, 50, 10)) < 0.01);
 }
 
-TEST_CASE("the hand glides to a far aim, no faster than a hand moves, and arrives") {
+TEST_CASE("a hand with a far aim glides to it no faster than a hand moves, and arrives") {
   GuidedTouch device({}, kParked);
   device.aim({0, 0, 0});
   DVec3 last = device.read(0).position;
@@ -80,7 +80,7 @@ TEST_CASE("the hand glides to a far aim, no faster than a hand moves, and arrive
   CHECK(glm::distance(last, DVec3(100, 0, 0)) < 0.1);
 }
 
-TEST_CASE("the surface holds the stylus back while the aim sinks in") {
+TEST_CASE("the surface stops the stylus while the aim is inside it") {
   GuidedTouch device({}, kParked);
   CountingContact sphere(50);
   device.aim({0, 0, 55});
@@ -100,7 +100,7 @@ TEST_CASE("the surface holds the stylus back while the aim sinks in") {
   CHECK(result.trace().rows.front().putDown);
 }
 
-TEST_CASE("an endless session goes on until it is stopped, keeps no trace, and begins at the time it was given") {
+TEST_CASE("an endless session runs until it is stopped, keeps no trace, and starts at the given time") {
   GuidedTouch device({}, kParked);
   CountingContact sphere(50);
   Recorder recorder;
@@ -122,7 +122,7 @@ TEST_CASE("an endless session goes on until it is stopped, keeps no trace, and b
   CHECK_THROWS_AS(ServoLoop(device, sphere, ForceLaw({}, {}), {.endless = true, .realtime = true}), UsageError);
 }
 
-TEST_CASE("an aim that is no number is no aim") {
+TEST_CASE("an aim that is not a number is ignored") {
   GuidedTouch device({}, kParked);
   device.aim({1, 2, 3});
   device.read(0);

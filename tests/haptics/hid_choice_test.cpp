@@ -22,7 +22,7 @@ bool has(const std::string& text, std::string_view part) { return text.find(part
 
 }  // namespace
 
-TEST_CASE("a 3D mouse is known by what it is, not by who made it") {
+TEST_CASE("a 3D mouse is recognised by its usage, not by its vendor") {
   CHECK(kindOf(spaceMouse()) == HidKind::spaceMouse);
   HidInfo stranger = spaceMouse();
   stranger.vendorId = 0x1234;
@@ -35,14 +35,14 @@ TEST_CASE("a 3D mouse is known by what it is, not by who made it") {
   CHECK(kindOf({.vendorId = 0x2988, .usagePage = 0xff00, .usage = 1}) == HidKind::hapticStylus);
 }
 
-TEST_CASE("a name says the numbers, and steps in where a device has none") {
+TEST_CASE("a device's name contains its numbers, and replaces a missing product name") {
   CHECK(nameOf(spaceMouse()) == "SpaceMouse Compact (256f:c635)");
   CHECK(nameOf({.vendorId = 0x046d, .productId = 0xc626, .usagePage = 1, .usage = 8}) ==
         "Logitech 3D mouse (046d:c626)");
   CHECK(nameOf({.vendorId = 1, .productId = 2}) == "device (0001:0002)");
 }
 
-TEST_CASE("without a request the first 3D mouse that can be used is taken, then a DualSense") {
+TEST_CASE("without a request the first usable 3D mouse is selected, then a DualSense") {
   FakeHid hid;
   hid.plug(keyboard());
   hid.plug(dualSense());
@@ -56,7 +56,7 @@ TEST_CASE("without a request the first 3D mouse that can be used is taken, then 
   CHECK(chooseHidSteering(hid, "").path == "/dev/hidraw5");
 }
 
-TEST_CASE("a device is named by its path, serial number, or vendor and product") {
+TEST_CASE("a HID device is selected by path, serial number, or vendor and product") {
   FakeHid hid;
   hid.plug(spaceMouse("/dev/hidraw3", "A1"));
   hid.plug(spaceMouse("/dev/hidraw4", "B2"));
@@ -67,7 +67,7 @@ TEST_CASE("a device is named by its path, serial number, or vendor and product")
   CHECK(chooseHidSteering(hid, "054c:0ce6").path == "/dev/hidraw5");
 }
 
-TEST_CASE("who finds nothing says what was looked for and what is there") {
+TEST_CASE("an unsuccessful search reports what was searched for and which devices exist") {
   FakeHid hid;
   CHECK(has(complaint(hid, ""), "there is no HID device at all"));
   hid.plug(keyboard());
@@ -78,7 +78,7 @@ TEST_CASE("who finds nothing says what was looked for and what is there") {
   CHECK_THROWS_AS(chooseDualSense(hid), Error);
 }
 
-TEST_CASE("a device that may not be opened is told with the command that mends it") {
+TEST_CASE("a device without permission is reported with the command that grants it") {
   FakeHid hid;
   hid.plug(spaceMouse());
   hid.deny("/dev/hidraw3");
@@ -94,7 +94,7 @@ TEST_CASE("a device that may not be opened is told with the command that mends i
   CHECK(has(complaint(hid, "/dev/hidraw9"), hidPermissionMend("/dev/hidraw9", false)));
 }
 
-TEST_CASE("the doctor's list has each device that serves once, usable or with the reason and what to do") {
+TEST_CASE("the doctor lists each suitable device once, as usable or with the reason and a remedy") {
   FakeHid hid;
   hid.plug(keyboard());
   hid.plug(spaceMouse());

@@ -68,7 +68,7 @@ struct Scene {
 
 }  // namespace
 
-TEST_CASE("the stylus begins where it should and stays there while nobody pushes") {
+TEST_CASE("the stylus of a 3D mouse starts at its position and stays there without a push") {
   Scene scene({1, 2, 3});
   CHECK(glm::distance(scene.read().position, {1, 2, 3}) < 0.01);
   CHECK(glm::distance(scene.go(100).position, {1, 2, 3}) < 0.01);
@@ -90,7 +90,7 @@ TEST_CASE("the hand waits while forces ramp up") {
   CHECK(device.read(7.7).position.x > 10);
 }
 
-TEST_CASE("a push is a velocity: the hand goes that way until the cap is let go, without a jerk") {
+TEST_CASE("a push is a velocity: the hand moves until the cap is released, without a jerk") {
   Scene scene;
   scene.send({pushed({1, 0, 0})});
   const double half_s = scene.go(500).position.x;
@@ -107,7 +107,7 @@ TEST_CASE("a push is a velocity: the hand goes that way until the cap is let go,
   CHECK(scene.go(200).position.z < -10);
 }
 
-TEST_CASE("the long form of report 1 steers as the short one does, and rotation does not") {
+TEST_CASE("the long form of report 1 steers like the short one, and rotation does not steer") {
   Scene scene;
   Report both = pushed({0, 0.8, 0});
   both.resize(13, 0x40);
@@ -120,14 +120,14 @@ TEST_CASE("the long form of report 1 steers as the short one does, and rotation 
   CHECK(glm::distance(scene.go(300).position, rest) < 0.01);
 }
 
-TEST_CASE("short and foreign reports between good ones change nothing") {
+TEST_CASE("short and foreign reports between valid ones change nothing") {
   Scene scene;
   scene.send({pushed({0.7, 0, 0}), {}, {1}, {1, 2, 3}, {9, 9, 9, 9, 9, 9, 9}, {2, 1}, Report(100, 0xee)});
   CHECK(scene.go(200).position.x > 5);
   CHECK(scene.remarks.size() == 0);
 }
 
-TEST_CASE("the stops of the workspace hold the hand, and nothing is wound up behind them") {
+TEST_CASE("the ends of the workspace stop the hand, and it leaves them at once") {
   Scene scene;
   scene.send({pushed({1, 0, 0})});
   CHECK(scene.go(2000).position.x == near(0.5 * kTouchWorkspace_mm.x, 1e-6));
@@ -135,7 +135,7 @@ TEST_CASE("the stops of the workspace hold the hand, and nothing is wound up beh
   CHECK(scene.go(150).position.x < 0.5 * kTouchWorkspace_mm.x - 5);
 }
 
-TEST_CASE("the surface holds the stylus back, and the harder the push the harder it presses") {
+TEST_CASE("the surface stops the stylus, and a harder push presses harder") {
   Scene scene({0, 0, 10});
   scene.send({pushed({0, 0, -0.5})});
   const DVec3 soft = scene.go(1500, 0).position;
@@ -157,8 +157,7 @@ TEST_CASE("the surface holds the stylus back, and the harder the push the harder
   CHECK(scene.go(100, 0).position.z > 0);
 }
 
-TEST_CASE(
-    "unplugged in mid-touch, the stylus stays where it is without force; plugged in again, it goes on from there") {
+TEST_CASE("unplugged during a touch, the stylus stays without force; plugged in again, it continues from there") {
   Scene scene({0, 0, 10});
   scene.send({pushed({0.2, 0, -1})});
   scene.go(700, 0);
@@ -193,7 +192,7 @@ TEST_CASE(
   CHECK(scene.go(200).position.x > left.x + 5);
 }
 
-TEST_CASE("a push that held when the plug was pulled does not hold when it is back") {
+TEST_CASE("a push held at an unplugging has no effect after the reconnection") {
   Scene scene;
   scene.send({pushed({1, 0, 0})});
   scene.go(100);
@@ -205,7 +204,7 @@ TEST_CASE("a push that held when the plug was pulled does not hold when it is ba
   CHECK(glm::distance(scene.go(1000).position, before) < 0.6);
 }
 
-TEST_CASE("a device that comes back and may not be opened is complained of once, and taken when it may") {
+TEST_CASE("a reconnected device without permission is reported once, and used once permitted") {
   Scene scene;
   scene.hid->deny(kPath);
   const Stopwatch watch;
@@ -220,7 +219,7 @@ TEST_CASE("a device that comes back and may not be opened is complained of once,
   CHECK(comesTrue([&] { return scene.read().rendersForce; }));
 }
 
-TEST_CASE("a device that falls silent while it is pushed stops the hand") {
+TEST_CASE("a device that falls silent during a push stops the hand") {
   Scene scene;
   scene.send({pushed({1, 0, 0})});
   scene.go(50);
@@ -236,7 +235,7 @@ TEST_CASE("a device that falls silent while it is pushed stops the hand") {
   CHECK(glm::distance(scene.go(200).position, rest) < 0.01);
 }
 
-TEST_CASE("the sticks of a DualSense steer, too") {
+TEST_CASE("the sticks of a DualSense steer the hand") {
   const std::string pad = "/dev/hidraw5";
   Scene scene(DVec3(0), dualSense());
   Report report(64, 0);
@@ -253,7 +252,7 @@ TEST_CASE("the sticks of a DualSense steer, too") {
   CHECK(scene.go(200).position.z < -10);
 }
 
-TEST_CASE("a device that cannot be opened is an error, and the end of one that is open comes soon") {
+TEST_CASE("a device that cannot be opened is an error, and an open device closes promptly") {
   const auto hid = std::make_shared<FakeHid>();
   Remarks remarks;
   CHECK_THROWS_AS(HidDevice(hid, spaceMouse(), DVec3(0), remarks.sink()), Error);
@@ -269,14 +268,14 @@ TEST_CASE("a device that cannot be opened is an error, and the end of one that i
   CHECK(hid->opened() == 0);
 }
 
-TEST_CASE("in a session a steady push comes to rest on the surface, at low rates and on stiff surfaces, too") {
+TEST_CASE("in a session a steady push comes to rest on the surface, also at low rates and on stiff surfaces") {
   const auto hid = std::make_shared<FakeHid>();
   Remarks remarks;
   hid->plug(spaceMouse());
   HidDevice device(hid, spaceMouse(), {0, 0, 25}, remarks.sink());
   SphereContact sphere(20);
   double rate_Hz = 1000, stiffness_N_per_mm = 0.8;
-  SUBCASE("as usual") {}
+  SUBCASE("the default") {}
   SUBCASE("250 ticks per second") {
     rate_Hz = 250;
     stiffness_N_per_mm = 1.5;
@@ -304,7 +303,7 @@ TEST_CASE("in a session a steady push comes to rest on the surface, at low rates
   CHECK(largest_N < 1.1 * smallest_N);
 }
 
-TEST_CASE("a session with a 3D mouse runs through an unplugging without a missed answer" * kClock) {
+TEST_CASE("a session with a 3D mouse survives an unplugging without a missed answer" * kClock) {
   const auto hid = std::make_shared<FakeHid>();
   Remarks remarks;
   hid->plug(spaceMouse());

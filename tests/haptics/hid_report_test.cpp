@@ -26,7 +26,7 @@ Report restingDualSense() {
 
 }  // namespace
 
-TEST_CASE("a 3D mouse's translation arrives in our axes: x right, its y towards the user, its z down") {
+TEST_CASE("a 3D mouse's translation is converted to x right, y up and z towards the user") {
   HidMotion motion;
   CHECK(takeSpaceMouseReport(Report{1, 0x5e, 0x01, 0, 0, 0, 0}, motion));  // 350, 0, 0
   CHECK(isNear(motion.push, {1, 0, 0}));
@@ -37,7 +37,7 @@ TEST_CASE("a 3D mouse's translation arrives in our axes: x right, its y towards 
   CHECK(isNear(motion.turn, DVec3(0)));
 }
 
-TEST_CASE("rotation comes in a report of its own or behind the translation, and neither form disturbs the other") {
+TEST_CASE("rotation arrives in its own report or after the translation, and neither form disturbs the other") {
   HidMotion motion;
   CHECK(takeSpaceMouseReport(Report{1, 0x5e, 0x01, 0, 0, 0, 0}, motion));
   CHECK(takeSpaceMouseReport(Report{2, 0, 0, 0x5e, 0x01, 0, 0}, motion));
@@ -48,7 +48,7 @@ TEST_CASE("rotation comes in a report of its own or behind the translation, and 
   CHECK(isNear(motion.turn, {-1, 0, 0}));
 }
 
-TEST_CASE("buttons are a bit each, in as many bytes as there are") {
+TEST_CASE("buttons are one bit each, in any number of bytes") {
   HidMotion motion;
   CHECK(takeSpaceMouseReport(Report{3, 0x02}, motion));
   CHECK(motion.buttons == 2);
@@ -58,13 +58,13 @@ TEST_CASE("buttons are a bit each, in as many bytes as there are") {
   CHECK(motion.buttons == 0);
 }
 
-TEST_CASE("a deflection beyond the full way counts as the full way") {
+TEST_CASE("a deflection beyond the maximum counts as the maximum") {
   HidMotion motion;
   CHECK(takeSpaceMouseReport(Report{1, 0xff, 0x7f, 0x00, 0x80, 0, 0}, motion));
   CHECK(isNear(motion.push, {1, 0, -1}));
 }
 
-TEST_CASE("what is too short or of another kind changes nothing") {
+TEST_CASE("short and foreign reports change nothing") {
   HidMotion motion;
   REQUIRE(takeSpaceMouseReport(Report{1, 0x5e, 0x01, 0, 0, 0, 0}, motion));
   for (const Report& report : {Report{}, Report{1}, Report{3}, Report{1, 0, 0, 0, 0, 0}, Report{2, 0, 0},
@@ -80,7 +80,7 @@ TEST_CASE("what is too short or of another kind changes nothing") {
   CHECK(isNear(motion.push, {1, 0, 0}));
 }
 
-TEST_CASE("whatever bytes come, a push stays within its range") {
+TEST_CASE("random bytes give a push within its range") {
   std::mt19937 random(7);
   HidMotion motion;
   for (int i = 0; i < 20'000; ++i) {
@@ -95,7 +95,7 @@ TEST_CASE("whatever bytes come, a push stays within its range") {
   }
 }
 
-TEST_CASE("the sticks of a DualSense: the left one right and up, the right one away and back") {
+TEST_CASE("the left stick of a DualSense moves right and up, the right one away and back") {
   HidMotion motion;
   Report report = restingDualSense();
   CHECK(takeDualSenseReport(report, motion));
@@ -113,7 +113,7 @@ TEST_CASE("the sticks of a DualSense: the left one right and up, the right one a
   CHECK(!takeDualSenseReport(report, motion));
 }
 
-TEST_CASE("the rumble report turns two motors and touches nothing else") {
+TEST_CASE("the rumble report sets two motors and nothing else") {
   const auto report = dualSenseRumble({.strong = 40, .weak = 200}, kDualSense);
   CHECK(report[0] == 0x02);
   CHECK(report[1] == 0x03);
@@ -128,7 +128,7 @@ TEST_CASE("the rumble report turns two motors and touches nothing else") {
   CHECK(dualSenseRumble({}, kDualSense)[1] == 0x03);  // silence must be sent, too
 }
 
-TEST_CASE("what a push does has a dead zone, grows progressively and keeps the direction of the push") {
+TEST_CASE("a push has a dead zone, grows progressively and keeps its direction") {
   CHECK(shaped({0.05, 0, 0}, 0.06) == DVec3(0));
   CHECK(shaped({0, 0, 0}, 0) == DVec3(0));
   const double half = glm::length(shaped({0, 0.53, 0}, 0.06));

@@ -26,7 +26,7 @@ std::unique_ptr<UhidMouse> plugIn(HidTransport& transport) {
   std::string why;
   auto mouse = UhidMouse::plugIn(kSerial, why);
   if (!mouse) {
-    MESSAGE("skipped: no virtual 3D mouse here; " << why);
+    MESSAGE("skipped: this machine cannot create a virtual 3D mouse; " << why);
     return nullptr;
   }
   const auto hasNode = [&] {
@@ -38,7 +38,7 @@ std::unique_ptr<UhidMouse> plugIn(HidTransport& transport) {
     return false;
   };
   if (!comesTrue(hasNode, 10)) {
-    MESSAGE("skipped: the kernel made a virtual 3D mouse, but no /dev/hidraw for it");
+    MESSAGE("skipped: the kernel created a virtual 3D mouse without a /dev/hidraw node");
     return nullptr;
   }
   CHECK(comesTrue([&] { return find(transport).has_value(); }, 30));
@@ -47,7 +47,7 @@ std::unique_ptr<UhidMouse> plugIn(HidTransport& transport) {
 
 }  // namespace
 
-TEST_CASE("the list of what is plugged in may be asked for by several threads, and nothing that is not there opens") {
+TEST_CASE("several threads can list the devices, and a missing device does not open") {
   const auto transport = hidapiTransport();
   std::vector<std::jthread> threads;
   for (int i = 0; i < 4; ++i)
@@ -67,7 +67,7 @@ TEST_CASE("the list of what is plugged in may be asked for by several threads, a
     MESSAGE(one.name << " at " << one.info.path << ": " << (one.usable ? "usable" : one.whyNot + "; " + one.mend));
 }
 
-TEST_CASE("a virtual 3D mouse is listed with what it is, steers, and is missed and found again") {
+TEST_CASE("a virtual 3D mouse is listed with its properties, steers, and is detected as lost and found again") {
   const auto transport = hidapiTransport();
   auto mouse = plugIn(*transport);
   if (!mouse) return;
@@ -114,7 +114,7 @@ TEST_CASE("a virtual 3D mouse is listed with what it is, steers, and is missed a
   CHECK(stateAfter(0.3).position.x < left.x - 15);
 }
 
-TEST_CASE("a report reaches the device, by the usual way and by that of a signal handler") {
+TEST_CASE("a report reaches the device, written normally and from a signal handler") {
   const auto transport = hidapiTransport();
   const auto mouse = plugIn(*transport);
   if (!mouse) return;

@@ -23,7 +23,7 @@ InformationAge::Clock::time_point at(double time_s) {
 
 }  // namespace
 
-TEST_CASE("how much of a force passes at which age and round trip") {
+TEST_CASE("the share of a force that passes follows the table of age and round trip") {
   struct Row {
     double roundTrip_s, age_s, share;
   };
@@ -49,7 +49,7 @@ TEST_CASE("how much of a force passes at which age and round trip") {
   }
 }
 
-TEST_CASE("what is heard was said half a round trip ago, and nothing that is known becomes older by what is heard") {
+TEST_CASE("received data is half a round trip old, and never makes the known data older") {
   InformationAge known(at(0));
   CHECK(known.age_s(at(0)) == 0);
   CHECK(known.share(at(3.4)) == 1);  // the round trip is still unknown: one second is assumed
@@ -66,7 +66,7 @@ TEST_CASE("what is heard was said half a round trip ago, and nothing that is kno
   CHECK(known.age_s(at(3)) == 0);  // a clock that seems to run backwards
 }
 
-TEST_CASE("a fault takes the force away for good, and a change is remembered for a moment") {
+TEST_CASE("a fault stops the force for good, and a change is remembered for 0.1 s") {
   InformationAge known(at(0));
   CHECK_FALSE(known.isChanging(at(0)));
   known.changed(at(1));
@@ -79,7 +79,7 @@ TEST_CASE("a fault takes the force away for good, and a change is remembered for
   CHECK_FALSE(known.isTrue());
 }
 
-TEST_CASE("a hand that nobody tells how the surface is loses its force smoothly, and gets it back from outside alone") {
+TEST_CASE("the force falls with the age of the last update, and is zero after a fault") {
   // As a silent link would leave it; the wall clock is not simulated.
   const auto ago = [](double age_s) {
     return InformationAge::Clock::now() -

@@ -46,11 +46,11 @@ std::string complaintOf(const OpenHapticsOptions& options = {.calibrationPatienc
 
 }  // namespace
 
-TEST_CASE("a stylus presses on a sphere, on the driver's scheduler and on ours") {
+TEST_CASE("a stylus presses on a sphere, on the driver's scheduler and on palpate's own") {
   const FakeDriver driver("fake_hd", "", kPressing);
   Scheduler scheduler = Scheduler::device;
   SUBCASE("the driver's") {}
-  SUBCASE("ours") { scheduler = Scheduler::own; }
+  SUBCASE("palpate's own") { scheduler = Scheduler::own; }
   const Felt felt = feel({.scheduler = scheduler});
   CHECK_FALSE(felt.result.deviceFailed);
   CHECK(felt.result.fault.empty());
@@ -72,7 +72,7 @@ TEST_CASE("a stylus presses on a sphere, on the driver's scheduler and on ours")
   CHECK(last.force_N.y > 0.2);
 }
 
-TEST_CASE("the closed loop through the driver is that of the simulated Touch") {
+TEST_CASE("the closed loop through the driver equals that of the simulated Touch") {
   const std::string hand = "0,0,26,0\n0.1,0,26,0\n0.4,0,18,0\n0.5,2,18.5,1\n0.6,2,26,0\n";
   const FakeDriver driver("fake_hd", "skip 1", hand);
   const Felt felt = feel({}, 0.7);
@@ -92,7 +92,7 @@ TEST_CASE("the closed loop through the driver is that of the simulated Touch") {
   CHECK(most_N > 0.2);
 }
 
-TEST_CASE("the first device that the driver knows is taken, or the one that is named") {
+TEST_CASE("the driver's first device is opened, or the named one") {
   const FakeDriver driver;
   CHECK(OpenHapticsDevice({.deviceName = "Left Device"}).facts().serial == "FAKE-0001");
   CHECK(OpenHapticsDevice({}).name() == "Touch");
@@ -102,7 +102,7 @@ TEST_CASE("the first device that the driver knows is taken, or the one that is n
   CHECK(says(text, "Touch_Setup"));
 }
 
-TEST_CASE("a driver that cannot open the device says why") {
+TEST_CASE("a driver that cannot open the device reports why") {
   SUBCASE("no cable") {
     const FakeDriver driver("fake_hd", "fault init 770");  // 0x0302
     const std::string text = complaintOf();
@@ -128,7 +128,7 @@ TEST_CASE("a driver that cannot open the device says why") {
   }
 }
 
-TEST_CASE("a stylus that needs its inkwell is waited for") {
+TEST_CASE("a session waits for a stylus that must be in its inkwell to calibrate") {
   std::vector<std::string> words;
   const OpenHapticsOptions options{.calibrationPatience_s = 30,
                                    .say = [&](const std::string& text) { words.push_back(text); }};
@@ -139,19 +139,19 @@ TEST_CASE("a stylus that needs its inkwell is waited for") {
     CHECK(says(words[0], "put the stylus into the inkwell"));
     CHECK(says(words[1], "calibrated"));
   }
-  SUBCASE("not for ever") {
+  SUBCASE("not forever") {
     const FakeDriver driver("fake_hd", "fault calibration 100000");
     CHECK(says(complaintOf(), "was not calibrated within 0.2 s; put the stylus into the inkwell"));
     CHECK(driver.note().closed == 1);
   }
-  SUBCASE("but not when the person gives up") {
+  SUBCASE("not after the user cancels") {
     const FakeDriver driver("fake_hd", "fault calibration 100000");
     std::atomic<bool> stop = true;
     CHECK(says(complaintOf({.stop = &stop}), "interrupted"));
   }
 }
 
-TEST_CASE("an error of the driver in mid-touch does to the force what it means") {
+TEST_CASE("a driver error during a touch stops the force as its meaning requires") {
   SUBCASE("no communication: the session ends") {
     const FakeDriver driver("fake_hd", "fault error 770 0.45", kPressing);
     const Felt felt = feel();
@@ -186,7 +186,7 @@ TEST_CASE("an error of the driver in mid-touch does to the force what it means")
     CHECK(driver.note().mostForce_N > 0.1);
     CHECK(felt.result.counts().withheld.errors >= 1);
   }
-  SUBCASE("hot motors that the driver only tells of") {
+  SUBCASE("hot motors that the driver only reports") {
     const FakeDriver driver("fake_hd", "fault temperature 0.97 0.3", kPressing);
     OpenHapticsDevice device({});
     SphereContact sphere(kRadius);
@@ -199,14 +199,14 @@ TEST_CASE("an error of the driver in mid-touch does to the force what it means")
     CHECK(driver.lastForce_N() == DVec3(0));
     CHECK(result.trace().rows.back().force_N == DVec3(0));
   }
-  SUBCASE("the joint data go") {
+  SUBCASE("the joint data disappear") {
     const FakeDriver driver("fake_hd", "fault frozen 0 0.45", kPressing);
     const Felt felt = feel();
     CHECK(felt.result.deviceFailed);
     CHECK(says(felt.result.fault, "frozen at (0, -110, -35) mm"));
     CHECK(driver.lastForce_N() == DVec3(0));
   }
-  SUBCASE("a position that is no number") {
+  SUBCASE("a position that is not a number") {
     const FakeDriver driver("fake_hd", "fault nan 0 0.45", kPressing);
     const Felt felt = feel();
     CHECK(felt.result.deviceFailed);
@@ -222,7 +222,7 @@ TEST_CASE("an error of the driver in mid-touch does to the force what it means")
   }
 }
 
-TEST_CASE("a stylus tells how it is held, where its driver knows") {
+TEST_CASE("a stylus reports its orientation if its driver knows it") {
   DQuat expected(0.5, 0.5, -0.5, 0.5);
   std::string script = "turn 0.5 0.5 -0.5 0.5";
   SUBCASE("it knows") {}
@@ -239,12 +239,12 @@ TEST_CASE("a stylus tells how it is held, where its driver knows") {
   CHECK(device.write(DVec3(0)));
 }
 
-TEST_CASE("a device that gives less force than its kin is asked for no more") {
+TEST_CASE("a device with less force than others of its kind gets no more") {
   const FakeDriver driver("fake_hd", "fault weak");
   CHECK(OpenHapticsDevice({}).limits().peakForce_N == 1.5);
 }
 
-TEST_CASE("forces that are no numbers, or larger than the device bears, do not reach it") {
+TEST_CASE("a force that is not a number, or exceeds the device's limit, does not reach it") {
   const FakeDriver driver;
   OpenHapticsDevice device({.scheduler = Scheduler::own});
   REQUIRE(device.read(0).ok);
@@ -259,7 +259,7 @@ TEST_CASE("forces that are no numbers, or larger than the device bears, do not r
   CHECK(driver.lastForce_N() == DVec3(0));
 }
 
-TEST_CASE("a device that goes leaves no force behind") {
+TEST_CASE("a closed device is left without force") {
   const FakeDriver driver;
   {
     OpenHapticsDevice device({.scheduler = Scheduler::own});
@@ -284,7 +284,7 @@ TEST_CASE("an emergency stop from another thread waits for the driver to send th
   const double waited_us = watch.elapsed_us();
   if (driver.lastForce_N() != DVec3(0)) {
     // It may wait for some ticks, but not endlessly.
-    MESSAGE("this machine is too busy: no tick of the driver in " << waited_us << " us");
+    MESSAGE("this machine is too busy: the driver ran no tick in " << waited_us << " us");
     CHECK(waited_us >= 5000);
   }
   CHECK(driver.waitForZero());
@@ -292,13 +292,13 @@ TEST_CASE("an emergency stop from another thread waits for the driver to send th
   session.join();
 }
 
-TEST_CASE("the driver's servo loop takes another rate, or says that it does not") {
+TEST_CASE("the driver's servo loop takes another rate, or reports that it cannot") {
   const FakeDriver driver("fake_hd", "", kPressing);
   CHECK(OpenHapticsDevice({.rate_Hz = 500}).name() == "Touch");
   CHECK(says(complaintOf({.rate_Hz = 777}), "does not run at 777 Hz; use a rate of 1000 Hz"));
 }
 
-TEST_CASE("every error of the interface has a meaning and an advice") {
+TEST_CASE("every error of the driver has a meaning and advice") {
   using hdapi::Severity;
   for (const std::uint32_t code :
        {0x100u, 0x101u, 0x102u, 0x103u, 0x104u, 0x200u, 0x201u, 0x202u, 0x203u, 0x204u, 0x300u,

@@ -11,7 +11,7 @@
 
 namespace palpate::pace_check_test {
 
-TEST_CASE("every tick comes or is counted as missed, in the time that was asked for") {
+TEST_CASE("every tick is run or counted as missed, within the requested time") {
   const Stopwatch watch;
   const PaceCheck check = checkPace(500, 0.2);
   CHECK(watch.elapsed_s() >= 0.198);  // the last tick is due then
@@ -22,7 +22,7 @@ TEST_CASE("every tick comes or is counted as missed, in the time that was asked 
   CHECK_THROWS_AS(checkPace(1000, 1e9), UsageError);
 }
 
-TEST_CASE("a session has at least one tick, and no more than memory has rows for") {
+TEST_CASE("a session has at least one tick, and no more than fit into memory") {
   CHECK(plannedTicks(1000, 0) == 1);
   CHECK(plannedTicks(10'000, 60) == 600'000);
   CHECK_THROWS_AS(plannedTicks(1000, std::nan("")), UsageError);

@@ -41,7 +41,7 @@ class Spring {
 
 }  // namespace
 
-TEST_CASE("pressing a spring adds its energy, and being pushed out takes it away") {
+TEST_CASE("pressing a spring adds its energy, and being pushed out removes it") {
   Spring spring(PassivityMode::observe);
   for (int i = 0; i <= 1000; ++i) spring.tick(2e-3 * i);
   CHECK(spring.passivity.energy_mJ() == near(0.5 * 2 * 2, 0.002));
@@ -51,7 +51,7 @@ TEST_CASE("pressing a spring adds its energy, and being pushed out takes it away
   CHECK(spring.passivity.leastEnergy_mJ() == spring.passivity.energy_mJ());
 }
 
-TEST_CASE("a hand that draws back fast is given no more than what is left") {
+TEST_CASE("a hand that withdraws fast gets no more energy than is left") {
   for (const double way_mm : {1.0, 0.5, 0.25}) {
     CAPTURE(way_mm);
     Spring spring(PassivityMode::on);
@@ -67,7 +67,7 @@ TEST_CASE("a hand that draws back fast is given no more than what is left") {
   }
 }
 
-TEST_CASE("a contact that is over leaves neither credit nor debt for the next") {
+TEST_CASE("an ended contact leaves neither credit nor debt for the next") {
   Spring spring(PassivityMode::observe);
   for (int i = 0; i <= 100; ++i) spring.tick(0.02 * i);
   spring.tick(-1);
@@ -77,7 +77,7 @@ TEST_CASE("a contact that is over leaves neither credit nor debt for the next") 
   CHECK(spring.passivity.energy_mJ() == 0);
 }
 
-TEST_CASE("an observer changes no force") {
+TEST_CASE("a passivity observer changes no force") {
   Spring spring(PassivityMode::observe, 5);
   for (int i = 0; i < 2000; ++i) {
     const double force_N = spring.tick(1 + std::sin(0.05 * i));
@@ -86,7 +86,7 @@ TEST_CASE("an observer changes no force") {
   CHECK(spring.passivity.leastEnergy_mJ() < -0.5);
 }
 
-TEST_CASE("the controller takes back what delay makes, and never turns a push into a pull") {
+TEST_CASE("the passivity controller removes the energy of a delay, and never turns a push into a pull") {
   Spring observed(PassivityMode::observe, 5), braked(PassivityMode::on, 5);
   for (int i = 0; i < 2000; ++i) {
     const double depth_mm = 2 + std::sin(0.05 * i);
@@ -97,7 +97,7 @@ TEST_CASE("the controller takes back what delay makes, and never turns a push in
   CHECK(braked.passivity.leastEnergy_mJ() > 0.4 * observed.passivity.leastEnergy_mJ());
 }
 
-TEST_CASE("free space is free, even on the tick after a contact that owes energy") {
+TEST_CASE("free space has no force, even on the tick after a contact that owes energy") {
   Passivity passivity(PassivityMode::on, {.forceDelay_ticks = 1}, 1);
   DVec3 position(0);
   for (int i = 0; i < 10; ++i) {
@@ -113,7 +113,7 @@ TEST_CASE("free space is free, even on the tick after a contact that owes energy
   CHECK(passivity.energy_mJ() == 0);
 }
 
-TEST_CASE("what a contact owes from before others change its surface is not held against the hand") {
+TEST_CASE("a contact's debt from before others change the surface is not charged to the hand") {
   Passivity passivity(PassivityMode::on, {.mostDamping_N_s_per_mm = 0.0001}, 1);
   DVec3 position(0);
   for (int i = 0; i < 30; ++i) {
@@ -137,7 +137,7 @@ TEST_CASE("what a contact owes from before others change its surface is not held
   CHECK(passivity.energy_mJ() > -1.2 * Passivity::kLent_mJ);
 }
 
-TEST_CASE("the damping stays within what the device renders calmly") {
+TEST_CASE("the passivity damping stays within the device's limit") {
   Passivity passivity(PassivityMode::on, {.mostDamping_N_s_per_mm = 0.003}, 1);
   DVec3 position(0);
   double strongest_N_s_per_mm = 0;
@@ -152,7 +152,7 @@ TEST_CASE("the damping stays within what the device renders calmly") {
   CHECK(strongest_N_s_per_mm == near(0.003, 1e-6));
 }
 
-TEST_CASE("a force that comes a tick late is counted when it acts") {
+TEST_CASE("a force that acts a tick late is counted when it acts") {
   Passivity late(PassivityMode::observe, {.forceDelay_ticks = 1}, 1);
   late.damped(DVec3(0), DVec3(0), kTick_s);
   late.acted({1, 0, 0});
@@ -163,7 +163,7 @@ TEST_CASE("a force that comes a tick late is counted when it acts") {
   CHECK(late.energy_mJ() == -2);
 }
 
-TEST_CASE("jumps, numbers that are none and a mode of off count nothing") {
+TEST_CASE("jumps, invalid numbers and the mode off count no energy") {
   Passivity passivity(PassivityMode::on, {}, 1);
   const DVec3 force(0, 0, 1);
   passivity.damped(force, {0, 0, 0}, kTick_s);
@@ -183,7 +183,7 @@ TEST_CASE("jumps, numbers that are none and a mode of off count nothing") {
 }
 
 TEST_CASE(
-    "where others change the surface, all that a contact gives beyond what it took is bounded, however long it lasts") {
+    "while others change the surface, the energy a contact gives beyond what it took is bounded for any duration") {
   for (const int delay : {0, 1, 3})
     for (const double step_mm : {0.002, 0.055})
       for (const bool flickers : {false, true}) {
@@ -216,7 +216,7 @@ TEST_CASE(
       }
 }
 
-TEST_CASE("a hand that sinks in where all is given has something to press against again") {
+TEST_CASE("a hand that sinks in after all energy is spent meets a force again") {
   Passivity passivity(PassivityMode::on, {}, 0.8);
   DVec3 position(0);
   const auto tick = [&](double way_mm) {
@@ -233,7 +233,7 @@ TEST_CASE("a hand that sinks in where all is given has something to press agains
   CHECK(force_N == 3);  // after 4 mm of 0.8 N/mm
 }
 
-TEST_CASE("where the surface moves, what counts is the way of the hand relative to it") {
+TEST_CASE("on a moving surface the energy counts the hand's displacement relative to it") {
   Passivity carried(PassivityMode::observe, DeviceLimits{}, 1), pressed(PassivityMode::observe, DeviceLimits{}, 1);
   const DVec3 velocity_mm_per_s(30, 0, 200);
   for (int i = 0; i <= 500; ++i) {

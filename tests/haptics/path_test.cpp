@@ -36,7 +36,7 @@ class CsvFile {
 
 }  // namespace
 
-TEST_CASE("a path is linear between its keys and at rest outside of them") {
+TEST_CASE("a path is linear between its keys and at rest outside them") {
   const Path path({{1, {0, 0, 0}}, {2, {10, 0, 0}}, {4, {10, 0, -4}}});
   CHECK(path.duration_s() == 4);
   CHECK(path.at(-1) == DVec3(0));
@@ -48,7 +48,7 @@ TEST_CASE("a path is linear between its keys and at rest outside of them") {
   CHECK(path.at(1e9) == DVec3(10, 0, -4));
 }
 
-TEST_CASE("the path device plays its path and remembers the force") {
+TEST_CASE("the path device plays its path and stores the force") {
   PathDevice device(Path({{0, {0, 0, 0}}, {1, {1, 2, 3}}}));
   CHECK(device.read(0.5).ok);
   CHECK(device.read(0.5).position == DVec3(0.5, 1, 1.5));
@@ -56,7 +56,7 @@ TEST_CASE("the path device plays its path and remembers the force") {
   CHECK(device.lastForce_N() == DVec3(1, 2, 3));
 }
 
-TEST_CASE("a CSV path is read with comments, blanks, line ends of any kind and a byte order mark") {
+TEST_CASE("a CSV path is read with comments, blanks, any line ends and a byte order mark") {
   const Path path =
       CsvFile("\xEF\xBB\xBF# by hand\r\nt_s, x, y, z\r\n\r\n0,1,2,3\r\n  # half a second\n0.5 , -1e2,2.5,\t3").read();
   REQUIRE(path.keys().size() == 2);
@@ -65,7 +65,7 @@ TEST_CASE("a CSV path is read with comments, blanks, line ends of any kind and a
   CHECK(path.keys()[1].position == DVec3(-100, 2.5, 3));
 }
 
-TEST_CASE("a wrong CSV path is refused with its line") {
+TEST_CASE("an invalid CSV path is refused with its line") {
   CHECK(CsvFile("").error() == "way.csv:1: the file is empty; it must begin with t_s,x,y,z");
   CHECK(CsvFile("# nothing\n\n").error() == "way.csv:2: the file is empty; it must begin with t_s,x,y,z");
   CHECK(CsvFile("0,1,2,3\n").error() == "way.csv:1: the header is missing; the first line must be t_s,x,y,z");

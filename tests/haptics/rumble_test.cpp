@@ -64,7 +64,7 @@ class FlakyDevice final : public HapticDevice {
 
 }  // namespace
 
-TEST_CASE("a contact begins with a tap, and the hum grows with the force") {
+TEST_CASE("a contact starts with a tap, and the hum grows with the force") {
   RumbleShape shape;
   CHECK(shape.at(0, 0, 0) == RumbleMotors{});
   const RumbleMotors begin = shape.at(0.01, 0.1, 1);
@@ -81,7 +81,7 @@ TEST_CASE("a contact begins with a tap, and the hum grows with the force") {
   CHECK(shape.at(0.7, 1, 2).weak == 255);  // a hard impact
 }
 
-TEST_CASE("a tap that was over before anyone looked is felt all the same, and a rattle is one tap at a time") {
+TEST_CASE("a contact between two reports still gives a tap, and repeated contacts do not overlap") {
   RumbleShape shape;
   CHECK(shape.at(0, 0, 3).weak > 0);
   CHECK(shape.at(0.03, 0, 4).weak > 0);
@@ -101,20 +101,20 @@ TEST_CASE("the motors run with the force and stop with it") {
   CHECK(scene.telling({0, 0, 0}, [&] { return scene.ranAndStopped(); }));
 }
 
-TEST_CASE("nobody who tells a force: the motors stop by themselves") {
+TEST_CASE("the motors stop if no force is written any more") {
   Scene scene;
   REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.runs(); }));
   CHECK(comesTrue([&] { return scene.ranAndStopped(); }));
 }
 
-TEST_CASE("the strongest hum is for the strongest force of the device, or of a Touch where a device has no limit") {
+TEST_CASE("the strongest hum is at the device's maximum force, or at a Touch's if a device has no limit") {
   const auto hid = std::make_shared<FakeHid>();
   hid->plug(dualSense());
   Remarks remarks;
   double full_N = 8;
   std::uint8_t expected = 64;  // between 24 and 200, in steps of 8
   SUBCASE("a stronger device") {}
-  SUBCASE("a script, which bears any force") {
+  SUBCASE("a script without a force limit") {
     full_N = std::numeric_limits<double>::infinity();
     expected = 128;
   }
@@ -126,7 +126,7 @@ TEST_CASE("the strongest hum is for the strongest force of the device, or of a T
   }));
 }
 
-TEST_CASE("a force that is no number is no rumble") {
+TEST_CASE("a force that is not a number causes no rumble") {
   Scene scene;
   for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     const Stopwatch watch;
@@ -135,7 +135,7 @@ TEST_CASE("a force that is no number is no rumble") {
   CHECK(scene.hid->sent(kPad).empty());
 }
 
-TEST_CASE("the last report is silence, at the end of the session") {
+TEST_CASE("the last report of a session stops the motors") {
   Scene scene;
   REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.runs(); }));
   scene.rumble.reset();
@@ -143,7 +143,7 @@ TEST_CASE("the last report is silence, at the end of the session") {
   CHECK(scene.hid->opened() == 0);
 }
 
-TEST_CASE("an emergency stop silences at once and for good") {
+TEST_CASE("an emergency stop silences the gamepad at once and for good") {
   Scene scene;
   REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.runs(); }));
   scene.rumble->stop();
@@ -160,7 +160,7 @@ TEST_CASE("an emergency stop silences at once and for good") {
   CHECK(scene.hid->sent(kPad).size() == so_far);
 }
 
-TEST_CASE("reports go out at a modest rate, however wild the force") {
+TEST_CASE("reports are sent at a limited rate, however the force changes") {
   Scene scene;
   const Stopwatch watch;
   int i = 0;
@@ -172,7 +172,7 @@ TEST_CASE("reports go out at a modest rate, however wild the force") {
   CHECK(sent < 120 * watch.elapsed_s());
 }
 
-TEST_CASE("a gamepad that is unplugged rumbles again when it is back, and a stop without one is no harm") {
+TEST_CASE("an unplugged gamepad rumbles again after reconnection, and a stop without one does no harm") {
   Scene scene;
   REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.runs(); }));
   scene.hid->unplug(kPad);
@@ -188,7 +188,7 @@ TEST_CASE("a gamepad that is unplugged rumbles again when it is back, and a stop
   CHECK(scene.hid->sent(kPad, true).empty());
 }
 
-TEST_CASE("any device can have a gamepad beside it that rumbles with what is really written") {
+TEST_CASE("a gamepad beside any device rumbles with the force actually written") {
   const auto hid = std::make_shared<FakeHid>();
   hid->plug(dualSense());
   Remarks remarks;
@@ -214,7 +214,7 @@ TEST_CASE("any device can have a gamepad beside it that rumbles with what is rea
   CHECK(hid->sent(kPad, true).size() == 1);
 }
 
-TEST_CASE("whatever ends a session, the gamepad is silent afterwards") {
+TEST_CASE("the gamepad is silent after a session, however it ends") {
   const auto hid = std::make_shared<FakeHid>();
   hid->plug(dualSense());
   Remarks remarks;

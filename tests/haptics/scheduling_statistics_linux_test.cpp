@@ -13,7 +13,7 @@
 
 namespace palpate::scheduling_statistics_test {
 
-TEST_CASE("a thread whose core goes to another one sees that in its account, and pages that it touches first") {
+TEST_CASE("a preempted thread sees its waiting time and its page faults in the statistics") {
   cpu_set_t one;
   CPU_ZERO(&one);
   SchedulingStatistics shared;
@@ -41,7 +41,7 @@ TEST_CASE("a thread whose core goes to another one sees that in its account, and
   if (isCounted)
     CHECK(shared.waited_us > kWaited_us);
   else
-    MESSAGE("this kernel keeps no account of waiting: not checked");
+    MESSAGE("skipped: this kernel counts no waiting times (schedstat)");
 
   constexpr std::size_t kPages = 64, kPage = 4096;
   void* const memory = ::mmap(nullptr, kPages * kPage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);

@@ -69,7 +69,7 @@ TEST_CASE("no tick allocates memory") {
   CHECK(allocations == 1);  // the counter counts
 }
 
-TEST_CASE("no tick of a 3D mouse with a gamepad that rumbles allocates, also while it is unplugged") {
+TEST_CASE("a tick of a 3D mouse with a rumbling gamepad allocates no memory, also while unplugged") {
   const auto hid = std::make_shared<FakeHid>();
   hid->plug(spaceMouse());
   hid->plug(dualSense());

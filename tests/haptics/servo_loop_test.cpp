@@ -101,7 +101,7 @@ TEST_CASE("on a sphere the force is zero outside and stiffness times depth along
   CHECK(sphere.largestBudget_us == 0);  // virtual time waits for the answer
 }
 
-TEST_CASE("in virtual time two runs give the same bytes") {
+TEST_CASE("two runs in virtual time give the same bytes") {
   std::string first;
   for (int run = 0; run < 2; ++run) {
     PathDevice device(touchAndGo());
@@ -112,7 +112,7 @@ TEST_CASE("in virtual time two runs give the same bytes") {
   }
 }
 
-TEST_CASE("the workspace map places the device in the model") {
+TEST_CASE("the workspace map positions the device in the model") {
   PathDevice device(touchAndGo());
   const DVec3 center(1e6, 0, 5);
   SphereContact sphere(2 * kRadius, center);
@@ -131,12 +131,12 @@ TEST_CASE("the device's peak force is never exceeded") {
   CHECK(glm::length(trace.rows[690].force_N) == near(1, 1e-6));
 }
 
-TEST_CASE("a fault of the device ends the session with zero force from that tick on and says why") {
+TEST_CASE("a device fault ends the session with zero force from that tick on and with its reason") {
   FaultyDevice device(touchAndGo());
   SphereContact sphere(kRadius);
   SUBCASE("reading") { device.failsReadAt_s = 0.2; }
   SUBCASE("writing") { device.failsWriteAt_s = 0.2; }
-  SUBCASE("a position that is no number") { device.losesPositionAt_s = 0.2; }
+  SUBCASE("a position that is not a number") { device.losesPositionAt_s = 0.2; }
   ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.5));
   const ServoResult result = loop.run();
   CHECK(result.deviceFailed);
@@ -150,7 +150,7 @@ TEST_CASE("a fault of the device ends the session with zero force from that tick
   CHECK(summarize(result.trace()).faultTicks == 1);
 }
 
-TEST_CASE("a device that fails without words is still named") {
+TEST_CASE("a device that fails without a reason is still named") {
   FaultyDevice device(touchAndGo());
   device.failsReadAt_s = 0;
   device.text.clear();
@@ -161,13 +161,13 @@ TEST_CASE("a device that fails without words is still named") {
   CHECK(device.last_N == DVec3(0));
 }
 
-TEST_CASE("a fault of the query means zero force at its ticks, and the session goes on") {
+TEST_CASE("a query fault gives zero force at its ticks, and the session continues") {
   PathDevice device(touchAndGo());
   SphereContact sphere(kRadius);
   bool withNaN = false;
   double until_s = 0.25;
   SUBCASE("not valid") {}
-  SUBCASE("no number") { withNaN = true; }
+  SUBCASE("not a number") { withNaN = true; }
   SUBCASE("to the end") { until_s = 1; }
   sphere.failBetween(0.2, until_s, withNaN);
   ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.3));
@@ -188,7 +188,7 @@ TEST_CASE("a fault of the query means zero force at its ticks, and the session g
   CHECK(device.lastForce_N() == DVec3(0));
 }
 
-TEST_CASE("the observer sees every tick in virtual time, and what it throws leaves zero force behind") {
+TEST_CASE("the observer sees every tick in virtual time, and an exception from it leaves zero force") {
   PathDevice device(touchAndGo());
   SphereContact sphere(kRadius);
   ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.2));
@@ -217,7 +217,7 @@ TEST_CASE("a session can be stopped from outside") {
   CHECK(device.lastForce_N() == DVec3(0));
 }
 
-TEST_CASE("real time follows the wall clock, gives the query a budget and the scheduler back") {
+TEST_CASE("real time follows the wall clock, gives the query a budget, and restores the scheduler") {
   const int policyBefore = ::sched_getscheduler(0);
   PathDevice device(touchAndGo());
   SphereContact sphere(kRadius);
@@ -238,7 +238,7 @@ TEST_CASE("real time follows the wall clock, gives the query a budget and the sc
   CHECK(::sched_getscheduler(0) == policyBefore);
 }
 
-TEST_CASE("real time goes up to 10 kHz, counts every tick and leaves at most 80 of 100 us to the query") {
+TEST_CASE("real time runs up to 10 kHz, counts every tick and leaves at most 80 of 100 us to the query") {
   PathDevice device(touchAndGo());
   SphereContact sphere(kRadius);
   ServoOptions options = lasting(0.3, true);
@@ -253,7 +253,7 @@ TEST_CASE("real time goes up to 10 kHz, counts every tick and leaves at most 80 
   CHECK(sphere.largestBudget_us <= 80 + 1);
 }
 
-TEST_CASE("by a clock that stands still while ticks run none is late, and a query has the time that it takes") {
+TEST_CASE("on a clock that stands still during ticks no tick is late, and a query has unlimited time") {
   PathDevice device(touchAndGo()), again(touchAndGo());
   SphereContact sphere(kRadius), other(kRadius);
   SteppedClock clock;
@@ -271,7 +271,7 @@ TEST_CASE("by a clock that stands still while ticks run none is late, and a quer
   }
 }
 
-TEST_CASE("a clock that is held gives another thread the pace, tick by tick") {
+TEST_CASE("a held clock lets another thread pace the session, tick by tick") {
   PathDevice device(touchAndGo());
   SphereContact sphere(kRadius);
   SteppedClock clock;
@@ -304,7 +304,7 @@ TEST_CASE("a clock that is held gives another thread the pace, tick by tick") {
   clock.goOnTo(1);     // no more ticks follow
 }
 
-TEST_CASE("a tick that takes too long is not made up for in a burst") {
+TEST_CASE("a tick that takes too long is not followed by a burst") {
   class SlowSphere : public SphereContact {
    public:
     using SphereContact::SphereContact;

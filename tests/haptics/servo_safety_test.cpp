@@ -65,7 +65,7 @@ ServoResult played(HapticDevice& device, const ServoOptions& options = lasting(3
 
 }  // namespace
 
-TEST_CASE("a hand that is outside while forces ramp up feels the whole surface afterwards") {
+TEST_CASE("a hand outside while forces ramp up feels the full surface afterwards") {
   HeldDevice device(press());
   const ServoResult result = played(device);
   CHECK(forceAt(result, 0.5) == 0);
@@ -73,7 +73,7 @@ TEST_CASE("a hand that is outside while forces ramp up feels the whole surface a
   CHECK(result.counts().withheld.errors + result.counts().withheld.stale + result.counts().withheld.hot == 0);
 }
 
-TEST_CASE("a hand that is inside when the session starts feels nothing until it has been outside") {
+TEST_CASE("a hand inside when the session starts feels nothing until it has been outside") {
   const Path path({{0, {0, 0, 49}}, {1, {0, 0, 49}}, {1.1, {0, 0, 51}}, {1.2, {0, 0, 49}}, {3, {0, 0, 49}}});
   HeldDevice held(path);
   double rate_Hz = 1000;
@@ -93,7 +93,7 @@ TEST_CASE("a hand that is inside when the session starts feels nothing until it 
   CHECK(at(2) == near(0.8, 1e-6));
 }
 
-TEST_CASE("a script is a measuring instrument: it feels the whole force from its first tick, and may jump") {
+TEST_CASE("a script feels the full force from its first tick, and may jump") {
   PathDevice device(Path({{0, {0, 0, 49}}, {0.1, {0, 0, 49}}, {0.101, {0, 0, 80}}, {0.102, {0, 0, 49}}}));
   const ServoResult result = played(device, {.duration_s = 0.2});
   CHECK(forceAt(result, 0.01) == near(0.8, 1e-6));
@@ -101,7 +101,7 @@ TEST_CASE("a script is a measuring instrument: it feels the whole force from its
   CHECK_FALSE(result.counts().leastEnergy_mJ);
 }
 
-TEST_CASE("a device that jumps farther than a hand can throw it gives no force until it has been outside") {
+TEST_CASE("a device that jumps farther than a hand can move gives no force until it has been outside") {
   const auto jumping = [](double to) {
     return Path({{0, {0, 0, 60}}, {0.8, {0, 0, 60}}, {0.801, {0, 0, to}}, {3, {0, 0, to}}});
   };
@@ -112,7 +112,7 @@ TEST_CASE("a device that jumps farther than a hand can throw it gives no force u
   for (const TraceRow& row : result.trace().rows) REQUIRE(row.force_N == DVec3(0));
 }
 
-TEST_CASE("answers that are never fresh lose their force, however valid they say they are") {
+TEST_CASE("answers that are never fresh lose their force, even if they claim to be valid") {
   HeldDevice device(press());
   SpoiltSphere sphere([](const Pose& pose, Contact& contact) { contact.fresh = pose.time_s < 1 || pose.time_s >= 2; });
   const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3), kUnbraked).run();
@@ -123,7 +123,7 @@ TEST_CASE("answers that are never fresh lose their force, however valid they say
   CHECK(forceAt(result, 2.6) == near(0.8, 1e-6));
 }
 
-TEST_CASE("answers that are always a tick late, and say so, keep their force") {
+TEST_CASE("answers that are always a tick late, and report it, keep their force") {
   HeldDevice device(press());
   SpoiltSphere sphere([](const Pose& pose, Contact& contact) {
     contact.fresh = false;
@@ -134,7 +134,7 @@ TEST_CASE("answers that are always a tick late, and say so, keep their force") {
   CHECK(result.counts().withheld.stale == 0);
 }
 
-TEST_CASE("a query that is lost for good leaves zero force for good") {
+TEST_CASE("a query that fails for good gives zero force for good") {
   HeldDevice device(press());
   SpoiltSphere sphere([](const Pose& pose, Contact& contact) { contact.valid = pose.time_s < 1; });
   const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3), kUnbraked).run();
@@ -142,7 +142,7 @@ TEST_CASE("a query that is lost for good leaves zero force for good") {
   for (std::size_t i = 1000; i < 3000; ++i) REQUIRE(result.trace().rows[i].force_N == DVec3(0));
 }
 
-TEST_CASE("one switch takes the force away at once and gives it back slowly") {
+TEST_CASE("the force switch stops the force at once and restores it slowly") {
   HeldDevice device(Path({{0, {0, 0, 52}},
                           {0.6, {0, 0, 52}},
                           {0.7, {0, 0, 49}},
@@ -164,7 +164,7 @@ TEST_CASE("one switch takes the force away at once and gives it back slowly") {
   CHECK(result.trace().rows[1300].contact);
 }
 
-TEST_CASE("motors that are driven too hard for too long get what they bear") {
+TEST_CASE("motors driven too hard for too long get the continuous force") {
   HeldDevice device(Path({{0, {0, 0, 52}}, {0.6, {0, 0, 52}}, {0.7, {0, 0, 44}}, {12, {0, 0, 44}}}));
   const ServoResult result = played(device, lasting(12));
   CHECK(forceAt(result, 1) == near(3.3, 1e-6));
@@ -174,7 +174,7 @@ TEST_CASE("motors that are driven too hard for too long get what they bear") {
     REQUIRE(glm::distance(result.trace().rows[i].force_N, result.trace().rows[i - 1].force_N) < 0.02);
 }
 
-TEST_CASE("a controller that brakes needs a device that yields") {
+TEST_CASE("a passivity controller requires a device that yields") {
   PathDevice script(press());
   SphereContact sphere(50);
   const auto made = [&](PassivityMode mode) {

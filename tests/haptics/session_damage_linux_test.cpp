@@ -12,7 +12,7 @@
 
 namespace palpate::session_damage_test {
 
-TEST_CASE("a killed process leaves all but the last moments of its session") {
+TEST_CASE("a killed process keeps all but the last moments of its session") {
   const ScratchFolder folder;
   const pid_t child = ::fork();
   if (child == 0) {
@@ -96,7 +96,7 @@ int writeOnFullDisk(const std::filesystem::path& file, rlim_t limit, std::uint32
 
 }  // namespace
 
-TEST_CASE("on a full disk the session goes on, is told once, and what fits is in the log: ticks, edits and its end") {
+TEST_CASE("on a full disk the session continues, gets one error, and the log holds the ticks, edits and end that fit") {
   const ScratchFolder folder;
   constexpr std::uint32_t kTicks = 5000;
   CHECK(writeOnFullDisk(folder / "log", 614'400, kTicks, kTicks) == 1);
@@ -113,7 +113,7 @@ TEST_CASE("on a full disk the session goes on, is told once, and what fits is in
   CHECK(saysOneOf(whatIsMissing(record), "they were not written"));
 }
 
-TEST_CASE("of many edits that come at once a full disk leaves all but the last block that fits") {
+TEST_CASE("a full disk keeps all but the last block that fits of many edits at once") {
   const ScratchFolder folder;
   constexpr std::uint32_t kEdits = 100'000;
   const int told = inProcessWithSmallFiles(614'400, [&] {
@@ -137,7 +137,7 @@ TEST_CASE("of many edits that come at once a full disk leaves all but the last b
   CHECK(missing(record, &LogGap::states) == kEdits - record.edits.points.size());
 }
 
-TEST_CASE("once there is room again the log goes on, and says what it has not") {
+TEST_CASE("a log continues once the disk has space again, and states what is missing") {
   const ScratchFolder folder;
   CHECK(writeOnFullDisk(folder / "log", 100'000, 2000, 1000) == 1);
   const SessionRecord record = readSessionLog(folder / "log");
@@ -152,10 +152,10 @@ TEST_CASE("once there is room again the log goes on, and says what it has not") 
   CHECK(later == 1000);
 }
 
-TEST_CASE("a header for which there is no room is an error, and no log") {
+TEST_CASE("a header that does not fit on the disk is an error, and leaves no log") {
   const ScratchFolder folder;
   if (!std::filesystem::exists("/dev/full")) {
-    MESSAGE("skipped: there is no /dev/full");
+    MESSAGE("skipped: this machine has no /dev/full");
     return;
   }
   CHECK_THROWS_WITH_AS(SessionWriter("/dev/full", "a text"), doctest::Contains("free some space"), FileError);

@@ -10,7 +10,7 @@
 
 namespace palpate::session_damage_test {
 
-TEST_CASE("cut off anywhere, a log is read up to its last whole block") {
+TEST_CASE("a log truncated anywhere is read up to its last whole block") {
   const ScratchFolder folder;
   writeSession(folder / "log", 700);
   const std::string whole = contentOf(folder / "log");
@@ -33,7 +33,7 @@ TEST_CASE("cut off anywhere, a log is read up to its last whole block") {
   CHECK(most > 500);
 }
 
-TEST_CASE("a byte that changed costs the block that it is in, and that is said; one in a header costs nothing") {
+TEST_CASE("a changed byte costs its block, which is reported; one in a header costs nothing") {
   const ScratchFolder folder;
   writeSession(folder / "log", 700);
   const std::string whole = contentOf(folder / "log");
@@ -77,7 +77,7 @@ TEST_CASE("a byte that changed costs the block that it is in, and that is said; 
   CHECK(ends > 150);
 }
 
-TEST_CASE("what is cut out, put in, or blank in the middle costs no more than the blocks that it touches") {
+TEST_CASE("deleted, inserted or blank bytes cost no more than the blocks they touch") {
   const ScratchFolder folder;
   writeSession(folder / "log", 2000);
   const std::string whole = contentOf(folder / "log");
@@ -103,7 +103,7 @@ TEST_CASE("what is cut out, put in, or blank in the middle costs no more than th
   }
 }
 
-TEST_CASE("several gaps are told one by one, and only the ticks before the first count edits") {
+TEST_CASE("several gaps are reported one by one, and only the ticks before the first count edits") {
   const ScratchFolder folder;
   writeSession(folder / "log", 2000);
   std::string changed = contentOf(folder / "log");
@@ -166,7 +166,7 @@ void writeVersion2(const std::filesystem::path& file, std::uint32_t blocks) {
 
 }  // namespace
 
-TEST_CASE("a log of version 2 is read, and a byte that changed costs its block there too") {
+TEST_CASE("a log of version 2 is read, and a changed byte costs only its block") {
   const ScratchFolder folder;
   writeVersion2(folder / "log", 7);
   const SessionRecord old = readSessionLog(folder / "log");

@@ -8,7 +8,7 @@
 
 namespace palpate::session_log_test {
 
-TEST_CASE("a session log is read as it was written") {
+TEST_CASE("a session log is read back as written") {
   const ScratchFolder folder;
   writeSession(folder / "log", 1234);
   const SessionRecord record = readSessionLog(folder / "log");
@@ -24,7 +24,7 @@ TEST_CASE("a session log is read as it was written") {
   CHECK(record.fileBytes == std::filesystem::file_size(folder / "log"));
 }
 
-TEST_CASE("a session of nothing is a whole log too, and one that was not finished has no end") {
+TEST_CASE("an empty session is a complete log, and an unfinished one has no end") {
   const ScratchFolder folder;
   writeSession(folder / "none", 0);
   CHECK(readSessionLog(folder / "none").ticks.empty());
@@ -36,7 +36,7 @@ TEST_CASE("a session of nothing is a whole log too, and one that was not finishe
   CHECK(open.wholeBytes == open.fileBytes);
 }
 
-TEST_CASE("what is no log, is missing, or is of another version is an error that says so") {
+TEST_CASE("a missing log, another file and another version are refused with a reason") {
   const ScratchFolder folder;
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "none"), doctest::Contains("cannot be opened"), FileError);
   for (const std::string& content : {std::string(), std::string("ply\n"), std::string(1000, 'x')}) {
@@ -55,7 +55,7 @@ TEST_CASE("what is no log, is missing, or is of another version is an error that
   CHECK_THROWS_AS(SessionWriter(folder / "no" / "where", ""), FileError);
 }
 
-TEST_CASE("adding a tick waits for nobody: what comes faster than it can be written is lost and counted") {
+TEST_CASE("adding a tick never waits: ticks faster than they can be written are lost and counted") {
   const ScratchFolder folder;
   SessionWriter writer(folder / "log", "");
   std::uint64_t added = 0;
@@ -68,7 +68,7 @@ TEST_CASE("adding a tick waits for nobody: what comes faster than it can be writ
   CHECK(record.ticks.size() + record.end->lostTicks == added);
 }
 
-TEST_CASE("edits that come faster than the disk takes them are merged, and give the same points") {
+TEST_CASE("edits faster than the disk are merged, and give the same points") {
   const ScratchFolder folder;
   constexpr std::uint32_t kPoints = 5000;
   std::vector<std::uint32_t> last(kPoints);
@@ -99,7 +99,7 @@ TEST_CASE("edits that come faster than the disk takes them are merged, and give 
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a replay device is where the recorded one was, tick by tick, with its limits") {
+TEST_CASE("a replay device is where the recorded device was, tick by tick, with its limits") {
   std::vector<LoggedTick> ticks;
   for (std::uint64_t i = 0; i < 100; ++i)
     if (i != 50) ticks.push_back(tickAt(i));

@@ -14,7 +14,7 @@ CameraPlace squareCamera() { return {.position = DVec3(1, 2, 3), .fovY_rad = std
 
 }  // namespace
 
-TEST_CASE("a camera's pyramid has its angle, its aspect and its turn") {
+TEST_CASE("a camera's frustum has its angle, its aspect and its orientation") {
   const CameraFrustum straight = frustumOf(squareCamera());
   CHECK(straight.centre == DVec3(1, 2, 3));
   const DVec3 corners[4] = {{-1.5, -1, 1}, {1.5, -1, 1}, {1.5, 1, 1}, {-1.5, 1, 1}};
@@ -25,7 +25,7 @@ TEST_CASE("a camera's pyramid has its angle, its aspect and its turn") {
   CHECK(glm::distance(frustumOf(turned).corners[1], DVec3(1, -1, -1.5)) < 1e-12);
 }
 
-TEST_CASE("what no picture can have is no camera") {
+TEST_CASE("invalid positions, angles and aspects make no camera") {
   CHECK(isCamera(squareCamera()));
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   for (const double bad : {kNan, kInf, -kInf}) {

@@ -32,13 +32,13 @@ double pushed(SimulatedTouch& touch, double force_N, int from, int to) {
 
 }  // namespace
 
-TEST_CASE("friction holds what is weaker than it, without the smallest motion") {
+TEST_CASE("friction holds against a weaker force without the smallest motion") {
   SimulatedTouch touch = resting();
   CHECK(pushed(touch, 0.259, 0, 1000) == 0);
   CHECK(pushed(touch, 0.30, 1000, 2000) > 1);
 }
 
-TEST_CASE("a free mass is accelerated by what friction leaves, up to where viscosity holds it") {
+TEST_CASE("a free mass is accelerated by the force minus friction, up to the limit of viscosity") {
   SimulatedTouch touch = resting();
   // 1 N minus 0.26 N on 45 g over the 19 ms of force; viscosity reduces it by a tenth.
   const double exact_mm = 0.5 * (0.74 / 0.045) * 1e3 * 0.019 * 0.019;
@@ -50,7 +50,7 @@ TEST_CASE("a free mass is accelerated by what friction leaves, up to where visco
   CHECK(pushed(slow, 1, 400, 500) - before_mm == near(0.1 * 0.74 / 0.01, 0.001));
 }
 
-TEST_CASE("a force acts one tick after it was written and is held until the next") {
+TEST_CASE("a force acts one tick after it is written and lasts until the next") {
   SimulatedTouch touch = resting();
   touch.read(0);
   touch.write(3.0 * kRight);
@@ -62,14 +62,14 @@ TEST_CASE("a force acts one tick after it was written and is held until the next
   CHECK(after_mm == near(0.5 * (2.74 / 0.045) * 1e3 * 1e-6, 0.1));
 }
 
-TEST_CASE("friction brings a moving stylus to rest and leaves it there") {
+TEST_CASE("friction brings a moving stylus to rest and holds it there") {
   SimulatedTouch touch = resting();
   pushed(touch, 2, 0, 10);
   const double stopped_mm = pushed(touch, 0, 10, 1000);
   CHECK(pushed(touch, 0, 1000, 2000) == stopped_mm);
 }
 
-TEST_CASE("positions come in whole encoder steps") {
+TEST_CASE("positions are whole encoder steps") {
   SimulatedTouch touch(Path({{0, DVec3(0)}, {1, {7, -5, 3}}}), {});
   for (int i = 0; i < 1000; ++i) {
     const DVec3 steps = touch.read(1e-3 * i).position / 0.055;
@@ -78,13 +78,13 @@ TEST_CASE("positions come in whole encoder steps") {
   CHECK(touch.position_mm().x > 5);
 }
 
-TEST_CASE("the hand follows its intention to within what friction holds") {
+TEST_CASE("the simulated hand follows its intention within what friction holds") {
   SimulatedTouch touch(Path({{0, DVec3(0)}, {0.4, {10, 0, 0}}}), {});
   for (int i = 0; i <= 1000; ++i) touch.read(1e-3 * i);
   CHECK(std::abs(touch.position_mm().x - 10) <= 0.26 / 0.4 + 1e-9);
 }
 
-TEST_CASE("the amplifiers saturate at the peak, and a force that is no number becomes none") {
+TEST_CASE("the amplifiers saturate at the peak, and a force that is not a number becomes zero") {
   SimulatedTouch strong = resting(), stronger = resting();
   CHECK(pushed(strong, 3.3, 0, 30) == near(pushed(stronger, 1e6, 0, 30), 1e-6));
   SimulatedTouch touch = resting();
@@ -94,13 +94,13 @@ TEST_CASE("the amplifiers saturate at the peak, and a force that is no number be
   CHECK(touch.position_mm() == DVec3(0));
 }
 
-TEST_CASE("after an emergency stop no force moves it") {
+TEST_CASE("after an emergency stop no force moves the simulated stylus") {
   SimulatedTouch touch = resting();
   touch.emergencyStop();
   CHECK(pushed(touch, 3, 0, 100) == 0);
 }
 
-TEST_CASE("the workspace has ends") {
+TEST_CASE("the workspace of the simulated stylus has ends") {
   SimulatedTouch touch(Path({{0, DVec3(0)}, {1, {500, 500, -500}}}), {});
   for (int i = 0; i <= 2000; ++i) touch.read(1e-3 * i);
   CHECK(touch.position_mm() == DVec3(80, 60, -35));
@@ -108,7 +108,7 @@ TEST_CASE("the workspace has ends") {
   CHECK(std::abs(outside.read(0).position.x - 80) < 0.055);
 }
 
-TEST_CASE("the same reads and writes give the same positions, and an earlier time begins anew") {
+TEST_CASE("the same reads and writes give the same positions, and an earlier time restarts") {
   SimulatedTouch touch(Path({{0, DVec3(0)}, {0.2, {9, 2, 1}}}), {});
   std::vector<DVec3> first;
   for (int run = 0; run < 2; ++run)
@@ -122,14 +122,14 @@ TEST_CASE("the same reads and writes give the same positions, and an earlier tim
     }
 }
 
-TEST_CASE("lost ticks and slow rates change the physics little") {
+TEST_CASE("lost ticks and slow rates change the simulated physics little") {
   SimulatedTouch fine(Path({{0, DVec3(0)}, {0.2, {9, 2, 1}}}), {}), coarse(Path({{0, DVec3(0)}, {0.2, {9, 2, 1}}}), {});
   for (int i = 0; i <= 3000; ++i) fine.read(1e-4 * i);
   for (int i = 0; i <= 30; ++i) coarse.read(1e-2 * i);
   CHECK(glm::distance(fine.position_mm(), coarse.position_mm()) < 0.05);
 }
 
-TEST_CASE("a path is put into the workspace true to scale where it fits, and shrunk where not") {
+TEST_CASE("a path keeps its scale in the workspace if it fits, and is shrunk otherwise") {
   const ModelScale scale{10};
   const WorkspaceMap small = workspaceAround(Path({{0, {100, 0, 0}}, {1, {102, 4, 1}}}), scale);
   CHECK(small.scale == near(0.1, 1e-6));
@@ -138,7 +138,7 @@ TEST_CASE("a path is put into the workspace true to scale where it fits, and shr
   CHECK(large.scale == near(0.2, 1e-6));  // 12.6 units in 63 mm
 }
 
-TEST_CASE("in a session the hand presses a sphere and feels it; the trace is the same every time") {
+TEST_CASE("in a session the simulated hand presses a sphere and feels it, with the same trace each time") {
   std::vector<TraceRow> first;
   for (int run = 0; run < 2; ++run) {
     const Path path({{0, {0, 0, 53}}, {0.2, {0, 0, 48}}, {0.6, {0, 0, 48}}});
@@ -161,7 +161,7 @@ TEST_CASE("in a session the hand presses a sphere and feels it; the trace is the
   }
 }
 
-TEST_CASE("a hand that presses a sphere and draws back at 1 m/s gets no energy that it has not put in") {
+TEST_CASE("a hand that presses a sphere and withdraws at 1 m/s gets no energy that it has not put in") {
   for (const double speed_mm_per_s : {100.0, 300.0, 1000.0})
     for (const double depth_mm : {3.0, 5.0, 8.0})
       for (const double aside_mm : {0.0, 12.0}) {
@@ -184,7 +184,7 @@ TEST_CASE("a hand that presses a sphere and draws back at 1 m/s gets no energy t
       }
 }
 
-TEST_CASE("a model of a hand and a stylus needs sensible numbers") {
+TEST_CASE("a simulated hand with parameters out of range is refused") {
   const auto made = [](const SimulatedTouchOptions& options) { return resting(options).name(); };
   CHECK_NOTHROW(made({}));
   CHECK_THROWS_AS(made({.handStiffness_N_per_mm = -1}), UsageError);

@@ -20,7 +20,7 @@ std::vector<double> tone(double frequency_Hz, double amplitude, std::size_t coun
 
 }  // namespace
 
-TEST_CASE("a tone stands at its frequency") {
+TEST_CASE("a tone has its power at its frequency") {
   for (const std::size_t count : {256u, 1000u, 5000u}) {
     const auto power = welchPower(tone(125, 1, count));
     REQUIRE(power.size() == 129);
@@ -40,14 +40,14 @@ TEST_CASE("two tones share the power as the squares of their amplitudes, across 
   }
 }
 
-TEST_CASE("white noise has its power everywhere alike") {
+TEST_CASE("white noise has the same power at all frequencies") {
   std::vector<DVec3> noise(40'000);
   for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = randomNormal3(9, i);
   CHECK(powerShare(noise, 1000, 50, 500) == near(0.9, 0.01));
   CHECK(powerShare(noise, 1000, 100, 200) == near(0.2, 0.05));
 }
 
-TEST_CASE("a constant has its power at no frequency; nothing has no power") {
+TEST_CASE("a constant has no power at any frequency, and no signal has no power") {
   const std::vector<DVec3> constant(300, DVec3(1, 2, 3));
   CHECK(powerShare(constant, 1000, 50, 500) < 1e-6);
   CHECK(powerShare(std::vector<DVec3>(300, DVec3(0)), 1000, 0, 500) == 0);

@@ -9,7 +9,7 @@
 
 namespace palpate::stability_test {
 
-TEST_CASE("a surface of 0.4 N/mm is held at rest and makes no energy, on a plane and on a sphere, also when late") {
+TEST_CASE("a surface of 0.4 N/mm is held at rest without energy gain, plane or sphere, even with delay") {
   for (const StudySurface surface : {StudySurface::plane, StudySurface::sphere})
     for (const PassivityMode passivity : {PassivityMode::observe, PassivityMode::on})
       for (const double delay_ms : {0.0, 1.0, 3.0}) {
@@ -24,7 +24,7 @@ TEST_CASE("a surface of 0.4 N/mm is held at rest and makes no energy, on a plane
       }
 }
 
-TEST_CASE("an absurd stiffness without the controller shakes the hand and makes energy; the controller calms it") {
+TEST_CASE("an excessive stiffness without the controller shakes the hand and adds energy; the controller calms it") {
   StabilityOptions options{.stiffness_N_per_mm = 20, .passivity = PassivityMode::observe};
   const StabilityResult shaken = measureStability(options);
   CHECK(shaken.limitCycle);
@@ -51,7 +51,7 @@ TEST_CASE("every millisecond of delay lowers the largest stable stiffness") {
   }
 }
 
-TEST_CASE("the controller raises the largest stable stiffness") {
+TEST_CASE("the passivity controller raises the largest stable stiffness") {
   for (const double delay_ms : {0.0, 1.0, 3.0}) {
     StabilityOptions options{.passivity = PassivityMode::observe, .delay_ms = delay_ms};
     const double without = largestStableStiffness(options);
@@ -60,7 +60,7 @@ TEST_CASE("the controller raises the largest stable stiffness") {
   }
 }
 
-TEST_CASE("damping raises the largest stable stiffness up to a point, beyond which it lowers it") {
+TEST_CASE("damping raises the largest stable stiffness up to a point, and lowers it beyond") {
   const auto limit = [](double damping_N_s_per_mm) {
     return largestStableStiffness(
         {.damping_N_s_per_mm = damping_N_s_per_mm, .passivity = PassivityMode::observe, .delay_ms = 3});
@@ -80,7 +80,7 @@ TEST_CASE("without friction the limit is near that of the theory of sampled spri
   CHECK(limit_N_per_mm < 2 * theory_N_per_mm);
 }
 
-TEST_CASE("a study out of range is refused, and a bracket that holds no limit gives its end") {
+TEST_CASE("a study out of range is refused, and a bracket without a limit gives its end") {
   CHECK_THROWS_AS(measureStability({.rate_Hz = 0}), UsageError);
   CHECK_THROWS_AS(measureStability({.delay_ms = -1}), UsageError);
   CHECK_THROWS_AS(measureStability({.delay_ms = std::numeric_limits<double>::quiet_NaN()}), UsageError);

@@ -25,7 +25,7 @@ double drive(ThermalBudget& motors, double demand_N, double time_s) {
 
 }  // namespace
 
-TEST_CASE("the peak is allowed for a second, then eased down to the continuous force without a step") {
+TEST_CASE("the peak force is allowed for a second, then eases to the continuous force without a step") {
   ThermalBudget motors(kPeak_N, kContinuous_N);
   CHECK(drive(motors, 10, 1) == kPeak_N);
   double last_N = kPeak_N, largestStep_N = 0;
@@ -40,7 +40,7 @@ TEST_CASE("the peak is allowed for a second, then eased down to the continuous f
   CHECK(motors.isWarm());
 }
 
-TEST_CASE("the continuous force may be held for ever, and a lesser one leaves room for a peak") {
+TEST_CASE("the continuous force is allowed forever, and a lower one leaves room for a peak") {
   ThermalBudget motors(kPeak_N, kContinuous_N);
   CHECK(drive(motors, kContinuous_N, 600) == kContinuous_N);
   ThermalBudget rested(kPeak_N, kContinuous_N);
@@ -48,7 +48,7 @@ TEST_CASE("the continuous force may be held for ever, and a lesser one leaves ro
   CHECK(drive(rested, 10, 0.3) == kPeak_N);
 }
 
-TEST_CASE("motors recover when they rest") {
+TEST_CASE("motors recover at rest") {
   ThermalBudget motors(kPeak_N, kContinuous_N);
   drive(motors, 10, 20);
   CHECK(motors.allowed_N() < 1);
@@ -57,14 +57,14 @@ TEST_CASE("motors recover when they rest") {
   CHECK_FALSE(motors.isWarm());
 }
 
-TEST_CASE("the heat does not depend on how time is cut into ticks") {
+TEST_CASE("the heat does not depend on how time is divided into ticks") {
   ThermalBudget coarse(kPeak_N, kContinuous_N), fine(kPeak_N, kContinuous_N);
   for (int i = 0; i < 10; ++i) coarse.spend(2, 0.5);
   for (int i = 0; i < 50'000; ++i) fine.spend(2, 0.0001);
   CHECK(coarse.allowed_N() == near(fine.allowed_N(), 1e-6));
 }
 
-TEST_CASE("what has no motors is never limited, and limits that are no numbers allow nothing") {
+TEST_CASE("a device without motors is never limited, and limits that are not numbers allow nothing") {
   constexpr double kNone = std::numeric_limits<double>::infinity(), kNaN = std::numeric_limits<double>::quiet_NaN();
   ThermalBudget script(kNone, kNone);
   CHECK(drive(script, 1e6, 10) == 1e6);

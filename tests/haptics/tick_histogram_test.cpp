@@ -19,7 +19,7 @@ TEST_CASE("every time falls into the bin whose ends enclose it") {
   }
 }
 
-TEST_CASE("times out of range and times that are no number are counted at the ends") {
+TEST_CASE("times out of range and those that are not numbers are counted at the ends") {
   TickHistogram histogram;
   for (const double time_us : {0.0, -5.0, 0.3}) histogram.add(time_us);
   CHECK(histogram[0] == 3);
@@ -29,7 +29,7 @@ TEST_CASE("times out of range and times that are no number are counted at the en
   CHECK(histogram.count() == 6);
 }
 
-TEST_CASE("quantiles are right to a bin and never beyond the longest") {
+TEST_CASE("quantiles are exact to a bin and never beyond the maximum") {
   TickHistogram histogram;
   CHECK(histogram.quantile_us(0.5) == 0);
   for (int i = 1; i <= 1000; ++i) histogram.add(i);

@@ -26,7 +26,7 @@ class LateClock final : public SessionClock {
 
 }  // namespace
 
-TEST_CASE("each tick is due whole periods after the first, however long the ticks before it took") {
+TEST_CASE("each tick is due whole periods after the first, however long earlier ticks took") {
   for (const double rate_Hz : {1000.0, 10'000.0, 3000.0}) {
     CAPTURE(rate_Hz);
     LateClock clock;
@@ -40,7 +40,7 @@ TEST_CASE("each tick is due whole periods after the first, however long the tick
   }
 }
 
-TEST_CASE("a tick that begins less than a period late is done, and its lateness does not add up") {
+TEST_CASE("a tick that starts less than a period late is run, and lateness does not accumulate") {
   LateClock clock;
   const TickPacer pacer(1000, false, &clock);
   clock.late_ns = 900'000;
@@ -51,7 +51,7 @@ TEST_CASE("a tick that begins less than a period late is done, and its lateness 
   }
 }
 
-TEST_CASE("ticks that a pause of several periods went over are missed, and the next one is on time again") {
+TEST_CASE("ticks skipped by a pause of several periods are missed, and the next one is on time") {
   LateClock clock;
   const TickPacer pacer(1000, false, &clock);
   CHECK(pacer.waitFor(0) == 0);
@@ -63,7 +63,7 @@ TEST_CASE("ticks that a pause of several periods went over are missed, and the n
   CHECK(pacer.remaining_us(5) == 0);
 }
 
-TEST_CASE("a query has a tick less the reserve for the force, which takes a fifth of a tick at most") {
+TEST_CASE("a query has a tick less the reserve for the force, which is at most a fifth of a tick") {
   LateClock clock;
   const TickPacer slow(1000, false, &clock), fast(10'000, false, &clock);
   CHECK(slow.budget_us(0, 200) == within(800, 1e-3));

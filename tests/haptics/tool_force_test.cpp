@@ -38,7 +38,7 @@ std::string firstLineOf(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("the forces of a tool's points sum up by their shares, and turn about the HIP in N mm") {
+TEST_CASE("the forces of a tool's points are summed by their shares, and give a torque about the HIP in N mm") {
   ForceLaw law(kPlainSpring, {.mm_per_unit = 2});
   const std::array points{pressedPoint({3, 0, 0}, 1, 0.25), pressedPoint({0, 1, 0}, 2, 0.5),
                           pressedPoint({9, 9, 9}, 0, 0.25)};
@@ -49,7 +49,7 @@ TEST_CASE("the forces of a tool's points sum up by their shares, and turn about 
   CHECK(law.demand_N() == near(1.25, 1e-6));
 }
 
-TEST_CASE("a tool of one point at the HIP has the force of the law for one point, bit by bit, tick by tick") {
+TEST_CASE("a tool of one point at the HIP has the force of the single-point law, bit for bit, tick by tick") {
   const ForceOptions options{.stiffness_N_per_mm = 0.7, .damping_N_s_per_mm = 0.003, .maxForce_N = 0.6};
   ForceLaw alone(options, {.mm_per_unit = 1.3}), tool(options, {.mm_per_unit = 1.3});
   tool.feelWith(1);
@@ -64,7 +64,7 @@ TEST_CASE("a tool of one point at the HIP has the force of the law for one point
   }
 }
 
-TEST_CASE("limits act on the sum, and take as large a part of the torque") {
+TEST_CASE("limits apply to the sum, and scale the torque equally") {
   ForceOptions options = kPlainSpring;
   options.maxForce_N = 1;
   ForceLaw law(options, {});
@@ -80,7 +80,7 @@ TEST_CASE("limits act on the sum, and take as large a part of the torque") {
   CHECK(rising.torque_mNm().y == near(-0.3, 1e-6));
 }
 
-TEST_CASE("a point that would pull is left out, the others are not") {
+TEST_CASE("a tool's point that would pull is left out, and the others are kept") {
   ForceOptions options = kPlainSpring;
   options.damping_N_s_per_mm = 0.01;
   ForceLaw law(options, {});
@@ -91,14 +91,14 @@ TEST_CASE("a point that would pull is left out, the others are not") {
   CHECK(glm::distance(law.torque_mNm(), {0, 0.5, 0}) < 1e-12);
 }
 
-TEST_CASE("points that push one another away turn the tool where they do not move it") {
+TEST_CASE("opposing forces rotate the tool without moving it") {
   ForceLaw law(kPlainSpring, {});
   const std::array points{pressedPoint({0, 3, 0}, 1, 0.5, {1, 0, 0}), pressedPoint({0, -3, 0}, 1, 0.5, {-1, 0, 0})};
   CHECK(forceOf(law, points) == DVec3(0));
   CHECK(glm::distance(law.torque_mNm(), {0, 0, -1.5}) < 1e-12);
 }
 
-TEST_CASE("a tool that touches nothing, a fault and a number that is none have no force and no torque") {
+TEST_CASE("a tool without contact, a fault, or a value that is not a number has no force and no torque") {
   const std::array good{pressedPoint({3, 0, 0}, 1, 0.5), pressedPoint({-3, 0, 0}, 2, 0.5)};
   const double nan = std::numeric_limits<double>::quiet_NaN();
   ForceLaw law(kPlainSpring, {});
@@ -115,7 +115,7 @@ TEST_CASE("a tool that touches nothing, a fault and a number that is none have n
   isNothing(std::array{pressedPoint({3, 0, 0}, kInfinite, 0.5), pressedPoint({-3, 0, 0}, 2, 0.5)}, kTouching);
 }
 
-TEST_CASE("the servo loop traces a tool's torque, with the force that went out") {
+TEST_CASE("the servo loop traces a tool's torque with the force that was sent") {
   PathDevice device(kPress);
   HalfOverPlane query;
   ServoLoop loop(device, query, ForceLaw(kPlainSpring, {}), {.duration_s = 0.2});
@@ -138,7 +138,7 @@ TEST_CASE("the servo loop traces a tool's torque, with the force that went out")
   CHECK(firstLineOf(folder / "trace.csv").ends_with(",step_us,torque_x,torque_y,torque_z"));
 }
 
-TEST_CASE("forces that are off, and answers that fail, leave no torque") {
+TEST_CASE("no torque remains if forces are off or answers fail") {
   PathDevice device(kPress);
   HalfOverPlane query;
   std::atomic<bool> on = true;

@@ -74,7 +74,7 @@ std::vector<JudgedTick> steady(std::size_t count, const auto& force_N) {
 
 }  // namespace
 
-TEST_CASE("a step of the force where the truth has an edge is no roughness of its smooth parts") {
+TEST_CASE("a step of the force at an edge of the truth does not count as roughness") {
   const auto cube = makeShape("cube");
   const TouchTruth truth = truthOf(*cube);
   const TruthPath path = truthSlide(truth, cube->closest({38, 7, 60}), DVec3(1, 0, 0), {1}, {});
@@ -98,7 +98,7 @@ TEST_CASE("a step of the force where the truth has an edge is no roughness of it
   CHECK(continuityOffEdges(slide, kRate_Hz).power > 0);
 }
 
-TEST_CASE("M4: a touch that ends a little sooner than the truth's is no roughness, one that ends long before it is") {
+TEST_CASE("M4: a touch that ends slightly before the truth's is not rough, one that ends long before is") {
   const auto endsAt = [](double off_mm) {  // along x at 50 mm/s; the truth's touch ends at 10 mm
     std::vector<JudgedTick> ticks(300);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -116,7 +116,7 @@ TEST_CASE("M4: a touch that ends a little sooner than the truth's is no roughnes
   CHECK(continuity(endsAt(9), kRate_Hz, 0.7).max_N_per_s > 100);
 }
 
-TEST_CASE("a perfect trace has no error anywhere") {
+TEST_CASE("a perfect trace has no error in any metric") {
   const Slide slide;
   const auto ticks = slide.judged();
   CHECK(ticks.size() > 550);
@@ -130,7 +130,7 @@ TEST_CASE("a perfect trace has no error anywhere") {
   CHECK(freeForce_N(slide.judgedWhole(), 0) == 0);
 }
 
-TEST_CASE("M1: a force tilted by ten degrees, and one that is tilted at one tick in ten") {
+TEST_CASE("M1: a force tilted by ten degrees, and one tilted at one tick in ten") {
   Slide slide;
   for (TraceRow& row : slide.trace.rows) row.force_N = turned(row.force_N, frameAround(row.normal).u, 10);
   CHECK(angleError(slide.judged()).mean_deg == near(10, 0.005));
@@ -146,7 +146,7 @@ TEST_CASE("M1: a force tilted by ten degrees, and one that is tilted at one tick
   CHECK(error.max_deg == near(30, 0.005));
 }
 
-TEST_CASE("M2: a proxy that lies too deep by 0.1 mm, and one that wavers by 0.2 mm") {
+TEST_CASE("M2: a proxy too deep by 0.1 mm, and one that oscillates by 0.2 mm") {
   Slide slide;
   for (TraceRow& row : slide.trace.rows) row.proxy -= kScale.toUnits(0.1) * row.normal;
   CHECK(heightError(slide.judged(), kScale).bias_mm == near(-0.1, 0.005));
@@ -158,7 +158,7 @@ TEST_CASE("M2: a proxy that lies too deep by 0.1 mm, and one that wavers by 0.2 
   CHECK(heightError(wavering.judged(), kScale).rms_mm == near(0.2, 0.005));
 }
 
-TEST_CASE("M3: a force that is too small by a tenth, and one that is missing at one tick in four") {
+TEST_CASE("M3: a force too small by a tenth, and one missing at one tick in four") {
   Slide slide;
   for (TraceRow& row : slide.trace.rows) row.force_N *= 0.9;
   CHECK(forceError(slide.judged(), kStiffness, kScale) == near(0.1, 0.005));
@@ -168,7 +168,7 @@ TEST_CASE("M3: a force that is too small by a tenth, and one that is missing at 
   CHECK(heldShare(missing.judged()) == near(0.75, 0.005));
 }
 
-TEST_CASE("M4: the slope of a slow wave, and the share of a fast one beside it") {
+TEST_CASE("M4: the slope of a slow wave, and the share of a fast one") {
   const double turn = 2 * std::numbers::pi;
   const auto slow = steady(4000, [&](double t) { return DVec3(0, 0, 1 + 0.1 * std::sin(turn * 5 * t)); });
   CHECK(continuity(slow, kRate_Hz).max_N_per_s == near(0.1 * turn * 5, 0.005));
@@ -184,7 +184,7 @@ TEST_CASE("M4: the slope of a slow wave, and the share of a fast one beside it")
   CHECK(continuity(both, kRate_Hz).roughShare == near(0.1, 0.08));
 }
 
-TEST_CASE("M5: a push has come through when it touches nothing, or from behind") {
+TEST_CASE("M5: a push has broken through if it touches nothing, or from behind") {
   Trace push;
   push.rows.push_back({.proxy = {0, 0, 1}, .contact = true});
   CHECK_FALSE(cameThrough(push, DVec3(0), {0, 0, 1}));
@@ -195,7 +195,7 @@ TEST_CASE("M5: a push has come through when it touches nothing, or from behind")
   CHECK(cameThrough(push, DVec3(0), {0, 0, 1}));
 }
 
-TEST_CASE("M6: a proxy that shows where the god-object was four ticks ago") {
+TEST_CASE("M6: a proxy that is where the god-object was four ticks ago") {
   const Slide perfect;
   Slide late;
   for (std::size_t i = 4; i < late.trace.rows.size(); ++i)
@@ -208,7 +208,7 @@ TEST_CASE("M6: a proxy that shows where the god-object was four ticks ago") {
   CHECK(lag.max_mm == near(0.2, 0.02));
 }
 
-TEST_CASE("M7: ticks that come late") {
+TEST_CASE("M7: late ticks") {
   auto ticks = steady(1000, [](double) { return DVec3(0, 0, 1); });
   for (std::size_t i = 0; i < 30; ++i) ticks[i * 7].row.step_us = 1200;
   CHECK(lateShare(ticks, 1000) == near(0.03, 0.005));
@@ -222,7 +222,7 @@ TEST_CASE("M8: a force in the air counts, one near the surface does not") {
   CHECK_FALSE(freeForce_N(slide.judgedWhole(), 100));
 }
 
-TEST_CASE("M10: a force that drags, and a proxy that creeps while the HIP rests") {
+TEST_CASE("M10: a force with drag, and a proxy that drifts while the HIP rests") {
   Slide slide;
   for (TraceRow& row : slide.trace.rows) row.force_N += 0.3 * glm::length(row.force_N) * frameAround(row.normal).v;
   CHECK(tangentialShare(slide.judged()) == near(0.3, 0.005));
@@ -245,7 +245,7 @@ TEST_CASE("M11: the force settles seven ticks after the edit; its largest step i
   CHECK(largestForceStep_N(after) == near(0.0195, 0.005));
 }
 
-TEST_CASE("M12: traces that agree, and by how much others do not") {
+TEST_CASE("M12: traces that agree, and the difference of those that do not") {
   const Slide a, b;
   CHECK(identical(a.trace, b.trace));
   CHECK(forceDifference_N(a.trace, b.trace) == 0);
@@ -259,7 +259,7 @@ TEST_CASE("M12: traces that agree, and by how much others do not") {
   CHECK(std::isinf(forceDifference_N(a.trace, other.trace)));
 }
 
-TEST_CASE("nothing to judge gives nothing, and no number that is none") {
+TEST_CASE("metrics of no ticks are defined and contain no invalid number") {
   const JudgedTicks none;
   CHECK(heldShare(none) == 1);
   CHECK(angleError(none).count == 0);

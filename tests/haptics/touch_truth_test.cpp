@@ -31,7 +31,7 @@ TEST_CASE("on a smooth shape the god-object is the closest point of the truth") 
   }
 }
 
-TEST_CASE("over the edge of a cube it stays on the face that it came to, and is free beyond the edge") {
+TEST_CASE("over a cube's edge the god-object stays on its face, and is free beyond the edge") {
   const auto shape = makeShape("cube");
   const TouchTruth truth = truthOf(*shape);
   const TruthPath slide = truthSlide(truth, {{50, 45, 0}, {1, 0, 0}}, {0, 1, 0}, {1}, {.length_mm = 10});
@@ -50,7 +50,7 @@ TEST_CASE("over the edge of a cube it stays on the face that it came to, and is 
   CHECK(slide.path.at(slide.to_s).y == near(55, 1e-6));
 }
 
-TEST_CASE("however fast it is pushed, it does not come through, nor touch from inside") {
+TEST_CASE("the god-object does not break through at any speed, nor touch from inside") {
   const auto shape = makeShape("torus");  // its tube is 30 mm thick
   const TouchTruth truth = truthOf(*shape);
   GodObject pushed(truth, kStep);
@@ -64,7 +64,7 @@ TEST_CASE("however fast it is pushed, it does not come through, nor touch from i
   CHECK_FALSE(inside.touching());
 }
 
-TEST_CASE("a press rests at its depth in its window, and taps begin and end in the air") {
+TEST_CASE("a press rests at its depth in its window, and taps start and end in the air") {
   const SurfacePoint spot{{0, 0, 0}, {0, 0, 1}};
   const ModelScale scale{10};
   const TruthPath press = truthPress(spot, scale, {.depth_mm = 2});

@@ -69,7 +69,7 @@ TEST_CASE("a trace in real time is written with wall-clock times") {
   CHECK(textOf(folder / "trace.csv").ends_with(",1,31,1,12.5,40.25\n"));
 }
 
-TEST_CASE("a trace longer than the write buffer is whole, and an empty one is its header") {
+TEST_CASE("a trace longer than the write buffer is complete, and an empty one is its header") {
   const ScratchFolder folder;
   Trace trace;
   writeTraceCsv(folder / "trace.csv", trace);
@@ -80,12 +80,12 @@ TEST_CASE("a trace longer than the write buffer is whole, and an empty one is it
   CHECK(std::count(text.begin(), text.end(), '\n') == 5001);
 }
 
-TEST_CASE("a trace that cannot be written says so") {
+TEST_CASE("a trace that cannot be written is an error") {
   const ScratchFolder folder;
   CHECK_THROWS_AS(writeTraceCsv(folder / "no" / "such" / "trace.csv", twoTicks()), FileError);
 }
 
-TEST_CASE("the summary counts ticks, contact and times") {
+TEST_CASE("the trace summary counts ticks, contact and times") {
   const TraceSummary summary = summarize(twoTicks());
   CHECK(summary.ticks == 2);
   CHECK(summary.contactTicks == 1);

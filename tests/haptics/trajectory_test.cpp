@@ -43,7 +43,7 @@ Trace someTrace() {
 
 }  // namespace
 
-TEST_CASE("a trajectory is read by the names of its columns, or by their number") {
+TEST_CASE("a trajectory is read by its column names, or by its number of columns") {
   for (const char* text :
        {"t_s,x,y,z,force_x,force_y,force_z\n0,1,2,3,4,5,6\n0.5,2,3,4,5,6,7\n", "0 1 2 3 4 5 6\n0.5 2 3 4 5 6 7\n",
         "# time position force\n0;1;2;3;4;5;6\n\n0.5; 2; 3; 4; 5; 6; 7\r\n",
@@ -65,7 +65,7 @@ TEST_CASE("a trajectory is read by the names of its columns, or by their number"
   CHECK_FALSE(TextFile("0 1 2 3\n1 2 3 4\n").read().hasForces);
 }
 
-TEST_CASE("a trajectory that is not one is refused with its line") {
+TEST_CASE("an invalid trajectory is refused with its line") {
   CHECK(TextFile("").error().find("the file is empty") != std::string::npos);
   CHECK(TextFile("t_s,x,y,z\n").error() == "hand.txt:1: no sample follows the names of the columns");
   CHECK(TextFile("x,y,z\n1,2,3\n").error().find("hand.txt:1: no column of times") == 0);
@@ -78,7 +78,7 @@ TEST_CASE("a trajectory that is not one is refused with its line") {
   CHECK(TextFile("-1 1 2 3\n").error().find("hand.txt:1: the time is negative") == 0);
 }
 
-TEST_CASE("a trajectory that is written reads back to the same numbers") {
+TEST_CASE("a written trajectory reads back to the same numbers") {
   const ScratchFolder folder;
   const Trace trace = someTrace();
   for (const char* name : {"out.csv", "out.txt"}) {
@@ -100,7 +100,7 @@ TEST_CASE("a trajectory that is written reads back to the same numbers") {
   CHECK(first == "0 0 0 0 0 0 -0.3");
 }
 
-TEST_CASE("forces are compared where the trajectory has some") {
+TEST_CASE("forces are compared if the trajectory has forces") {
   Trajectory recorded;
   recorded.hasForces = true;
   for (const double t : {0.001, 0.003}) recorded.samples.push_back({.t_s = t, .force_N = {0, 0, -0.3}});

@@ -23,7 +23,7 @@ class Resting final : public HapticDevice {
 
 }  // namespace
 
-TEST_CASE("a device goes where its user looks, and its forces come back the same way") {
+TEST_CASE("a device moves along its user's view, and its forces are rotated back") {
   auto resting = std::make_unique<Resting>();
   Resting& inner = *resting;
   TurnedDevice device(std::move(resting), {10, 20, 30});

@@ -11,7 +11,7 @@
 
 namespace palpate::two_hands_test {
 
-TEST_CASE("two hands leave the traces that each leaves alone, byte for byte") {
+TEST_CASE("two hands leave the same traces as each hand alone, byte for byte") {
   const auto check = [](HapticDevice& first, HapticDevice& second) {
     const std::string firstAlone = csvOf(alone(first).trace()), secondAlone = csvOf(alone(second).trace());
     const ServoResult both = together({&first, &second});
@@ -47,7 +47,7 @@ TEST_CASE("a second hand has its own map, force and passivity") {
   CHECK(mostOf(result.hands[1].trace) > 0.05);
 }
 
-TEST_CASE("a fault of either device takes both forces away and ends the session with its own words") {
+TEST_CASE("a fault of either device stops both forces and ends the session with that device's reason") {
   for (const bool firstFails : {true, false})
     for (const bool reading : {true, false}) {
       CAPTURE(firstFails);
@@ -72,7 +72,7 @@ TEST_CASE("a fault of either device takes both forces away and ends the session 
     }
 }
 
-TEST_CASE("neither device keeps a force until a session has died down: both are at zero within the tick of the fault") {
+TEST_CASE("a fault of either device sets both forces to zero within its tick, before the session ends") {
   /// Reads both forces after the first device's last tick, before the session has ended.
   class Pacing final : public HapticDevice {
    public:
@@ -114,7 +114,7 @@ TEST_CASE("neither device keeps a force until a session has died down: both are 
   }
 }
 
-TEST_CASE("a hand that is clutched, mute or put down elsewhere does not disturb the other") {
+TEST_CASE("a clutched, mute or newly put down hand does not disturb the other") {
   for (const bool firstIsTroubled : {true, false}) {
     CAPTURE(firstIsTroubled);
     TroubledDevice first(left()), second(right());
@@ -138,7 +138,7 @@ TEST_CASE("a hand that is clutched, mute or put down elsewhere does not disturb 
   }
 }
 
-TEST_CASE("the query hears which hand was put down") {
+TEST_CASE("the query is notified which hand was put down") {
   TroubledDevice first(left()), second(right());
   second.putDownAt_s = 0.8;
   SharedSphere sphere(2);
@@ -146,7 +146,7 @@ TEST_CASE("the query hears which hand was put down") {
   CHECK(sphere.putDown == std::vector<int>{0, 1});
 }
 
-TEST_CASE("a session has as many hands as are answered, and one at least") {
+TEST_CASE("a session has as many hands as its query answers, and at least one") {
   PathDevice first(left()), second(right());
   SphereContact one(kRadius);
   SharedSphere two(2);
@@ -167,7 +167,7 @@ TEST_CASE("forces are switched off for both hands") {
   CHECK(summarize(result.hands[1].trace).contactTicks > 100);
 }
 
-TEST_CASE("a second device may not pace the ticks, nor be braked where it yields to nothing") {
+TEST_CASE("a second device cannot pace the ticks, nor be braked if it does not yield") {
   TroubledDevice first(left()), second(right());
   SharedSphere sphere(2);
   second.pacesItself = true;
@@ -181,13 +181,13 @@ TEST_CASE("a second device may not pace the ticks, nor be braked where it yields
   CHECK_THROWS_AS(made(braked), UsageError);
 }
 
-TEST_CASE("two styluses of one driver feel the same sphere at once, and both are left without force") {
+TEST_CASE("two styluses of one driver feel the same sphere at once, and both end without force") {
   const char* const leftHand = "0,0,26,0\n0.1,0,26,0\n0.4,0,18,0\n";
   const char* const rightHand = "0,26,0,0\n0.1,26,0,0\n0.4,17,0,0\n";
   std::string firstScript, secondScript, fault;
   Scheduler scheduler = Scheduler::device;
   SUBCASE("on the driver's scheduler") {}
-  SUBCASE("on ours") { scheduler = Scheduler::own; }
+  SUBCASE("on palpate's own") { scheduler = Scheduler::own; }
   SUBCASE("until the right one fails") {
     secondScript = "fault error 770 0.45";
     fault = "Right Device: no communication with the device (0x0302)";

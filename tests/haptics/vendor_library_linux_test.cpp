@@ -17,7 +17,7 @@ std::string bytesOf(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("without a library the places that were looked at are named, and what to install") {
+TEST_CASE("without a library the searched paths and the package to install are reported") {
   const VendorLibrary library(hdapi::librarySearch());
   if (library.isLoaded()) {
     MESSAGE("skipped: this machine has " << library.file());
@@ -30,7 +30,7 @@ TEST_CASE("without a library the places that were looked at are named, and what 
   CHECK(says(text, "PALPATE_HD_LIBRARY"));
 }
 
-TEST_CASE("a library that is there and of no use is told from one that is not there") {
+TEST_CASE("an unusable library is distinguished from a missing one") {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "libHD.so";
   std::string bytes = bytesOf(fakeDriverFile("fake_hd"));
@@ -39,7 +39,7 @@ TEST_CASE("a library that is there and of no use is told from one that is not th
     bytes[4] = 1;  // ELFCLASS32
     part = "wrong ELF class";
   }
-  SUBCASE("cut short") {
+  SUBCASE("truncated") {
     bytes.resize(40);
     part = "file too short";
   }

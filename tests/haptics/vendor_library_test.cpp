@@ -21,7 +21,7 @@ TEST_CASE("a library is found by its variable, and stays loaded") {
   CHECK(library.symbol("hdNoSuchFunction") == nullptr);
 }
 
-TEST_CASE("a library that is too old says which function it has not") {
+TEST_CASE("a library that is too old is reported with its missing function") {
   SUBCASE("OpenHaptics") {
     const Variable variable("PALPATE_HD_LIBRARY", fakeDriverFile("fake_hd_old").string());
     const VendorLibrary library(hdapi::librarySearch());

@@ -8,14 +8,14 @@
 
 namespace palpate::vendor_library_test {
 
-TEST_CASE("without a library the places that were looked at are named, and what to install") {
+TEST_CASE("without a library the searched paths and the package to install are reported") {
   const VendorLibrary library(hdapi::librarySearch());
   CHECK_FALSE(library.isLoaded());
   CHECK(says(library.whyNot(), "is not on this machine (looked for HD.dll)"));
   CHECK(says(VendorLibrary(dhd::librarySearch()).whyNot(), "is not on this machine (looked for dhd64.dll, drd64.dll)"));
 }
 
-TEST_CASE("a library that is there and of no use is told from one that is not there") {
+TEST_CASE("an unusable library is distinguished from a missing one") {
   const ScratchFolder folder;
   const std::string file = (folder / "HD.dll").string();
   std::ofstream(file) << "not a library, but a text that is long enough to have a header of sixty-four bytes in it";

@@ -48,7 +48,7 @@ std::string saidBy(Check check) {
 
 }  // namespace
 
-TEST_CASE("every brush, the motion and undo are refused for each kind of model as the table says, and in its words") {
+TEST_CASE("brushes, motion and undo are refused for each kind of model as the table says, with its message") {
   const auto cpu = cpuBackend();
   std::size_t allowed = 0, refused = 0;
   const auto hold = [&](const SessionConfig& config, Action action, const std::string& field) {
@@ -82,7 +82,7 @@ TEST_CASE("every brush, the motion and undo are refused for each kind of model a
   CHECK(refused > 30);
 }
 
-TEST_CASE("each refusal is a sentence of its own, and a model that refuses sculpting refuses all that needs it") {
+TEST_CASE("each refusal has its own message, and a model that cannot be sculpted refuses all that requires sculpting") {
   for (std::size_t s = 0; s < kModelKinds; ++s) {
     const Abilities can(static_cast<ModelKind>(s));
     for (std::size_t a = 0; a < kActions; ++a) {
@@ -97,7 +97,7 @@ TEST_CASE("each refusal is a sentence of its own, and a model that refuses sculp
   for (std::size_t a = 0; a < kActions; ++a) CHECK(all.allow(static_cast<Action>(a)));
 }
 
-TEST_CASE("a back end that does not report its edits can neither undo nor record, and a session says so") {
+TEST_CASE("a back end that does not report its edits can neither undo nor record, and the session says so") {
   const Abilities can(ModelKind::cloud, {.keepsEdits = false}, "cuda");
   const std::string why = "back end cuda does not report its edits; use vulkan or cpu";
   CHECK(can.refusal(Action::undo) == why);
@@ -107,8 +107,7 @@ TEST_CASE("a back end that does not report its edits can neither undo nor record
   can.require(Action::save, "--save");
 }
 
-TEST_CASE(
-    "a session has the abilities of its model: at rest all, under a source of the program no brush and no record") {
+TEST_CASE("a session has the abilities of its model: all at rest, no brush and no recording under a program's source") {
   const Model model = sphereModel(2000);
   const auto cpu = cpuBackend();
   const SessionConfig config{.model = {.file = "sphere"}};

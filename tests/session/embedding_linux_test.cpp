@@ -30,7 +30,7 @@ TEST_CASE("the embedding program feels a model's surface") {
   CHECK(std::string(line.data()).find("N at most") != std::string::npos);
 }
 
-TEST_CASE("the README shows the program that is tested") {
+TEST_CASE("the README shows the tested embedding program") {
   const std::filesystem::path top = sourceFolder();
   if (!std::filesystem::exists(top / "README.md")) {
     MESSAGE("skipped: the sources are not at " << top.string());

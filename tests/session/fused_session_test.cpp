@@ -42,7 +42,7 @@ bool hasBeside(const PointCloud& cloud) {
 
 }  // namespace
 
-TEST_CASE("a stream that is held goes from one session to the next, with the points that were changed in between") {
+TEST_CASE("a held stream passes from one session to the next together with the edited points") {
   const ScratchFolder folder;
   writeWall(folder.path());
   writePoses(folder.path());
@@ -107,7 +107,7 @@ TEST_CASE("a stream that is held goes from one session to the next, with the poi
   CHECK(window.isTouching());
 }
 
-TEST_CASE("what is held is handed on, sculpted, undone and handed back, and frames go on behind it") {
+TEST_CASE("held frames are handed on, sculpted, undone and handed back, and playback continues after them") {
   const ScratchFolder folder;
   writeWall(folder.path());
   writePoses(folder.path());
@@ -164,7 +164,7 @@ TEST_CASE("what is held is handed on, sculpted, undone and handed back, and fram
   CHECK(goingOn.isTouching());
 }
 
-TEST_CASE("a back end that fuses frames itself is handed the stream, and no source") {
+TEST_CASE("a back end that fuses frames itself receives the stream and no source") {
   struct Fusing final : BackendKind {
     std::string_view name() const override { return "fusing"; }
     const std::vector<std::string>& methods() const override { return cpu->methods(); }
@@ -197,7 +197,7 @@ TEST_CASE("a back end that fuses frames itself is handed the stream, and no sour
   CHECK(given.player() != nullptr);
 }
 
-TEST_CASE("a recording that fuses may be played by several sessions of one model, each from its beginning") {
+TEST_CASE("several sessions of one model each play a fused recording from its start") {
   const ScratchFolder folder;
   writeWall(folder.path());
   writePoses(folder.path());
@@ -215,7 +215,7 @@ TEST_CASE("a recording that fuses may be played by several sessions of one model
   CHECK(one.playCounts()->lost == 1);
 }
 
-TEST_CASE("a live camera whose frames fuse goes on behind the one that was the model, until it ends") {
+TEST_CASE("a live fused camera continues after the frame that was the model, until it ends") {
   const auto stream = std::make_shared<LiveStream>(kCamera);
   const ScratchFolder folder;
   writeWall(folder.path());
@@ -252,7 +252,7 @@ TEST_CASE("a live camera whose frames fuse goes on behind the one that was the m
   CHECK(session.playCounts()->silentSince_s.has_value());
 }
 
-TEST_CASE("frames that fuse are felt as the map that they make, and a session with them is run again from its text") {
+TEST_CASE("fused frames are felt as the map they form, and a session with them is replayed from its text") {
   const ScratchFolder folder;
   writeWall(folder.path());
   writePoses(folder.path());

@@ -42,7 +42,7 @@ std::string faultOf(const SessionConfig& config) {
 
 }  // namespace
 
-TEST_CASE("a hand at rest feels stiffness times the exact depth of a sphere that comes and goes") {
+TEST_CASE("a hand at rest feels stiffness times the exact depth of an oscillating sphere") {
   const auto cpu = cpuBackend();
   Session session(moving(), sphereModel(20'000), {.backend = *cpu, .threads = 1});
   const ServoResult result = runAlone(session, atRest());
@@ -66,7 +66,7 @@ TEST_CASE("a hand at rest feels stiffness times the exact depth of a sphere that
   CHECK(session.sculpted().edited == 20'000);
 }
 
-TEST_CASE("whatever a hand does to a surface that moves, the port gives no more than a millijoule") {
+TEST_CASE("no hand gets more than a millijoule out of a moving surface") {
   const auto cpu = cpuBackend();
   for (const MotionConfig& motion :
        {MotionConfig{.amplitude_mm = 2, .frequency_Hz = 5}, MotionConfig{.amplitude_mm = 10, .frequency_Hz = 1},
@@ -98,7 +98,7 @@ TEST_CASE("whatever a hand does to a surface that moves, the port gives no more 
   }
 }
 
-TEST_CASE("a motion without extent leaves the trace that none leaves, bit by bit") {
+TEST_CASE("a motion without extent leaves the trace of no motion, bit for bit") {
   const auto cpu = cpuBackend();
   const auto traceOf = [&](const SessionConfig& config) {
     Session session(config, sphereModel(), {.backend = *cpu, .threads = 1});
@@ -113,7 +113,7 @@ TEST_CASE("a motion without extent leaves the trace that none leaves, bit by bit
   CHECK_FALSE(sameTrace(alone, traceOf(moving())));
 }
 
-TEST_CASE("a recorded session with a model that moves is run again with its configuration alone") {
+TEST_CASE("a recorded session with a moving model is replayed from its configuration alone") {
   const ScratchFolder folder;
   const std::string log = (folder / "log").string();
   const auto cpu = cpuBackend();
@@ -132,7 +132,7 @@ TEST_CASE("a recorded session with a model that moves is run again with its conf
   CHECK(sameTrace(result.trace(), same.trace()));
 }
 
-TEST_CASE("the text of a configuration has a motion only where there is one") {
+TEST_CASE("a configuration's text has a motion only if there is one") {
   CHECK(configText(still()).find("motion") == std::string::npos);
   const SessionConfig turning =
       moving({.kind = MotionKind::turn, .axis = {1, 0, -2}, .amplitude_mm = 0, .frequency_Hz = 3, .speed_mm_per_s = 7});
@@ -143,7 +143,7 @@ TEST_CASE("the text of a configuration has a motion only where there is one") {
   CHECK(parseConfig(R"({"version": 1, "motion": null})") == SessionConfig{});
 }
 
-TEST_CASE("what does not go with a motion is refused by the name of the field") {
+TEST_CASE("settings that are incompatible with a motion are refused by field name") {
   CHECK(faultOf(moving()).empty());
   const auto with = [](auto&& change) {
     SessionConfig config = moving();
@@ -159,7 +159,7 @@ TEST_CASE("what does not go with a motion is refused by the name of the field") 
   CHECK(with([](auto& c) { c.motion->speed_mm_per_s = std::nan(""); }) == "motion.speed_mm_per_s");
 }
 
-TEST_CASE("against the clock, without end, a model moves under a stylus that is held still, and takes no brush") {
+TEST_CASE("in an endless real-time session a model moves under a stylus at rest and refuses a brush") {
   const auto cpu = cpuBackend();
   SessionConfig config = moving({.amplitude_mm = 2, .frequency_Hz = 10});
   config.duration_s = 0;

@@ -4,7 +4,7 @@
 
 namespace palpate::open_rim_test {
 
-TEST_CASE("off an open rim the force on a loaded hand falls no faster than it may grow, and to nothing") {
+TEST_CASE("at an open rim the force on a loaded hand falls to zero no faster than it may rise") {
   const auto cpu = cpuBackend();
   for (const double depth : {1.0, 3.0, 4.0}) {
     CAPTURE(depth);

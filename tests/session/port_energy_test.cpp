@@ -41,7 +41,7 @@ Dive dived(double gain, double maxForce_N) {
 
 }  // namespace
 
-TEST_CASE("what a hand put into water is counted against the forces that all limits let out") {
+TEST_CASE("the energy of a hand in water is computed from the forces after all limits") {
   for (const auto& [gain, maxForce_N] : {std::pair{1.0, 20.0}, {40.0, 0.5}, {40.0, 3.0}}) {
     CAPTURE(gain);
     CAPTURE(maxForce_N);

@@ -75,7 +75,7 @@ SeenHand handAt(std::uint32_t number, const DVec3& place) {
 
 }  // namespace
 
-TEST_CASE("each hand that is heard has a ball in the water, from where it is put down on, and none once it is gone") {
+TEST_CASE("each connected hand has a ball in the water where it is put down, and none after it leaves") {
   Served served(pool());
   const DVec3 a(25, 30, 40), b(55, 30, 40);
   CHECK(served.until(60, {}, [&](const CloudFrame& frame) {
@@ -92,7 +92,7 @@ TEST_CASE("each hand that is heard has a ball in the water, from where it is put
   CHECK(served.said().empty());
 }
 
-TEST_CASE("more hands than there are balls for do no harm, and hands that are thrown about do not end what is served") {
+TEST_CASE("more hands than balls, and hands that jump about, do not end served water") {
   Served served(pool());
   std::uint32_t round = 0;
   for (int times = 0; times < 20; ++times) {
@@ -111,7 +111,7 @@ TEST_CASE("more hands than there are balls for do no harm, and hands that are th
   CHECK(served.until(120, {}, [&](const CloudFrame& frame) { return within(frame, DVec3(40, 20, 40), 15) > 5; }));
 }
 
-TEST_CASE("water that fails begins anew, and that is counted and said each time, with why") {
+TEST_CASE("water that fails restarts, and each restart is counted and reported with its reason") {
   // So fine and weightless that its speed of sound is below the speed of the hand. On a slow machine a frame covers
   // less time, so that the hand stays longer on each side, the longer it takes.
   MatterScene scene{.box_mm = DVec3(16), .fill_mm = DVec3(16), .spacing_mm = 2, .gravity_m_s2 = DVec3(0)};
@@ -128,7 +128,7 @@ TEST_CASE("water that fails begins anew, and that is counted and said each time,
   CHECK(served.said()[1] == "the simulation " + served.restarts().why + ": it begins anew");
 }
 
-TEST_CASE("what stands in water is in no frame") {
+TEST_CASE("a body that stands in water is not part of the frames") {
   MatterScene scene = pool();
   scene.model = "builtin:sphere";
   scene.model_mm = DVec3(50);
@@ -207,7 +207,7 @@ Model joinedPool(const std::string& matter, std::uint64_t standing = 0) {
 
 }  // namespace
 
-TEST_CASE("what is joined as water is felt as water, seen as particles, and not felt where nothing of it is known") {
+TEST_CASE("joined water is felt as water, shown as particles, and not felt where it is unknown") {
   const auto cpu = cpuBackend();
   SessionConfig config{.model = {.file = "pool"}, .backend = {.name = "cpu"}};
   config.join = JoinConfig{};
@@ -257,7 +257,7 @@ TEST_CASE("what is joined as water is felt as water, seen as particles, and not 
   CHECK(session.unknownTicks().without >= before.without + 20);
 }
 
-TEST_CASE("particles come out of bricks by their numbers in all of the matter, in metres, and once") {
+TEST_CASE("particles from bricks have the numbers of the whole simulation, in metres, and are reported once") {
   const MatterScene scene = pool();
   RestingFar far(scene);
   const MatterNews news = newsOf(far.source());
@@ -276,7 +276,7 @@ TEST_CASE("particles come out of bricks by their numbers in all of the matter, i
   CHECK_FALSE(news(known));
 }
 
-TEST_CASE("what is announced as water and is none is refused in words") {
+TEST_CASE("invalid water from a server is refused with a reason") {
   CHECK_THROWS_AS(joinedPool("{\"matter\": 3}"), Error);
   CHECK_THROWS_WITH_AS(joinedPool(sceneText(*matterScene("jelly"))), doctest::Contains("soft body"), Error);
   MatterScene scene = pool();
@@ -285,7 +285,7 @@ TEST_CASE("what is announced as water and is none is refused in words") {
   CHECK_THROWS_WITH_AS(joinedPool(sceneText(pool()), 1'000'000), doctest::Contains("has not come"), Error);
 }
 
-TEST_CASE("a scene goes over a network as text, and what is none is refused") {
+TEST_CASE("a scene is sent as text, and an invalid text is refused") {
   for (const char* name : {"water", "dam", "sand", "drop"}) {
     MatterScene scene = *matterScene(name);
     CHECK(parseScene(sceneText(scene)) == scene);

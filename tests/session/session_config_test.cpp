@@ -75,7 +75,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 }  // namespace
 
-TEST_CASE("a configuration goes into its text and comes back the same, whatever is in it") {
+TEST_CASE("every configuration is unchanged by conversion to text and back") {
   CHECK(parseConfig(configText(unusual())) == unusual());
   const SessionConfig usual;
   CHECK(parseConfig(configText(usual)) == usual);
@@ -84,7 +84,7 @@ TEST_CASE("a configuration goes into its text and comes back the same, whatever 
   CHECK(parseConfig(configText(boundless)) == boundless);
 }
 
-TEST_CASE("a scene of matter goes into the text as a whole, and what does not go with it is refused by its name") {
+TEST_CASE("a scene of matter is kept whole in the text, and incompatible settings are refused by name") {
   SessionConfig config{.model = {.file = "tank"}};
   config.matter = MatterScene{.matter = Matter::sand,
                               .box_mm = {60, 70, 80},
@@ -114,7 +114,7 @@ TEST_CASE("a scene of matter goes into the text as a whole, and what does not go
   CHECK(with([](auto& c) { c.tool.kind = ToolKind::ball; }) == "tool.kind");
 }
 
-TEST_CASE("a scene of a soft body goes into the text as a whole, and takes tools of many points") {
+TEST_CASE("a scene of a soft body is kept whole in the text, and allows tools of many points") {
   SessionConfig config{.model = {.file = "jelly"}, .tool = {.kind = ToolKind::pad}};
   config.matter = MatterScene{.matter = Matter::soft,
                               .box_mm = {60, 70, 80},
@@ -144,14 +144,14 @@ TEST_CASE("a scene of a soft body goes into the text as a whole, and takes tools
   CHECK(faultOf(config) == "brush.radius_mm");
 }
 
-TEST_CASE("what a text does not say is at its default") {
+TEST_CASE("fields missing in a text have their defaults") {
   CHECK(parseConfig(R"({"version": 1})") == SessionConfig{});
   SessionConfig sculpting;
   sculpting.brush.emplace();
   CHECK(parseConfig(R"({"version": 1, "brush": {}})") == sculpting);
 }
 
-TEST_CASE("a text that is not understood names the field") {
+TEST_CASE("an invalid text is refused with the name of the field") {
   const std::string text = configText(unusual());
   CHECK(faultOf(replaced(text, "\"version\": 1", "\"version\": 2")) == "version");
   CHECK(faultOf(replaced(text, "\"friction\"", "\"frictoin\"")) == "surface.frictoin");
@@ -167,7 +167,7 @@ TEST_CASE("a text that is not understood names the field") {
   CHECK(faultOf(std::string("{")).find("no JSON") != std::string::npos);
 }
 
-TEST_CASE("what is out of its bounds is refused by the name of the field") {
+TEST_CASE("a value out of bounds is refused with the name of the field") {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   CHECK(faultOf(unusual()).empty());
   const auto with = [](auto&& change) {
@@ -193,7 +193,7 @@ TEST_CASE("what is out of its bounds is refused by the name of the field") {
   CHECK(with([](auto& c) { c.duration_s = -1; }) == "duration_s");
 }
 
-TEST_CASE("options of the command line, as logs carried them, become the configuration that they stood for") {
+TEST_CASE("command-line options in old logs become the configuration they meant") {
   const SessionConfig config = migrateFlags({{"--normals", "estimate"},
                                              {"--mm-per-unit", "2.5"},
                                              {"--rate", "500"},
@@ -228,12 +228,12 @@ TEST_CASE("options of the command line, as logs carried them, become the configu
   CHECK(config == expected);
 }
 
-TEST_CASE("options that only said how a brush would be make none") {
+TEST_CASE("brush options without a brush make no brush") {
   CHECK_FALSE(migrateFlags({{"--edit", "none"}, {"--tau", "0.5"}, {"--beta", "0.1"}}).brush);
   CHECK(migrateFlags({{"--radius", "auto"}, {"--ahead", "auto"}}).surface.radius_mm == std::nullopt);
 }
 
-TEST_CASE("options that no log had, and values that they never had, are refused") {
+TEST_CASE("options and values that old logs never had are refused") {
   CHECK_THROWS_AS(migrateFlags({{"--picture", "a.png"}}), Error);
   CHECK_THROWS_AS(migrateFlags({{"--tau", "half"}}), Error);
   CHECK_THROWS_AS(migrateFlags({{"--surface", "blunt"}}), Error);

@@ -40,7 +40,7 @@ bool samePoints(const PointCloud& a, const PointCloud& b) {
 
 }  // namespace
 
-TEST_CASE("what is felt is the force law's spring on the surface, and nothing is changed by feeling") {
+TEST_CASE("the force is the force law's spring on the surface, and feeling changes no point") {
   const auto cpu = cpuBackend();
   Session session(feeling(), sphereModel(), {.backend = *cpu, .journal = true});
   const ServoResult result = runAlone(session, strokeFrom({0, 0, 1}, 1));
@@ -53,7 +53,7 @@ TEST_CASE("what is felt is the force law's spring on the surface, and nothing is
   CHECK(samePoints(session.sculpted().cloud, session.model().cloud));
 }
 
-TEST_CASE("four hands in one session feel each what it would feel alone") {
+TEST_CASE("four hands in one session each feel what they would feel alone") {
   const auto cpu = cpuBackend();
   const std::vector<DVec3> from{{0, 0, 1}, {1, 0, 0.1}, {-1, 1, 0}, {0.1, -1, -1}};
   std::vector<PathHand> hands;
@@ -73,7 +73,7 @@ TEST_CASE("four hands in one session feel each what it would feel alone") {
   }
 }
 
-TEST_CASE("what is carved reaches journal and follower alike, and undo leaves the points as they were, bit by bit") {
+TEST_CASE("carving reaches journal and follower alike, and undo restores the points bit for bit") {
   const auto cpu = cpuBackend();
   EditBatch followed;
   Session session(
@@ -97,7 +97,7 @@ TEST_CASE("what is carved reaches journal and follower alike, and undo leaves th
   CHECK(samePoints(session.sculpted().cloud, carved));
 }
 
-TEST_CASE("a recorded session says how it runs again, and does so with the same forces and points") {
+TEST_CASE("a recorded session contains its configuration and is replayed with the same forces and points") {
   const ScratchFolder folder;
   const std::string log = (folder / "log").string();
   const auto cpu = cpuBackend();
@@ -122,14 +122,14 @@ TEST_CASE("a recorded session says how it runs again, and does so with the same 
   CHECK(checksumOf(again.model().cloud.origin, again.journal()->points()) == record.end->points);
 }
 
-TEST_CASE("logs that carried options of the command line run again as they did") {
+TEST_CASE("logs that contain command-line options are replayed as recorded") {
   // A sphere of 2,000 points carved for half a second; the first log has version 2, the other version 3 without a
   // configuration.
   for (const char* name : {"version2.session", "version3.session"}) {
     CAPTURE(name);
     const std::filesystem::path log = sourceFolder() / "tests/session" / name;
     if (!std::filesystem::exists(log)) {
-      MESSAGE("skipped: " << log.string() << " is not there");
+      MESSAGE("skipped: " << log.string() << " does not exist");
       continue;
     }
     SessionRecord record = readSessionLog(log);
@@ -179,7 +179,7 @@ TEST_CASE("logs that carried options of the command line run again as they did")
   }
 }
 
-TEST_CASE("a back end is asked for by its name, and refuses what it cannot do before anything is built") {
+TEST_CASE("a back end is selected by name, and refuses what it cannot do before anything is built") {
   std::vector<std::unique_ptr<BackendKind>> kinds;
   kinds.push_back(cpuBackend());
   const Backends backends(std::move(kinds));
@@ -193,7 +193,7 @@ TEST_CASE("a back end is asked for by its name, and refuses what it cannot do be
   CHECK_THROWS_AS(Session(config, sphereModel(), {.backend = backends.named("cpu")}), ConfigError);
 }
 
-TEST_CASE("a session that keeps no journal says so when it is to be recorded or undone, and leaves no file") {
+TEST_CASE("a session without a journal refuses recording and undo, and leaves no file") {
   const ScratchFolder folder;
   const auto cpu = cpuBackend();
   Session session(carving(), sphereModel(), {.backend = *cpu});

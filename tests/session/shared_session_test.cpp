@@ -99,7 +99,7 @@ class Puller {
 
 }  // namespace
 
-TEST_CASE("a pulled hand has no force while the others are silent, and it comes back when the hand has let go") {
+TEST_CASE("a pulled hand loses its force while the server is silent, and regains it after leaving the surface") {
   Others::State others;
   const auto cpu = cpuBackend();
   Session session(joined(), sharedSphere(others), {.backend = *cpu});
@@ -125,7 +125,7 @@ TEST_CASE("a pulled hand has no force while the others are silent, and it comes 
   CHECK(later_N > 0.5);
 }
 
-TEST_CASE("the others are told of all hands of a session that is felt alone, by path and by pulled ticks") {
+TEST_CASE("the others receive all hands of a session that cannot sculpt, by path and by pulled ticks") {
   const auto told = std::make_shared<Told>();
   const auto cpu = cpuBackend();
   Model model = sphereModel();
@@ -163,7 +163,7 @@ TEST_CASE("the others are told of all hands of a session that is felt alone, by 
   areTold();
 }
 
-TEST_CASE("who is heard feels what a hand alone feels") {
+TEST_CASE("a hand in a session with a responsive server feels what it would feel alone") {
   Others::State others;
   const auto cpu = cpuBackend();
   Session shared(joined(), sharedSphere(others), {.backend = *cpu}),
@@ -172,7 +172,7 @@ TEST_CASE("who is heard feels what a hand alone feels") {
   for (const double distance : {52.0, 49.5, 48.0, 51.0}) CHECK(one.at(distance, 20) == two.at(distance, 20));
 }
 
-TEST_CASE("a session waits for the others as long as it was told, and not for those whose part is over") {
+TEST_CASE("a session waits for the others up to its limit, and not if their part has ended") {
   Others::State others;
   others.counts = {};
   const auto cpu = cpuBackend();
@@ -187,7 +187,7 @@ TEST_CASE("a session waits for the others as long as it was told, and not for th
   CHECK(over.elapsed_s() < 3);
 }
 
-TEST_CASE("a session whose last news says that it is settled asks the server before it says so") {
+TEST_CASE("a session that must settle completely asks the server even if the last result says settled") {
   Others::State others;
   const auto cpu = cpuBackend();
   Session session(joined(), sharedSphere(others), {.backend = *cpu});
@@ -202,7 +202,7 @@ TEST_CASE("a session whose last news says that it is settled asks the server bef
   CHECK(others.asked == 2);
 }
 
-TEST_CASE("a session that ends waits for a server that is slow and heard, and says what has not been confirmed") {
+TEST_CASE("an ending session waits for a slow but responsive server, and reports what is not confirmed") {
   struct Heard final : LogListener {
     void said(std::string_view line) override { lines.emplace_back(line); }
     void progressed(std::string_view, double) override {}
@@ -234,7 +234,7 @@ TEST_CASE("a session that ends waits for a server that is slow and heard, and sa
   CHECK(heard.lines.size() == 2);
 }
 
-TEST_CASE("others who go on are not waited for, but for what they have done so far, unless all of it is asked for") {
+TEST_CASE("a session waits for the edits of others so far, and for later ones only on request") {
   Others::State others;
   others.counts = {.delivered = true};
   const auto cpu = cpuBackend();

@@ -60,7 +60,7 @@ TEST_CASE("a soft body is touched, dented and recorded, and a replay gives the s
   CHECK(again.sculpted().cloud.positions == dented.cloud.positions);
 }
 
-TEST_CASE("a soft body is sculpted: the dent stays, a replay gives the same forces, and undo takes it back") {
+TEST_CASE("a sculpted soft body keeps its dent, a replay gives the same forces, and undo removes it") {
   const ScratchFolder folder;
   const std::string file = (folder / "log").string();
   const auto cpu = cpuBackend();
@@ -97,7 +97,7 @@ TEST_CASE("a soft body is sculpted: the dent stays, a replay gives the same forc
   CHECK(top(session.sculpted().cloud) < 27.5f);
 }
 
-TEST_CASE("a brush that a soft body does not take is refused with why") {
+TEST_CASE("a brush that a soft body cannot take is refused with the reason") {
   const auto refused = [](const BrushConfig& brush, const char* why) {
     SessionConfig config = softSession();
     config.brush = brush;
@@ -113,7 +113,7 @@ TEST_CASE("a brush that a soft body does not take is refused with why") {
   CHECK_THROWS_WITH_AS(validate(config), doctest::Contains("10 mm wide"), ConfigError);
 }
 
-TEST_CASE("a body whose shapes are matched is felt and dented, and a log says that it is one") {
+TEST_CASE("a body with shape matching is felt and dented, and its text says so") {
   SessionConfig config = softSession();
   config.matter->preset = SoftPreset::shapeMatching;
   config.matter->stiffness = 0.25;
@@ -128,7 +128,7 @@ TEST_CASE("a body whose shapes are matched is felt and dented, and a log says th
   CHECK(30 - last.proxy.y < 4.9);
 }
 
-TEST_CASE("what a hand is given is what its body gets, whatever a millimetre of the model is to the hand") {
+TEST_CASE("the force on the hand is the force on the soft body, at any model scale") {
   for (const double mm_per_unit : {1.0, 0.5}) {
     CAPTURE(mm_per_unit);
     SessionConfig config = softSession();
@@ -146,7 +146,7 @@ TEST_CASE("what a hand is given is what its body gets, whatever a millimetre of 
   }
 }
 
-TEST_CASE("a scan is filled, felt and dented as a shape is, and one that is open is refused") {
+TEST_CASE("a scan is filled, felt and dented like a shape, and an open scan is refused") {
   const ScratchFolder folder;
   const std::string file = (folder / "ball.ply").string();
   writePly(file, makeScene("sphere", 6'000).cloud);
@@ -167,7 +167,7 @@ TEST_CASE("a scan is filled, felt and dented as a shape is, and one that is open
   CHECK_THROWS_AS(modelOf(config), Error);
 }
 
-TEST_CASE("the scenes of soft bodies that need no file can be touched") {
+TEST_CASE("the built-in scenes of soft bodies can be touched") {
   for (const char* name : {"jelly", "soft statue"}) {
     CAPTURE(name);
     SessionConfig config = softSession();

@@ -91,17 +91,17 @@ void check(const Depths& depths, double tilt_rad, bool fused, double duration_s)
 
 }  // namespace
 
-TEST_CASE("a plane that moves before a depth camera knocks on no hand, however it is tilted, rounded or noisy") {
+TEST_CASE("a plane that moves before a depth camera causes no force steps, even if tilted, rounded or noisy") {
   for (const Depths& depths : {kFine, kNoisy})
     for (const double tilt_rad : {0.0, 0.3}) check(depths, tilt_rad, false, 0.5);
 }
 
-TEST_CASE("nor does a map of it") {
+TEST_CASE("a fused map of a moving plane causes no force steps") {
   check(kExact, 0.3, true, 0.5);
   check(kNoisy, 0.3, true, 0.5);
 }
 
-TEST_CASE("frames of a plane knock on no hand, for four tilts and through a whole swing" * kFull) {
+TEST_CASE("frames of a plane cause no force steps, for four tilts and through a whole swing" * kFull) {
   for (const bool fused : {false, true})
     for (const Depths& depths : {kExact, kFine, kCoarse, kNoisy})
       for (const double tilt_rad : {0.0, 0.15, 0.3, 0.6}) check(depths, tilt_rad, fused, 2);

@@ -21,7 +21,7 @@ std::string refusal(auto&& act) {
 
 }  // namespace
 
-TEST_CASE("the first frame of a recording is the model, in metres, with what is up") {
+TEST_CASE("the first frame of a recording is the model, in metres and with its up axis") {
   const ScratchFolder folder;
   writeWall(folder.path());
   const Model model = load(playing(folder.path()));
@@ -48,7 +48,7 @@ TEST_CASE("the first frame of a recording is the model, in metres, with what is 
   for (std::size_t k = 0; k < 4; ++k) CHECK(glm::distance(second.cameras[0].corners[k], frustum.corners[k]) < 1e-6);
 }
 
-TEST_CASE("a world far from zero keeps its detail") {
+TEST_CASE("a recording far from zero keeps its detail") {
   const ScratchFolder folder;
   writeWall(folder.path());
   std::string log;
@@ -67,7 +67,7 @@ TEST_CASE("a world far from zero keeps its detail") {
 }
 
 TEST_CASE(
-    "a hand at rest feels stiffness times the depth of a wall that goes from frame to frame, and nothing once it is "
+    "a hand at rest feels stiffness times depth of a wall that moves from frame to frame, and nothing once it is "
     "gone") {
   const ScratchFolder folder;
   writeWall(folder.path());
@@ -103,7 +103,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a loop goes on where the recording ends") {
+TEST_CASE("a looped recording continues at its start") {
   const ScratchFolder folder;
   writeWall(folder.path());
   SessionConfig config = playing(folder.path());
@@ -118,7 +118,7 @@ TEST_CASE("a loop goes on where the recording ends") {
     CHECK(glm::length(rows[tick].force_N) == within(glm::length(rows[tick + 160].force_N), 1e-6));
 }
 
-TEST_CASE("a lost frame leaves the one before, and the session goes on") {
+TEST_CASE("after a lost frame the one before stays, and the session continues") {
   const ScratchFolder folder;
   writeWall(folder.path());
   std::filesystem::resize_file(folder / "depth" / "0008.png", 200);
@@ -137,7 +137,7 @@ TEST_CASE("a lost frame leaves the one before, and the session goes on") {
   CHECK(says(session.playCounts()->lastLoss, "0008.png: byte 200: ends within the picture"));
 }
 
-TEST_CASE("a recorded session with a recorded camera is run again with its configuration alone") {
+TEST_CASE("a recorded session with a recorded camera is replayed from its configuration alone") {
   const ScratchFolder folder;
   writeWall(folder / "wall");
   const std::string log = (folder / "log").string();
@@ -154,7 +154,7 @@ TEST_CASE("a recorded session with a recorded camera is run again with its confi
   CHECK(sameTrace(result.trace(), runAgain(again, std::move(record), recorded).trace()));
 }
 
-TEST_CASE("the text of a configuration has a stream only where there is one") {
+TEST_CASE("a configuration's text has a stream only if there is one") {
   CHECK(configText({}).find("stream") == std::string::npos);
   SessionConfig config;
   config.stream = StreamConfig{.speed = 0.3, .loop = true, .depthScale = 5000, .intrinsics = "c.json"};
@@ -168,7 +168,7 @@ TEST_CASE("the text of a configuration has a stream only where there is one") {
   CHECK(parseConfig(R"({"version": 1, "stream": null})") == SessionConfig{});
 }
 
-TEST_CASE("what does not go with a stream is refused by the name of the field") {
+TEST_CASE("settings that are incompatible with a stream are refused by field name") {
   const auto with = [](auto&& change) {
     SessionConfig config = playing("folder");
     change(config);
@@ -198,7 +198,7 @@ TEST_CASE("what does not go with a stream is refused by the name of the field") 
   CHECK(live([](auto& c) { c.realtime = false; }) == "realtime");
 }
 
-TEST_CASE("what cannot be a model says what it is") {
+TEST_CASE("a stream that cannot be a model is refused with its kind") {
   const ScratchFolder folder;
   writeWall(folder.path());
   const SessionConfig config = playing(folder.path());
@@ -220,7 +220,7 @@ TEST_CASE("what cannot be a model says what it is") {
   CHECK(says(refusal([&] { load(config); }), "ends without a frame that has points"));
 }
 
-TEST_CASE("frames of a recording are held, stepped and let go on under a hand") {
+TEST_CASE("frames of a recording are held, stepped and resumed under a hand") {
   const ScratchFolder folder;
   writeWall(folder.path());
   SessionConfig config = playing(folder.path());
@@ -249,7 +249,7 @@ TEST_CASE("frames of a recording are held, stepped and let go on under a hand") 
   still.stepFrame();
 }
 
-TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that was the model on") {
+TEST_CASE("a live camera is felt at its newest frame, from the model's frame on") {
   const auto stream = std::make_shared<LiveStream>(kCamera);
   DepthFrame first{.time_s = 3, .number = 0, .depth_m = wall(kRest_m)};
   const ScratchFolder folder;

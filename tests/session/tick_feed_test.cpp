@@ -17,7 +17,7 @@ void tick(TickFeed& feed, std::uint64_t number, std::size_t hands) {
 
 }  // namespace
 
-TEST_CASE("the rows of all hands at a tick come together, in order") {
+TEST_CASE("the rows of all hands at a tick are delivered together, in order") {
   for (const std::size_t hands : {1u, 2u, 3u, 8u}) {
     CAPTURE(hands);
     TickFeed feed(hands);
@@ -35,7 +35,7 @@ TEST_CASE("the rows of all hands at a tick come together, in order") {
   }
 }
 
-TEST_CASE("what nobody takes is left out with all its hands, and what comes later is whole again") {
+TEST_CASE("a full feed drops ticks with all their hands, and later ticks are complete") {
   constexpr std::uint64_t kMore = (1 << 15) + 1000;
   TickFeed feed(2);
   for (std::uint64_t i = 0; i < kMore; ++i) tick(feed, i, 2);

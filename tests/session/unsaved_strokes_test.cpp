@@ -57,7 +57,7 @@ void checkSame(const Journal& a, const Journal& b) {
 
 }  // namespace
 
-TEST_CASE("strokes that were not saved come back as they were, with what was undone and made again") {
+TEST_CASE("unsaved strokes are recovered unchanged, including undone and redone ones") {
   const ScratchFolder folder;
   std::optional<Sculpted> sculpted(std::in_place, folder.path());
   sculpted->stroke({0}, 3);
@@ -79,7 +79,7 @@ TEST_CASE("strokes that were not saved come back as they were, with what was und
   CHECK(again.points()[2].position == Vec3(4));
 }
 
-TEST_CASE("a stroke that was under way is counted among those that are left") {
+TEST_CASE("a stroke in progress is counted among the unsaved strokes") {
   const ScratchFolder folder;
   {
     Sculpted sculpted(folder.path());
@@ -91,7 +91,7 @@ TEST_CASE("a stroke that was under way is counted among those that are left") {
   CHECK(left[0].strokes == 2);
 }
 
-TEST_CASE("what was saved is not left, and strokes behind it are relative to the model's file as it was") {
+TEST_CASE("saved strokes are not left, and later ones are relative to the model's file as it was") {
   const ScratchFolder folder;
   std::ofstream(folder / "model.ply") << "as it was";
   std::optional<Sculpted> sculpted(std::in_place, folder.path());
@@ -121,7 +121,7 @@ TEST_CASE("what was saved is not left, and strokes behind it are relative to the
   CHECK(leftIn(folder.path()).empty());
 }
 
-TEST_CASE("strokes that a program goes on with are left by that as well, and gone once they are not wanted") {
+TEST_CASE("recovered strokes stay recoverable while work continues, and are deleted when unwanted") {
   const ScratchFolder folder;
   std::optional<Sculpted>(std::in_place, folder.path())->stroke({0}, 3);
   {
@@ -143,7 +143,7 @@ TEST_CASE("strokes that a program goes on with are left by that as well, and gon
   CHECK(std::filesystem::is_empty(folder.path()));
 }
 
-TEST_CASE("a place where strokes cannot be kept is said once, and nobody is stopped") {
+TEST_CASE("a folder where strokes cannot be kept is reported once, and work continues") {
   const ScratchFolder folder;
   std::ofstream(folder / "file") << "no folder";
   Sculpted sculpted(folder / "file");
@@ -160,7 +160,7 @@ TEST_CASE("a place where strokes cannot be kept is said once, and nobody is stop
   CHECK_FALSE(sculpted.unsaved.takeFault());
 }
 
-TEST_CASE("what is damaged among the strokes that are left is said, and stays") {
+TEST_CASE("damaged unsaved strokes are reported and kept") {
   const ScratchFolder folder;
   std::filesystem::create_directory(folder / "1-1");
   for (const char* name : {"lock", "strokes-1.log"}) std::ofstream(folder / "1-1" / name) << "torn";

@@ -33,7 +33,7 @@ bool within(double seconds, Is&& is) {
 
 }  // namespace
 
-TEST_CASE("what was said is due at once, and three times more, apart") {
+TEST_CASE("an item is sent at once and three more times at intervals") {
   CopySchedule<int> schedule(kPlenty);
   std::vector<int> said;
   const auto at = [&](double now_s) {
@@ -60,7 +60,7 @@ TEST_CASE("what was said is due at once, and three times more, apart") {
   CHECK(at(3.1).empty());
 }
 
-TEST_CASE("there are no more bytes of copies than the budget has, and hardly any where much is said") {
+TEST_CASE("copies stay within their byte budget and nearly stop under heavy load") {
   const auto copiesOf = [](std::size_t bytes, double every_s) {
     CopySchedule<int> schedule(100e3);
     double said = 0;
@@ -84,7 +84,7 @@ TEST_CASE("there are no more bytes of copies than the budget has, and hardly any
   CHECK(copiesOf(2000, 0.002) < 30e3);
 }
 
-TEST_CASE("copies that come early wait for those before them, as many as follow soon") {
+TEST_CASE("early copies wait for their predecessors, within a limited window") {
   EarlyCopies<int> early;
   early.keep(3, 0, 30);
   early.keep(2, 0, 20);
@@ -103,7 +103,7 @@ TEST_CASE("copies that come early wait for those before them, as many as follow 
   CHECK(early.size() == 0);
 }
 
-TEST_CASE("a piece that comes as a copy alone is taken, once, after the one before it, and its way is told") {
+TEST_CASE("a piece received only as a copy is applied once, after its predecessor, and counted as copied") {
   const PointCloud cloud = flatCloud(1000);
   Served served(cloud, "copied");
   HonestHand hand("copied");
@@ -159,9 +159,7 @@ TEST_CASE("a piece that comes as a copy alone is taken, once, after the one befo
   CHECK(counts.refused == 0);
 }
 
-TEST_CASE(
-    "what a server says comes the reliable way once and as four copies, and copies that come too early ask for "
-    "nothing") {
+TEST_CASE("a server's result is sent once reliably and as four copies, and early copies cause no resume request") {
   const PointCloud cloud = flatCloud(1000);
   Served served(cloud, "copied");
   const JoinedCloud joined = joinCloud("copied", {.network = ownNetwork()});
@@ -345,9 +343,7 @@ std::vector<double> delaysOver(double trip_s, double loss, bool withCopies) {
 
 }  // namespace
 
-TEST_CASE(
-    "over links that lose, ninety-nine changes of a hundred come within 40 ms beyond the way; without copies they do "
-    "not") {
+TEST_CASE("99 % of the changes over lossy links arrive within 40 ms of the trip time; without copies they do not") {
   for (const double trip_s : {0.1, 0.3, 1.0})
     for (const double loss : {0.01, 0.05}) {
       CAPTURE(trip_s);

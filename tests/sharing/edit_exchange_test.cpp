@@ -272,7 +272,7 @@ void settle(World& world) {
 
 }  // namespace
 
-TEST_CASE("in the end every point is everywhere as it was changed last, whatever the links and the server do") {
+TEST_CASE("all clients converge to the last state of every point, whatever the links and the server do") {
   std::uint64_t restarts = 0, resent = 0, received = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     CAPTURE(seed);
@@ -292,7 +292,7 @@ TEST_CASE("in the end every point is everywhere as it was changed last, whatever
   CHECK(received > 10'000);
 }
 
-TEST_CASE("a hand that is alone is never taken anything from, and each of its pieces counts once") {
+TEST_CASE("the edits of a lone hand are never replaced, and each of its pieces counts once") {
   World world(7, 2, true);
   std::vector<PointState> made;
   for (int i = 0; i < 1500; ++i) {
@@ -312,7 +312,7 @@ TEST_CASE("a hand that is alone is never taken anything from, and each of its pi
   CHECK(world.takenPieces() == world.points().lastOf(world.client(0).id));
 }
 
-TEST_CASE("a zero of the other sign is another state, as the digest has it") {
+TEST_CASE("a zero of opposite sign is a different state, as in the digest") {
   const auto points = pointsOf(3);
   EditExchange exchange(points, kAtOnce);
   const Resume asked = exchange.resume();
@@ -334,7 +334,7 @@ TEST_CASE("a zero of the other sign is another state, as the digest has it") {
   CHECK(exchange.isSame());
 }
 
-TEST_CASE("a client that asks is at rest once the server has answered, and not by what it has heard before") {
+TEST_CASE("a client that asks for the state is at rest only after the answer, not by earlier results") {
   const auto points = pointsOf(3);
   const Id client{1}, other{2};
   SharedPoints server(points);
@@ -378,7 +378,7 @@ TEST_CASE("a client that asks is at rest once the server has answered, and not b
   CHECK(exchange.isSame());
 }
 
-TEST_CASE("a client that asks sends nothing again, and one that resumes does") {
+TEST_CASE("asking for the state resends nothing, resuming does") {
   const auto points = pointsOf(3);
   EditExchange exchange(points, kAtOnce);
   exchange.resume();
@@ -395,7 +395,7 @@ TEST_CASE("a client that asks sends nothing again, and one that resumes does") {
   CHECK(exchange.resent() == 1);
 }
 
-TEST_CASE("of a point that changes faster than a link carries only the last state goes on") {
+TEST_CASE("only the last state of a point is forwarded if it changes faster than the link carries") {
   SharedPoints points(pointsOf(10));
   const Id maker{1}, follower{2};
   for (std::uint64_t piece = 1; piece <= 1000; ++piece) {
@@ -419,7 +419,7 @@ TEST_CASE("of a point that changes faster than a link carries only the last stat
   CHECK(states.size() == 1);
 }
 
-TEST_CASE("who comes long after the order that is kept gets every point that was changed, once") {
+TEST_CASE("a client that joins after more edits than the history keeps receives every changed point once") {
   const std::uint32_t count = 300'000;
   SharedPoints points(pointsOf(count));
   const Id maker{1}, follower{2};
@@ -451,7 +451,7 @@ TEST_CASE("who comes long after the order that is kept gets every point that was
   CHECK(PointDigest(states).value() == points.digest());
 }
 
-TEST_CASE("pieces that are no client's of ours change nothing") {
+TEST_CASE("invalid pieces and pieces out of order change nothing") {
   SharedPoints points(pointsOf(10));
   const std::uint64_t before = points.digest();
   const auto take = [&](PointState state, std::uint64_t number = 1) { return points.take(Id{1}, number, {&state, 1}); };

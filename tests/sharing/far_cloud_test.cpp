@@ -108,7 +108,7 @@ JoinedCloud joinNear(const std::string& name, Log* log = nullptr) {
 
 }  // namespace
 
-TEST_CASE("who joins near a hand has the points around it, follows it, and few others") {
+TEST_CASE("a client with only nearby points receives those around its moving hand and few others") {
   const PointCloud cloud = square();
   ServedSquare served(cloud, "near");
   {
@@ -139,7 +139,7 @@ TEST_CASE("who joins near a hand has the points around it, follows it, and few o
   CHECK(counts.refused == 0);
 }
 
-TEST_CASE("requests that no client makes are counted, and change nothing") {
+TEST_CASE("invalid requests for nearby points are counted and change nothing") {
   const PointCloud cloud = square();
   ServedSquare served(cloud, "hostile");
   const JoinedCloud joined = joinNear("hostile");
@@ -182,8 +182,7 @@ TEST_CASE("requests that no client makes are counted, and change nothing") {
   CHECK(counts.refused <= 20);
 }
 
-TEST_CASE(
-    "points that move come again and again, with the time at which they are there, and the hand that presses is said") {
+TEST_CASE("moving points are sent repeatedly with their time, and the motion receives the pressing hand") {
   const PointCloud cloud = square();
   std::mutex lock;
   std::vector<SeenHand> seen;
@@ -263,8 +262,7 @@ TEST_CASE(
   CHECK(served.end().frames > 60);
 }
 
-TEST_CASE(
-    "that what moves has begun anew is told to each who feels it, once each time, and to nobody who comes later") {
+TEST_CASE("a restart of the motion is reported once to each client, and not to clients that join later") {
   const PointCloud cloud = square();
   std::mutex lock;
   Restarts restarts{.count = 3, .why = "was before"};
@@ -323,7 +321,7 @@ TEST_CASE(
   served.end();
 }
 
-TEST_CASE("hands that are farther than anything is do not press what moves") {
+TEST_CASE("hands at impossible positions do not press a moving model") {
   const PointCloud cloud = square();
   std::mutex lock;
   std::set<std::string> seen;
@@ -366,7 +364,7 @@ TEST_CASE("hands that are farther than anything is do not press what moves") {
   CHECK(seen == std::set<std::string>{"near"});
 }
 
-TEST_CASE("a motion that fails ends what serves it, in its words") {
+TEST_CASE("a failing motion ends its server with the motion's message") {
   const PointCloud cloud = square();
   CloudServer server(
       cloud, {.network = ownNetwork(),
@@ -377,8 +375,7 @@ TEST_CASE("a motion that fails ends what serves it, in its words") {
   CHECK_THROWS_WITH(server.serve(stop, 30), doctest::Contains("it has burst"));
 }
 
-TEST_CASE(
-    "a server that is gone is said to be silent; one that serves the same points is gone on with, and others are not") {
+TEST_CASE("a silent server is reported; a client continues with a server of the same points and refuses other points") {
   const PointCloud cloud = square(), other = square(5);
   std::optional<ServedSquare> served(std::in_place, cloud, "again");
   const JoinedCloud joined = joinNear("again");
@@ -410,7 +407,7 @@ TEST_CASE(
   CHECK_FALSE(joined.far->known().isTrue());
 }
 
-TEST_CASE("who was near his hand before a server was started again with its journal goes on there") {
+TEST_CASE("a client with only nearby points continues after its server restarts with its journal") {
   const ScratchFolder folder;
   const PointCloud cloud = square();
   std::optional<ServedSquare> served(std::in_place, cloud, "journal", ServedMotion{}, folder / "strokes");
@@ -497,7 +494,7 @@ class AskingListener final : public LogListener {
 
 }  // namespace
 
-TEST_CASE("a sample that is no piece of the cloud is no more than one that is missing, until nothing else comes") {
+TEST_CASE("an invalid brick sample counts as missing, and ends the connection only if nothing else arrives") {
   const PointCloud cloud = square();
   std::optional<ServedSquare> served(std::in_place, cloud, "forged");
   const JoinedCloud joined = joinNear("forged");
@@ -516,7 +513,7 @@ TEST_CASE("a sample that is no piece of the cloud is no more than one that is mi
   CHECK_THROWS_WITH_AS(joined.far->check(), doctest::Contains("a brick has an invalid position"), NetworkError);
 }
 
-TEST_CASE("what another hand does within reach of who is near his is a change under that hand") {
+TEST_CASE("another hand's edits within reach of a client with only nearby points count as changes under its hand") {
   const PointCloud cloud = square();
   ServedSquare served(cloud, "changed");
   const JoinedCloud joined = joinNear("changed");
@@ -529,7 +526,7 @@ TEST_CASE("what another hand does within reach of who is near his is a change un
   other.end();
 }
 
-TEST_CASE("who listens to what is said of a silent server may ask meanwhile how it goes") {
+TEST_CASE("a log listener can query the connection while it receives the message of a silent server") {
   const PointCloud cloud = square();
   AskingListener listener;
   Log log(true);
@@ -602,7 +599,7 @@ bool isSamePoint(const PointState& a, const PointState& b) {
 
 }  // namespace
 
-TEST_CASE("what several hands near their points make of them is the server's and everybody's, each piece once") {
+TEST_CASE("edits of several clients with only nearby points reach the server and each other once") {
   const PointCloud cloud = square();
   ServedSquare served(cloud, "sculpted near");
   std::vector<std::vector<PointState>> seen;
@@ -661,7 +658,7 @@ TEST_CASE("what several hands near their points make of them is the server's and
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a hand near its points that goes on and on in one place is heard all the while" * kClock) {
+TEST_CASE("continuous edits of the same nearby points are acknowledged without a resend" * kClock) {
   const PointCloud cloud = square();
   ServedSquare served(cloud, "on and on");
   NearSculptor hand("on and on", 4);
@@ -684,8 +681,7 @@ TEST_CASE("a hand near its points that goes on and on in one place is heard all 
   CHECK_NOTHROW(hand.far().check());
 }
 
-TEST_CASE(
-    "what a hand near its points has made while its server was away is taken when it is back with its journal, once") {
+TEST_CASE("edits of nearby points during a server outage are applied once, after it restarts with its journal") {
   const PointCloud cloud = square();
   const ScratchFolder folder;
   std::optional<ServedSquare> served(std::in_place, cloud, "away", ServedMotion{}, folder / "strokes");

@@ -98,7 +98,7 @@ bool has(const std::string& text, const std::string& words) {
 
 }  // namespace
 
-TEST_CASE("another version is named, and so are numbers that are no cloud's") {
+TEST_CASE("a server of another version or with an invalid cloud is refused with the reason") {
   ForeignServer newer("newer");
   newer.notice.version = kVersion + 1;
   CHECK(has(newer.joined(leave), "another version"));
@@ -112,7 +112,7 @@ TEST_CASE("another version is named, and so are numbers that are no cloud's") {
   CHECK(has(endless.joined(leave), "invalid cloud"));
 }
 
-TEST_CASE("points that are none, too few or too many, and others than were announced, are refused") {
+TEST_CASE("invalid, missing and surplus points, and others than announced, are refused") {
   CHECK(has(ForeignServer("short").joined([](Block&, std::vector<Point>& points) { points.pop_back(); }),
             "44 points instead of 45"));
   CHECK(has(ForeignServer("long").joined([](Block&, std::vector<Point>& points) { points.resize(64); }),
@@ -131,16 +131,16 @@ TEST_CASE("points that are none, too few or too many, and others than were annou
             "nothing received"));
 }
 
-TEST_CASE("who announces billions of points takes the memory of those alone that come") {
+TEST_CASE("a server that announces billions of points costs only the memory of the points received") {
   ForeignServer boaster("boaster", std::uint64_t{3} << 30);
   CHECK(has(boaster.joined(leave, 70), "of 3221225472 points"));
 }
 
-TEST_CASE("a server that ends in the middle is said, with how far it came") {
+TEST_CASE("a server that ends during the transfer is reported with the points received so far") {
   CHECK(has(ForeignServer("halting", 90'000).joined(leave, 5), "after 225 of 90000 points"));
 }
 
-TEST_CASE("what stands in names goes to no terminal as it is") {
+TEST_CASE("names with control characters or invalid UTF-8 are made printable") {
   ForeignServer server("bell\x07 \x1b[31m");
   CHECK(has(server.joined(leave), "bell? ?[31m"));
   // The same for invalid UTF-8, which JSON cannot hold, and for control characters.
@@ -156,7 +156,7 @@ TEST_CASE("what stands in names goes to no terminal as it is") {
   CHECK(shown(full.c_str()).size() == 199);  // cut before a character, and not inside it
 }
 
-TEST_CASE("requests that no client of ours makes are counted, and the server goes on") {
+TEST_CASE("invalid requests are counted, and the server continues") {
   PointCloud cloud;
   cloud.positions.assign(5000, Vec3(1, 2, 3));
   cloud.normals.assign(5000, Vec3(0, 0, 1));

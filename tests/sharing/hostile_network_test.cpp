@@ -110,8 +110,8 @@ Outcome attacked(const std::string& attack, double seconds) {
   CHECK(joinCloud("attacked", {.network = ownNetwork()}).cloud.positions == cloud.positions);
   outcome.served = served.end();
   MESSAGE(fmt::format(
-      "{}: {:.1f} MB at most; longest silence {:.2f} s, round trip {:.1f} ms, {} sent, {} received; {} requests, "
-      "{} blocks, {} refused, {} sculptors, {} pieces, {} again, {} clients",
+      "{}: at most {:.1f} MB; longest silence {:.2f} s, round trip {:.1f} ms, {} sent, {} received; {} requests, "
+      "{} blocks, {} refused, {} sculptors, {} pieces, {} duplicates, {} clients",
       attack, outcome.grown_MB, outcome.hand.longestSilent_s, outcome.hand.link.roundTrip_ms.value_or(-1),
       outcome.hand.sent, outcome.hand.received, outcome.served.requests, outcome.served.blocks, outcome.served.refused,
       outcome.served.sculptors, outcome.served.pieces, outcome.served.again, outcome.served.clients));
@@ -125,8 +125,7 @@ Outcome attacked(const std::string& attack, double seconds) {
 
 }  // namespace
 
-TEST_CASE("who asks for everything again and again, in the name of ten thousand, keeps nobody else waiting" * kClock *
-          kMoreInFull) {
+TEST_CASE("a flood of requests under ten thousand identities delays no other client" * kClock * kMoreInFull) {
   const Outcome requests = attacked("requests", attack_s());
   CHECK(requests.served.refused > 1000);
   CHECK(requests.served.clients < 100);
@@ -135,9 +134,8 @@ TEST_CASE("who asks for everything again and again, in the name of ten thousand,
   attacked("one-resumes", attack_s());
 }
 
-TEST_CASE(
-    "strokes without end, of more hands than there can be, and such as no hand makes, are taken, counted or refused" *
-    kMoreInFull) {
+TEST_CASE("floods of strokes, of hands beyond the limit and of invalid strokes are applied, counted or refused" *
+          kMoreInFull) {
   CHECK(attacked("strokes", attack_s()).served.pieces > 1000);
   const Outcome sculptors = attacked("sculptors", attack_s());
   CHECK(sculptors.served.sculptors > 200);
@@ -149,9 +147,7 @@ TEST_CASE(
   CHECK(attacked("bad-stroke-copies", attack_s()).served.refused > 0);
 }
 
-TEST_CASE(
-    "hands that are nowhere, sessions by the thousand and answers that no server gives do not fill a client's memory" *
-    kMoreInFull) {
+TEST_CASE("floods of invalid hands, of sessions and of forged results do not fill a client's memory" * kMoreInFull) {
   for (const char* attack : {"hands", "notices", "results", "result-copies"})
     CHECK(attacked(attack, attack_s()).grown_MB < 15);
 }
@@ -191,7 +187,7 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   CHECK(comesTo(180));
   CHECK_NOTHROW(joined.far->check());
   const NearOutcome outcome{.hand = during, .served = served.end()};
-  MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times anew; {} clients, {} refused",
+  MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times resumed; {} clients, {} refused",
                       attack, outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1),
                       outcome.hand.resumed, outcome.served.near, outcome.served.refused));
   CHECK(outcome.hand.longestSilent_s < 1 + stood_s);
@@ -200,23 +196,23 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
 
 }  // namespace
 
-TEST_CASE("who asks for all that is around eight hands again and again keeps nobody waiting" * kClock) {
+TEST_CASE("repeated requests for all points around eight hands delay no other client" * kClock) {
   attackedNear("one-near", 1);
 }
 
-TEST_CASE("of ten thousand who are near their hands as many as there is room for take nobody's place" * kClock) {
+TEST_CASE("ten thousand requesters of nearby points stay within the limit and displace no client" * kClock) {
   const NearOutcome many = attackedNear("nears", 1);
   CHECK(many.served.near <= 64);
   CHECK(many.served.refused > 1000);
 }
 
-TEST_CASE("bricks that no server gives end nobody's part near his hand") {
+TEST_CASE("forged bricks do not end the connection of a client with only nearby points") {
   CHECK(attackedNear("bricks", 1).hand.resumed > 10);
 }
 
-TEST_CASE("facts of ever new sessions keep nobody waiting" * kClock) { attackedNear("facts", 1); }
+TEST_CASE("facts of endlessly many sessions delay no client" * kClock) { attackedNear("facts", 1); }
 
-TEST_CASE("facts of thousands of sessions do not hide those of the one that is joined, which come after them") {
+TEST_CASE("facts of thousands of sessions do not hide the later facts of the joined session") {
   const JoinedSession session(ownNetwork(), sharing::freshId(), sharing::freshId());
   const sharing::Participant hostile(ownNetwork());
   const sharing::Topics topics(hostile);
@@ -239,13 +235,12 @@ TEST_CASE("facts of thousands of sessions do not hide those of the one that is j
   CHECK(heard->extent.points == 1234);
 }
 
-TEST_CASE("bytes that are no samples of ours are no more than noise" * kMoreInFull) {
+TEST_CASE("foreign pings and random bytes disturb no client" * kMoreInFull) {
   attacked("pings", attack_s());
   attacked("bytes", attack_s() + 0.2);
 }
 
-TEST_CASE("readers that have fallen asleep with all that there is on the way to them hold up nobody" * kClock *
-          kMoreInFull) {
+TEST_CASE("suspended readers with undelivered data delay no other client" * kClock * kMoreInFull) {
   const PointCloud cloud = flatCloud(20'000);
   Served served(cloud, "attacked");
   HonestHand hand("attacked");
@@ -262,8 +257,8 @@ TEST_CASE("readers that have fallen asleep with all that there is on the way to 
   CHECK(side.end(SIGKILL) != 0);
   const ServedCounts handed = served.end();
   MESSAGE(fmt::format(
-      "asleep: {:.0f} MB at most, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients", grown_MB,
-      counts.longestSilent_s, counts.link.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
+      "suspended reader: at most {:.0f} MB, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients",
+      grown_MB, counts.longestSilent_s, counts.link.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
   CHECK(counts.same);
   CHECK(counts.longestSilent_s < 2);
   CHECK(grown_MB < 400);

@@ -6,7 +6,7 @@
 
 namespace palpate::sharing::link_statistics_test {
 
-TEST_CASE("nothing is said of a link before a ping has come back, or is late") {
+TEST_CASE("a link has no statistics before a ping has returned or is late") {
   LinkStatistics link;
   CHECK(link.sent(10) == 1);
   LinkCounts counts = link.counts(11);
@@ -24,7 +24,7 @@ TEST_CASE("nothing is said of a link before a ping has come back, or is late") {
   CHECK(*counts.roundTrip_ms == near(2600, 1e-6));
 }
 
-TEST_CASE("the round trip is the median of the last ones, and every tenth is lost") {
+TEST_CASE("the round trip is the median of recent pings, and a loss of every tenth ping is reported") {
   LinkStatistics link;
   for (int i = 0; i < 1000; ++i) {
     const double now_s = 0.2 * i, trip_s = i < 800 ? 0.5 : i % 2 == 0 ? 0.1 : 0.12;
@@ -40,7 +40,7 @@ TEST_CASE("the round trip is the median of the last ones, and every tenth is los
   CHECK(*counts.roundTrip_ms < 121);
 }
 
-TEST_CASE("echoes that come twice, of pings that never went, or before they went, count for nothing") {
+TEST_CASE("duplicate echoes, echoes of pings never sent, and echoes older than their ping are ignored") {
   LinkStatistics link;
   const std::uint32_t number = link.sent(1);
   CHECK_FALSE(link.answered(number, 0.5));

@@ -153,7 +153,7 @@ void fillStates(Mutant& mutant, std::vector<State>& states, std::uint32_t points
 
 }  // namespace
 
-TEST_CASE("a session that is served and sculpted goes on amid samples of it that are not as they were") {
+TEST_CASE("a served and sculpted session continues amid corrupted samples") {
   const PointCloud cloud = flatCloud(5000);
   Served served(cloud, "mutated");
   HonestHand hand("mutated");
@@ -254,8 +254,7 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   CHECK(handed.sculptors > 10);
 }
 
-TEST_CASE("whoever joins amid blocks that are not as they were gets the points as announced, or is told why not" *
-          kMoreInFull) {
+TEST_CASE("a client that joins amid corrupted blocks receives the announced points or a reason" * kMoreInFull) {
   constexpr std::uint32_t kPoints = 150'000;
   const PointCloud cloud = flatCloud(kPoints);
   Served served(cloud, "mutated");
@@ -290,10 +289,10 @@ TEST_CASE("whoever joins amid blocks that are not as they were gets the points a
   joining.join();
   CHECK(other == 0);
   CHECK(whole + told > 0);
-  MESSAGE(whole, " times as announced, ", told, " times it was told why not");  // the proportion is random
+  MESSAGE(whole, " joined with the announced points, ", told, " refused with a reason");  // the proportion is random
 }
 
-TEST_CASE("who is near his hand goes on amid questions, facts and bricks that are not as they were") {
+TEST_CASE("a client with only nearby points continues amid corrupted requests, facts and bricks") {
   const PointCloud cloud = flatCloud(20'000);
   Served served(cloud, "mutated");
   const JoinedCloud joined = joinCloud("mutated", {.network = ownNetwork(), .near = true});
@@ -357,7 +356,7 @@ TEST_CASE("who is near his hand goes on amid questions, facts and bricks that ar
   CHECK(served.end().refused > 20);
 }
 
-TEST_CASE("ROS's clouds that are not as they were are points, or refused in words") {
+TEST_CASE("corrupted ROS point clouds are read or refused with a reason") {
   const Participant participant = rosParticipant(ownNetwork());
   RosPointCloud2 nothing{};
   char none[] = "";

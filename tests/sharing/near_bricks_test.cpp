@@ -144,7 +144,7 @@ Walked walk(const Walk& how, int ticks) {
 
 }  // namespace
 
-TEST_CASE("each place has one brick, whose key gives it back") {
+TEST_CASE("each position has one brick, which its key identifies") {
   const BrickGrid grid(0.7);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-1e6, 1e6);
@@ -159,9 +159,7 @@ TEST_CASE("each place has one brick, whose key gives it back") {
   CHECK_FALSE(BrickGrid::isKey(~BrickKey{0}));
 }
 
-TEST_CASE(
-    "what a wandering hand may feel is there before it comes, at any trip, and is the cloud's, point by point in its "
-    "order") {
+TEST_CASE("points around a wandering hand arrive before it, at any round trip, and equal the cloud's in order") {
   for (const double trip_s : {0.002, 0.1, 0.5})
     for (unsigned seed = 1; seed <= 4; ++seed) {
       CAPTURE(trip_s);
@@ -175,7 +173,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a hand that is faster than its points lacks some, which is known, and never feels others") {
+TEST_CASE("a hand faster than its points detects missing points and never feels wrong ones") {
   constexpr int kTicks = 1600;
   const Walked walked = walk({.seed = 5, .speed = 900, .trip_s = 0.5}, kTicks);
   CHECK(walked.wrong == 0);
@@ -183,7 +181,7 @@ TEST_CASE("a hand that is faster than its points lacks some, which is known, and
   CHECK(walked.without < kTicks);
 }
 
-TEST_CASE("strokes of others reach the bricks that a hand has, and those that are gone") {
+TEST_CASE("strokes of other hands reach the bricks that a hand has") {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     CAPTURE(seed);
     const Walked walked = walk({.seed = seed, .speed = 25, .trip_s = 0.1, .sculpts = true}, 4000);
@@ -192,7 +190,7 @@ TEST_CASE("strokes of others reach the bricks that a hand has, and those that ar
   }
 }
 
-TEST_CASE("a client keeps no more than there is room for, the nearest first") {
+TEST_CASE("a client keeps no more points than fit, the nearest first") {
   const Walked walked = walk({.seed = 2, .speed = 25, .trip_s = 0.1, .room = 1200}, 3000);
   CHECK(walked.mostKnown <= 1200);
   CHECK(walked.mostKnown > 600);
@@ -200,7 +198,7 @@ TEST_CASE("a client keeps no more than there is room for, the nearest first") {
   CHECK(walked.without < 300);
 }
 
-TEST_CASE("of points that move a client has those of one time alone, after each step") {
+TEST_CASE("a client's moving points all belong to the same time after each step") {
   constexpr double kEdge = 4;
   ServedBricks served(kEdge);
   BrickLedger ledger;
@@ -271,7 +269,7 @@ BrickAssembly freshAssembly(std::size_t room = 100) {
 
 }  // namespace
 
-TEST_CASE("a step is put together from its samples; one that is missing is found out, and all is asked for anew") {
+TEST_CASE("a step is assembled from its samples; a missing sample is detected, and all are requested again") {
   BrickAssembly assembly = freshAssembly();
   OneSample first, second;
   first.parts[0].count = 1;
@@ -306,7 +304,7 @@ TEST_CASE("a step is put together from its samples; one that is missing is found
   CHECK(restarted->dropped == std::vector<BrickKey>{BrickGrid::keyOf(IVec3(1, 0, 0))});
 }
 
-TEST_CASE("what is no piece of such a cloud is refused") {
+TEST_CASE("invalid brick samples are refused") {
   const auto refuses = [](const std::function<void(OneSample&)>& spoil) {
     BrickAssembly assembly = freshAssembly();
     OneSample one;
@@ -336,7 +334,7 @@ TEST_CASE("what is no piece of such a cloud is refused") {
   CHECK_THROWS_AS(large.hear(small), NetworkError);
 }
 
-TEST_CASE("random samples end nothing and are bounded") {
+TEST_CASE("random brick samples cause no failure and stay bounded") {
   std::mt19937 random(17);
   int taken = 0;
   for (int i = 0; i < 20'000; ++i) {

@@ -89,7 +89,7 @@ struct Looking {
 
 }  // namespace
 
-TEST_CASE("cameras are seen where they are, follow, stay seen while they stand, and are gone when they are hidden") {
+TEST_CASE("cameras of other clients are shown, follow their motion, stay while at rest, and disappear when hidden") {
   const PointCloud cloud = threePoints();
   Served served(cloud, "looked at");
   const Looking ada("looked at", "Ada"), bert("looked at", "Bert", true);
@@ -125,7 +125,7 @@ TEST_CASE("cameras are seen where they are, follow, stay seen while they stand, 
   CHECK_THROWS_AS(ada.presence->show(CameraPlace{.fovY_rad = 4}), UsageError);
 }
 
-TEST_CASE("a camera that moves a thousand times a second is heard thirty times, and one that stands twice" * kClock) {
+TEST_CASE("a camera that moves at 1 kHz is sent thirty times a second, and one at rest twice" * kClock) {
   const PointCloud cloud = threePoints();
   Served served(cloud, "shaken");
   const Looking ada("shaken", "Ada");
@@ -154,9 +154,7 @@ TEST_CASE("a camera that moves a thousand times a second is heard thirty times, 
   CHECK(standing >= 2);
 }
 
-TEST_CASE(
-    "cameras that are none, of other sessions, or ever new ones, are not seen, or no more of them than there is room "
-    "for") {
+TEST_CASE("invalid cameras and those of other sessions are not shown, and new ones only up to the limit") {
   const PointCloud cloud = threePoints();
   Served served(cloud, "looked at by strangers");
   const Looking ada("looked at by strangers", "Ada");
@@ -226,7 +224,7 @@ TEST_CASE(
   CHECK(ada.presence->cameras().size() <= 256);
 }
 
-TEST_CASE("all hands of who is near, of who has all points and of who feels alone are seen by all others") {
+TEST_CASE("all clients see all hands of the others, also with only nearby points and in read-only sessions") {
   const PointCloud cloud = threePoints();
   for (const bool sculptable : {true, false}) {
     CAPTURE(sculptable);
@@ -269,9 +267,7 @@ TEST_CASE("all hands of who is near, of who has all points and of who feels alon
   }
 }
 
-TEST_CASE(
-    "hands that are nowhere, far away, more than a client has, or ever new ones are not seen, or no more of them than "
-    "there is room for") {
+TEST_CASE("invalid, distant and surplus hands are not shown, and new ones only up to the limit") {
   const PointCloud cloud = threePoints();
   Served served(cloud, "felt by strangers");
   const Looking ada("felt by strangers", "Ada", true), bert("felt by strangers", "Bert");

@@ -73,7 +73,7 @@ Read readUntil(DepthStream& stream, const std::function<bool(const Read&)>& isEn
 
 }  // namespace
 
-TEST_CASE("pictures of depth come once each, in order, with the camera that is said beside them") {
+TEST_CASE("depth images arrive once each, in order, with the camera of their CameraInfo") {
   const SendingCamera sender(ownNetwork(), "lab/depth", infoOf(kCamera), [](int frame) {
     return pictureOf(kCamera, [&](const DVec3&) { return 1 + 0.001 * frame; });
   });
@@ -100,7 +100,7 @@ TEST_CASE("pictures of depth come once each, in order, with the camera that is s
   CHECK_FALSE(stream->next(frame));
 }
 
-TEST_CASE("a camera that is given needs none beside the pictures, and without either that is said") {
+TEST_CASE("a given camera replaces the CameraInfo, and an error reports that both are missing") {
   const SendingCamera sender(ownNetwork(), "bare/depth", RosCameraInfo{.header = {.stamp = {}, .frame_id = nullptr}},
                              [](int) { return pictureOf(kCamera, flat); });
   CHECK(says(refusal([&] { watchRosFrames("bare/depth/image_raw", watching()); }), "a CameraInfo is of 0 x 0 pixels"));
@@ -120,7 +120,7 @@ TEST_CASE("a camera that is given needs none beside the pictures, and without ei
              "no CameraInfo was received on alone/camera_info in 0.5 s"));
 }
 
-TEST_CASE("pictures that lie, or are of another size, encoding or frame, are lost one by one in words") {
+TEST_CASE("invalid images, and those of another size, encoding or frame, are lost one by one with a reason") {
   const SendingCamera sender(ownNetwork(), "lies/depth", infoOf(kCamera), [](int frame) {
     SentPicture picture = pictureOf(kCamera, flat);
     if (frame % 6 == 1) picture = pictureOf({.width = 16, .height = 12, .fx = 1, .fy = 1, .cx = 0, .cy = 0}, flat);
@@ -141,7 +141,7 @@ TEST_CASE("pictures that lie, or are of another size, encoding or frame, are los
   CHECK(says(all, "ros:lies/depth/image_raw: message "));
 }
 
-TEST_CASE("points in rows come as frames with normals that face the sensor, and without rows, too") {
+TEST_CASE("organised and unorganised points arrive as frames with normals that face the sensor") {
   const Participant participant = rosParticipant(ownNetwork());
   // As sensor drivers send them, and as most other programs do.
   const RosPublisher<RosPointCloud2> rows(participant, "rt/rows", RosDelivery::bestEffort);
@@ -197,7 +197,7 @@ TEST_CASE("points in rows come as frames with normals that face the sensor, and 
   CHECK(says(refusal([&] { watchRosFrames("rows", fused); }), "the topic has points"));
 }
 
-TEST_CASE("more points than the first message has room for are a lost frame") {
+TEST_CASE("a message of more points than the first has room for is a lost frame") {
   const Participant participant = rosParticipant(ownNetwork());
   const RosPublisher<RosPointCloud2> growing(participant, "rt/growing", RosDelivery::reliable);
   const DepthCamera large{.width = 64, .height = 48, .fx = 30, .fy = 30, .cx = 31, .cy = 23};
@@ -211,7 +211,7 @@ TEST_CASE("more points than the first message has room for are a lost frame") {
   CHECK(says(read.losses[0], "has 3072 points, and there is room for 768"));
 }
 
-TEST_CASE("pictures of depth have the colours that were taken with them, and without are lost") {
+TEST_CASE("depth images have the colours of the same time, and are lost without them") {
   const Participant participant = rosParticipant(ownNetwork());
   const RosPublisher<RosImage> depths(participant, "rt/dyed/image_raw", RosDelivery::bestEffort),
       colors(participant, "rt/dyed/color", RosDelivery::bestEffort);
@@ -257,7 +257,7 @@ TEST_CASE("pictures of depth have the colours that were taken with them, and wit
   CHECK(readUntil(*stream, [](const Read& r) { return r.frames.size() == 3; }).frames.size() == 3);
 }
 
-TEST_CASE("what sensors see is put in the frame that is asked for, over static and moving transforms") {
+TEST_CASE("sensor data is transformed into the requested frame over static and moving transforms") {
   const Participant participant = rosParticipant(ownNetwork());
   RosTransformPublisher mast(participant, "map", "mast", true), arm(participant, "mast", "arm", false),
       optical(participant, "arm", "camera", true);
@@ -308,8 +308,7 @@ TEST_CASE("what sensors see is put in the frame that is asked for, over static a
   CHECK(says(read.losses[0], "too old"));
 }
 
-TEST_CASE(
-    "a frame from which nothing leads to the one that is asked for is said, and so is one that comes later put there") {
+TEST_CASE("a frame without a path to the requested one is reported, and used once the transform arrives") {
   const Participant participant = rosParticipant(ownNetwork());
   const RosPublisher<RosPointCloud2> points(participant, "rt/unjoined", RosDelivery::reliable),
       still(participant, "rt/unjoined_still", RosDelivery::latched);
@@ -337,7 +336,7 @@ TEST_CASE(
   CHECK(frame.pose->centre == DVec3(0, 0, 7));
 }
 
-TEST_CASE("messages of transforms that are long, or of nothing, move nothing and end nothing") {
+TEST_CASE("overlong and empty transform messages move nothing and cause no failure") {
   const Participant participant = rosParticipant(ownNetwork());
   const RosPublisher<RosTFMessage> tf(participant, "rt/tf", RosDelivery::reliable);
   RosTransformIntake intake(participant, "map");
@@ -372,7 +371,7 @@ TEST_CASE("messages of transforms that are long, or of nothing, move nothing and
   }));
 }
 
-TEST_CASE("a topic of something else, and one where nobody sends, is said before a message comes") {
+TEST_CASE("a topic of another type or without a sender is reported before a message arrives") {
   const Participant participant = rosParticipant(ownNetwork());
   const RosPublisher<RosPoseStamped> pose(participant, "rt/pose", RosDelivery::reliable);
   const std::string words = "the topic has type geometry_msgs/msg/PoseStamped, not ";

@@ -74,7 +74,7 @@ RosCalibration calibration() {
 
 }  // namespace
 
-TEST_CASE("depths of either encoding come in metres, in either order of bytes") {
+TEST_CASE("depths of either encoding and byte order are read in metres") {
   for (const char* encoding : {"16UC1", "mono16", "32FC1"})
     for (const bool isBig : {false, true}) {
       CAPTURE(encoding);
@@ -85,7 +85,7 @@ TEST_CASE("depths of either encoding come in metres, in either order of bytes") 
   CHECK(Picture("32FC1").take(2)[1] == near(0.75, 1e-6));
 }
 
-TEST_CASE("what was not measured is 0, however it is said") {
+TEST_CASE("pixels without a measurement are 0, however they are marked") {
   Picture picture("32FC1");
   const float infinite = std::numeric_limits<float>::infinity();
   const std::array<float, 3> none{std::numeric_limits<float>::quiet_NaN(), infinite, -1.f};
@@ -95,7 +95,7 @@ TEST_CASE("what was not measured is 0, however it is said") {
   CHECK(picture.take() == std::vector<float>{0, 0, 0, 0, 0, 1e5f});
 }
 
-TEST_CASE("a picture that contradicts itself, or the camera, is refused in words") {
+TEST_CASE("an image that contradicts itself or the camera is refused with a reason") {
   const auto spoiled = [](const std::function<void(Picture&)>& spoil, const char* encoding = "16UC1") {
     Picture picture(encoding);
     spoil(picture);
@@ -114,7 +114,7 @@ TEST_CASE("a picture that contradicts itself, or the camera, is refused in words
         "an Image of depth must be 16UC1 (millimetres) or 32FC1 (metres), and this one is 'rgb8?'");
 }
 
-TEST_CASE("colours of either order of bytes come pixel by pixel, and other pictures are refused in words") {
+TEST_CASE("RGB and BGR colours are read pixel by pixel, and other encodings are refused with a reason") {
   std::vector<std::uint8_t> data;
   for (std::uint8_t i = 0; i < 9; ++i) data.push_back(i);
   data.push_back(0xff);  // padding
@@ -145,7 +145,7 @@ TEST_CASE("colours of either order of bytes come pixel by pixel, and other pictu
   says(refused([](RosPicture& p) { p.step = 0xffffffff; }), "contradicts itself");
 }
 
-TEST_CASE("a camera is K of pictures as they are taken, and P of rectified ones") {
+TEST_CASE("the camera is K for raw images and P for rectified ones") {
   CHECK(rosCamera(calibration(), false) == kCamera);
   const DepthCamera rectified = rosCamera(calibration(), true);
   CHECK(rectified.fx == 40);
@@ -158,7 +158,7 @@ TEST_CASE("a camera is K of pictures as they are taken, and P of rectified ones"
   CHECK_FALSE(isRectified("image_rect/image_raw"));
 }
 
-TEST_CASE("what makes no camera is refused in words") {
+TEST_CASE("an invalid calibration is refused with a reason") {
   const auto spoiled = [](const std::function<void(RosCalibration&)>& spoil, bool rectified = false) {
     RosCalibration given = calibration();
     spoil(given);
@@ -177,7 +177,7 @@ TEST_CASE("what makes no camera is refused in words") {
   CHECK(spoiled([](RosCalibration& c) { c.isPart = true; }).find("of a region") != std::string::npos);
 }
 
-TEST_CASE("times of frames are those of the stamps, and the clock's where stamps are none") {
+TEST_CASE("frame times follow the stamps, or the clock if the stamps are unusable") {
   constexpr std::int64_t kSecond = 1'000'000'000;
   RosFrameTimes times;
   CHECK(times.timeOf(1700 * kSecond, 5) == 0);
@@ -192,7 +192,7 @@ TEST_CASE("times of frames are those of the stamps, and the clock's where stamps
   CHECK(times.timeOf(0, 5.8) > before_s);
 }
 
-TEST_CASE("normals of a grid stand on the surface that it saw, face the sensor, and reach over no edge") {
+TEST_CASE("normals of a depth grid fit the surface, face the sensor, and do not span edges") {
   std::vector<Vec3> places;
   std::vector<std::uint32_t> cells;
   const DVec3 sensor(10, 0, 0), upright = glm::normalize(DVec3(0.2, 0.1, -1));
@@ -221,7 +221,7 @@ TEST_CASE("normals of a grid stand on the surface that it saw, face the sensor, 
   CHECK_THROWS_AS(gridNormals(places, {.width = 3, .height = 2, .cells = cells}), Error);
 }
 
-TEST_CASE("random bytes in place of pictures and cameras are read or refused, and never anything else") {
+TEST_CASE("random bytes as images and cameras are read or refused") {
   std::mt19937 random(25);
   const auto any = [&](std::uint32_t most) { return static_cast<std::uint32_t>(random() % (most + 1ull)); };
   const auto number = [&](std::uint32_t usual) { return any(9) == 0 ? static_cast<std::uint32_t>(random()) : usual; };

@@ -125,7 +125,7 @@ TEST_CASE("a TFMessage has the bytes that ROS gives it") {
                       "0000000000000000 000000000000e03f 0000000000000000 000000000000f03f"));
 }
 
-TEST_CASE("those who write are discovered with ROS's names of types, their hashes and the enclave") {
+TEST_CASE("writers are discovered with ROS's type names, type hashes and enclave") {
   const Participant other(ownNetwork());
   const RosHand hand({.network = ownNetwork(), .name = "/lab/hand"}, 100);
   const RosCloud cloud({.network = ownNetwork(), .name = "lab", .parent = "map"});
@@ -158,7 +158,7 @@ TEST_CASE("those who write are discovered with ROS's names of types, their hashe
   }));
 }
 
-TEST_CASE("names that are none in ROS are refused") {
+TEST_CASE("invalid ROS names are refused") {
   CHECK(rosName("/camera/points_2") == "camera/points_2");
   for (const char* name : {"", "/", "a//b", "a/", "//a", "2a", "a/2b", "a b", "a-b", "a__b", "a.b", "\xc3\xa4"}) {
     CAPTURE(name);
@@ -167,7 +167,7 @@ TEST_CASE("names that are none in ROS are refused") {
   CHECK_THROWS_AS(rosName(std::string(201, 'a')), UsageError);
 }
 
-TEST_CASE("a hand is heard where it is, in metres, newtons and newton metres, at the rate that is asked for") {
+TEST_CASE("a hand is published in metres, newtons and newton metres, at the requested rate") {
   const Participant participant = rosParticipant(ownNetwork());
   const RosType poseType = rosTypeOf<RosPoseStamped>(), wrenchType = rosTypeOf<RosWrenchStamped>();
   const Topic<RosPoseStamped> poses(participant, poseType.descriptor, "rt/hand/pose"),
@@ -218,7 +218,7 @@ TEST_CASE("a hand is heard where it is, in metres, newtons and newton metres, at
   CHECK(sensor.take([](const RosPoseStamped&) {}) > 0);
 }
 
-TEST_CASE("where a frame stands is kept for who comes later, and the hand's frame goes with the hand") {
+TEST_CASE("a frame's transform is kept for late readers, and the hand's frame moves with the hand") {
   const Participant participant = rosParticipant(ownNetwork());
   const Topic<RosTFMessage> moving(participant, rosTypeOf<RosTFMessage>().descriptor, "rt/tf");
   Qos all = rosQos(RosDelivery::reliable, rosTypeOf<RosTFMessage>());
@@ -269,7 +269,7 @@ TEST_CASE("where a frame stands is kept for who comes later, and the hand's fram
   }) == 11);
 }
 
-TEST_CASE("frames that are none, and one that is its own parent, are refused") {
+TEST_CASE("invalid frames, and one that is its own parent, are refused") {
   for (const char* parent : {"/", "lab", "/lab", "a\nb"})
     CHECK_THROWS_AS(RosCloud({.network = ownNetwork(), .name = "lab", .parent = parent}), UsageError);
   CHECK_THROWS_AS(requireRosFrame(""), UsageError);
@@ -277,7 +277,7 @@ TEST_CASE("frames that are none, and one that is its own parent, are refused") {
   CHECK_NOTHROW(requireRosFrame("base link-2"));
 }
 
-TEST_CASE("a camera of a picture is heard in optical axes, in metres, where it moves and twice a second") {
+TEST_CASE("a window's camera is published in optical axes and metres, when it moves and twice a second") {
   const Participant participant = rosParticipant(ownNetwork());
   const RosType type = rosTypeOf<RosPoseStamped>();
   const Topic<RosPoseStamped> topic(participant, type.descriptor, "rt/lab/camera");
@@ -315,7 +315,7 @@ TEST_CASE("a camera of a picture is heard in optical axes, in metres, where it m
   CHECK(heard <= 34);
 }
 
-TEST_CASE("a cloud is heard by who comes later, as it is then") {
+TEST_CASE("a late reader receives a cloud in its current state") {
   PointCloud cloud;
   for (int i = 0; i < 3000; ++i) {
     cloud.positions.emplace_back(std::sin(i) * 40, std::cos(i) * 40, 0.001 * i);
@@ -338,7 +338,7 @@ TEST_CASE("a cloud is heard by who comes later, as it is then") {
   CHECK(hearRosCloud("/clay/cloud", listening).size() == 2999);
 }
 
-TEST_CASE("a million points are one message") {
+TEST_CASE("a cloud of a million points is one message") {
   std::vector<PointState> points(1'000'000);
   for (std::uint32_t i = 0; i < points.size(); ++i)
     points[i] = {.position = Vec3(i, 0, 1), .id = i, .normal = {0, 0, 1}};
@@ -349,7 +349,7 @@ TEST_CASE("a million points are one message") {
   CHECK(heard.positions.back() == Vec3(999'999, 0, 1));
 }
 
-TEST_CASE("what does not come, and what comes and is none, is said") {
+TEST_CASE("missing and invalid clouds are reported") {
   const auto says = [](const std::string& topic, const std::string& words) {
     try {
       hearRosCloud(topic, {.network = ownNetwork(), .patience_s = 0.5});
@@ -358,7 +358,7 @@ TEST_CASE("what does not come, and what comes and is none, is said") {
       CHECK(std::string(error.what()).find(words) != std::string::npos);
       return;
     }
-    CHECK_MESSAGE(false, "nothing was said");
+    CHECK_MESSAGE(false, "no error was thrown");
   };
   says("nothing", "no PointCloud2 was received in 0.5 s");
   says("no name", "is not a valid name");

@@ -67,7 +67,7 @@ bool refuses(Message& message, const std::string& words) {
 
 }  // namespace
 
-TEST_CASE("what is written of a cloud is read again in metres, without the points that are gone") {
+TEST_CASE("a published cloud is read back in metres, without removed points") {
   std::vector<PointState> points;
   for (std::uint32_t i = 0; i < 100; ++i)
     points.push_back({.position = Vec3(i, 2.f * i, -3.f), .id = i, .normal = {0, 0.6f, 0.8f}, .color = 0xff332211u});
@@ -91,7 +91,7 @@ TEST_CASE("what is written of a cloud is read again in metres, without the point
   CHECK(taken.cloud.origin == DVec3(0));
 }
 
-TEST_CASE("single and double precision come in either order of bytes, far from zero, too") {
+TEST_CASE("single and double precision of either byte order are read, also far from zero") {
   for (const bool isBig : {false, true}) {
     CAPTURE(isBig);
     const PointCloud narrow = Message(5, RosField::f32, isBig).take().cloud;
@@ -104,7 +104,7 @@ TEST_CASE("single and double precision come in either order of bytes, far from z
   }
 }
 
-TEST_CASE("rows with bytes behind them, gaps between fields and other numbers are read") {
+TEST_CASE("rows with padding, gaps between fields and other number types are read") {
   Message message(0, RosField::f32);
   message.fields = {{"intensity", 2, RosField::u16}, {"z", 12, RosField::f32},    {"y", 8, RosField::f32},
                     {"x", 4, RosField::f32},         {"rgba", 16, RosField::u32}, {"bad name", 20, RosField::u8},
@@ -133,7 +133,7 @@ TEST_CASE("rows with bytes behind them, gaps between fields and other numbers ar
   CHECK(values == std::array<std::uint16_t, 4>{0, 1, 10, 11});
 }
 
-TEST_CASE("points without a place are left out and counted; normals that are none go") {
+TEST_CASE("points without a valid position are skipped and counted; invalid normals are dropped") {
   Message message(6, RosField::f32);
   const float nan = std::numeric_limits<float>::quiet_NaN(), far = 1e31f,
               infinite = std::numeric_limits<float>::infinity();
@@ -149,7 +149,7 @@ TEST_CASE("points without a place are left out and counted; normals that are non
   CHECK_FALSE(message.take().cloud.hasNormals());
 }
 
-TEST_CASE("rows of nothing, however many, are nothing, and take no time") {
+TEST_CASE("any number of empty rows is an empty cloud and takes no time") {
   Message message(0, RosField::f32);
   message.says.height = 0xffffffffu;
   const Stopwatch since;
@@ -160,7 +160,7 @@ TEST_CASE("rows of nothing, however many, are nothing, and take no time") {
   CHECK(message.take().cloud.empty());
 }
 
-TEST_CASE("a message that contradicts itself is refused in words, and takes no memory for what it claims") {
+TEST_CASE("a message that contradicts itself is refused with a reason, without allocating what it claims") {
   const auto spoiled = [](const std::function<void(Message&)>& spoil, const std::string& words) {
     CAPTURE(words);
     Message message(4, RosField::f32);
@@ -194,7 +194,7 @@ TEST_CASE("a message that contradicts itself is refused in words, and takes no m
       "without positions");
 }
 
-TEST_CASE("random bytes in place of a message are read or refused, and never anything else") {
+TEST_CASE("random bytes as a point message are read or refused") {
   std::mt19937 random(24);
   const auto any = [&](std::uint32_t most) { return static_cast<std::uint32_t>(random() % (most + 1ull)); };
   // Mostly near the right values, to get past the first check.

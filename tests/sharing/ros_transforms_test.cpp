@@ -43,7 +43,7 @@ bool says(const std::string& text, const std::string& words) {
 
 }  // namespace
 
-TEST_CASE("a chain of static transforms is gone up, down, and over a common ancestor") {
+TEST_CASE("a chain of static transforms is followed up, down, and over a common ancestor") {
   RosTransforms tree;
   // The mast is 2 m above the base; the camera on it is rotated by a quarter about z, and uses optical axes.
   CHECK(tree.add(transform("/map", "base", {10, 0, 0}), true));
@@ -69,7 +69,7 @@ TEST_CASE("a chain of static transforms is gone up, down, and over a common ance
   isAt("optical", "base", {0, 0, 3}, {4, 0, 3});
 }
 
-TEST_CASE("a frame that moves stands where its newest transform has it that is not newer than the time, nor too old") {
+TEST_CASE("a moving frame uses its newest transform that is not later than the time, nor too old") {
   RosTransforms tree;
   for (const int tick : {3, 1, 2, 0})  // in the order received
     CHECK(tree.add(transform("map", "arm", {double(tick), 0, 0}, DQuat(1, 0, 0, 0), 5 * kSecond + tick * kSecond / 100),
@@ -99,7 +99,7 @@ TEST_CASE("a frame that moves stands where its newest transform has it that is n
   CHECK(says(refusal(tree, "camera", "map", 23 * kSecond), "newer"));
 }
 
-TEST_CASE("frames that nobody has joined, and circles, are said") {
+TEST_CASE("unconnected frames and cycles are reported") {
   RosTransforms tree;
   CHECK(says(refusal(tree, "camera", "map", 0),
              "is in the frame 'camera', from which no transform on /tf_static and /tf leads to 'map'"));
@@ -112,7 +112,7 @@ TEST_CASE("frames that nobody has joined, and circles, are said") {
   CHECK(says(refusal(tree, "x\033[2J", "map", 0), "'x?[2J'"));
 }
 
-TEST_CASE("transforms that are none are not taken, and no more frames than there is room for") {
+TEST_CASE("invalid transforms, and frames beyond the limit, are refused") {
   RosTransforms tree;
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   const std::string longName(300, 'x');
@@ -138,7 +138,7 @@ TEST_CASE("transforms that are none are not taken, and no more frames than there
   CHECK(tree.find("b", "a", 0).centre.x == 1);
 }
 
-TEST_CASE("random transforms end nothing and put nothing where it is not") {
+TEST_CASE("random transforms cause no failure and no wrong position") {
   std::mt19937 dice(5);
   RosTransforms tree;
   const auto number = [&] {
@@ -164,7 +164,7 @@ TEST_CASE("random transforms end nothing and put nothing where it is not") {
   CHECK(found > 100);
 }
 
-TEST_CASE("a recording that begins again is heard as it goes then") {
+TEST_CASE("transforms of a restarted recording replace the earlier ones") {
   RosTransforms tree;
   const auto play = [&](double from_s, double to_s) {
     for (double t = from_s; t < to_s; t += 0.01)

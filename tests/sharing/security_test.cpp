@@ -56,7 +56,7 @@ std::string signedBy(const fs::path& authority, const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("keys are their owner's alone, whatever their folder is called, and are what they say") {
+TEST_CASE("keys are private to their owner and valid, whatever their folder is called") {
   const ScratchFolder scratch;
   for (const char* name : {"lab", "the lab's \"best\" <&> folder", "Gebäude 7"}) {
     CAPTURE(name);
@@ -88,7 +88,7 @@ TEST_CASE("keys are their owner's alone, whatever their folder is called, and ar
   }
 }
 
-TEST_CASE("nothing that is there is written over") {
+TEST_CASE("making keys overwrites nothing") {
   const ScratchFolder scratch;
   const fs::path lab = scratch / "lab";
   makeKeys({.folder = lab, .name = "server"});
@@ -116,7 +116,7 @@ TEST_CASE("nothing that is there is written over") {
   checkSays(errorOf([&] { makeKeys({.folder = scratch / "new", .name = "a", .days = 0}); }), {"days:"});
 }
 
-TEST_CASE("what is wrong with a folder of keys is said of the file that it is wrong with") {
+TEST_CASE("a faulty key folder is reported with the faulty file") {
   const ScratchFolder scratch;
   const fs::path lab = scratch / "lab", other = scratch / "other", tried = scratch / "tried";
   makeKeys({.folder = lab, .name = "a"});
@@ -161,7 +161,7 @@ TEST_CASE("what is wrong with a folder of keys is said of the file that it is wr
   checkSays(errorOf([&] { readSecurityProfile(scratch / "nowhere"); }), {"nowhere", "it does not exist"});
 }
 
-TEST_CASE("keys that are no longer good, or not yet, are refused with the day") {
+TEST_CASE("expired keys, and keys not yet valid, are refused with the date") {
   const ScratchFolder scratch;
   const std::int64_t now_s =
       std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -176,7 +176,7 @@ TEST_CASE("keys that are no longer good, or not yet, are refused with the day") 
   checkSays(errorOf([&] { readSecurityProfile(old.folder); }), {"has expired on"});
 }
 
-TEST_CASE("rules that encrypt nothing or let anybody in are refused, whoever has signed them") {
+TEST_CASE("signed rules that do not encrypt, or that admit strangers, are refused") {
   const ScratchFolder scratch;
   const fs::path lab = scratch / "lab";
   makeKeys({.folder = lab, .name = "a"});
@@ -199,7 +199,7 @@ TEST_CASE("rules that encrypt nothing or let anybody in are refused, whoever has
   checkSays(errorOf([&] { readSecurityProfile(lab / "a"); }), {"governance.p7s", "no rules"});
 }
 
-TEST_CASE("what DDS itself refuses is said with the folder; one domain has one set of keys") {
+TEST_CASE("a refusal by DDS names the key folder; one domain uses one set of keys") {
   const ScratchFolder scratch;
   const fs::path lab = scratch / "lab";
   makeKeys({.folder = lab, .name = "a"});

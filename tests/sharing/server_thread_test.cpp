@@ -27,7 +27,7 @@ CloudServer::Parts partsOf(const std::string& name) { return {.network = ownNetw
 
 }  // namespace
 
-TEST_CASE("a server is looked at by several threads while others join it") {
+TEST_CASE("several threads can query a server while clients join") {
   const PointCloud cloud = ring(20'000);
   ServerThread server(cloud, partsOf("looked at"));
   std::atomic<bool> end = false;
@@ -53,7 +53,7 @@ TEST_CASE("a server is looked at by several threads while others join it") {
   CHECK(server.isServing());
 }
 
-TEST_CASE("a server that has been ended still says what it had, and once more does no harm") {
+TEST_CASE("a stopped server still reports its points and counts, and a second stop does no harm") {
   const PointCloud cloud = ring(100);
   ServerThread server(cloud, partsOf("ended"));
   std::jthread looker([&] {
@@ -69,7 +69,7 @@ TEST_CASE("a server that has been ended still says what it had, and once more do
   CHECK_THROWS_AS(joinCloud("ended", {.network = ownNetwork(), .patience_s = 0.2}), NetworkError);
 }
 
-TEST_CASE("a server ends soon after it has begun") {
+TEST_CASE("a server stops promptly right after its start") {
   const PointCloud cloud = ring(10);
   for (int i = 0; i < 3; ++i) {
     ServerThread server(cloud, partsOf("short"));

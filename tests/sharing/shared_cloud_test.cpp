@@ -50,7 +50,7 @@ bool says(const std::function<void()>& what, const std::string& words) {
 
 }  // namespace
 
-TEST_CASE("clouds of awkward sizes come bit for bit, with their colours and far from zero") {
+TEST_CASE("clouds of awkward sizes arrive bit for bit, with colours and far from zero") {
   for (const std::size_t points : {0u, 1u, 44u, 45u, 46u, 60'001u}) {
     CAPTURE(points);
     const PointCloud cloud = cloudOf(points, points % 2 == 1, points > 45 ? DVec3(4.5e6, -3e5, 1e3) : DVec3(0));
@@ -62,7 +62,7 @@ TEST_CASE("clouds of awkward sizes come bit for bit, with their colours and far 
   }
 }
 
-TEST_CASE("several join at once, each gets all, and nobody more than what was asked for") {
+TEST_CASE("several clients join at once, and each receives the whole cloud") {
   const PointCloud cloud = cloudOf(40'000);
   Served served(cloud, "shared");
   std::vector<std::jthread> clients;
@@ -77,7 +77,7 @@ TEST_CASE("several join at once, each gets all, and nobody more than what was as
   CHECK(counts.blocks >= 4 * 889);
 }
 
-TEST_CASE("of one name there is one session; a name that is not there is said with those that are") {
+TEST_CASE("a session name is unique, and an unknown name is reported with the existing ones") {
   const PointCloud cloud = cloudOf(10);
   Served served(cloud, "city"), other(cloud, "another");
   CHECK(says([&] { Served second(cloud, "city"); }, "give this one another name"));
@@ -129,7 +129,7 @@ bool comes(double seconds, const std::function<bool()>& is) {
 
 }  // namespace
 
-TEST_CASE("a client that asks is at rest again only when the server has answered, and then has the strokes of others") {
+TEST_CASE("a client that asks for the state is at rest only after the answer, and then has the strokes of others") {
   const PointCloud cloud = flatCloud(100);
   Served served(cloud, "slow to answer");
   struct Client {
@@ -168,7 +168,7 @@ TEST_CASE("a client that asks is at rest again only when the server has answered
   CHECK(served.end().states == 1);
 }
 
-TEST_CASE("of two that take one name in the same second one gives way in words, and is left by nobody in silence") {
+TEST_CASE("of two servers that take one name at the same time, one ends with a reason and the other continues") {
   const PointCloud cloud = flatCloud(100);
   {
     ServedToTheEnd first(cloud, "twins"), second(cloud, "twins");
@@ -216,7 +216,7 @@ TEST_CASE("of two that take one name in the same second one gives way in words, 
   }
 }
 
-TEST_CASE("the sessions of a network are listed, and answer pings") {
+TEST_CASE("the sessions of a network are listed and answer pings") {
   const PointCloud cloud = cloudOf(1234);
   Served served(cloud, "listed");
   const auto seen = surveyNetwork(ownNetwork(), 1).sessions;
@@ -230,7 +230,7 @@ TEST_CASE("the sessions of a network are listed, and answer pings") {
   CHECK(*seen[0].roundTrip_ms > 0);
 }
 
-TEST_CASE("networks that cannot be are refused by name") {
+TEST_CASE("invalid networks are refused by name") {
   CHECK(says([] { surveyNetwork({.interface = "nowhere0", .domain = 201}, 0.1); }, "nowhere0"));
   CHECK(says([] { surveyNetwork({.interface = "a\"/><x"}, 0.1); }, "neither the name of an interface"));
   CHECK(says([] { surveyNetwork({.peers = {"<x>"}}, 0.1); }, "neither the name of an interface"));
@@ -239,7 +239,7 @@ TEST_CASE("networks that cannot be are refused by name") {
   CHECK(opennessOf({.interface = "eth0"}).find("nothing is encrypted") != std::string::npos);
 }
 
-TEST_CASE("what is joined can be broken off") {
+TEST_CASE("joining can be interrupted") {
   std::atomic<bool> stop = false;
   std::jthread later([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
@@ -250,7 +250,7 @@ TEST_CASE("what is joined can be broken off") {
       "interrupted"));
 }
 
-TEST_CASE("a network that one thread leaves another one joins at the same time") {
+TEST_CASE("one thread can join a network while another leaves it") {
   const std::atomic<bool> stop = true;
   std::array<std::vector<std::string>, 2> said;
   {

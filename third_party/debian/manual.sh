@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The manual page, from what the program says of itself.
+# Generates the manual page from the program's help.
 #   third_party/debian/manual.sh PROGRAM VERSION PAGE.gz
 set -euo pipefail
 program=$1 version=$2 page=$3
 
-# As it is, for roff.
+# Escapes text for roff.
 plain() { sed -e 's/\\/\\e/g' -e 's/-/\\-/g' -e "s/^\([.']\)/\\\\\&\1/"; }
 shown() { printf '.nf\n'; plain; printf '.fi\n'; }
 
@@ -22,9 +22,9 @@ mkdir -p "$(dirname "$page")"
     printf '.SS palpate %s\n' "$command"
     "$program" "$command" --help-all | shown
   done
-  printf '.SH EXIT STATUS\n0: done; 1: could not, one line says what, where and what to do; 2: wrong usage.\n'
+  printf '.SH EXIT STATUS\n0: done; 1: failed, one line states what, where and what to do; 2: wrong usage.\n'
   printf '.SH ENVIRONMENT\n.TP\n.B PALPATE_GPU\n'
-  printf 'The GPU, by number or part of its name, where\n.B \\-\\-gpu\nsays none.\n'
+  printf 'The GPU, by number or part of its name, if\n.B \\-\\-gpu\nis not given.\n'
   printf '.TP\n.BR PALPATE_HD_LIBRARY ", " PALPATE_DHD_LIBRARY\n'
   printf "Libraries of haptic devices in place of the vendors'.\n"
   printf '.SH COPYRIGHT\nNo licence has been chosen by the owner of palpate.\n'

@@ -1,4 +1,4 @@
-# Completion of palpate for bash: the program itself says what may come next, and whether a file may.
+# Completion of palpate for bash: the program lists the possible next words, and whether a file may follow.
 _palpate() {
   local word=${COMP_WORDS[COMP_CWORD]} found
   [[ $word != "=" ]] || word=""
