@@ -320,7 +320,7 @@ TEST_CASE("what is served to be felt alone, or joined so, takes no brush") {
   CHECK(sharingOf(alone).sculptable == 0);
   CHECK(sharingOf(careful).sculptable == 1);
   CHECK(pp_session_record(careful, "/tmp/none.session") == PP_ERROR_STATE);
-  CHECK(lastErrorSays("what others do"));
+  CHECK(lastErrorSays("the strokes of others"));
   PP_CHECK_OK(pp_session_close(alone));
   PP_CHECK_OK(pp_session_close(careful));
 }
@@ -368,7 +368,7 @@ TEST_CASE("of what is joined near, the points around the hand are felt as all of
   CHECK(sculpted.delivered == 1);
   std::uint64_t undone = 1;
   CHECK(pp_session_undo(near, 1, &undone) != PP_OK);
-  CHECK(lastErrorSays("not taken back"));
+  CHECK(lastErrorSays("only the points around the hand"));
   // What is live is delivered as it ends.
   PP_CHECK_OK(pp_session_set_brush(near, &push));
   pp_live_options options = pp_default_live_options();
