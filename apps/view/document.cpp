@@ -25,6 +25,8 @@ std::optional<StreamConfig> streamOf(const std::string& file, const WindowOption
   return stream;
 }
 
+std::string nameOf(const std::string& file) { return std::filesystem::path(file).filename().string(); }
+
 }  // namespace
 
 Document::Document(const DocumentParts& parts, WindowOptions options, bool asks)
@@ -48,16 +50,16 @@ std::optional<LeftQuestion> Document::leftQuestion() const {
 // The others are offered again.
 void Document::goOnWith(LeftStrokes left) {
   left_.clear();
-  leave([this, left = std::make_shared<const LeftStrokes>(std::move(left))] {
-    WindowOptions options = options_;
-    options.config.model = left->model();
-    options.config.join.reset();
-    options.config.stream.reset();
-    options.config.matter.reset();
-    options.live.left = left;
-    for (const std::string& lack : left->lacks) messages_.say(lack);
-    read(std::move(options));
-  });
+  WindowOptions options = options_;
+  options.config.model = left.model();
+  options.config.join.reset();
+  options.config.stream.reset();
+  options.config.matter.reset();
+  const std::string what = "opening " + nameOf(left.document());
+  const std::vector<std::string> lacks = left.lacks;
+  options.live.left = std::make_shared<const LeftStrokes>(std::move(left));
+  read(std::move(options), what);
+  for (const std::string& lack : lacks) messages_.say(lack);
 }
 
 void Document::askFromNowOn() {
@@ -75,19 +77,20 @@ void Document::offer(const std::vector<std::string>& files) {
 }
 
 void Document::open(const std::string& file) {
-  leave([this, file] {
-    WindowOptions options = options_;
-    options.config.model.file = file;
-    options.config.stream = streamOf(file, options_);
-    // The session of others is the first model.
-    if (file != options_.config.model.file) options.config.join.reset();
-    options.config.matter = options.config.stream || options.config.join ? std::nullopt : matterScene(file);
-    read(std::move(options));
-  });
+  WindowOptions options = options_;
+  options.config.model.file = file;
+  options.config.stream = streamOf(file, options_);
+  // The session of others is the first model.
+  if (file != options_.config.model.file) options.config.join.reset();
+  options.config.matter = options.config.stream || options.config.join ? std::nullopt : matterScene(file);
+  read(std::move(options), "opening " + nameOf(file));
 }
 
-void Document::read(WindowOptions options) {
+void Document::read(WindowOptions options, const std::string& what) {
   handedOn_ = HandedOn::no;
+  agreed_ = Agreed::no;
+  reading_ = what;
+  afterQuestion_ = nullptr;
   opening_ = std::move(options);
   messages_.forget();
   loader_.open(opening_, parts_.settings.brush, parts_.settings.feel);
@@ -100,17 +103,16 @@ bool Document::isOfFile() const {
 
 void Document::openAtScale(double mm_per_unit) {
   if (isLive()) throw Error("a live camera measures in metres; its scale is given with --mm-per-unit");
-  leave([this, mm_per_unit] {
-    WindowOptions options = opened_;
-    options.config.model.file = file_;
-    options.config.model.mm_per_unit = mm_per_unit;
-    read(std::move(options));
-  });
+  WindowOptions options = opened_;
+  options.config.model.file = file_;
+  options.config.model.mm_per_unit = mm_per_unit;
+  read(std::move(options), fmt::format("opening it again at {:.6g} mm per unit", mm_per_unit));
 }
 
-void Document::leave(std::function<void()> then) {
+void Document::leave(const std::string& what, std::function<void()> then) {
   if (!session_ || !session_->isChanged() || !asks_) return then();
   saveQuestion_.reset();
+  beforeWhat_ = what;
   afterQuestion_ = std::move(then);
   isSavingForIt_ = session_->isSaving();  // what that leaves out is asked about afterwards
   if (parts_.window.isMinimised()) parts_.window.minimise(false);
@@ -119,10 +121,7 @@ void Document::leave(std::function<void()> then) {
 bool Document::load(const std::function<void()>& letGo) {
   if (!loader_.isLoading()) return false;
   for (const std::string& remark : loader_.takeRemarks()) messages_.add(remark);
-  if (loader_.isRead()) {
-    if (session_) park(letGo);
-    loader_.build();
-  }
+  if (loader_.isRead()) giveWay(letGo);
   auto result = loader_.take();
   if (!result) return false;
   if (result->session) {
@@ -146,8 +145,25 @@ bool Document::load(const std::function<void()>& letGo) {
     messages_.sayError(result->failure);
   }
   unpark();
-  if (before_) read(*std::exchange(before_, std::nullopt));
+  if (before_) read(*std::exchange(before_, std::nullopt), reading_);
   return false;
+}
+
+// What is read is good; what is open goes once nothing is lost with it.
+void Document::giveWay(const std::function<void()>& letGo) {
+  if (agreed_ == Agreed::no) {
+    agreed_ = Agreed::asked;
+    leave(reading_, [this] { agreed_ = Agreed::yes; });
+  }
+  if (agreed_ != Agreed::yes) return;
+  if (session_) park(letGo);
+  loader_.build();
+}
+
+std::string Document::changesQuestion() const {
+  if (!asksAboutChanges()) return {};
+  return fmt::format("Before {}: {} has changes that are not saved. Without saving they are lost.", beforeWhat_,
+                     nameOf(file_));
 }
 
 // Where there is no room for another model beside the one that is open, that one goes first, and is opened again should
@@ -280,6 +296,7 @@ void Document::answer(const ViewRequests& requests) {
     afterQuestion_ = nullptr;
     saveQuestion_.reset();
     isSavingForIt_ = false;
+    if (agreed_ == Agreed::asked) loader_.cancel();
   }
   if (!(requests.saveBeside || requests.saveOver) || !saveQuestion_ || !session_) return;
   if (requests.saveBeside) saveFile_ = saveQuestion_->beside;
@@ -344,17 +361,19 @@ void Document::sculptHeld() {
   WindowOptions options = opened_;
   options.config.stream.reset();
   handedOn_ = HandedOn::held;
+  agreed_ = Agreed::yes;
   loader_.open(options, parts_.settings.brush, parts_.settings.feel, session_->handOn());
 }
 
 void Document::letFramesGoOn() {
   const auto goOn = [this] {
     handedOn_ = HandedOn::toGoOn;
+    agreed_ = Agreed::yes;
     loader_.open(opened_, parts_.settings.brush, parts_.settings.feel, session_->handOn());
   };
   // The next frame takes the place of all points, where they are no map.
   if (opened_.config.stream->fuse) return goOn();
-  leave(goOn);
+  leave("the frames go on", goOn);
 }
 
 void Document::play(const std::string& log) {

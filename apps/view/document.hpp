@@ -39,17 +39,19 @@ class Document {
   const std::vector<std::string>& offered() const { return offered_; }
   void offer(const std::vector<std::string>& files);
 
-  /// Opens a file, once the person has agreed.
+  /// Opens a file. A person who has changes is asked about them once it has been read, and is not where it cannot be.
   void open(const std::string& file);
-  /// Opens what is open again, once the person has agreed, at another scale. Throws Error for what cannot come again.
+  /// Opens what is open again, likewise, at another scale. Throws Error for what cannot come again.
   void openAtScale(double mm_per_unit);
-  /// Does it now, or after the person was asked about changes.
-  void leave(std::function<void()> then);
+  /// Does it now, or after the person was asked about changes that are lost with it. `what` it is follows "before".
+  void leave(const std::string& what, std::function<void()> then);
   /// Once for each picture: goes on with what is being opened. `letGo` is called before what is open goes, which comes
   /// back where nothing can be opened in its place. Whether another model is open since, and not the same that is held
   /// or goes on.
   bool load(const std::function<void()>& letGo);
   const Loader& loader() const { return loader_; }
+  /// The one that is open rests: another one is being built in its place.
+  bool isGivingWay() const { return loader_.isRead() && agreed_ == Agreed::yes; }
 
   /// Once for each picture: what came of saving and recording, and of the frames of a camera.
   void follow();
@@ -67,19 +69,25 @@ class Document {
   /// What is open is left on purpose: nothing of it is kept for the next program.
   void close();
   bool asksAboutChanges() const { return afterQuestion_ != nullptr && !isSavingForIt_; }
+  /// What is about to happen, and what would be lost with it; empty where nothing is asked.
+  std::string changesQuestion() const;
   const std::optional<SaveQuestion>& saveQuestion() const { return saveQuestion_; }
   /// Strokes of a program before, which has ended without having saved them.
   std::optional<LeftQuestion> leftQuestion() const;
   bool asks() const { return asksAboutChanges() || saveQuestion_ || leftQuestion(); }
   bool isLeaving() const { return afterQuestion_ != nullptr; }  ///< as soon as that is answered, or saved
   /// While something goes on that ends without the person.
-  bool isBusy() const { return loader_.isLoading() || (isLeaving() && isSavingForIt_ && !saveQuestion_); }
+  bool isBusy() const {
+    return (loader_.isLoading() && agreed_ != Agreed::asked) || (isLeaving() && isSavingForIt_ && !saveQuestion_);
+  }
   const std::string& saveFile() const { return saveFile_; }
   /// What the model is for the person: the file that it was opened from, or saved as last.
   const std::string& file() const { return file_; }
 
  private:
-  void read(WindowOptions options);
+  // `what`: that it is read for, as leave() has it.
+  void read(WindowOptions options, const std::string& what);
+  void giveWay(const std::function<void()>& letGo);
   bool isLive() const { return opened_.config.stream && opened_.config.stream->live; }
   // Whether the points are those of a file, so that a file that they are saved in has all that there is.
   bool isOfFile() const;
@@ -121,7 +129,10 @@ class Document {
 
   std::vector<LeftStrokes> left_;  // which wait for an answer, the first one now
   bool asks_;
-  std::function<void()> afterQuestion_;  // waits for the answer about changes
+  std::string reading_;                                        // what for, as leave() has it
+  enum class Agreed { no, asked, yes } agreed_ = Agreed::yes;  // that what is read takes the place of what is open
+  std::string beforeWhat_;                                     // that is asked about
+  std::function<void()> afterQuestion_;                        // waits for the answer about changes
   bool isSavingForIt_ = false;
   std::optional<SaveQuestion> saveQuestion_;  // waits for its answer
 };

@@ -14,12 +14,14 @@ bool isModifier(int key) { return key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_
 
 }  // namespace
 
+bool EventQueue::hasSeen() const { return picturesSinceChange_ >= kUntilSeen; }
+
 // What a key means is known once a picture has seen what was clicked before it.
 bool EventQueue::fits(const WindowEvent& event, const Seen& seen) const {
   if (std::holds_alternative<MouseEvent>(event)) return !seen.button && !seen.turned;
   if (std::holds_alternative<WheelEvent>(event)) return !seen.button && !seen.moved;
   if (const auto* button = std::get_if<ButtonEvent>(&event))
-    return !seen.button && !seen.turned && !seen.key && (!button->down || picturesSinceMove_ >= kUntilSeen);
+    return !seen.button && !seen.turned && !seen.key && (!button->down || hasSeen());
   if (std::holds_alternative<TextEvent>(event)) return !seen.button;
   if (const auto* key = std::get_if<KeyEvent>(&event)) {
     const bool repeats = keys_.contains(key->key) == key->down;
@@ -29,11 +31,9 @@ bool EventQueue::fits(const WindowEvent& event, const Seen& seen) const {
 }
 
 void EventQueue::note(const WindowEvent& event, Seen& seen) {
-  if (std::holds_alternative<MouseEvent>(event)) {
-    seen.moved = true;
-    picturesSinceMove_ = 0;
-  }
+  if (std::holds_alternative<MouseEvent>(event)) seen.moved = true;
   if (std::holds_alternative<WheelEvent>(event)) seen.turned = true;
+  if (seen.moved || seen.turned) forgetSeen();
   if (std::holds_alternative<ButtonEvent>(event)) seen.button = true;
   const auto* key = std::get_if<KeyEvent>(&event);
   if (!key || keys_.contains(key->key) == key->down) return;
@@ -45,7 +45,7 @@ void EventQueue::note(const WindowEvent& event, Seen& seen) {
 std::vector<WindowEvent> EventQueue::takeForPicture() {
   std::vector<WindowEvent> taken;
   Seen seen;
-  if (picturesSinceMove_ < kUntilSeen) ++picturesSinceMove_;
+  if (!hasSeen()) ++picturesSinceChange_;
   while (!waiting_.empty() && fits(waiting_.front(), seen)) {
     note(waiting_.front(), seen);
     taken.push_back(std::move(waiting_.front()));

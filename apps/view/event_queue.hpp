@@ -16,6 +16,9 @@ class EventQueue {
   bool isEmpty() const { return waiting_.empty(); }
   /// Those that the next picture is to see, in order; the others wait for the picture behind it.
   std::vector<WindowEvent> takeForPicture();
+  /// Something else may be under the cursor: a button that goes down waits until pictures have shown what.
+  void forgetSeen() { picturesSinceChange_ = 0; }
+  bool hasSeen() const;
 
  private:
   // What the picture has seen so far.
@@ -27,7 +30,7 @@ class EventQueue {
 
   std::deque<WindowEvent> waiting_;
   std::set<int> keys_;  // that are down
-  int picturesSinceMove_ = 0;
+  int picturesSinceChange_ = 0;
 };
 
 }  // namespace palpate

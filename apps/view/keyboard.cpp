@@ -38,14 +38,17 @@ ViewRequests Keyboard::requestsOf(const KeyEvent& event, bool repeats, WindowSet
 
 ViewRequests Keyboard::withControl(int key) const {
   const bool shift = isShiftDown();
-  return {.undo = key == GLFW_KEY_Z && !shift,
-          .redo = (key == GLFW_KEY_Z && shift) || key == GLFW_KEY_Y,
-          .save = key == GLFW_KEY_S && !shift,
-          .quit = key == GLFW_KEY_Q,
-          .copyPlaces = key == GLFW_KEY_C,
-          .browse = key == GLFW_KEY_O            ? std::optional(FileTask::open)
-                    : key == GLFW_KEY_S && shift ? std::optional(FileTask::saveAs)
-                                                 : std::nullopt};
+  const auto side = static_cast<std::size_t>(key - GLFW_KEY_1);
+  return {
+      .undo = key == GLFW_KEY_Z && !shift,
+      .redo = (key == GLFW_KEY_Z && shift) || key == GLFW_KEY_Y,
+      .save = key == GLFW_KEY_S && !shift,
+      .quit = key == GLFW_KEY_Q,
+      .side = key >= GLFW_KEY_1 && side < kModelSides.size() ? std::optional(kModelSides[side].second) : std::nullopt,
+      .copyPlaces = key == GLFW_KEY_C,
+      .browse = key == GLFW_KEY_O            ? std::optional(FileTask::open)
+                : key == GLFW_KEY_S && shift ? std::optional(FileTask::saveAs)
+                                             : std::nullopt};
 }
 
 ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {
@@ -74,7 +77,7 @@ ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {
       return {.stylus = StylusRequest::lockOrUnlock};
     case GLFW_KEY_ESCAPE:
       view.help = view.measures = false;
-      return {.closeErrors = true, .stylus = StylusRequest::putAway};
+      return {.closeErrors = true, .forgetMeasure = true, .stylus = StylusRequest::putAway};
     case GLFW_KEY_H:
       view.help = !view.help;
       break;

@@ -49,6 +49,7 @@ void Loader::cancel() {
   build();
   result_.wait();
   result_ = {};
+  isRead_ = false;
   context_.log().listen(nullptr);
 }
 
@@ -65,6 +66,7 @@ Loader::Result Loader::load() {
                                                        .join = joiningHand(options_.hand),
                                                        .fetch = rosFetcher(options_.network),
                                                        .watch = rosWatcher(options_.network, context_.threads())});
+    requirePoints(model, options_.config.model.file);
     if (options_.live.left) options_.live.left->requireModel(model);
     isRead_ = true;
     mayBuild_.get_future().wait();

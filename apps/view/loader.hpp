@@ -23,6 +23,8 @@ class Loader final : private LogListener {
   /// The same with a model that is there, and is not read.
   void open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel, Model model);
   bool isLoading() const { return result_.valid(); }
+  /// Nothing is loaded any more.
+  void cancel();
   std::string file() const { return options_.config.model.file; }
   double progress() const { return progress_; }
   std::string stage() const;
@@ -47,7 +49,6 @@ class Loader final : private LogListener {
   void progressed(std::string_view what, double fraction) override;
   void begin(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel, const std::string& what);
   Result load();
-  void cancel();
   void enter(std::string stage, double progress);
 
   Context& context_;

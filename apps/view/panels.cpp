@@ -13,10 +13,6 @@ namespace palpate {
 
 namespace {
 
-void help(const char* text) {
-  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", text);
-}
-
 constexpr std::array<std::pair<std::string_view, ColorBy>, 4> kColors{
     {{"colour", ColorBy::rgb}, {"normal", ColorBy::normal}, {"depth", ColorBy::depth}, {"height", ColorBy::height}}};
 
@@ -133,12 +129,13 @@ ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
     link_.add(*status.others->counts);
   else
     link_.clear();
+  helps_ = !view.help;
   if (view.panels) drawPanel(status, settings, requests);
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
+  drawDistance(status, view);
   if (status.heights) drawHeights(*status.heights, status.unit);
   if (view.panels && view.plots && status.session) drawPlots(status, view, requests);
-  if (view.help) drawHelp(view);
-  drawMessages(status, view);
+  view.help ? drawHelp(view) : drawMessages(status, view);
   drawErrors(status, view, requests);
   drawQuestion(status, requests);
   drawSaveQuestion(status, requests);
@@ -150,7 +147,8 @@ ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
 void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings, ViewRequests& requests) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({em(kMargin_em), em(kMargin_em)});
-  ImGui::SetNextWindowSizeConstraints({em(kPanel_em), 0}, {em(kPanel_em), display.y - em(2 * kMargin_em)});
+  const float width = std::min(em(kPanel_em), display.x - em(2 * kMargin_em));
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y - em(2 * kMargin_em)});
   ImGui::Begin("palpate", nullptr,
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
   ImGui::PushItemWidth(em(8));
@@ -171,8 +169,9 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings, ViewR
 void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
   if (status.session) {
     ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
-    help(status.model.c_str());
-    ImGui::TextDisabled("%zu points", status.session->journal().present());
+    help(status.model);
+    ImGui::TextDisabled("%zu points, up is %s", status.session->journal().present(), nameOf(status.up).data());
+    help((status.isUpTurned ? "as it was turned" : "by its shape: " + status.upright.why) + "; Look has up to turn it");
     const Model& model = status.session->model();
     const double side = (model.container ? *model.container : status.session->bounds()).longestSide();
     std::string scale = touchScaleText(model.scale, side, status.unit);
@@ -180,7 +179,7 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
     ImGui::TextDisabled("touch scale: %s", scale.c_str());
     help("--mm-per-unit or Measure give another size; otherwise the longest side is 100 mm, unless the file says more");
   } else if (!status.loading) {
-    ImGui::Text("Drop a point cloud (%s) here", cloudFormats().namesRead().c_str());
+    ImGui::TextWrapped("Drop a point cloud here, or press Ctrl+O (%s)", cloudFormats().namesRead().c_str());
   }
   if (status.loading) {
     ImGui::TextUnformatted(status.loadingWhat.c_str());
@@ -199,7 +198,7 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
       ImGui::PushID(file.c_str());
       const std::string name = std::filesystem::path(file).filename().string();
       if (noted(name, ImGui::Selectable(name.c_str(), file == status.model))) requests.open = file;
-      help(file.c_str());
+      help(file);
       ImGui::PopID();
     }
   };
@@ -208,7 +207,7 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
   list(status.recent);
   for (const std::string& file : status.gone) {
     ImGui::TextDisabled("%s: gone", std::filesystem::path(file).filename().string().c_str());
-    help((file + " is not there any more").c_str());
+    help(file + " is not there any more");
   }
 }
 
@@ -222,7 +221,7 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
     if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
     if (button(name, width)) brush.kind = kind;
     if (chosen) ImGui::PopStyleColor();
-    help(fmt::format("key {}", ++number).c_str());
+    help(fmt::format("key {}", ++number));
   };
   choice("feel", std::nullopt);
   for (const auto& [name, kind] : kBrushKinds) choice(name.data(), kind);
@@ -324,7 +323,7 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
   if (!header("Look")) return;
   choose("colour by", kColors, view.color);
   chooseOrAuto("up", kUpAxes, view.up, nameOf(status.upright.up));
-  help(fmt::format("by its shape up is {}: {}", nameOf(status.upright.up), status.upright.why).c_str());
+  help(fmt::format("by its shape up is {}: {}", nameOf(status.upright.up), status.upright.why));
   chooseOrAuto("unit", kLengthUnits, view.unit, nameOf(status.unit));
   help("of the file's lengths, which all are shown in; it scales nothing");
   dragLength("disc radius", view.discRadius_mm, 0.01, {0, 5}, status, view.discRadius_mm > 0 ? "" : "auto");
@@ -371,7 +370,7 @@ void Panels::drawSides(ViewRequests& requests) {
   for (std::size_t k = 0; k < kModelSides.size(); ++k) {
     if (k % kInRow != 0) ImGui::SameLine();
     if (button(kModelSides[k].first.data(), width)) requests.side = kModelSides[k].second;
-    help("looks at this side of the model, as up has it");
+    help(fmt::format("Ctrl+{}: looks at this side of the model, as up has it", k + 1));
   }
 }
 
@@ -381,7 +380,7 @@ void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {
   ImGui::BeginDisabled(!session.isChanged() || session.isSaving());
   if (button("Save")) requests.save = true;
   ImGui::EndDisabled();
-  help(("writes " + status.saveFile).c_str());
+  help("writes " + status.saveFile);
   ImGui::SameLine();
   if (session.isSaving())
     ImGui::TextDisabled("saving...");
@@ -394,15 +393,15 @@ void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {
   const std::string where = "a name without a folder is in " + std::filesystem::current_path().string();
   const bool replaces = isThere(saveAs_.data());
   const bool entered = field("other.ply", saveAs_);
-  help(where.c_str());
+  help(where);
   ImGui::SameLine();
   if ((button(replaces ? "Replace" : "Save as") || (entered && !replaces)) && saveAs_[0])
     requests.saveAs = saveAs_.data();
-  if (replaces) help("there is a file of this name");
+  if (replaces) ImGui::TextWrapped("%s", whatIsReplaced(saveAs_.data(), status).c_str());
   if (button("Save to...")) browse(FileTask::saveAs, status);
   help("Ctrl+Shift+S");
   field("session.log", log_);
-  help(where.c_str());
+  help(where);
   ImGui::SameLine();
   if (session.isRecording()) {
     if (button("Stop##record")) requests.endRecording = true;

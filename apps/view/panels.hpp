@@ -26,7 +26,7 @@ struct ViewStatus {
   std::span<const std::string> gone;  ///< recent ones that are not there any more
   std::string model;                  ///< the one that is open
   std::string saveFile;               ///< where Save goes
-  bool asksAboutChanges = false;
+  std::string changesQuestion;        ///< empty where nothing is asked
   std::optional<SaveQuestion> saveQuestion;
   std::optional<LeftQuestion> leftQuestion;
   bool stylus = false;  ///< the mouse holds it
@@ -37,9 +37,12 @@ struct ViewStatus {
   };
   std::optional<ScaleBar> scaleBar;  ///< at the depth of the camera's target
   Upright upright;                   ///< by the model's shape
+  UpAxis up = UpAxis::y;             ///< as it is shown
+  bool isUpTurned = false;           ///< from the shape's, by a person
   LengthUnit unit = LengthUnit::unknown;
   std::optional<PlaceInfo> picked;     ///< the last place that was
   std::optional<double> measured;      ///< between two places that were picked, units
+  std::optional<DVec2> measuredAt_px;  ///< where the picture has the middle of them
   std::optional<HeightRange> heights;  ///< where colours are those of heights
   double meshTime_ms = 0;
   std::uint64_t meshTriangles = 0;
@@ -56,6 +59,9 @@ struct ViewStatus {
   std::optional<Others> others;  ///< who feels, sculpts and sees the model, too
 };
 
+/// What becomes of a file that is there already and is to be written, in words.
+std::string whatIsReplaced(const std::filesystem::path& file, const ViewStatus& status);
+
 class Panels {
  public:
   explicit Panels(Gui& gui) : gui_(gui) {}
@@ -71,6 +77,7 @@ class Panels {
   void browse(FileTask task, const ViewStatus& status);
   /// No file is looked for any more.
   void closeFiles() { files_.reset(); }
+  bool areFilesOpen() const { return files_.has_value(); }
   /// The least width of a window that has room for the panel, the curves and a model between them, pixels.
   double roomyWidth_px() const { return double{em(56)}; }
   /// Whether the panel leaves a model room in a window of that width.
@@ -91,6 +98,10 @@ class Panels {
   template <class Names, class Value>
   void chooseOrAuto(const char* name, const Names& names, std::optional<Value>& value, std::string_view now);
   bool field(const char* hint, std::array<char, 512>& text);
+  // Of what was drawn last, while it is pointed at: beside the panel, where it covers nothing of that.
+  void help(const std::string& text) const;
+  void plot(const char* what, const std::vector<float>& curve, float least, float height,
+            const std::string& span) const;
   bool noted(std::string_view name, bool result);
 
   void noteLetters(const ViewStatus& status);
@@ -104,6 +115,8 @@ class Panels {
   void drawSides(ViewRequests& requests);
   void drawFiles(const ViewStatus& status, ViewRequests& requests);
   bool drawEntries();
+  bool drawName();
+  bool drawFilesButtons(const ViewStatus& status, bool chosen, ViewRequests& requests);
   void drawPlace(const PlaceInfo& info);
   void drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawSession(const ViewStatus& status, ViewRequests& requests);
@@ -113,6 +126,7 @@ class Panels {
   void drawMessages(const ViewStatus& status, const ViewSettings& view);
   void drawErrors(const ViewStatus& status, const ViewSettings& view, ViewRequests& requests);
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const;
+  void drawDistance(const ViewStatus& status, const ViewSettings& view) const;
   void drawHeights(const HeightRange& heights, LengthUnit unit) const;
   void drawQuestion(const ViewStatus& status, ViewRequests& requests);
   void drawSaveQuestion(const ViewStatus& status, ViewRequests& requests);
@@ -125,10 +139,12 @@ class Panels {
   Gui& gui_;
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{};
   bool paused_ = false;
+  bool helps_ = true;  // unless the whole of help is shown
   struct Files {
     FileTask task;
     FileBrowser browser;
     std::array<char, 512> name{}, folder{};
+    std::string seen;  // of the list: chosen, and scrolled to
   };
   std::optional<Files> files_;  // while a file is looked for
   std::map<std::string, DVec2> places_;

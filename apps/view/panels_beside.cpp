@@ -1,4 +1,4 @@
-// The part of Panels that stands beside the panel: curves, help, scale and heights, and the question about changes.
+// The part of Panels that stands beside the panel: curves, scale and heights, and the question about changes.
 #include <imgui.h>
 
 #include <algorithm>
@@ -16,10 +16,6 @@ namespace {
 
 constexpr std::size_t kCurve = 300;         // values across a plot, and
 constexpr std::size_t kTicksPerValue = 10;  // ticks that each stands for, by the largest of them
-
-void hoverHelp(const char* text) {
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
-}
 
 // "5 minutes ago".
 std::string ago(std::filesystem::file_time_type then) {
@@ -49,19 +45,21 @@ std::vector<float> curveOf(const std::deque<TraceRow>& rows, auto&& value) {
   return curve;
 }
 
-void plot(const char* what, const std::vector<float>& curve, float least, float height, const std::string& span) {
+}  // namespace
+
+// The words stand above the curve.
+void Panels::plot(const char* what, const std::vector<float>& curve, float least, float height,
+                  const std::string& span) const {
   const float largest = curve.empty() ? 0.0f : *std::ranges::max_element(curve);
-  constexpr float kHeadroom = 1.4f;  // for the words
-  const float top = kHeadroom * std::max(least, largest);
+  const float inner = height - 2 * ImGui::GetStyle().FramePadding.y;
+  const float top = std::max(least, largest) * inner / (inner - ImGui::GetFontSize() - em(0.15));
   const float last = curve.empty() ? 0.0f : curve.back();
   const std::string label =
       fmt::format("{}   {}", what, last < 100 ? fmt::format("{:.3g}", last) : fmt::format("{:.0f}", last));
   ImGui::PlotLines("##curve", curve.data(), static_cast<int>(curve.size()), 0, label.c_str(), 0, top,
                    {ImGui::GetContentRegionAvail().x, height});
-  hoverHelp(fmt::format("0 to {:.3g} at most; the last {}", largest, span).c_str());
+  help(fmt::format("0 to {:.3g} at most; the last {}", largest, span));
 }
-
-}  // namespace
 
 void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
@@ -103,7 +101,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequest
   if (button(paused_ ? "Go on" : "Pause")) paused_ = !paused_;
   ImGui::SameLine();
   if (button("Export CSV")) requests.exportTicks = true;
-  hoverHelp("writes the last minute of ticks to a file");
+  help("writes the last minute of ticks to a file");
   ImGui::End();
 }
 
@@ -114,8 +112,7 @@ void Panels::drawLink() {
   const std::string span = fmt::format("{:.0f} s", LinkHistory::kApart_s * static_cast<double>(LinkHistory::kKept));
   const auto curve = [&](const char* what, const std::vector<float>& values, float least, const char* words) {
     ImGui::PushID(what);
-    plot(what, values, least, em(2.4), span);
-    hoverHelp(words);
+    plot(what, values, least, em(2.4), fmt::format("{}: {}", span, words));
     ImGui::PopID();
   };
   curve("round trip, ms", link_.roundTrip_ms(), 10, "median of the last pings to who serves it");
@@ -123,53 +120,6 @@ void Panels::drawLink() {
   curve("age of what is known, ms", link_.age_ms(), 1000,
         "since what was heard last was said; the force fades beyond a second and two and a half round trips");
   ImGui::TreePop();
-}
-
-void Panels::drawHelp(ViewSettings& view) {
-  const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  const float width = std::min(em(39), display.x - em(1));
-  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y - em(1)});
-  ImGui::Begin("Help", &view.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
-  static constexpr std::array<std::pair<const char*, const char*>, 22> kRows{
-      {{"hold Space", "the mouse is the stylus: move over the model"},
-       {"Space + left button", "press into the model, and sculpt with a brush"},
-       {"Space + wheel", "deeper, or less deep"},
-       {"T", "keep the stylus without holding Space"},
-       {"left drag", "turn the view about what is under the cursor"},
-       {"middle drag, Shift + left", "move the view"},
-       {"wheel", "zoom to the cursor"},
-       {"double click", "look at what is under the cursor"},
-       {"R;  X  Y  Z", "reset the view;  look along an axis (Shift: from behind)"},
-       {"1 to 8", "feel, push, carve, inflate, smooth, grab, paint, flatten"},
-       {"[  ]", "smaller, larger brush"},
-       {"Ctrl+Z,  Ctrl+Shift+Z", "undo, redo"},
-       {"Ctrl+S, Ctrl+Shift+S, Ctrl+O", "save;  to another file;  open a file"},
-       {"Backspace", "forces off, and on again"},
-       {"M", "triangles (marching cubes), or points"},
-       {"D,  F", "measure between two places,  cameras on and off"},
-       {"Ctrl+C", "copy the places that are picked, with all their digits"},
-       {"K,  .", "hold the frames of a depth camera, or let them go on;  the next one"},
-       {"K,  N", "hold water or sand, or let it go on;  it begins anew"},
-       {"P,  C", "picture of the model to a file,  curves on and off"},
-       {"Tab", "panels on and off"},
-       {"H,  Esc,  Q", "this help,  close a list, an error or help,  quit"}}};
-  if (ImGui::BeginTable("keys", 2)) {
-    ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
-    ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
-    for (const auto& [keys, what] : kRows) {
-      ImGui::TableNextRow();
-      ImGui::TableNextColumn();
-      ImGui::TextUnformatted(keys);
-      ImGui::TableNextColumn();
-      ImGui::TextWrapped("%s", what);
-    }
-    ImGui::EndTable();
-  }
-  ImGui::TextWrapped(
-      "A gamepad: left stick moves, right stick or triggers go in depth, A holds the stylus, B lets it go.");
-  ImGui::TextWrapped("A 3D mouse: its cap is the model; the first button holds the stylus, then it is that.");
-  ImGui::End();
 }
 
 // At the lower right, where no panel is.
@@ -184,6 +134,26 @@ void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const {
   list.AddLine({right - width, y}, {right, y}, color, thick);
   for (const float x : {right - width, right}) list.AddLine({x, y - end}, {x, y + end}, color, thick);
   list.AddText({std::round(right - 0.5f * (width + size.x)), std::round(y - em(0.4) - size.y)}, color, text.c_str());
+}
+
+// At the line between the two places, or as near to it as is seen beside the panels.
+void Panels::drawDistance(const ViewStatus& status, const ViewSettings& view) const {
+  if (!status.measured || !status.measuredAt_px) return;
+  const std::string text = lengthText(*status.measured, status.unit);
+  const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
+  const DVec2 free_px = freeWidth_px(view, double{display.x});
+  const float padding = em(0.3);
+  const auto within = [](double value, double least, double most) {
+    return static_cast<float>(std::round(std::max(least, std::min(value, most))));
+  };
+  const float x = within(status.measuredAt_px->x - 0.5 * double{size.x}, free_px.x + double{padding},
+                         free_px.y - double{size.x + padding});
+  const float y =
+      within(status.measuredAt_px->y - 0.5 * double{size.y}, double{padding}, double{display.y - size.y - padding});
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled({x - padding, y - padding}, {x + size.x + padding, y + size.y + padding},
+                     ImGui::GetColorU32(ImGuiCol_WindowBg), padding);
+  list.AddText({x, y}, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
 }
 
 // At the right edge, above the scale.
@@ -214,17 +184,20 @@ void Panels::drawHeights(const HeightRange& heights, LengthUnit unit) const {
 }
 
 void Panels::drawQuestion(const ViewStatus& status, ViewRequests& requests) {
-  if (status.asksAboutChanges && !ImGui::IsPopupOpen("Changes")) ImGui::OpenPopup("Changes");
+  const bool asks = !status.changesQuestion.empty();
+  if (asks && !ImGui::IsPopupOpen("Changes")) ImGui::OpenPopup("Changes");
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   if (!ImGui::BeginPopupModal("Changes", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove)) return;
-  ImGui::Text("%s has changed since it was saved.", std::filesystem::path(status.model).filename().string().c_str());
+  ImGui::PushTextWrapPos(std::min(em(32), 0.8f * display.x));
+  ImGui::TextUnformatted(status.changesQuestion.c_str());
+  ImGui::PopTextWrapPos();
   requests.saveFirst = button("Save");
   ImGui::SameLine();
   requests.discard = button("Do not save");
   ImGui::SameLine();
   requests.cancel = button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
-  if (requests.saveFirst || requests.discard || requests.cancel || !status.asksAboutChanges) ImGui::CloseCurrentPopup();
+  if (requests.saveFirst || requests.discard || requests.cancel || !asks) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "apps/view/panels.hpp"
 
@@ -10,7 +11,11 @@ namespace palpate {
 
 namespace {
 
-constexpr const char* kFiles = "Files";
+// By what it is for; the same dialogue for ImGui.
+const char* titleOf(FileTask task) {
+  if (task == FileTask::open) return "Open a model###files";
+  return task == FileTask::saveAs ? "Save the points as###files" : "Export the triangles as###files";
+}
 
 template <std::size_t n>
 void write(std::array<char, n>& text, const std::string& value) {
@@ -42,6 +47,13 @@ std::filesystem::path placeToWrite(const FileBrowser& browser, const std::string
 
 }  // namespace
 
+std::string whatIsReplaced(const std::filesystem::path& file, const ViewStatus& status) {
+  std::error_code ignored;
+  return std::filesystem::equivalent(file, status.model, ignored)
+             ? "This is the file of the model that is open: the points as they are now take its place."
+             : "There is a file of this name.";
+}
+
 void Panels::browse(FileTask task, const ViewStatus& status) {
   if (task != FileTask::open && !status.session) return;
   const std::filesystem::path beside = task == FileTask::saveAs ? status.saveFile : status.model;
@@ -64,7 +76,7 @@ bool Panels::drawEntries() {
   ImGui::BeginChild("entries", {0, std::clamp(room, em(4), em(16))}, true);
   for (const FileBrowser::Entry& entry : browser.entries()) {
     const std::string shown = entry.isFolder ? entry.name + "/" : entry.name;
-    const bool is = !entry.isFolder && entry.name == files_->name.data();
+    const bool is = entry.name == files_->name.data();
     if (noted(shown, ImGui::Selectable(shown.c_str(), is, ImGuiSelectableFlags_AllowDoubleClick))) {
       if (entry.isFolder)
         into = entry.name;
@@ -72,10 +84,14 @@ bool Panels::drawEntries() {
         write(files_->name, entry.name);
       chosen = !entry.isFolder && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
     }
+    if (is && std::exchange(files_->seen, entry.name) != entry.name && !ImGui::IsItemVisible()) ImGui::SetScrollHereY();
     if (entry.isFolder) continue;
+    const bool isLit = is || ImGui::IsItemHovered();
     const std::string size = sizeOf(entry.bytes);
     ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(size.c_str()).x);
-    ImGui::TextDisabled("%s", size.c_str());
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(isLit ? ImGuiCol_Text : ImGuiCol_TextDisabled));
+    ImGui::TextUnformatted(size.c_str());
+    ImGui::PopStyleColor();
   }
   if (browser.entries().empty()) ImGui::TextDisabled("nothing of this kind is here");
   ImGui::EndChild();
@@ -83,19 +99,50 @@ bool Panels::drawEntries() {
   return chosen;
 }
 
+// Has the keyboard from the beginning: a name is typed, or one of the list is chosen with the arrows. Whether Enter was
+// pressed.
+bool Panels::drawName() {
+  auto step = [this](bool down) -> std::optional<std::string> {
+    const auto entries = files_->browser.entries();
+    if (entries.empty()) return std::nullopt;
+    const auto now = std::ranges::find(entries, std::string(files_->name.data()), &FileBrowser::Entry::name);
+    if (now == entries.end()) return (down ? entries.front() : entries.back()).name;
+    if (now == (down ? entries.end() - 1 : entries.begin())) return std::nullopt;
+    return (down ? now + 1 : now - 1)->name;
+  };
+  using Step = decltype(step);
+  const auto onArrow = [](ImGuiInputTextCallbackData* data) {
+    const auto name = (*static_cast<Step*>(data->UserData))(data->EventKey == ImGuiKey_DownArrow);
+    if (!name) return 0;
+    data->DeleteChars(0, data->BufTextLen);
+    data->InsertChars(0, name->c_str());
+    return 0;
+  };
+  ImGui::PushItemWidth(std::min(em(20), 0.6f * ImGui::GetContentRegionAvail().x));
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  constexpr ImGuiInputTextFlags kFlags =
+      ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll | ImGuiInputTextFlags_CallbackHistory;
+  const bool entered = noted("name", ImGui::InputTextWithHint("##name", "name", files_->name.data(),
+                                                              files_->name.size(), kFlags, onArrow, &step));
+  ImGui::PopItemWidth();
+  return entered;
+}
+
 void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
   if (!files_) return;
-  if (!ImGui::IsPopupOpen(kFiles)) ImGui::OpenPopup(kFiles);
+  const char* const title = titleOf(files_->task);
+  if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({std::min(em(36), display.x - em(1)), 0});
-  if (!ImGui::BeginPopupModal(kFiles, nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove)) return;
+  if (!ImGui::BeginPopupModal(title, nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove)) return;
   FileBrowser& browser = files_->browser;
   const std::filesystem::path before = browser.folder();
   if (button("Up")) browser.goUp();
   ImGui::SameLine();
   ImGui::PushItemWidth(-1);
-  if (field("folder", files_->folder)) browser.go(files_->folder.data());
+  const bool went = field("folder", files_->folder);
+  if (went) browser.go(files_->folder.data());
   ImGui::PopItemWidth();
   // Folders of what was open lately.
   std::vector<std::string> lately;
@@ -104,7 +151,9 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
       if (const std::string folder = std::filesystem::path(file).parent_path().string();
           !folder.empty() && std::ranges::find(lately, folder) == lately.end())
         lately.push_back(folder);
+  bool chooses = false;  // from a list, which Enter means then
   if (!lately.empty() && ImGui::BeginCombo("##lately", "recent folders")) {
+    chooses = true;
     for (const std::string& folder : lately)
       if (noted(folder, ImGui::Selectable(folder.c_str()))) browser.go(folder);
     ImGui::EndCombo();
@@ -112,12 +161,11 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
   noted("recent folders", false);
   bool chosen = drawEntries();
   if (!browser.failure().empty()) ImGui::TextWrapped("%s", browser.failure().c_str());
-  ImGui::PushItemWidth(std::min(em(20), 0.6f * ImGui::GetContentRegionAvail().x));
-  chosen |= field("name", files_->name);
-  ImGui::PopItemWidth();
+  chosen |= drawName();
   ImGui::SameLine();
   ImGui::PushItemWidth(-1);
   if (ImGui::BeginCombo("##format", browser.filters()[browser.filter()].name.c_str())) {
+    chooses = true;
     for (std::size_t k = 0; k < browser.filters().size(); ++k) {
       const std::string name = browser.filters()[k].name;
       if (noted(name, ImGui::Selectable(name.c_str(), k == browser.filter()))) browser.choose(k);
@@ -126,33 +174,50 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
   }
   noted("format", false);
   ImGui::PopItemWidth();
+  const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
+  const bool isFree = !went && !chooses && !ImGui::IsAnyItemActive();
+  chosen |= isFree && (pressed(ImGuiKey_Enter) || pressed(ImGuiKey_KeyPadEnter));
+  const bool ends = drawFilesButtons(status, chosen, requests);
+  if (browser.folder() != before) write(files_->folder, browser.folder().string());
+  if (ends) {
+    ImGui::CloseCurrentPopup();
+    files_.reset();
+  }
+  ImGui::EndPopup();
+}
+
+// `chosen`: as if the first one was pressed. Whether the dialogue ends.
+bool Panels::drawFilesButtons(const ViewStatus& status, bool chosen, ViewRequests& requests) {
+  FileBrowser& browser = files_->browser;
   const bool opens = files_->task == FileTask::open, named = files_->name[0] != 0;
   const std::filesystem::path place =
       opens ? browser.placeOf(files_->name.data()) : placeToWrite(browser, files_->name.data());
   std::error_code ignored;
   const bool isThere = named && std::filesystem::exists(place, ignored);
-  ImGui::BeginDisabled(!named || (opens && !isThere));
-  const bool pressed = button(verbOf(files_->task, isThere));
+  const bool isFolder = isThere && std::filesystem::is_directory(browser.placeOf(files_->name.data()), ignored);
+  if (isThere && !isFolder && !opens) ImGui::TextWrapped("%s", whatIsReplaced(place, status).c_str());
+  const bool isPossible = named && (!opens || isThere);
+  ImGui::BeginDisabled(!isPossible);
+  chosen |= button(verbOf(files_->task, isThere && !isFolder));
   ImGui::EndDisabled();
   std::filesystem::path result;
-  if ((pressed || chosen) && named && (!opens || isThere)) result = place;
+  if (chosen && isPossible && !isFolder) result = place;
+  if (chosen && isFolder) {
+    browser.go(files_->name.data());
+    files_->name.fill(0);
+  }
   if (opens && browser.isModel()) {
     ImGui::SameLine();
     if (button("Open this folder")) result = browser.folder();
   }
   ImGui::SameLine();
   const bool cancelled = button("Cancel##files") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
-  if (browser.folder() != before) write(files_->folder, browser.folder().string());
   if (!result.empty()) {
     (opens                              ? requests.open
      : files_->task == FileTask::saveAs ? requests.saveAs
                                         : requests.exportMesh) = result.string();
   }
-  if (!result.empty() || cancelled) {
-    ImGui::CloseCurrentPopup();
-    files_.reset();
-  }
-  ImGui::EndPopup();
+  return !result.empty() || cancelled;
 }
 
 }  // namespace palpate

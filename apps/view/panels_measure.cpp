@@ -30,26 +30,23 @@ void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view, ViewReque
   if (view.measures) ImGui::SetNextItemOpen(true);
   if (!header("Measure")) return;
   checkbox("pick two places", view.measures);
-  if (ImGui::IsItemHovered())
-    ImGui::SetTooltip(
-        "D: the left button picks places of the model; turn the view beside it, or with the other buttons");
+  help("D: the left button picks places of the model; turn the view beside it, or with the other buttons");
+  if (status.measured) {
+    ImGui::TextUnformatted(lengthText(*status.measured, status.unit).c_str());
+    const bool entered = field("true length, mm", trueLength_);
+    ImGui::SameLine();
+    if ((button("Set") || entered) && trueLength_[0]) requests.trueLength = trueLength_.data();
+    help(
+        "opens the model again at that touch scale: what is measured is so long in the hand; saved files "
+        "say it (mm_per_unit)");
+  } else {
+    ImGui::TextDisabled(view.measures ? "click two places of the model" : "nothing is measured");
+  }
   if (status.picked) {
     drawPlace(*status.picked);
     if (button("Copy")) requests.copyPlaces = true;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl+C: the places that are picked, a line for each");
+    help("Ctrl+C: the places that are picked, a line for each");
   }
-  if (!status.measured) {
-    ImGui::TextDisabled(view.measures ? "click two places of the model" : "nothing is measured");
-    return;
-  }
-  ImGui::TextUnformatted(lengthText(*status.measured, status.unit).c_str());
-  const bool entered = field("true length, mm", trueLength_);
-  ImGui::SameLine();
-  if ((button("Set") || entered) && trueLength_[0]) requests.trueLength = trueLength_.data();
-  if (ImGui::IsItemHovered())
-    ImGui::SetTooltip(
-        "opens the model again at that touch scale: what is measured is so long in the hand; saved files "
-        "say it (mm_per_unit)");
 }
 
 }  // namespace palpate

@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 std::string measureLine(const ViewStatus& status) {
-  if (!status.measured) return "measure: click two places of the model (D ends it)";
+  if (!status.measured) return "measure: click two places of the model (Esc ends it)";
   return fmt::format("measured: {}", lengthText(*status.measured, status.unit));
 }
 
@@ -48,7 +48,7 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
   if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));
   if (!view.panels && status.loading)
     lines.push_back(fmt::format("{}, {:.0f} %", status.loadingWhat, 100 * *status.loading));
-  if (lines.empty() && status.session && !view.help)
+  if (lines.empty() && status.session)
     lines.push_back(view.panels ? "hold Space to touch,  H for help"
                                 : "hold Space to touch,  H for help,  Tab for panels");
   if (lines.empty()) return;

@@ -17,6 +17,7 @@ constexpr double kZoom_per_s = 1.5;     // with the cap of a 3D mouse
 constexpr double kSteepest = 4, kStep_mm = 2;
 // Without the surface, before a stylus that presses is put down anew; and how long it may take until it feels that.
 constexpr double kLost_s = 0.06, kPutDown_s = 0.2;
+constexpr double kLongestTap_s = 0.3;  // until the hand has come to the surface, if it ever does
 constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
 
 }  // namespace
@@ -36,12 +37,20 @@ std::optional<DVec3> PointingDevices::placeUnderCursor(const Pointed& at) const 
   return at.viewpoint.placeAt(cursor_px_, at.picked.depth, at.size_px);
 }
 
-void PointingDevices::release(MouseButton button) {
+void PointingDevices::release(MouseButton button, const Pointed& at) {
   drag_.end();
   constexpr double kStill_px = 3;  // a click, and no turn of the view
   if (const auto missed = std::exchange(missed_px_, std::nullopt))
     hasMissed_ = glm::distance(*missed, cursor_px_) <= kStill_px;
-  if (button == MouseButton::left) hand_.release();
+  if (button != MouseButton::left) return;
+  tapping_ = isPressing() && !hand_.isBeside() && hasLeftNothing(at);
+  if (!tapping_) hand_.release();
+}
+
+// Of what the brush is pressed for, so shortly that the hand may be on its way.
+bool PointingDevices::hasLeftNothing(const Pointed& at) const {
+  return at.session && at.session->brushSettings().kind && at.session->edits() == pressed_.edits &&
+         at.time_s - pressed_.time_s < kLongestTap_s;
 }
 
 void PointingDevices::press(MouseButton button, bool shift, const Pointed& at) {
@@ -49,6 +58,7 @@ void PointingDevices::press(MouseButton button, bool shift, const Pointed& at) {
   if (hand_.isHeld() && left) {
     hand_.press();
     ++presses_;
+    pressed_ = {.time_s = at.time_s, .edits = at.session->edits()};
     drag_.beginOther();
     return;
   }
@@ -106,6 +116,7 @@ void PointingDevices::hold(bool on, WindowSession* session) {
   on = on && session && session->isTouching() && !device_;
   if (on == hand_.isHeld()) return;
   hand_.hold(on);
+  tapping_ = false;
   drag_.end();
   if (!on && session) session->lift();
   window_.showCursor(!on);
@@ -158,6 +169,10 @@ void PointingDevices::move(double dt_s, const ViewSettings& view, const Pointed&
   }
   moveByPad(dt_s, at);
   moveByCap(dt_s, at);
+  if (tapping_ && !hasLeftNothing(at)) {
+    tapping_ = false;
+    hand_.release();
+  }
   if (!hand_.isHeld() || !at.session || at.session->isPlaying()) return;
   const double beside = glm::dot(camera.target - camera.eye, camera.axes().forward);
   const auto depth = hand_.depthAt(cursor_px_, at.picked, view.followsSurface, beside);

@@ -40,10 +40,12 @@ class PointingDevices {
   bool isMoving() const { return hand_.isHeld() || drag_.isUnderWay(); }
   std::uint64_t presses() const { return presses_; }  ///< of the stylus so far
   bool isPressing() const { return hand_.isHeld() && hand_.isPressing(); }
+  /// Whether the button was let go before the hand has reached the surface: it goes on until it has left its mark.
+  bool isTapping() const { return tapping_; }
 
   void moveMouse(const DVec2& place_px, const Pointed& at);
   void press(MouseButton button, bool shift, const Pointed& at);
-  void release(MouseButton button);
+  void release(MouseButton button, const Pointed& at);
   /// Whether a click has meant to measure since the last call, and met nothing.
   bool takeMiss() { return std::exchange(hasMissed_, false); }
   void turnWheel(const WheelEvent& event, const Pointed& at);
@@ -63,6 +65,7 @@ class PointingDevices {
   void moveByPad(double dt_s, const Pointed& at);
   void moveByCap(double dt_s, const Pointed& at);
   void aimAt(const DVec3& place, const ViewSettings& view, const Pointed& at);
+  bool hasLeftNothing(const Pointed& at) const;
   void moveCursor(const DVec2& way_px, const Pointed& at);
   std::optional<DVec3> placeUnderCursor(const Pointed& at) const;
 
@@ -77,6 +80,11 @@ class PointingDevices {
   std::optional<DVec3> pressedAt_;  // of the surface, where it pressed last; model units
   bool wasBeside_ = false;          // and whether that was beside the model
   double felt_s_ = 0;               // when it was put down, or has felt the surface since
+  struct {
+    double time_s = 0;
+    std::uint64_t edits = 0;
+  } pressed_;  // when the stylus was pressed, and what had been sculpted by then
+  bool tapping_ = false;
   PushEvent push_;
   std::uint64_t presses_ = 0;
   std::optional<SpaceMouse> spaceMouse_;

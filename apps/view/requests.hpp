@@ -25,6 +25,7 @@ struct ViewRequests {
   bool saveBeside = false, saveOver = false;                         ///< the answer how to save, or cancel
   bool goOnWithLeft = false, discardLeft = false, keepLeft = false;  ///< the answer about strokes that are left
   bool closeErrors = false;                                          ///< they were seen
+  bool forgetMeasure = false;                                        ///< its places are not shown any more
   bool switchForces = false;                                         ///< off, or on again
   bool holdFrames = false, stepFrame = false;  ///< of a depth camera, or of matter that moves by itself
   bool restart = false;                        ///< what moves by itself

@@ -14,6 +14,13 @@ std::optional<ScriptAction> ScriptPlayer::takeDue() {
   return actions_[next_++].action;
 }
 
+bool ScriptPlayer::isAboutToPress() const {
+  if (isOver() || actions_[next_].time_s > time_s_) return false;
+  const auto* const event = std::get_if<WindowEvent>(&actions_[next_].action);
+  const auto* const button = event ? std::get_if<ButtonEvent>(event) : nullptr;
+  return button && button->down;
+}
+
 bool ScriptPlayer::lookAgain() {
   constexpr int kLooks = 20;  // in as many pictures: it may be about to come
   if (++looks_ < kLooks) {

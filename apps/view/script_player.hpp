@@ -26,6 +26,8 @@ class ScriptPlayer {
   void passPicture(double picture_s);
   /// The next one, if it is time for it.
   std::optional<ScriptAction> takeDue();
+  /// Whether that is a button which goes down.
+  bool isAboutToPress() const;
 
   /// Whether it goes on while a model is loaded or saved.
   bool isImpatient() const { return impatient_; }

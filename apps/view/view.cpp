@@ -10,7 +10,9 @@
 #include "engine/core/named_values.hpp"
 #include "engine/core/thread_priority.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/io/rgbd_folder.hpp"
 #include "haptics/session/devices.hpp"
+#include "haptics/session/matter_scenes.hpp"
 
 namespace palpate {
 
@@ -64,6 +66,19 @@ void setJoin(const JoinOptionsGiven& options, const std::string& live, ViewOptio
   view.session.hand = options.hand;
 }
 
+// Without a display, what is wrong with the model is said first.
+std::unique_ptr<Window> openWindow(const ViewOptions& view) {
+  try {
+    return std::make_unique<Window>(view.size_px, "palpate");
+  } catch (const Error&) {
+    const std::string file = view.models.empty() ? std::string() : view.models.front();
+    const bool isFile = !file.empty() && !view.session.config.join && !isRosModel(file) && !isRgbdFolder(file) &&
+                        !view.session.stream.live && !matterScene(file);
+    if (isFile) contentsOf(file);
+    throw;
+  }
+}
+
 void view(Context& context, const ViewCommandOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
@@ -98,7 +113,8 @@ void view(Context& context, const ViewCommandOptions& options) {
   if (const std::filesystem::path state = stateFolder(); !state.empty())
     view.session.live.unsavedIn = state / "palpate" / "unsaved";
 
-  Window window(view.size_px, "palpate");
+  const std::unique_ptr<Window> shown = openWindow(view);
+  Window& window = *shown;
   for (const auto& [name, presentation] : kPresentations)
     if (options.present == name) view.presentation = presentation;
   // Where pictures are copied nothing is asked of the window system that its driver may not survive.

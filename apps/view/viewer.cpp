@@ -44,7 +44,8 @@ void Viewer::step() {
   constexpr double kFirst_s = 1.0 / 60;
   const bool visible = window_.size_px().x > 0 && window_.size_px().y > 0;
   events_.add(window_.takeEvents(visible ? 0 : kIdle_s));
-  for (const WindowEvent& event : events_.takeForPicture()) handle(event);
+  if (!pointing_.isTapping())
+    for (const WindowEvent& event : events_.takeForPicture()) handle(event);
   if (const auto push = pointing_.takePush(messages_)) handle(*push);
   playScript();
   if (document_.load([this] { letGo(); })) welcome();
@@ -63,7 +64,7 @@ void Viewer::step() {
   draw(dt_s);
   if (closing_ == Closing::asked && !document_.isLeaving()) {
     closing_ = Closing::no;
-    document_.leave([this] { closing_ = Closing::done; });
+    document_.leave("the window closes", [this] { closing_ = Closing::done; });
   }
   pace_.add(watch.elapsed_us() * 1e-3);
   shown_.picture().noteTime(pace_.last_ms());
@@ -73,12 +74,14 @@ void Viewer::handle(const WindowEvent& event) {
   if (gui_.feed(event)) return;
   if (const auto* key = std::get_if<KeyEvent>(&event)) {
     const bool repeats = keyboard_.note(*key);
-    if (!gui_.wantsKeys() && !document_.asks()) carryOut(keyboard_.requestsOf(*key, repeats, settings_));
+    if (!gui_.wantsKeys() && !document_.asks() && !panels_.areFilesOpen())
+      carryOut(keyboard_.requestsOf(*key, repeats, settings_));
   }
   if (const auto* mouse = std::get_if<MouseEvent>(&event)) pointing_.moveMouse(mouse->place_px, pointed());
+  if (std::holds_alternative<MouseEvent>(event) || std::holds_alternative<WheelEvent>(event)) events_.forgetSeen();
   const bool meansModel = document_.session() && !gui_.wantsMouse() && !document_.asks();
   if (const auto* button = std::get_if<ButtonEvent>(&event)) {
-    if (!button->down) pointing_.release(button->button);
+    if (!button->down) pointing_.release(button->button, pointed());
     if (pointing_.takeMiss()) messages_.say("nothing is measured: the model is not under the cursor");
     if (button->down && meansModel) pointing_.press(button->button, keyboard_.isShiftDown(), pointed());
   }
@@ -93,16 +96,20 @@ void Viewer::handle(const WindowEvent& event) {
 
 bool Viewer::scriptWaits() const {
   const bool saves = script_.hasOwnClock() && document_.session() && document_.session()->isSaving();
-  return (document_.isBusy() || shown_.mesh().isAnnounced() || saves) && !script_.isImpatient();
+  const bool isUnseen = script_.isAboutToPress() && !events_.hasSeen();
+  return ((document_.isBusy() || shown_.mesh().isAnnounced() || saves) && !script_.isImpatient()) || isUnseen;
 }
 
 void Viewer::playScript() {
-  if (script_.isOver() || scriptWaits() || !events_.isEmpty() || (script_.hasOwnClock() && !screen_.wasShown())) return;
+  const bool isTapping = pointing_.isTapping();
+  if (script_.isOver() || (script_.hasOwnClock() && !screen_.wasShown())) return;
+  if (!isTapping && (scriptWaits() || !events_.isEmpty())) return;
   if (pace_.count() > 0) script_.passPicture(pace_.last_ms() * 1e-3);
-  while (const auto action = script_.takeDue()) {
+  // What follows finds the model loaded, and each press of a button a picture that has seen the one before.
+  while (!isTapping && !scriptWaits()) {
+    const auto action = script_.takeDue();
+    if (!action) return;
     act(*action);
-    // What follows finds the model loaded, and each press of a button a picture that has seen the one before.
-    if (scriptWaits()) return;
     if (const auto* event = std::get_if<WindowEvent>(&*action))
       if (std::holds_alternative<ButtonEvent>(*event) || std::holds_alternative<KeyEvent>(*event)) return;
     if (std::holds_alternative<ScreenshotAction>(*action) || std::holds_alternative<ClickAction>(*action) ||
@@ -158,6 +165,7 @@ void Viewer::carryOut(const ViewRequests& requests) {
   if (requests.quit) closing_ = Closing::asked;
   if (requests.stylus) pointing_.carryOut(*requests.stylus, pointed());
   if (requests.closeErrors) messages_.closeErrors();
+  if (requests.forgetMeasure) measure_.forget();
   if (requests.switchForces) {
     settings_.forcesOn = !settings_.forcesOn;
     messages_.say(settings_.forcesOn ? "forces on" : "forces off");
@@ -196,14 +204,13 @@ void Viewer::welcome() {
   session.setForces(settings_.forcesOn);
   if (!panels_.hasRoomBeside(window_.size_px().x)) settings_.view.panels = false;
   fitCamera();
+  events_.forgetSeen();
   panels_.closeFiles();  // which are those of the model before
   measure_.belongTo(session.file());
   if (const auto distance = measure_.distance())
     messages_.say(fmt::format("touch scale: what is measured, {}, is {:.6g} mm long in the hand",
                               lengthText(*distance, settings_.view.unitOf(session.model())),
                               session.model().scale.toMm(*distance)));
-  const Upright& upright = session.model().upright;
-  if (!settings_.view.up) messages_.say(fmt::format("up is {}: {}", nameOf(upright.up), upright.why));
 }
 
 // What is open is called another file as soon as it is saved as that.
@@ -250,7 +257,7 @@ void Viewer::sayLost(const std::string& failure) {
 
 void Viewer::followSession() {
   WindowSession* session = document_.session();
-  if (!session || document_.loader().isRead()) return;
+  if (!session || document_.isGivingWay()) return;
   if (const auto failure = session->follow()) sayLost(*failure);
   document_.follow();
   followName();
@@ -260,7 +267,7 @@ void Viewer::followSession() {
 
 void Viewer::playTicks() {
   WindowSession* session = document_.session();
-  if (!script_.hasOwnClock() || !session || document_.loader().isRead()) return;
+  if (!script_.hasOwnClock() || !session || document_.isGivingWay()) return;
   if (const auto failure = session->tickUntil(script_.time_s())) sayLost(*failure);
 }
 

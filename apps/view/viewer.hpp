@@ -65,6 +65,7 @@ class Viewer {
   Pointed pointed();
   ViewStatus status();
   ViewStatus::ScaleBar scaleOfPicture() const;
+  std::optional<DVec2> middleOfMeasure_px() const;
   void writeState(const std::string& file);
 
   Window& window_;

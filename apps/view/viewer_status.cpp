@@ -98,6 +98,13 @@ ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
   return {.width_px = width_px, .length = length};
 }
 
+std::optional<DVec2> Viewer::middleOfMeasure_px() const {
+  if (!measure_.distance()) return std::nullopt;
+  const DVec3 middle = 0.5 * (measure_.places()[0] + measure_.places()[1]);
+  const auto at = viewpoint_.camera().project(middle, DVec2(screen_.size_px()));
+  return at ? std::optional(DVec2(*at)) : std::nullopt;
+}
+
 // Looks at all points: once for each place.
 void Viewer::findPlaceInfo() {
   if (!document_.session() || measure_.places().empty()) picked_.info.reset();
@@ -134,11 +141,14 @@ ViewStatus Viewer::status() {
       status.others = {.counts = {}, .hands = presence->hands(), .cameras = presence->cameras()};
     if (const SharedFollower* const shared = session->shared()) status.others->counts = shared->counts();
     status.upright = session->model().upright;
+    status.up = view.upOf(session->model());
+    status.isUpTurned = view.up.has_value();
     status.unit = view.unitOf(session->model());
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
+    status.measuredAt_px = middleOfMeasure_px();
     if (view.color == ColorBy::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));
   }
-  status.asksAboutChanges = document_.asksAboutChanges();
+  status.changesQuestion = document_.changesQuestion();
   status.saveQuestion = document_.saveQuestion();
   status.leftQuestion = document_.leftQuestion();
   status.saveFile = document_.saveFile();
@@ -174,6 +184,7 @@ void Viewer::writeState(const std::string& file) {
              {"picked", picked_.info ? toJson(*picked_.info) : Json(nullptr)},
              {"picked_depth", shown_.picture().picked().depth},
              {"asks_about_changes", document_.asksAboutChanges()},
+             {"question", document_.changesQuestion()},
              {"asks_how_to_save", document_.saveQuestion().has_value()},
              {"asks_about_strokes", document_.leftQuestion().has_value()},
              {"last_message", messages_.last()},

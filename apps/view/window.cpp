@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -14,15 +15,15 @@ namespace palpate {
 
 namespace {
 
-Error failure(const char* what) {
+// Why there is none is worth a word where a display was named.
+Error noDisplay() {
   const char* reason = nullptr;
   glfwGetError(&reason);
-  std::string why = reason ? reason : "no reason given";
+  std::string why = reason ? reason : "";
   while (why.ends_with(' ')) why.pop_back();
-  return Error(
-      "{}: {}; a window needs a display (DISPLAY or WAYLAND_DISPLAY), and without one there are palpate render and "
-      "the other commands: palpate --help",
-      what, why);
+  const bool isNamed = std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
+  return Error("a window needs a display, and there is none{}; without one, palpate render makes a picture",
+               isNamed && !why.empty() ? fmt::format(" ({})", why) : "");
 }
 
 std::vector<WindowEvent>& eventsOf(GLFWwindow* window) {
@@ -72,12 +73,12 @@ void listen(GLFWwindow* window) {
 }  // namespace
 
 Window::Window(const UVec2& size_px, const std::string& title, bool visible) {
-  if (!glfwInit()) throw failure("no window system");
+  if (!glfwInit()) throw noDisplay();
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
   window_ = glfwCreateWindow(static_cast<int>(size_px.x), static_cast<int>(size_px.y), title.c_str(), nullptr, nullptr);
   if (!window_) {
-    const Error error = failure("no window");
+    const Error error = noDisplay();
     glfwTerminate();
     throw error;
   }

@@ -1,6 +1,7 @@
 // The part of unsaved strokes that the next program needs: what is left, and how a journal comes by it.
 #include <algorithm>
 #include <charconv>
+#include <fstream>
 
 #include "engine/core/error.hpp"
 #include "engine/edit/journal.hpp"
@@ -11,7 +12,8 @@ namespace palpate {
 
 namespace {
 
-constexpr std::string_view kLog = "strokes-", kEnding = ".log", kKept = "model";
+constexpr std::string_view kLog = "strokes-", kEnding = ".log", kKept = "model", kUnchanged = "unchanged",
+                           kDamaged = ".damaged";
 
 // The number in the name of a log; 0 for what is none.
 unsigned numberOf(const std::string& name) {
@@ -40,19 +42,27 @@ bool isTurn(Journal& journal, std::span<const PointState> states, std::vector<Po
   return false;
 }
 
-LeftStrokes readFolder(std::unique_ptr<StrokeFolder> folder) {
+LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
   LeftStrokes left;
   std::filesystem::path log;
   std::size_t most = 0;
   SessionRecord best;
   // The last one, unless the program has ended before all of the one before it was there.
+  std::optional<FileError> failure;
   for (const unsigned number : folder->logs()) {
-    SessionRecord record = readSessionLog(folder->log(number));
+    SessionRecord record;
+    try {
+      record = readSessionLog(folder->log(number));
+    } catch (const FileError& error) {
+      if (!failure) failure = error;
+      continue;
+    }
     if (!log.empty() && record.edits.points.size() < most) continue;
     most = record.edits.points.size();
     log = folder->log(number);
     best = std::move(record);
   }
+  if (log.empty() && failure) throw *failure;
   left.session = parseHeader(log, best.text);
   requireEditsOf(log, left.session.points, best);
   best.end.emplace();  // that it did not come to its end is no news
@@ -106,6 +116,19 @@ std::filesystem::path StrokeFolder::keptModel() const {
   return {};
 }
 
+bool StrokeFolder::isUnchanged() const {
+  std::error_code ignored;
+  return std::filesystem::exists(path_ / kUnchanged, ignored);
+}
+
+void StrokeFolder::setUnchanged(bool on) {
+  std::error_code ignored;
+  if (on)
+    std::ofstream(path_ / kUnchanged).flush();
+  else
+    std::filesystem::remove(path_ / kUnchanged, ignored);
+}
+
 void StrokeFolder::keepModel(const std::filesystem::path& file) {
   if (!keptModel().empty()) return;
   const std::filesystem::path kept = path_ / (std::string(kKept) + file.extension().string());
@@ -123,6 +146,16 @@ void StrokeFolder::remove() {
   for (const unsigned number : logs()) std::filesystem::remove(log(number), ignored);
   lock_.release();
   std::filesystem::remove_all(path_, ignored);
+}
+
+std::filesystem::path StrokeFolder::putAside() {
+  lock_.release();
+  std::error_code failed;
+  std::filesystem::path aside = path_.string() + std::string(kDamaged);
+  for (int number = 2; std::filesystem::exists(aside, failed); ++number)
+    aside = fmt::format("{}{}{}", path_.string(), kDamaged, number);
+  std::filesystem::rename(path_, aside, failed);
+  return failed ? path_ : aside;
 }
 
 const std::string& LeftStrokes::document() const {
@@ -147,20 +180,22 @@ std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
   std::vector<LeftStrokes> all;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
-    std::unique_ptr<StrokeFolder> folder = StrokeFolder::open(entry.path());
+    if (entry.path().extension().string().starts_with(kDamaged)) continue;
+    const std::shared_ptr<StrokeFolder> folder = StrokeFolder::open(entry.path());
     if (!folder) continue;
-    if (folder->logs().empty()) {
+    if (folder->logs().empty() || folder->isUnchanged()) {
       folder->remove();
       continue;
     }
     try {
-      LeftStrokes left = readFolder(std::move(folder));
+      LeftStrokes left = readFolder(folder);
       if (!left.edits.points.empty())
         all.push_back(std::move(left));
       else if (left.lacks.empty())
         left.folder->remove();
     } catch (const std::exception& error) {
-      say(error.what());
+      say(fmt::format("strokes that were not saved cannot be offered, and are put aside in {}: {}",
+                      folder->putAside().string(), error.what()));
     }
   }
   std::ranges::sort(all, std::ranges::greater(), &LeftStrokes::made);

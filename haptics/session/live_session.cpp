@@ -38,7 +38,7 @@ SessionConfig withBrush(SessionConfig config, const Model& model) {
 }
 
 Model withPoints(Model model, const std::string& file) {
-  if (model.cloud.empty()) throw FileError(file, "has no points; there is nothing to touch");
+  requirePoints(model, file);
   return model;
 }
 
@@ -48,6 +48,10 @@ SessionParts withJournal(SessionParts parts) {
 }
 
 }  // namespace
+
+void requirePoints(const Model& model, const std::string& file) {
+  if (model.cloud.empty()) throw FileError(file, "has no points; there is nothing to touch");
+}
 
 LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts parts, const LiveOptions& options)
     : session_{withBrush(config, model), withPoints(std::move(model), config.model.file),
@@ -160,7 +164,7 @@ void LiveSession::takeIn() {
   const EditBatch& fresh = session_.relay().batch();
   seen_.batch.points.insert(seen_.batch.points.end(), fresh.points.begin(), fresh.points.end());
   seen_.edits += fresh.points.size();
-  if (unsaved_) unsaved_->follow(fresh, *journal_);
+  if (unsaved_) unsaved_->follow(fresh, *journal_, isChanged());
 }
 
 std::optional<std::string> LiveSession::follow() {

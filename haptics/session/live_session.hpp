@@ -30,6 +30,9 @@ struct LiveOptions {
   std::shared_ptr<const LeftStrokes> left;
 };
 
+/// Throws FileError where there is nothing to touch.
+void requirePoints(const Model& model, const std::string& file);
+
 /// A model while it is felt, seen and sculpted, against the wall clock and without end. All but the constructor is for
 /// one thread, which shows it; the constructor may run on another one before.
 class LiveSession {

@@ -51,7 +51,7 @@ StrokeFolder& UnsavedStrokes::folder() {
 void UnsavedStrokes::fail(const std::string& what) {
   failed_ = true;
   const std::scoped_lock hold(faultLock_);
-  fault_ = "what is not saved would be lost with this program: " + what;
+  fault_ = "strokes are no longer kept until they are saved, and would be lost with this program: " + what;
 }
 
 std::optional<std::string> UnsavedStrokes::takeFault() {
@@ -125,13 +125,20 @@ void UnsavedStrokes::saved() {
   folder().removeLogs(number_ + 1);
 }
 
-void UnsavedStrokes::follow(const EditBatch& fresh, const Journal& journal) {
+// Said before what is done again is written, and after what was undone is.
+void UnsavedStrokes::noteUnchanged(bool on) {
+  if (std::exchange(unchanged_, on) != on) folder().setUnchanged(on);
+}
+
+void UnsavedStrokes::follow(const EditBatch& fresh, const Journal& journal, bool isChanged) {
   takeMade();
+  if (isChanged) noteUnchanged(false);
   if (!isKept()) {
     if (fresh.empty() || failed_) return;
     return begin(wasKept_ ? snapshot(journal) : fresh);
   }
   append(pending_, fresh);
+  if (writer_ && pending_.empty() && !isChanged) noteUnchanged(true);
   if (!writer_ || pending_.empty() || sinceWritten_.elapsed_s() < kBetweenWrites_s) return;
   if (states_ > std::max(kMaxStates, kMaxClouds * model_.cloud.size())) return begin(snapshot(journal));
   writePending();
@@ -153,6 +160,7 @@ void UnsavedStrokes::remove() {
   const std::scoped_lock hold(folderLock_);
   if (folder_) folder_->remove();
   folder_.reset();
+  unchanged_ = false;
 }
 
 }  // namespace palpate

@@ -40,10 +40,15 @@ class StrokeFolder {
   void removeLogs(unsigned before);
   /// The model's file as it was when the strokes began; empty where it is where it was.
   std::filesystem::path keptModel() const;
+  /// Whether the logs have nothing that the model's file has not, as where all strokes are undone.
+  bool isUnchanged() const;
+  void setUnchanged(bool on);
   /// Keeps that file, which is about to be replaced. Throws FileError.
   void keepModel(const std::filesystem::path& file);
   /// With all that is in it.
   void remove();
+  /// Under another name, where nobody looks for strokes. Where it is then; it stays where it was if that is impossible.
+  std::filesystem::path putAside();
 
  private:
   StrokeFolder() = default;
@@ -68,8 +73,8 @@ struct LeftStrokes {
   /// Throws FileError where it is another one than the strokes were made on.
   void requireModel(const Model& model) const;
 };
-/// All that is left in `root`, the latest first. Folders with nothing in them are removed. `say` hears of those that
-/// cannot be read, which stay.
+/// All that is left in `root`, the latest first. Folders with nothing in them are removed, and so are those whose
+/// strokes were all undone. `say` hears of those that cannot be read, which are put aside, under another name.
 std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
                                      const std::function<void(const std::string&)>& say);
 /// Has a journal of the model follow what was done to it, strokes that were taken back or made again included.
@@ -91,8 +96,9 @@ class UnsavedStrokes {
   void setDocument(const std::string& file) { session_.document = file; }
   /// Goes on with what another program has left, in its folder.
   void adopt(const LeftStrokes& left);
-  /// `fresh`: what was done since the last call, which the journal has.
-  void follow(const EditBatch& fresh, const Journal& journal);
+  /// `fresh`: what was done since the last call, which the journal has. `isChanged`: whether the points are others than
+  /// those of their file.
+  void follow(const EditBatch& fresh, const Journal& journal, bool isChanged);
   /// The points are in a file as they are.
   void saved();
   /// The model's file is about to be replaced. For any thread.
@@ -107,6 +113,7 @@ class UnsavedStrokes {
   void begin(EditBatch initial);
   void takeMade();
   void writePending();
+  void noteUnchanged(bool on);
   StrokeFolder& folder();
   void fail(const std::string& what);
   EditBatch snapshot(const Journal& journal) const;
@@ -116,8 +123,9 @@ class UnsavedStrokes {
   RecordedSession session_;
   std::mutex folderLock_;  // of
   std::shared_ptr<StrokeFolder> folder_;
-  unsigned number_ = 0;   // of the last log
-  bool wasKept_ = false;  // so that the points before the next stroke may be others than the model's
+  unsigned number_ = 0;     // of the last log
+  bool unchanged_ = false;  // as the folder has it
+  bool wasKept_ = false;    // so that the points before the next stroke may be others than the model's
   std::future<std::unique_ptr<SessionWriter>> making_;
   std::unique_ptr<SessionWriter> writer_;
   EditBatch pending_;

@@ -213,7 +213,6 @@ TEST_CASE("the window has a model upright, turns it over on demand, and shows wh
                            "", [](const std::filesystem::path& folder) { writeCone(folder / "cone.ply", 2, 1); });
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
-  CHECK(says(played->outcome.text, "up is z: it stands on a base"));
   const auto first = played->state("first.json"), turned = played->state("turned.json");
   CHECK(first["up"] == "z");
   CHECK(first["camera"]["up"] == std::vector{0.0, 0.0, 1.0});

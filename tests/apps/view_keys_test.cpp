@@ -81,6 +81,25 @@ TEST_CASE("the mouse and the keys move the view") {
   CHECK(count("y.json", "pictures_of_model") == count("behind_x.json", "pictures_of_model") + 1);
 }
 
+TEST_CASE("a first click measures, however soon it comes behind the start or the cursor") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
+0 key d
+0 mouse 353 160
+0 button left down
+0 button left up
+0 mouse 393 200
+0 button left down
+0 button left up
+0 state %/measured.json
+0.1 quit
+)",
+                           "", [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  CHECK(played->state("measured.json")["measured"] > 10);
+}
+
 TEST_CASE("keys choose the brush, keep the stylus and put the forces down") {
   if (!hasDisplay()) return;
   std::string script = "0.1 mouse 373 180\n0.4 state %/begin.json\n";

@@ -15,12 +15,11 @@ std::string strokeAt(double time_s) {
                      time_s, time_s + 0.2, time_s + 0.3, time_s + 0.6, time_s + 0.7);
 }
 
-// Drops each, agrees to leave the changes behind, and writes the state to a file of its name.
+// Drops each, and writes the state to a file of its name.
 std::string dropAll(double time_s, const std::vector<std::string>& names) {
   std::string script;
   for (const std::string& name : names) {
-    script += fmt::format("{} drop %/{}\n{} click Do not save\n{} state %/{}.json\n", time_s, name, time_s + 0.1,
-                          time_s + 0.3, name);
+    script += fmt::format("{} drop %/{}\n{} state %/{}.json\n", time_s, name, time_s + 0.3, name);
     time_s += 0.4;
   }
   return script;
@@ -54,6 +53,7 @@ void checkNothingIsLost(const std::string& backend) {
     CAPTURE(name);
     const auto state = played->state(name + ".json");
     CHECK(says(std::string(state["last_message"]), name));
+    CHECK(state["asks_about_changes"] == false);  // nothing is lost with what cannot be opened
     CHECK(state["model"] == dent["model"]);
     CHECK(state["undoable"] == 1);
     CHECK(state["changed"] == true);
@@ -147,6 +147,51 @@ TEST_CASE("behind a question no stroke goes on") {
     CHECK(played->state(name)["contact"] == false);
     CHECK(played->state(name)["edits"] == played->state("asked.json")["edits"]);
   }
+}
+
+TEST_CASE("the keyboard does all of the file dialogues, which say what is about to be replaced") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
+0.1 key ctrl+shift+s
+0.4 screenshot %/original.png
+0.5 text mine
+0.7 screenshot %/mine.png
+0.8 key enter
+1.2 state %/saved.json
+1.3 key ctrl+o
+1.6 key down
+1.7 key down
+1.8 key down
+1.9 key enter
+2.4 state %/opened.json
+2.5 key ctrl+o
+2.8 text sphere.ply
+2.9 key h
+3.0 key escape
+3.2 click name
+3.4 state %/closed.json
+3.5 key ctrl+o
+3.8 text sphere.ply
+3.9 key enter
+4.4 state %/again.json
+4.5 quit
+)",
+                           "", [](const auto& folder) {
+                             makeSphere(folder, 2000);
+                             std::filesystem::create_directory(folder / "a");
+                             works("--quiet make cube -n 500 -o " + (folder / "cube.ply").string());
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto& folder = played->folder.path();
+  CHECK(played->state("saved.json")["model"] == (folder / "mine.ply").string());
+  CHECK(readPly(folder / "mine.ply").size() == 2000);
+  CHECK(played->state("opened.json")["model"] == (folder / "cube.ply").string());  // behind two folders
+  CHECK(says(std::string(played->state("closed.json")["last_message"]), "'name' cannot be clicked"));
+  CHECK(played->state("again.json")["model"] == (folder / "sphere.ply").string());
+  // A line that says that the model's own file would be replaced, where the dialogue has none for a new name.
+  const Picture original(folder / "original.png"), mine(folder / "mine.png");
+  CHECK(differing(original, mine, 240, 180, 150) > 200);
 }
 
 TEST_CASE("a file that was chosen to save a model in is not overwritten by the next one that is opened") {

@@ -152,6 +152,8 @@ TEST_CASE("another model is not opened over changes before the person has said w
   REQUIRE(dent["changed"] == true);
   CHECK(dent["asks_about_changes"] == false);
   CHECK(asked["asks_about_changes"] == true);
+  CHECK(asked["question"] ==
+        "Before opening torus.ply: sphere.ply has changes that are not saved. Without saving they are lost.");
   CHECK(asked["model"] == dent["model"]);
   CHECK(cancelled["asks_about_changes"] == false);
   CHECK(cancelled["model"] == dent["model"]);

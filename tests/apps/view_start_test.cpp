@@ -25,7 +25,12 @@ TEST_CASE("palpate alone opens the window, and says what it needs where there is
   const Outcome blind = run("env -u DISPLAY -u WAYLAND_DISPLAY " + program());
   CHECK(blind.code == 1);
   CHECK_MESSAGE(says(blind.text, "a window needs a display"), blind.text);
-  CHECK(says(blind.text, "palpate --help"));
+  CHECK(says(blind.text, "palpate render"));
+  CHECK(blind.text.find('\n') + 1 == blind.text.size());  // one line
+  const Outcome none = run("env -u DISPLAY -u WAYLAND_DISPLAY " + program() + " view nowhere.ply");
+  CHECK(none.code == 1);
+  CHECK_MESSAGE(says(none.text, "nowhere.ply"), none.text);
+  CHECK(none.text.find("display") == std::string::npos);
   if (!hasDisplay()) return;
   const ScratchFolder folder;
   const Outcome open = run("XDG_STATE_HOME=" + folder.path().string() + " xvfb-run -a timeout -s INT 4 " + program());

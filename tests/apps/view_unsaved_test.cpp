@@ -45,14 +45,15 @@ struct Struck {
 };
 
 // The program that is run, in its folder and on a display of its own, until `signal` meets it behind its script.
-void strike(Struck& struck, int signal, const std::string& script) {
+void strike(Struck& struck, int signal, const std::string& script, const std::string& options = "") {
   const std::filesystem::path& path = struck.folder.path();
   makeSphere(path, 2000);
   std::ofstream(path / "script.txt") << inFolder(script + "4 state %/end.json\n4 await %/never\n", path);
   // The shell says which process the window is: the display's script stands between.
   const std::string command =
-      inFolder("cd % && echo $$ > pid && XDG_STATE_HOME=%/state exec " + std::filesystem::absolute(program()).string() +
-                   " view %/sphere.ply --size 480x360 --rate 250 --edit push --script %/script.txt",
+      inFolder("cd % && echo $$ > pid && XDG_STATE_HOME=%/state exec env --default-signal=HUP " +
+                   std::filesystem::absolute(program()).string() +
+                   " view %/sphere.ply --size 480x360 --rate 250 --edit push --script %/script.txt " + options,
                path);
   std::ofstream(path / "window.sh") << command << "\n";
   std::thread display([&] { run(inFolder("xvfb-run -a sh %/window.sh > %/said 2>&1", path)); });
@@ -112,6 +113,87 @@ TEST_CASE("a window that is asked to end by SIGTERM leaves its strokes, which ca
   CHECK(struck.later("0.2 click Throw it away\n")["asks_about_strokes"] == true);
   CHECK_FALSE(struck.keepsSomething());
   CHECK(struck.later("")["asks_about_strokes"] == false);
+}
+
+TEST_CASE("strokes outlive a lost terminal as well, felt by the GPU, and those that were all undone are not offered") {
+  if (!hasDisplay()) return;
+  Struck struck;
+  strike(struck, SIGHUP, kTwoStrokes, "--backend vulkan");
+  const auto end = jsonOf(struck.folder.path() / "end.json");
+  CHECK(end["backend"] == "vulkan");
+  REQUIRE(end["undoable"] == 2);
+  const auto asked = struck.later("0.2 click Go on with it\n0.5 state %/again.json\n0.6 save %/again.ply\n");
+  CHECK(asked["asks_about_strokes"] == true);
+  const auto again = jsonOf(struck.folder.path() / "again.json");
+  CHECK(again["undoable"] == 2);
+  CHECK(again["points"] == end["points"]);
+  Struck undone;
+  strike(undone, SIGKILL, std::string(kTwoStrokes) + "2.2 key ctrl+z\n2.4 key ctrl+z\n2.6 state %/undone.json\n");
+  REQUIRE(jsonOf(undone.folder.path() / "undone.json")["changed"] == false);
+  CHECK(undone.later("")["asks_about_strokes"] == false);
+}
+
+TEST_CASE("strokes go on where the disk is full that they are kept on, which is said once") {
+  if (!hasDisplay()) return;
+  const ScratchFolder folder;
+  makeSphere(folder.path(), 20000);
+  const std::filesystem::path limited = folder / "limited.sh";
+  std::ofstream(limited) << "#!/bin/bash\ntrap '' XFSZ\nulimit -f 8\nexec '" +
+                                std::filesystem::absolute(program()).string() + "' \"$@\"\n";
+  std::filesystem::permissions(limited, std::filesystem::perms::owner_all);
+  const char* before = std::getenv("PALPATE_PROGRAM");
+  const std::string old = before ? before : "";
+  ::setenv("PALPATE_PROGRAM", limited.c_str(), 1);
+  const auto played = play((folder / "sphere.ply").string() + " --size 480x360 --rate 250 --edit push", R"(
+0.1 mouse 373 180
+0.3 key space down
+0.4 button left down
+1.9 button left up
+1.9 key space up
+2.1 state %/first.json
+2.1 key escape
+2.2 key space down
+2.4 button left down
+2.8 button left up
+3 state %/second.json
+3.1 quit
+)");
+  before ? ::setenv("PALPATE_PROGRAM", old.c_str(), 1) : ::unsetenv("PALPATE_PROGRAM");
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto first = played->state("first.json"), second = played->state("second.json");
+  CHECK(first["undoable"] == 1);
+  CHECK(second["undoable"] == 2);
+  CHECK(second["edits"] > first["edits"]);
+  REQUIRE(first["errors"].size() == 1);
+  CHECK(says(std::string(first["errors"][0]), "strokes are no longer kept until they are saved"));
+  CHECK(second["errors"].empty());  // it was closed, and is not said again
+}
+
+TEST_CASE("a tap of the stylus makes a stroke of its own, and two of them make two") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", R"(
+0.1 mouse 373 180
+0.3 key t
+0.6 tap 373 180
+1.2 state %/once.json
+1.3 tap 350 160
+1.3 tap 395 200
+2.2 state %/thrice.json
+2.3 key ctrl+z
+2.6 state %/undone.json
+2.7 tap 474 350
+3.3 state %/beside.json
+3.4 quit
+)",
+                           "", [](const auto& folder) { makeSphere(folder, 2000); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  CHECK(played->state("once.json")["undoable"] == 1);
+  CHECK(played->state("thrice.json")["undoable"] == 3);
+  CHECK(played->state("undone.json")["undoable"] == 2);
+  CHECK(played->state("beside.json")["undoable"] == 2);
+  CHECK(played->state("beside.json")["edits"] == played->state("undone.json")["edits"]);
 }
 
 TEST_CASE("a click and a key that are shorter than a picture are not lost, in a panel as in the model") {

@@ -22,7 +22,7 @@ struct Sculpted {
   }
   void take(EditBatch batch) {
     journal.follow(batch);
-    unsaved.follow(batch, journal);
+    unsaved.follow(batch, journal, journal.version() != 0);
   }
   // Moves points of the cloud, or appends one.
   void stroke(const std::vector<std::uint32_t>& points, float to) {
@@ -160,14 +160,65 @@ TEST_CASE("a folder where strokes cannot be kept is reported once, and work cont
   CHECK_FALSE(sculpted.unsaved.takeFault());
 }
 
-TEST_CASE("damaged unsaved strokes are reported and kept") {
+TEST_CASE("strokes that were all undone are not offered again; redone ones are") {
   const ScratchFolder folder;
-  std::filesystem::create_directory(folder / "1-1");
-  for (const char* name : {"lock", "strokes-1.log"}) std::ofstream(folder / "1-1" / name) << "torn";
-  std::string said;
-  CHECK(leftStrokes(folder.path(), [&](const std::string& what) { said = what; }).empty());
-  CHECK(says(said, "strokes-1.log"));
-  CHECK(std::filesystem::exists(folder / "1-1" / "strokes-1.log"));
+  const auto strokesLeft = [&](bool again) {
+    {
+      Sculpted sculpted(folder.path());
+      sculpted.stroke({0}, 3);
+      // Until it is written, as the window does it from picture to picture.
+      const auto look = [&] {
+        for (int i = 0; i < 8; ++i) {
+          std::this_thread::sleep_for(std::chrono::milliseconds(30));
+          sculpted.take({});
+        }
+      };
+      look();
+      sculpted.change(sculpted.journal.undo());
+      look();
+      if (again) sculpted.change(sculpted.journal.redo());
+    }
+    const std::vector<LeftStrokes> left = leftIn(folder.path());
+    const std::size_t count = left.size();
+    for (const LeftStrokes& each : left) each.folder->remove();
+    return count;
+  };
+  CHECK(strokesLeft(false) == 0);
+  CHECK(std::filesystem::is_empty(folder.path()));
+  CHECK(strokesLeft(true) == 1);
+}
+
+TEST_CASE("damaged unsaved strokes are reported once and kept under another name") {
+  const ScratchFolder folder;
+  const auto damage = [&] {
+    std::filesystem::create_directory(folder / "1-1");
+    for (const char* name : {"lock", "strokes-1.log"}) std::ofstream(folder / "1-1" / name) << "torn";
+  };
+  std::vector<std::string> said;
+  const auto look = [&] {
+    CHECK(leftStrokes(folder.path(), [&](const std::string& what) { said.push_back(what); }).empty());
+  };
+  damage();
+  look();
+  look();
+  REQUIRE(said.size() == 1);
+  CHECK(says(said[0], "strokes-1.log"));
+  CHECK(says(said[0], (folder / "1-1.damaged").string()));
+  damage();
+  look();
+  CHECK(said.size() == 2);
+  for (const char* name : {"1-1.damaged", "1-1.damaged2"})
+    CHECK(std::filesystem::exists(folder / name / "strokes-1.log"));
+}
+
+TEST_CASE("a log that a program had no time to begin does not hide the one before it") {
+  const ScratchFolder folder;
+  std::optional<Sculpted>(std::in_place, folder.path())->stroke({0}, 3);
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    std::ofstream(entry.path() / "strokes-2.log") << "torn";
+  const std::vector<LeftStrokes> left = leftIn(folder.path());
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].strokes == 1);
 }
 
 }  // namespace palpate::unsaved_strokes_test
