@@ -103,8 +103,8 @@ void addOutputOptions(Options& sub, TouchCommandOptions& options) {
       .typeName("SESSION");
   sub.add("--trajectory", options.trajectoryFile,
           "time, position (model units) and force (N) of each tick: with commas under names in a .csv, with "
-          "blanks and without names in any other file")
-      .typeName("FILE");
+          "blanks and without names in a .txt")
+      .typeName("FILE.csv");
   sub.addFlag("--print-tick", options.backend.timePasses, "list the passes of a tick with threads, bytes and GPU us");
 }
 
@@ -182,7 +182,6 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
 
 void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabilities& can) {
   checkPictureOptions(options.picture);
-  imageFormatOf(options.pictureFile);
   checkHandOptions(options.hand, options.realtime);
   checkSecondOptions(options);
   if (options.edit == "none") {

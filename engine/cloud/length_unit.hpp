@@ -24,8 +24,13 @@ inline constexpr std::array<std::pair<std::string_view, LengthUnit>, 5> kLengthU
 /// "units" for an unknown one.
 std::string_view nameOf(LengthUnit unit);
 
-/// What a file's comments say, as in `comment units: mm` or `obj_info unit = metres`; unknown where none says it.
+/// That of so many mm, as 25.4 are an inch; unknown for any other number.
+LengthUnit unitOfScale(double mm_per_unit);
+/// What a file's comments say, as in `comment units: mm` or `obj_info unit = metres`, or else that of the scale that
+/// they say (scaleSaidIn()); unknown where none says it.
 LengthUnit unitSaidIn(std::span<const std::string> comments);
+/// Has the comments say it, in the place of any other unit.
+void setUnit(std::vector<std::string>& comments, LengthUnit unit);
 /// Has the comments say it, as a format does whose files have one unit; what a comment says already stays.
 void sayUnit(std::vector<std::string>& comments, LengthUnit unit);
 

@@ -9,6 +9,9 @@
 
 namespace palpate {
 
+/// Whether it is there and neither a file nor a folder: what is written to it has been read by the time it is closed.
+bool isDeviceOrPipe(const std::filesystem::path& path);
+
 /// Writes to a temporary file beside `target`; commit() makes it durable and renames it. If it is destroyed without a
 /// commit, the temporary file is removed and an older file of that name stays as it was. A link is followed, and an
 /// older file's permissions are kept. What is no ordinary file (a device, a pipe) is written to directly. Throws

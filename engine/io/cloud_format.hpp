@@ -110,6 +110,7 @@ struct CloudFormat {
   void (*write)(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options) = nullptr;
   /// What of a cloud a file of the format cannot hold, in words.
   std::vector<std::string> (*lacks)(const StoredCloud& stored) = nullptr;
+  bool hasComments = false;  ///< they are written, and read again
   /// Whose baggage a writer keeps (FormatBaggage::format); empty: of its own name.
   std::string_view family = {};
   /// Files of it are of triangles: read, they become points; without triangles nothing is written or saved.

@@ -5,6 +5,9 @@
 
 namespace palpate {
 
+/// What is written: a copy of a file in another format, a mesh with its triangles, or the points of a cloud alone.
+enum class Written { copy, mesh, points };
+
 /// A view of a table, which must outlive it.
 class CloudFormats {
  public:
@@ -14,8 +17,9 @@ class CloudFormats {
   /// By what a folder or a file holds, whatever it is called, or else by the file's ending, in any case; where nobody
   /// knows it the first one.
   const CloudFormat& toRead(const std::filesystem::path& file) const;
-  /// By the file's ending. Throws UsageError, naming the endings that there are, for another one.
-  const CloudFormat& toWrite(const std::filesystem::path& file) const;
+  /// By the file's ending. Throws UsageError, naming the endings that there are, for another one, and for one of a
+  /// format that does not hold what is written; a device or a pipe, whose name says nothing, gets the first one.
+  const CloudFormat& toWrite(const std::filesystem::path& file, Written what = Written::copy) const;
   /// By the file's ending; where nobody knows it, or it is of one that holds no points but `triangles`, and there are
   /// none, the first one, as for reading: what was opened can be saved.
   const CloudFormat& toSave(const std::filesystem::path& file, bool triangles = false) const;
@@ -26,9 +30,9 @@ class CloudFormats {
   /// The same, or null where nobody knows the file.
   const CloudFormat* recognised(const std::filesystem::path& file) const;
   std::span<const CloudFormat> all() const { return formats_; }
-  std::string namesRead() const;       ///< "PLY, XYZ, COLMAP, COLMAP dense, 3DGS"
-  std::string endingsRead() const;     ///< ".ply, .xyz, a COLMAP folder"
-  std::string endingsWritten() const;  ///< as above
+  std::string namesRead() const;                                   ///< "PLY, XYZ, COLMAP, COLMAP dense, 3DGS"
+  std::string endingsRead() const;                                 ///< ".ply, .xyz, a COLMAP folder"
+  std::string endingsWritten(Written what = Written::copy) const;  ///< as above
 
  private:
   std::span<const CloudFormat> formats_;

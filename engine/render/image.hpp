@@ -28,8 +28,8 @@ struct DepthImage {
 };
 
 enum class ImageFormat : std::uint8_t { png, jpeg };
-/// By the ending of the name, in any case; a name without one is a PNG. Throws UsageError, naming the endings that
-/// there are, for another one.
+/// By the ending of the name, in any case; a device or a pipe without one gets a PNG. Throws UsageError, naming the
+/// endings that there are, for another one.
 ImageFormat imageFormatOf(const std::filesystem::path& path);
 
 /// Writes what the name says. The same picture gives the same bytes. A PNG holds every pixel, a JPEG no alpha and what

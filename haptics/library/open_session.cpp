@@ -14,7 +14,7 @@ namespace {
 
 std::size_t handsFrom(const pp_session_options& options) {
   if (options.hands > PP_MOST_HANDS)
-    throw UsageError("hands: {} are more than the {} that one session may have", options.hands, PP_MOST_HANDS);
+    throw UsageError("hands: {} are more than {}, the most of one session", options.hands, PP_MOST_HANDS);
   return std::max(1u, options.hands);
 }
 
@@ -114,8 +114,7 @@ void OpenSession::leave() {
 }
 
 const JoinedPart& OpenSession::joined() const {
-  if (!joined_)
-    throw StateError("this session was not joined; pp_session_join() joins one that another program serves");
+  if (!joined_) throw StateError("this session was not joined; it is of this program alone");
   return *joined_;
 }
 
@@ -181,7 +180,7 @@ void OpenSession::make(SessionConfig config, bool journal, bool editable) {
 }
 
 void OpenSession::endAsking() {
-  if (isLive()) throw StateError("the session is live; pp_live_stop() comes first");
+  if (isLive()) throw StateError("the session is live; stop it first");
   if (!asked_) return;
   asked_->check();
   asked_.reset();
@@ -199,12 +198,13 @@ void OpenSession::settle() {
 
 void OpenSession::record(const std::string& file) {
   settle();
-  if (hands() > 1) throw StateError("a session log is of one hand, and this session has {}", hands());
-  if (hasLaw_) throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
+  if (hands() > 1) throw StateError("a session log holds one hand, and this session has {}", hands());
+  if (hasLaw_) throw StateError("a session with a force law of its own cannot be replayed, and is not recorded");
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
-  if (frames_) throw StateError("frames that a program brings do not come again, and are not recorded");
-  if (session_->shared()) throw StateError("what others do does not come again, and is not recorded");
-  if (session_->far()) throw StateError("the points around the hands alone are here, and are not recorded");
+  if (frames_) throw StateError("frames that the program adds cannot be replayed, and are not recorded");
+  if (session_->shared())
+    throw StateError("a joined session cannot be replayed, because of the edits of others, and is not recorded");
+  if (session_->far()) throw StateError("a session with only the points around the hands is not recorded");
   if (edits_ > 0 || (shape && shape->counts().version > 0))
     throw StateError(
         "a log begins with the points as they were opened, and these have been edited; save them, and open what "
@@ -226,7 +226,7 @@ void OpenSession::endRecording() {
 
 void OpenSession::requireRunning() const {
   if (hasFailed())
-    throw SimulationError("the simulation {}; begin it anew, with more substeps or a slower hand",
+    throw SimulationError("the simulation {}; reset it, and take more substeps or a slower hand",
                           session_->simulation()->failure());
 }
 
@@ -288,7 +288,7 @@ void OpenSession::setBrush(const std::optional<BrushConfig>& brush) {
 void OpenSession::setBrushBetween(const std::optional<BrushConfig>& asked) {
   const auto brush = asked && joined_ ? joined_->allowed(*asked, *session_) : asked;
   if (brush == brush_) return;
-  if (frames_) throw UsageError("brush: frames that a program brings cannot be sculpted");
+  if (frames_) throw UsageError("brush: frames that the program adds cannot be sculpted");
   SessionConfig wanted = session_->config();
   wanted.brush = brush;
   validate(wanted);
@@ -341,7 +341,7 @@ void OpenSession::startLive(const pp_live_options& options) {
                     .session = *session_, .log = remarks_.sink(), .forcesOn = forcesOn_, .law = law_.custom()});
   try {
     if (recordTo_ && live_->hasLaw())
-      throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
+      throw StateError("a session with a force law of its own cannot be replayed, and is not recorded");
     beginRecording(live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true});
     live_->start();
   } catch (...) {
@@ -367,7 +367,7 @@ std::span<const AskedTick> OpenSession::touch(std::span<const Pose> poses) {
   if (poses.size() != hands())
     throw UsageError("hands: {} poses were given to a session of {} hands", poses.size(), hands());
   if (!asked_) {
-    if (isLive()) throw StateError("the session is live; pp_live_stop() comes first");
+    if (isLive()) throw StateError("the session is live; stop it first");
     checkShared();
     asked_.emplace(*session_, AskedHandsOptions{.budget_us = budget_us_, .law = law_.custom()});
   }

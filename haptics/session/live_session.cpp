@@ -39,7 +39,7 @@ SessionConfig withBrush(SessionConfig config, const Model& model) {
 }
 
 Model withPoints(Model model, const std::string& file) {
-  if (model.cloud.empty()) throw FileError(file, "has no points; there is nothing to touch");
+  if (model.cloud.empty()) throw FileError(file, "contains no points; there is nothing to touch");
   return model;
 }
 
