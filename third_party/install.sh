@@ -44,6 +44,7 @@ packages=(
   doctest-dev                # tests
   clang-format               # version 14: the format of the sources, which a test checks
   clang-tidy                 # version 14: checks the sources (tests/lint.sh)
+  zsh                        # runs its completion in a test
   xvfb                       # a display for the tests of the window
   xauth                      # required by xvfb-run
   iproute2                   # a slow link between two network namespaces, for the tests of sharing

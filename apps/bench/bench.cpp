@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "apps/cli/output.hpp"
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/io/cloud_formats.hpp"
@@ -142,7 +143,7 @@ Json sayMachines(Context& context, const BenchOptions& options) {
 Json measureAlone(Context& context, const BenchOptions& options, const std::string& name,
                   const std::function<Json()>& measure, PlotScript script) {
   checkMethods(context, options);
-  Context::checkWritable(options.plotFile);
+  checkOutput(options.plotFile, Output::plot);
   Json result{{"machines", sayMachines(context, options)}};
   result[name] = measure();
   context.writeJson(result);

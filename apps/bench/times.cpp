@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "apps/cli/output.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/queue.hpp"
 
@@ -75,7 +76,7 @@ void measure(Context& context, const std::vector<std::string>& names, const Time
   for (const std::string& surface : options.surfaces)
     for (const std::string& backend : options.backends)
       checkBackendOptions(context, {.backend = backend, .surface = surface});
-  Context::checkWritable(options.plotFile);
+  checkOutput(options.plotFile, Output::plot);
   std::vector<BenchRecord> records;
   for (const auto& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);

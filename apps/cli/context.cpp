@@ -5,6 +5,7 @@
 
 #include <charconv>
 
+#include "apps/cli/output.hpp"
 #include "engine/core/atomic_file.hpp"
 #include "engine/gpu/device_lookup.hpp"
 
@@ -81,12 +82,8 @@ void Context::writeJson(const Json& result) const {
   file.commit();
 }
 
-void Context::checkWritable(const std::string& file) {
-  std::error_code ignored;
-  const auto status = std::filesystem::status(file, ignored);
-  const bool isPipe = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
-                      !std::filesystem::is_directory(status);  // whose reader would take the trial for the end
-  if (!file.empty() && !isPipe) AtomicFile probe(file);
+void Context::checkJson() const {
+  if (json_ != "-") checkOutput(json_, Output::result);
 }
 
 void Context::close(std::unique_ptr<Device>& device) {

@@ -44,15 +44,12 @@ class Context {
 
   /// By --gpu or --validate.
   bool asksForGpu() const { return !gpu_.empty() || !validate_.empty(); }
-  /// Throws FileError where --json names a file that could not be written.
-  void checkJson() const { checkWritable(json_ == "-" ? std::string() : json_); }
+  /// Throws UsageError or FileError where --json names a file that is not written (checkOutput()).
+  void checkJson() const;
   /// Sends the result where --json says; nothing without it.
   void writeJson(const Json& result) const;
   /// With --json - stdout belongs to the result, and tables go to stderr.
   std::FILE* tables() const { return json_ == "-" ? stderr : stdout; }
-
-  /// Throws FileError now, rather than after an hour's work, when `file` could not be written.
-  static void checkWritable(const std::string& file);
 
   /// Closes the GPUs; says how many validation messages there were.
   std::size_t closeDevices();

@@ -3,9 +3,11 @@
 #include "apps/cli/context.hpp"
 #include "apps/cli/fused_folder.hpp"
 #include "apps/cli/model.hpp"
+#include "apps/cli/output.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
+#include "engine/core/named_values.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/foreign_file.hpp"
 #include "engine/io/mesh_format.hpp"
@@ -22,6 +24,7 @@ struct ConvertOptions {
   std::string intrinsics;
   double depthScale = 0;
   std::int64_t samples = 0;
+  std::string unit;
   NetworkOptions network;
 };
 
@@ -105,7 +108,7 @@ void convert(Context& context, const ConvertOptions& options) {
   const CloudFormat& to = cloudFormats().toWrite(options.output);
   const double mm_per_unit = options.scale.given();
   checkTarget(options);
-  context.checkWritable(options.output);
+  checkOutput(options.output, Output::copy);
   ConvertInput input = readInput(context, options, to);
   StoredCloud& stored = input.stored;
   if (stored.cloud.empty())
@@ -118,6 +121,9 @@ void convert(Context& context, const ConvertOptions& options) {
   // Before it is gone.
   if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
   markAsOurs(stored.cloud);
+  if (const auto unit = valueNamed(kLengthUnits, options.unit)) setUnit(stored.cloud.storedAs.comments, *unit);
+  if (!options.unit.empty() && !to.hasComments)
+    context.log().say("{}: {} cannot hold a unit of length; {} is not kept", options.output, to.name, options.unit);
   if (mm_per_unit > 0) sayScale(stored.cloud.storedAs.comments, mm_per_unit);
   std::filesystem::path keptAs;
   to.write(options.output, stored.cloud,
@@ -171,6 +177,10 @@ void addConvert(Options& app, Context& context, Command& command) {
   sub.addFlag("--drop-unreliable", options->dropsUnreliable,
               "COLMAP: drop unreliable points, as touch does without --all-points");
   addScaleOptions(sub, options->scale);
+  sub.add("--unit", options->unit,
+          "the unit of the file's lengths, mm, cm, m, in or ft, which OUT is to say; scales nothing (default: as IN "
+          "says)")
+      .check(oneOf(namesOf(kLengthUnits)));
   addNetworkOptions(sub, options->network);
   addRosFrameOption(sub, options->network);
   sub.addFlag("--ascii", options->ascii, "write ASCII in place of binary little-endian");

@@ -53,26 +53,27 @@ void info(Context& context, const std::string& file, const LookOptions& look, bo
     for (const FileElement::Property& property : element.properties) fmt::print(out, " {}", property.name);
     fmt::print(out, "\n");
   }
-  if (cloud.empty()) fmt::print(out, "  contains no points\n");
   if (!stored.lost.empty()) fmt::print(out, "  not kept: {}\n", fmt::join(stored.lost, ", "));
   if (!stored.leftOut.empty()) fmt::print(out, "  left out: {}; --all-points keeps them\n", stored.leftOut);
-  fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
-             cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
-  fmt::print(out, "  bounding box: ({}) to ({})\n", corner(inFile.min), corner(inFile.max));
-  const DVec3 size = bounds.max - bounds.min;
-  fmt::print(out, "  size: {} x {} x {}\n", lengthText(size.x), lengthText(size.y), lengthText(size.z, unit));
-  fmt::print(out, "  up: {} ({}); heights from {} to {} {}\n", nameOf(upright.up), upright.why,
-             coordinateText(heights.low, resolutionOf(bounds)), coordinateText(heights.high, resolutionOf(bounds)),
-             nameOf(unit));
-  fmt::print(out, "  mean spacing: {}\n", lengthText(spacing, unit));
-  fmt::print(out, "  touch scale: {}\n", touchScaleText(scale, bounds.longestSide(), unit));
-  fmt::print(out, "  noise of the positions: {:.3f} spacings\n", spacings.noise);
-  fmt::print(
-      out,
-      "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + contact {:.1f} + drawn cloud {:.1f} + editing "
-      "{:.1f} + edit log {:.1f}\n",
-      mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.contact), mib(memory.drawnCloud),
-      mib(memory.editing), mib(memory.editLog));
+  if (!cloud.empty()) {
+    fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
+               cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
+    fmt::print(out, "  bounding box: ({}) to ({})\n", corner(inFile.min), corner(inFile.max));
+    const DVec3 size = bounds.max - bounds.min;
+    fmt::print(out, "  size: {} x {} x {}\n", lengthText(size.x), lengthText(size.y), lengthText(size.z, unit));
+    fmt::print(out, "  up: {} ({}); heights from {} to {} {}\n", nameOf(upright.up), upright.why,
+               coordinateText(heights.low, resolutionOf(bounds)), coordinateText(heights.high, resolutionOf(bounds)),
+               nameOf(unit));
+    fmt::print(out, "  mean spacing: {}\n", lengthText(spacing, unit));
+    fmt::print(out, "  touch scale: {}\n", touchScaleText(scale, bounds.longestSide(), unit));
+    fmt::print(out, "  noise of the positions: {:.3f} spacings\n", spacings.noise);
+    fmt::print(
+        out,
+        "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + contact {:.1f} + drawn cloud {:.1f} + editing "
+        "{:.1f} + edit log {:.1f}\n",
+        mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.contact), mib(memory.drawnCloud),
+        mib(memory.editing), mib(memory.editLog));
+  }
   Json attributes = Json::array();
   for (const Attribute& attribute : cloud.extra) attributes.push_back(attribute.name);
   context.writeJson({{"points", cloud.size()},

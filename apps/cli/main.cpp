@@ -4,6 +4,7 @@
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/complaint.hpp"
 #include "apps/cli/completion.hpp"
+#include "apps/cli/completion_scripts.hpp"
 #include "apps/cli/config_flags.hpp"
 #include "apps/cli/context.hpp"
 #include "apps/cli/stop_by_signal.hpp"
@@ -63,7 +64,12 @@ const Options& namedIn(const Options& options) {
   return named.empty() ? options : namedIn(*named.front());
 }
 
-void complete(const CLI::App& app, const std::vector<std::string>& words) {
+// For the shell: what may come after the words behind "--", or the script that asks for it.
+void complete(const CLI::App& app, std::vector<std::string> words) {
+  if (words.size() == 1)
+    for (const auto& [shell, script] : completion_script::kAll)
+      if (words.front() == shell) return fmt::print("{}", script);
+  if (!words.empty() && words.front() == "--") words.erase(words.begin());
   const Completions completions = completionsOf(app, words);
   for (const std::string& word : completions.words) fmt::print("{}\n", word);
   if (completions.files) fmt::print("/\n");  // no word looks like that
@@ -94,7 +100,7 @@ int run(std::vector<std::string> arguments) {
   addFooter(app.get_subcommands({}));
   app.footer("palpate help COMMAND shows the options of that command, as palpate COMMAND --help does.");
 
-  if (!arguments.empty() && arguments.front() == "complete") {  // for the shell
+  if (!arguments.empty() && arguments.front() == "complete") {
     complete(app, {arguments.begin() + 1, arguments.end()});
     return 0;
   }

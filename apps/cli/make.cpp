@@ -1,4 +1,5 @@
 #include "apps/cli/context.hpp"
+#include "apps/cli/output.hpp"
 #include "apps/cli/progress.hpp"
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/core/clock.hpp"
@@ -27,7 +28,7 @@ void make(Context& context, const MakeOptions& options) {
   const DVec3 center = parseVec3(options.center, "--center");
   if (!(glm::length(center) <= kFarthest))
     throw UsageError("--center: {} lies farther from the origin than {} units", options.center, kFarthest);
-  context.checkWritable(options.output);
+  checkOutput(options.output, Output::points);
   const auto shape = makeShape(options.shape, options.size, center);
   Progress progress(context.log(), options.output);
   constexpr double kSampling = 0.6;  // of the time, about
@@ -53,7 +54,7 @@ void addMake(Options& app, Context& context, Command& command) {
   for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
   sub.add("shape", options->shape, "one of " + names).required().typeName("SHAPE");
   sub.add("-n,--points", options->count, "number of points").check(wholeBetween(0, kMaxPoints)).showDefault();
-  sub.add("-o,--output", options->output, "output: " + cloudFormats().endingsWritten()).required().typeName("FILE");
+  sub.add("-o,--output", options->output, "output: " + cloudFormats().endingsWritten(Written::points)).required().typeName("FILE");
   sub.add("--seed", options->seed, "seed of the sampling and the noise; the same seed gives the same bytes")
       .check(wholeBetween(0, bounds::kMaxSeed))
       .showDefault();

@@ -1,4 +1,5 @@
 #include "apps/cli/mesh_options.hpp"
+#include "apps/cli/output.hpp"
 #include "apps/cli/progress.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/io/cloud_formats.hpp"
@@ -27,9 +28,9 @@ std::string inWords(const MeshReport& report) {
 }
 
 void mesh(Context& context, const MeshCommandOptions& options) {
-  context.checkWritable(options.output);
+  checkOutput(options.output, Output::mesh);
   const Model model = loadModel(context, options.model, EstimateOn::gpu);
-  if (model.cloud.empty()) throw FileError(options.model.file, "has no points; there is nothing to mesh");
+  if (model.cloud.empty()) throw FileError(options.model.file, "contains no points; there is nothing to mesh");
   Progress progress(context.log(), options.output);
   const MeshPlan plan = planFor(model, options.choices);
   const MeshMemory predicted = predictMeshMemory(model.cloud, plan);
@@ -83,8 +84,7 @@ void addMesh(Options& app, Context& context, Command& command) {
   auto options = std::make_shared<MeshCommandOptions>();
   addModelOptions(sub, options->model);
   sub.add("-o,--output", options->output,
-          fmt::format("output: .ply, .obj, .stl or .off with triangles; {} otherwise with the vertices only",
-                      cloudFormats().endingsWritten()))
+          "output, vertices with normals and triangles: " + cloudFormats().endingsWritten(Written::mesh))
       .required()
       .typeName("MESH.ply");
   addMeshOptions(sub, options->choices);

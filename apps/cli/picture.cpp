@@ -5,6 +5,7 @@
 
 #include "apps/cli/legend.hpp"
 #include "apps/cli/model_lines.hpp"
+#include "apps/cli/output.hpp"
 #include "apps/cli/parse_list.hpp"
 #include "engine/cloud/length_text.hpp"
 
@@ -116,7 +117,7 @@ void checkPictureOptions(const PictureOptions& options) {
   Frame::checkSize(size.width, size.height);
   frameOptions(options, Model{});
   Camera::parse(options.camera, PointCloud{}, 1);
-  Context::checkWritable(options.depthFile);
+  checkOutput(options.depthFile, Output::depth);
 }
 
 bool showsPaint(const PictureOptions& options) {

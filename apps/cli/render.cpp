@@ -1,5 +1,6 @@
 #include "apps/bench/picture_way.hpp"
 #include "apps/cli/mesh_options.hpp"
+#include "apps/cli/output.hpp"
 #include "apps/cli/picture.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stream_options.hpp"
@@ -26,8 +27,7 @@ void drawMesh(Context& context, const Model& model, const RenderOptions& options
 
 void render(Context& context, const RenderOptions& options) {
   checkPictureOptions(options.picture);
-  imageFormatOf(options.output);
-  context.checkWritable(options.output);
+  checkOutput(options.output, Output::picture);
   SessionConfig config{.model = options.model.config()};
   config.join = joinConfig(options.join, config.model.file);
   if (config.model.file.empty()) throw UsageError("model: is required; name a file, or a session with --join");
@@ -39,6 +39,7 @@ void render(Context& context, const RenderOptions& options) {
   }
   validate(config);
   const Model model = loadModel(context, config, EstimateOn::gpu, &options.join.network);
+  if (model.cloud.empty()) throw FileError(config.model.file, "contains no points; there is nothing to draw");
   if (options.mode == "mesh") {
     drawMesh(context, model, options);
   } else {

@@ -1,4 +1,5 @@
 #include "apps/cli/context.hpp"
+#include "apps/cli/output.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/bounds.hpp"
@@ -84,7 +85,8 @@ void replay(Context& context, const ReplayOptions& options) {
   if (options.recover && options.saveFile.empty()) throw UsageError("--recover: needs --save OUT.ply");
   if (!options.recover && !options.saveFile.empty()) throw UsageError("--save: needs --recover");
   if (options.recover && !options.traceFile.empty()) throw UsageError("--trace: --recover runs nothing");
-  for (const std::string* file : {&options.saveFile, &options.traceFile}) Context::checkWritable(*file);
+  checkOutput(options.saveFile, Output::points);
+  checkOutput(options.traceFile, Output::trace);
   sayWhatIsLost(options.saveFile, context.log());
   const ReplayParts parts{.backends = context.backends(),
                           .log = context.log(),

@@ -3,6 +3,7 @@
 #include "apps/cli/backend.hpp"
 #include "apps/cli/model.hpp"
 #include "apps/cli/motion_options.hpp"
+#include "apps/cli/output.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "apps/cli/stream_options.hpp"
@@ -91,11 +92,13 @@ void serve(Context& context, const ServeOptions& options) {
   checkRosHearing(options.network, options.model.file, options.stream.live);
   if (options.readOnly && (!options.journalFile.empty() || !options.saveFile.empty()))
     throw UsageError("--read-only: nobody sculpts it; leave --journal and --save out");
-  Context::checkWritable(options.saveFile);
+  checkOutput(options.saveFile, Output::points);
+  checkOutput(options.journalFile, Output::journal);
   sayWhatIsLost(options.saveFile, context.log());
   const SessionConfig config = servedConfig(context, options);
   const auto loaded = std::make_shared<const Model>(loadModel(context, config, EstimateOn::cpu, &options.network));
   const Model& model = *loaded;
+  if (model.cloud.empty()) throw FileError(config.model.file, "contains no points; there is nothing to serve");
   const StopBySignal stop;
   CloudServer::Parts parts{.network = options.network.config(),
                            .name = options.name,

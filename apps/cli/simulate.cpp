@@ -3,6 +3,7 @@
 
 #include "apps/cli/context.hpp"
 #include "apps/cli/matter_backend.hpp"
+#include "apps/cli/output.hpp"
 #include "apps/cli/progress.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
@@ -85,7 +86,7 @@ Json sayHand(std::FILE* out, const MatterScene& scene) {
 }
 
 void simulate(Context& context, const SimulateOptions& options) {
-  if (!options.save.empty()) Context::checkWritable(options.save);
+  checkOutput(options.save, Output::points);
   const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
   const MatterScene scene = sceneOf(options);
   const std::string backend = chooseMatterBackend(context, options.backend, scene);
@@ -159,7 +160,7 @@ void addSimulate(Options& app, Context& context, Command& command) {
   sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
   sub.add("--probe", options->probe, "position x,y,z at which the water pressure is reported at the end, mm");
   sub.add("--save", options->save,
-          "write the final particles, or the surface of a soft body, mm: " + cloudFormats().endingsWritten())
+          "write the final particles, or the surface of a soft body, mm: " + cloudFormats().endingsWritten(Written::points))
       .typeName("FILE");
   sub.whenNamed([&, options] { command = [&context, options] { simulate(context, *options); }; });
 }

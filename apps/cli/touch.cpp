@@ -1,5 +1,6 @@
 #include "apps/cli/touch.hpp"
 
+#include "apps/cli/output.hpp"
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/progress.hpp"
 #include "apps/cli/stop_by_signal.hpp"
@@ -191,9 +192,11 @@ void drawEnd(Context& context, const TouchCommandOptions& options, const Session
 
 /// What the session's parts have to leave behind.
 void checkOutputs(Context& context, const TouchCommandOptions& options) {
-  for (const std::string* file : {&options.traceFile, &options.secondTraceFile, &options.trajectoryFile,
-                                  &options.saveFile, &options.pictureFile, &options.logFile})
-    Context::checkWritable(*file);
+  for (const auto& [file, kind] :
+       {std::pair{&options.traceFile, Output::trace}, std::pair{&options.secondTraceFile, Output::trace},
+        std::pair{&options.trajectoryFile, Output::trajectory}, std::pair{&options.saveFile, Output::points},
+        std::pair{&options.pictureFile, Output::picture}, std::pair{&options.logFile, Output::session}})
+    checkOutput(*file, kind);
   std::error_code ignored;
   if (std::filesystem::equivalent(options.model.file, options.logFile, ignored))
     throw UsageError("--log: {} is the model itself", options.logFile);
@@ -215,6 +218,8 @@ void touch(Context& context, const TouchCommandOptions& options) {
                                    .fetch = rosFetcher(options.join.network),
                                    .watch = rosWatcher(options.join.network, context.threads())});
   start.ended("model");
+  if (model.cloud.empty() && !model.far)
+    throw FileError(options.model.file, "contains no points; there is nothing to touch");
   const Abilities can(modelKindOf(config, model));
   if (!options.saveFile.empty()) can.require(Action::save, "--save");
   if (options.undo > 0) can.require(Action::undo, "--undo");

@@ -182,7 +182,6 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
 
 void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabilities& can) {
   checkPictureOptions(options.picture);
-  imageFormatOf(options.pictureFile);
   checkHandOptions(options.hand, options.realtime);
   checkSecondOptions(options);
   if (options.edit == "none") {

@@ -12,7 +12,7 @@ Doubles pathRows(const py::object& given) {
   Doubles rows = Doubles::ensure(given);
   if (!rows) {
     PyErr_Clear();
-    refuse("path: is no array of numbers");
+    refuse("path: is an array of numbers, not " + described(given));
   }
   if (rows.ndim() != 2 || (rows.shape(1) != 3 && rows.shape(1) != 4))
     refuse("path: has shape " + shapeOf(rows) + ", not (N, 3), a row for each tick, or (N, 4), seconds first");
@@ -33,14 +33,16 @@ pp_rows rowsOf(const py::array& array) {
                 : pp::rows(static_cast<const double*>(array.data()));
 }
 
-std::string typeNameOf(const py::handle& given) { return py::str(py::type::of(given)); }
+std::string described(const py::handle& given) {
+  return py::module_::import("palpate._errors").attr("described")(given).cast<std::string>();
+}
 
 void refuseMasked(const py::object& given, const char* name) {
   if (!py::hasattr(given, "mask") || !py::isinstance<py::array>(given)) return;
   const auto hidden = py::array(given.attr("mask")).attr("sum")().cast<std::size_t>();
   if (hidden > 0)
     refuse(std::string(name) + ": " + std::to_string(hidden) +
-           " numbers are masked; give the rows that count, or .data");
+           " numbers are masked; leave these rows out, or give .data");
 }
 
 std::string shapeOf(const py::array& array) { return py::str(array.attr("shape")); }
@@ -50,7 +52,7 @@ py::array threeColumns(const py::object& given, const char* name, std::optional<
   const py::array any = py::array::ensure(given);
   if (!any) {
     PyErr_Clear();
-    refuse(std::string(name) + ": is no array of numbers");
+    refuse(std::string(name) + ": is an array of numbers, not " + described(given));
   }
   if (any.ndim() != 2 || any.shape(1) != 3 || (rows && any.shape(0) != *rows))
     refuse(std::string(name) + ": has shape " + shapeOf(any) + ", not (" + (rows ? std::to_string(*rows) : "N") +
@@ -59,7 +61,7 @@ py::array threeColumns(const py::object& given, const char* name, std::optional<
   Doubles doubles = Doubles::ensure(any);
   if (!doubles) {
     PyErr_Clear();
-    refuse(std::string(name) + ": is no array of numbers");
+    refuse(std::string(name) + ": is an array of numbers, not " + described(given));
   }
   return py::array(std::move(doubles));
 }
@@ -114,7 +116,7 @@ std::string fileOf(const py::object& path) {
     return py::module_::import("os").attr("fspath")(path).cast<std::string>();
   } catch (const py::error_already_set& error) {
     if (!error.matches(PyExc_TypeError)) throw;
-    refuseType("file: " + typeNameOf(path) + " is no path");
+    refuseType("file: is a path, not " + described(path));
   }
 }
 

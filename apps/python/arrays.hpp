@@ -45,8 +45,8 @@ class Refusal : public std::runtime_error {
 [[noreturn]] inline void refuse(const std::string& what) { throw Refusal("UsageError", what); }
 /// Throws palpate.ArgumentTypeError.
 [[noreturn]] inline void refuseType(const std::string& what) { throw Refusal("ArgumentTypeError", what); }
-/// "<class 'str'>"
-std::string typeNameOf(const py::handle& given);
+/// As a sentence names it: "the text 'a'", "1.5", "a list".
+std::string described(const py::handle& given);
 /// Throws palpate.UsageError for an array that leaves numbers out by a mask.
 void refuseMasked(const py::object& given, const char* name);
 std::string shapeOf(const py::array& array);

@@ -8,21 +8,36 @@ using Vector = std::array<double, 3>;
 
 namespace {
 
+/// Whole numbers of any type as bytes. Throws palpate.UsageError that names the first one that is none.
+py::array bytesOf(const py::array& whole) {
+  const py::object outside = whole.attr("__lt__")(0).attr("__or__")(whole.attr("__gt__")(255)).attr("ravel")();
+  const auto first = outside.attr("argmax")().cast<py::ssize_t>();
+  if (outside.attr("size").cast<py::ssize_t>() > 0 && outside.attr("__getitem__")(first).cast<bool>()) {
+    constexpr const char* kNames[]{"red", "green", "blue"};
+    refuse("colors: row " + std::to_string(first / 3) + ": " + kNames[first % 3] + " is " +
+           std::string(py::str(whole.attr("ravel")().attr("__getitem__")(first))) +
+           "; whole numbers are 0 to 255 (uint16: 0 to 65535)");
+  }
+  return whole.attr("astype")("uint8");
+}
+
 pp_rows colorsOf(py::array& kept, const py::object& given, py::ssize_t count) {
   refuseMasked(given, "colors");
-  const py::array any = py::array::ensure(given);
+  py::array any = py::array::ensure(given);
   if (!any) PyErr_Clear();
   const auto keep = [&]<class Number>(Number) {
     kept = py::array_t<Number, py::array::c_style>(any);
     return pp::rows(static_cast<const Number*>(kept.data()));
   };
-  if (any && any.ndim() == 2 && any.shape(0) == count && any.shape(1) == 3) {
-    if (any.dtype().is(py::dtype::of<std::uint8_t>())) return keep(std::uint8_t{});
-    if (any.dtype().is(py::dtype::of<std::uint16_t>())) return keep(std::uint16_t{});
-  }
-  if (any && any.dtype().kind() != 'f')
-    refuseType("colors: uint8 (0 to 255), uint16 (0 to 65535) or float (0 to 1, or 0 to 255) is wanted, not " +
+  const char type = any ? any.dtype().kind() : 'f';
+  if (type != 'f' && type != 'i' && type != 'u')
+    refuseType("colors: are whole numbers (0 to 255; uint16: 0 to 65535) or floats (0 to 1, or 0 to 255), not " +
                std::string(py::str(any.dtype())));
+  if (any && type != 'f' && any.ndim() == 2 && any.shape(0) == count && any.shape(1) == 3) {
+    if (any.dtype().is(py::dtype::of<std::uint16_t>())) return keep(std::uint16_t{});
+    if (!any.dtype().is(py::dtype::of<std::uint8_t>())) any = bytesOf(any);
+    return keep(std::uint8_t{});
+  }
   kept = threeColumns(given, "colors", count);
   return rowsOf(kept);
 }
@@ -150,7 +165,7 @@ void bindClouds(py::module_& module) {
       module, "Cloud",
       "Cloud(xyz, normals=None, colors=None)\n\n"
       "Points, never changed once they are made. xyz: (N, 3), model units; doubles keep their\n"
-      "precision. normals: (N, 3), made unit length. colors: (N, 3), uint8 0 to 255, uint16 0 to\n"
+      "precision. normals: (N, 3), made unit length. colors: (N, 3), whole numbers 0 to 255, uint16 0 to\n"
       "65535, or float: 0 to 1, or 0 to 255 where any is above 1. All are copied; what is shown is a view of palpate's "
       "own memory,\n"
       "which cannot be written to and keeps the cloud.")

@@ -70,10 +70,11 @@ PythonLaw::Answer PythonLaw::answerTo(const Question& question) {
     const py::object given = callable_(LawInput{question.pose, question.contact, question.dt_s});
     const auto force_N = given.cast<Vector>();
     if (!std::ranges::all_of(force_N, [](double f) { return std::isfinite(f); }))
-      refuse("law: gave a force that is not finite");
+      refuse("law: returned a force that is not finite");
     answer.force_N = force_N;
   } catch (const py::cast_error&) {
-    raised_ = std::make_exception_ptr(Refusal("ArgumentTypeError", "law: gave no force of three numbers, N"));
+    raised_ = std::make_exception_ptr(
+        Refusal("ArgumentTypeError", "law: returned something else than a force of three numbers, N"));
     failed_ = true;
   } catch (...) {
     raised_ = std::current_exception();
@@ -126,16 +127,18 @@ Law::Law(const py::object& given, bool allowPython) {
   }
   const py::object address = py::hasattr(given, "address") ? py::object(given.attr("address")) : given;
   if (py::isinstance<py::int_>(address) && !py::isinstance<py::bool_>(address)) {
-    function_ = reinterpret_cast<pp_force_law>(address.cast<std::uintptr_t>());
+    constexpr std::uintptr_t kFirstPage = 4096;  // where no function lies
+    const auto place = address.cast<std::uintptr_t>();
+    if (place < kFirstPage) refuse("law: " + std::to_string(place) + " is not the address of a function");
+    function_ = reinterpret_cast<pp_force_law>(place);
     return;
   }
   if (PyCallable_Check(given.ptr()) == 0)
-    refuseType("law: " + typeNameOf(given) +
-               " is no force law; one is \"libmine.so:law\", a numba cfunc, or a function");
+    refuseType("law: is \"libmine.so:law\", a numba cfunc or a function, not " + described(given));
   if (!allowPython)
     refuseType(
-        "law: a function of Python's runs in every tick and waits for Python's lock: some 30 us where nobody else "
-        "holds it, and 5 ms and more beside one busy thread of Python's, which a hand feels as a force that lags and "
+        "law: a function in Python runs in every tick and waits for Python's lock: some 30 us while no other thread "
+        "holds it, and 5 ms and more beside one busy thread, which a hand feels as a force that lags and "
         "fades. Take a compiled function (\"libmine.so:law\", or a numba cfunc), or say allow_python=True");
   python_ = std::make_shared<PythonLaw>(given);
   function_ = &PythonLaw::call;

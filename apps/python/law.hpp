@@ -39,7 +39,7 @@ class PythonLaw {
   /// Throws palpate.Error in a call of this law, which the session that asked would wait for.
   void refuseWithin() const {
     if (under_ == this)
-      throw Refusal("Error", "a force law asks nothing of its own session: it has what it needs in its LawInput",
+      throw Refusal("Error", "a force law cannot call its own session; what it may know is in its LawInput",
                     PP_ERROR_STATE);
   }
 

@@ -19,11 +19,22 @@ void translate(const Refusal& refusal) {
   PyErr_SetObject(kind.ptr(), made.ptr());
 }
 
+/// The library's words begin with the name of an option where C has it; Python's keywords are shorter.
+std::string inPython(std::string text) {
+  constexpr std::pair<std::string_view, std::string_view> kNames[]{
+      {"tool.kind", "tool"}, {"tool.", "tool_"}, {"surface.kind", "surface"},
+      {"feel.", ""},         {"brush.", ""},     {"model.", ""},
+      {"hands.", ""},        {"network.", ""},   {"surface.", ""}};
+  for (const auto& [name, ours] : kNames)
+    if (text.starts_with(name)) return text.replace(0, name.size(), ours);
+  return text;
+}
+
 void translate(const pp::Error& error) {
   const py::object kind = classNamed(classOf(error.status()));
   const py::object file = error.file().empty() ? py::object(py::none()) : py::object(textOf(error.file()));
   const py::object line = error.line() == 0 ? py::object(py::none()) : py::object(py::int_(error.line()));
-  const py::object made = kind(textOf(error.what()), py::arg("status") = pp_status_name(error.status()),
+  const py::object made = kind(textOf(inPython(error.what())), py::arg("status") = pp_status_name(error.status()),
                                py::arg("file") = file, py::arg("line") = line);
   PyErr_SetObject(kind.ptr(), made.ptr());
 }
@@ -65,6 +76,7 @@ PYBIND11_MODULE(_palpate, module) {
   module.def("formats_written", &pp_formats_written,
              "formats_written() -> str\n\nEndings of files that write() takes: \".ply, .las, ...\". Meshes\n"
              "alone are written as .obj, .stl and .off.");
+  module.def("_brush_settings", &palpate::python::brushSettings);
   module.def("_tick_dtype", &palpate::python::tickType);
   module.def("_tool_tick_dtype", &palpate::python::toolTickType);
   bindClouds(module);

@@ -18,12 +18,12 @@ std::vector<std::unique_ptr<PathArray>> pathsOf(const py::object& given, std::ui
     return paths;
   }
   if (!py::isinstance<py::sequence>(given) && !py::isinstance<py::array>(given))
-    refuse("path: a session of " + std::to_string(hands) + " hands wants a path for each, as a list of arrays");
+    refuse("path: a session of " + std::to_string(hands) + " hands needs a path for each, as a list of arrays");
   for (const py::handle& path : given)
     paths.push_back(std::make_unique<PathArray>(py::reinterpret_borrow<py::object>(path)));
   if (paths.size() != hands)
-    refuse("path: a session of " + std::to_string(hands) + " hands wants a path for each, and " +
-           std::to_string(paths.size()) + " are given");
+    refuse("path: a session of " + std::to_string(hands) + " hands needs a path for each, and " +
+           std::to_string(paths.size()) + (paths.size() == 1 ? " is given" : " are given"));
   return paths;
 }
 
@@ -35,44 +35,52 @@ py::array rowsOf(std::span<const pp_tick> ticks, const std::vector<py::ssize_t>&
 
 }  // namespace
 
+namespace {
+
+struct BrushSetting {
+  const char* name;
+  const char* kind;  ///< what its value is, for a person
+  void (*set)(pp_brush& brush, const py::handle& value, double mm_per_unit);
+};
+constexpr BrushSetting kBrushSettings[]{
+    {"radius_mm", "a number", [](pp_brush& b, const py::handle& v, double) { b.radius_mm = v.cast<double>(); }},
+    {"tau_mm", "a number", [](pp_brush& b, const py::handle& v, double) { b.tau_mm = v.cast<double>(); }},
+    {"radius", "a number", [](pp_brush& b, const py::handle& v, double mm) { b.radius_mm = v.cast<double>() * mm; }},
+    {"tau", "a number", [](pp_brush& b, const py::handle& v, double mm) { b.tau_mm = v.cast<double>() * mm; }},
+    {"beta", "a number", [](pp_brush& b, const py::handle& v, double) { b.beta = v.cast<double>(); }},
+    {"strength", "a number", [](pp_brush& b, const py::handle& v, double) { b.strength = v.cast<double>(); }},
+    {"falloff", "a whole number from 0 on",
+     [](pp_brush& b, const py::handle& v, double) { b.falloff = v.cast<std::uint32_t>(); }},
+    {"keeps_density", "True or False",
+     [](pp_brush& b, const py::handle& v, double) { b.keeps_density = v.cast<bool>() ? 1 : 0; }},
+    {"color", "three whole numbers from 0 to 255",
+     [](pp_brush& b, const py::handle& v, double) {
+       std::ranges::copy(v.cast<std::array<std::uint8_t, 3>>(), b.color);
+     }},
+};
+
+}  // namespace
+
+py::list brushSettings() {
+  py::list names;
+  for (const BrushSetting& setting : kBrushSettings) names.append(setting.name);
+  return names;
+}
+
 Brush::Brush(const std::string& name, const py::kwargs& settings, double mm_per_unit) : kind(name) {
   for (const auto& [length, length_mm] : {std::pair("radius", "radius_mm"), std::pair("tau", "tau_mm")})
     if (settings.contains(length) && settings.contains(length_mm))
       refuse(std::string("brush: has ") + length + ", in model units, and " + length_mm + "; give one of them");
-  for (const auto& [key, value] : settings) {
-    const auto name_of = key.cast<std::string>();
+  for (const BrushSetting& setting : kBrushSettings) {
+    if (!settings.contains(setting.name)) continue;
+    const py::object value = settings[setting.name];
     try {
-      set(name_of, value, mm_per_unit);
+      setting.set(brush, value, mm_per_unit);
     } catch (const py::cast_error&) {
-      refuseType("brush: " + name_of + " is not a " + typeNameOf(value));
+      refuseType(std::string(setting.name) + ": is " + setting.kind + ", not " + described(value));
     }
   }
   brush.kind = kind.c_str();
-}
-
-void Brush::set(const std::string& key, const py::handle& value, double mm_per_unit) {
-  if (key == "radius_mm")
-    brush.radius_mm = value.cast<double>();
-  else if (key == "radius")
-    brush.radius_mm = value.cast<double>() * mm_per_unit;
-  else if (key == "tau_mm")
-    brush.tau_mm = value.cast<double>();
-  else if (key == "tau")
-    brush.tau_mm = value.cast<double>() * mm_per_unit;
-  else if (key == "beta")
-    brush.beta = value.cast<double>();
-  else if (key == "strength")
-    brush.strength = value.cast<double>();
-  else if (key == "falloff")
-    brush.falloff = value.cast<std::uint32_t>();
-  else if (key == "keeps_density")
-    brush.keeps_density = value.cast<bool>() ? 1 : 0;
-  else if (key == "color")
-    std::ranges::copy(value.cast<std::array<std::uint8_t, 3>>(), brush.color);
-  else
-    refuseType("a brush has no " + key +
-               "; it has radius_mm and tau_mm (or radius and tau, in model units), beta, strength, falloff, "
-               "keeps_density and color");
 }
 
 PySession::PySession(const py::object& cloud, const SessionSettings& settings, Law law)
@@ -81,7 +89,7 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   if (py::isinstance<PyCloud>(cloud))
     cloud_ = cloud.cast<CloudPointer>();
   else if (!settings.join && !py::isinstance<py::str>(cloud))
-    refuseType("cloud: " + typeNameOf(cloud) + " is no Cloud, no name of a scene and no Join");
+    refuseType("cloud: is a Cloud, the name of a scene, a folder of a depth camera or a Join, not " + described(cloud));
   feel_ = pp_default_feel();
   feel_.friction = settings.friction;
   feel_.radius_mm = settings.radius_mm.value_or(0);
@@ -103,7 +111,7 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   options.threads = settings.threads;
   options.undo_memory_MiB = settings.undo_memory_MiB;
   options.hands = settings.hands;
-  if (settings.hands == 0) refuse("hands: is 0; there is at least one");
+  if (settings.hands == 0) refuse("hands: is 0; a session has 1 to 8");
   options.tool = &tool;
   options.law = law_.function();
   options.law_user = law_.user();
@@ -111,11 +119,11 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   options.log = &Heard::hear;
   options.log_user = &heard_;
   options.watch = interruption_.watch();
-  if (!cloud_ && settings.moving) refuse("moving: is of a Cloud; leave it out");
+  if (!cloud_ && settings.moving) refuse("moving: only the points of a Cloud move frame by frame; leave it out");
   if (!settings.moving && (settings.keeps_points || settings.most_points > 0))
-    refuse("keeps_points, most_points: are of points that move frame by frame; say moving=True");
+    refuse("keeps_points, most_points: only for points that move frame by frame; add moving=True");
   if (!std::filesystem::is_directory(name) && (settings.speed != 1 || settings.loop || settings.fuse))
-    refuse("speed, loop, fuse: are of a recorded depth camera, in a folder");
+    refuse("speed, loop, fuse: only for the folder of a recorded depth camera; leave them out");
   py::gil_scoped_release released;
   session_ = interruption_.during([&] { return opened(name, settings, options); });
 }

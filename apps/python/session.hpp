@@ -41,14 +41,13 @@ struct Brush {
   std::string kind;
   pp_brush brush = pp_default_brush();
 
-  /// Lengths whose names do not end in _mm are in model units.
+  /// Of brushSettings(); lengths whose names do not end in _mm are in model units.
   Brush(const std::string& name, const py::kwargs& settings, double mm_per_unit);
   Brush(const Brush&) = delete;
   Brush& operator=(const Brush&) = delete;
-
- private:
-  void set(const std::string& key, const py::handle& value, double mm_per_unit);
 };
+/// Their names: what palpate/_words.py takes for **brush.
+py::list brushSettings();
 
 /// One thread at a time is in it; others wait.
 class PySession {

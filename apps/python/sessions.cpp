@@ -91,7 +91,8 @@ void bindTouch(py::class_<PySession>& session) {
           "record(file)\n\nThe next path, or the next live session, is written to a session log, with its end "
           "(read_log(),\n"
           "replay()). It begins with the points as they were opened, and is of one hand, without a law of one's own.")
-      .def("_live_start", &PySession::startLive)
+      .def("_live_start", &PySession::startLive, py::arg("device"), py::arg("rate"), py::arg("builtin"),
+           py::arg("path"), py::arg("law"), py::arg("allow_python"), py::arg("others"))
       .def("_live_raise", &PySession::raiseOfLaw)
       .def("_live_late", &PySession::lateLaws)
       .def("_live_take", &PySession::takeTicks)

@@ -3,11 +3,13 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <utility>
 
 #include "apps/view/window.hpp"
 #include "engine/core/characters.hpp"
 #include "engine/core/error.hpp"
+#include "engine/io/cloud_formats.hpp"
 #include "engine/render/image.hpp"
 
 namespace palpate {
@@ -128,14 +130,15 @@ TapAction tapOf(Line& line) {
   return tap;
 }
 
-ScreenshotAction screenshotOf(Line& line) {
-  ScreenshotAction action{line.rest("the file")};
+/// The file that an action writes; `kind` throws UsageError for an ending that is not written.
+std::string written(Line& line, const std::function<void(const std::string&)>& kind) {
+  std::string file = line.rest("the file");
   try {
-    imageFormatOf(action.file);
+    kind(file);
   } catch (const UsageError& error) {
     line.fail(error.what());
   }
-  return action;
+  return file;
 }
 
 ScriptAction actionOf(Line& line, const std::string& what) {
@@ -153,9 +156,10 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     return ResizeAction{{width, line.size("the height")}};
   }
   if (what == "minimise" || what == "restore") return MinimiseAction{what == "minimise"};
-  if (what == "screenshot") return screenshotOf(line);
+  if (what == "screenshot") return ScreenshotAction{written(line, imageFormatOf)};
   if (what == "state") return StateAction{line.rest("the file")};
-  if (what == "save") return SaveAction{line.rest("the file")};
+  if (what == "save")
+    return SaveAction{written(line, [](const std::string& file) { cloudFormats().toWrite(file, Written::points); })};
   if (what == "record") return RecordAction{line.atEnd() ? "" : line.rest("the file")};
   if (what == "replay") return ReplayAction{line.rest("the file")};
   if (what == "impatient" || what == "patient") return ImpatientAction{what == "impatient"};

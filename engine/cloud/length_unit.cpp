@@ -47,6 +47,20 @@ std::vector<std::string> wordsOf(std::string_view text) {
   return words;
 }
 
+LengthUnit unitInWords(std::string_view comment) {
+  const std::vector<std::string> words = wordsOf(comment);
+  for (std::size_t i = 1; i < words.size(); ++i)
+    for (const auto& [word, unit] : kWords)
+      if (words[i] == word && (words[i - 1] == "unit" || words[i - 1] == "units")) return unit;
+  return LengthUnit::unknown;
+}
+
+constexpr std::array<std::pair<double, LengthUnit>, 5> kMmPerUnit{{{1, LengthUnit::mm},
+                                                                   {10, LengthUnit::cm},
+                                                                   {1000, LengthUnit::m},
+                                                                   {25.4, LengthUnit::inch},
+                                                                   {304.8, LengthUnit::foot}}};
+
 }  // namespace
 
 std::string_view nameOf(LengthUnit unit) {
@@ -55,18 +69,28 @@ std::string_view nameOf(LengthUnit unit) {
   return "units";
 }
 
-LengthUnit unitSaidIn(std::span<const std::string> comments) {
-  for (const std::string& comment : comments) {
-    const std::vector<std::string> words = wordsOf(comment);
-    for (std::size_t i = 1; i < words.size(); ++i)
-      for (const auto& [word, unit] : kWords)
-        if (words[i] == word && (words[i - 1] == "unit" || words[i - 1] == "units")) return unit;
-  }
+LengthUnit unitOfScale(double mm_per_unit) {
+  constexpr double kRounded = 1e-9;  // of the length
+  for (const auto& [mm, unit] : kMmPerUnit)
+    if (std::abs(mm_per_unit / mm - 1) < kRounded) return unit;
   return LengthUnit::unknown;
 }
 
+LengthUnit unitSaidIn(std::span<const std::string> comments) {
+  for (const std::string& comment : comments)
+    if (const LengthUnit unit = unitInWords(comment); unit != LengthUnit::unknown) return unit;
+  const std::optional<double> scale = scaleSaidIn(comments);
+  return scale ? unitOfScale(*scale) : LengthUnit::unknown;
+}
+
+void setUnit(std::vector<std::string>& comments, LengthUnit unit) {
+  std::erase_if(comments, [](const std::string& comment) { return unitInWords(comment) != LengthUnit::unknown; });
+  comments.push_back(fmt::format("comment units: {}", nameOf(unit)));
+}
+
 void sayUnit(std::vector<std::string>& comments, LengthUnit unit) {
-  if (unit == LengthUnit::unknown || unitSaidIn(comments) != LengthUnit::unknown) return;
+  const auto saysUnit = [](const std::string& comment) { return unitInWords(comment) != LengthUnit::unknown; };
+  if (unit == LengthUnit::unknown || std::ranges::any_of(comments, saysUnit)) return;
   comments.push_back(fmt::format("comment units: {}", nameOf(unit)));
 }
 

@@ -24,9 +24,13 @@ inline constexpr std::array<std::pair<std::string_view, LengthUnit>, 5> kLengthU
 /// "units" if unknown.
 std::string_view nameOf(LengthUnit unit);
 
-/// The unit in a file's comments, as in `comment units: mm` or `obj_info unit = metres`; unknown if they do not contain
-/// one.
+/// The unit of this many mm, as inch for 25.4; unknown for any other number.
+LengthUnit unitOfScale(double mm_per_unit);
+/// The unit in a file's comments, as in `comment units: mm` or `obj_info unit = metres`, or else the one of the scale in
+/// them (scaleSaidIn()); unknown if they contain neither.
 LengthUnit unitSaidIn(std::span<const std::string> comments);
+/// Writes the unit into the comments, replacing any other.
+void setUnit(std::vector<std::string>& comments, LengthUnit unit);
 /// Adds the unit to the comments, for formats whose files have a fixed unit; an existing unit stays.
 void sayUnit(std::vector<std::string>& comments, LengthUnit unit);
 

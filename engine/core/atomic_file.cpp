@@ -8,6 +8,13 @@
 
 namespace palpate {
 
+bool isDeviceOrPipe(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+         !std::filesystem::is_directory(status);
+}
+
 AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
   if (target_.empty()) throw Error("an output file has an empty name; give it one");
   std::error_code ignored;

@@ -9,6 +9,9 @@
 
 namespace palpate {
 
+/// Whether it is there and neither a file nor a folder: what is written to it has been read by the time it is closed.
+bool isDeviceOrPipe(const std::filesystem::path& path);
+
 /// Writes to a temporary file beside `target`; commit() makes it durable and renames it. If it is destroyed without a
 /// commit, the temporary file is removed and an older file of that name stays as it was. Links are followed, and an
 /// older file's permissions are kept. Devices and pipes are written to directly. Throws FileError.

@@ -86,7 +86,7 @@ PointCloud cloudOf(const CloudArrays& arrays, Log* log) {
         to += group.rowBytes();
       }
     if (const auto bad = vertices.append(packed.data(), count, false))
-      throw UsageError("row {}: {}", begin + bad->row, bad->what);
+      throw UsageError("row {} of {}, counted from 0: {}", begin + bad->row, arrays.count, bad->what);
   }
   return vertices.finish(log);
 }

@@ -108,6 +108,7 @@ struct CloudFormat {
   void (*write)(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options) = nullptr;
   /// Parts of a cloud that the format cannot store, in words.
   std::vector<std::string> (*lacks)(const StoredCloud& stored) = nullptr;
+  bool hasComments = false;  ///< comments are written and read
   /// Format family whose baggage the writer keeps (FormatBaggage::format); empty: its own name.
   std::string_view family = {};
   /// The files contain triangles: reading converts them to points; writing and saving require triangles.

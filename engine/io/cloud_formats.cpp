@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cctype>
 
+#include "engine/core/atomic_file.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/colmap_dense_format.hpp"
 #include "engine/io/colmap_format.hpp"
 #include "engine/io/e57_format.hpp"
 #include "engine/io/foreign_file.hpp"
+#include "engine/io/foreign_folder.hpp"
 #include "engine/io/gaussian_format.hpp"
 #include "engine/io/gaussian_packed.hpp"
 #include "engine/io/is_file.hpp"
@@ -42,6 +44,10 @@ const CloudFormat* named(std::span<const CloudFormat> formats, const std::filesy
 }
 
 bool any(const CloudFormat&) { return true; }
+bool isWritten(const CloudFormat& format, Written what) {
+  if (!format.write || what == Written::copy) return format.write != nullptr;
+  return !format.onlyCopied && (what == Written::mesh || !format.ofTriangles);
+}
 bool isSaved(const CloudFormat& format) { return format.write && !format.onlyCopied; }
 
 const CloudFormat* holding(std::span<const CloudFormat> formats, const std::filesystem::path& path) {
@@ -86,13 +92,17 @@ const CloudFormat& CloudFormats::toRead(const std::filesystem::path& file) const
   return format ? *format : formats_.front();
 }
 
-const CloudFormat& CloudFormats::toWrite(const std::filesystem::path& file) const {
+const CloudFormat& CloudFormats::toWrite(const std::filesystem::path& file, Written what) const {
   const CloudFormat* format = named(formats_, file, any);
-  if (format && format->write) return *format;
-  if (format)
-    throw UsageError("{}: {} is read and not written; clouds are written as {}, name it so", file.string(),
-                     format->name, endingsWritten());
-  throw UsageError("{}: clouds are written as {}; name it so", file.string(), endingsWritten());
+  if (format && isWritten(*format, what)) return *format;
+  if (!format && isDeviceOrPipe(file)) return formats_.front();
+  const std::string_view called = what == Written::mesh ? "meshes" : "clouds";
+  const std::string rest = fmt::format("{} are written as {}; name it so", called, endingsWritten(what));
+  if (!format) throw UsageError("{}: {}", file.string(), rest);
+  if (!format->write) throw UsageError("{}: {} is read and not written; {}", file.string(), format->name, rest);
+  if (format->onlyCopied)
+    throw UsageError("{}: {} is written by palpate convert alone; {}", file.string(), format->name, rest);
+  throw UsageError("{}: {} holds triangles, and these are points; {}", file.string(), format->name, rest);
 }
 
 const CloudFormat& CloudFormats::toSave(const std::filesystem::path& file, bool triangles) const {
@@ -117,8 +127,8 @@ std::string CloudFormats::endingsRead() const {
   return endingsOf(formats_, [](const CloudFormat& format) { return format.read != nullptr; });
 }
 
-std::string CloudFormats::endingsWritten() const {
-  return endingsOf(formats_, [](const CloudFormat& format) { return format.write != nullptr; });
+std::string CloudFormats::endingsWritten(Written what) const {
+  return endingsOf(formats_, [what](const CloudFormat& format) { return isWritten(format, what); });
 }
 
 const CloudFormats& cloudFormats() {
@@ -152,6 +162,8 @@ const CloudFormat& readable(const std::filesystem::path& file, const CloudFormat
   const bool mayBeEmpty = format && (format->isText || !format->folder.empty());
   if (const auto start = startOf(file); start && start->size == 0 && !mayBeEmpty)
     throw FileError(file, "is empty; it holds no points");
+  std::error_code ignored;
+  if (!format && std::filesystem::is_directory(file, ignored)) refuseFolder(file, formats);
   if (!format && isFile(file)) refuseUnknown(file, formats.namesRead());
   return formats.toRead(file);
 }

@@ -5,6 +5,9 @@
 
 namespace palpate {
 
+/// Content to write: a copy of a file in another format, a mesh with its triangles, or only the points of a cloud.
+enum class Written { copy, mesh, points };
+
 /// View of a table, which must outlive the object.
 class CloudFormats {
  public:
@@ -14,8 +17,9 @@ class CloudFormats {
   /// By the content of a folder or file, independent of its name, else by the file's ending in any case; the first
   /// format if unknown.
   const CloudFormat& toRead(const std::filesystem::path& file) const;
-  /// By the file's ending. Throws UsageError for an unknown one, listing the known endings.
-  const CloudFormat& toWrite(const std::filesystem::path& file) const;
+  /// By the file's ending. Throws UsageError, listing the known endings, for an unknown one and for a format that cannot
+  /// hold the content; a device or a pipe, whose name has no meaning, gets the first format.
+  const CloudFormat& toWrite(const std::filesystem::path& file, Written what = Written::copy) const;
   /// By the file's ending; the first format, as for reading, if it is unknown, or if the format requires triangles and
   /// `triangles` is false: whatever can be opened can be saved.
   const CloudFormat& toSave(const std::filesystem::path& file, bool triangles = false) const;
@@ -26,9 +30,9 @@ class CloudFormats {
   /// Like toRead(), but null if the format is unknown.
   const CloudFormat* recognised(const std::filesystem::path& file) const;
   std::span<const CloudFormat> all() const { return formats_; }
-  std::string namesRead() const;       ///< "PLY, XYZ, COLMAP, COLMAP dense, 3DGS"
-  std::string endingsRead() const;     ///< ".ply, .xyz, a COLMAP folder"
-  std::string endingsWritten() const;  ///< likewise
+  std::string namesRead() const;                                   ///< "PLY, XYZ, COLMAP, COLMAP dense, 3DGS"
+  std::string endingsRead() const;                                 ///< ".ply, .xyz, a COLMAP folder"
+  std::string endingsWritten(Written what = Written::copy) const;  ///< as above
 
  private:
   std::span<const CloudFormat> formats_;

@@ -99,6 +99,7 @@ CloudFormat gaussianFormat() {
           .read = readGaussians,
           .write = writeGaussians,
           .lacks = lacksOfGaussians,
+          .hasComments = true,
           .onlyCopied = true};
 }
 

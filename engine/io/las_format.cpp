@@ -71,6 +71,7 @@ CloudFormat lasFormat() {
           .read = readLas,
           .write = writeLas,
           .lacks = lacksOfLas,
+          .hasComments = true,
           .family = kFamily};
 }
 
@@ -83,6 +84,7 @@ CloudFormat lazFormat() {
           .read = readLas,
           .write = writeLaz,
           .lacks = lacksOfLas,
+          .hasComments = true,
           .family = kFamily};
 }
 

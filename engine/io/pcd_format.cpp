@@ -261,7 +261,8 @@ CloudFormat pcdFormat() {
           .contents = contentsOfPcd,
           .read = readPcd,
           .write = writePcd,
-          .lacks = lacksOfPcd};
+          .lacks = lacksOfPcd,
+          .hasComments = true};
 }
 
 }  // namespace palpate

@@ -81,7 +81,8 @@ CloudFormat plyFormat() {
           .contents = contentsOfPly,
           .read = readPlyFile,
           .write = writePly,
-          .lacks = lacksOfPly};
+          .lacks = lacksOfPly,
+          .hasComments = true};
 }
 
 }  // namespace palpate

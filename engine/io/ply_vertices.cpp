@@ -24,6 +24,16 @@ bool fitsFloat(ScalarType type) {
 
 bool isFiniteBelow(double value, double most) { return std::abs(value) < most; }
 
+/// "z is nan; expected finite numbers": of the first one that is not finite, or else of the largest one.
+std::string numberNotTaken(const DVec3& numbers, const std::array<const char*, 3>& names) {
+  int worst = 0;
+  for (int k = 2; k >= 0; --k)
+    if (!std::isfinite(numbers[k]) ||
+        (std::isfinite(numbers[worst]) && std::abs(numbers[k]) >= std::abs(numbers[worst])))
+      worst = k;
+  return fmt::format("{} is {}; expected finite numbers", names[static_cast<std::size_t>(worst)], numbers[worst]);
+}
+
 /// Writes one column of `rows` to `to`, `step` values apart.
 template <class T, bool kSwap, class Out, class Convert>
 void scatter(const std::byte* from, std::size_t rowBytes, std::size_t count, Out* to, std::size_t step,
@@ -217,8 +227,7 @@ std::optional<PlyVertices::BadRow> PlyVertices::checkPositions(std::size_t base)
   for (std::size_t i = base; i < count_; ++i) {
     const DVec3 p = wide_ ? cloud_.exactPositions[i] : DVec3(cloud_.positions[i]);
     if (isFiniteBelow(std::abs(p.x) + std::abs(p.y) + std::abs(p.z), kFarthest)) continue;
-    return BadRow{i - base, fmt::format("vertex {} is at ({}, {}, {}); expected finite numbers below 1e30", i + 1, p.x,
-                                        p.y, p.z)};
+    return BadRow{i - base, numberNotTaken(p, {"x", "y", "z"}) + " below 1e30"};
   }
   return std::nullopt;
 }
@@ -231,10 +240,8 @@ std::optional<PlyVertices::BadRow> PlyVertices::normalise(std::size_t base) {
     const DVec3 n(cloud_.normals[i]);
     const double lengthSquared = glm::dot(n, n);
     if (std::abs(lengthSquared - 1.0) < kUnitTolerance) continue;
-    if (!std::isfinite(lengthSquared) && badRows_ == BadRows::refuse) {
-      return BadRow{i - base, fmt::format("the normal of vertex {} is ({}, {}, {}); expected finite numbers", i + 1,
-                                          n.x, n.y, n.z)};
-    }
+    if (!std::isfinite(lengthSquared) && badRows_ == BadRows::refuse)
+      return BadRow{i - base, numberNotTaken(n, {"nx", "ny", "nz"})};
     if (lengthSquared > 0 && std::isfinite(lengthSquared)) {
       cloud_.normals[i] = Vec3(n / std::sqrt(lengthSquared));
     } else {

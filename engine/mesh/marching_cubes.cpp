@@ -6,6 +6,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/job_stop.hpp"
+#include "engine/core/stop_checks.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -35,9 +36,13 @@ MeshStep MarchingCubes::remesh(bool update) {
   if (update) storage_.flip();
   MeshStep step;
   step.gpu_us.index = points_.buildIndex();
+  throwIfStopWanted();
   listBlocks(step);
+  throwIfStopWanted();
   fillLattice(step, update);
+  throwIfStopWanted();
   writeTriangles(step, update);
+  throwIfStopWanted();
   return step;
 }
 
@@ -90,6 +95,7 @@ void MarchingCubes::fillLattice(MeshStep& step, bool update) {
   step.gpu_us.list += list.sectionTime_us("list");
   step.gpu_us.field = runOverBlocks(
       "field", update, [&](CommandList& to, const shared::MeshArgs& blocks) { passes_.recordField(to, blocks); });
+  throwIfStopWanted();
   CommandList rest(device_, device_.throughputQueue(), "mesh counts", CommandList::Timing::sections);
   rest.begin();
   {
@@ -179,9 +185,11 @@ double MarchingCubes::runOverBlocks(const std::string& name, bool update,
 
 Mesh MarchingCubes::download() const {
   Mesh mesh;
+  StopChecks check;
   mesh.vertices.origin = points_.origin();
   for (const auto& vertex : palpate::download<shared::MeshVertex>(device_, device_.throughputQueue(),
                                                                   storage_.now().vertices, vertexCount_)) {
+    check();
     mesh.vertices.positions.push_back(vertex.position);
     mesh.vertices.normals.push_back(vertex.normal);
     if (points_.hasColors()) mesh.vertices.colors.push_back(std::bit_cast<std::array<std::uint8_t, 4>>(vertex.color));

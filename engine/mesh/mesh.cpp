@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "engine/core/stop_checks.hpp"
 #include "engine/io/cloud_formats.hpp"
 
 namespace palpate {
@@ -32,7 +33,9 @@ class Parts {
 };
 
 void countEdges(std::vector<Side>& sides, MeshReport& report) {
-  std::ranges::sort(sides, [](const Side& a, const Side& b) {
+  StopChecks check;
+  std::ranges::sort(sides, [&check](const Side& a, const Side& b) {
+    check();
     return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.against < b.against;
   });
   for (std::size_t i = 0; i < sides.size();) {
@@ -56,7 +59,9 @@ MeshReport examine(const Mesh& mesh) {
   Parts parts(positions.size());
   std::vector<bool> used(positions.size());
   const DVec3 about = positions.empty() ? DVec3(0) : DVec3(positions[0]);  // keeps the terms of the volume small
+  StopChecks check;
   for (const auto& triangle : mesh.triangles) {
+    check();
     std::array<DVec3, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = triangle[k], b = triangle[(k + 1) % 3];

@@ -28,8 +28,8 @@ struct Ending {
   std::string_view text;
   ImageFormat format;
 };
-constexpr std::array<Ending, 4> kEndings{
-    {{"", ImageFormat::png}, {".png", ImageFormat::png}, {".jpg", ImageFormat::jpeg}, {".jpeg", ImageFormat::jpeg}}};
+constexpr std::array<Ending, 3> kEndings{
+    {{".png", ImageFormat::png}, {".jpg", ImageFormat::jpeg}, {".jpeg", ImageFormat::jpeg}}};
 
 void append(void* to, void* data, int size) {
   auto& encoded = *static_cast<std::vector<std::byte>*>(to);
@@ -43,9 +43,9 @@ ImageFormat imageFormatOf(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const auto* known = std::ranges::find(kEndings, ending, &Ending::text);
-  if (known == kEndings.end())
-    throw UsageError("{}: pictures are written as .png, .jpg or .jpeg, not as {}; name it so", path.string(), ending);
-  return known->format;
+  if (known != kEndings.end()) return known->format;
+  if (ending.empty() && isDeviceOrPipe(path)) return ImageFormat::png;
+  throw UsageError("{}: pictures are written as .png, .jpg, .jpeg; name it so", path.string());
 }
 
 void writeImage(const std::filesystem::path& path, const Image& image) {

@@ -28,8 +28,8 @@ struct DepthImage {
 };
 
 enum class ImageFormat : std::uint8_t { png, jpeg };
-/// By the extension of the name, in any case; a name without one is a PNG. Throws UsageError for others, listing the
-/// known extensions.
+/// By the extension of the name, in any case; a device or a pipe without one gets a PNG. Throws UsageError for others,
+/// listing the known extensions.
 ImageFormat imageFormatOf(const std::filesystem::path& path);
 
 /// Writes the format that the name implies. The same picture gives the same bytes. PNG is lossless; JPEG is lossy and

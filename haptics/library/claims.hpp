@@ -11,7 +11,7 @@ namespace palpate::library {
 
 /// Throws StateError.
 inline void refuseInLogFunction() {
-  if (isInLogFunction) throw StateError("a log function calls nothing of a session, of matter or of a server");
+  if (isInLogFunction) throw StateError("a log function cannot call a session, matter or a server");
 }
 
 /// The process in which something was opened: threads, locks and a GPU stay behind in it where it forks.
@@ -21,7 +21,7 @@ class HomeProcess {
   /// Throws StateError.
   void require() const {
     if (!isThis())
-      throw StateError("this was opened by the process that has forked, and works there alone; open it in this one");
+      throw StateError("this was opened before fork() and works in the parent process alone; open another one here");
   }
 
  private:
@@ -54,8 +54,7 @@ class Claims {
     home_.require();
     unsigned before = taken_.load(std::memory_order_relaxed);
     do {
-      if (before & bits)
-        throw ThreadError("another thread is in a call on this session that does not go with this one");
+      if (before & bits) throw ThreadError("another thread is in a call on this session that conflicts with this one");
     } while (!taken_.compare_exchange_weak(before, before | bits, std::memory_order_acquire));
   }
 

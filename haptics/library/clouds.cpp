@@ -56,7 +56,8 @@ pp_status pp_cloud_read(const char* file, const pp_read_options* options, pp_clo
     const pp_read_options given = optionsFrom(options, "options");
     const std::string name = &required(file, "file");
     required(cloud, "cloud");
-    if (isRgbdFolder(name)) throw FileError(name, "is a recorded depth camera, and not one cloud");
+    if (isRgbdFolder(name))
+      throw FileError(name, "is the folder of a recorded depth camera, and not one cloud; open a session of it");
     Watch watch(given.watch);
     Remarks remarks(given.log, given.log_user, watch);
     StoredCloud stored;
@@ -111,7 +112,7 @@ pp_status pp_cloud_copy_places(pp_cloud cloud, double* places, uint64_t count) {
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     if (count != found->cloud.size())
-      throw UsageError("count: {} places are wanted of a cloud of {} points", count, found->cloud.size());
+      throw UsageError("count: {} positions were asked for, and the cloud has {}", count, found->cloud.size());
     if (count > 0) required(places, "places");
     for (std::size_t i = 0; i < count; ++i) {
       const DVec3 place = found->cloud.fileCoordinates(i);
@@ -149,7 +150,7 @@ pp_status pp_gpu_name(uint32_t index, char* name, uint64_t capacity) {
   return guarded([&] {
     const std::vector<std::string> names = gpuNames();
     if (index >= names.size()) throw UsageError("index: {}, and there are {} GPUs", index, names.size());
-    if (capacity == 0) throw UsageError("capacity: is 0");
+    if (capacity == 0) throw UsageError("capacity: is 0; there is no room for a name");
     const std::size_t length = std::min<std::size_t>(names[index].size(), capacity - 1);
     std::memcpy(&required(name, "name"), names[index].data(), length);
     name[length] = '\0';

@@ -26,7 +26,7 @@ pp_status pp_session_open_stream(const char* folder, const pp_stream_options* st
   clear(session);
   return guarded([&] {
     const std::string name = &required(folder, "folder");
-    if (!isRgbdFolder(name)) throw FileError(name, "is no folder of a recorded depth camera");
+    if (!isRgbdFolder(name)) throw FileError(name, "is not a folder of a recorded depth camera (TUM, Redwood)");
     const pp_stream_options given = optionsFrom(stream, "stream");
     openSession(options, session, [&] {
       Subject subject;
@@ -47,8 +47,8 @@ pp_status pp_session_push_frame(pp_session session, const pp_frame_arrays* frame
     const auto found = objectOf<OpenSession>(session.id);
     found->claims().home().require();
     const pp_frame_arrays given = optionsFrom(&required(frame, "frame"), "frame");
-    if (given.count == 0) throw UsageError("count: a frame without points has no surface");
-    if (!given.normals.data) throw UsageError("normals: a frame brings its own");
+    if (given.count == 0) throw UsageError("count: a frame has no points; it takes at least one");
+    if (!given.normals.data) throw UsageError("normals: are missing; each frame needs its own");
     const CloudArrays arrays{.count = given.count,
                              .positions = rowsFrom(given.positions, false, "positions"),
                              .normals = rowsFrom(given.normals, false, "normals"),

@@ -86,11 +86,11 @@ std::uint64_t HandleTable::add(HandleKind kind, std::shared_ptr<void> object) {
 }
 
 HandleTable::Slot& HandleTable::slotOf(HandleKind kind, std::uint64_t handle) {
-  if (handle == 0) throw HandleError("the {} is null", nameOf(kind));
+  if (handle == 0) throw HandleError("the {} is closed", nameOf(kind));
   const std::string_view its = nameOf(kindIn(handle));
   Slot* const slot = its.empty() ? nullptr : slotAt(placeIn(handle));
-  if (!slot) throw HandleError("{:#x} is no handle of palpate's", handle);
-  if (kindIn(handle) != kind) throw HandleError("a {} was given where a {} is wanted", its, nameOf(kind));
+  if (!slot) throw HandleError("{:#x} is not a handle of palpate", handle);
+  if (kindIn(handle) != kind) throw HandleError("a {} was given, but a {} is required", its, nameOf(kind));
   return *slot;
 }
 

@@ -33,7 +33,7 @@ StopSign stopFrom(const pp_network* given) {
 
 JoinSubject joinFrom(const pp_join_options& options) {
   if (!(options.patience_s > 0 && options.patience_s <= bounds::kLongest_s))
-    throw UsageError("patience_s: {} is not above 0 and at most {}", options.patience_s, bounds::kLongest_s);
+    throw UsageError("patience_s: {} is not above 0, or is above {}", options.patience_s, bounds::kLongest_s);
   const NetworkConfig network = networkFrom(options.network);
   return {.network = {.network = network.interface,
                       .peers = network.peers,
@@ -60,7 +60,7 @@ SessionJoiner JoinedPart::joiner() {
 
 BrushConfig JoinedPart::allowed(const BrushConfig& brush, const Session& session) const {
   session.abilities().require(Action::sculpt, "brush");
-  if (how_.readOnly) throw UsageError("brush: '{}' was joined with read_only, which allows no brush", name_);
+  if (how_.readOnly) throw UsageError("brush: '{}' was joined with read_only; it can be felt and not sculpted", name_);
   BrushConfig allowed = brush;
   allowed.keepsDensity = false;  // it would be another cloud than the others have
   return allowed;

@@ -28,7 +28,8 @@ bool OpenSession::takeFrame() {
 }
 
 std::shared_ptr<const FrameObject> OpenSession::frame() {
-  if (!moves()) throw StateError("the points of this session stand still; pp_session_cloud() has them");
+  if (!moves())
+    throw StateError("the points of this session stand still; a frame is of moving points, ask for the cloud");
   if (!frame_) {
     auto first = std::make_shared<FrameObject>();
     first->cloud.origin = model_->cloud.origin;
@@ -48,7 +49,7 @@ std::shared_ptr<const FrameObject> OpenSession::frame() {
 }
 
 void OpenSession::pushFrame(PointCloud cloud, std::vector<Vec3> velocities, double time_s) {
-  if (!frames_) throw StateError("this session was not opened with pp_session_open_frames()");
+  if (!frames_) throw StateError("this session was not opened for points that move frame by frame");
   CloudFrame frame;
   frame.time_s = time_s;
   frame.positions = std::move(cloud.positions);
@@ -61,7 +62,7 @@ void OpenSession::pushFrame(PointCloud cloud, std::vector<Vec3> velocities, doub
 
 SimulationControl& OpenSession::simulation() const {
   if (SimulationControl* const control = session_->simulation()) return *control;
-  throw StateError("the points of this session do not move by themselves; pp_session_open_matter() opens what does");
+  throw StateError("the points of this session do not move by themselves; a scene of matter (water, sand, jelly) does");
 }
 
 void OpenSession::reset() {

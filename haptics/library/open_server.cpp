@@ -18,7 +18,7 @@ Model modelFor(const CloudObject& cloud, const pp_serve_options& options, Log& l
   if (options.estimate_normals) config.model.normals = NormalSource::estimate;
   validate(config);
   if (options.read_only && options.journal)
-    throw UsageError("journal: read_only, nobody sculpts it; leave one of them out");
+    throw UsageError("journal, read_only: a read-only session has no strokes to write down; leave one of them out");
   return modelOf(cloud.cloud, config.model, {.log = log, .threads = options.threads});
 }
 

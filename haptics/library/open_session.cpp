@@ -14,7 +14,7 @@ namespace {
 
 std::size_t handsFrom(const pp_session_options& options) {
   if (options.hands > PP_MOST_HANDS)
-    throw UsageError("hands: {} are more than the {} that one session may have", options.hands, PP_MOST_HANDS);
+    throw UsageError("hands: {} are more than {}, the most of one session", options.hands, PP_MOST_HANDS);
   return std::max(1u, options.hands);
 }
 
@@ -114,8 +114,7 @@ void OpenSession::leave() {
 }
 
 const JoinedPart& OpenSession::joined() const {
-  if (!joined_)
-    throw StateError("this session was not joined; pp_session_join() joins one that another program serves");
+  if (!joined_) throw StateError("this session was not joined; it is of this program alone");
   return *joined_;
 }
 
@@ -181,7 +180,7 @@ void OpenSession::make(SessionConfig config, bool journal, bool editable) {
 }
 
 void OpenSession::endAsking() {
-  if (isLive()) throw StateError("the session is live; pp_live_stop() comes first");
+  if (isLive()) throw StateError("the session is live; stop it first");
   if (!asked_) return;
   asked_->check();
   asked_.reset();
@@ -199,8 +198,8 @@ void OpenSession::settle() {
 
 void OpenSession::record(const std::string& file) {
   settle();
-  if (hands() > 1) throw StateError("a session log is of one hand, and this session has {}", hands());
-  if (hasLaw_) throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
+  if (hands() > 1) throw StateError("a session log holds one hand, and this session has {}", hands());
+  if (hasLaw_) throw StateError("a session with a force law of its own cannot be replayed, and is not recorded");
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
   if (const Abilities can = session_->abilities(); !can.allow(Action::record))
     throw StateError("{}", can.refusal(Action::record));
@@ -340,7 +339,7 @@ void OpenSession::startLive(const pp_live_options& options) {
                     .session = *session_, .log = remarks_.sink(), .forcesOn = forcesOn_, .law = law_.custom()});
   try {
     if (recordTo_ && live_->hasLaw())
-      throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
+      throw StateError("a session with a force law of its own cannot be replayed, and is not recorded");
     beginRecording(live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true});
     live_->start();
   } catch (...) {
@@ -366,7 +365,7 @@ std::span<const AskedTick> OpenSession::touch(std::span<const Pose> poses) {
   if (poses.size() != hands())
     throw UsageError("hands: {} poses were given to a session of {} hands", poses.size(), hands());
   if (!asked_) {
-    if (isLive()) throw StateError("the session is live; pp_live_stop() comes first");
+    if (isLive()) throw StateError("the session is live; stop it first");
     checkShared();
     asked_.emplace(*session_, AskedHandsOptions{.budget_us = budget_us_, .law = law_.custom()});
   }

@@ -13,6 +13,8 @@ namespace palpate::library {
 
 namespace {
 
+constexpr const char* kAxes[]{"x", "y", "z"};
+
 std::size_t bytesOf(std::int32_t type) {
   switch (type) {
     case PP_FLOAT32:
@@ -30,7 +32,7 @@ std::size_t bytesOf(std::int32_t type) {
 
 DVec3 vectorFrom(const double (&v)[3], std::string_view name) {
   const DVec3 vector(v[0], v[1], v[2]);
-  if (!isFinite(vector)) throw UsageError("{}: is not finite", name);
+  if (!isFinite(vector)) throw UsageError("{}: {}, {}, {} are not finite numbers", name, v[0], v[1], v[2]);
   return vector;
 }
 
@@ -41,10 +43,11 @@ double numberAt(const std::byte* row, std::int32_t type, std::size_t column) {
 
 void checkPath(const pp_path& path) {
   if (path.type != PP_FLOAT32 && path.type != PP_FLOAT64)
-    throw UsageError("path: its type is {}; PP_FLOAT32 and PP_FLOAT64 there are", path.type);
+    throw UsageError("path: its type is {}; expected PP_FLOAT32 or PP_FLOAT64", path.type);
   if (path.columns != 3 && path.columns != 4)
-    throw UsageError("path: has {} columns; it has 3 (x y z, a row for each tick) or 4 (seconds first)", path.columns);
-  if (path.rows == 0 || !path.data) throw UsageError("path: has no rows");
+    throw UsageError("path: has {} columns; expected 3 (x y z, a row for each tick) or 4 (seconds first)",
+                     path.columns);
+  if (path.rows == 0 || !path.data) throw UsageError("path: has no rows; it takes at least one pose");
 }
 
 }  // namespace
@@ -61,7 +64,7 @@ NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name)
   if (!rows.data) return {};
   const bool real = rows.type == PP_FLOAT32 || rows.type == PP_FLOAT64;
   if (!real && !(mayBeWhole && bytesOf(rows.type) > 0))
-    throw UsageError("{}: {} is no type that they may have (pp_number)", name, rows.type);
+    throw UsageError("{}: {} is not a type of pp_number that they may have", name, rows.type);
   constexpr ScalarType kTypes[]{ScalarType::f32, ScalarType::f64, ScalarType::u8, ScalarType::u16};
   return {static_cast<const std::byte*>(rows.data), kTypes[rows.type], static_cast<std::ptrdiff_t>(rows.stride)};
 }
@@ -88,9 +91,14 @@ std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::str
   const auto stride = given.stride != 0 ? given.stride : static_cast<std::ptrdiff_t>(3 * bytesOf(rows.type));
   const std::byte* row = given.data;
   for (std::uint64_t i = 0; i < count; ++i, row += stride) {
-    const DVec3 vector(numberAt(row, rows.type, 0), numberAt(row, rows.type, 1), numberAt(row, rows.type, 2));
-    if (!isFinite(Vec3(vector))) throw UsageError("{}: row {} is not finite", name, i);
-    vectors.emplace_back(vector);
+    Vec3 vector(0);
+    for (int k = 0; k < 3; ++k) {
+      vector[k] = static_cast<float>(numberAt(row, rows.type, static_cast<std::size_t>(k)));
+      if (!std::isfinite(vector[k]))
+        throw UsageError("{}: row {} of {}, counted from 0: {} is {}; expected a finite number", name, i, count,
+                         kAxes[k], vector[k]);
+    }
+    vectors.push_back(vector);
   }
   return vectors;
 }
@@ -153,10 +161,18 @@ Path pathFrom(const pp_path* given, double rate_Hz) {
   for (std::uint64_t i = 0; i < path.rows; ++i, row += stride) {
     PathKey key{.t_s = first ? numberAt(row, path.type, 0) : static_cast<double>(i) / rate_Hz};
     for (std::size_t k = 0; k < 3; ++k) key.position[static_cast<int>(k)] = numberAt(row, path.type, first + k);
-    if (!isFinite(key.position) || !std::isfinite(key.t_s)) throw UsageError("path: row {} is not finite", i);
-    if (key.t_s < 0) throw UsageError("path: row {} is at {} s, before the session begins", i, key.t_s);
+    const auto refuse = [&](const std::string& why) {
+      throw UsageError("path: pose {} of {}, counted from 0: {}", i, path.rows, why);
+    };
+    const auto requireFinite = [&](double value, const char* column) {
+      if (!std::isfinite(value)) refuse(fmt::format("{} is {}; expected a finite number", column, value));
+    };
+    requireFinite(key.t_s, "the time");
+    for (int k = 0; k < 3; ++k) requireFinite(key.position[k], kAxes[k]);
+    if (key.t_s < 0) refuse(fmt::format("its time is {} s; times begin at 0", key.t_s));
     if (!keys.empty() && !(keys.back().t_s < key.t_s))
-      throw UsageError("path: row {} is at {} s, which is not after the row before it", i, key.t_s);
+      refuse(fmt::format("its time is {} s, and that of the pose before it {} s; times have to increase", key.t_s,
+                         keys.back().t_s));
     keys.push_back(key);
   }
   return Path(std::move(keys));

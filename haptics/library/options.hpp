@@ -85,7 +85,7 @@ auto chosen(const Table& table, const char* name, typename Table::value_type::se
   if (const auto value = valueNamed(table, name)) return *value;
   std::string all;
   for (const auto& [known, value] : table) all += (all.empty() ? "" : ", ") + std::string(known);
-  throw UsageError("{}: '{}' is not known; there is {}", field, name, all);
+  throw UsageError("{}: '{}' is not known; choose one of {}", field, name, all);
 }
 
 ToolConfig toolFrom(const pp_tool& tool);

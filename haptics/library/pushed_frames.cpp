@@ -34,7 +34,7 @@ bool PushedFrames::hasNewer(double time_s, double than_s) {
 }
 
 void PushedFrames::push(CloudFrame frame) {
-  if (!std::isfinite(frame.time_s)) throw UsageError("t_s: is not finite");
+  if (!std::isfinite(frame.time_s)) throw UsageError("t_s: {} is not a finite number", frame.time_s);
   try {
     requireWhole(frame, most_);
   } catch (const Error& error) {

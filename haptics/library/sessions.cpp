@@ -27,7 +27,7 @@ struct TickRoom {
 void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>& paths,
              const std::optional<BrushConfig>& brush) {
   if (paths.size() != session.hands())
-    throw UsageError("paths: {} were given to a session of {} hands, each of which follows one", paths.size(),
+    throw UsageError("paths: {} were given to a session of {} hands; give one for each hand", paths.size(),
                      session.hands());
   std::uint64_t ticks = 0;
   for (const Path& path : paths) ticks = std::max(ticks, ticksOf(path, session.config().rate_Hz));
@@ -65,9 +65,9 @@ std::optional<BrushConfig> brushOr(const pp_brush* brush) {
 Pose poseFrom(const pp_pose& pose, const double* turn) {
   Pose asked{.time_s = pose.t_s, .hip = {pose.hip[0], pose.hip[1], pose.hip[2]}, .sculpts = pose.feels == 0};
   if (turn) asked.turn = {turn[0], turn[1], turn[2], turn[3]};
-  if (!isFinite(asked.hip) || !std::isfinite(asked.time_s)) throw UsageError("pose: is not finite");
+  if (!isFinite(asked.hip) || !std::isfinite(asked.time_s)) throw UsageError("pose: its numbers are not all finite");
   if (!isTurn(asked.turn))
-    throw UsageError("turns: {}, {}, {}, {} is no unit quaternion", turn[0], turn[1], turn[2], turn[3]);
+    throw UsageError("turns: {}, {}, {}, {} is not a unit quaternion", turn[0], turn[1], turn[2], turn[3]);
   return asked;
 }
 
@@ -259,7 +259,7 @@ pp_status pp_mesh_write(pp_mesh mesh, const char* file, const pp_write_options* 
     const auto found = objectOf<MeshObject>(mesh.id);
     const std::string name = &required(file, "file");
     const pp_write_options given = optionsFrom(options, "options");
-    cloudFormats().toWrite(name);  // refuses an ending that nobody knows
+    cloudFormats().toWrite(name, Written::mesh);  // refuses every other ending
     std::filesystem::path kept;
     writeMesh(name, found->mesh, found->cell, given.ascii != 0, given.keep ? &kept : nullptr);
   });
@@ -278,7 +278,7 @@ pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, ui
   return looking(session, [&](OpenSession& open) {
     required(count, "count");
     if (capacity > 0) required(ticks, "ticks");
-    if (!open.live()) throw StateError("the session was never live; pp_live_start() comes first");
+    if (!open.live()) throw StateError("the session was never live; start it first");
     open.takeIn();
     *count = open.live()->take(ticks, capacity);
     open.checkShared();

@@ -71,7 +71,7 @@ TEST_CASE("the CPU back end needs no GPU except for pictures, sculpts and saves,
   const ScratchFolder folder;
   const std::string model = (folder / "torus.ply").string();
   works("make torus -n 5000 -o " + model);
-  for (const std::string run : {"a", "b"})
+  for (const std::string run : {"a.csv", "b.csv"})
     works("touch " + model +
           " --gpu 'no such card' --backend cpu --path builtin:slide --rate 500 --edit push --tau 0.3 --trace " +
           (folder / (run + ".csv")).string() + " --save " + (folder / (run + ".ply")).string() +
@@ -90,11 +90,11 @@ TEST_CASE("a simulated Touch presses, slides and rests, the same each time, with
   works("make sphere -n 20000 -o " + model);
   for (const std::string backend : {"cpu", "vulkan"}) {
     CAPTURE(backend);
-    for (const std::string run : {"a", "b"})
+    for (const std::string run : {"a.csv", "b.csv"})
       works("touch " + model + " --device sim --backend " + backend + " --trace " + (folder / run).string() +
             " --json " + json);
-    CHECK(contentOf(folder / "a") == contentOf(folder / "b"));
-    const auto rows = readTrace(folder / "a");
+    CHECK(contentOf(folder / "a.csv") == contentOf(folder / "b.csv"));
+    const auto rows = readTrace(folder / "a.csv");
     CHECK(rows.front().force == DVec3(0));
     // The simulated hand aims 2 mm deep and yields: its own 0.4 N/mm against the surface's 0.8.
     CHECK(rows.back().penetration_mm > 0.3);

@@ -2,6 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <set>
+#include <sstream>
 
 #include "engine/core/clock.hpp"
 #include "tests/apps/program.hpp"
@@ -120,6 +124,47 @@ TEST_CASE("a result that could not be written is refused before anything is done
   CHECK(says(piped.text, "1000"));
 }
 
+TEST_CASE("an output whose ending is not known is refused before any work, with the endings that are written") {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("make sphere -n 500 -o " + in("s.ply"));
+  const std::string model = in("s.ply"), touch = "touch " + model + " --backend cpu --rate 50 ";
+  const auto refused = [&](const std::string& command, const char* name, const std::string& complaint) {
+    CAPTURE(command);
+    const Outcome outcome = palpate(command + in(name));
+    CHECK(outcome.code == 2);
+    CHECK_MESSAGE(says(outcome.text, in(name) + ": " + complaint), outcome.text);
+    CHECK(std::ranges::count(outcome.text, '\n') == 1);  // nothing was read or done
+  };
+  // Of what is not there nothing is read before.
+  const std::string none = in("none.ply");
+  for (const char* name : {"b.foo", "b"}) {
+    refused("make sphere -n 500 -o ", name, "clouds are written as .ply, .las");
+    refused("convert " + none + " ", name, "clouds are written as .ply, .las");
+    refused("mesh " + none + " -o ", name, "meshes are written as .ply, .las");
+    refused("render " + none + " -o ", name, "pictures are written as .png, .jpg, .jpeg; name it so");
+    refused("render " + none + " -o x.png --depth ", name, "depths are written as .pfm; name it so");
+    refused("simulate none.json --save ", name, "clouds are written as .ply, .las");
+    refused("replay none --recover --save ", name, "clouds are written as .ply, .las");
+    refused("replay none --trace ", name, "traces are written as .csv; name it so");
+    refused(touch + "--edit push --save ", name, "clouds are written as .ply, .las");
+    refused(touch + "--trace ", name, "traces are written as .csv; name it so");
+    refused(touch + "--trajectory ", name, "trajectories are written as .csv, .txt; name it so");
+    refused(touch + "--picture ", name, "pictures are written as .png, .jpg, .jpeg; name it so");
+    refused(touch + "--second-device path --second-path builtin:slide --second-trace ", name, "traces are written as");
+    refused("serve " + none + " --name a --save ", name, "clouds are written as .ply, .las");
+    refused("info " + none + " --json ", name, "results are written as .json; name it so");
+    refused("bench build --sizes 1000 --plot ", name, "plots are written as .png, .pdf, .svg; name it so");
+    refused("bench edit --models " + none + " --plot ", name, "plots are written as .png, .pdf, .svg; name it so");
+  }
+  refused("make sphere -n 500 -o ", "b.stl", "STL holds triangles, and these are points; clouds are written as .ply");
+  refused(touch + "--edit push --save ", "b.3dgs.ply", "3DGS is written by palpate convert alone");
+  refused(touch + "--log ", "b.ply", "session logs are written as .session, .log, or without an ending; name it so");
+  refused("serve " + none + " --name a --journal ", "b.ply", "journals are written as .strokes, .journal, or without");
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()) == 1);
+  works("make sphere -n 500 -o /dev/null --json /dev/null");
+}
+
 TEST_CASE("a shell completes commands, options and what they choose from, also behind options of all commands") {
   const auto offers = [](const std::string& words, const std::string& expected) {
     const Outcome offered = palpate("complete " + words);
@@ -135,6 +180,7 @@ TEST_CASE("a shell completes commands, options and what they choose from, also b
   offers("touch --edit = gr", "grab\n");
   offers("touch --path ''", "/\n");
   offers("touch x.ply --stiffne", "--stiffness\n");
+  offers("-- tou", "touch\n/\n");  // as the scripts ask, behind which a word may be the name of a shell
   // What bash makes of it, and the files of a folder beside commands.
   const ScratchFolder folder;
   std::ofstream(folder / "tower.ply") << "ply\n";
@@ -143,6 +189,58 @@ TEST_CASE("a shell completes commands, options and what they choose from, also b
                            program() + " to); COMP_CWORD=1; _palpate; echo \"${COMPREPLY[@]}\"; COMP_WORDS=(" +
                            program() + " touch --edit = ca); COMP_CWORD=4; _palpate; echo \"${COMPREPLY[@]}\"'");
   CHECK(bash.text == "tower.ply touch\ncarve\n");
+}
+
+TEST_CASE("each word that the help offers for an option is completed") {
+  std::size_t offered = 0;
+  for (const std::string command : {"touch", "convert", "mesh", "render", "bench touch"}) {
+    std::istringstream help(palpate(command + " --help").text);
+    for (std::string line; std::getline(help, line);) {
+      const std::size_t name = line.find("--"), from = line.find(":{"), to = line.find('}');
+      if (name == line.npos || from == line.npos || to == line.npos || from < name) continue;
+      const std::string option = line.substr(name, line.find_first_of(" ,", name) - name);
+      std::string words = line.substr(from + 2, to - from - 2);
+      std::ranges::replace(words, ',', '\n');
+      const Outcome outcome = palpate("complete -- " + command + " " + option + " ''");
+      const auto sorted = [](const std::string& text) {
+        std::istringstream in(text);
+        std::set<std::string> all;
+        for (std::string word; std::getline(in, word);) all.insert(word);
+        return all;
+      };
+      CAPTURE(line);
+      CHECK(sorted(outcome.text) == sorted(words));
+      ++offered;
+    }
+  }
+  CHECK(offered > 20);
+}
+
+TEST_CASE("zsh completes commands, values and files by the script that the program prints") {
+  CHECK(palpate("complete bash").text == contentOf(sourceFolder() / "third_party/debian/palpate.bash"));
+  const std::string script = palpate("complete zsh").text;
+  CHECK(script == contentOf(sourceFolder() / "third_party/debian/palpate.zsh"));
+  CHECK(says(script, "#compdef palpate\n"));
+  CHECK(says(script, " complete -- "));
+  if (run("command -v zsh").code != 0) {
+    MESSAGE("skipped: zsh is not here to run its script");
+    return;
+  }
+  const ScratchFolder folder;
+  std::ofstream(folder / "_palpate") << script;
+  std::ofstream(folder / "try.zsh") << "compdef() { print compdef $@ }\ncompset() { print compset $@ }\n"
+                                       "compadd() { shift; print -l -- $@ }\n_files() { print FILES }\n"
+                                       "source ./_palpate\n"
+                                       "words=(" +
+                                           program() +
+                                           " touch --edit=gr); CURRENT=3; _palpate\n"
+                                           "words=(" +
+                                           program() +
+                                           " to); CURRENT=2; _palpate\n"
+                                           "words=(" +
+                                           program() + " bench ''); CURRENT=3; _palpate | head -2\n";
+  const Outcome zsh = run("cd " + folder.path().string() + " && zsh -f try.zsh");
+  CHECK(zsh.text == "compdef _palpate palpate\n--edit=grab\ntouch\ncompset -P --*=\nFILES\nbuild\ncoexist\n");
 }
 
 TEST_CASE("every number has bounds, which its complaint names") {

@@ -145,4 +145,21 @@ TEST_CASE("the command line takes a scale from two places, and convert writes it
   CHECK_FALSE(std::filesystem::exists(folder / "n.ply"));
 }
 
+TEST_CASE("convert says the unit that it is given in formats that can hold one, and says where it cannot") {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("--quiet make sphere -n 500 -o " + in("s.ply"));
+  for (const char* name : {"a.ply", "a.las", "a.pcd"}) {
+    CAPTURE(std::string(name));
+    const Outcome outcome = palpate("convert " + in("s.ply") + " " + in(name) + " --unit ft");
+    CHECK(outcome.code == 0);
+    CHECK_FALSE(says(outcome.text, "cannot hold a unit"));
+    CHECK(says(palpate("info " + in(name)).text, " ft\n"));
+  }
+  const Outcome none = palpate("convert " + in("s.ply") + " " + in("a.xyz") + " --unit ft");
+  CHECK(none.code == 0);
+  CHECK_MESSAGE(says(none.text, "a.xyz: XYZ cannot hold a unit of length; ft is not kept"), none.text);
+  CHECK(palpate("convert " + in("s.ply") + " " + in("b.ply") + " --unit yard").code == 2);
+}
+
 }  // namespace palpate::measure_test

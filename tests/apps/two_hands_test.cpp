@@ -34,16 +34,16 @@ TEST_CASE("two scripted hands leave the same traces as each hand alone, byte for
       works(scene.touch("--path " + scene.file(path) + " --duration 0.4 --trace " + scene.file(trace), backend));
       return contentOf(scene.folder / trace);
     };
-    const std::string a = alone("a.csv", "a.trace"), b = alone("b.csv", "b.trace");
+    const std::string a = alone("a.csv", "a-trace.csv"), b = alone("b.csv", "b-trace.csv");
     works(scene.touch("--path " + scene.file("a.csv") + " --second-device path --second-path " + scene.file("b.csv") +
-                          " --trace " + scene.file("first.trace") + " --second-trace " + scene.file("second.trace") +
+                          " --trace " + scene.file("first.csv") + " --second-trace " + scene.file("second.csv") +
                           " --json " + scene.file("both.json"),
                       backend));
-    CHECK(contentOf(scene.folder / "first.trace") == a);  // as long as the longer of the two
-    CHECK(contentOf(scene.folder / "second.trace") == b);
+    CHECK(contentOf(scene.folder / "first.csv") == a);  // as long as the longer of the two
+    CHECK(contentOf(scene.folder / "second.csv") == b);
     double peak_N = 0;
     int touched = 0;
-    for (const Row& row : readTrace(scene.folder / "second.trace")) {
+    for (const Row& row : readTrace(scene.folder / "second.csv")) {
       peak_N = std::max(peak_N, glm::length(row.force));
       touched += row.contact;
     }

@@ -28,6 +28,23 @@ TEST_CASE("the unit is read from a comment of the file") {
   CHECK(nameOf(LengthUnit::unknown) == "units");
 }
 
+TEST_CASE("a scale of 1 mm is mm, of 1000 m and of 25.4 inches, unless a comment says another unit") {
+  const auto said = [](std::vector<std::string> comments) { return unitSaidIn(comments); };
+  CHECK(said({"comment mm_per_unit: 1"}) == LengthUnit::mm);
+  CHECK(said({"comment mm_per_unit: 10"}) == LengthUnit::cm);
+  CHECK(said({"comment mm_per_unit: 1000"}) == LengthUnit::m);
+  CHECK(said({"comment mm_per_unit: 25.4"}) == LengthUnit::inch);
+  CHECK(said({"comment mm_per_unit: 304.8"}) == LengthUnit::foot);
+  CHECK(said({"comment mm_per_unit: 137.2"}) == LengthUnit::unknown);
+  CHECK(said({"comment mm_per_unit: 1", "comment units: m"}) == LengthUnit::m);
+  std::vector<std::string> comments{"comment mm_per_unit: 1", "comment made by a scanner"};
+  sayUnit(comments, LengthUnit::m);  // of a format: the scale is that in the hand
+  CHECK(unitSaidIn(comments) == LengthUnit::m);
+  setUnit(comments, LengthUnit::foot);
+  CHECK(comments ==
+        std::vector<std::string>{"comment mm_per_unit: 1", "comment made by a scanner", "comment units: ft"});
+}
+
 TEST_CASE("the scale is read from a comment, and a given one overrides it") {
   const auto said = [](const std::string& comment) {
     return scaleSaidIn(std::vector<std::string>{"comment units: m", comment});

@@ -86,6 +86,22 @@ TEST_CASE("a format is known by its ending; others are refused for writing, with
   CHECK(cloudFormats().toSave("cloud").name == "PLY");
 }
 
+TEST_CASE(
+    "points are refused as a format of triangles or of copies, a mesh only as one of copies, and a device takes PLY") {
+  const auto refuses = [](const char* file, Written what, const char* complaint) {
+    CHECK_THROWS_WITH_AS(cloudFormats().toWrite(file, what), doctest::Contains(complaint), UsageError);
+  };
+  refuses("a.stl", Written::points, "a.stl: STL holds triangles, and these are points; clouds are written as .ply");
+  refuses("a.3dgs.ply", Written::points, "3DGS is written by palpate convert alone");
+  refuses("a.3dgs.ply", Written::mesh, "3DGS is written by palpate convert alone; meshes are written as .ply");
+  refuses("a.foo", Written::mesh, "a.foo: meshes are written as .ply");
+  CHECK(cloudFormats().toWrite("a.stl", Written::mesh).name == "STL");
+  CHECK(cloudFormats().toWrite("a.las", Written::points).name == "LAS");
+  CHECK(cloudFormats().endingsWritten(Written::points) ==
+        ".ply, .las, .laz, .pcd, .npy, .npz, .xyz, .asc, .txt, .csv, .pts");
+  CHECK(cloudFormats().toWrite("/dev/null").name == "PLY");
+}
+
 TEST_CASE("every format that is written is read back, point by point") {
   const ScratchFolder folder;
   const PointCloud cloud = threePoints();
@@ -153,7 +169,7 @@ TEST_CASE("what is only read is not written, and messages name what a table has"
   CHECK(kTable.toRead("a.scan").name == "scan");
   CHECK(kTable.toSave("a.scan").name == "PLY");
   CHECK_THROWS_WITH_AS(kTable.toWrite("a.scan"),
-                       "a.scan: scan is read and not written; clouds are written as .ply, .tally, .tly, name it so",
+                       "a.scan: scan is read and not written; clouds are written as .ply, .tally, .tly; name it so",
                        UsageError);
   CHECK(kTable.namesRead() == "PLY, tally, scan");
   CHECK(kTable.endingsRead() == ".ply, .tally, .tly, .scan");

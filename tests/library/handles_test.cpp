@@ -31,7 +31,7 @@ TEST_CASE("a handle that is null, closed, of another kind or made up is refused 
   const pp_pose pose{};
   pp_contact contact{};
   CHECK(pp_touch(wrong, &pose, &contact) == PP_ERROR_HANDLE);
-  CHECK(lastErrorSays("a cloud was given where a session is wanted"));
+  CHECK(lastErrorSays("a cloud was given, but a session is required"));
   CHECK(pp_session_undo(wrong, 1, nullptr) == PP_ERROR_HANDLE);
   CHECK(pp_live_set_forces(wrong, 0) == PP_ERROR_HANDLE);
   CHECK(pp_mesh_close({ball.session.id}) == PP_ERROR_HANDLE);

@@ -82,7 +82,7 @@ TEST_CASE("while a session is live it does nothing that would not go with it, an
   CHECK(pp_live_start(ball.session, &options) == PP_ERROR_STATE);
   std::vector<pp_tick> ticks(200);
   CHECK(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_STATE);
-  CHECK(lastErrorSays("pp_live_stop"));
+  CHECK(lastErrorSays("the session is live; stop it first"));
   CHECK(pp_session_undo(ball.session, 1, nullptr) == PP_ERROR_STATE);
   CHECK(pp_session_set_brush(ball.session, nullptr) == PP_ERROR_STATE);
   const pp_pose pose{.t_s = 0, .hip = {0, 0, 49}};

@@ -59,9 +59,9 @@ def test_live_hands_come_in_blocks_of_all_of_them(ball):
         assert ticks.ndim == 2 and ticks.shape[1] == 2 and len(ticks) > 100
         assert np.array_equal(ticks["t_s"][:, 0], ticks["t_s"][:, 1])
         assert ticks["force_N"][-1, 0, 2] > 0.5 and ticks["force_N"][-1, 1, 0] < -1
-        with pytest.raises(pp.UsageError, match="2 hands"):
+        with pytest.raises(pp.UsageError, match="hands: the session has 2"):
             two.live(path=down)
-        with pytest.raises(pp.UsageError, match="2 hands"):
+        with pytest.raises(pp.UsageError, match="hands: the session has 2"):
             two.live(path=down, others=[pp.Hand(path=aside), pp.Hand(path=aside)])
 
 

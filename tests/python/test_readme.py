@@ -44,6 +44,30 @@ def test_the_example_of_the_readme_runs(tmp_path, monkeypatch):
     assert len(pp.read(tmp_path / "out.ply")) == 20_000  # the stroke was taken back
 
 
+def test_the_example_of_scenes_logs_frames_and_tools_runs(ball, tmp_path, monkeypatch):
+    source = "with pp.Matter" + README.read_text().split("\n\nwith pp.Matter", 1)[1].split("\n\nlan = ", 1)[0]
+    # Less of everything, and on the CPU; the folder of a depth camera is another one's test (test_frames.py).
+    for shown, here in (('pp.Matter("dam")', 'pp.Matter("dam", gpu="cpu")'), ("simulate(0.5)", "simulate(0.01)"),
+                        ('"water", hands=2', '"water", hands=2, gpu="cpu"'),
+                        ("moving=True)", 'moving=True, gpu="cpu")'),
+                        ("pp.Session(cloud) as r", 'pp.Session(cloud, gpu="cpu") as r'),
+                        ('tool_points=16)', 'tool_points=16, gpu="cpu")')):
+        assert source.count(shown) == 1, shown
+        source = source.replace(shown, here)
+    lines = [line for line in source.splitlines() if not line.startswith("recorded = ")]
+    assert len(lines) == len(source.splitlines()) - 1
+    monkeypatch.chdir(tmp_path)
+    xyz, normals = ball_arrays(5000)
+    left = np.column_stack([np.full(20, 40.0), np.full(20, 50.0), np.linspace(60, 55, 20)])
+    seen = {"pp": pp, "np": np, "cloud": ball, "path": press_path(1, 20, 5), "xyz": xyz, "normals": normals,
+            "velocities": np.zeros_like(xyz), "left": left, "right": left + [10, 0, 0]}
+    exec(compile("\n".join(lines), str(README), "exec"), seen)
+    assert seen["log"].ended and len(seen["log"].edits) > 0 and seen["t"].shape == (20, 2)
+    assert seen["frame"].positions.shape[1] == 3
+    for name in ("film", "pad"):
+        seen[name].close()
+
+
 @pytest.mark.skipif(not pp.can_share(), reason="this palpate was built without DDS")
 def test_the_example_of_shared_sessions_runs(ball, tmp_path, monkeypatch):
     source = README.read_text().split("\n\nlan = ", 1)[1].split("\n```", 1)[0]

@@ -76,7 +76,7 @@ def test_a_cloud_of_a_session_outlives_it(ball):
     with pytest.raises(pp.Error) as caught:
         s.touch(press_path(1))
     assert caught.value.status == "handle"
-    assert "null" in repr(s)
+    assert "closed" in repr(s)
     s.close()
     assert np.array_equal(view, ball.positions)
 

@@ -2,7 +2,7 @@
 _palpate() {
   local word=${COMP_WORDS[COMP_CWORD]} found
   [[ $word != "=" ]] || word=""
-  mapfile -t found < <("${COMP_WORDS[0]/#~/$HOME}" complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2> /dev/null)
+  mapfile -t found < <("${COMP_WORDS[0]/#~/$HOME}" complete -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2> /dev/null)
   COMPREPLY=()
   if [[ ${found[-1]:-/} == / ]]; then
     unset 'found[-1]'

@@ -17,8 +17,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import _palpate
-from . import _words as _words  # before all that takes what is bound
-from ._errors import ArgumentTypeError, ClosedError, Error, UnknownAttributeError, UnknownNameError, UsageError
+from . import _words
+from ._errors import ArgumentTypeError, ClosedError, Error, UnknownAttributeError, UnknownNameError, UsageError, nearest
 from ._live import Live
 from ._logs import Log, Replay, read_log, replay
 from ._matter import Matter, Parameter, PortEnergy
@@ -75,9 +75,20 @@ if TYPE_CHECKING:
     tool_tick_dtype: numpy.dtype[Any]  # with a tool of many points
 
 
+for _name in __all__:
+    _thing = globals().get(_name)
+    _is_error = isinstance(_thing, type) and issubclass(_thing, BaseException)
+    if getattr(_thing, "__module__", _palpate.__name__) != _palpate.__name__ and not _is_error:
+        globals()[_name] = _words.say_of_python(_thing)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]
+
+
 def __getattr__(name: str) -> Any:
     if name == "tick_dtype":  # when it is first asked for: it takes NumPy, which takes longer than all of this
         return _palpate._tick_dtype()
     if name == "tool_tick_dtype":
         return _palpate._tool_tick_dtype()
-    raise AttributeError(f"module 'palpate' has no attribute '{name}'")
+    raise AttributeError(f"module 'palpate' has no attribute '{name}'{nearest(name, __all__)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -46,14 +47,59 @@ class UnknownNameError(UsageError, KeyError):
 
 
 class UnknownAttributeError(UsageError, AttributeError):
-    """An attribute that was assigned to an object of palpate and would have no effect."""
+    """An attribute that an object of palpate does not have, or that would have no effect where it is assigned."""
+
+
+def described(value: object) -> str:
+    """As a sentence names it: "the text 'a'", "1.5", "a list"."""
+    if isinstance(value, str):
+        return f"the text {value[:60]!r}"
+    if value is None or hasattr(value, "__float__") and not hasattr(value, "__len__"):
+        return str(value)
+    told = repr(value) if isinstance(value, (tuple, list)) else ""
+    if told and len(told) < 40:
+        return told
+    name = type(value).__name__
+    return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
+
+
+def nearest(word: str, names: Iterable[str]) -> str:
+    """What was probably meant, as the end of a sentence; nothing where no name is like it."""
+    from difflib import get_close_matches  # which takes longer to import than all of palpate
+
+    close = get_close_matches(word, list(names), 1)
+    return f"; did you mean {close[0]}?" if close else ""
+
+
+def _settings(kind: type) -> list[str]:
+    """Keywords that it is made with; none of what has no signature."""
+    try:
+        parameters = inspect.signature(kind.__init__).parameters  # type: ignore[misc]
+    except ValueError:
+        return []
+    return [name for name in parameters if name not in ("self", "args", "kwargs")]
+
+
+def missing_attribute(self: object, name: str) -> Any:
+    """__getattr__ of what palpate makes: says where a number is given that cannot be read, or what was meant."""
+    kind = type(self)
+    if name.startswith("_") or hasattr(kind, name):
+        return object.__getattribute__(self, name)  # raises what was raised before
+    settings = _settings(kind)
+    if name in settings:
+        called = kind.__name__
+        raise UnknownAttributeError(f"{name}: cannot be read; it is given as the {called} is made: {called}({name}=…)")
+    meant = nearest(name, [each for each in [*dir(kind), *settings] if not each.startswith("_")])
+    raise UnknownAttributeError(f"{name}: a {kind.__name__} has no such attribute{meant}")
 
 
 def refuse_attribute(self: object, name: str, value: object) -> None:
     """__setattr__ of what has no attributes to set but its own."""
     if name.startswith("_"):
         return object.__setattr__(self, name, value)
-    kind = type(self).__name__
-    if name in inspect.signature(type(self).__init__).parameters:
+    kind, settings = type(self).__name__, _settings(type(self))
+    if name in settings:
         raise UnknownAttributeError(f"{name}: is given as the {kind} is made: {kind}(…, {name}={value!r})")
-    raise UnknownAttributeError(f"{name}: cannot be set on a {kind}")
+    if hasattr(type(self), name):
+        raise UnknownAttributeError(f"{name}: cannot be set on a {kind}, only read")
+    raise UnknownAttributeError(f"{name}: cannot be set on a {kind}{nearest(name, settings)}")

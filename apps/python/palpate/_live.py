@@ -46,7 +46,7 @@ class Live:
     def take(self) -> NDArray[Any]:
         """The ticks since the last call; requires that live() got no on_ticks. Raises what ended the session."""
         if self._on_ticks is not None:
-            raise Error("the ticks go to on_ticks", status="state")
+            raise Error("the ticks go to on_ticks, and cannot be taken", status="state")
         ticks = self._session._live_take()
         self._look_at_scene()
         return ticks

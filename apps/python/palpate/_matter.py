@@ -67,7 +67,7 @@ class Matter(_palpate._Matter):
     def simulate(self, seconds: float) -> None:
         """So much further, to the next millisecond; as step()."""
         if not 0 <= seconds < 1e9:
-            raise UsageError(f"seconds: {seconds} is no time to simulate")
+            raise UsageError(f"seconds: {seconds} is not a number from 0 to 1e9")
         self.step(round(seconds * 1000))
 
     @property

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable
 
 from . import _palpate
-from ._errors import Error, refuse_attribute
+from ._errors import ArgumentTypeError, Error, described, refuse_attribute
 from ._live import Live, end_live
 from ._matter import Parameter, PortEnergy, _by_name
 from ._sharing import Join, OtherCamera, OtherHand, Sharing
@@ -162,13 +162,13 @@ class Session(_palpate._Session):
             self._live._end(closing=True)
         super().close()
 
-    def push(self, path: Any, radius_mm: float | None = None, **settings: Any) -> NDArray[Any]:
+    def push(self, path: Any, radius_mm: float | None = None, **brush: Any) -> NDArray[Any]:
         """Follows the path and pushes the points before it, as stroke() does; radius_mm: 6 unless radius is given."""
-        return self.stroke(path, "push", **_with_radius(radius_mm, settings))
+        return self.stroke(path, "push", **_with_radius(radius_mm, brush))
 
-    def carve(self, path: Any, radius_mm: float | None = None, **settings: Any) -> NDArray[Any]:
+    def carve(self, path: Any, radius_mm: float | None = None, **brush: Any) -> NDArray[Any]:
         """Follows the path and takes points away, as stroke() does; radius_mm: 6 unless radius is given."""
-        return self.stroke(path, "carve", **_with_radius(radius_mm, settings))
+        return self.stroke(path, "carve", **_with_radius(radius_mm, brush))
 
     def live(
         self,
@@ -198,6 +198,11 @@ class Session(_palpate._Session):
         A scene of matter begins from the start. Where it diverges wait() and stop() raise Error, and so they do where a
         session that was joined goes on without this hand.
         """
+        if on_ticks is not None and not callable(on_ticks):
+            raise ArgumentTypeError(f"on_ticks: is a function, not {described(on_ticks)}")
+        for hand in others:
+            if not isinstance(hand, Hand):
+                raise ArgumentTypeError(f"others: is a list of Hand, and has {described(hand)}")
         rest = [(hand.device, hand.builtin, hand.path) for hand in others]
         self._live_start(device, rate, builtin, path, law, allow_python, rest)
         self._live = Live(self, on_ticks, interval_s)
@@ -323,10 +328,10 @@ def _if_any(ask: Callable[[], Any]) -> Any:
         raise
 
 
-def _with_radius(radius_mm: float | None, settings: dict[str, Any]) -> dict[str, Any]:
-    if radius_mm is None and "radius" in settings:
-        return settings
-    return {"radius_mm": 6 if radius_mm is None else radius_mm, **settings}
+def _with_radius(radius_mm: float | None, brush: dict[str, Any]) -> dict[str, Any]:
+    if radius_mm is None and "radius" in brush:
+        return brush
+    return {"radius_mm": 6 if radius_mm is None else radius_mm, **brush}
 
 
 def _png(rgba: NDArray[Any]) -> bytes:

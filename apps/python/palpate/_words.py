@@ -1,44 +1,201 @@
-"""Arguments that do not fit, in palpate's words in place of pybind11's; read before anything takes what it binds."""
+"""Calls that do not fit what they call, in palpate's words in place of Python's and pybind11's."""
 
 from __future__ import annotations
 
 import functools
+import inspect
+import re
 import types
-from typing import Any, Callable
+from typing import Any, Callable, NamedTuple
 
 from . import _palpate
-from ._errors import ArgumentTypeError, Error
+from ._errors import ArgumentTypeError, Error, described, missing_attribute, nearest
 
 _PYBIND = ("incompatible function arguments", "incompatible constructor arguments", "Unable to cast")
 
 
-def _in_words(name: str, function: Callable[..., Any], is_method: bool) -> Callable[..., Any]:
+class _Parameter(NamedTuple):
+    name: str
+    by_place: bool
+    required: bool
+    type: str  # as an annotation has it; "" where it is not known
+
+
+def _of_brush(known: set[str]) -> list[_Parameter]:
+    return [_Parameter(name, False, False, "") for name in _palpate._brush_settings() if name not in known]
+
+
+def _of_python(function: Callable[..., Any]) -> list[_Parameter]:
+    found: list[_Parameter] = []
+    for each in inspect.signature(function).parameters.values():
+        if each.kind is each.VAR_KEYWORD:
+            found += _of_brush({before.name for before in found})
+        elif each.name != "self":
+            required = each.default is each.empty
+            kind = each.annotation if isinstance(each.annotation, str) else ""
+            found.append(_Parameter(each.name, each.kind is not each.KEYWORD_ONLY, required, kind))
+    return found
+
+
+def _of_pybind(signature: str) -> list[_Parameter]:
+    """Of "(self: Session, steps: int = 1, **kwargs) -> int"."""
+    inner = re.match(r"[^(]*\((.*?)\)(?: -> .*)?$", signature)
+    parts, depth = [""], 0
+    for c in inner.group(1) if inner else "":
+        depth += (c in "([{") - (c in ")]}")
+        if c == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += c
+    found: list[_Parameter] = []
+    for part in parts:
+        declared, _, default = part.strip().partition(" = ")
+        name, _, kind = declared.partition(": ")
+        if name.startswith("**"):
+            found += _of_brush({before.name for before in found})
+        elif name and name != "self":
+            found.append(_Parameter(name, True, not default, kind))
+    return found
+
+
+def _is_number(value: object) -> bool:
+    return hasattr(value, "__float__") or hasattr(value, "__index__")
+
+
+def _is_whole(value: object) -> bool:
+    return hasattr(value, "__index__")
+
+
+_KINDS: dict[str, tuple[str, Callable[[Any], bool]]] = {
+    "float": ("a number", _is_number),
+    "int": ("a whole number", _is_whole),
+    "str": ("a text", lambda value: isinstance(value, str)),
+    "bool": ("True or False", lambda value: type(value).__name__ in ("bool", "bool_")),
+    "None": ("None", lambda value: value is None),
+    "Cloud": ("a Cloud", lambda value: isinstance(value, _palpate.Cloud)),
+    "Tuple[int, int]": ("two whole numbers", lambda value: _is_row(value, 2, lambda n: _is_whole(n) and n >= 0)),
+    "List[float[3]]": ("three numbers", lambda value: _is_row(value, 3, _is_number)),
+    "List[float[4]]": ("four numbers", lambda value: _is_row(value, 4, _is_number)),
+    "List[int[3]]": (
+        "three whole numbers from 0 to 255",
+        lambda value: _is_row(value, 3, lambda n: _is_whole(n) and 0 <= n <= 255),
+    ),
+}
+
+
+def _is_row(value: Any, count: int, fits: Callable[[Any], bool]) -> bool:
+    return not isinstance(value, str) and hasattr(value, "__len__") and len(value) == count and all(map(fits, value))
+
+
+def _wrong_type(parameter: _Parameter, value: object) -> str | None:
+    """What the argument is instead; None where it fits, or where that is not known."""
+    kind = re.sub(r"^Optional\[(.*)\]$", r"\1 | None", re.sub(r"[\w.]+\.", "", parameter.type))
+    kinds = [_KINDS.get(each) for each in kind.split(" | ")]
+    known = [each for each in kinds if each is not None]
+    if len(known) < len(kinds) or any(fits(value) for _, fits in known):
+        return None
+    return f"{parameter.name} is {' or '.join(words for words, _ in known)}, not {described(value)}"
+
+
+def _misfit(parameters: list[_Parameter], args: tuple[Any, ...], settings: dict[str, Any]) -> str | None:
+    """What is wrong with a call, in words; None where nothing is known to be."""
+    names = [each.name for each in parameters]
+    takes = f"it takes {', '.join(names)}" if names else "it takes nothing"
+    for name in settings:
+        if name not in names:
+            return f"there is no argument '{name}'{nearest(name, names) or ';'} {takes}".replace("? it", "? It")
+    places = [each for each in parameters if each.by_place]
+    if len(args) > len(places):
+        by_name = " by place, the others by name" if len(places) < len(names) else ""
+        return f"takes {len(places)} arguments{by_name}, and {len(args)} are given; {takes}"
+    given = {each.name: value for each, value in zip(places, args)}
+    for name in settings:
+        if name in given:
+            return f"{name} is given twice"
+    given.update(settings)
+    for each in parameters:
+        if each.required and each.name not in given:
+            return f"{each.name} is missing; {takes}"
+    for each in parameters:
+        if each.name in given:
+            wrong = _wrong_type(each, given[each.name])
+            if wrong:
+                return wrong
+    for each in parameters:
+        value = given.get(each.name)
+        if each.type == "int" and value is not None and value < 0:
+            return f"{each.name} is a whole number from 0 on, not {value}"
+    return None
+
+
+def _brush_arguments(function: Callable[..., Any], is_bound: bool) -> list[_Parameter]:
+    """Of a function with **brush, whatever the brush has; none of any other."""
+    if not is_bound:
+        kinds = {each.kind for each in inspect.signature(function).parameters.values()}
+        return _of_python(function) if inspect.Parameter.VAR_KEYWORD in kinds else []
     usage = (function.__doc__ or "").partition("\n")[0]
+    return _of_pybind(usage) if "**brush" in usage else []
+
+
+def _in_words(name: str, function: Callable[..., Any], is_method: bool, is_bound: bool) -> Callable[..., Any]:
+    brush = _brush_arguments(function, is_bound)
+
+    def known(text: str) -> list[_Parameter]:
+        if not is_bound:
+            return _of_python(function)
+        signatures = re.findall(r"^ +1\. (.*)$", text, re.M)
+        return _of_pybind(signatures[0]) if signatures else []
+
+    def told(text: str, args: tuple[Any, ...], settings: dict[str, Any]) -> str | None:
+        given = args[is_method:]
+        called = type(args[0]).__name__ if name == "__init__" else name
+        wrong = _misfit(known(text), given, settings)
+        if wrong is None and any(words in text for words in _PYBIND):
+            kinds = [described(each) for each in given]
+            kinds += [f"{key}={described(each)}" for key, each in settings.items() if each is not None]
+            wrong = f"its arguments do not fit: {', '.join(kinds)}"
+        if wrong is None or called.startswith("_"):  # what is called by its own name is what the person wrote
+            return wrong
+        return f"{called}(): {wrong}"
 
     @functools.wraps(function)
     def call(*args: Any, **settings: Any) -> Any:
+        wrong = None
         try:
-            return function(*args, **settings)
+            if brush and settings:  # the function itself takes any name
+                wrong = _misfit(brush, args[is_method:], settings)
+            if wrong is None:
+                return function(*args, **settings)
+            wrong = f"{name}(): {wrong}"
         except (TypeError, RuntimeError) as error:
-            if isinstance(error, Error) or not any(words in str(error) for words in _PYBIND):
+            if not isinstance(error, Error):
+                wrong = told(str(error), args, settings)
+            if wrong is None:
                 raise
-            given = [type(each).__name__ for each in args[is_method:]]
-            given += [f"{key}={type(each).__name__}" for key, each in settings.items() if each is not None]
-            called = type(args[0]).__name__ if name == "__init__" else name
-            known = f" of {usage}" if usage.startswith(called) else ""
-            told = f"{called}(): arguments{known} do not fit what it takes; given: {', '.join(given) or 'none'}"
-        raise ArgumentTypeError(told)
+        raise ArgumentTypeError(wrong)
 
     return call
 
 
-def _say(owner: Any) -> None:
+def say_of_bound(owner: Any) -> None:
+    """All that a module or class of pybind11's has."""
     for name, each in list(vars(owner).items()):
         is_method = str(type(each)) == "<class 'instancemethod'>"
         if is_method or isinstance(each, types.BuiltinFunctionType):
-            setattr(owner, name, _in_words(name, each, is_method))
+            setattr(owner, name, _in_words(name, each, is_method, True))
         elif isinstance(each, type) and each.__module__ == _palpate.__name__:
-            _say(each)
+            each.__getattr__ = missing_attribute  # type: ignore[attr-defined]
+            say_of_bound(each)
 
 
-_say(_palpate)
+def say_of_python(thing: Any) -> Any:
+    """A function or a class of the package, which is changed; gives it back."""
+    if isinstance(thing, types.FunctionType):
+        return _in_words(thing.__name__, thing, False, False)
+    for name, each in list(vars(thing).items()):
+        if isinstance(each, types.FunctionType) and (name == "__init__" or not name.startswith("_")):
+            setattr(thing, name, _in_words(name, each, True, False))
+    return thing
+
+
+say_of_bound(_palpate)
