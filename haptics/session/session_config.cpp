@@ -14,7 +14,7 @@ void inBounds(std::string_view field, double value, double least, double most) {
   if (!(value >= least && value <= most)) throw ConfigError(field, "{} is not between {} and {}", value, least, most);
 }
 
-// 0 stands for a choice of the program's own.
+// 0: the program chooses.
 void inBoundsOrZero(std::string_view field, double value, double least, double most) {
   if (value != 0) inBounds(field, value, least, most);
 }
@@ -90,7 +90,7 @@ void validate(const JoinConfig& join, const SessionConfig& config) {
     throw ConfigError("model.all_points", "what is joined comes as it is served; leave it out");
 }
 
-// What is smaller than the cells has none of its own to move.
+// A brush smaller than a cell has no cell of its own to move.
 void validateOnSoft(const BrushConfig& brush, const MatterScene& scene, double mm_per_unit) {
   const double least_mm = scene.spacing_mm * (mm_per_unit > 0 ? mm_per_unit : 1);
   if (brush.radius_mm < least_mm)
