@@ -16,7 +16,7 @@ namespace {
 template <class Names>
 auto named(const Names& names, std::string_view name) {
   if (const auto value = valueNamed(names, name)) return *value;
-  throw UsageError("'{}' is no choice", name);  // the command line has let none through
+  throw UsageError("'{}' is no choice", name);  // unreachable: the command line has checked it
 }
 
 ToolConfig toolConfig(const BackendOptions& options) {
@@ -31,7 +31,7 @@ ToolConfig toolConfig(const BackendOptions& options) {
   return tool;
 }
 
-// One of several words, of which the help shows the one that is taken unless another is given.
+// Adds an option with several choices; the help shows the default.
 void addChoice(Options& sub, const char* name, std::string& value, std::vector<std::string> values, const char* what) {
   sub.add(name, value, what).check(oneOf(std::move(values))).showDefault();
 }

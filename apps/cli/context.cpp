@@ -85,7 +85,7 @@ void Context::checkWritable(const std::string& file) {
   std::error_code ignored;
   const auto status = std::filesystem::status(file, ignored);
   const bool isPipe = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
-                      !std::filesystem::is_directory(status);  // whose reader would take the trial for the end
+                      !std::filesystem::is_directory(status);  // its reader would take the trial for the end
   if (!file.empty() && !isPipe) AtomicFile probe(file);
 }
 

@@ -23,7 +23,8 @@ constexpr std::string_view kPlaying =
 constexpr std::string_view kOnlyNear = "only the points around the hand are in this program; join without --near";
 constexpr std::string_view kPlaced = "a joined model stays where it is served";
 
-// Whatever is not listed is allowed. Carving, painting and inserting points are refused wherever sculpting is.
+// All actions that are not listed are allowed. Where sculpting is refused, carving, painting and inserting points are,
+// too.
 constexpr Refusal kRefusals[] = {
     {ModelKind::moved, Action::sculpt, kMoving},
     {ModelKind::frames, Action::sculpt, kPlaying},

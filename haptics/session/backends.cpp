@@ -91,13 +91,13 @@ std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& req
 }
 
 std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& request) const {
-  // Against the clock: what it has missed beyond that it does not make up for, as its answers would only come later.
+  // Maximum number of steps per frame in real time: more would only delay the answers further.
   constexpr std::uint32_t kMaxAtOnce = 4;
   MatterOptions options{.threads = request.threads};
   options.soft = request.model.soft;
   double reach = 0;
   for (const ToolPoint& point : request.tools.front().points) reach = std::max(reach, glm::length(point.place));
-  // Where this back end feels points alone, the CPU moves them.
+  // If this back end cannot simulate the body, the CPU moves its points.
   const TouchCapabilities can = capabilities();
   const bool isElastic = request.config.matter->preset == SoftPreset::elastic;
   const std::unique_ptr<BackendKind> cpu =
@@ -110,7 +110,7 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
                                                                                  .mostAtOnce = kMaxAtOnce});
   BackendRequest felt = request;
   felt.source = source.get();
-  felt.brush.reset();  // the body has it, and its points follow
+  felt.brush.reset();  // the body has the brush, and its points follow
   felt.paintable = false;
   auto surface = make(felt);
   auto touch =

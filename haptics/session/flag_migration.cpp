@@ -45,7 +45,7 @@ auto named(const Names& names, const std::string& text) {
   throw Error("'{}' was no choice", text);
 }
 
-// The brush was said in parts, whether or not there was one.
+// The brush had an option for each part, whether or not there was a brush.
 BrushConfig& brush(SessionConfig& config) { return config.brush ? *config.brush : config.brush.emplace(); }
 
 const std::map<std::string_view, Set>& setters() {
@@ -102,7 +102,7 @@ const std::map<std::string_view, Set>& setters() {
          const auto axis = list<double, 3>(v);
          c.tool.axis = {axis[0], axis[1], axis[2]};
        }},
-      {"--rumble", [](C&, S) {}},  // of the gamepad that was there
+      {"--rumble", [](C&, S) {}},  // concerned only the gamepad
   };
   return all;
 }
@@ -111,7 +111,7 @@ const std::map<std::string_view, Set>& setters() {
 
 SessionConfig migrateFlags(const std::map<std::string, std::string>& flags) {
   SessionConfig config;
-  config.hands.clear();  // a log says nothing of where its poses came from
+  config.hands.clear();  // a log does not tell the source of its poses
   std::string edit = "none";
   for (const auto& [flag, value] : flags) {
     if (flag == "--edit") {

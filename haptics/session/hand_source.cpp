@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kBeforePath_s = 0.5;  // forces ramp up for so long; the hand waits for them
+constexpr double kBeforePath_s = 0.5;  // the hand waits while forces ramp up
 constexpr std::string_view kReplay = "replay:";
 
 Path pathFor(const HandConfig& config, const Model& model) {
@@ -53,7 +53,7 @@ HandSource replayed(const std::string& file, const Model& model, Log& log) {
   Trajectory trajectory = readTrajectory(file);
   const Bounds bounds = boundsOf(model.cloud);
   const DVec3 middle = model.cloud.origin + bounds.center();
-  // What is far from the model in all samples was recorded with another one, or in other units.
+  // A path that is far from the model in all samples was recorded with another model, or in other units.
   const auto isFar = [&](const TrajectorySample& sample) {
     return glm::distance(sample.position, middle) > 100 * bounds.longestSide();
   };

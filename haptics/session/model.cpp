@@ -30,10 +30,10 @@ std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads) {
 
 namespace {
 
-/// What follows from the points.
+/// Sets the properties that follow from the points.
 void measure(Model& model, const ModelConfig& config, unsigned threads) {
   model.scale = scaleOf(model.cloud, config.mm_per_unit);
-  // What is saved of it says so.
+  // A saved copy states the scale.
   if (config.mm_per_unit > 0) sayScale(model.cloud.storedAs.comments, config.mm_per_unit);
   const SpacingRange spacing = spacingRange(model.cloud, threads);
   model.spacing = spacing.mean;
@@ -82,7 +82,7 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
 Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& loading) {
   Model model{.cloud = std::move(points)};
   PointCloud& cloud = model.cloud;
-  // Before normals are estimated, so that all who read the file find the same.
+  // Before normals are estimated, so that all programs that read the file find the same direction.
   model.upright = findUp(cloud);
   throwIfStopWanted();
   model.shown = coreBoundsOf(cloud);
@@ -90,7 +90,7 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
   if (!cloud.hasNormals() || config.normals == NormalSource::estimate) {
     const std::string cost = loading.estimate(cloud, loading.threads);
     if (!cloud.empty()) loading.log.say("{}: normals are estimated from the points: {}", config.file, cost);
-    // One or two points lie in no plane: their discs face whoever looks at them.
+    // One or two points define no plane: their discs face the default view.
     constexpr std::size_t kNoPlane = 2;
     if (cloud.size() <= kNoPlane) cloud.normals.assign(cloud.size(), Vec3(frontOf(model.upright.up)));
   }
@@ -100,23 +100,23 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
 
 namespace {
 
-// A scene's units are millimetres, in the hand, too, unless somebody says otherwise.
+// A scene's units are millimetres, also for the hand unless configured otherwise.
 void placeInScene(Model& model, const MatterScene& scene) {
   sayScale(model.cloud.storedAs.comments, 1);
   model.upright = findUp(model.cloud);
   model.container = model.shown = Bounds{.min = DVec3(0), .max = scene.box_mm};
 }
 
-// Of particles: how far apart they lie says nothing of a surface, which fills a body.
+// Particles fill a body: their distances do not describe a surface.
 void drawAsMatter(Model& model, const MatterScene& scene) {
-  constexpr double kDisc_spacings = 0.85;  // two thirds of a spacing would close a lattice at rest
+  constexpr double kDisc_spacings = 0.85;  // 2/3 would close a lattice at rest
   model.spacing = model.wideSpacing = particleSpacing_mm(scene);
   model.noise = 0;
   model.discRadius = kDisc_spacings * model.spacing;
   model.ballRadius = scene.tool.radius_mm;
 }
 
-// A scene of water or sand as it begins.
+// The initial state of a scene of water or sand.
 Model matterModel(const SessionConfig& config, const ModelLoading& loading) {
   Model model;
   planOf(*config.matter);  // before a file is read
@@ -128,7 +128,7 @@ Model matterModel(const SessionConfig& config, const ModelLoading& loading) {
   return model;
 }
 
-// A soft body at rest: the points of its surface, which are felt and drawn as those of any cloud.
+// A soft body at rest: the points of its surface, which are felt and drawn as any cloud's.
 Model softModel(const SessionConfig& config, const ModelLoading& loading) {
   const MatterScene& scene = *config.matter;
   PointCloud scan;
@@ -147,7 +147,8 @@ Model softModel(const SessionConfig& config, const ModelLoading& loading) {
   return model;
 }
 
-// What somebody else simulates: its scene comes in his words, and what stands in it as points of its surface.
+// Matter that another program simulates: takes the scene from its text, and the standing body from the points of its
+// surface.
 void takeFarMatter(Model& model, const FarFacts& facts, const ModelLoading& loading) {
   MatterScene scene = parseScene(facts.matter);
   if (scene.matter == Matter::soft) throw Error("matter: a soft body is served as a surface, and this is none");
@@ -166,7 +167,7 @@ void takeFarMatter(Model& model, const FarFacts& facts, const ModelLoading& load
   model.standing = std::make_shared<const MatterModel>(std::move(standing), scene, loading.threads);
 }
 
-// All that follows from points that are not here is said by who has them.
+// The server tells all properties that follow from points that are not here.
 Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading& loading) {
   const FarFacts& facts = *joined.facts;
   Model model{.cloud = std::move(joined.cloud)};
@@ -225,12 +226,11 @@ std::uint64_t checksumOf(const Model& model) { return checksumOf(model.cloud.ori
 
 double usualSupportRadius(const Model& model) {
   if (model.spacing > 0) return static_cast<double>(shared::kSupportSpacings) * model.spacing;
-  return model.scale.toUnits(1.0);  // nothing to measure: any length will do
+  return model.scale.toUnits(1.0);  // nothing to measure: any length is suitable
 }
 
 SurfaceOptions surfaceOptions(const Model& model, const SurfaceConfig& config, bool adapts) {
-  // An even cloud needs no look at the local spacing; past four times the mean a patch of the dense places is too
-  // large.
+  // An even cloud needs no local spacing; beyond four times the mean, a patch of the dense parts is too large.
   constexpr double kUneven = 1.4, kWidest = 4;
   SurfaceOptions surface{
       .radius = config.radius_mm ? model.scale.toUnits(*config.radius_mm) : usualSupportRadius(model),

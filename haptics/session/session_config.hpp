@@ -79,7 +79,7 @@ struct BackendConfig {
   std::string method;          ///< of that back end; empty: its default
   bool deterministic = false;  ///< bit-identical results in each run in real time; virtual time always has them
   std::optional<Wait> wait;    ///< how to wait for the GPU; empty: by driver and cores
-  std::optional<bool> ahead;   ///< ask before the hand has moved; empty: as the driver is known to allow
+  std::optional<bool> ahead;   ///< ask before the hand has moved; empty: on drivers known to allow it
   bool timesPasses = false;    ///< measures the time of each pass
 
   bool operator==(const BackendConfig&) const = default;

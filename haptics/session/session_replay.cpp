@@ -13,7 +13,7 @@ namespace palpate {
 
 namespace {
 
-// What a log of edits may do to the points: sets them, and adds some behind them.
+// The points after the edits of a log, which may change points and append new ones.
 std::vector<PointState> edited(const std::string& log, const Model& model, const SessionRecord& record) {
   requireEditsOf(log, model.cloud.size(), record);
   Journal journal(model.cloud);
@@ -21,7 +21,7 @@ std::vector<PointState> edited(const std::string& log, const Model& model, const
   return {journal.points().begin(), journal.points().end()};
 }
 
-/// Keeps all that was done to the points.
+/// Collects all edits.
 class EditCollector final : public EditFollower {
  public:
   explicit EditCollector(EditBatch& all) : all_(all) {}
@@ -78,7 +78,7 @@ SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
   SessionConfig config = recorded.session.config;
   config.realtime = false;
   config.hands = {HandConfig{}};
-  config.duration_s = 0;  // as long as the recording
+  config.duration_s = 0;  // that of the recording
   SessionAgain again;
   Session session(
       config, std::move(recorded.model),
