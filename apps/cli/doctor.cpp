@@ -101,7 +101,7 @@ Json describe(std::FILE* out, const DriverFinding& driver) {
   fmt::print(out, "--device {}: {}\n", driver.option, driver.product);
   Json attempts = Json::array();
   for (const VendorLibrary::Attempt& attempt : driver.attempts) {
-    // The loader begins with the name where it has nothing better to say.
+    // Some errors of the loader begin with the name already.
     fmt::print(out, "  {}\n",
                attempt.error.starts_with(attempt.name) ? attempt.error : attempt.name + ": " + attempt.error);
     attempts.push_back({{"name", attempt.name}, {"error", attempt.error}});
@@ -134,7 +134,7 @@ Json describe(std::FILE* out, const DriverFinding& driver) {
   return json;
 }
 
-/// A command for each permission that is missing, once.
+/// Collects the commands that grant missing permissions, each once.
 class Mending {
  public:
   void add(const std::string& command) {
@@ -194,7 +194,7 @@ struct DoctorOptions {
   NetworkOptions which;
 };
 
-// The sessions that others serve.
+// Sessions on the network.
 Json network(std::FILE* out, const NetworkConfig& config) {
   constexpr double kListen_s = 2;
   const auto [seen, keyHolders] = surveyNetwork(config, kListen_s);
@@ -244,7 +244,7 @@ Json servoPace(std::FILE* out, const DoctorOptions& options) {
           {"servo_thread", toJson(check.scheduling)}};
 }
 
-// How each GPU serves the display, if there is one.
+// Way in which each GPU can show pictures on the display, if there is one.
 Json display(std::FILE* out) {
   try {
     const Window window({64, 64}, "palpate", false);
@@ -293,7 +293,7 @@ void doctor(Context& context, const DoctorOptions& options) {
     fmt::print(out,
                "No GPU will do: touch, convert, info and simulate work on the processor; pictures and the window "
                "need a Vulkan driver, which may be a software one (package mesa-vulkan-drivers)\n");
-    throw;  // says what is wrong
+    throw;  // reports the reason
   }
   fmt::print(out, "GPU in use: {}. palpate can run here.\n", context.device().name());
   context.writeJson(result);

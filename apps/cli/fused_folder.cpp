@@ -7,7 +7,7 @@ namespace palpate {
 
 namespace {
 
-// False where there are no more.
+// Returns false at the end.
 bool readNext(RgbdFolder& stream, FrameFusion& fusion, DepthFrame& frame) {
   for (;;) {
     try {
