@@ -66,7 +66,7 @@ HandChoices secondHand(HandChoices options, const std::string& device) {
   options.option = "--second-device";
   options.device = device;
   options.rumble = false;
-  options.scheduler = "own";  // the first hand's device may run the ticks
+  options.scheduler = "own";  // only the first hand's device may run the ticks
   if (device == "sim") return options;
   options.handStiffness_N_per_mm = options.handDamping_N_s_per_mm = 0;
   if (isHeldDevice(device)) return options;

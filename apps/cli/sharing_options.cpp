@@ -150,7 +150,7 @@ namespace {
 
 bool isAskedToEnd() { return StopBySignal::requested(); }
 
-// Whatever is fetched over a network ends when somebody asks the program to.
+// A stop request cancels fetching over a network.
 SessionJoiner stoppable(SessionJoiner joiner) {
   return [joiner = std::move(joiner)](const std::string& name, const JoinConfig& config, Log& log) {
     const StopBySignal stop;
