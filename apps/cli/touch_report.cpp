@@ -15,7 +15,7 @@ namespace palpate {
 
 namespace {
 
-/// Their positions and normals, about the same origin.
+/// Positions and normals of the points in the box, with the same origin.
 PointCloud pointsIn(const PointCloud& cloud, const Bounds& box) {
   const auto inside = [&](std::size_t i) { return box.contains(DVec3(cloud.positions[i])); };
   const auto picked = parallelCollect(cloud.size(), 0, inside, [](std::size_t i) { return i; });
@@ -46,14 +46,14 @@ ContactError contactError(const Trace& trace, const Model& model, const SurfaceO
     const RigidPose pose = motion ? motion->poseAt(rows[i]->time_s) : RigidPose{};
     places.push_back({pose.movedBack(rows[i]->proxy - model.cloud.origin), pose.turnedBack(rows[i]->normal)});
   }
-  // Of a large cloud what lies near them is little.
+  // Only a small part of a large cloud is near these positions.
   Bounds around{places.front().proxy, places.front().proxy};
   for (const Felt& place : places) around = {glm::min(around.min, place.proxy), glm::max(around.max, place.proxy)};
   around = {around.min - surface.radius, around.max + surface.radius};
   const PointCloud near = pointsIn(model.cloud, around);
   const ContactReference reference(near, surface);
   for (const auto& [proxy, normal] : places) {
-    // Behind a sheet the normal that is felt is not the points'.
+    // Behind a sheet the felt normal is opposite to the points'.
     const SurfaceSample front = reference.surface(proxy, normal), back = reference.surface(proxy, -normal);
     const SurfaceSample& felt = back.neighbours > front.neighbours ? back : front;
     ++error.ticks;
@@ -75,7 +75,7 @@ ServoReport servoReport(const ServoResult& result) {
 
 namespace {
 
-// What became of the index after its first build.
+// Describes the updates of the index after its first build.
 std::string_view nameOf(const IndexWork& index) {
   if (index.followed == 0) return index.built == 0 ? "static" : "rebuild";
   return index.built == 0 ? "incremental" : "incremental and rebuild";
