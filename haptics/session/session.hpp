@@ -134,10 +134,9 @@ class Session {
   /// Sets a parameter of the simulation, as SimulationControl::set() does. Throws Error also if nothing is simulated.
   void setParameter(std::string_view name, double value);
 
-  /// Begins a session log, which records the session from the model's file on. `hand`: the first one. Before a run: of
-  /// its options the rate and the clock are recorded. `onFault` is called at once, on the log's thread, with what
-  /// cannot be written; without it SessionRecording::takeFault() returns that. Throws FileError, and Error if no
-  /// journal is kept.
+  /// Begins a session log, with the rate and the clock of `run`, before that run. `hand`: the first one. `onFault` is
+  /// called at once, on the log's thread, with what cannot be written; without it SessionRecording::takeFault() returns
+  /// that. Throws FileError, and Error if no journal is kept.
   void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {}, const RunOptions& run = {});
   SessionRecording* recording() const { return recording_.get(); }
   /// Ends the log and records how the session ended. Throws FileError if not everything could be written.
