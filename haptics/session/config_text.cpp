@@ -90,7 +90,7 @@ class Writer {
 class Reader {
  public:
   Reader(const Json& json, std::string path) : json_(json), path_(std::move(path)) {
-    if (!json.is_object()) throw ConfigError(path_.empty() ? "config" : path_, "is no object");
+    if (!json.is_object()) throw ConfigError(path_.empty() ? "config" : path_, "is not an object");
   }
 
   void field(const char* name, double& value) {
@@ -409,7 +409,7 @@ Json parsed(std::string_view text) {
   try {
     return Json::parse(text);
   } catch (const nlohmann::json::exception& error) {
-    throw Error("a configuration that is no JSON: {}", error.what());
+    throw Error("the configuration is not valid JSON: {}", error.what());
   }
 }
 

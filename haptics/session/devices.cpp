@@ -29,7 +29,7 @@ int numberOf(const std::string& text) {
   int number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size() || number < 0 || number > 63)
-    throw ConfigError("hands.device", "dhd:{}: the number of a device, from 0 on", text);
+    throw ConfigError("hands.device", "dhd:{}: is not the number of a device, 0 to 63", text);
   return number;
 }
 
@@ -96,7 +96,7 @@ std::string heldDevicesHelp() {
 OpenedDevice openDevice(const std::string& spec, const DeviceOpening& opening) {
   for (const HeldDevice& kind : kHeldDevices)
     if (const auto which = argumentOf(spec, kind.name)) return kind.open(*which, opening);
-  throw ConfigError("hands.device", "no device in a hand is called {}; there is {}", spec, heldDevicesHelp());
+  throw ConfigError("hands.device", "'{}' is not a device for a hand; there is {}", spec, heldDevicesHelp());
 }
 
 std::unique_ptr<HapticDevice> withRumble(std::unique_ptr<HapticDevice> device, Log& log) {

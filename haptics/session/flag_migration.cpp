@@ -17,7 +17,7 @@ T number(std::string_view text) {
   T value{};
   const char* end = text.data() + text.size();
   const auto [last, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || last != end) throw Error("'{}' is no number", text);
+  if (error != std::errc() || last != end) throw Error("'{}' is not a number", text);
   return value;
 }
 
@@ -32,7 +32,7 @@ std::array<T, n> list(std::string_view text) {
   std::array<T, n> values{};
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t comma = i + 1 < n ? text.find(',') : text.size();
-    if (comma == std::string_view::npos) throw Error("'{}' are not {} numbers", text, n);
+    if (comma == std::string_view::npos) throw Error("'{}' is not a list of {} numbers", text, n);
     values[i] = number<T>(text.substr(0, comma));
     text.remove_prefix(std::min(text.size(), comma + 1));
   }
@@ -42,7 +42,7 @@ std::array<T, n> list(std::string_view text) {
 template <class Names>
 auto named(const Names& names, const std::string& text) {
   if (const auto value = valueNamed(names, text)) return *value;
-  throw Error("'{}' was no choice", text);
+  throw Error("'{}' is not a valid choice", text);
 }
 
 // The brush had an option for each part, whether or not there was a brush.
@@ -119,7 +119,7 @@ SessionConfig migrateFlags(const std::map<std::string, std::string>& flags) {
       continue;
     }
     const auto found = setters().find(flag);
-    if (found == setters().end()) throw Error("{} is no option of a session", flag);
+    if (found == setters().end()) throw Error("{} is not an option of a session", flag);
     found->second(config, value);
   }
   if (edit == "none")

@@ -111,14 +111,15 @@ std::string layersInWords(const MatterScene& scene) {
   std::string words = fmt::format("{} x {} x {} layers fill {:g} x {:g} x {:g} mm, {:.4g} litres", layers.x, layers.y,
                                   layers.z, fill.x, fill.y, fill.z, fill.x * fill.y * fill.z / kMm3InLitre);
   if (spacing_mm < scene.spacing_mm)
-    words += fmt::format("; {:.4g} mm apart in place of {:g}, so that they do", spacing_mm, scene.spacing_mm);
+    words += fmt::format("; {:.4g} mm apart in place of {:g}, to fill it exactly", spacing_mm, scene.spacing_mm);
   return words;
 }
 
 std::string elasticityInWords(const MatterScene& scene) {
   if (scene.preset == SoftPreset::shapeMatching)
-    return fmt::format("shape matching, not calibrated: {:g} of the way back in a substep, which is no stiffness in Pa",
-                       scene.stiffness);
+    return fmt::format(
+        "shape matching, not calibrated: a substep reverts {:g} of a displacement; not a stiffness in Pa",
+        scene.stiffness);
   return fmt::format("Young's modulus {:g} Pa, Poisson's ratio {:g}, viscosity {:g} Pa s", scene.young_Pa,
                      scene.poisson, scene.viscosity_Pa_s);
 }

@@ -57,9 +57,9 @@ ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit) {
 namespace {
 
 Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
-  if (!loading.fetch) throw Error("{}: topics of ROS are not heard here", config.file);
+  if (!loading.fetch) throw Error("{}: ROS topics are not supported here", config.file);
   if (config.normals == NormalSource::face)
-    throw ConfigError("model.normals", "points that are sent have no faces; take keep or estimate");
+    throw ConfigError("model.normals", "points from a ROS topic have no faces; take keep or estimate");
   return modelOf(loading.fetch(config.file, loading.log), config, loading);
 }
 
@@ -73,7 +73,7 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
       config.file, &loading.log,
       {.normalsFromFaces = config.normals == NormalSource::face, .pointsOnly = true, .allPoints = config.allPoints});
   if (!stored.leftOut.empty())
-    loading.log.say("{}: left out are {}; all points can be asked for", config.file, stored.leftOut);
+    loading.log.say("{}: left out are {}; all points can be requested", config.file, stored.leftOut);
   Model model = modelOf(std::move(stored.cloud), config, loading);
   model.cameras = std::move(stored.cameras);
   return model;
@@ -151,9 +151,10 @@ Model softModel(const SessionConfig& config, const ModelLoading& loading) {
 // surface.
 void takeFarMatter(Model& model, const FarFacts& facts, const ModelLoading& loading) {
   MatterScene scene = parseScene(facts.matter);
-  if (scene.matter == Matter::soft) throw Error("matter: a soft body is served as a surface, and this is none");
+  if (scene.matter == Matter::soft)
+    throw Error("matter: the served scene is a soft body, which must be served as a surface");
   if (facts.standing == 0) scene.model.clear();
-  if (facts.standing > model.cloud.size()) throw Error("matter: what stands in it has not come");
+  if (facts.standing > model.cloud.size()) throw Error("matter: points of the standing body are missing");
   model.farMatter = scene;
   model.container = model.shown = Bounds{.min = DVec3(0), .max = scene.box_mm};
   drawAsMatter(model, scene);
@@ -175,7 +176,7 @@ Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading
   model.spacing = facts.spacing;
   model.wideSpacing = facts.wideSpacing;
   model.noise = facts.noise;
-  model.upright = {.up = facts.up, .why = "as who serves it says"};
+  model.upright = {.up = facts.up, .why = "as the server says"};
   model.shown = facts.extent.bounds;
   model.extent = facts.extent;
   model.far = std::move(joined.far);
@@ -202,7 +203,7 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
   if (config.matter)
     return config.matter->matter == Matter::soft ? softModel(config, loading) : matterModel(config, loading);
   if (config.join) {
-    if (!loading.join) throw Error("{}: this program joins no session of others", config.model.file);
+    if (!loading.join) throw Error("{}: this program cannot join sessions", config.model.file);
     JoinedModel joined = loading.join(config.model.file, *config.join, loading.log);
     if (joined.far) return farModel(std::move(joined), config.model, loading);
     Model model = modelOf(std::move(joined.cloud), config.model, loading);

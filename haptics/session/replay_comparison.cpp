@@ -43,13 +43,13 @@ ComparableTicks comparableTicks(const SessionRecord& record, double rate_Hz, boo
     };
     if (!record.gaps.empty() && i == record.gaps.front().tick)
       return stops("a part of the log is missing before the tick");
-    if (tick.time_s != static_cast<double>(i) / rate_Hz) return stops("a tick was left out");
-    if (realtime && !tick.has(LoggedTick::kFresh)) return stops("an answer came late");
-    if (tick.has(LoggedTick::kEditLeftOut)) return {i + 1, stops("an edit was left out").because};
+    if (tick.time_s != static_cast<double>(i) / rate_Hz) return stops("a tick was missed");
+    if (realtime && !tick.has(LoggedTick::kFresh)) return stops("an answer was late");
+    if (tick.has(LoggedTick::kEditLeftOut)) return {i + 1, stops("an edit was dropped").because};
     if (tick.edits <= record.countedEdits) continue;
     if (!record.gaps.empty()) return stops("edits are missing in the log");
-    return stops(record.mergedEdits > 0 ? "the log had fallen behind the edits and has only the last of them"
-                                        : "the log has no more edits");
+    return stops(record.mergedEdits > 0 ? "the log fell behind the edits and contains only the latest of them"
+                                        : "the log contains no further edits");
   }
   return {record.ticks.size(), {}};
 }

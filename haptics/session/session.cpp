@@ -77,7 +77,8 @@ std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model&
 std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const Model& model,
                                              const SurfaceOptions& surface, const SessionParts& parts) {
   if (!parts.backend.capabilities().followsMotion)
-    throw ConfigError("backend.name", "{} feels only what is all there; take vulkan or cpu", config.backend.name);
+    throw ConfigError("backend.name", "{} requires all points in this program; take vulkan or cpu",
+                      config.backend.name);
   if (model.farMatter) return makePond(config, model, parts);
   std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
   double reach = 0;
@@ -328,7 +329,7 @@ void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, c
 }
 
 void Session::setParameter(std::string_view name, double value) {
-  if (!simulation()) throw Error("{}: the model does not move by itself", name);
+  if (!simulation()) throw Error("{}: the model is not simulated", name);
   simulation()->set(name, value);
   palpate::setParameter(*config_.matter, name, value);
 }
@@ -402,7 +403,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
   setSprings(hands);
   const bool realtime = config_.realtime || options.realtime;
   if (bricks_ && model_->far->source().moves() && !realtime)
-    throw Error("'{}' moves by the clock of who serves it; join it against the clock (--realtime)", config_.model.file);
+    throw Error("'{}' moves in real time; join it with --realtime", config_.model.file);
   backend_->setRealtime(realtime);
   std::vector<SessionHand> touching;
   for (const OpenHand& hand : hands)

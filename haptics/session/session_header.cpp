@@ -24,7 +24,7 @@ std::uint64_t fromHex(const std::string& text) {
   std::uint64_t value = 0;
   const char* end = text.data() + text.size();
   const auto [last, error] = std::from_chars(text.data(), end, value, 16);
-  if (error != std::errc() || last != end) throw std::invalid_argument("'" + text + "' is no checksum");
+  if (error != std::errc() || last != end) throw std::invalid_argument("'" + text + "' is not a checksum");
   return value;
 }
 
@@ -113,7 +113,7 @@ void requireEditsOf(const std::filesystem::path& log, std::size_t points, const 
   const std::size_t most = points + record.edits.points.size() + mostMissingEdits(record);
   for (const PointState& state : record.edits.points)
     if (state.number() >= most || state.parent >= most)
-      throw FileError(log, fmt::format("names the point {}, and with all its edits there are {}; it is damaged",
+      throw FileError(log, fmt::format("is damaged: it refers to point {}, but with all its edits there are only {}",
                                        std::max(state.number(), state.parent), most));
 }
 

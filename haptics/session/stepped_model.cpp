@@ -131,7 +131,7 @@ void SteppedModel::restart() {
     return;  // the last reset takes effect with the next step
   sinceRestart_ = {};
   if (!wasFailing) {
-    if (log_) log_->say("the simulation {}: it begins anew", failure);
+    if (log_) log_->say("the simulation {}: it is restarted", failure);
     const std::scoped_lock hold(lock_);
     restarts_ = {.count = restarts_.count + 1, .why = failure};
   }

@@ -29,7 +29,7 @@ struct OpenedStream {
 };
 
 OpenedStream watchRos(const std::string& topic, const StreamConfig& stream, const ModelLoading& loading) {
-  if (!loading.watch) throw Error("{}: topics of ROS are not heard here", topic);
+  if (!loading.watch) throw Error("{}: ROS topics are not supported here", topic);
   std::optional<DepthCamera> intrinsics;
   if (!stream.intrinsics.empty()) intrinsics = readCamera(stream.intrinsics).camera;
   constexpr double kMmPerMetre = 1000;
@@ -44,11 +44,11 @@ OpenedStream watchRos(const std::string& topic, const StreamConfig& stream, cons
 std::shared_ptr<DepthStream> openDevice(const std::string& device, const StreamConfig& stream) {
   if (device == kStandardInput) {
     if (!stream.intrinsics.empty())
-      throw ConfigError("stream.intrinsics", "raw frames say them in their first line; leave it out");
+      throw ConfigError("stream.intrinsics", "raw frames contain them in their first line; leave it out");
     return std::make_shared<DepthPipe>(::fileno(stdin), "standard input", stream.depthScale);
   }
   if (stream.intrinsics.empty())
-    throw ConfigError("stream.intrinsics", "{} says none; give a JSON file with those of the camera", device);
+    throw ConfigError("stream.intrinsics", "{} provides none; give a JSON file with those of the camera", device);
   CameraText camera = readCamera(stream.intrinsics);
   if (stream.depthScale > 0) camera.depthScale = stream.depthScale;
   return openDepthCamera(device, camera);

@@ -156,8 +156,8 @@ TEST_CASE("devices that do not go together with other options are wrong usage") 
   };
   wrong("--device openhaptics", "add --realtime");
   wrong("--device openhaptics --realtime", "say how long with --duration");
-  wrong("--device stick", "'stick' is no device; there is path, sim, replay:FILE");
-  wrong("--device dhd:two --realtime --duration 1", "the number of a device, from 0 on");
+  wrong("--device stick", "'stick' is not a device; there is path, sim, replay:FILE");
+  wrong("--device dhd:two --realtime --duration 1", "is not the number of a device, 0 to 63");
   wrong("--device replay:x.csv --map identity", "--map");
 }
 
@@ -179,7 +179,7 @@ TEST_CASE("a trajectory with forces is replayed, and the forces are compared") {
   CHECK(bad.code == 1);
   CHECK(says(bad.text, "bad.csv:2: 3 columns"));
   std::ofstream(scene.folder / "far.csv") << "0 1e9 2 3\n1 1e9 2 4\n";
-  CHECK(says(palpate(scene.touch("--device replay:" + scene.file("far.csv"))).text, "goes nowhere near the model"));
+  CHECK(says(palpate(scene.touch("--device replay:" + scene.file("far.csv"))).text, "is never near the model"));
 }
 
 TEST_CASE("doctor says what was looked for, what was found, and what is missing") {

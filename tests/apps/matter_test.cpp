@@ -217,8 +217,8 @@ TEST_CASE("what does not go with a scene is refused, and says why") {
   refused("touch jelly --edit push --tool-radius 3", 2, "the cells of the body are 6 mm wide");
   refused("touch dam --tool ball", 2, "--tool: in matter a hand holds the scene's ball");
   refused("touch dam --motion turn", 2, "--motion: matter moves by itself");
-  refused("touch dam --backend cuda", 2, "--backend: cuda feels only what stands still");
-  refused("touch dam --fuse on", 2, "is no recorded depth camera");
+  refused("touch dam --backend cuda", 2, "--backend: cuda requires a model at rest");
+  refused("touch dam --fuse on", 2, "is not a recorded depth camera");
   refused("touch dam --path builtin:scan", 2, "there are press, stir");
   refused("touch " + bad, 1, bad + ": 'salt': is not known");
   refused("info " + bad, 1, bad + ": 'salt': is not known");

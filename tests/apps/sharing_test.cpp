@@ -516,7 +516,7 @@ TEST_CASE(
     CHECK(seen["last_message"].get<std::string>().find("'fine' has restarted") != std::string::npos);
   }
   const std::string said = contentOf(folder / "said");
-  CHECK(said.find(": it begins anew") != std::string::npos);
+  CHECK(said.find(": it is restarted") != std::string::npos);
   CHECK(jsonOf(in("j.json"))["near"]["restarts"] >= 1);
   CHECK(serving.program.wait(SIGINT) == 0);
 }
@@ -566,8 +566,8 @@ TEST_CASE("what joins and cannot be served says so, and so do options that do no
     CHECK(outcome.text.find(words) != std::string::npos);
   };
   refuses("touch a.ply --join city", "is the model");
-  refuses("touch --join city --motion oscillate", "a joined model stays where it is served");
-  refuses("touch --join city --speed 2", "is no recorded depth camera");
+  refuses("touch --join city --motion oscillate", "a joined model cannot be moved");
+  refuses("touch --join city --speed 2", "is not a recorded depth camera");
   refuses("touch --join city --normals estimate", "comes with its normals");
   refuses("touch a.ply --interface lo", "are for --join");
   refuses("touch --join city --domain 231", "231");

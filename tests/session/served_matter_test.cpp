@@ -125,7 +125,7 @@ TEST_CASE("water that fails begins anew, and that is counted and said each time,
   MESSAGE(fmt::format("after {} frames: {}", frames, fmt::join(served.said(), "; ")));
   REQUIRE(served.said().size() == 2);
   CHECK(served.restarts().count == 2);
-  CHECK(served.said()[1] == "the simulation " + served.restarts().why + ": it begins anew");
+  CHECK(served.said()[1] == "the simulation " + served.restarts().why + ": it is restarted");
 }
 
 TEST_CASE("what stands in water is in no frame") {
@@ -282,7 +282,7 @@ TEST_CASE("what is announced as water and is none is refused in words") {
   MatterScene scene = pool();
   scene.spacing_mm = 1e-9;
   CHECK_THROWS_AS(joinedPool(sceneText(scene)), Error);
-  CHECK_THROWS_WITH_AS(joinedPool(sceneText(pool()), 1'000'000), doctest::Contains("has not come"), Error);
+  CHECK_THROWS_WITH_AS(joinedPool(sceneText(pool()), 1'000'000), doctest::Contains("are missing"), Error);
 }
 
 TEST_CASE("a scene goes over a network as text, and what is none is refused") {

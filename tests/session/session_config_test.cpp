@@ -164,7 +164,7 @@ TEST_CASE("a text that is not understood names the field") {
   CHECK(faultOf(replaced(text, "\"device\": \"dhd:1\"", "\"device\": 1")) == "hands[1].device");
   CHECK(faultOf(replaced(text, "\"brush\": {", "\"brush\": 5, \"unused\": {")) == "brush");
   CHECK(faultOf(std::string("[]")) == "config");
-  CHECK(faultOf(std::string("{")).find("no JSON") != std::string::npos);
+  CHECK(faultOf(std::string("{")).find("not valid JSON") != std::string::npos);
 }
 
 TEST_CASE("what is out of its bounds is refused by the name of the field") {
