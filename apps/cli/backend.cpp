@@ -16,13 +16,13 @@ namespace {
 template <class Names>
 auto named(const Names& names, std::string_view name) {
   if (const auto value = valueNamed(names, name)) return *value;
-  throw UsageError("'{}' is no choice", name);  // unreachable: the command line has checked it
+  throw UsageError("'{}' is not a valid choice", name);  // unreachable: the command line has checked it
 }
 
 ToolConfig toolConfig(const BackendOptions& options) {
   ToolConfig tool{.kind = named(kToolKinds, options.tool)};
   if (tool.kind == ToolKind::point && options.toolPoints > 1)
-    throw UsageError("--tool-points: a point is one; take --tool pad, ball or spatula");
+    throw UsageError("--tool-points: requires --tool pad, ball or spatula");
   if (options.toolPoints > 0) tool.points = options.toolPoints;
   if (options.toolSize_mm > 0) tool.size_mm = options.toolSize_mm;
   if (options.toolAxis.empty() || tool.kind == ToolKind::point) return tool;

@@ -81,7 +81,7 @@ std::string aboutError(const Named& named, const CLI::App& app, const CLI::Error
     return fmt::format("{} needs a value", text.substr(0, text.find(':')));
   }
   if (named.command->get_subcommands({}).empty() || named.command->remaining_size() > 0) return error.what();
-  return fmt::format("what shall it do? It knows {}", fmt::join(namesOf(named.command->get_subcommands({})), ", "));
+  return fmt::format("a subcommand is required: {}", fmt::join(namesOf(named.command->get_subcommands({})), ", "));
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST_CASE("a word that nothing is called gets what was probably meant") {
   meant("fly --help", "there is no subcommand 'fly'");
   meant("touch x.ply --edit psuh", "--edit: there is no 'psuh', but push; choose none, push, carve");
   meant("help bench coexsit", "did you mean coexist?");
-  meant("bench", "It knows build, sort,");
+  meant("bench", "a subcommand is required: build, sort,");
 }
 
 TEST_CASE("an option that is given twice, or without its value, is said in words") {
@@ -209,7 +209,8 @@ TEST_CASE("what a session cannot be configured with is said by the flags that as
   refused(touch + "--log x --backend cuda", "--log: back end cuda does not report its edits; use vulkan or cpu");
   refused(touch + "--method direct --backend vulkan",
           "--method: direct is not a method of --backend vulkan, which has fused");
-  refused(touch + "--device dhd:x --realtime --duration 1 --backend cpu", "--device: dhd:x: the number of a device");
+  refused(touch + "--device dhd:x --realtime --duration 1 --backend cpu",
+          "--device: dhd:x: is not the number of a device");
   refused("bench step --sizes 2000 --surface sphere --backend cuda", "--surface: --backend cuda has only average");
   refused("bench edit --models " + model + " --touched 20 --duration 1 --rate 20000",
           "--rate: 20000 is not between 1 and 10000");

@@ -141,7 +141,7 @@ TEST_CASE(
   };
   const std::string info = said("info " + in("block.json") + " --json " + in("i.json"));
   CHECK(info.find("shape matching, not calibrated") != std::string::npos);
-  CHECK(info.find("no stiffness in Pa") != std::string::npos);
+  CHECK(info.find("not a stiffness in Pa") != std::string::npos);
   CHECK(jsonOf(in("i.json"))["preset"] == "shape-matching");
   CHECK(jsonOf(in("i.json"))["young_Pa"].is_null());
   CHECK(jsonOf(in("i.json"))["substeps"] == 1);

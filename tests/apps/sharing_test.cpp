@@ -420,7 +420,7 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
     const std::string join = "touch --join moving" + domain() + " --backend cpu";
     const Outcome still = palpate(join + " --duration 0.1");
     CHECK(still.code == 1);
-    CHECK(still.text.find("join it against the clock") != std::string::npos);
+    CHECK(still.text.find("join it with --realtime") != std::string::npos);
     works(join + " --realtime --path " + in("rest.csv") + " --trace " + in("t.csv") + " --json " + in("j.json"));
     // A hand at rest in the middle of the path is pressed half of the time, as deep as the surface passes over it.
     std::ifstream trace(in("t.csv"));
@@ -534,7 +534,7 @@ TEST_CASE("water is served: a far hand feels what it does to a ball, its ball is
   const std::string touch = "touch" + join + " --backend cpu --realtime --path builtin:press";
   const Outcome still = palpate("touch" + join + " --backend cpu --duration 0.1");
   CHECK(still.code == 1);
-  CHECK(still.text.find("join it against the clock") != std::string::npos);
+  CHECK(still.text.find("join it with --realtime") != std::string::npos);
   works(touch + " --duration 2 --trace " + in("t.csv") + " --json " + in("j.json"));
   const Result felt = jsonOf(in("j.json"));
   MESSAGE("of " << felt["ticks"] << " ticks " << felt["contact_ticks"] << " had a force, of at most "
@@ -568,11 +568,11 @@ TEST_CASE("what joins and cannot be served says so, and so do options that do no
   refuses("touch a.ply --join city", "is the model");
   refuses("touch --join city --motion oscillate", "a joined model cannot be moved");
   refuses("touch --join city --speed 2", "is not a recorded depth camera");
-  refuses("touch --join city --normals estimate", "comes with its normals");
-  refuses("touch a.ply --interface lo", "are for --join");
+  refuses("touch --join city --normals estimate", "has its own normals");
+  refuses("touch a.ply --interface lo", "require --join");
   refuses("touch --join city --domain 231", "231");
   refuses("touch --join city --interface 'x y'", "neither the name of an interface");
-  refuses("touch a.ply --near", "are for --join");
+  refuses("touch a.ply --near", "require --join");
   refuses("doctor --domain 3", "are for --network");
   refuses("render -o " + (folder / "p.png").string(), "a session with --join");
   const std::string model = (folder / "s.ply").string();
