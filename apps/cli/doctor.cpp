@@ -281,7 +281,7 @@ void doctor(Context& context, const DoctorOptions& options) {
     return;
   }
   if (options.which.config() != NetworkConfig{})
-    throw UsageError("--interface, --peer, --domain and --security are for --network, which lists sessions");
+    throw UsageError("--interface, --peer, --domain and --security require --network, which lists sessions");
   std::FILE* out = context.tables();
   Json result{{"gpus", gpus(out)}};
   result["haptics"] = hapticDevices(out);

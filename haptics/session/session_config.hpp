@@ -126,7 +126,7 @@ struct HandConfig {
   bool operator==(const HandConfig&) const = default;
 };
 
-/// Rigid motion of the model as a function of the session's time; it is at rest at time 0.
+/// Rigid motion of the model as a function of the session's time; at time 0 it is in its rest position.
 struct MotionConfig {
   MotionKind kind = MotionKind::oscillate;
   DVec3 axis{0, 0, 1};         ///< of translation, or of rotation, through the middle; of any length

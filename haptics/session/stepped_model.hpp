@@ -21,7 +21,7 @@ class SteppedModel {
   struct Parts {
     const BackendKind& backend;  ///< simulates the matter
     unsigned threads = 0;        ///< on the CPU; 0: one per core
-    Log* log = nullptr;          ///< for frames that are not fused, and restarts; outlives it
+    Log* log = nullptr;          ///< for frames that are not fused, and restarts; must outlive it
   };
   /// Throws Error, ConfigError.
   SteppedModel(const SessionConfig& config, std::shared_ptr<const Model> model, const Parts& parts);

@@ -133,7 +133,7 @@ TEST_CASE("keys that cannot be used are refused before anything is sent, and so 
   refuses("keys " + in("lab") + " --name a/b", 2, "is not a valid holder's name");
   refuses("keys " + in("lab") + " --name b --days 0", 2, "--days");
   refuses("touch a.ply --security " + in("lab/a"), 2, "require --join");
-  refuses("doctor --security " + in("lab/a"), 2, "are for --network");
+  refuses("doctor --security " + in("lab/a"), 2, "require --network");
   std::filesystem::permissions(folder / "lab" / "a" / "key.pem", std::filesystem::perms::others_read,
                                std::filesystem::perm_options::add);
   for (const std::string& command :

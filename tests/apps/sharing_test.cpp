@@ -573,7 +573,7 @@ TEST_CASE("what joins and cannot be served says so, and so do options that do no
   refuses("touch --join city --domain 231", "231");
   refuses("touch --join city --interface 'x y'", "neither the name of an interface");
   refuses("touch a.ply --near", "require --join");
-  refuses("doctor --domain 3", "are for --network");
+  refuses("doctor --domain 3", "require --network");
   refuses("render -o " + (folder / "p.png").string(), "a session with --join");
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 1000 -o " + model);
