@@ -52,7 +52,7 @@ class AskedHands {
 
   Session& session_;
   double budget_us_;
-  std::vector<ForceLaw> laws_;  // one for each hand, as the next two
+  std::vector<ForceLaw> laws_;  // one for each hand, as in the next two
   std::vector<AskedTick> hands_;
   std::vector<ForceGate> gates_;  // if the information about the surface may be old
   TickObserver takesEdits_;

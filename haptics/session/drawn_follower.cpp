@@ -8,7 +8,7 @@ namespace palpate {
 
 DrawnFollower::DrawnFollower(Device& sight, const Model& model, TouchBackend& backend)
     : backend_(backend), sameGpu_(backend.framesOn(sight)) {
-  // If the number of new points is unlimited, at most this many are drawn.
+  // Minimum room for new points if their number is unlimited.
   constexpr std::size_t kMinNew = 1 << 16;
   const EditScope scope = backend.editScope();
   const auto most = static_cast<std::uint32_t>(std::max(kMinNew, model.cloud.size()));

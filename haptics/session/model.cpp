@@ -109,7 +109,7 @@ void placeInScene(Model& model, const MatterScene& scene) {
 
 // Particles fill a body: their distances do not describe a surface.
 void drawAsMatter(Model& model, const MatterScene& scene) {
-  constexpr double kDisc_spacings = 0.85;  // 2/3 would close a lattice at rest
+  constexpr double kDisc_spacings = 0.85;  // two thirds would close a lattice at rest
   model.spacing = model.wideSpacing = particleSpacing_mm(scene);
   model.noise = 0;
   model.discRadius = kDisc_spacings * model.spacing;
