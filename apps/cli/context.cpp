@@ -84,8 +84,9 @@ void Context::writeJson(const Json& result) const {
 void Context::checkWritable(const std::string& file) {
   std::error_code ignored;
   const auto status = std::filesystem::status(file, ignored);
-  const bool isPipe = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
-                      !std::filesystem::is_directory(status);  // its reader would take the trial for the end
+  const bool isPipe =
+      std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+      !std::filesystem::is_directory(status);  // its reader would mistake the probe for the end of the data
   if (!file.empty() && !isPipe) AtomicFile probe(file);
 }
 

@@ -98,7 +98,7 @@ void chooseBackend(const Context& context, BackendOptions& options) {
   options.backend = means ? "vulkan" : palpate::chooseBackend(context, options);
 }
 
-/// Creates the drawn cloud if the answering GPU also draws it, which follows the session. Sets `made` to it.
+/// Maker of the drawn cloud that follows the session, if the answering GPU also draws it. It sets `made`.
 FollowerMaker sightFor(Context& context, const TouchCommandOptions& options, DrawnFollower*& made) {
   if (options.pictureFile.empty() || options.backend.backend != "vulkan") return {};
   return [&](const Model& model, TouchBackend& backend) {
