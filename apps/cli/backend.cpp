@@ -16,13 +16,13 @@ namespace {
 template <class Names>
 auto named(const Names& names, std::string_view name) {
   if (const auto value = valueNamed(names, name)) return *value;
-  throw UsageError("'{}' is no choice", name);  // the command line has let none through
+  throw UsageError("'{}' is not a valid choice", name);  // unreachable: the command line has checked it
 }
 
 ToolConfig toolConfig(const BackendOptions& options) {
   ToolConfig tool{.kind = named(kToolKinds, options.tool)};
   if (tool.kind == ToolKind::point && options.toolPoints > 1)
-    throw UsageError("--tool-points: a point is one; take --tool pad, ball or spatula");
+    throw UsageError("--tool-points: requires --tool pad, ball or spatula");
   if (options.toolPoints > 0) tool.points = options.toolPoints;
   if (options.toolSize_mm > 0) tool.size_mm = options.toolSize_mm;
   if (options.toolAxis.empty() || tool.kind == ToolKind::point) return tool;
@@ -31,7 +31,7 @@ ToolConfig toolConfig(const BackendOptions& options) {
   return tool;
 }
 
-// One of several words, of which the help shows the one that is taken unless another is given.
+// Adds an option with several choices; the help shows the default.
 void addChoice(Options& sub, const char* name, std::string& value, std::vector<std::string> values, const char* what) {
   sub.add(name, value, what).check(oneOf(std::move(values))).showDefault();
 }

@@ -1,4 +1,4 @@
-// Which machine answers the poses, and by which method: the options that touch and bench share.
+// Options that choose the answering machine and its method, shared by touch and bench.
 #pragma once
 
 #include "apps/cli/model.hpp"
@@ -10,43 +10,41 @@ namespace palpate {
 
 struct BackendOptions {
   std::string backend = "vulkan", index = "incremental", bucketKey = "teschner", sort = "counting", ahead = "auto";
-  std::string method, surface, wait;  ///< empty: the back end's own choice
+  std::string method, surface, wait;  ///< empty: the back end's default
   bool deterministic = false, realtime = false;
   std::string radius = "auto";
   double cell_mm = 0, grid = 0;
   double friction = 0;
-  std::string tool = "point", toolAxis;  ///< what touches; the axis empty: -z
-  std::size_t toolPoints = 0;            ///< 0: the usual number where the tool has many
-  double toolSize_mm = 0;                ///< 0: the usual size
+  std::string tool = "point", toolAxis;  ///< empty axis: -z
+  std::size_t toolPoints = 0;            ///< 0: the default number, if the tool has many
+  double toolSize_mm = 0;                ///< 0: the default size
   bool timePasses = false;
-  std::optional<std::uint32_t> spareSlots;  ///< of an index that follows edits; no option of a session
+  std::optional<std::uint32_t> spareSlots;  ///< of an index that follows edits; not an option of a session
 };
-/// Who answers, by which method, and how it is waited for.
+/// Back end, method and index, with addIndexOptions().
 void addBackendOptions(Options& command, BackendOptions& options);
-/// What the points define, and how it is felt: --surface, --friction and --radius. addBackendOptions() does not add
-/// them.
+/// Surface, friction and support radius: --surface, --friction and --radius; not included in addBackendOptions().
 void addSurfaceOptions(Options& command, BackendOptions& options);
 void addRadiusOption(Options& command, BackendOptions& options);
-/// What touches: --tool and what it looks like. addBackendOptions() does not add them.
+/// The tool: --tool and its shape; not included in addBackendOptions().
 void addToolOptions(Options& command, BackendOptions& options);
-/// What the options say of a session's back end, index, surface and tool, and whether it is in real time. Throws
-/// UsageError.
+/// Sets a session's back end, index, surface, tool and real time from the options. Throws UsageError.
 void setBackend(SessionConfig& config, const BackendOptions& options);
-/// How the index is laid out and built, and how the GPU is waited for; addBackendOptions() adds them, too.
+/// Layout and build of the index, and the wait for the GPU; included in addBackendOptions().
 void addIndexOptions(Options& command, BackendOptions& options);
-/// The back end that answers: the one that is named or, for `auto`, what the other options leave: Vulkan on a GPU, and
-/// the CPU where there is none or only a software driver, which is slower than the CPU by far and feels the same.
-/// Throws GpuError for a GPU that is asked for by name and not there.
+/// The name of the answering back end: the given one or, for `auto`, the one that the other options require, else
+/// Vulkan on a GPU, or the CPU if there is none or only a software driver, which is far slower and feels the same.
+/// Throws GpuError for a GPU that is requested by name and missing.
 std::string chooseBackend(const Context& context, const BackendOptions& options);
-/// The back ends that this program has.
+/// Names of this program's back ends.
 std::vector<std::string> backendChoices();
-/// Throws ConfigError for what the back end cannot do; before anything is loaded.
+/// Throws ConfigError for options that the back end does not support; before anything is loaded.
 void checkBackendOptions(const Context& context, const BackendOptions& options);
 
-/// The surface and the support radius that the options ask for.
+/// The surface and support radius according to the options.
 SurfaceOptions surfaceOptions(Context& context, const Model& model, const BackendOptions& options);
 
-/// The grid that the options ask for.
+/// The grid according to the options.
 HashGrid gridFor(Context& context, const Model& model, const BackendOptions& options);
 
 }  // namespace palpate

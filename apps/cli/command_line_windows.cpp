@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-// The words that main() gets are in the letters of the country, and names of files may have others.
+// main() receives its arguments in the local code page, which cannot represent all file names.
 std::vector<std::string> commandLine(int argc, char** argv) {
   ::SetConsoleOutputCP(CP_UTF8);
   int count = 0;

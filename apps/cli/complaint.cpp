@@ -26,7 +26,7 @@ std::vector<std::string> namesOf(const std::vector<const CLI::App*>& apps) {
   return names;
 }
 
-// The innermost command that was named, and how it was.
+// The innermost command on the command line, and the words that lead to it.
 struct Named {
   const CLI::App* command;
   std::string words;
@@ -50,7 +50,7 @@ std::string noSubcommand(const CLI::App& command, const std::string& word) {
                      question(nearestName(word, namesOf(command.get_subcommands({})))));
 }
 
-// What was not expected.
+// Describes an unexpected word.
 std::string aboutWord(const CLI::App& app, const CLI::App& command, const std::string& word) {
   if (word.starts_with("-")) {
     const std::string name = word.substr(0, word.find('='));
@@ -63,7 +63,7 @@ std::string aboutWord(const CLI::App& app, const CLI::App& command, const std::s
   return noSubcommand(command, word);
 }
 
-// The option that has fewer or more values than it takes, and how it has. Empty where there is none.
+// Describes an option with too many values. Empty if there is none.
 std::string aboutValues(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     const auto most = static_cast<std::size_t>(option->get_items_expected_max());
@@ -81,7 +81,7 @@ std::string aboutError(const Named& named, const CLI::App& app, const CLI::Error
     return fmt::format("{} needs a value", text.substr(0, text.find(':')));
   }
   if (named.command->get_subcommands({}).empty() || named.command->remaining_size() > 0) return error.what();
-  return fmt::format("what shall it do? It knows {}", fmt::join(namesOf(named.command->get_subcommands({})), ", "));
+  return fmt::format("a subcommand is required: {}", fmt::join(namesOf(named.command->get_subcommands({})), ", "));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What is wrong with a command line that could not be read.
+// Error messages about invalid command lines.
 #pragma once
 
 #include <string>
@@ -11,17 +11,17 @@ class Error;
 
 namespace palpate {
 
-/// What nobody expected, in front; empty where all was.
+/// The first unexpected word; empty if there is none.
 std::string firstUnexpected(const CLI::App& app);
 
-/// The subcommand of that name; null where there is none.
+/// The subcommand of that name; null if there is none.
 const CLI::App* subcommandOf(const CLI::App& app, const std::string& name);
 
-/// A sentence about it, what was probably meant, and where help is. A word that nobody expected comes first: what is
-/// missing may be what it was meant to be.
+/// A sentence about the error, with the probably intended word and the help command. An unexpected word is reported
+/// first: it may be a misspelt form of what is missing.
 std::string complaint(const CLI::App& app, const CLI::Error& error);
 
-/// The command line that shows the help of the command that `names` lead to. Throws UsageError where there is none.
+/// The command line that shows the help of the command that `names` lead to. Throws UsageError if there is none.
 std::vector<std::string> helpOf(const CLI::App& app, std::vector<std::string> names);
 
 }  // namespace palpate

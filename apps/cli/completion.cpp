@@ -11,7 +11,7 @@ namespace {
 
 bool isOption(const std::string& word) { return word.size() > 1 && word.starts_with("-"); }
 
-// The words that an option chooses from, which stand between braces in the help: "TEXT:{push,carve}".
+// The choices of an option, which stand between braces in the help: "TEXT:{push,carve}".
 std::vector<std::string> choicesOf(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const std::size_t from = type.find('{'), to = type.find('}');
@@ -25,11 +25,11 @@ std::vector<std::string> choicesOf(const CLI::Option& option) {
   return choices;
 }
 
-// Where in the command line the word stands that is being written.
+// Position of the incomplete word in the command line.
 struct Place {
-  std::vector<const CLI::App*> commands;  // the innermost last; each takes the options of those above
-  const CLI::Option* option = nullptr;    // whose value it is, or may be
-  std::size_t positionals = 0;            // those before
+  std::vector<const CLI::App*> commands;  // the innermost last; each accepts the options of those above
+  const CLI::Option* option = nullptr;    // whose value the word is, or may be
+  std::size_t positionals = 0;            // number of those before it
 
   const CLI::App& command() const { return *commands.back(); }
 
@@ -56,7 +56,7 @@ struct Place {
       ++positionals;
   }
 
-  // The one that stands by its place, if there is one left.
+  // The next positional option; null if there is none left.
   const CLI::Option* positional() const {
     std::size_t place = 0;
     for (const CLI::Option* candidate : command().get_options())
@@ -65,7 +65,7 @@ struct Place {
   }
 };
 
-// What help shows.
+// Names of the options that help shows.
 std::vector<std::string> optionNames(const Place& place) {
   std::vector<std::string> names;
   for (const CLI::App* app : place.commands)

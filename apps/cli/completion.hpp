@@ -1,4 +1,4 @@
-// What a shell offers while a command line is typed.
+// Completions that a shell offers for an incomplete command line.
 #pragma once
 
 #include <string>
@@ -12,11 +12,11 @@ namespace palpate {
 
 struct Completions {
   std::vector<std::string> words;
-  bool files = true;  ///< whether the name of a file may stand there, too
+  bool files = true;  ///< a file name is possible, too
 };
 
-/// What may stand in place of the last of `words`, as far as that is written; they follow the name of the program, and
-/// may be split at "=" as bash splits them.
+/// Completions of the last of `words`, which may be incomplete. The words follow the program's name, and may be split
+/// at "=" as bash splits them.
 Completions completionsOf(const CLI::App& app, const std::vector<std::string>& words);
 
 }  // namespace palpate

@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-// What belongs to each hand is said of all of them at once, but for these of the second one.
+// Flags of hands apply to all of them, except those of the second hand.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 62> kFlags{{
     {"model.mm_per_unit", "--mm-per-unit"},
     {"model.normals", "--normals"},
@@ -89,7 +89,7 @@ std::string ofAnyHand(std::string_view field) {
   return std::string(field.substr(0, open)) + std::string(field.substr(close + 1));
 }
 
-// Empty where no flag sets the field.
+// Empty if no flag sets the field.
 std::string_view flagOf(std::string_view field) {
   for (const std::string& name : {std::string(field), ofAnyHand(field)})
     for (const auto& [known, flag] : kFlags)
@@ -109,7 +109,7 @@ std::string inFlags(const ConfigError& error, const Options& command) {
   for (std::size_t at = 0; at < text.size();) {
     std::size_t end = at;
     while (end < text.size() && isOfName(text[end])) ++end;
-    // Past the field that it begins with, a sentence names others by their paths; "hands" in it are hands.
+    // After the field at its beginning, a sentence names others by their paths; a plain "hands" in it is a word.
     const std::string_view word = text.substr(at, end - at);
     const bool isField = at == 0 || word.find('.') != word.npos;
     const std::string_view flag = isField ? flagOf(word) : std::string_view{};

@@ -1,4 +1,4 @@
-// Errors of a session's configuration as somebody reads them who has typed flags.
+// Errors of a session's configuration in terms of flags.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@ namespace palpate {
 
 class Options;
 
-/// What is wrong, with each field under the name of the flag that sets it, where `command` has that flag. A command
-/// that has none of it reads its configuration elsewhere, as from a session log: there the fields keep their own names.
+/// The error's text, with each field replaced by the flag that sets it, if `command` has that flag. A command without
+/// it reads its configuration elsewhere, as from a session log: there the fields keep their names.
 std::string inFlags(const ConfigError& error, const Options& command);
 
 }  // namespace palpate

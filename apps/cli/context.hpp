@@ -1,4 +1,4 @@
-// What every subcommand shares: the common options, the log, the GPU, and the machine-readable result.
+// State shared by all subcommands: the common options, the log, the GPU, and the machine-readable result.
 #pragma once
 
 #include <functional>
@@ -24,34 +24,35 @@ class Context {
   void addOptions(Options& app);
 
   Log& log();
-  /// The GPU that --gpu or PALPATE_GPU names, opened at first use.
+  /// The GPU named by --gpu or PALPATE_GPU, opened at first use.
   Device& device();
-  /// Whether the GPU that device() opens is one, and not a software driver. Opens nothing. False where there is none
-  /// that palpate could use; throws GpuError where one is asked for by name.
+  /// Whether device() opens a real GPU, not a software driver. Opens nothing. False if there is no usable one; throws
+  /// GpuError if one is requested by name.
   bool hasRealGpu() const;
-  /// Another GPU, for sight alone, that `gpu` names (DeviceOptions), opened at its first use. The same one each time.
+  /// Another GPU, only for display, named by `gpu` (DeviceOptions), opened at its first use. The same one each time.
   Device& sightDevice(const std::string& gpu);
-  /// GPUs that are opened from now on can show pictures in windows of a system that needs these instance extensions.
+  /// Lets GPUs opened from now on show pictures in windows of a system that requires these instance extensions.
   void showInWindows(std::vector<std::string> extensions) {
     shows_ = true;
     windowExtensions_ = std::move(extensions);
   }
-  /// How the queues of device() are shared from now on: an open GPU is closed, once all that was made from it is gone.
+  /// Sets how the queues of device() are shared: an open GPU is closed. Requires that all objects made from it are
+  /// destroyed.
   void arrange(QueueArrangement queues);
   unsigned threads() const { return threads_; }
-  /// The back ends that this program has.
+  /// This program's back ends.
   const Backends& backends() const { return *backends_; }
 
-  /// By --gpu or --validate.
+  /// Whether --gpu or --validate is given.
   bool asksForGpu() const { return !gpu_.empty() || !validate_.empty(); }
-  /// Throws UsageError or FileError where --json names a file that is not written (checkOutput()).
+  /// Throws UsageError or FileError if --json names a file that cannot be written (checkOutput()).
   void checkJson() const;
-  /// Sends the result where --json says; nothing without it.
+  /// Writes the result to the target of --json, if it is given.
   void writeJson(const Json& result) const;
-  /// With --json - stdout belongs to the result, and tables go to stderr.
+  /// With --json - stdout is reserved for the result, and tables go to stderr.
   std::FILE* tables() const { return json_ == "-" ? stderr : stdout; }
 
-  /// Closes the GPUs; says how many validation messages there were.
+  /// Closes the GPUs; returns the number of validation messages.
   std::size_t closeDevices();
 
  private:
@@ -66,15 +67,15 @@ class Context {
   bool shows_ = false;
   std::vector<std::string> windowExtensions_;
   QueueArrangement queues_ = QueueArrangement::separate;
-  std::size_t messages_ = 0;  // of the GPUs that are closed
+  std::size_t messages_ = 0;  // of the closed GPUs
   std::unique_ptr<Device> device_, sightDevice_;
   std::unique_ptr<Backends> backends_;
 };
 
-/// What main() runs after the command line has been read.
+/// The function that main() runs after the command line has been read.
 using Command = std::function<void()>;
 
-/// Each file of apps/cli adds its subcommand: options, help, and what to do.
+/// Each file of apps/cli adds its subcommand: options, help, and function.
 void addInfo(Options& app, Context& context, Command& command);
 void addMake(Options& app, Context& context, Command& command);
 void addSimulate(Options& app, Context& context, Command& command);
@@ -89,10 +90,10 @@ void addMesh(Options& app, Context& context, Command& command);
 void addBench(Options& app, Context& context, Command& command);
 void addDoctor(Options& app, Context& context, Command& command);
 
-/// Throws Error when what was printed did not reach stdout.
+/// Throws Error if output could not be written to stdout.
 void checkStdout();
 
-/// Reads "x,y,z". Throws UsageError that names `option`.
+/// Parses "x,y,z". Throws UsageError that names `option`.
 DVec3 parseVec3(const std::string& text, const std::string& option);
 
 }  // namespace palpate

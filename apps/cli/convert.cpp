@@ -33,7 +33,7 @@ bool ontoItself(const ConvertOptions& options) {
   return std::filesystem::equivalent(options.input, options.output, ignored);
 }
 
-// What exists is not destroyed unasked; a device or a pipe can be written to.
+// Existing files are replaced only on request; a device or a pipe can be written to.
 void checkTarget(const ConvertOptions& options) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(options.output, ignored) || options.force) return;
@@ -41,7 +41,7 @@ void checkTarget(const ConvertOptions& options) {
               ontoItself(options) ? "is the file that is read" : "exists");
 }
 
-// Attributes by the names that they have in the file.
+// Names of the attributes in the file.
 std::vector<std::string> attributesOf(const StoredCloud& stored) {
   const PointCloud& cloud = stored.cloud;
   std::vector<std::string> names{"positions"};
@@ -52,14 +52,14 @@ std::vector<std::string> attributesOf(const StoredCloud& stored) {
   return names;
 }
 
-// What was read, with its format, and what is to be said of it besides in the machine-readable result.
+// The input, its format, and further counts for the machine-readable result.
 struct ConvertInput {
   StoredCloud stored;
   std::string format;
   std::vector<std::pair<std::string_view, std::uint64_t>> counts = {};
 };
 
-// Names of columns as they were given.
+// Column names from the command line.
 std::vector<std::string> columnsOf(const ConvertOptions& options, const CloudFormat& from) {
   if (options.columns.empty()) return {};
   if (!from.isText) throw UsageError("--columns is of files of text; {} says itself what it holds", from.name);
@@ -102,7 +102,7 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
 }
 
 void convert(Context& context, const ConvertOptions& options) {
-  // Says what it is not, before all else.
+  // Rejects foreign files first.
   checkRosHearing(options.network, options.input);
   if (!isRosModel(options.input)) refuseForeign(options.input);
   const CloudFormat& to = cloudFormats().toWrite(options.output);
@@ -118,7 +118,7 @@ void convert(Context& context, const ConvertOptions& options) {
   std::vector<std::string> lost = lostOnTheWay(stored, to);
   if (!stored.leftOut.empty()) lost.push_back(stored.leftOut + " (--drop-unreliable)");
   const std::vector<std::string> kept = attributesOf(stored);
-  // Before it is gone.
+  // Reports losses before the file is written.
   if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
   markAsOurs(stored.cloud);
   if (const auto unit = valueNamed(kLengthUnits, options.unit)) setUnit(stored.cloud.storedAs.comments, *unit);

@@ -101,7 +101,7 @@ Json describe(std::FILE* out, const DriverFinding& driver) {
   fmt::print(out, "--device {}: {}\n", driver.option, driver.product);
   Json attempts = Json::array();
   for (const VendorLibrary::Attempt& attempt : driver.attempts) {
-    // The loader begins with the name where it has nothing better to say.
+    // Some errors of the loader begin with the name already.
     fmt::print(out, "  {}\n",
                attempt.error.starts_with(attempt.name) ? attempt.error : attempt.name + ": " + attempt.error);
     attempts.push_back({{"name", attempt.name}, {"error", attempt.error}});
@@ -117,9 +117,9 @@ Json describe(std::FILE* out, const DriverFinding& driver) {
   if (driver.device) {
     const HapticDeviceFacts& facts = *driver.device;
     const DVec3 size_mm = facts.workspaceMax_mm - facts.workspaceMin_mm;
-    fmt::print(out, "  {}, serial number {}, driver {}\n", facts.model,
-               facts.serial.empty() ? "not told" : facts.serial, facts.driver.empty() ? "not told" : facts.driver);
-    fmt::print(out, "  workspace {:.0f} x {:.0f} x {:.0f} mm, peak force {:.3g} N, {:.3g} N for long, ready\n",
+    fmt::print(out, "  {}, serial number {}, driver {}\n", facts.model, facts.serial.empty() ? "unknown" : facts.serial,
+               facts.driver.empty() ? "unknown" : facts.driver);
+    fmt::print(out, "  workspace {:.0f} x {:.0f} x {:.0f} mm, peak force {:.3g} N, {:.3g} N continuous, ready\n",
                size_mm.x, size_mm.y, size_mm.z, driver.limits.peakForce_N, driver.limits.continuousForce_N);
     json["device"] = {{"model", facts.model},
                       {"serial", facts.serial},
@@ -134,14 +134,14 @@ Json describe(std::FILE* out, const DriverFinding& driver) {
   return json;
 }
 
-/// A command for each permission that is missing, once.
+/// Collects the commands that grant missing permissions, each once.
 class Mending {
  public:
   void add(const std::string& command) {
     if (!command.empty() && std::ranges::find(commands_, command) == commands_.end()) commands_.push_back(command);
   }
   Json print(std::FILE* out) const {
-    if (!commands_.empty()) fmt::print(out, "To mend what is missing:\n");
+    if (!commands_.empty()) fmt::print(out, "To grant missing permissions:\n");
     for (const std::string& command : commands_) fmt::print(out, "  {}\n", command);
     return commands_;
   }
@@ -157,7 +157,7 @@ Json hapticDevices(std::FILE* out) {
     json["drivers"].push_back(describe(out, driver));
   const std::vector<NodeFinding> nodes = surveySerialPorts();
   for (const NodeFinding& node : nodes) {
-    fmt::print(out, "{}: {}, {}\n", node.path, node.what, node.usable ? "usable" : "not for this user");
+    fmt::print(out, "{}: {}, {}\n", node.path, node.what, node.usable ? "usable" : "no permission for this user");
     json["nodes"].push_back({{"path", node.path}, {"what", node.what}, {"usable", node.usable}, {"mend", node.mend}});
     mending.add(node.mend);
   }
@@ -180,7 +180,7 @@ Json hapticDevices(std::FILE* out) {
   for (const auto& trouble : json["troubles"]) fmt::print(out, "{}\n", trouble.get<std::string>());
   const bool priority = RealtimePriority().granted();
   fmt::print(out, "Real-time priority for the servo loop: {}\n",
-             priority ? "granted" : "not for this user; ticks come as the scheduler likes");
+             priority ? "granted" : "not permitted for this user; the scheduler may delay ticks");
   json["realtime_priority"] = priority;
   if (!priority)
     mending.add("echo \"$USER - rtprio 60\" | sudo tee /etc/security/limits.d/90-palpate.conf   # then log in again");
@@ -194,21 +194,21 @@ struct DoctorOptions {
   NetworkOptions which;
 };
 
-// The sessions that others serve.
+// Sessions on the network.
 Json network(std::FILE* out, const NetworkConfig& config) {
   constexpr double kListen_s = 2;
   const auto [seen, keyHolders] = surveyNetwork(config, kListen_s);
-  fmt::print(out, "Sessions that are served on {}{}: {}\n",
+  fmt::print(out, "Sessions on {}{}: {}\n",
              config.interface.empty() ? "this machine" : "the network of " + config.interface,
              config.security.empty() ? "" : " for holders of keys", seen.size());
   Json json = Json::array();
   for (const SeenSession& session : seen) {
     const double lost_percent = session.pings ? 100 * (1 - static_cast<double>(session.answered) / session.pings) : 0;
-    const std::string way =
-        !session.fits ? fmt::format("of another version of palpate ({}), and cannot be joined", session.version)
-        : session.roundTrip_ms ? fmt::format("round trip {:.2f} ms, {:.0f} % of {} pings lost", *session.roundTrip_ms,
-                                             lost_percent, session.pings)
-                               : "no ping came back";
+    const std::string way = !session.fits
+                                ? fmt::format("another version of palpate ({}), cannot be joined", session.version)
+                            : session.roundTrip_ms ? fmt::format("round trip {:.2f} ms, {:.0f} % of {} pings lost",
+                                                                 *session.roundTrip_ms, lost_percent, session.pings)
+                                                   : "no reply to pings";
     fmt::print(out, "  {}: {} points of {}, by {}; {}\n", session.name, session.points, session.model, session.host,
                way);
     json.push_back({{"name", session.name},
@@ -224,17 +224,17 @@ Json network(std::FILE* out, const NetworkConfig& config) {
   }
   if (keyHolders && seen.empty())
     fmt::print(out,
-               "There are programs with keys, and what they serve is seen with keys of the same authority alone "
+               "There are programs with keys; their sessions are visible only with keys of the same authority "
                "(--security)\n");
   return json;
 }
 
 Json servoPace(std::FILE* out, const DoctorOptions& options) {
   const PaceCheck check = checkPace(options.rate_Hz, options.servo_s);
-  fmt::print(out, "Servo loop with nothing to do, {:g} s at {:g} Hz: {} of {} ticks missed{}\n", options.servo_s,
-             options.rate_Hz, check.missed, check.ticks + check.missed,
+  fmt::print(out, "Empty servo loop, {:g} s at {:g} Hz: {} of {} ticks missed{}\n", options.servo_s, options.rate_Hz,
+             check.missed, check.ticks + check.missed,
              check.realtimePriority ? "" : " (no real-time priority was granted)");
-  fmt::print(out, "  woken late by     {}\n  core taken away   {}\n", inWords(check.late_us),
+  fmt::print(out, "  wake-up latency   {}\n  preempted         {}\n", inWords(check.late_us),
              inWords(check.scheduling));
   return {{"rate_Hz", options.rate_Hz},
           {"ticks", check.ticks},
@@ -244,7 +244,7 @@ Json servoPace(std::FILE* out, const DoctorOptions& options) {
           {"servo_thread", toJson(check.scheduling)}};
 }
 
-// How each GPU serves the display, if there is one.
+// Way in which each GPU can show pictures on the display, if there is one.
 Json display(std::FILE* out) {
   try {
     const Window window({64, 64}, "palpate", false);
@@ -255,11 +255,13 @@ Json display(std::FILE* out) {
       VkPhysicalDeviceProperties properties;
       vkGetPhysicalDeviceProperties(gpu, &properties);
       const bool copies = found.presentation == Presentation::copy;
-      const std::string why = !copies ? "" : takesCopies(window) ? found.why : found.why + ", and this is no X display";
+      const std::string why = !copies               ? ""
+                              : takesCopies(window) ? found.why
+                                                    : found.why + ", and this is not an X display";
       fmt::print(out, "Display: {} {}\n", properties.deviceName,
-                 !copies               ? "presents its pictures there (--present swapchain)"
-                 : takesCopies(window) ? "has its pictures copied there (--present copy): " + why
-                                       : "shows nothing there: " + why);
+                 !copies               ? "presents pictures directly (--present swapchain)"
+                 : takesCopies(window) ? "has its pictures copied (--present copy): " + why
+                                       : "cannot show pictures: " + why);
       json.push_back({{"gpu", properties.deviceName},
                       {"present", !copies               ? Json("swapchain")
                                   : takesCopies(window) ? Json("copy")
@@ -279,7 +281,7 @@ void doctor(Context& context, const DoctorOptions& options) {
     return;
   }
   if (options.which.config() != NetworkConfig{})
-    throw UsageError("--interface, --peer, --domain and --security are for --network, which lists sessions");
+    throw UsageError("--interface, --peer, --domain and --security require --network, which lists sessions");
   std::FILE* out = context.tables();
   Json result{{"gpus", gpus(out)}};
   result["haptics"] = hapticDevices(out);
@@ -291,9 +293,9 @@ void doctor(Context& context, const DoctorOptions& options) {
   } catch (const Error&) {
     context.writeJson(result);
     fmt::print(out,
-               "No GPU will do: touch, convert, info and simulate work on the processor; pictures and the window "
-               "need a Vulkan driver, which may be a software one (package mesa-vulkan-drivers)\n");
-    throw;  // says what is wrong
+               "No usable GPU: touch, convert, info and simulate work on the processor; pictures and the window "
+               "require a Vulkan driver, which may be a software one (package mesa-vulkan-drivers)\n");
+    throw;  // reports the reason
   }
   fmt::print(out, "GPU in use: {}. palpate can run here.\n", context.device().name());
   context.writeJson(result);

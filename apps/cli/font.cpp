@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-// As ImGui has them: pairs of the first and the last one, and a zero.
+// Ranges as in ImGui: pairs of the first and the last letter, and a zero.
 bool hasAll(const ImFont& font, std::span<const unsigned short> letters) {
   for (std::size_t k = 0; k + 1 < letters.size(); k += 2)
     for (unsigned letter = letters[k]; letter <= letters[k + 1]; ++letter)
@@ -27,7 +27,7 @@ void addFont(ImFontAtlas& atlas, float height_px, Texels texels, std::span<const
     return !std::filesystem::exists(file, ignored);
   });
   const ImWchar* const ranges = letters.empty() ? nullptr : letters.data();
-  // Large ones are read where letters are missing from those before them.
+  // Further fonts, which may be large, are read only if letters are missing in those before them.
   for (std::size_t count = 1;; ++count) {
     atlas.Clear();
     if (files.empty()) atlas.AddFontDefault();

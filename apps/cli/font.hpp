@@ -1,4 +1,4 @@
-// The letters of panels and pictures.
+// Fonts of panels and pictures.
 #pragma once
 
 #include <span>
@@ -7,12 +7,13 @@ struct ImFontAtlas;
 
 namespace palpate {
 
-/// What the texels of an atlas are for: to be stretched over letters that may stand between pixels, or one for a pixel.
+/// Use of the texels of an atlas: `fine` ones are stretched over letters that may stand between pixels; `pixels` are
+/// one texel per pixel.
 enum class Texels { fine, pixels };
 
-/// Gives an atlas the font of this height, in the place of any other, and builds it; another one where it is not
-/// installed. `letters`: pairs of the first and the last one, and a zero, which must stay where they are; Latin ones
-/// where there are none. Those that the font lacks come from others that are installed.
+/// Replaces the fonts of an atlas by the font of this height, or another one if it is not installed, and builds it.
+/// `letters`: pairs of the first and the last letter, and a zero, which must outlive the atlas; empty: Latin letters.
+/// Letters missing in the font come from other installed ones.
 void addFont(ImFontAtlas& atlas, float height_px, Texels texels = Texels::fine,
              std::span<const unsigned short> letters = {});
 

@@ -7,7 +7,7 @@ namespace palpate {
 
 namespace {
 
-// False where there are no more.
+// Returns false at the end.
 bool readNext(RgbdFolder& stream, FrameFusion& fusion, DepthFrame& frame) {
   for (;;) {
     try {
@@ -40,7 +40,7 @@ FusedFolder readFused(Context& context, const std::filesystem::path& folder, con
                     .lost = fusion.lost()};
   if (fused.stored.cloud.empty())
     throw FileError(folder, fmt::format("its {} frames show no surface: {} were fused, {} could not be placed, {} not "
-                                        "read; look at the depth scale ({} values a metre) and the intrinsics",
+                                        "read; check the depth scale ({} values a metre) and the intrinsics",
                                         fused.frames, fused.fused, fused.unplaced, fused.lost, stream.depthScale()));
   log.say("{}: {} of {} frames fused into {} points, in metres", folder.string(), fused.fused, fused.frames,
           fused.stored.cloud.size());

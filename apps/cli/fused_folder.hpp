@@ -12,14 +12,14 @@ namespace palpate {
 struct FusedFolder {
   StoredCloud stored;        ///< in metres
   std::string kind;          ///< as RgbdFolder::kind()
-  std::uint64_t frames = 0;  ///< that the folder has
+  std::uint64_t frames = 0;  ///< in the folder
   std::uint64_t fused = 0;
-  std::uint64_t unplaced = 0;  ///< without a pose, and none was found
-  std::uint64_t lost = 0;      ///< that could not be read
+  std::uint64_t unplaced = 0;  ///< without a pose, and tracking failed
+  std::uint64_t lost = 0;      ///< unreadable ones
 };
 
-/// Fuses all frames of a folder that isRgbdFolder(): from their poses, and where they have none, from those that are
-/// found. What is left out is said. Throws FileError where nothing is left.
+/// Fuses all frames of a folder with isRgbdFolder(), at their own poses, or at tracked ones if they have none. Logs the
+/// frames left out. Throws FileError if no points remain.
 FusedFolder readFused(Context& context, const std::filesystem::path& folder, const RgbdOptions& options);
 
 }  // namespace palpate

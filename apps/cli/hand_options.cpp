@@ -51,22 +51,21 @@ void addHandOptions(Options& sub, HandChoices& options) {
 
 void checkHandOptions(const HandChoices& options, bool realtime) {
   const bool held = isHeldDevice(options.device);
-  if (options.rumble && !realtime) throw UsageError("--rumble: a gamepad rumbles in real time; add --realtime");
+  if (options.rumble && !realtime) throw UsageError("--rumble requires --realtime");
   if (options.device != "sim" && (options.handStiffness_N_per_mm > 0 || options.handDamping_N_s_per_mm > 0))
-    throw UsageError("--hand-stiffness and --hand-damping: only --device sim has a hand that is simulated");
+    throw UsageError("--hand-stiffness and --hand-damping require --device sim");
   if (options.map != "fit" && options.device != "sim" && !held)
-    throw UsageError("--map: a path is in the model's own units, and a recording knows its map; it needs a device");
+    throw UsageError("--map requires a device or sim: a path is in model units, and a recording has its own map");
   if (!held) return;
-  if (!realtime) throw UsageError("{} {}: a person lives in real time; add --realtime", options.option, options.device);
-  if (!(options.duration_s > 0))
-    throw UsageError("{} {}: has no path that ends; say how long with --duration", options.option, options.device);
+  if (!realtime) throw UsageError("{} {} requires --realtime", options.option, options.device);
+  if (!(options.duration_s > 0)) throw UsageError("{} {} requires --duration", options.option, options.device);
 }
 
 HandChoices secondHand(HandChoices options, const std::string& device) {
   options.option = "--second-device";
   options.device = device;
   options.rumble = false;
-  options.scheduler = "own";  // the ticks are the first one's
+  options.scheduler = "own";  // only the first hand's device may run the ticks
   if (device == "sim") return options;
   options.handStiffness_N_per_mm = options.handDamping_N_s_per_mm = 0;
   if (isHeldDevice(device)) return options;

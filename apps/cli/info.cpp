@@ -104,7 +104,7 @@ void info(Context& context, const std::string& file, const LookOptions& look, bo
                        {"total", memory.total()}}}});
 }
 
-/// Of a recorded depth camera.
+/// For a recorded depth camera.
 void infoOfFrames(Context& context, const std::string& file, const StreamOptions& options) {
   const RgbdFolder folder(file, {.intrinsics = options.intrinsics, .depthScale = options.depthScale}, &context.log());
   const DepthCamera& camera = folder.camera();
@@ -145,7 +145,7 @@ Json sceneJson(const MatterScene& scene, const MatterPlan& plan) {
           {"gain", scene.gain}};
 }
 
-/// Of a scene of a soft body, which is filled for that: a scan has fewer nodes than the box about it.
+/// For a soft body. Builds its lattice, because a scan has fewer nodes than its bounding box.
 void infoOfSoftBody(Context& context, const std::string& name, const MatterScene& scene) {
   const MatterPlan plan = planOf(scene);
   SessionConfig config{.model = {.file = name}};
@@ -174,7 +174,7 @@ void infoOfSoftBody(Context& context, const std::string& name, const MatterScene
   context.writeJson(json);
 }
 
-/// Of a scene of matter.
+/// For a scene of matter.
 void infoOfMatter(Context& context, const std::string& name, const MatterScene& scene) {
   if (scene.matter == Matter::soft) return infoOfSoftBody(context, name, scene);
   const MatterPlan plan = planOf(scene);

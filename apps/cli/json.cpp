@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-// Wrong names and kinds are left to the library, which has the words for them.
+// Wrong names and types are passed to the library, which throws the errors.
 struct Json::Library {
   using Value = nlohmann::ordered_json;
 

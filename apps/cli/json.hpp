@@ -1,5 +1,5 @@
-// A value of JSON, whose members keep their order. The library behind it reads and writes text in json.cpp alone,
-// because each file that includes it takes seconds longer.
+// A JSON value, whose members keep their order. Only json.cpp includes the library that reads and writes the text,
+// because each file that includes it takes seconds longer to compile.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ class Json {
   Json(std::string_view text);
   Json(const std::vector<std::string>& values);
   Json(const std::vector<std::string_view>& values);
-  /// An object, where each value is an array of two that begins with a string; else an array.
+  /// An object, if each value is an array of two that begins with a string; else an array.
   Json(std::initializer_list<Json> values);
   Json(const Json&);
   Json(Json&&) noexcept;
@@ -43,14 +43,14 @@ class Json {
 
   static Json array();
   static Json object();
-  /// Throws std::exception that says what is no JSON, and where.
+  /// Throws std::exception that names the invalid text and its position.
   static Json parse(const std::string& text);
-  /// Over several lines where `indent` is not negative.
+  /// On several lines if `indent` is not negative.
   std::string dump(int indent = -1) const;
 
-  /// The member of an object; a new one, null, where there is none. A value that is null becomes an object.
+  /// The member of an object; a new one, null, if there is none. A null value becomes an object.
   Json& operator[](std::string_view name);
-  /// The same of one that is there. Throws std::exception that names it where it is not.
+  /// The same for an existing member. Throws std::exception that names a missing one.
   const Json& operator[](std::string_view name) const { return at(name); }
   const Json& at(std::string_view name) const;
   const Json& at(std::size_t index) const;
@@ -59,21 +59,20 @@ class Json {
   void push_back(Json value);
 
   const std::vector<Member>& items() const;  ///< of an object
-  // Of an array.
+  // For an array.
   std::size_t size() const { return elements().size(); }
   const Json* begin() const { return elements().data(); }
   const Json* end() const { return elements().data() + size(); }
 
   bool is_null() const { return std::holds_alternative<std::nullptr_t>(value_); }
-  /// Throws std::exception where it is of another kind. Of std::string, bool, int, std::int64_t, std::uint64_t and
-  /// double.
+  /// Throws std::exception if the type differs. For std::string, bool, int, std::int64_t, std::uint64_t and double.
   template <typename T>
   T get() const;
 
   friend bool operator==(const Json& json, std::string_view text);
 
  private:
-  struct Library;  // to the library's kind of value, and back
+  struct Library;  // converts to the library's value type and back
   const std::vector<Json>& elements() const;
 
   std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, std::vector<Json>,

@@ -14,11 +14,10 @@ void makeKeysFor(Context& context, const KeyOptions& options) {
   const MadeKeys made = makeKeys({.folder = options.folder, .name = options.name, .days = options.days});
   const std::string authority = (std::filesystem::path(options.folder) / "authority").string();
   if (made.isNewAuthority)
-    context.log().say("{}: a new authority, '{}'; whoever has this folder can make keys: keep it to yourself",
-                      authority, made.authority);
-  context.log().say(
-      "{}: keys of '{}', good until {}; give this folder to who is to have them and to nobody else (--security)",
-      made.folder.string(), options.name, made.until);
+    context.log().say("{}: new authority '{}'; this folder is enough to make keys, so keep it private", authority,
+                      made.authority);
+  context.log().say("{}: keys of '{}', valid until {}; give this folder to their holder only (--security)",
+                    made.folder.string(), options.name, made.until);
   context.writeJson({{"folder", made.folder.string()},
                      {"name", options.name},
                      {"authority", made.authority},

@@ -14,15 +14,15 @@ namespace palpate {
 
 namespace {
 
-constexpr double kLetter = 0.024;  // height of letters, of the picture's, and
+constexpr double kLetter = 0.024;  // height of letters, as a share of the picture's
 constexpr double kSmallest_px = 9;
-constexpr std::size_t kFewestTicks = 3;  // of a legend with an extent
+constexpr std::size_t kFewestTicks = 3;  // of a legend, unless its extent is zero
 
 double letterHeight_px(const Image& image) {
   return std::round(std::max(kSmallest_px, kLetter * static_cast<double>(image.height)));
 }
 
-/// Lays a colour over a pixel; nothing outside of the picture.
+/// Blends a colour over a pixel; no effect outside the picture.
 void blend(Image& image, int x, int y, const DVec3& color, double alpha) {
   if (x < 0 || y < 0 || x >= static_cast<int>(image.width) || y >= static_cast<int>(image.height)) return;
   auto& pixel = image.rgba[static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x)];
@@ -32,7 +32,7 @@ void blend(Image& image, int x, int y, const DVec3& color, double alpha) {
   }
 }
 
-/// White on what is dark, and black on what is light.
+/// White on a dark background, black on a light one.
 DVec3 inkOn(const Image& image, int x, int y, int width, int height) {
   double sum = 0, count = 0;
   for (int v = std::max(0, y); v < std::min(y + height, static_cast<int>(image.height)); ++v)

@@ -1,4 +1,4 @@
-// What is written into a picture: which colour stands for which height, and how long a scale bar is.
+// Annotations of pictures: a legend of the heights, and the label of the scale bar.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// The heights at the ticks of a legend, round ones, in rising order, with what is written beside them.
+/// Ticks of a legend, at round heights in rising order, with their labels.
 struct Tick {
   double height;
   std::string text;
@@ -19,7 +19,7 @@ std::vector<Tick> ticksOf(const HeightRange& heights);
 /// A ramp of colours at the right edge with its ticks, headed by the unit.
 void drawLegend(Image& image, const HeightRange& heights, LengthUnit unit);
 
-/// One line, its lower left corner at `at_px`, in what stands out there.
+/// Draws one line, its lower left corner at `at_px`, in a colour that contrasts with the background there.
 void drawText(Image& image, const DVec2& at_px, const std::string& text);
 
 }  // namespace palpate

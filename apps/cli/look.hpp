@@ -1,4 +1,4 @@
-// How a model stands and what its lengths are called, wherever a picture or a height is made.
+// Up axis and length unit of a model, for pictures and heights.
 #pragma once
 
 #include "apps/cli/model.hpp"
@@ -19,11 +19,11 @@ std::optional<UpAxis> upNamed(std::string_view name);
 /// Nothing for auto.
 std::optional<LengthUnit> unitNamed(std::string_view name);
 
-/// What the options say, or the model.
+/// From the options, or else from the model.
 Upright uprightOf(const Model& model, const LookOptions& options);
 LengthUnit unitOf(const PointCloud& cloud, const LookOptions& options);
 
-/// The lowest and the highest place that a picture shows, along up, in the file's coordinates.
+/// Minimum and maximum shown position along the up axis, in the file's coordinates.
 struct HeightRange {
   double low = 0, high = 0;
 };

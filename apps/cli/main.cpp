@@ -36,7 +36,7 @@ void addFooter(const std::vector<CLI::App*>& commands) {
   }
 }
 
-// Whether a first word that is no subcommand is meant as a model.
+// Whether a first word that is not a subcommand names a model.
 bool isModel(const std::string& word) {
   std::error_code ignored;
   return !word.starts_with("-") && (std::filesystem::exists(word, ignored) || word.find_first_of("./") != word.npos);
@@ -45,11 +45,11 @@ bool isModel(const std::string& word) {
 void parse(CLI::App& app, std::vector<std::string> arguments) {
   if (!arguments.empty() && arguments.front() == "help")
     arguments = helpOf(app, {arguments.begin() + 1, arguments.end()});
-  std::ranges::reverse(arguments);  // as CLI11 wants them
+  std::ranges::reverse(arguments);  // the order that CLI11 expects
   try {
     app.parse(std::vector(arguments));
   } catch (const CLI::ParseError& error) {
-    // `palpate MODEL` is `palpate view MODEL`, and `palpate` the window with nothing in it.
+    // `palpate MODEL` means `palpate view MODEL`, and `palpate` alone the empty window.
     const std::string word = firstUnexpected(app);
     const bool isAlone = error.get_name() == "RequiredError" && word.empty();
     if (!app.get_subcommands().empty() || !(isAlone || isModel(word))) throw;
@@ -58,7 +58,7 @@ void parse(CLI::App& app, std::vector<std::string> arguments) {
   }
 }
 
-// The innermost subcommand that the command line has named.
+// The innermost subcommand on the command line.
 const Options& namedIn(const Options& options) {
   const std::vector<const Options*> named = options.named();
   return named.empty() ? options : namedIn(*named.front());
@@ -72,10 +72,10 @@ void complete(const CLI::App& app, std::vector<std::string> words) {
   if (!words.empty() && words.front() == "--") words.erase(words.begin());
   const Completions completions = completionsOf(app, words);
   for (const std::string& word : completions.words) fmt::print("{}\n", word);
-  if (completions.files) fmt::print("/\n");  // no word looks like that
+  if (completions.files) fmt::print("/\n");  // "/" cannot be a word
 }
 
-// What went wrong, and the exit code of that: an interrupted run has the one that shells give it.
+// Prints the error and returns the exit code: an interrupted run returns the code that shells expect.
 int fail(std::string_view what, int code) {
   fmt::print(stderr, "palpate: {}\n", what);
   return StopBySignal::requested() ? StopBySignal::exitCode() : code;
@@ -112,7 +112,7 @@ int run(std::vector<std::string> arguments) {
     if (const std::size_t messages = context.closeDevices())
       throw Error("{} validation message{}; see above", messages, messages == 1 ? "" : "s");
     return 0;
-  } catch (const CLI::Success& asked) {  // for help, or the version
+  } catch (const CLI::Success& asked) {  // --help or --version was given
     if (!app.get_subcommands().empty() || firstUnexpected(app).empty()) return app.exit(asked);
     return fail(complaint(app, asked), 2);
   } catch (const CLI::ParseError& error) {
@@ -133,6 +133,6 @@ int run(std::vector<std::string> arguments) {
 
 int main(int argc, char** argv) {
   std::vector<std::string> words = palpate::commandLine(argc, argv);
-  if (!words.empty()) words.erase(words.begin());  // the program's own name, which a caller may leave out
+  if (!words.empty()) words.erase(words.begin());  // the program's name, which a caller may omit
   return palpate::run(std::move(words));
 }

@@ -31,7 +31,7 @@ void make(Context& context, const MakeOptions& options) {
   checkOutput(options.output, Output::points);
   const auto shape = makeShape(options.shape, options.size, center);
   Progress progress(context.log(), options.output);
-  constexpr double kSampling = 0.6;  // of the time, about
+  constexpr double kSampling = 0.6;  // estimated share of the time
   PointCloud cloud = sampleShape(*shape, {.count = static_cast<std::size_t>(options.count),
                                           .seed = static_cast<std::uint64_t>(options.seed),
                                           .noise = options.noise,

@@ -21,7 +21,7 @@ std::string chooseMatterBackend(const Context& context, const std::string& name,
 
 namespace {
 
-// The scene's shape, or its file, which is read, placed and filled.
+// A soft body from the scene's shape, or from its file, which is read, placed and filled.
 std::unique_ptr<MatterSimulation> softBody(Context& context, const std::string& backend, const MatterScene& scene,
                                            const MatterOptions& options) {
   if (scene.model.empty()) {

@@ -1,4 +1,4 @@
-// Which machine moves matter: what simulate and bench share.
+// Choice of the machine that simulates matter, shared by simulate and bench.
 #pragma once
 
 #include <memory>
@@ -9,15 +9,15 @@
 
 namespace palpate {
 
-/// Those that move any.
+/// Back ends that simulate matter.
 std::vector<std::string> matterBackends();
-/// The one that is named or, for `auto`, vulkan where there is a GPU that moves the scene, and cpu where there is
-/// none but a software driver, or shapes are matched.
+/// The given one or, for `auto`: vulkan on a GPU that supports the scene; cpu if there is only a software driver, or if
+/// the scene matches shapes.
 std::string chooseMatterBackend(const Context& context, const std::string& name, const MatterScene& scene);
-/// On that back end, with as many threads as the program may use. Throws Error as planOf() does.
+/// Starts a simulation on that back end, with the program's number of threads. Throws Error as planOf() does.
 std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
                                               MatterOptions options = {});
-/// The same for a soft body that is there already, and the points that it carries (SoftWorld).
+/// The same for an existing soft body, and the points that it carries (SoftWorld).
 std::unique_ptr<MatterSimulation> startSoft(Context& context, const std::string& backend, const MatterScene& scene,
                                             const MatterOptions& options, SoftSolid solid,
                                             std::span<const SurfacePlace> points);

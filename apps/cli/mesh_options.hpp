@@ -1,4 +1,4 @@
-// What `mesh`, `render --mode mesh` and `bench mesh` share.
+// Options shared by `mesh`, `render --mode mesh` and `bench mesh`.
 #pragma once
 
 #include "apps/cli/model.hpp"
@@ -16,8 +16,8 @@ void addMeshOptions(Options& command, MeshChoices& choices);
 MeshSurface meshSurfaceNamed(const std::string& name);
 /// Throws UsageError, or Error for a lattice that is too fine for the model.
 MeshPlan planFor(const Model& model, const MeshChoices& choices);
-/// The cloud on the GPU, ready to be meshed. What it will need is predicted, and refused before anything is uploaded.
-/// Throws OutOfGpuMemory.
+/// The cloud on the GPU, ready to be meshed. Throws OutOfGpuMemory before the upload if the predicted memory is not
+/// available.
 MarchingCubes makeCubes(Context& context, const Model& model, const MeshPlan& plan);
 
 }  // namespace palpate

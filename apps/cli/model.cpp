@@ -51,8 +51,8 @@ void addAllPointsOption(Options& command, bool& allPoints) {
 
 double ScaleOptions::given() const {
   if (from.empty()) return mm_per_unit;
-  if (mm_per_unit > 0) throw UsageError("--scale-from: --mm-per-unit says the scale already; leave one of them out");
-  constexpr const char* kWanted = "two places and a length in mm, as in 0,0,0:1.5,0,2=340";
+  if (mm_per_unit > 0) throw UsageError("--scale-from: conflicts with --mm-per-unit; leave one of them out");
+  constexpr const char* kWanted = "two positions and a length in mm, as in 0,0,0:1.5,0,2=340";
   const std::size_t colon = from.find(':'), equals = from.find('=');
   if (colon == from.npos || equals == from.npos || equals < colon)
     throw UsageError("--scale-from: '{}' is not {}", from, kWanted);
@@ -63,7 +63,7 @@ double ScaleOptions::given() const {
   const double apart = glm::distance(place(0, colon), place(colon + 1, equals));
   const double apart_mm = parseList<double, 1>(from.substr(equals + 1), ',', "--scale-from", kWanted)[0];
   const double scale = apart_mm / apart;
-  if (!(apart > 0)) throw UsageError("--scale-from: both places are the same one");
+  if (!(apart > 0)) throw UsageError("--scale-from: both positions are the same");
   if (!(scale >= bounds::kMinScale && scale <= bounds::kMaxScale))
     throw UsageError("--scale-from: {} mm for {} units are {} mm per unit, which is not between {} and {}", apart_mm,
                      apart, scale, bounds::kMinScale, bounds::kMaxScale);

@@ -1,4 +1,4 @@
-// The model that a subcommand is about, as the command line names it.
+// The model of a subcommand, from the command line.
 #pragma once
 
 #include "apps/cli/context.hpp"
@@ -8,10 +8,10 @@ namespace palpate {
 
 struct NetworkOptions;
 
-/// How large the model is in the hand.
+/// Scale of the model in the hand.
 struct ScaleOptions {
   double mm_per_unit = 0;  ///< 0: as the file says, or the longest side becomes 100 mm
-  std::string from;        ///< two places of the model and how far apart they are; empty: none
+  std::string from;        ///< two positions and their distance; empty: none
 
   /// Millimetres per model unit; 0 as above. Throws UsageError.
   double given() const;
@@ -30,19 +30,19 @@ struct ModelOptions {
   /// Throws UsageError.
   ModelConfig config() const;
 };
-/// `what` the model may be, for the help; whether there may be another one in its place (stream_options.hpp).
+/// `what`: description of the model for the help. Not required if something else can replace it (stream_options.hpp).
 void addModelOptions(Options& command, ModelOptions& options);
 void addModelOptions(Options& command, ModelOptions& options, const std::string& what, bool isRequired);
 
-/// What --radius says: a length in mm, or nothing for auto. Throws UsageError.
+/// Value of --radius: a length in mm; empty for auto. Throws UsageError.
 std::optional<double> radius_mm(const std::string& text);
-/// The same as a support radius in model units; for auto the usual one.
+/// The same as a support radius in model units; the default one for auto.
 double supportRadius(const std::string& text, const Model& model);
 
-/// Where normals are estimated: on the GPU where one is going to be opened anyway.
+/// Where normals are estimated: on the GPU if one is opened anyway.
 enum class EstimateOn { cpu, gpu };
-/// Reads the file, and sees to normals as the options say. `network`: where a topic of ROS may be heard in place of a
-/// file; null: nowhere. Throws FileError, UsageError.
+/// Reads the file, with normals according to the options. `network`: for a ROS topic in place of a file; null: not
+/// supported. Throws FileError, UsageError.
 Model loadModel(Context& context, const ModelOptions& options, EstimateOn where,
                 const NetworkOptions* network = nullptr);
 Model loadModel(Context& context, const SessionConfig& config, EstimateOn where,

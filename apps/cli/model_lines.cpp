@@ -10,11 +10,11 @@ namespace palpate {
 
 namespace {
 
-constexpr double kShortest = 0.02, kLongest = 0.06;  // of the longest side of what is shown
+constexpr double kShortest = 0.02, kLongest = 0.06;  // of the longest side of the shown part
 constexpr std::array<std::uint8_t, 3> kContainerColor{150, 160, 175};
 constexpr double kCameraOpacity = 0.9;
 
-/// From each camera to the one that is nearest to it; in the middle of all.
+/// Median distance of a camera to the nearest other one.
 double usualGap(std::span<const CameraFrustum> cameras) {
   std::vector<Vec3> places;
   for (const CameraFrustum& camera : cameras) places.emplace_back(camera.centre - cameras.front().centre);
@@ -30,7 +30,7 @@ double usualGap(std::span<const CameraFrustum> cameras) {
   return *middle;
 }
 
-// The discs of what is in the box are wholly inside of what is drawn.
+// The drawn box contains all discs of the points in the container.
 Bounds drawnContainer(const Model& model) {
   const double disc = discRadiusOf(model);
   return {model.container->min - disc, model.container->max + disc};
@@ -56,7 +56,7 @@ void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, con
     add(centre, corners[k]);
     add(corners[k], corners[(k + 1) % 4]);
   }
-  constexpr double kRoof = 0.25;  // of the picture's height
+  constexpr double kRoof = 0.25;  // share of the picture's height
   const DVec3 ridge = 0.5 * (corners[0] + corners[1]) + kRoof * (corners[0] - corners[3]);
   add(corners[0], ridge);
   add(ridge, corners[1]);

@@ -32,7 +32,7 @@ std::optional<MotionConfig> motionConfig(const MotionOptions& options) {
     const auto [x, y, z] = parseList<double, 3>(options.axis, ',', "--motion-axis", "X,Y,Z");
     const DVec3 axis(x, y, z);
     if (!isFinite(axis) || !(glm::length(axis) > 0))
-      throw UsageError("--motion-axis: {} is no direction", options.axis);
+      throw UsageError("--motion-axis: {} is not a direction", options.axis);
     return MotionConfig{.kind = kind,
                         .axis = axis,
                         .amplitude_mm = options.amplitude_mm,

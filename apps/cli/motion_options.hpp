@@ -1,4 +1,4 @@
-// How a model moves, as the command line says it.
+// Options for the motion of a model.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ struct MotionOptions {
 };
 void addMotionOptions(Options& command, MotionOptions& options);
 
-/// What the options say; nothing where the model stands still. Throws UsageError.
+/// The motion according to the options; empty if the model stands still. Throws UsageError.
 std::optional<MotionConfig> motionConfig(const MotionOptions& options);
 
 }  // namespace palpate

@@ -16,7 +16,7 @@ namespace palpate {
 
 namespace {
 
-// The number that all of the text is; nothing where it is none, or none that can be counted with.
+// The number that the whole text represents; empty if it is not a finite number.
 std::optional<double> finiteNumber(const std::string& text) {
   double value = 0;
   const char* end = text.data() + text.size();
@@ -37,18 +37,18 @@ Check wanted(std::string what, std::function<bool(const std::string&)> fits, std
           std::move(description)};
 }
 
-// For the help; empty where they only keep absurd numbers out.
+// For the help; empty for bounds that only exclude absurd numbers.
 std::string boundsInWords(double min, double max) {
   constexpr double kAbsurd = 1e5;
   return max < kAbsurd ? fmt::format("{:g} to {:g}", min, max) : std::string();
 }
 
-// CLI11's validators may change the text; those that are made here only look at it.
+// CLI11's validators may change the text; those used here only check it.
 Check checkOf(const CLI::Validator& validator) {
   return {[validator](std::string text) { return validator(text); }, validator.get_description()};
 }
 
-// Lists the options that most sessions need, and says where the others are.
+// Lists the options that most sessions need, and refers to --help-all for the others.
 class ShortHelp : public CLI::Formatter {
  public:
   explicit ShortHelp(std::vector<std::string> shown) : shown_(std::move(shown)) {}
@@ -215,7 +215,7 @@ std::vector<const Options*> Options::named() const {
 }
 
 void Options::parse(std::vector<std::string> arguments) {
-  std::ranges::reverse(arguments);  // as CLI11 wants them
+  std::ranges::reverse(arguments);  // the order that CLI11 expects
   app_->parse(std::move(arguments));
 }
 

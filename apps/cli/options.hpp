@@ -1,5 +1,5 @@
-// What the command line may say, as the subcommands declare it. CLI11 does the work: it is compiled with options.cpp,
-// complaint.cpp, completion.cpp and main.cpp alone, because each file that reads it takes ten seconds longer.
+// Command-line options as declared by the subcommands. Only options.cpp, complaint.cpp, completion.cpp and main.cpp
+// include CLI11, because each file that does takes ten seconds longer to compile.
 #pragma once
 
 #include <cstdint>
@@ -18,24 +18,24 @@ class Option;
 
 namespace palpate {
 
-/// What a value has to be.
+/// Requirement on a value.
 struct Check {
-  std::function<std::string(const std::string&)> complaint;  ///< what is wrong with a text; empty where it fits
-  std::string description = {};                              ///< stands in the help in place of the type
+  std::function<std::string(const std::string&)> complaint;  ///< describes what is wrong with a text; empty: valid
+  std::string description = {};                              ///< shown in the help in place of the type
 };
-/// One of these words. Throws nothing.
+/// One of these words.
 Check oneOf(std::vector<std::string> words);
 Check oneOf(std::initializer_list<std::uint32_t> numbers);
-/// A whole number within bounds that the help shows.
+/// An integer within bounds that the help shows.
 Check inRange(std::uint32_t least, std::uint32_t most);
-/// Numbers, with complaints that say the bounds. Not-a-number and infinity never pass.
+/// A number; complaints name the bounds. Not-a-number and infinity never pass.
 Check between(double least, double most);
-/// The same of a number without a fraction.
+/// The same for an integer.
 Check wholeBetween(double least, double most);
 /// A length in mm, or the word auto.
 Check lengthOrAuto();
 
-/// One of Options, which outlive it.
+/// An option of Options, which must outlive it.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
@@ -44,33 +44,33 @@ class Option {
   Option check(const Check& check);
   Option typeName(const std::string& name);
   Option describe(const std::string& what);
-  /// Several values may stand in one word, with this between them.
+  /// Several values may stand in one word, separated by this character.
   Option separatedBy(char separator);
-  /// The help shows the value that the variable has now.
+  /// The help shows the present value of the variable as the default.
   Option showDefault();
   Option needs(Option other);
   Option excludes(Option other);
-  /// Under which heading the help lists it; an empty one hides it.
+  /// Heading under which the help lists the option; empty: hidden.
   Option under(const std::string& heading);
-  /// As if the command line had said so.
+  /// Sets the value as if it were given on the command line.
   void set(const std::string& text);
 
-  /// As the complaints call it: "--tool-radius", or "model" without a dash.
+  /// The name in complaints: "--tool-radius", or "model" without dashes.
   std::string name() const;
-  /// "--tool-radius", also where the help hides it. Only of options that have such a name.
+  /// "--tool-radius", also for hidden options. Only for options with a long name.
   std::string longName() const;
   bool given() const;
   bool takesValue() const;
-  /// The first value that was given.
+  /// The first given value.
   std::string text() const;
-  /// What showDefault() shows.
+  /// The text that showDefault() shows.
   std::string defaultText() const;
 
  private:
   CLI::Option* option_;
 };
 
-/// The options of a command and its subcommands. The variables they are read into outlive it.
+/// The options of a command and its subcommands. The variables that receive the values must outlive it.
 class Options {
  public:
   Options();
@@ -79,7 +79,7 @@ class Options {
   Options(const Options&) = delete;
   Options& operator=(const Options&) = delete;
 
-  /// `names` are separated by commas; one without a dash is known by its place. `what` is for the help.
+  /// `names` are separated by commas; one without a dash is positional. `what` is for the help.
   Option add(const std::string& names, std::string& value, const std::string& what);
   Option add(const std::string& names, double& value, const std::string& what);
   Option add(const std::string& names, std::int64_t& value, const std::string& what);
@@ -90,39 +90,39 @@ class Options {
   Option add(const std::string& names, std::vector<std::int64_t>& values, const std::string& what);
   Option add(const std::string& names, std::vector<std::uint32_t>& values, const std::string& what);
   Option addFlag(const std::string& names, bool& value, const std::string& what);
-  /// One that stands for the first of some words, and takes another only as --name=word.
+  /// A flag that means the first of these words; another word requires --name=word.
   Option addFlag(const std::string& name, std::string& value, const std::vector<std::string>& words,
                  const std::string& what);
-  /// Options that are added from now on stand under this heading.
+  /// Sets the heading for options added later.
   void heading(const std::string& text);
 
   Options& addSubcommand(const std::string& name, const std::string& what);
-  /// The help of the command above lists this one there.
+  /// Sets the heading under which the parent command's help lists this one.
   void under(const std::string& heading);
-  /// 0 for `most`: as many as there are.
+  /// `most` 0: unlimited.
   void requireSubcommands(std::size_t least, std::size_t most);
-  /// What help ends with.
+  /// Text at the end of the help.
   void footer(const std::string& text);
   /// --help lists only these options, named as "--rate"; --help-all lists all of them.
   void helpShows(std::vector<std::string> names);
-  /// Runs once the command line has been read, when it names this subcommand.
+  /// Called once the command line has been read, if it names this subcommand.
   void whenNamed(std::function<void()> callback);
 
   std::string name() const;
   std::vector<Option> all() const;
-  /// Throws std::exception where there is no option of that name.
+  /// Throws std::exception if there is no option of that name.
   Option find(const std::string& name) const;
   const std::vector<std::unique_ptr<Options>>& subcommands() const { return subcommands_; }
-  /// Those that the command line named, in its order.
+  /// The subcommands on the command line, in its order.
   std::vector<const Options*> named() const;
 
-  /// Reads what the words of a command line say. Throws std::exception that says what is wrong.
+  /// Parses the words of a command line. Throws std::exception that describes the error.
   void parse(std::vector<std::string> arguments);
   CLI::App& app() { return *app_; }
 
  private:
   explicit Options(CLI::App& subcommand);
-  std::unique_ptr<CLI::App> own_;  // of the command above all
+  std::unique_ptr<CLI::App> own_;  // of the top-level command
   CLI::App* app_;
   std::vector<std::unique_ptr<Options>> subcommands_;
 };

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// Numbers with a separator between them, to the end of the text. Throws UsageError: `option` is not what is `wanted`.
+/// Parses numbers with a separator between them, to the end of the text. Throws UsageError: `option` is not `wanted`.
 template <class T, std::size_t N>
 std::array<T, N> parseList(const std::string& text, char separator, const std::string& option,
                            const std::string& wanted) {

@@ -27,11 +27,11 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   frame.color = colorByNamed(options.color);
   frame.everyPoint = options.everyPoint;
   frame.raster = rasterNamed(options.raster);
-  constexpr std::uint32_t kUsualSmooth_px = 3;  // where the smoothed depth alone is asked for
+  constexpr std::uint32_t kUsualSmooth_px = 3;  // default for the pass smooth-depth
   frame.smooth_px = options.smooth_px > 0 || frame.pass != ImagePass::smoothDepth ? options.smooth_px : kUsualSmooth_px;
   if (!options.background.empty())
     frame.background = parseList<std::uint8_t, 3>(options.background, ',', "--background", "R,G,B from 0 to 255");
-  // A disc wider than this hides the model, and costs a GPU more than a picture is worth.
+  // Wider discs hide the model, and cost too much GPU time.
   constexpr double kWidest = 0.1;  // of the longest side
   const double widest = kWidest * model.shownBounds().longestSide();
   if (options.splatRadius != "auto") {
@@ -154,7 +154,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   else if (!upNamed(options.look.up))
     context.log().say("{}: up is {}: {}", file, nameOf(upright.up), upright.why);
   Framing framing = framingOf(model, upright.up);
-  // With lines beside the points, all of those places.
+  // With lines beside the points, the picture shows all their positions.
   const bool showsLines = !model.cloud.empty() && (model.container || (options.cameras && !model.cameras.empty()));
   if (showsLines) framing.shown.reset();
   const Camera camera = Camera::parse(

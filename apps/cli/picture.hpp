@@ -1,4 +1,4 @@
-// Pictures as `render` and `touch --picture` take them.
+// Pictures of `render` and `touch --picture`.
 #pragma once
 
 #include "apps/cli/look.hpp"
@@ -12,15 +12,15 @@ struct PictureOptions {
               raster = "compute";
   std::uint32_t smooth_px = 0, samples = 4;
   bool printFrame = false, scaleBar = false, everyPoint = false;
-  bool cameras = false;  ///< with those that took pictures of it
-  bool points = false;   ///< bare ones instead of discs
+  bool cameras = false;  ///< draws the cameras that took pictures of the model
+  bool points = false;   ///< draws points instead of discs
 };
 void addPictureOptions(Options& command, PictureOptions& options);
 
 struct PictureSize {
   std::uint32_t width, height;
 };
-/// The longest of 1, 2, 5, 10, … units that is at most a fifth of the picture wide at the depth of the target.
+/// The longest of 1, 2, 5, 10, … units that covers at most a fifth of the picture's width at the depth of the target.
 double scaleBarLength(const Camera& camera, const PictureSize& size);
 /// A bar of that length at the lower left.
 Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size);
@@ -31,11 +31,11 @@ void addSamplesOption(Options& command, std::uint32_t& samples);
 /// Whether a picture shows the points' own colours.
 bool showsPaint(const PictureOptions& options);
 
-/// Checks what can be checked before anything is loaded. Throws UsageError.
+/// Checks the options as far as possible before anything is loaded. Throws UsageError.
 void checkPictureOptions(const PictureOptions& options);
 
-/// Draws `drawn` (the GPU's copy of the model's cloud, made with its spacing) into `file`. Says the passes when asked
-/// to.
+/// Draws `drawn` (the GPU's copy of the model's cloud, made with its spacing) into `file`. Prints the passes on
+/// request.
 void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const PictureOptions& options,
                  const Overlays& overlays, const std::string& file);
 

@@ -1,4 +1,4 @@
-// Who else takes part in a session, as scripts read it.
+// The other participants of a session as JSON, for scripts.
 #pragma once
 
 #include <span>

@@ -4,10 +4,10 @@ namespace palpate {
 
 namespace {
 
-// Picture sizes of the probe, mm on a model of 100 mm.
+// Sizes of the drawn probe, mm on a model of 100 mm.
 constexpr double kBallRadius_mm = 1.2, kDiscRadius_mm = 2.5, kArrow_mm_per_N = 15, kShaftRadius_mm = 0.5;
 
-/// Where the tool of a brush stands (BrushOptions), while it touches.
+/// Position of a brush's tool in contact (BrushOptions).
 Overlays::Ball ballOf(const BrushOptions& brush, const DVec3& hip, const DVec3& proxy) {
   const DVec3 spring = proxy - hip;
   const bool standsBefore = brush.kind == BrushKind::push || brush.kind == BrushKind::carve;

@@ -1,4 +1,4 @@
-// How a tick shows in a picture.
+// Drawing of a tick in a picture.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace palpate {
 /// model units.
 struct HeldTool {
   std::optional<BrushOptions> brush;
-  double ballRadius = 0;  ///< model units; 0: there is none
+  double ballRadius = 0;  ///< model units; 0: no ball
 };
 Overlays overlaysOf(const TraceRow& row, const DVec3& origin, double longestSide, const HeldTool& tool);
 

@@ -1,4 +1,4 @@
-// How far a job has come, for the person who waits for it.
+// Progress bar of a job.
 #pragma once
 
 #include <atomic>
@@ -11,11 +11,12 @@
 
 namespace palpate {
 
-/// Shows it from a second on, a few times a second, on a thread of its own: who does the job only sets a number, which
-/// costs no more than that and may be done on any thread, a servo thread among them. What was shown goes away with it.
+/// Shows the progress from a second on, a few times a second, on a thread of its own. The job only sets a number, which
+/// is cheap and allowed on any thread, even a servo thread. The destructor removes the bar.
 class Progress {
  public:
-  /// `what` stands in front of the bar. `log` outlives this; where it is quiet nothing is shown and no thread runs.
+  /// `what`: label in front of the bar. `log` must outlive this object; if it is quiet, nothing is shown and no thread
+  /// runs.
   Progress(Log& log, std::string what);
   ~Progress();
   Progress(const Progress&) = delete;
@@ -30,7 +31,7 @@ class Progress {
   std::atomic<double> fraction_ = 0;
   std::mutex lock_;
   std::condition_variable_any ends_;
-  std::jthread thread_;  // goes first
+  std::jthread thread_;  // destroyed first
 };
 
 }  // namespace palpate

@@ -32,8 +32,8 @@ struct ServeOptions {
   double duration_s = 0;
 };
 
-/// Serves until it is asked to end, or the time is over; meanwhile ROS hears the points as they are, after each second
-/// in which they have changed.
+/// Serves until a stop is requested or the time is over; publishes the present points for ROS meanwhile, after each
+/// second in which they have changed.
 void serveWith(CloudServer& server, RosCloud& ros, const PointCloud& cloud, double duration_s) {
   constexpr double kAgain_s = 1;
   std::optional<std::uint64_t> shownStates;
@@ -46,7 +46,7 @@ void serveWith(CloudServer& server, RosCloud& ros, const PointCloud& cloud, doub
   }
 }
 
-// What is served, and how it moves.
+// The configuration of the served model and its motion.
 SessionConfig servedConfig(Context& context, const ServeOptions& options) {
   SessionConfig config{.model = options.model.config()};
   config.backend.name = chooseBackend(context, {.backend = options.backend});
@@ -65,13 +65,13 @@ FarFacts factsOf(const Model& model, const std::optional<MatterScene>& matter) {
       .spacing = model.spacing, .wideSpacing = model.wideSpacing, .noise = model.noise, .up = model.upright.up};
   if (!matter || matter->matter == Matter::soft) return facts;
   MatterScene scene = *matter;
-  scene.model = std::filesystem::path(scene.model).filename().string();  // where it is stored is nobody's business
+  scene.model = std::filesystem::path(scene.model).filename().string();  // clients must not learn its folder
   facts.matter = sceneText(scene);
   if (model.standing) facts.standing = model.standing->points().size();
   return facts;
 }
 
-// Nothing where the model stands still.
+// No effect if the model stands still.
 void addMotion(CloudServer::Parts& parts, Context& context, const SessionConfig& config,
                const std::shared_ptr<const Model>& model) {
   if (!config.moves()) return;
@@ -112,7 +112,7 @@ void serve(Context& context, const ServeOptions& options) {
   CloudServer server(model.cloud, std::move(parts));
   context.log().say("serving '{}': {} points of {}{}; {}", options.name, model.cloud.size(), config.model.file,
                     config.moves() ? ", which move" : "", opennessOf(options.network.config()));
-  std::exception_ptr ended;  // otherwise than it was told to: what was done to the points is saved nevertheless
+  std::exception_ptr ended;  // by a failure: the edited points are saved nevertheless
   try {
     if (options.ros.name.empty()) {
       server.serve(StopBySignal::requested(), options.duration_s);

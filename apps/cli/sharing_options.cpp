@@ -46,7 +46,7 @@ void addRosCameraOptions(Options& command, NetworkOptions& options) {
 void checkRosHearing(const NetworkOptions& options, const std::string& model, const std::string& live) {
   if (options.rosFrame.empty() && options.colorTopic.empty()) return;
   if (!isRosModel(model) && !isRosModel(live))
-    throw UsageError("--ros-frame and --color-topic: are for a topic of ROS (ros:TOPIC) as the model");
+    throw UsageError("--ros-frame and --color-topic: require a ROS topic (ros:TOPIC) as the model");
   if (!options.rosFrame.empty()) requireRosFrame(options.rosFrame);
   if (!options.colorTopic.empty()) requireRosName(options.colorTopic);
 }
@@ -96,9 +96,9 @@ CameraPose poseIn(const std::string& text) {
 
 void RosNameOptions::check() const {
   if (!name.empty()) requireRosName(name);
-  if (name.empty() && !parent.empty()) throw UsageError("--ros-parent: is for --ros, which names the frame");
+  if (name.empty() && !parent.empty()) throw UsageError("--ros-parent: requires --ros, which names the frame");
   if (parent.empty() && !pose.empty())
-    throw UsageError("--ros-pose: is for --ros-parent, which names the frame that it is in");
+    throw UsageError("--ros-pose: requires --ros-parent, which names the parent frame");
   if (!parent.empty()) requireRosParent(parent, name);
   if (!pose.empty()) poseIn(pose);
 }
@@ -133,11 +133,12 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
     const bool isUsed = isRosModel(modelFile) || isRosModel(live) || !options.ros.name.empty();
     if ((hasNetwork && !isUsed) || !options.hand.empty() || options.near)
       throw UsageError(
-          "--interface, --peer, --domain, --security, --as and --near are for --join, which names a session (and but "
-          "for --as and --near for ROS, too)");
+          "--interface, --peer, --domain and --security require --join, --ros or a ROS topic as the model; --as and "
+          "--near "
+          "require --join");
     return std::nullopt;
   }
-  if (!modelFile.empty()) throw UsageError("--join: the session that is joined is the model; leave {} out", modelFile);
+  if (!modelFile.empty()) throw UsageError("--join: the joined session is the model; leave {} out", modelFile);
   modelFile = options.name;
   return JoinConfig{.network = network.interface,
                     .peers = network.peers,
@@ -150,7 +151,7 @@ namespace {
 
 bool isAskedToEnd() { return StopBySignal::requested(); }
 
-// Whatever is fetched over a network ends when somebody asks the program to.
+// A stop request cancels fetching over a network.
 SessionJoiner stoppable(SessionJoiner joiner) {
   return [joiner = std::move(joiner)](const std::string& name, const JoinConfig& config, Log& log) {
     const StopBySignal stop;

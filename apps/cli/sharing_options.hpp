@@ -1,4 +1,4 @@
-// Options of what goes over a network: on which one, and which session of others is joined.
+// Options of the network, and of the session to join.
 #pragma once
 
 #include <optional>
@@ -18,8 +18,8 @@ struct NetworkOptions {
   std::vector<std::string> peers;
   std::uint32_t domain = 0;
   std::string security;
-  std::string rosFrame;    ///< that what is heard of ROS is put in; empty: it stays in its own
-  std::string colorTopic;  ///< of pictures of colour beside those of depth; empty: none are heard
+  std::string rosFrame;    ///< frame for data received from ROS; empty: that of the messages
+  std::string colorTopic;  ///< colour pictures beside the depth pictures; empty: none
 
   NetworkConfig config() const {
     return {.interface = interface, .peers = peers, .domain = domain, .security = security};
@@ -27,17 +27,17 @@ struct NetworkOptions {
 };
 /// --interface, --peer, --domain and --security.
 void addNetworkOptions(Options& command, NetworkOptions& options);
-/// --ros-frame, of commands that hear topics of ROS.
+/// --ros-frame, for commands that subscribe to ROS topics.
 void addRosFrameOption(Options& command, NetworkOptions& options);
-/// That, and --color-topic, of those that take live cameras.
+/// The same and --color-topic, for commands that accept live cameras.
 void addRosCameraOptions(Options& command, NetworkOptions& options);
-/// Throws UsageError where one of them is given, and `model` and `live` are no topics of ROS.
+/// Throws UsageError if one of them is given, but neither `model` nor `live` is a ROS topic.
 void checkRosHearing(const NetworkOptions& options, const std::string& model, const std::string& live = {});
 
-/// Under which name programs of ROS hear something, and where its frame stands.
+/// Name under which data are published for ROS, and the pose of their frame.
 struct RosNameOptions {
-  std::string name;          ///< of the namespace; empty: nothing
-  std::string parent, pose;  ///< frame, and where in it
+  std::string name;          ///< the namespace; empty: nothing is published
+  std::string parent, pose;  ///< parent frame, and pose in it
 
   /// Throws UsageError.
   void check() const;
@@ -46,35 +46,35 @@ struct RosNameOptions {
 /// --ros-parent and --ros-pose.
 void addRosParentOptions(Options& command, RosNameOptions& options);
 
-/// What programs of ROS hear of a hand.
+/// Publishing of a hand for ROS.
 struct RosOptions : RosNameOptions {
   double rate_Hz = 100;
 };
 
 struct JoinOptionsGiven {
-  std::string name;   ///< empty: no session of others is joined
-  std::string hand;   ///< what the others see this hand called; empty: as the machine
-  bool near = false;  ///< the points around the hands alone
+  std::string name;   ///< empty: no session is joined
+  std::string hand;   ///< name of this hand for the others; empty: that of the machine
+  bool near = false;  ///< fetches only the points around the hands
   RosOptions ros;     ///< on the same network
   NetworkOptions network;
 };
 enum class JoinAs { hand, onlooker };
-/// --join, and those of the network; --as for a hand.
+/// --join and the network options; --as and --near for a hand.
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as);
 /// --ros, --ros-rate, --ros-parent and --ros-pose.
 void addRosOptions(Options& command, RosOptions& options);
-/// What is joined, under whose name the model goes then; nothing where none is. `live`: what is given in place of a
-/// model otherwise. Throws UsageError for options that do not go together.
+/// The session to join, whose name becomes that of the model; empty if none is joined. `live`: camera given in place of
+/// a model. Throws UsageError for incompatible options.
 std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile,
                                      const std::string& live = {});
 
-/// Joins sessions while nobody asks the program to end, as one more hand of this name.
+/// Joins sessions as one more hand of this name, unless a stop is requested.
 SessionJoiner joiningHand(const std::string& hand);
-/// The same of the points of a session as they are, to look at them.
+/// The same for the present points of a session, for display only.
 SessionJoiner joiningOnlooker();
-/// Hears clouds of ROS on that network while nobody asks the program to end.
+/// Receives ROS clouds on that network, unless a stop is requested.
 CloudFetcher rosFetcher(const NetworkOptions& network);
-/// Opens topics of ROS as streams, likewise. `threads`: for what comes without normals.
+/// Opens ROS topics as streams, likewise. `threads`: for estimating missing normals.
 FrameWatcher rosWatcher(const NetworkOptions& network, unsigned threads);
 
 }  // namespace palpate

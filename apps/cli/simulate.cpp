@@ -30,7 +30,7 @@ Json summaryJson(const Summary& summary) {
   return {{"p50", summary.p50}, {"p99", summary.p99}, {"p999", summary.p999}, {"max", summary.max}};
 }
 
-// What has failed, and what to do.
+// Throws Error with the failure and the remedy if the simulation has stopped.
 void requireRunning(const MatterSimulation& world) {
   if (world.state() == MatterState::running) return;
   throw Error("the simulation {} after {:.3f} s; take more substeps",
@@ -55,7 +55,7 @@ MatterScene sceneOf(const SimulateOptions& options) {
   return scene;
 }
 
-// What the model has got, if there is one.
+// Prints and returns the forces on the standing model, if there is one.
 Json sayModel(std::FILE* out, const MatterSimulation& world) {
   if (world.model() == nullptr) return nullptr;
   const double volume_cm3 = world.model()->volume_m3() * 1e6;
@@ -71,7 +71,8 @@ Json sayModel(std::FILE* out, const MatterSimulation& world) {
           {"impulse_kg_m_s", vectorJson(impulse)}};
 }
 
-// What a hand would feel of it: the gain of forces, and what would hold its ball; the stiffness of that.
+// Prints the gain of the forces that a hand would feel, and the stiffness of the coupling to its ball; returns that
+// stiffness.
 Json sayHand(std::FILE* out, const MatterScene& scene) {
   if (scene.matter == Matter::soft) {
     fmt::print(out, "  a hand would feel forces times {:g}\n", scene.gain);

@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// While it lives, who asks the program to end (SIGINT, SIGTERM, SIGHUP; on Windows Ctrl+C, Ctrl+Break or a console
-/// that is closed) asks for an end in order. One at a time.
+/// While an object lives, a request to end the program (SIGINT, SIGTERM, SIGHUP; on Windows Ctrl+C, Ctrl+Break or
+/// closing the console) leads to an orderly end. One object at a time.
 class StopBySignal {
  public:
   StopBySignal();
@@ -13,9 +13,9 @@ class StopBySignal {
   StopBySignal(const StopBySignal&) = delete;
   StopBySignal& operator=(const StopBySignal&) = delete;
 
-  /// Whether anybody has asked since the program began.
+  /// Whether an end has been requested since the program began.
   static const std::atomic<bool>& requested();
-  /// That of a program that was ended by the signal that asked: 130 for Ctrl+C, 143 for SIGTERM.
+  /// The exit code of a program ended by that signal: 130 for Ctrl+C, 143 for SIGTERM.
   static int exitCode();
 };
 

@@ -6,11 +6,11 @@ namespace palpate {
 
 namespace {
 
-std::atomic<bool> stopRequested = false;  // what a signal handler may touch
+std::atomic<bool> stopRequested = false;  // safe in a signal handler
 std::atomic<int> whichSignal = SIGINT;
 
-// SIGHUP stays ignored where it is, as under nohup. SIGINT does not: shells have what a script starts in the background
-// ignore it (POSIX, 2.11), and a script that sends it to a server means it.
+// SIGHUP stays ignored if it was, as under nohup. SIGINT does not: shells let background commands of a script ignore it
+// (POSIX, 2.11), but a script that sends it to a server expects an effect.
 void handle(void (*handler)(int)) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, handler);
   if (std::signal(SIGHUP, handler) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);

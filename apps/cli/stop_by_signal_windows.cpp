@@ -8,8 +8,8 @@ namespace {
 
 std::atomic<bool> stopRequested = false;
 
-// On a thread that the system starts for it. After Ctrl+C the program goes on when this returns; in all other cases it
-// is ended then, so that it is given the time that it has (some seconds) to end by itself.
+// Called on a thread of the system. After Ctrl+C and Ctrl+Break the program continues when this returns; in other cases
+// Windows ends it then, so this sleeps to give the program some seconds to end by itself.
 BOOL WINAPI askToStop(DWORD event) {
   stopRequested = true;
   if (event != CTRL_C_EVENT && event != CTRL_BREAK_EVENT) ::Sleep(INFINITE);

@@ -81,7 +81,7 @@ std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::stri
   if (stream.live) return stream;
   if (stream != StreamConfig{})
     throw UsageError(
-        "{}: is no recorded depth camera, which --speed, --loop, --fuse, --depth-scale and --intrinsics are for; "
+        "{}: is not a recorded depth camera, which --speed, --loop, --fuse, --depth-scale and --intrinsics require; "
         "that is {}",
         modelFile, rgbdFoldersRead());
   return std::nullopt;

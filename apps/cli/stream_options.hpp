@@ -1,4 +1,4 @@
-// A depth camera as the model, recorded or live, as the command line names it.
+// Options for a depth camera as the model, recorded or live.
 #pragma once
 
 #include <optional>
@@ -19,22 +19,22 @@ struct StreamOptions {
 };
 /// --intrinsics and --depth-scale.
 void addDepthOptions(Options& command, StreamOptions& options);
-/// Those, and --live, --speed, --loop and --fuse.
+/// The same, and --live, --speed, --loop and --fuse.
 void addStreamOptions(Options& command, StreamOptions& options);
 
-/// What a command takes from a topic of ROS in place of a file.
+/// Content that a command accepts from a ROS topic in place of a file.
 enum class RosModels { none, clouds, cloudsAndPictures };
-/// Of the model, as the help calls it.
+/// Description of the model for the help.
 std::string modelsAndStreams(RosModels ros = RosModels::cloudsAndPictures);
 
-/// Where it is asked what is sent on a topic of ROS, and who hears of it.
+/// Network on which the content of a ROS topic is determined, and the log for that.
 struct RosQuestion {
   const NetworkOptions& network;
   Log& log;
 };
-/// What the options say of a model's file, which a live camera is instead of one; nothing where it is a cloud. A topic
-/// of ROS is a live camera where pictures of depth are sent there: `ros`, if any, is asked, and waits for who sends.
-/// Throws UsageError for options that do not go with it, NetworkError.
+/// The stream according to the options, for a model's file, or a live camera in place of it; empty if the model is a
+/// cloud. With `ros`, waits for the first message of a ROS topic: depth pictures make it a live camera. Throws
+/// UsageError for incompatible options, NetworkError.
 std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile,
                                          const RosQuestion* ros = nullptr);
 

@@ -6,7 +6,7 @@ namespace palpate {
 
 namespace {
 
-// Damerau 1964, Levenshtein 1966; letters that were swapped are not touched again.
+// Damerau 1964, Levenshtein 1966; swapped letters are not edited again.
 std::size_t distanceBetween(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> least(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i)

@@ -1,4 +1,4 @@
-// What was probably meant by a word on the command line that nothing is called.
+// The probable meaning of an unknown word on the command line.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// The one of `names` that is nearest to `word`, by how many letters have to be put in, left out, replaced, or swapped
-/// with their neighbour; empty where none is near: a third of its letters may be wrong.
+/// The element of `names` nearest to `word`, by the number of letters to insert, delete, replace, or swap with their
+/// neighbour; empty if none is near: up to a third of the letters may be wrong.
 std::string nearestName(const std::string& word, const std::vector<std::string>& names);
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// Where each system keeps what the program looks for.
+// Paths that differ between operating systems.
 #pragma once
 
 #include <filesystem>
@@ -6,10 +6,11 @@
 
 namespace palpate {
 
-/// The font of panels and pictures, and behind it those that may have letters which it lacks. None need be there.
+/// The font of panels and pictures, followed by fonts that may have letters missing in it. None of the files need
+/// exist.
 std::vector<std::filesystem::path> fontFiles();
 
-/// Where a program keeps what it remembers of a person from one time to the next; empty where nobody says.
+/// Folder for the program's state of a user between runs; empty if it is unknown.
 std::filesystem::path stateFolder();
 
 }  // namespace palpate

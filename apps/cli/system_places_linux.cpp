@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-// Where Debian has them.
+// Paths of Debian.
 std::vector<std::filesystem::path> fontFiles() {
   const std::filesystem::path fonts = "/usr/share/fonts";
   std::vector<std::filesystem::path> files;

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-// The first one travels beside the program; the others are of Windows.
+// The first one is shipped with the program; the others belong to Windows.
 std::vector<std::filesystem::path> fontFiles() {
   wchar_t program[MAX_PATH]{};
   ::GetModuleFileNameW(nullptr, program, MAX_PATH - 1);

@@ -18,7 +18,7 @@ Json toJson(const TickHistogram& times) {
 }
 
 std::string inWords(const SchedulingStatistics& scheduling) {
-  return fmt::format("{} times for another thread, {:.0f} us without a core in all, {} page faults",
+  return fmt::format("{} times by another thread, {:.0f} us without a core in total, {} page faults",
                      scheduling.preemptions, scheduling.waited_us, scheduling.pageFaults);
 }
 

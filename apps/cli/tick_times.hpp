@@ -1,4 +1,4 @@
-// How the servo thread kept its time, in words and as JSON.
+// Timing of the servo thread in words and as JSON.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace palpate {
 
 /// One line of quantiles.
 std::string inWords(const TickHistogram& times);
-/// Of the bins that hold something: where each begins, and how many ticks it holds.
+/// The lower limits and the tick counts of the non-empty bins.
 Json toJson(const TickHistogram& times);
 
 std::string inWords(const SchedulingStatistics& scheduling);

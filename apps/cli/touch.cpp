@@ -18,7 +18,7 @@ namespace palpate {
 
 namespace {
 
-/// What a session leaves, file by file: one that cannot be written is no reason to lose the others.
+/// Writes the output files of a session: a failure of one file does not prevent the others.
 class Outputs {
  public:
   void write(const std::function<void()>& file) {
@@ -29,7 +29,7 @@ class Outputs {
     }
   }
   void failed(const std::string& why) { failures_ += (failures_.empty() ? "" : "\npalpate: ") + why; }
-  /// Throws Error that names them all.
+  /// Throws Error that names all failures.
   void check() const {
     if (!failures_.empty()) throw Error("{}", failures_);
   }
@@ -38,7 +38,7 @@ class Outputs {
   std::string failures_;
 };
 
-/// What answers has failed, as `error` says: keeps the points as the journal knows them.
+/// After a failure of the back end, `error`: saves the points of the journal and throws.
 [[noreturn]] void saveAndThrow(const Error& error, Session& session, const std::string& saveFile) {
   if (!session.journal() || saveFile.empty()) throw;
   saveKeeping(saveFile, session.sculpted().cloud);
@@ -46,7 +46,7 @@ class Outputs {
 }
 
 HandSource openHand(Context& context, const Model& model, const SessionConfig& config, const HandConfig& hand) {
-  const StopBySignal stop;  // a person may be asked to calibrate the device
+  const StopBySignal stop;  // the device may have to be calibrated by hand
   return openHand(
       hand, {.model = model, .rate_Hz = config.rate_Hz, .log = context.log(), .stop = &StopBySignal::requested()});
 }
@@ -55,10 +55,10 @@ SecondHandReport secondReport(const std::string& device, const HandResult& resul
   return {.device = device, .trace = summarize(result.trace), .counts = result.counts};
 }
 
-/// One after the other.
+/// Successive stages of the start.
 class StartStages {
  public:
-  /// The stage that has just ended.
+  /// Records the stage that has just ended.
   void ended(std::string_view name) {
     const double now_s = watch_.elapsed_s();
     stages_.push_back({name, now_s - std::exchange(last_s_, now_s)});
@@ -71,10 +71,10 @@ class StartStages {
   std::vector<StartStage> stages_;
 };
 
-/// Counts the ticks for the bar, and notes the first one.
+/// Updates the progress bar with each tick, and records the time of the first one.
 class ShownTicks final : public TickRecorder {
  public:
-  /// `next` is notified of each tick, too; null: nobody is.
+  /// `next`: recorder that is also notified of each tick; null: none.
   ShownTicks(Log& log, double duration_s, TickRecorder* next)
       : progress_(log, "touch"), duration_s_(std::max(duration_s, 1e-9)), next_(next) {}
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override {
@@ -82,7 +82,7 @@ class ShownTicks final : public TickRecorder {
     if (!first_s_) first_s_ = since_.elapsed_s();
     progress_.set(row.time_s / duration_s_);
   }
-  /// From the beginning of the loop.
+  /// Time from the beginning of the loop.
   std::optional<double> first_s() const { return first_s_; }
 
  private:
@@ -93,14 +93,13 @@ class ShownTicks final : public TickRecorder {
   std::optional<double> first_s_;
 };
 
-/// Settles what answers. Whoever names a GPU, or wants its calls watched,
-/// means that one, whatever it is.
+/// Chooses the back end. With `auto`, --gpu and --validate mean that GPU, even a software driver.
 void chooseBackend(const Context& context, BackendOptions& options) {
   const bool means = options.backend == "auto" && options.method != "direct" && context.asksForGpu();
   options.backend = means ? "vulkan" : palpate::chooseBackend(context, options);
 }
 
-/// The picture, kept up to date while the session lasts where the GPU that answers draws it, too. `made` is set to it.
+/// Maker of the drawn cloud that follows the session, if the answering GPU also draws it. It sets `made`.
 FollowerMaker sightFor(Context& context, const TouchCommandOptions& options, DrawnFollower*& made) {
   if (options.pictureFile.empty() || options.backend.backend != "vulkan") return {};
   return [&](const Model& model, TouchBackend& backend) {
@@ -162,8 +161,8 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
         .holds = session.simulation()->surfaceHolds(),
         .ports = session.simulation()->portEnergies()};
   if (const ShapeStrokes* const shape = backend.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
-  // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.
-  // Of a depth camera's frames the first one alone is known here, and matter has no surface.
+  // Not for tools with many points, whose proxy is a mean; not in real time for a motion, whose frames are older than
+  // the poses; not for streams, of which only the first frame is known here; not for matter, which has no surface.
   if (backend.points(0).empty() && !model.far && !config.stream && !config.matter &&
       !(config.motion && config.realtime))
     report.error =
@@ -180,7 +179,7 @@ void drawEnd(Context& context, const TouchCommandOptions& options, const Session
   HeldTool tool;
   if (session.config().brush) tool.brush = brushOptions(*session.config().brush, model.scale);
   tool.ballRadius = model.ballRadius;
-  // A back end that is not followed is drawn once, as it ended.
+  // Points of a back end that is not followed are drawn once, in their final state.
   std::optional<DrawnCloud> ended;
   if (!followed) ended.emplace(context.device(), cloud, DrawnOptions{.spacing = model.spacingOfDiscs()});
   takePicture(context, model, followed ? followed->drawn() : *ended, options.picture,
@@ -190,7 +189,7 @@ void drawEnd(Context& context, const TouchCommandOptions& options, const Session
               options.pictureFile);
 }
 
-/// What the session's parts have to leave behind.
+/// Checks the output files before the session.
 void checkOutputs(Context& context, const TouchCommandOptions& options) {
   for (const auto& [file, kind] :
        {std::pair{&options.traceFile, Output::trace}, std::pair{&options.secondTraceFile, Output::trace},

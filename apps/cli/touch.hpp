@@ -21,7 +21,7 @@ struct TouchCommandOptions {
   MotionOptions motion;
   StreamOptions stream;
   JoinOptionsGiven join;
-  std::string secondDevice, secondPath, secondTraceFile;  ///< of a second hand; the device empty: there is none
+  std::string secondDevice, secondPath, secondTraceFile;  ///< of a second hand; empty device: none
   std::string path = "builtin:press", edit = "none";
   std::string traceFile, trajectoryFile, saveFile, pictureFile, logFile;
   double penetration_mm = 2, rate_Hz = 1000;
@@ -36,15 +36,15 @@ struct TouchCommandOptions {
 };
 void addTouchOptions(Options& command, TouchCommandOptions& options);
 
-/// What would make a brush edit nothing on a cloud of that spacing, mm in the hand, in words; empty where nothing
-/// would. `control` is what sets the radius; lengths are shown as `length` puts them.
+/// Describes why a brush edits nothing on a cloud of that spacing, mm in the hand; empty if it does. `control`: name of
+/// the control of the radius; `length` formats lengths.
 std::string remarkOnSmallBrush(double radius_mm, double spacing_mm, std::string_view control,
                                const std::function<std::string(double mm)>& length);
 
-/// Throws UsageError for options that do not go together; before anything is loaded. `can`: the back end.
+/// Throws UsageError for incompatible options; before anything is loaded. `can`: of the back end.
 void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabilities& can);
 
-/// What the options ask for. Throws UsageError.
+/// The configuration according to the options. Throws UsageError.
 SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log);
 
 }  // namespace palpate

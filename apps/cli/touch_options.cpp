@@ -140,7 +140,7 @@ void checkSecondOptions(const TouchCommandOptions& options) {
 }  // namespace
 
 void addTouchOptions(Options& command, TouchCommandOptions& options) {
-  // In the order in which somebody new needs them.
+  // In the order in which a new user needs them.
   const auto heading = [&](const char* text) { command.heading(text); };
   heading("Model");
   addModelOptions(command, options.model, modelsAndStreams(), false);
@@ -208,7 +208,7 @@ SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {
   config.motion = motionConfig(options.motion);
   config.join = joinConfig(options.join, config.model.file, options.stream.live);
   if (config.join) {
-    std::string joined = "--join " + config.model.file;  // whose options are none of a stream
+    std::string joined = "--join " + config.model.file;  // which excludes the options of a stream
     streamConfig(options.stream, joined);
   } else {
     const RosQuestion ros{options.join.network, log};

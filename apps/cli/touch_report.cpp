@@ -15,7 +15,7 @@ namespace palpate {
 
 namespace {
 
-/// Their positions and normals, about the same origin.
+/// Positions and normals of the points in the box, with the same origin.
 PointCloud pointsIn(const PointCloud& cloud, const Bounds& box) {
   const auto inside = [&](std::size_t i) { return box.contains(DVec3(cloud.positions[i])); };
   const auto picked = parallelCollect(cloud.size(), 0, inside, [](std::size_t i) { return i; });
@@ -46,14 +46,14 @@ ContactError contactError(const Trace& trace, const Model& model, const SurfaceO
     const RigidPose pose = motion ? motion->poseAt(rows[i]->time_s) : RigidPose{};
     places.push_back({pose.movedBack(rows[i]->proxy - model.cloud.origin), pose.turnedBack(rows[i]->normal)});
   }
-  // Of a large cloud what lies near them is little.
+  // Only a small part of a large cloud is near these positions.
   Bounds around{places.front().proxy, places.front().proxy};
   for (const Felt& place : places) around = {glm::min(around.min, place.proxy), glm::max(around.max, place.proxy)};
   around = {around.min - surface.radius, around.max + surface.radius};
   const PointCloud near = pointsIn(model.cloud, around);
   const ContactReference reference(near, surface);
   for (const auto& [proxy, normal] : places) {
-    // Behind a sheet the normal that is felt is not the points'.
+    // Behind a sheet the felt normal is opposite to the points'.
     const SurfaceSample front = reference.surface(proxy, normal), back = reference.surface(proxy, -normal);
     const SurfaceSample& felt = back.neighbours > front.neighbours ? back : front;
     ++error.ticks;
@@ -75,7 +75,7 @@ ServoReport servoReport(const ServoResult& result) {
 
 namespace {
 
-// What became of the index after its first build.
+// Describes the updates of the index after its first build.
 std::string_view nameOf(const IndexWork& index) {
   if (index.followed == 0) return index.built == 0 ? "static" : "rebuild";
   return index.built == 0 ? "incremental" : "incremental and rebuild";
@@ -121,8 +121,8 @@ Json toJson(const std::vector<StartStage>& start) {
 
 std::string inWords(const PlayCounts& frames) {
   std::string text = fmt::format("{} played, {} lost, {} dropped", frames.played, frames.lost, frames.dropped);
-  if (frames.silentSince_s) text += fmt::format("; none has come since {:.3f} s", *frames.silentSince_s);
-  if (frames.lost > 0) text += fmt::format("; the last one lost: {}", frames.lastLoss);
+  if (frames.silentSince_s) text += fmt::format("; none received since {:.3f} s", *frames.silentSince_s);
+  if (frames.lost > 0) text += fmt::format("; last loss: {}", frames.lastLoss);
   return text;
 }
 
@@ -135,32 +135,31 @@ Json toJson(const PlayCounts& frames) {
 }
 
 std::string inWords(const MatterReport& matter, std::size_t particles) {
-  std::string words = fmt::format("{} of {}, {} substeps in a millisecond, forces times {:g}", particles,
+  std::string words = fmt::format("{} of {}, {} substeps per millisecond, forces times {:g}", particles,
                                   nameOf(kMatters, matter.matter), matter.substeps, matter.gain);
-  if (matter.coupling_N_mm > 0) words += fmt::format(", a hand holds its ball by {:.3g} N/mm", matter.coupling_N_mm);
+  if (matter.coupling_N_mm > 0) words += fmt::format(", coupling of hand and ball {:.3g} N/mm", matter.coupling_N_mm);
   if (!matter.elasticity.empty()) words += "; " + matter.elasticity;
-  if (matter.leftOut_s > 0) words += fmt::format("; {:.3f} s behind the clock, left out", matter.leftOut_s);
+  if (matter.leftOut_s > 0) words += fmt::format("; {:.3f} s dropped, behind the clock", matter.leftOut_s);
   if (matter.duration_s > 0)
-    words +=
-        fmt::format("; it went on {:.0f} times a second", static_cast<double>(matter.advances) / matter.duration_s);
+    words += fmt::format("; advanced {:.0f} times a second", static_cast<double>(matter.advances) / matter.duration_s);
   if (matter.holds.gaveWayTicks > 0)
-    words += fmt::format("; the body could not bear a hand and gave way in {} ticks", matter.holds.gaveWayTicks);
+    words += fmt::format("; the body could not bear a hand and yielded in {} ticks", matter.holds.gaveWayTicks);
   for (const PortEnergy& port : matter.ports)
-    words += fmt::format("; a hand put in {:.3g} mJ, {:.3g} at the least", 1e3 * port.now_J, 1e3 * port.least_J);
+    words += fmt::format("; energy put in by a hand {:.3g} mJ, minimum {:.3g}", 1e3 * port.now_J, 1e3 * port.least_J);
   return words;
 }
 
 std::string inWords(const SharedCounts& shared) {
-  std::string words = fmt::format("{} states of points sent, {} of others taken in", shared.sent, shared.received);
+  std::string words = fmt::format("{} point states sent, {} received", shared.sent, shared.received);
   const LinkCounts& link = shared.link;
   if (link.roundTrip_ms)
     words += fmt::format("; round trip {:.1f} ms, {:.0f} % of {} pings lost", *link.roundTrip_ms,
                          link.lost_percent.value_or(0), link.pings);
-  words += fmt::format("; longest silence {:.1f} s, what was known was {:.1f} s old at most", shared.longestSilent_s,
+  words += fmt::format("; longest silence {:.1f} s, information at most {:.1f} s old", shared.longestSilent_s,
                        shared.oldest_s);
-  if (!shared.delivered) return words + "; NOT all of it has arrived";
-  if (!shared.atRest) return words + "; all of it has arrived, and others go on";
-  return words + (shared.same ? "; the points are the server's" : "; the points are NOT the server's");
+  if (!shared.delivered) return words + "; NOT all edits are delivered";
+  if (!shared.atRest) return words + "; all edits are delivered, others continue";
+  return words + (shared.same ? "; the points equal the server's" : "; the points do NOT equal the server's");
 }
 
 Json toJson(const SharedCounts& shared) {
@@ -193,18 +192,18 @@ std::string inWords(std::span<const SeenHand> hands) {
 std::string inWords(const FarReport& far) {
   const FarCounts& counts = far.counts;
   std::string words = fmt::format(
-      "{} of {} ticks lacked points around a hand and had no force; {} points came in {} steps, {} at most "
-      "were here at once",
+      "{} of {} ticks lacked points around a hand and had no force; {} points received in {} steps, at most {} "
+      "at a time",
       far.ticks.without, far.ticks.ticks, counts.points, counts.updates, counts.mostKnown);
   if (counts.sent > 0)
-    words += fmt::format("; {} states of points were made here{}", counts.sent,
-                         counts.delivered ? ", and are the server's" : ", and not all of them are the server's yet");
+    words += fmt::format("; {} point states edited here{}", counts.sent,
+                         counts.delivered ? ", all delivered" : ", NOT all delivered");
   if (counts.roundTrip_ms) words += fmt::format("; round trip {:.1f} ms", *counts.roundTrip_ms);
   words += fmt::format("; longest silence {:.1f} s", counts.longestSilent_s);
   if (counts.restarts > 0)
-    words += fmt::format("; it has begun anew there {}",
+    words += fmt::format("; the simulation was restarted {}",
                          counts.restarts == 1 ? std::string("once") : fmt::format("{} times", counts.restarts));
-  if (counts.servers > 1) words += fmt::format("; served anew {} times", counts.servers - 1);
+  if (counts.servers > 1) words += fmt::format("; server restarts: {}", counts.servers - 1);
   return words;
 }
 
@@ -255,7 +254,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   const TraceSummary& trace = report.trace;
   const auto& shortfalls = report.shortfalls;
   if (report.ros)
-    row("for ROS", fmt::format("{} ticks sent, {} left out for want of room", report.ros->ticks, report.ros->lost));
+    row("ROS", fmt::format("{} ticks sent, {} dropped (queue full)", report.ros->ticks, report.ros->lost));
   if (report.shared) row("others", inWords(*report.shared));
   if (!report.others.empty()) row("others' hands", inWords(std::span(report.others)));
   if (report.cameras.value_or(0) > 0) row("others' cameras", fmt::format("{}", *report.cameras));
@@ -277,7 +276,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.edits)
     row("edit p50 / p99.9", fmt::format("{:.1f} / {:.1f} us ({} ticks), {} points moved", report.edit_us.p50,
                                         report.edit_us.p999, report.edit_us.count, report.movedPoints));
-  if (report.shape) row("shape", fmt::format("{} strokes have changed how the body rests", report.shape->strokes));
+  if (report.shape) row("shape", fmt::format("{} strokes have changed the rest shape", report.shape->strokes));
   if (trace.contactTicks == 0 && !report.matter)
     row("contact",
         "none: the HIP never crossed the surface from outside; is the path right, and the support radius some "
@@ -286,7 +285,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
     row("contact error",
         fmt::format("{}, largest of {} ticks against double precision{}", length(report.error.worst_mm),
                     report.error.ticks,
-                    report.error.undefined ? fmt::format("; no surface there at {} of them", report.error.undefined)
+                    report.error.undefined ? fmt::format("; {} of them without a surface there", report.error.undefined)
                                            : std::string()));
   row("peak force", fmt::format("{:.3f} N", trace.peakForce_N));
   if (report.matter && report.matter->coupling_N_mm > 0)
@@ -308,31 +307,31 @@ void printReport(std::FILE* out, const TouchReport& report) {
                                                               : " (no real-time priority was granted)"));
   if (report.realtime) {
     row("tick times", inWords(report.servo.step_us));
-    row("woken late by", inWords(report.servo.late_us));
+    row("wake-up latency", inWords(report.servo.late_us));
   }
-  if (report.realtime && !report.pacedByDevice) row("core taken away", inWords(report.servo.scheduling));
+  if (report.realtime && !report.pacedByDevice) row("preempted", inWords(report.servo.scheduling));
   if (report.servo.leastEnergy_mJ)
-    row("passivity", fmt::format("{:.3g} mJ at the least (below 0: made by the loop)", *report.servo.leastEnergy_mJ));
+    row("passivity",
+        fmt::format("minimum {:.3g} mJ (below 0: energy generated by the loop)", *report.servo.leastEnergy_mJ));
   const GateCounts& withheld = report.servo.withheld;
-  if (withheld.aged)
-    row("force faded", fmt::format("at {} ticks, for nobody had said for long how the surface is", withheld.aged));
+  if (withheld.aged) row("force faded out", fmt::format("on {} ticks: no update from the server", withheld.aged));
   if (withheld.errors + withheld.stale + withheld.hot)
-    row("force held back", fmt::format("after {} errors, at {} ticks with old data and {} with hot motors",
-                                       withheld.errors, withheld.stale, withheld.hot));
+    row("force reduced", fmt::format("after {} errors, on {} ticks with old data and {} with hot motors",
+                                     withheld.errors, withheld.stale, withheld.hot));
   if (report.bridge_us.count)
     row("late answers bridged",
         fmt::format("p50 / p99.9 {:.1f} / {:.1f} us on the CPU, from the last patch of points{}", report.bridge_us.p50,
-                    report.bridge_us.p999, shortfalls.thinnedPatches ? "; some were thinned" : ""));
+                    report.bridge_us.p999, shortfalls.thinnedPatches ? "; some subsampled" : ""));
   if (report.back) {
     const UndoneStrokes& back = *report.back;
-    row("undo", fmt::format("{} of {} strokes taken back, {} done again", back.undone, back.strokes, back.redone));
+    row("undo", fmt::format("{} of {} strokes undone, {} redone", back.undone, back.strokes, back.redone));
     if (back.dropped)
-      row("strokes forgotten",
-          fmt::format("{}, for --undo-memory{}", back.dropped,
-                      back.tooLarge ? fmt::format("; {} larger than all of it", back.tooLarge) : std::string()));
+      row("dropped strokes",
+          fmt::format("{} beyond --undo-memory{}", back.dropped,
+                      back.tooLarge ? fmt::format("; {} larger than the whole memory", back.tooLarge) : std::string()));
   }
   if (report.recorded)
-    row("recorded forces", fmt::format("differ by {:.3g} N rms, {:.3g} N at worst, over {} ticks",
+    row("recorded forces", fmt::format("differ by {:.3g} N rms, at most {:.3g} N, over {} ticks",
                                        report.recorded->rms_N, report.recorded->worst_N, report.recorded->ticks));
   if (report.log) {
     const LogReport& log = *report.log;
@@ -340,27 +339,25 @@ void printReport(std::FILE* out, const TouchReport& report) {
         fmt::format("{} bytes, {:.1f} a tick", log.bytes,
                     static_cast<double>(log.bytes) / static_cast<double>(std::max<std::uint64_t>(1, trace.ticks))));
     if (log.lostTicks + log.mergedEdits)
-      row("log behind", fmt::format("{} ticks are missing in it; {} edits gave way to later ones of the same points",
+      row("log behind", fmt::format("{} ticks are missing in it; {} edits superseded by later ones of the same points",
                                     log.lostTicks, log.mergedEdits));
   }
   if (shortfalls.editsTooSlow)
-    row("edits left out",
-        fmt::format("{}: one takes this machine longer than a force can be held", shortfalls.editsTooSlow));
+    row("dropped edits", fmt::format("{} (an edit takes longer than a force can be held)", shortfalls.editsTooSlow));
   if (shortfalls.editsLogFull)
-    row("edits left out", fmt::format("{}: who follows them had fallen behind", shortfalls.editsLogFull));
+    row("dropped edits", fmt::format("{} (edit log full, a reader fell behind)", shortfalls.editsLogFull));
   if (shortfalls.editsHeldUp)
-    row("edits left out", fmt::format("{}: the index was being compacted", shortfalls.editsHeldUp));
+    row("dropped edits", fmt::format("{} (the index was being compacted)", shortfalls.editsHeldUp));
   if (report.edits)
-    row("index", fmt::format("{}: followed {} edits, built anew {} times, {} for edits that it could not follow; "
+    row("index", fmt::format("{}: followed {} edits, rebuilt {} times, {} for edits that it could not follow; "
                              "compacted {} times in the background",
                              nameOf(report.index), report.index.followed, report.index.built, shortfalls.editsRebuilt,
                              report.compactions));
   if (shortfalls.thinnedTicks)
-    row("thinned ticks", fmt::format("{}: more points near the probe than a tick looks at; every so-manyth was taken",
-                                     shortfalls.thinnedTicks));
+    row("subsampled ticks", fmt::format("{}: more points near the probe than a tick visits", shortfalls.thinnedTicks));
   if (shortfalls.truncatedTicks)
     row("unfinished ticks",
-        fmt::format("{}: the proxy was still moving when its time was up", shortfalls.truncatedTicks));
+        fmt::format("{}: the proxy had not converged when the work budget was spent", shortfalls.truncatedTicks));
 }
 
 Json toJson(const TouchReport& report) {

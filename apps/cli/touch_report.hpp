@@ -16,17 +16,17 @@
 
 namespace palpate {
 
-/// Largest distance of the proxy from the surface that double precision finds on the CPU, over up to 200 fresh ticks in
-/// contact from before the first edit. Of a model that moves, where it rests.
+/// Maximum distance of the proxy from the surface computed on the CPU in double precision, over up to 200 fresh ticks
+/// in contact before the first edit. For a moving model, in its rest position.
 struct ContactError {
   double worst_mm = 0;
-  std::size_t ticks = 0;      ///< looked at
-  std::size_t undefined = 0;  ///< of them, where double precision finds no surface at all
+  std::size_t ticks = 0;      ///< evaluated ones
+  std::size_t undefined = 0;  ///< of them, without a surface in double precision
 };
 ContactError contactError(const Trace& trace, const Model& model, const SurfaceOptions& surface,
                           std::optional<double> firstEditTime_s, const std::optional<RigidMotion>& motion);
 
-/// What the servo loop counted besides the trace.
+/// Counts of the servo loop beside the trace.
 struct ServoReport {
   TickHistogram step_us, late_us;
   SchedulingStatistics scheduling;
@@ -35,46 +35,45 @@ struct ServoReport {
 };
 ServoReport servoReport(const ServoResult& result);
 
-/// The session log, as it ended.
+/// The completed session log.
 struct LogReport {
   std::uint64_t bytes = 0, lostTicks = 0, mergedEdits = 0;
 };
 
-/// What the second hand's part of a session came to.
+/// Result of the second hand.
 struct SecondHandReport {
   std::string device;
   TraceSummary trace;
   HandCounts counts;
 };
 
-/// What moved by itself.
+/// The simulated matter.
 struct MatterReport {
   Matter matter = Matter::water;
-  std::uint32_t substeps = 0;  ///< in a millisecond
-  double gain = 1;             ///< of the forces
-  double coupling_N_mm =
-      0;                   ///< of the hand to its ball, with the gain; 0: of a soft body, which the hand itself presses
-  std::string elasticity;  ///< of a soft body, in words
-  double leftOut_s = 0;    ///< by which it stayed behind the clock
-  std::uint64_t advances = 0;          ///< times that it went on, each some milliseconds at once
-  double duration_s = 0;               ///< in which it did
+  std::uint32_t substeps = 0;          ///< in a millisecond
+  double gain = 1;                     ///< of the forces
+  double coupling_N_mm = 0;            ///< of the hand to its ball, with the gain; 0: soft bodies
+  std::string elasticity;              ///< of a soft body, in words
+  double leftOut_s = 0;                ///< by which it fell behind the clock
+  std::uint64_t advances = 0;          ///< number of advances, each by some milliseconds at once
+  double duration_s = 0;               ///< of the session
   SurfaceHolds holds = {};             ///< of a soft body
   std::vector<PortEnergy> ports = {};  ///< of each hand
 };
 
-/// How the points around the hands came.
+/// Transmission of the points around the hands.
 struct FarReport {
   FarCounts counts;
   UnknownTicks ticks;
 };
 
-/// What goes before the first answer, from the beginning of the command on, and how long it took.
+/// A stage between the beginning of the command and the first answer, and its duration.
 struct StartStage {
   std::string_view name;
   double time_s = 0;
 };
 
-/// What a touch session came to.
+/// Result of a touch session.
 struct TouchReport {
   std::size_t points = 0;
   std::string backend, machine, method;
@@ -86,7 +85,7 @@ struct TouchReport {
   TouchShortfalls shortfalls;
   std::uint64_t compactions = 0;
   IndexWork index;
-  std::size_t movedPoints = 0;  ///< that lie elsewhere than in the file
+  std::size_t movedPoints = 0;  ///< that are edited (SculptedCloud::edited)
   bool realtimePriority = false;
   bool pacedByDevice = false;
   bool realtime = false;
@@ -96,20 +95,20 @@ struct TouchReport {
   double longestSide = 0;  ///< model units
   LengthUnit unit = LengthUnit::unknown;
   std::string tool;
-  std::size_t toolPoints = 0;  ///< 0: it touches with the HIP alone
+  std::size_t toolPoints = 0;  ///< 0: the HIP is the only point
   ContactError error;
-  std::optional<PlayCounts> frames;    ///< where the model is a depth camera
-  std::optional<MatterReport> matter;  ///< where the model is a scene
+  std::optional<PlayCounts> frames;    ///< if the model is a depth camera
+  std::optional<MatterReport> matter;  ///< if the model is a scene
   std::optional<StrokeCounts> shape;   ///< of a soft body with a brush
-  std::optional<UndoneStrokes> back;   ///< where undo was asked for
-  std::optional<RosHand::Counts> ros;  ///< where programs of ROS hear it
-  std::optional<SharedCounts> shared;  ///< where others feel and sculpt it, too
-  std::optional<std::size_t> cameras;  ///< of others who look at what was joined, in the end
-  std::vector<SeenHand> others;        ///< hands of others that were there in the end
-  std::optional<FarReport> far;        ///< where somebody else has all of the points
+  std::optional<UndoneStrokes> back;   ///< if undo was requested
+  std::optional<RosHand::Counts> ros;  ///< if it is published for ROS
+  std::optional<SharedCounts> shared;  ///< if others feel and sculpt it, too
+  std::optional<std::size_t> cameras;  ///< of the other participants at the end, if a session was joined
+  std::vector<SeenHand> others;        ///< hands of the other participants at the end
+  std::optional<FarReport> far;        ///< if another program has all of the points
   std::optional<LogReport> log;
-  std::optional<SecondHandReport> second;   ///< where there was one
-  std::optional<ForceDifference> recorded;  ///< from the forces of the trajectory that was replayed
+  std::optional<SecondHandReport> second;   ///< if there was one
+  std::optional<ForceDifference> recorded;  ///< from the forces of the replayed trajectory
 };
 
 void printReport(std::FILE* out, const TouchReport& report);

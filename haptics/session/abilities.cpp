@@ -21,9 +21,10 @@ constexpr std::string_view kPlaying =
     "the frames of a depth camera cannot be sculpted while they play; pause playback (key K of the window), or fuse "
     "them into a file (palpate convert)";
 constexpr std::string_view kOnlyNear = "only the points around the hand are in this program; join without --near";
-constexpr std::string_view kPlaced = "a joined model stays where it is served";
+constexpr std::string_view kPlaced = "a joined model cannot be moved";
 
-// Whatever is not listed is allowed. Carving, painting and inserting points are refused wherever sculpting is.
+// All actions that are not listed are allowed. Where sculpting is refused, carving, painting and inserting points are,
+// too.
 constexpr Refusal kRefusals[] = {
     {ModelKind::moved, Action::sculpt, kMoving},
     {ModelKind::frames, Action::sculpt, kPlaying},
@@ -37,7 +38,7 @@ constexpr Refusal kRefusals[] = {
     {ModelKind::fluid, Action::sculpt, "water and sand cannot be sculpted; the hand moves them"},
     {ModelKind::fluid, Action::move, "a simulated scene moves already"},
     {ModelKind::soft, Action::carve, "a soft body cannot be carved, because it keeps its cells; use push"},
-    {ModelKind::soft, Action::paint, "a soft body cannot be painted; paint its model before"},
+    {ModelKind::soft, Action::paint, "a soft body cannot be painted; paint its model first"},
     {ModelKind::soft, Action::move, "a simulated scene moves already"},
     {ModelKind::shared, Action::insertPoints, "points cannot be inserted where several hands sculpt"},
     {ModelKind::shared, Action::move, kPlaced},

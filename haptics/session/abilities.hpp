@@ -1,4 +1,4 @@
-// What can be done with a model in a session: one table with one reason for each refusal, which every program quotes.
+// The actions that a model allows in a session: one table with one reason for each refusal, which every program quotes.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace palpate {
 
 struct Model;
 
-/// What a session touches.
+/// Kind of model that a session touches.
 enum class ModelKind {
   cloud,          ///< points at rest, all of them in this program
   moved,          ///< a cloud under a rigid motion
@@ -26,7 +26,7 @@ enum class ModelKind {
   soft,           ///< a soft body
   shared,         ///< a joined cloud that several hands sculpt
   readOnly,       ///< a joined cloud that is served read-only
-  near,           ///< a joined cloud of which only the points around the hands are in this program
+  near,           ///< a joined cloud with only the points around the hands in this program
   nearReadOnly,   ///< the same, served read-only
   nearMoving,     ///< the same of a model that moves
 };
@@ -35,7 +35,7 @@ inline constexpr std::size_t kModelKinds = 13;
 enum class Action { sculpt, carve, paint, insertPoints, move, undo, save, record };
 inline constexpr std::size_t kActions = 8;
 
-/// What the brush needs: carve and paint stand for themselves, all others are Action::sculpt.
+/// The action that a brush requires: carve and paint for themselves, Action::sculpt for all others.
 Action actionOf(BrushKind kind);
 
 /// The kind of model as far as the configuration tells; a joined cloud counts as sculptable.
@@ -43,16 +43,16 @@ ModelKind modelKindOf(const SessionConfig& config);
 /// The kind of model of a session. `movedByProgram`: SessionParts::source moves the points.
 ModelKind modelKindOf(const SessionConfig& config, const Model& model, bool movedByProgram = false);
 
-/// The row of a kind, on a back end.
+/// The table's row of a kind of model, on a back end.
 class Abilities {
  public:
   explicit Abilities(ModelKind kind, const TouchCapabilities& can = {}, std::string_view backend = {});
 
   ModelKind kind() const { return kind_; }
-  /// Why not, in words that follow "NAME: "; empty where the action is allowed.
+  /// Reason of a refusal, to follow "NAME: "; empty if the action is allowed.
   const std::string& refusal(Action action) const { return refusals_[static_cast<std::size_t>(action)]; }
   bool allow(Action action) const { return refusal(action).empty(); }
-  /// Throws UsageError "WHAT: the refusal" where the action is refused.
+  /// Throws UsageError "WHAT: the refusal" if the action is refused.
   void require(Action action, std::string_view what) const;
 
  private:
@@ -60,7 +60,7 @@ class Abilities {
   std::array<std::string, kActions> refusals_;
 };
 
-/// Holds the brush, the motion and the undo of a configuration against its kind of model. Throws ConfigError.
+/// Checks the brush, the motion and the undo of a configuration against its kind of model. Throws ConfigError.
 void checkAbilities(const SessionConfig& config);
 
 }  // namespace palpate

@@ -73,7 +73,7 @@ void AskedHands::feel(std::size_t hand, const Contact& answer, const Pose& pose,
   if (tick.contact.touching) tick.penetration_mm = law.scale().toMm(glm::length(tick.contact.proxy - pose.hip));
 }
 
-// For the others' silence alone: how evenly the ticks come is the affair of whoever asks for them.
+// Reacts only to silence of the server: the timing of the ticks is the caller's task.
 void AskedHands::holdBack(std::size_t hand, double dt_s) noexcept {
   AskedTick& tick = hands_[hand];
   ForceGate& gate = gates_[hand];

@@ -1,4 +1,4 @@
-// Hands whose servo loop is another program's: it asks for each tick itself.
+// Hands whose servo loop belongs to the calling program, which asks for each tick.
 #pragma once
 
 #include <exception>
@@ -12,37 +12,37 @@
 
 namespace palpate {
 
-/// What one tick came to for a hand.
+/// Result of one tick for a hand.
 struct AskedTick {
   Contact contact;
   DVec3 force_N{0};
-  DVec3 torque_mNm{0};        ///< of a tool of many points, about the HIP
-  double penetration_mm = 0;  ///< from HIP to proxy; 0 where nothing is touched
+  DVec3 torque_mNm{0};        ///< of a tool with many points, about the HIP
+  double penetration_mm = 0;  ///< from HIP to proxy; 0 without contact
 };
 
 struct AskedHandsOptions {
-  double budget_us = 0;  ///< that an answer may take before the last one bridges it; 0: as long as it takes
-  CustomForce law;       ///< the first hand's, in place of spring and damper
+  double budget_us = 0;  ///< maximum time of an answer, after which the last one bridges it; 0: unlimited
+  CustomForce law;       ///< of the first hand, in place of spring and damper
 };
 
-/// Gives the forces of each tick's poses as a Session would, within the limits of its force law; what protects a person
-/// from a device (ForceGate, Passivity) is the affair of whoever has the devices. The session and this belong to one
-/// thread, and nothing else runs the session meanwhile. With a budget edits wait until somebody calls
-/// EditRelay::catchUp(), on any one thread; without one they are taken in between ticks. Where others feel the model,
-/// too, they see the first hand, and while their server is silent the force fades (InformationAge); when it is heard
-/// again the force comes back as at the start of a session in the hand (ForceGate).
+/// Returns the forces of each tick's poses as a Session would, within the limits of its force law; the protection of a
+/// person from a device (ForceGate, Passivity) is the caller's task. The session and this object belong to one thread,
+/// and nothing else runs the session meanwhile. With a budget, edits are kept until any one thread calls
+/// EditRelay::catchUp(); without one they are taken between ticks. In a shared model the others see the first hand.
+/// While its server is silent the force fades (InformationAge); once it is heard again, the force returns as at the
+/// start of a session with a held device (ForceGate).
 class AskedHands {
  public:
-  /// As many as the session has. It outlives them. They touch nothing yet.
+  /// As many hands as the session has, initially without contact. The session must outlive them.
   AskedHands(Session& session, const AskedHandsOptions& options);
 
   std::size_t count() const { return hands_.size(); }
-  /// A pose for each hand, all of the same time; the answers stand until the next call. Allocates nothing while nothing
-  /// is edited. On any fault the force is zero and the contact not valid.
+  /// Takes a pose for each hand, all of the same time; the result is valid until the next call. Allocates nothing
+  /// unless points are edited. On any fault the force is zero and the contact invalid.
   std::span<const AskedTick> tick(std::span<const Pose> poses) noexcept;
-  /// All were lifted, and are put down elsewhere with the next poses.
+  /// Lifts all hands; the next poses put them down elsewhere.
   void lift() noexcept;
-  /// Throws what went wrong while edits were taken in.
+  /// Throws the failure of taking edits, if there was one.
   void check() const;
 
  private:
@@ -52,9 +52,9 @@ class AskedHands {
 
   Session& session_;
   double budget_us_;
-  std::vector<ForceLaw> laws_;  // one for each hand, as these
+  std::vector<ForceLaw> laws_;  // one for each hand, as in the next two
   std::vector<AskedTick> hands_;
-  std::vector<ForceGate> gates_;  // where what is felt may not be true any more
+  std::vector<ForceGate> gates_;  // if the information about the surface may be old
   TickObserver takesEdits_;
   std::optional<double> lastTime_s_;
   std::exception_ptr failure_;

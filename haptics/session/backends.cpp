@@ -47,7 +47,7 @@ void BackendKind::check(const SessionConfig& config) const {
   const TouchCapabilities can = capabilities();
   const std::string method = methodOf(config.backend);
   if (std::ranges::find(methods(), method) == methods().end())
-    throw ConfigError("backend.method", "{} is none of backend.name {}, which has {}", method, name(),
+    throw ConfigError("backend.method", "{} is not a method of backend.name {}, which has {}", method, name(),
                       fmt::join(methods(), ", "));
   if (!can.allSurfaces && config.surface.kind != SurfaceKind::average)
     throw ConfigError("surface.kind", "backend.name {} has only average; take vulkan or cpu for {}", name(),
@@ -58,17 +58,17 @@ void BackendKind::check(const SessionConfig& config) const {
   if (!can.choosesWait && config.backend.wait)
     throw ConfigError("backend.wait", "only backend.name vulkan can be told how to wait");
   if (!can.timesPasses && config.backend.timesPasses)
-    throw ConfigError("backend.times_passes", "only backend.name vulkan knows its passes");
+    throw ConfigError("backend.times_passes", "only backend.name vulkan can time its passes");
   checkSecondHand(config, can, name(), method);
   if (!can.allBrushes && config.brush && config.brush->kind != BrushKind::push)
     throw ConfigError("brush.kind", "backend.name {} has only push; take vulkan or cpu for {}", name(),
                       nameOf(kBrushKinds, config.brush->kind));
   if (!can.followsMotion && config.motion)
-    throw ConfigError("motion.kind", "backend.name {} feels only what stands still; take vulkan or cpu", name());
+    throw ConfigError("motion.kind", "backend.name {} requires a model at rest; take vulkan or cpu", name());
   if (!can.followsMotion && config.stream)
-    throw ConfigError("backend.name", "{} feels only what stands still; take vulkan or cpu for a depth camera", name());
+    throw ConfigError("backend.name", "{} requires a model at rest; take vulkan or cpu for a depth camera", name());
   if (!can.followsMotion && config.matter)
-    throw ConfigError("backend.name", "{} feels only what stands still; take vulkan or cpu for matter", name());
+    throw ConfigError("backend.name", "{} requires a model at rest; take vulkan or cpu for matter", name());
   if (config.matter) checkMemory(*config.matter, matterMemory_bytes());
   const Abilities abilities(modelKindOf(config), can, name());
   if (config.undo.undo > 0 && !abilities.allow(Action::undo))
@@ -76,7 +76,7 @@ void BackendKind::check(const SessionConfig& config) const {
 }
 
 std::unique_ptr<MatterSimulation> BackendKind::simulate(const MatterScene&, const MatterOptions&) const {
-  throw ConfigError("backend.name", "{} moves no matter; take vulkan or cpu", name());
+  throw ConfigError("backend.name", "{} cannot simulate matter; take vulkan or cpu", name());
 }
 
 std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& request) const {
@@ -91,13 +91,13 @@ std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& req
 }
 
 std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& request) const {
-  // Against the clock: what it has missed beyond that it does not make up for, as its answers would only come later.
+  // Maximum number of steps per frame in real time: more would only delay the answers further.
   constexpr std::uint32_t kMaxAtOnce = 4;
   MatterOptions options{.threads = request.threads};
   options.soft = request.model.soft;
   double reach = 0;
   for (const ToolPoint& point : request.tools.front().points) reach = std::max(reach, glm::length(point.place));
-  // Where this back end feels points alone, the CPU moves them.
+  // If this back end cannot simulate the body, the CPU moves its points.
   const TouchCapabilities can = capabilities();
   const bool isElastic = request.config.matter->preset == SoftPreset::elastic;
   const std::unique_ptr<BackendKind> cpu =
@@ -110,7 +110,7 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
                                                                                  .mostAtOnce = kMaxAtOnce});
   BackendRequest felt = request;
   felt.source = source.get();
-  felt.brush.reset();  // the body has it, and its points follow
+  felt.brush.reset();  // the body has the brush, and its points follow
   felt.paintable = false;
   auto surface = make(felt);
   auto touch =

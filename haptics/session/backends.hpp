@@ -1,4 +1,4 @@
-// The back ends that a program has, by name: a session asks for one and knows none of them.
+// The back ends of a program, by name: a session requests one without knowing its class.
 #pragma once
 
 #include <functional>
@@ -18,46 +18,47 @@
 
 namespace palpate {
 
-/// What a session needs of a back end.
+/// Arguments for making a back end.
 struct BackendRequest {
   const Model& model;
   const SessionConfig& config;
-  SurfaceOptions surface;             ///< as this back end realises the configuration's (BackendKind::surface())
-  std::optional<BrushOptions> brush;  ///< the first one; model units
-  bool paintable = false;             ///< keeps colours for a brush that comes later
-  std::vector<ToolShape> tools;       ///< one for each hand, model units; without points for a single one
+  SurfaceOptions surface;             ///< the configuration's, as this back end supports it (BackendKind::surface())
+  std::optional<BrushOptions> brush;  ///< the initial one; model units
+  bool paintable = false;             ///< keeps colours for a later brush
+  std::vector<ToolShape> tools;       ///< one for each hand, model units; without points for a single point
   unsigned threads = 0;               ///< on the CPU; 0: one per core
-  /// Moves the model, and outlives what is made; null: it stands still, or is a scene of matter, which moves by itself.
+  /// Moves the model; must outlive the back end. Null: the model stands still, or is a scene of matter, which the back
+  /// end simulates.
   CloudSource* source = nullptr;
-  std::optional<FusedStream> fusion;  ///< in place of a source, where the back end fuses frames: begins with the model
+  std::optional<FusedStream> fusion;  ///< in place of a source, if the back end fuses frames: begins with the model
 };
 
-/// One way of answering poses.
+/// One kind of back end.
 class BackendKind {
  public:
   virtual ~BackendKind() = default;
 
   virtual std::string_view name() const = 0;
-  /// How it can find neighbours; the first one unless another is asked for.
+  /// Methods of its neighbour search; the first one is the default.
   virtual const std::vector<std::string>& methods() const = 0;
   virtual TouchCapabilities capabilities() const { return {}; }
-  /// Memory that matter may take there, bytes.
+  /// Maximum memory of matter on its machine, bytes.
   virtual std::uint64_t matterMemory_bytes() const { return matterMemory(hostMemory_bytes()); }
-  /// Throws ConfigError for what it cannot do, as its capabilities say, and for matter that it has no memory for.
+  /// Throws ConfigError for what its capabilities exclude, and for matter that exceeds its memory.
   void check(const SessionConfig& config) const;
-  /// The surface that the configuration asks for on this model.
+  /// The surface of this model as configured.
   SurfaceOptions surface(const Model& model, const SurfaceConfig& config) const {
     return surfaceOptions(model, config, capabilities().localRadius);
   }
-  /// The machine that answers, in words.
+  /// Name of the answering machine.
   virtual std::string machine(unsigned threads) const = 0;
-  /// How normals are estimated for a session on it: the same for the session and for its replay.
+  /// Estimator of normals for a session on it: the same for the session and for its replay.
   virtual NormalEstimator normalEstimator() const { return estimateNormalsOnCpu; }
-  /// A cloud ready to be touched, which keeps no reference to the request. Throws Error.
+  /// Makes a cloud that can be touched, which keeps no reference to the request. Throws Error.
   virtual std::unique_ptr<TouchBackend> make(const BackendRequest& request) const = 0;
-  /// Matter that moves by itself. Throws Error as planOf() does, and ConfigError where this back end moves none.
+  /// Makes a simulation of matter. Throws Error as planOf() does, and ConfigError if this back end simulates none.
   virtual std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const;
-  /// The method that the configuration stands for.
+  /// The configured method, or the default.
   std::string methodOf(const BackendConfig& config) const {
     return config.method.empty() ? methods().front() : config.method;
   }
@@ -67,19 +68,19 @@ class BackendKind {
   std::unique_ptr<TouchBackend> matterTouch(const BackendRequest& request) const;
 
  private:
-  /// For a soft body, whose points make() has felt.
+  /// For a soft body, whose points are felt through make().
   std::unique_ptr<TouchBackend> softTouch(const BackendRequest& request) const;
 };
 
-/// The CPU, which every program has.
+/// The CPU, available in every program.
 std::unique_ptr<BackendKind> cpuBackend();
 
-/// All of a program's. One that is not among them is not known.
+/// All back ends of a program.
 class Backends {
  public:
   explicit Backends(std::vector<std::unique_ptr<BackendKind>> kinds) : kinds_(std::move(kinds)) {}
 
-  /// Throws ConfigError for a name that none has.
+  /// Throws ConfigError for an unknown name.
   const BackendKind& named(std::string_view name) const;
   std::vector<std::string> names() const;
 

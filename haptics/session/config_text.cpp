@@ -1,4 +1,4 @@
-// The configuration of a session as JSON text and back. Each field is named once, for both ways.
+// The configuration of a session as JSON text and back. Each field is named once for both directions.
 #include <algorithm>
 #include <cmath>
 #include <concepts>
@@ -22,7 +22,7 @@ std::string choicesOf(const Names& names) {
   return all;
 }
 
-/// Writes what a description names.
+/// Writes the fields that a description names.
 class Writer {
  public:
   explicit Writer(Json& json) : json_(json) {}
@@ -70,7 +70,7 @@ class Writer {
     json_[name] = nullptr;
     if (value) part(name, *value, describe);
   }
-  // The same, but a text without it says nothing of it.
+  // The same, but an absent part is not written.
   template <class Part, class Describe>
   void partWhereGiven(const char* name, const std::optional<Part>& value, Describe&& describe) const {
     if (value) part(name, *value, describe);
@@ -85,12 +85,12 @@ class Writer {
   Json& json_;
 };
 
-/// Reads what a description names; a field that is not there keeps its default. What nobody has named in the end is
-/// unknown.
+/// Reads the fields that a description names; an absent field keeps its default. Fields that no description has named
+/// in the end are unknown.
 class Reader {
  public:
   Reader(const Json& json, std::string path) : json_(json), path_(std::move(path)) {
-    if (!json.is_object()) throw ConfigError(path_.empty() ? "config" : path_, "is no object");
+    if (!json.is_object()) throw ConfigError(path_.empty() ? "config" : path_, "is not an object");
   }
 
   void field(const char* name, double& value) {
@@ -219,7 +219,7 @@ class Reader {
       throw ConfigError(at(name), "cannot be {}", found->dump());
     }
   }
-  // The library would wrap what does not fit.
+  // Checks the range, since the library would wrap a number that does not fit.
   template <class T>
   T wholeOf(const char* name, const Json& json) const {
     const auto number = json.get<double>();
@@ -240,7 +240,7 @@ class Reader {
   std::vector<std::string> known_;
 };
 
-// What each part has, for a Writer and a Reader alike.
+// The fields of each part, for a Writer and a Reader alike.
 
 void describe(auto&& in, auto& config, const ModelConfig*) {
   in.field("file", config.file);
@@ -409,7 +409,7 @@ Json parsed(std::string_view text) {
   try {
     return Json::parse(text);
   } catch (const nlohmann::json::exception& error) {
-    throw Error("a configuration that is no JSON: {}", error.what());
+    throw Error("the configuration is not valid JSON: {}", error.what());
   }
 }
 

@@ -1,4 +1,4 @@
-// CUDA among the back ends of a session: what it cannot do is said here, whether this palpate was built with it or not.
+// CUDA among the back ends of a session, with its capabilities, whether this palpate was built with it or not.
 #include "haptics/session/cuda_backend.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ class CudaBackend final : public BackendKind {
  public:
   std::string_view name() const override { return "cuda"; }
   const std::vector<std::string>& methods() const override {
-    // The one that is taken unless another is asked for stands first.
+    // The default is first.
     static const std::vector<std::string> methods = [] {
       std::vector<std::string> names(cudaMethods().rbegin(), cudaMethods().rend());
       std::stable_partition(names.begin(), names.end(), [](const std::string& name) { return name == "fused"; });

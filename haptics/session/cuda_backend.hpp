@@ -8,11 +8,11 @@
 
 namespace palpate {
 
-/// A GPU through CUDA, for comparison; known by its name and what it can do also where palpate was built without it,
-/// and then whatever needs the GPU throws Error.
+/// A GPU through CUDA, for comparison. Its name and capabilities are known in a palpate built without CUDA, too, where
+/// everything that needs the GPU throws Error.
 std::unique_ptr<BackendKind> cudaBackend();
 
-/// Its methods by the names that users know. The same in every build.
+/// Names of its methods. The same in every build.
 const std::vector<std::string>& cudaMethods();
 
 }  // namespace palpate

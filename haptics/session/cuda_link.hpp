@@ -1,4 +1,4 @@
-// What the CUDA back end takes from engine/cuda, where palpate is built with that.
+// Interface of the CUDA back end to engine/cuda, if palpate is built with it.
 #pragma once
 
 #include <memory>
@@ -8,11 +8,11 @@
 
 namespace palpate {
 
-/// What answers with one of cudaMethods(). Throws CudaError where there is no GPU that CUDA can use, and Error in a
-/// palpate that was built without CUDA.
+/// Makes a cloud that answers with one of cudaMethods(). Throws CudaError if CUDA can use no GPU, and Error in a
+/// palpate built without CUDA.
 std::unique_ptr<TouchBackend> makeCudaTouch(const BackendRequest& request, const std::string& method);
 
-/// The GPU that CUDA takes.
+/// Name of the GPU that CUDA uses.
 std::string cudaMachine();
 
 }  // namespace palpate

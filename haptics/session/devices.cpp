@@ -15,10 +15,10 @@
 namespace palpate {
 namespace {
 
-constexpr double kUsedShare = 0.9;  // of the workspace: the arms' last millimetres are not pleasant
-constexpr double kFront = 0.48;     // of the workspace's depth, from its middle to where a pushed stylus begins
+constexpr double kUsedShare = 0.9;  // of the workspace: the last millimetres of the arms are unpleasant
+constexpr double kFront = 0.48;     // of the workspace's depth: from its middle to the start of a steered stylus
 
-/// What follows the colon; nothing where `spec` is about another kind of device.
+/// The text after the colon; empty optional if `spec` is another kind of device.
 std::optional<std::string> argumentOf(const std::string& spec, std::string_view kind) {
   if (spec == kind) return std::string();
   if (spec.starts_with(kind) && spec[kind.size()] == ':') return spec.substr(kind.size() + 1);
@@ -29,7 +29,7 @@ int numberOf(const std::string& text) {
   int number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size() || number < 0 || number > 63)
-    throw ConfigError("hands.device", "dhd:{}: the number of a device, from 0 on", text);
+    throw ConfigError("hands.device", "dhd:{}: is not the number of a device, 0 to 63", text);
   return number;
 }
 
@@ -67,7 +67,7 @@ OpenedDevice openForceDimension(const std::string& number, const DeviceOpening&)
   return {std::move(device), facts};
 }
 
-/// A kind of device that a person holds: what it is called, and what opens the one that stands behind the colon.
+/// A kind of held device: its name, and the function that opens the device named after the colon.
 struct HeldDevice {
   std::string_view name, help;
   OpenedDevice (*open)(const std::string& which, const DeviceOpening& opening);
@@ -96,7 +96,7 @@ std::string heldDevicesHelp() {
 OpenedDevice openDevice(const std::string& spec, const DeviceOpening& opening) {
   for (const HeldDevice& kind : kHeldDevices)
     if (const auto which = argumentOf(spec, kind.name)) return kind.open(*which, opening);
-  throw ConfigError("hands.device", "no device in a hand is called {}; there is {}", spec, heldDevicesHelp());
+  throw ConfigError("hands.device", "'{}' is not a device for a hand; there is {}", spec, heldDevicesHelp());
 }
 
 std::unique_ptr<HapticDevice> withRumble(std::unique_ptr<HapticDevice> device, Log& log) {

@@ -12,31 +12,31 @@
 
 namespace palpate {
 
-/// A device in a hand, ready to be felt.
+/// A held device, ready for use.
 struct OpenedDevice {
   std::unique_ptr<HapticDevice> device;
   HapticDeviceFacts facts;
 };
 
-/// Whether `spec` (HandConfig::device) names what a person holds: openhaptics[:NAME], dhd[:NUMBER] or hid[:WHICH].
+/// Whether `spec` (HandConfig::device) names a held device: openhaptics[:NAME], dhd[:NUMBER] or hid[:WHICH].
 bool isHeldDevice(const std::string& spec);
-/// Those that there are, for a help text and for the error when it is something else.
+/// List of the held devices, for a help text and for the error about an unknown one.
 std::string heldDevicesHelp();
 
 struct DeviceOpening {
   Log& log;
-  double rate_Hz = 1000;                    ///< of the ticks to come
-  bool ownScheduler = false;                ///< palpate's servo thread calls the ticks, where the driver would
-  const std::atomic<bool>* stop = nullptr;  ///< ends the wait for a person who has to calibrate
+  double rate_Hz = 1000;                    ///< of the ticks
+  bool ownScheduler = false;                ///< palpate's servo thread runs the ticks, not the driver
+  const std::atomic<bool>* stop = nullptr;  ///< ends the wait for a calibration by hand
 };
-/// Opens it. Throws Error with what is missing and what to do.
+/// Opens the device. Throws Error with the missing component and the remedy.
 OpenedDevice openDevice(const std::string& spec, const DeviceOpening& opening);
 
-/// The same device, with a DualSense that rumbles at each contact. Throws Error where there is none.
+/// The same device, with a DualSense that rumbles at each contact. Throws Error if there is no DualSense.
 std::unique_ptr<HapticDevice> withRumble(std::unique_ptr<HapticDevice> device, Log& log);
 
-/// The middle of the model in the middle of the device's workspace: true to scale where it fits, otherwise shrunk until
-/// it does (the surface is then felt stiffer by as much).
+/// Maps the middle of the model to the middle of the device's workspace: at true scale if it fits, else shrunk until it
+/// does (the surface then feels stiffer by the same factor).
 WorkspaceMap mapInto(const HapticDeviceFacts& facts, const Model& model);
 
 }  // namespace palpate

@@ -8,7 +8,7 @@ namespace palpate {
 
 DrawnFollower::DrawnFollower(Device& sight, const Model& model, TouchBackend& backend)
     : backend_(backend), sameGpu_(backend.framesOn(sight)) {
-  // Where new points are numbered without end, so many of them are seen.
+  // Minimum room for new points if their number is unlimited.
   constexpr std::size_t kMinNew = 1 << 16;
   const EditScope scope = backend.editScope();
   const auto most = static_cast<std::uint32_t>(std::max(kMinNew, model.cloud.size()));
@@ -40,7 +40,7 @@ void DrawnFollower::catchUp(const EditBatch& batch) {
     else if (!batch.empty())
       drawn_->catchUp(batch.points);
   } catch (...) {
-    reader_.reset();  // or the back end would wait for what it never takes
+    reader_.reset();  // or the back end would wait for this reader forever
     throw;
   }
 }

@@ -1,4 +1,4 @@
-// The picture of a session's points: drawn from a copy of them on the GPU that shows it.
+// Picture of a session's points, drawn from a copy of them on the GPU that shows it.
 #pragma once
 
 #include <memory>
@@ -15,13 +15,13 @@ class FramePipeline;
 
 class DrawnFollower final : public EditFollower {
  public:
-  /// Follows the edit log of a back end on the same GPU, and what the relay brings otherwise; where a source moves the
-  /// points, its newest whole frame, in the live cloud or through the host. All arguments outlive this.
+  /// Follows the edit log of a back end on the same GPU, else the batches of the relay; if a source moves the points,
+  /// its newest complete frame, in the live cloud or through the host. All arguments must outlive this object.
   DrawnFollower(Device& sight, const Model& model, TouchBackend& backend);
 
   void catchUp(const EditBatch& batch) override;
   DrawnCloud& drawn() { return *drawn_; }
-  /// Whole frames that it has taken over, where a source moves the points.
+  /// Complete frames taken so far, if a source moves the points.
   std::uint64_t frames() const { return frames_; }
 
  private:

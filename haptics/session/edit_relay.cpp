@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kBetweenFlushes_s = 0.5;  // of the log, in virtual time
 constexpr std::size_t kMaxWaitingEdits = 1 << 18;
-constexpr double kBetweenChecks_s = 1.0 / 240;  // whether the back end's log of edits fills up faster than usual
+constexpr double kBetweenChecks_s = 1.0 / 240;  // of checking whether the back end's edit log fills faster than usual
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// What a session does to the points goes to whoever follows it: the picture, the journal, the session log.
+// Passes the edits of a session to their followers: the picture, the journal, the session log.
 #pragma once
 
 #include <exception>
@@ -14,43 +14,42 @@
 namespace palpate {
 
 struct RelayOptions {
-  std::vector<EditFollower*> followers;  ///< null: nobody
+  std::vector<EditFollower*> followers;  ///< null entries are ignored
   double rate_Hz = 30;                   ///< how often edits are taken against the clock
   bool journal = false;
   std::uint64_t undo_bytes = 0;  ///< the journal's budget for strokes
-  SessionWriter* log = nullptr;  ///< is given the edits, with a journal; and flushed in virtual time
+  SessionWriter* log = nullptr;  ///< receives the edits, if there is a journal; flushed in virtual time
 };
 
-/// Takes edits from a back end and passes them on: between ticks in virtual time, and on a thread of its own against
-/// the wall clock, some times a second. Nobody waits for it there; in virtual time no edit is left out because it is
-/// behind. A failure on its thread waits for finish(), one of the follower for checkFollower(), since the hand goes
-/// first.
+/// Takes edits from a back end and passes them on: between ticks in virtual time, and against the clock on a thread of
+/// its own, some times a second. That thread delays nothing; in virtual time no edit is dropped because the relay is
+/// behind. Failures do not stop the hand: finish() throws those of the thread, checkFollower() those of a follower.
 class EditRelay {
  public:
-  /// Before the first query. All arguments outlive this.
+  /// Before the first query. All arguments must outlive this object.
   EditRelay(const PointCloud& cloud, TouchBackend& backend, const RelayOptions& options);
 
-  /// Begins: the observer is for virtual time and empty against the clock, or where nobody follows.
+  /// Begins. The observer is for virtual time; it is empty against the clock, or if there are no followers.
   TickObserver begin(double rate_Hz, bool realtime);
-  /// Ends the thread and catches up. Throws what went wrong there. After the back end's own finish().
+  /// Ends the thread and takes the remaining edits. Throws its failure. After the back end's own finish().
   void finish();
-  /// Ends the thread: the journal stays as it is, however far it has come.
+  /// Ends the thread; the journal stays as it is, edits may be missing.
   void stop() { thread_ = {}; }
-  /// In the session's own thread, where begin() has started none, or it has ended: takes in what has been done.
+  /// Takes the edits so far. For the session's own thread, unless begin() has started a thread that still runs.
   void catchUp();
-  /// What the last catchUp() took in, where there is a journal.
+  /// Edits taken by the last catchUp(), if there is a journal.
   const EditBatch& batch() const { return batch_; }
-  /// Another log, or none, is given the edits from now on.
+  /// Replaces or removes the log that receives the edits.
   void setLog(SessionWriter* log) { options_.log = log; }
 
   Journal* journal() { return journal_ ? &*journal_ : nullptr; }
   const Journal* journal() const { return journal_ ? &*journal_ : nullptr; }
-  /// Throws what went wrong with the follower; ask once all else is saved.
+  /// Throws the failure of a follower; call it once everything else is saved.
   void checkFollower() const;
 
  private:
   void observe(const TraceRow& row);
-  // An edit log of bounded size may soon have no room for another edit.
+  // Whether an edit log of bounded size may soon have no room for another edit.
   bool isNearlyFull() const;
   bool isHalfFull() const;
 
@@ -65,19 +64,19 @@ class EditRelay {
   std::jthread thread_;
 };
 
-/// What came of undo and redo after a session.
+/// Result of undo and redo after a session.
 struct UndoneStrokes {
   std::uint64_t strokes = 0;  ///< of the session
   std::size_t undone = 0, redone = 0;
-  std::uint64_t dropped = 0;   ///< that could not be undone any more, for the journal's budget
-  std::uint64_t tooLarge = 0;  ///< of them, those larger than all of it
+  std::uint64_t dropped = 0;   ///< that cannot be undone, because they exceeded the journal's budget
+  std::uint64_t tooLarge = 0;  ///< of them, those larger than the whole budget
 };
-/// Undoes `undo` strokes and redoes `redo` of them, as far as there are any. `catchUp` lets the journal take in what
-/// the back end has done; all of it so far has been. Between strokes. Where the back end throws, the journal is left as
-/// the last change that came out has left the points.
+/// Undoes up to `undo` strokes and redoes up to `redo` of them, between strokes. `catchUp` lets the journal take the
+/// back end's edits; it must have taken all of them before. If the back end throws, the journal stays as after the last
+/// successful change.
 UndoneStrokes undoStrokes(TouchBackend& backend, Journal& journal, const std::function<void()>& catchUp,
                           std::size_t undo, std::size_t redo);
-/// The same of strokes that have changed a shape.
+/// The same for strokes that have changed a shape.
 UndoneStrokes undoStrokes(ShapeStrokes& shape, std::size_t undo, std::size_t redo);
 
 }  // namespace palpate

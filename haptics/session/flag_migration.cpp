@@ -17,7 +17,7 @@ T number(std::string_view text) {
   T value{};
   const char* end = text.data() + text.size();
   const auto [last, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || last != end) throw Error("'{}' is no number", text);
+  if (error != std::errc() || last != end) throw Error("'{}' is not a number", text);
   return value;
 }
 
@@ -32,7 +32,7 @@ std::array<T, n> list(std::string_view text) {
   std::array<T, n> values{};
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t comma = i + 1 < n ? text.find(',') : text.size();
-    if (comma == std::string_view::npos) throw Error("'{}' are not {} numbers", text, n);
+    if (comma == std::string_view::npos) throw Error("'{}' is not a list of {} numbers", text, n);
     values[i] = number<T>(text.substr(0, comma));
     text.remove_prefix(std::min(text.size(), comma + 1));
   }
@@ -42,10 +42,10 @@ std::array<T, n> list(std::string_view text) {
 template <class Names>
 auto named(const Names& names, const std::string& text) {
   if (const auto value = valueNamed(names, text)) return *value;
-  throw Error("'{}' was no choice", text);
+  throw Error("'{}' is not a valid choice", text);
 }
 
-// The brush was said in parts, whether or not there was one.
+// The brush had an option for each part, whether or not there was a brush.
 BrushConfig& brush(SessionConfig& config) { return config.brush ? *config.brush : config.brush.emplace(); }
 
 const std::map<std::string_view, Set>& setters() {
@@ -102,7 +102,7 @@ const std::map<std::string_view, Set>& setters() {
          const auto axis = list<double, 3>(v);
          c.tool.axis = {axis[0], axis[1], axis[2]};
        }},
-      {"--rumble", [](C&, S) {}},  // of the gamepad that was there
+      {"--rumble", [](C&, S) {}},  // concerned only the gamepad
   };
   return all;
 }
@@ -111,7 +111,7 @@ const std::map<std::string_view, Set>& setters() {
 
 SessionConfig migrateFlags(const std::map<std::string, std::string>& flags) {
   SessionConfig config;
-  config.hands.clear();  // a log says nothing of where its poses came from
+  config.hands.clear();  // a log does not tell the source of its poses
   std::string edit = "none";
   for (const auto& [flag, value] : flags) {
     if (flag == "--edit") {
@@ -119,7 +119,7 @@ SessionConfig migrateFlags(const std::map<std::string, std::string>& flags) {
       continue;
     }
     const auto found = setters().find(flag);
-    if (found == setters().end()) throw Error("{} is no option of a session", flag);
+    if (found == setters().end()) throw Error("{} is not an option of a session", flag);
     found->second(config, value);
   }
   if (edit == "none")

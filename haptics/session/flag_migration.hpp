@@ -7,9 +7,9 @@
 
 namespace palpate {
 
-/// The configuration that options of the command line stood for when session logs carried those, by their names with
-/// dashes, and values as they were given. Options that had no say in how a session runs were not among them. Throws
-/// Error for one that is not known, and for a value that it never had.
+/// The configuration for command-line options, which earlier session logs carried in place of it: by their names with
+/// dashes, and values as given. Options without effect on a session were not among them. Throws Error for an unknown
+/// option or an invalid value.
 SessionConfig migrateFlags(const std::map<std::string, std::string>& flags);
 
 }  // namespace palpate

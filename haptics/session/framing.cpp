@@ -6,7 +6,7 @@ namespace palpate {
 
 namespace {
 
-// Where there is but one place a picture shows this much around it, and a disc of this radius, model units.
+// Margin of the picture and radius of the disc if all points are at one position, model units.
 constexpr double kAroundLone = 1, kLone = 0.3;
 
 }  // namespace
@@ -14,7 +14,7 @@ constexpr double kAroundLone = 1, kLone = 0.3;
 Framing framingOf(const Model& model, UpAxis up) {
   Framing framing{.shown = model.shown, .up = up};
   if (!(model.spacing > 0)) framing.margin = kAroundLone;
-  // Where points are many, their discs are as small as the picture's own margin is wide.
+  // The discs of many points are smaller than the picture's own margin.
   constexpr double kFew = 0.02, kWidest = 0.1;  // of the longest side: a spacing, and the radius of a disc
   const double side = model.shownBounds().longestSide();
   if (model.spacing > kFew * side) framing.margin = std::min(model.spacing, kWidest * side);

@@ -1,4 +1,4 @@
-// How a picture of a session's model is framed.
+// Framing of a picture of a session's model.
 #pragma once
 
 #include "engine/render/camera.hpp"
@@ -6,10 +6,10 @@
 
 namespace palpate {
 
-/// What a picture of the model shows, with room for the discs of a few points.
+/// The part of the model that a picture shows, with room for the discs of a few points.
 Framing framingOf(const Model& model, UpAxis up);
-/// The radius of all discs, model units, where the model says one, or its points have no spacing that would give them
-/// one: all are in one place. 0 where discs have their own.
+/// The common radius of all discs, model units, if the model has one, or if its points have no spacing because all are
+/// at one position. 0 if each disc has its own.
 double discRadiusOf(const Model& model);
 
 }  // namespace palpate

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kBeforePath_s = 0.5;  // forces ramp up for so long; the hand waits for them
+constexpr double kBeforePath_s = 0.5;  // the hand waits while forces ramp up
 constexpr std::string_view kReplay = "replay:";
 
 Path pathFor(const HandConfig& config, const Model& model) {
@@ -42,7 +42,7 @@ HandSource replayed(const std::string& file, const Model& model, Log& log) {
   if (isSessionLog(file)) {
     SessionRecord record = readSessionLog(file);
     for (const std::string& sentence : whatIsMissing(record)) log.say("{}: {}", file, sentence);
-    if (record.ticks.empty()) throw FileError(file, "has no whole tick; there is nothing to replay");
+    if (record.ticks.empty()) throw FileError(file, "contains no complete tick, so it cannot be replayed");
     const RecordedSession session = parseHeader(file, record.text);
     const double duration_s = record.ticks.back().time_s;
     return {.device = std::make_unique<ReplayDevice>(std::move(record.ticks), session.limits),
@@ -53,12 +53,12 @@ HandSource replayed(const std::string& file, const Model& model, Log& log) {
   Trajectory trajectory = readTrajectory(file);
   const Bounds bounds = boundsOf(model.cloud);
   const DVec3 middle = model.cloud.origin + bounds.center();
-  // What is far from the model in all samples was recorded with another one, or in other units.
+  // A path that is far from the model in all samples was recorded with another model, or in other units.
   const auto isFar = [&](const TrajectorySample& sample) {
     return glm::distance(sample.position, middle) > 100 * bounds.longestSide();
   };
   if (std::ranges::all_of(trajectory.samples, isFar))
-    throw FileError(file, "goes nowhere near the model: its positions are taken in the units of the model's file");
+    throw FileError(file, "is never near the model; its positions must be in the units of the model's file");
   HandSource hand{.device = std::make_unique<PathDevice>(trajectory.path()),
                   .duration_s = trajectory.samples.back().t_s};
   if (trajectory.hasForces) hand.recorded = std::move(trajectory);
@@ -69,7 +69,7 @@ HandSource replayed(const std::string& file, const Model& model, Log& log) {
 
 std::string deviceComplaint(const std::string& device) {
   if (device == "path" || device == "sim" || device.starts_with(kReplay) || isHeldDevice(device)) return {};
-  return fmt::format("'{}' is no device; there is path, sim, replay:FILE and {}", device, heldDevicesHelp());
+  return fmt::format("'{}' is not a device; there is path, sim, replay:FILE and {}", device, heldDevicesHelp());
 }
 
 HandSource openHand(const HandConfig& config, const HandOpening& opening) {

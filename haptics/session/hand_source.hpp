@@ -1,4 +1,4 @@
-// What holds a HIP: a person at a haptic device, a script, a recording, or a model of a hand.
+// The sources of a HIP's poses: a haptic device in a person's hand, a script, a recording, or a simulated hand.
 #pragma once
 
 #include <atomic>
@@ -14,21 +14,21 @@
 
 namespace palpate {
 
-/// A hand of a session, as it is run with; the device is somebody else's.
+/// A hand of a session for one run; does not own the device.
 struct OpenHand {
   HapticDevice* device = nullptr;
   WorkspaceMap map;
-  double duration_s = 0;  ///< of its path or recording; 0 where it has no end of its own
+  double duration_s = 0;  ///< of its path or recording; 0: unlimited
   std::optional<PassivityMode> passivity;
 };
 
-/// A hand that is ready to touch, with its device.
+/// A hand with its open device.
 struct HandSource {
   std::unique_ptr<HapticDevice> device;
   WorkspaceMap map;
-  double duration_s = 0;  ///< of its path or recording; 0 where it has no end of its own
+  double duration_s = 0;  ///< of its path or recording; 0: unlimited
   std::optional<PassivityMode> passivity;
-  std::optional<Trajectory> recorded;  ///< with the forces of then, where a trajectory is replayed
+  std::optional<Trajectory> recorded;  ///< with its forces, if a trajectory is replayed
 
   OpenHand hand() const { return {device.get(), map, duration_s, passivity}; }
 };
@@ -37,10 +37,10 @@ struct HandOpening {
   const Model& model;
   double rate_Hz = 1000;
   Log& log;
-  const std::atomic<bool>* stop = nullptr;  ///< ends the wait for a person who has to calibrate a device
+  const std::atomic<bool>* stop = nullptr;  ///< ends the wait for a calibration by hand
 };
 
-/// Whether there is such a device (HandConfig::device); otherwise a sentence that lists those that there are.
+/// Empty if there is such a device (HandConfig::device); else a sentence that lists the devices.
 std::string deviceComplaint(const std::string& device);
 /// Opens the device. Throws Error, FileError and UsageError.
 HandSource openHand(const HandConfig& config, const HandOpening& opening);

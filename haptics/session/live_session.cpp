@@ -50,7 +50,7 @@ SessionParts withJournal(SessionParts parts) {
 }  // namespace
 
 void requirePoints(const Model& model, const std::string& file) {
-  if (model.cloud.empty()) throw FileError(file, "has no points; there is nothing to touch");
+  if (model.cloud.empty()) throw FileError(file, "contains no points; there is nothing to touch");
 }
 
 LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts parts, const LiveOptions& options)

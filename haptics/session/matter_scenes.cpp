@@ -23,8 +23,7 @@ bool isFile(const std::string& name) {
   return std::filesystem::is_regular_file(name, ignored);
 }
 
-// The first file beside `beginning` that is called so and goes on with what clouds' files end with; empty: there is
-// none.
+// The alphabetically first cloud file whose path begins with `beginning`; empty: there is none.
 std::string fileThatBegins(const std::string& beginning) {
   const std::filesystem::path path(beginning);
   const std::string endings = cloudFormats().endingsRead();
@@ -41,7 +40,8 @@ std::string fileThatBegins(const std::string& beginning) {
   return first;
 }
 
-// Says what to type in place of "bunny in water" or "soft scan", where there is no file of that name.
+// Throws an error that suggests a name in place of "bunny in water" or "soft scan", since there is no file of that
+// name.
 [[noreturn]] void refuseFile(const std::string& name, const std::string& file) {
   const std::string found = fileThatBegins(file);
   std::string as = name;
@@ -51,8 +51,7 @@ std::string fileThatBegins(const std::string& beginning) {
                         found.empty() ? ", as in" : ", here", as));
 }
 
-// A file in place of what stands in a scene that is built in, or is soft there; nothing where the name is no such
-// thing.
+// A built-in scene with a file as its standing or soft body; empty if the name does not denote one.
 std::optional<MatterScene> sceneOfFile(const std::string& name) {
   const auto around = [](MatterScene scene, const std::string& file) {
     scene.model = file;
@@ -71,7 +70,7 @@ std::optional<MatterScene> sceneOfFile(const std::string& name) {
   const std::string file = name.substr(soft.size());
   if (!isFile(file)) refuseFile(name, file);
   MatterScene scene = around(matterSceneNamed("soft statue"), file);
-  scene.shape = MatterScene{}.shape;  // the file has it
+  scene.shape = MatterScene{}.shape;  // the file has the shape
   return scene;
 }
 
@@ -112,14 +111,15 @@ std::string layersInWords(const MatterScene& scene) {
   std::string words = fmt::format("{} x {} x {} layers fill {:g} x {:g} x {:g} mm, {:.4g} litres", layers.x, layers.y,
                                   layers.z, fill.x, fill.y, fill.z, fill.x * fill.y * fill.z / kMm3InLitre);
   if (spacing_mm < scene.spacing_mm)
-    words += fmt::format("; {:.4g} mm apart in place of {:g}, so that they do", spacing_mm, scene.spacing_mm);
+    words += fmt::format("; {:.4g} mm apart in place of {:g}, to fill it exactly", spacing_mm, scene.spacing_mm);
   return words;
 }
 
 std::string elasticityInWords(const MatterScene& scene) {
   if (scene.preset == SoftPreset::shapeMatching)
-    return fmt::format("shape matching, not calibrated: {:g} of the way back in a substep, which is no stiffness in Pa",
-                       scene.stiffness);
+    return fmt::format(
+        "shape matching, not calibrated: a substep reverts {:g} of a displacement; not a stiffness in Pa",
+        scene.stiffness);
   return fmt::format("Young's modulus {:g} Pa, Poisson's ratio {:g}, viscosity {:g} Pa s", scene.young_Pa,
                      scene.poisson, scene.viscosity_Pa_s);
 }

@@ -30,10 +30,10 @@ std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads) {
 
 namespace {
 
-/// What follows from the points.
+/// Sets the properties that follow from the points.
 void measure(Model& model, const ModelConfig& config, unsigned threads) {
   model.scale = scaleOf(model.cloud, config.mm_per_unit);
-  // What is saved of it says so.
+  // A saved copy states the scale.
   if (config.mm_per_unit > 0) sayScale(model.cloud.storedAs.comments, config.mm_per_unit);
   const SpacingRange spacing = spacingRange(model.cloud, threads);
   model.spacing = spacing.mean;
@@ -57,9 +57,9 @@ ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit) {
 namespace {
 
 Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
-  if (!loading.fetch) throw Error("{}: topics of ROS are not heard here", config.file);
+  if (!loading.fetch) throw Error("{}: ROS topics are not supported here", config.file);
   if (config.normals == NormalSource::face)
-    throw ConfigError("model.normals", "points that are sent have no faces; take keep or estimate");
+    throw ConfigError("model.normals", "points from a ROS topic have no faces; take keep or estimate");
   return modelOf(loading.fetch(config.file, loading.log), config, loading);
 }
 
@@ -73,7 +73,7 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
       config.file, &loading.log,
       {.normalsFromFaces = config.normals == NormalSource::face, .pointsOnly = true, .allPoints = config.allPoints});
   if (!stored.leftOut.empty())
-    loading.log.say("{}: left out are {}; all points can be asked for", config.file, stored.leftOut);
+    loading.log.say("{}: left out are {}; all points can be requested", config.file, stored.leftOut);
   Model model = modelOf(std::move(stored.cloud), config, loading);
   model.cameras = std::move(stored.cameras);
   return model;
@@ -82,7 +82,7 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
 Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& loading) {
   Model model{.cloud = std::move(points)};
   PointCloud& cloud = model.cloud;
-  // Before normals are estimated, so that all who read the file find the same.
+  // Before normals are estimated, so that all programs that read the file find the same direction.
   model.upright = findUp(cloud);
   throwIfStopWanted();
   model.shown = coreBoundsOf(cloud);
@@ -90,7 +90,7 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
   if (!cloud.hasNormals() || config.normals == NormalSource::estimate) {
     const std::string cost = loading.estimate(cloud, loading.threads);
     if (!cloud.empty()) loading.log.say("{}: normals are estimated from the points: {}", config.file, cost);
-    // One or two points lie in no plane: their discs face whoever looks at them.
+    // One or two points define no plane: their discs face the default view.
     constexpr std::size_t kNoPlane = 2;
     if (cloud.size() <= kNoPlane) cloud.normals.assign(cloud.size(), Vec3(frontOf(model.upright.up)));
   }
@@ -100,23 +100,23 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
 
 namespace {
 
-// A scene's units are millimetres, in the hand, too, unless somebody says otherwise.
+// A scene's units are millimetres, also for the hand unless configured otherwise.
 void placeInScene(Model& model, const MatterScene& scene) {
   sayScale(model.cloud.storedAs.comments, 1);
   model.upright = findUp(model.cloud);
   model.container = model.shown = Bounds{.min = DVec3(0), .max = scene.box_mm};
 }
 
-// Of particles: how far apart they lie says nothing of a surface, which fills a body.
+// Particles fill a body: their distances do not describe a surface.
 void drawAsMatter(Model& model, const MatterScene& scene) {
-  constexpr double kDisc_spacings = 0.85;  // two thirds of a spacing would close a lattice at rest
+  constexpr double kDisc_spacings = 0.85;  // two thirds would close a lattice at rest
   model.spacing = model.wideSpacing = particleSpacing_mm(scene);
   model.noise = 0;
   model.discRadius = kDisc_spacings * model.spacing;
   model.ballRadius = scene.tool.radius_mm;
 }
 
-// A scene of water or sand as it begins.
+// The initial state of a scene of water or sand.
 Model matterModel(const SessionConfig& config, const ModelLoading& loading) {
   Model model;
   planOf(*config.matter);  // before a file is read
@@ -128,7 +128,7 @@ Model matterModel(const SessionConfig& config, const ModelLoading& loading) {
   return model;
 }
 
-// A soft body at rest: the points of its surface, which are felt and drawn as those of any cloud.
+// A soft body at rest: the points of its surface, which are felt and drawn as any cloud's.
 Model softModel(const SessionConfig& config, const ModelLoading& loading) {
   const MatterScene& scene = *config.matter;
   PointCloud scan;
@@ -147,12 +147,14 @@ Model softModel(const SessionConfig& config, const ModelLoading& loading) {
   return model;
 }
 
-// What somebody else simulates: its scene comes in his words, and what stands in it as points of its surface.
+// Matter that another program simulates: takes the scene from its text, and the standing body from the points of its
+// surface.
 void takeFarMatter(Model& model, const FarFacts& facts, const ModelLoading& loading) {
   MatterScene scene = parseScene(facts.matter);
-  if (scene.matter == Matter::soft) throw Error("matter: a soft body is served as a surface, and this is none");
+  if (scene.matter == Matter::soft)
+    throw Error("matter: the served scene is a soft body, which must be served as a surface");
   if (facts.standing == 0) scene.model.clear();
-  if (facts.standing > model.cloud.size()) throw Error("matter: what stands in it has not come");
+  if (facts.standing > model.cloud.size()) throw Error("matter: points of the standing body are missing");
   model.farMatter = scene;
   model.container = model.shown = Bounds{.min = DVec3(0), .max = scene.box_mm};
   drawAsMatter(model, scene);
@@ -166,7 +168,7 @@ void takeFarMatter(Model& model, const FarFacts& facts, const ModelLoading& load
   model.standing = std::make_shared<const MatterModel>(std::move(standing), scene, loading.threads);
 }
 
-// All that follows from points that are not here is said by who has them.
+// The server tells all properties that follow from points that are not here.
 Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading& loading) {
   const FarFacts& facts = *joined.facts;
   Model model{.cloud = std::move(joined.cloud)};
@@ -174,7 +176,7 @@ Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading
   model.spacing = facts.spacing;
   model.wideSpacing = facts.wideSpacing;
   model.noise = facts.noise;
-  model.upright = {.up = facts.up, .why = "as who serves it says"};
+  model.upright = {.up = facts.up, .why = "as the server says"};
   model.shown = facts.extent.bounds;
   model.extent = facts.extent;
   model.far = std::move(joined.far);
@@ -201,7 +203,7 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
   if (config.matter)
     return config.matter->matter == Matter::soft ? softModel(config, loading) : matterModel(config, loading);
   if (config.join) {
-    if (!loading.join) throw Error("{}: this program joins no session of others", config.model.file);
+    if (!loading.join) throw Error("{}: this program cannot join sessions", config.model.file);
     JoinedModel joined = loading.join(config.model.file, *config.join, loading.log);
     if (joined.far) return farModel(std::move(joined), config.model, loading);
     Model model = modelOf(std::move(joined.cloud), config.model, loading);
@@ -225,12 +227,11 @@ std::uint64_t checksumOf(const Model& model) { return checksumOf(model.cloud.ori
 
 double usualSupportRadius(const Model& model) {
   if (model.spacing > 0) return static_cast<double>(shared::kSupportSpacings) * model.spacing;
-  return model.scale.toUnits(1.0);  // nothing to measure: any length will do
+  return model.scale.toUnits(1.0);  // nothing to measure: any length is suitable
 }
 
 SurfaceOptions surfaceOptions(const Model& model, const SurfaceConfig& config, bool adapts) {
-  // An even cloud needs no look at the local spacing; past four times the mean a patch of the dense places is too
-  // large.
+  // An even cloud needs no local spacing; beyond four times the mean, a patch of the dense parts is too large.
   constexpr double kUneven = 1.4, kWidest = 4;
   SurfaceOptions surface{
       .radius = config.radius_mm ? model.scale.toUnits(*config.radius_mm) : usualSupportRadius(model),

@@ -1,4 +1,4 @@
-// The model of a session that moves, as its configuration says.
+// The configured motion of a session's model.
 #pragma once
 
 #include <memory>
@@ -11,11 +11,11 @@
 
 namespace palpate {
 
-/// In model units, relative to the cloud's origin; nothing where the model stands still.
+/// The rigid motion in model units, relative to the cloud's origin; empty if there is none.
 std::optional<RigidMotion> rigidMotion(const SessionConfig& config, const Model& model);
 
-/// What moves the points of the model on the host; null where it stands still. `stream`: the configuration's, if it has
-/// one, which becomes a map where `fusion` says so.
+/// Source that moves the points of the model on the host; null if they stand still. `stream`: the configuration's, if
+/// it has one; its frames become a map if `fusion` is given.
 std::unique_ptr<CloudSource> makeSource(const SessionConfig& config, const Model& model,
                                         const std::shared_ptr<PlayedStream>& stream,
                                         const std::optional<FusedStream>& fusion);

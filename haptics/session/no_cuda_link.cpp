@@ -1,4 +1,4 @@
-// Stands in for cuda_link.cpp where palpate is built without NVIDIA's compiler.
+// Replaces cuda_link.cpp if palpate is built without NVIDIA's compiler.
 #include "engine/core/error.hpp"
 #include "haptics/session/cuda_backend.hpp"
 #include "haptics/session/cuda_link.hpp"

@@ -1,4 +1,4 @@
-// The picture of a session's points, which follows what is done to them.
+// Picture of a session's points, which follows the edits.
 #pragma once
 
 #include <optional>
@@ -13,17 +13,17 @@ namespace palpate {
 
 class Journal;
 
-/// Draws the points as discs on a GPU, as they are now. The copy of them there is made for the first picture, and
-/// follows the edits afterwards. For one thread, that which takes the session's edits in.
+/// Draws the present points as discs on a GPU. Their copy there is made for the first picture, and follows the edits
+/// afterwards. For one thread, the one that takes the session's edits.
 class SessionPicture {
  public:
-  /// The device outlives this; nothing else uses its queue of throughput meanwhile.
+  /// The device must outlive this object; nothing else uses its throughput queue meanwhile.
   explicit SessionPicture(Device& sight) : sight_(sight) {}
 
-  /// What was done since the last call or picture.
+  /// Applies the edits since the last call or picture.
   void follow(const EditBatch& batch);
-  /// `journal`: of the session, from which all that follow() was told comes, too; null where nothing is edited. Throws
-  /// UsageError for what makes no picture, OutOfGpuMemory.
+  /// of the session, whose edits include all that follow() has received; null if nothing is edited. Throws UsageError
+  /// for an invalid picture, OutOfGpuMemory.
   Image draw(const Model& model, const Journal* journal, const PictureRequest& request);
 
  private:

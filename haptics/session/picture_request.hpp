@@ -1,4 +1,4 @@
-// What is asked of a picture. Knows no Vulkan.
+// Options of a picture. Independent of Vulkan.
 #pragma once
 
 #include <array>
@@ -12,10 +12,10 @@ namespace palpate {
 
 struct PictureRequest {
   std::uint32_t width = 1280, height = 720;  ///< pixels
-  std::uint32_t samples = 4;                 ///< of a pixel: 1 or 4
-  CameraRequest camera;                      ///< what is missing: the model from the front, a little above
+  std::uint32_t samples = 4;                 ///< per pixel: 1 or 4
+  CameraRequest camera;                      ///< default: the model from the front, a little above
   ColorBy color = ColorBy::rgb;
-  std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
+  std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; empty: a quiet gradient
 };
 
 }  // namespace palpate

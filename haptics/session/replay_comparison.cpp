@@ -17,7 +17,7 @@ bool same(const PointState& a, const PointState& b, const Tolerance& tolerance) 
          tolerance.scale.toMm(glm::distance(DVec3(a.position), DVec3(b.position))) <= tolerance.value;
 }
 
-// The edits from one tick's answer to another's, by point, each point's in order.
+// The edits from one tick's answer to another's, sorted by point, in order for each point.
 std::vector<PointState> editsBetween(const EditBatch& edits, std::uint64_t begin, std::uint64_t end) {
   const auto at = [&](std::uint64_t place) {
     return edits.points.begin() + static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(place, edits.points.size()));
@@ -43,13 +43,13 @@ ComparableTicks comparableTicks(const SessionRecord& record, double rate_Hz, boo
     };
     if (!record.gaps.empty() && i == record.gaps.front().tick)
       return stops("a part of the log is missing before the tick");
-    if (tick.time_s != static_cast<double>(i) / rate_Hz) return stops("a tick was left out");
-    if (realtime && !tick.has(LoggedTick::kFresh)) return stops("an answer came late");
-    if (tick.has(LoggedTick::kEditLeftOut)) return {i + 1, stops("an edit was left out").because};
+    if (tick.time_s != static_cast<double>(i) / rate_Hz) return stops("a tick was missed");
+    if (realtime && !tick.has(LoggedTick::kFresh)) return stops("an answer was late");
+    if (tick.has(LoggedTick::kEditLeftOut)) return {i + 1, stops("an edit was dropped").because};
     if (tick.edits <= record.countedEdits) continue;
     if (!record.gaps.empty()) return stops("edits are missing in the log");
-    return stops(record.mergedEdits > 0 ? "the log had fallen behind the edits and has only the last of them"
-                                        : "the log has no more edits");
+    return stops(record.mergedEdits > 0 ? "the log fell behind the edits and contains only the latest of them"
+                                        : "the log contains no further edits");
   }
   return {record.ticks.size(), {}};
 }
@@ -60,7 +60,7 @@ Differences compareTicks(const SessionRun& recorded, const SessionRun& again, st
   std::uint64_t recordedEdits = 0, againEdits = 0;
   for (std::size_t i = 0; i < ticks; ++i) {
     const LoggedTick& old = recorded.ticks[i];
-    // A tick that is not there again had no force.
+    // A tick missing in the replay counts as one without force.
     const LoggedTick now = i < again.ticks.size() ? again.ticks[i] : LoggedTick{.edits = againEdits};
     const double force_N = glm::distance(old.force_N, now.force_N);
     found.largestForce_N = std::max(found.largestForce_N, force_N);

@@ -22,10 +22,9 @@ namespace palpate {
 
 namespace {
 
-constexpr double kRelay_Hz = 30;         // edits are taken so often against the clock
-constexpr double kSharedRelay_Hz = 400;  // and so often where others wait for them
-constexpr double kOthersBusy_s =
-    1;  // all of this hand's is taken, and the others go on: who ends does not wait for them
+constexpr double kRelay_Hz = 30;         // of taking edits against the clock
+constexpr double kSharedRelay_Hz = 400;  // and if others wait for them
+constexpr double kOthersBusy_s = 1;      // maximum wait for others who still edit, once this hand's edits are accepted
 
 SessionConfig checked(SessionConfig config, const BackendKind& kind) {
   validate(config);
@@ -45,16 +44,16 @@ std::optional<BrushOptions> brushOf(const SessionConfig& config, const Model& mo
   return brushOptions(*config.brush, model.scale);
 }
 
-// Of matter that somebody else simulates: what is around the hands is simulated here, on the CPU.
+// Matter that another program simulates: the particles around the hands are simulated here, on the CPU.
 std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model& model, const SessionParts& parts) {
   if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
   const MatterScene& scene = *model.farMatter;
   const std::size_t hands = std::max<std::size_t>(1, config.hands.size());
   BrickSource& source = model.far->source();
-  // Some thousand particles, twice a millisecond or more: threads that wait for one another need cores of their own.
+  // Some thousand particles, two or more steps per millisecond: threads that wait for one another need a core each.
   constexpr unsigned kMaxThreads = 4;
   const unsigned threads = std::clamp(threadCount(parts.threads) / kMaxThreads, 1U, kMaxThreads);
-  constexpr std::uint64_t kMemory_bytes = std::uint64_t{1} << 32;  // whatever the scene of somebody else would take
+  constexpr std::uint64_t kMemory_bytes = std::uint64_t{1} << 32;  // limit for a scene from another program
   auto pond = std::make_unique<MatterPond>(
       scene, MatterOptions{.threads = threads, .tools = hands, .memory_bytes = kMemory_bytes, .model = model.standing},
       newsOf(source));
@@ -64,7 +63,7 @@ std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model&
                                                                         .realtime = true,
                                                                         .machine = cpuBackend()->machine(threads),
                                                                         .varies = true});
-  // As far as weights reach.
+  // Reach of the weights.
   const double support = kSupport_spacings * particleSpacing_mm(scene);
   return std::make_unique<BrickTouch>(source, std::move(felt),
                                       BrickTouchOptions{.radius = support,
@@ -74,11 +73,12 @@ std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model&
                                                         .fixed = fixedBecause(config, model)});
 }
 
-// Of a cloud that somebody else has: what is felt is what of it is here.
+// A cloud that another program has: only its points around the hands are here and felt.
 std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const Model& model,
                                              const SurfaceOptions& surface, const SessionParts& parts) {
   if (!parts.backend.capabilities().followsMotion)
-    throw ConfigError("backend.name", "{} feels only what is all there; take vulkan or cpu", config.backend.name);
+    throw ConfigError("backend.name", "{} requires all points in this program; take vulkan or cpu",
+                      config.backend.name);
   if (model.farMatter) return makePond(config, model, parts);
   std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
   double reach = 0;
@@ -107,12 +107,12 @@ std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Mod
                                           const std::optional<FusedStream>& fusion) {
   if (model.far) return makeFarBackend(config, model, surface, parts);
   std::optional<BrushOptions> brush = brushOf(config, model);
-  // What others do is done to points that can be changed, whether or not this hand does.
+  // Edits of others require editable points, even if this hand has no brush.
   if (model.share && !brush) brush = brushOptions({.keepsDensity = false}, model.scale);
-  // The tool is the first hand's.
+  // Only the first hand has the tool.
   std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
   tools.resize(std::max<std::size_t>(1, config.hands.size()));
-  // So that it can keep the density with any brush that comes later.
+  // Allocates for any later brush, which may keep the density.
   std::optional<BrushOptions> widest = brush;
   if (widest && !model.share) widest->keepsDensity = true;
   auto backend = parts.backend.make({.model = model,
@@ -128,7 +128,7 @@ std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Mod
   return backend;
 }
 
-/// All of them, in this order; any may be null.
+/// Notifies all recorders in this order; any may be null.
 class Recorders final : public TickRecorder {
  public:
   explicit Recorders(const std::array<TickRecorder*, 3>& all) : all_(all) {}
@@ -145,10 +145,11 @@ class Recorders final : public TickRecorder {
   std::array<TickRecorder*, 3> all_;
 };
 
-/// Tells where the hands are: those who show them to others, and who sees to it that others' changes are felt gently.
+/// Reports the positions of the hands: to the presence, which shows them to others, and to the shared follower, which
+/// applies the changes of others gently where a hand touches.
 class ToldHands final : public TickRecorder {
  public:
-  /// Either may be null. `hands`: how many there are. `sculpts`: the first one has a brush.
+  /// Either pointer may be null. `hands`: their number. `sculpts`: the first one has a brush.
   ToldHands(SharedFollower* shared, SharedPresence* presence, std::size_t hands, bool sculpts)
       : shared_(shared), presence_(presence), sculpts_(sculpts) {
     places_.count = static_cast<std::uint32_t>(hands);
@@ -200,7 +201,7 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
               .journal = (parts.journal || shared_) && backend_->keepsEdits(),
               .undo_bytes = parts.undo_bytes}) {
   if (shared_ && !config_.brush) backend_->setBrush(std::nullopt);
-  // No file says it to whoever runs a record again.
+  // No file tells a replay the scale, so the configuration must.
   if (config_.join) config_.model.mm_per_unit = model_->scale.mm_per_unit;
 }
 
@@ -222,9 +223,9 @@ std::unique_ptr<SharedFollower> Session::takePart() {
   return model_->share(model_->cloud, *backend_);
 }
 
-// Around the hands alone: until what they have made has been taken.
+// Points around the hands alone: waits until the server has accepted their edits.
 bool Session::settleFar(double patience_s) {
-  backend_->finish();  // the edit that is under way
+  backend_->finish();  // the edit in progress
   const Stopwatch since;
   while (!model_->far->counts().delivered && !isStopWanted() && since.elapsed_s() < patience_s) {
     model_->far->check();
@@ -249,7 +250,7 @@ bool Session::settleShared(double patience_s, Settling until) {
   };
   const auto isOver = [&] { return isSettled() || !counts.fault.empty() || goesOnWithoutUs(); };
   std::vector<Pose> far(backend_->hands());
-  // A hand that touches nothing: between its answers the others' changes are done.
+  // Hands that touch nothing: the changes of others are applied between their answers.
   const Bounds box = boundsOf(model_->cloud);
   constexpr double kFar = 1e3;  // longest sides
   const DVec3 nowhere = model_->cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
@@ -265,7 +266,7 @@ bool Session::settleShared(double patience_s, Settling until) {
     }
     backend_->finish();
     relay_.catchUp();
-    counts = shared_->counts();  // with what has come into effect meanwhile
+    counts = shared_->counts();  // with the changes that took effect meanwhile
   } while (goesOn());
   if (hasAsked)
     for (std::size_t hand = 0; hand < far.size(); ++hand) backend_->resetHand(hand);
@@ -328,7 +329,7 @@ void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, c
 }
 
 void Session::setParameter(std::string_view name, double value) {
-  if (!simulation()) throw Error("{}: the model does not move by itself", name);
+  if (!simulation()) throw Error("{}: the model is not simulated", name);
   simulation()->set(name, value);
   palpate::setParameter(*config_.matter, name, value);
 }
@@ -369,7 +370,7 @@ double Session::durationOf(std::span<const OpenHand> hands) const {
   return longest_s;
 }
 
-// As each hand feels it, with what its device bears.
+// The spring that each hand feels, within the limits of its device.
 void Session::setSprings(std::span<const OpenHand> hands) {
   std::vector<HandSpring> springs;
   for (const OpenHand& hand : hands) {
@@ -381,14 +382,14 @@ void Session::setSprings(std::span<const OpenHand> hands) {
   backend_->setSprings(springs);
 }
 
-// Where a script begins its points are there when it does. Where a person will hold a device nobody knows before.
+// Waits for the points at the beginning of each script. For a held device the first position is not known in advance.
 void Session::awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const {
   std::vector<DVec3> hips;
   for (const OpenHand& hand : hands) {
     if (hand.device->limits().handHeld) return;
     hips.push_back(hand.map.toModel(hand.device->read(options.begin_s).position));
   }
-  constexpr double kBefore_s = 1e-6;  // of the first tick
+  constexpr double kBefore_s = 1e-6;  // before the first tick
   bricks_->awaitAt(options.begin_s - kBefore_s, hips, sharedPatience_s_);
   model_->far->check();
 }
@@ -402,7 +403,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
   setSprings(hands);
   const bool realtime = config_.realtime || options.realtime;
   if (bricks_ && model_->far->source().moves() && !realtime)
-    throw Error("'{}' moves by the clock of who serves it; join it against the clock (--realtime)", config_.model.file);
+    throw Error("'{}' moves in real time; join it with --realtime", config_.model.file);
   backend_->setRealtime(realtime);
   std::vector<SessionHand> touching;
   for (const OpenHand& hand : hands)
@@ -413,9 +414,9 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
   const double rate_Hz = options.rate_Hz > 0 ? options.rate_Hz : config_.rate_Hz;
   ToldHands told(shared_.get(), presence(), touching.size(), config_.brush.has_value());
   Recorders recorders({recording_.get(), options.recorder, &told});
-  if (!options.endless) settleShared(sharedPatience_s_);  // what was done before this hand came
+  if (!options.endless) settleShared(sharedPatience_s_);  // takes in the edits made before this hand joined
   if (bricks_) awaitPoints(hands, options);
-  const JobStopScope whole(JobStopScope::whole());  // each tick
+  const JobStopScope whole(JobStopScope::whole());  // no tick is cut short
   ServoLoop loop(options.query ? *options.query : *backend_, touching,
                  {.rate_Hz = rate_Hz,
                   .duration_s = durationOf(hands) + 1 / rate_Hz,  // the path's end is a tick too
@@ -427,7 +428,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                   .forcesOn = options.forcesOn,
                   .known = known(),
                   .recorder = &recorders});
-  if (options.endless) return loop.run();  // whoever shows it takes the edits in
+  if (options.endless) return loop.run();  // the thread that displays the session takes the edits
   const TickObserver relays = relay_.begin(rate_Hz, realtime);
   const auto run = [&] {
     if (!options.observer) return loop.run(relays);

@@ -1,4 +1,4 @@
-// A session: a model, what answers, and who follows what is done to it, put together once for every program.
+// A session: a model, a back end and the followers of the edits, combined once for every program.
 #pragma once
 
 #include <functional>
@@ -18,57 +18,56 @@
 
 namespace palpate {
 
-/// Makes who follows the edits of a session, from the back end as it begins.
+/// Creates the follower of a session's edits once the back end has been made.
 using FollowerMaker = std::function<std::unique_ptr<EditFollower>(const Model& model, TouchBackend& backend)>;
 
-/// How long a session waits for what others do to be everywhere, and for what it did itself, unless it is told
-/// otherwise.
+/// Default maximum time that a session waits until its own edits and those of others are in effect everywhere.
 inline constexpr double kSharedPatience_s = 10;
-/// The same before a session ends, for a server that is not heard.
+/// Default maximum time that an ending session waits for a silent server.
 inline constexpr double kUnheard_s = 5;
 
-/// What a session is given beside its configuration.
+/// Arguments of a session beside its configuration.
 struct SessionParts {
   const BackendKind& backend;
-  unsigned threads = 0;  ///< on the CPU; 0: one per core
-  bool journal = false;  ///< keeps what is done to the points, for undo, saving and logs, where the back end reports it
-  std::uint64_t undo_bytes = 0;  ///< for strokes that can be taken back
-  bool paintable = false;        ///< keeps colours for a brush that comes later
-  /// How long run() and finish() wait for the others, where there are some.
+  unsigned threads = 0;          ///< on the CPU; 0: one per core
+  bool journal = false;          ///< keeps the edits, for undo, saving and logs, if the back end reports them
+  std::uint64_t undo_bytes = 0;  ///< memory for strokes that can be undone
+  bool paintable = false;        ///< keeps colours for a later brush
+  /// Maximum time that run() and finish() wait for the others, if the model is shared.
   double sharedPatience_s = kSharedPatience_s;
-  /// Hears of frames that do not go into the map of a depth camera, and of strokes that did not arrive; outlives the
-  /// session.
+  /// Receives messages about frames that are not fused into the map of a depth camera, and about strokes that were not
+  /// delivered; must outlive the session.
   Log* log = nullptr;
-  /// Moves the points, where the configuration says nothing of it; outlives the session. Null: nothing does.
+  /// Moves the points, if the configuration does not; must outlive the session. Null: nothing moves them.
   CloudSource* source = nullptr;
-  FollowerMaker follower;  ///< empty: nobody follows but the journal and the log
+  FollowerMaker follower;  ///< empty: only the journal and the log follow
 };
 
-/// How a run goes beside what the configuration says of it. All that is pointed to outlives it.
+/// Options of a run beside the configuration. All pointees must outlive it.
 struct RunOptions {
-  double begin_s = 0;                           ///< the time of the first tick
-  double rate_Hz = 0;                           ///< ticks per second; 0: as the configuration says
-  bool endless = false;                         ///< against the wall clock until `stop`
-  SteppedClock* clock = nullptr;                ///< in place of the machine's (ServoOptions::clock)
-  const std::atomic<bool>* stop = nullptr;      ///< ends it when it becomes true; null: that of the job (JobStop)
+  double begin_s = 0;                       ///< the time of the first tick
+  double rate_Hz = 0;                       ///< ticks per second; 0: as the configuration says
+  bool endless = false;                     ///< against the wall clock until `stop`
+  SteppedClock* clock = nullptr;            ///< in place of the machine's (ServoOptions::clock)
+  const std::atomic<bool>* stop = nullptr;  ///< ends the run when it becomes true; null: the flag of the job (JobStop)
   const std::atomic<bool>* forcesOn = nullptr;  ///< no force while it is false (ServoOptions::forcesOn)
   TickRecorder* recorder = nullptr;             ///< notified of each tick
   TickObserver observer;                        ///< after each tick in virtual time
-  ContactQuery* query = nullptr;                ///< asked in place of the back end, to which it passes on
-  bool realtime = false;                        ///< against the wall clock, whatever the configuration says
-  CustomForce law;                              ///< the first hand's, in place of spring and damper (ForceLaw)
+  ContactQuery* query = nullptr;                ///< asked in place of the back end, to which it forwards
+  bool realtime = false;                        ///< against the wall clock, regardless of the configuration
+  CustomForce law;                              ///< of the first hand, in place of spring and damper (ForceLaw)
 };
 
-/// The points as a session leaves them.
+/// The present points, edits included.
 struct SculptedCloud {
   PointCloud cloud;
-  std::size_t edited = 0;  ///< stand elsewhere than in the file, have another colour, are gone, or are new
+  std::size_t edited = 0;  ///< points that are moved, recoloured, removed or new, compared with the file
 };
 
-/// What a hand with this law is to a surface that gives way.
+/// The spring by which a hand with this law presses on a surface that yields.
 HandSpring springOf(const ForceLaw& law);
 
-/// One thread uses it at a time; the one that runs it is the servo thread in real time.
+/// For one thread at a time; in real time, the thread that calls run() is the servo thread.
 class Session {
  public:
   /// Builds the index. `model` has points and normals; sessions may share it. Throws Error, ConfigError.
@@ -83,86 +82,84 @@ class Session {
   /// As it is felt, model units.
   const SurfaceOptions& surface() const { return surface_; }
   std::string method() const { return kind_.methodOf(config_.backend); }
-  /// What can be done with the model, and why not what cannot.
+  /// The actions that the model allows, and the reason for each refusal.
   Abilities abilities() const;
   /// Throws Error "WHAT: the refusal" where the model or the back end refuses the action.
   void require(Action action, std::string_view what) const;
   TouchBackend& backend() { return *backend_; }
   const TouchBackend& backend() const { return *backend_; }
-  /// Throws what went wrong with the follower, which has not followed since; ask once all else is saved.
+  /// Throws the failure of the follower, which has not followed since; call it once everything else is saved.
   void checkFollower() const { relay_.checkFollower(); }
-  /// What holds the frames of a depth camera and lets them go on; between runs, after finish(). Null where none are
-  /// played.
+  /// Pauses and resumes the frames of a depth camera; between runs, after finish(). Null if no frames are played.
   DepthPlayer* player() { return stream_ ? stream_->player.get() : nullptr; }
-  /// What became of the frames of a depth camera, where the model is one. From any thread, but not beside
-  /// releaseStream().
+  /// Counts of the frames of a depth camera, if the model is one. Thread-safe, but not during releaseStream().
   std::optional<PlayCounts> playCounts() const;
-  /// From where the newest of those was seen, where it says it. As playCounts().
+  /// View of the newest of those frames, if it has a pose. Threads as for playCounts().
   std::optional<PlayedView> playedView() const;
-  /// Holds a depth camera at its present frame, at that time, and hands it on: the points stand still then, and a
-  /// session whose Model::stream it is goes on behind the present frame, with a map that begins with its own cloud,
-  /// once player() plays. Between runs. Null where none are played. Throws what a query could not.
+  /// Pauses a depth camera at its present frame, at that time, and hands it on: the points stand still then. A session
+  /// that has it as its Model::stream continues behind that frame, with a map that begins with its own cloud, once
+  /// player() plays. Between runs. Null if no frames are played. Throws errors of earlier queries.
   std::shared_ptr<PlayedStream> releaseStream(double time_s);
-  /// Where others feel and sculpt the model, too; null where nobody does.
+  /// Exchange with others who feel and sculpt the model; null if it is not shared.
   SharedFollower* shared() { return shared_.get(); }
   const SharedFollower* shared() const { return shared_.get(); }
-  /// Where the hands and cameras of others are, and this program's; null where it was not joined.
+  /// Hands and cameras of the others and of this program; null if the model was not joined.
   SharedPresence* presence() const { return model_->presence.get(); }
-  /// What brings the points around the hands, where somebody else has all of them, and how many ticks lacked some; null
-  /// and none where all are here.
+  /// Fetches the points around the hands, if another program has all of them, and the ticks that lacked some; null and
+  /// zero if all points are here.
   FarCloud* far() const { return model_->far.get(); }
   UnknownTicks unknownTicks() const { return bricks_ ? bricks_->counts() : UnknownTicks{}; }
-  /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long.
-  /// Whether it is. Between runs; without others at once. `known`: as the server was heard last, and where others go on
-  /// for more than a second, until this hand's is taken and theirs so far is in effect here. `all`: asks the server, so
-  /// that everything it had taken before this call is in effect here.
+  /// `known`: judges by the last message received from the server. If others edit for more than a second, it suffices
+  /// that the server has accepted this hand's edits and that theirs so far are in effect here. `all`: asks the server,
+  /// so that everything it had accepted before this call is in effect here.
   enum class Settling { known, all };
-  /// Around the hands alone: until what they have made has been taken.
+  /// Exchanges edits with the others until all of theirs and of this hand's are in effect everywhere, at most
+  /// `patience_s`. Returns whether they are. Between runs. With far(): until the server has accepted this program's
+  /// edits.
   bool settleShared(double patience_s, Settling until = Settling::known);
-  /// Before a session ends, between runs: waits until the server has all that was done here; at most so long, and for
-  /// a server that is not heard no more than `unheard_s`. Whether it has; if not, the log says so.
+  /// Before a session ends, between runs: waits until the server has accepted all edits of this program, at most
+  /// `patience_s`, and at most `unheard_s` while the server is silent. Returns whether it has; if not, logs it.
   bool deliver(double patience_s = kSharedPatience_s, double unheard_s = kUnheard_s);
-  /// Nothing where none is kept.
+  /// Null if no journal is kept.
   Journal* journal() { return relay_.journal(); }
   EditRelay& relay() { return relay_; }
 
-  /// Another brush, or none, from now on. Between runs.
+  /// Replaces or removes the brush. Between runs.
   void setBrush(const std::optional<BrushConfig>& brush);
-  /// What is felt, and how neighbours are found, from now on. Between runs.
+  /// Replaces the surface, the force and the method of the neighbour search. Between runs.
   void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
 
-  /// What governs a model that moves by itself; null where it does not.
+  /// Controls the simulation of the model; null if it is not simulated.
   SimulationControl* simulation() const { return backend_->simulation(); }
-  /// A parameter of a simulation, as SimulationControl::set() has it. Throws Error where nothing is simulated, too.
+  /// Sets a parameter of the simulation, as SimulationControl::set() does. Throws Error also if nothing is simulated.
   void setParameter(std::string_view name, double value);
 
-  /// Begins a session log, which says how the session goes from the model's file on. `hand`: the first one. Before a
-  /// run, of whose options the rate and the clock are recorded. `onFault` hears at once, on the log's thread, what
-  /// cannot be written; SessionRecording::takeFault() has it otherwise. Throws FileError, and Error where no journal is
-  /// kept.
+  /// Begins a session log, with the rate and the clock of `run`, before that run. `hand`: the first one. `onFault` is
+  /// called at once, on the log's thread, with what cannot be written; without it SessionRecording::takeFault() returns
+  /// that. Throws FileError, and Error if no journal is kept.
   void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {}, const RunOptions& run = {});
   SessionRecording* recording() const { return recording_.get(); }
-  /// Ends the log: says how the session ended. Throws FileError where not all could be written.
+  /// Ends the log and records how the session ended. Throws FileError if not everything could be written.
   void endRecording();
-  /// The same without an end, as that of a session that was cut off.
+  /// Releases the log without recording an end, as if the session had been interrupted.
   std::unique_ptr<SessionRecording> releaseRecording();
 
-  /// Plays the hands, the first of which may sculpt. In virtual time all edits are taken as they come; against the
-  /// clock a thread of its own takes them. Throws UsageError for hands that do not go together.
+  /// Plays the hands, the first of which may sculpt. In virtual time edits are taken between ticks; against the clock a
+  /// thread of its own takes them. Throws UsageError for incompatible hands.
   ServoResult run(std::span<const OpenHand> hands, const RunOptions& options);
-  /// Waits for the last edit, and has everyone take in what was done; where others sculpt, too, that is everywhere
-  /// then, or as long has passed as SessionParts says. Throws what a query could not.
+  /// Waits for the last edit and lets all followers take the edits; if others sculpt, too, also until the edits are in
+  /// effect everywhere, at most SessionParts::sharedPatience_s. Throws errors of earlier queries.
   void finish();
-  /// After finish(), or between runs: strokes of the points, or of the shape in which a soft body rests. Throws where
-  /// the back end fails; the journal is as the points are then.
+  /// After finish(), or between runs: undoes and redoes strokes of the points, or of the rest shape of a soft body.
+  /// Throws if the back end fails; the journal then matches the points.
   UndoneStrokes undo(std::size_t strokes, std::size_t redo);
-  /// The points as they are: as the journal knows them, where there is one and nothing moves.
+  /// The present points: from the journal, if there is one and nothing moves, else from the back end.
   SculptedCloud sculpted() const;
 
-  /// How old what is felt is, where somebody else has it; null elsewhere.
+  /// Age of the information about the surface, if another program has it; else null.
   const InformationAge* known() const;
 
-  /// Longest of the hands' paths, unless the configuration says how long, s.
+  /// Duration of the longest path of the hands, unless the configuration gives one, s.
   double durationOf(std::span<const OpenHand> hands) const;
 
  private:
@@ -175,19 +172,19 @@ class Session {
   SessionConfig config_;
   std::shared_ptr<const Model> model_;
   SurfaceOptions surface_;
-  std::shared_ptr<PlayedStream> stream_;  // where frames are played
-  std::optional<FusedStream> fusion_;     // where they fuse
-  std::unique_ptr<CloudSource> source_;   // where the back end does not do it itself
-  bool isMoved_;                          // by somebody else's source
+  std::shared_ptr<PlayedStream> stream_;  // if frames are played
+  std::optional<FusedStream> fusion_;     // if they are fused
+  std::unique_ptr<CloudSource> source_;   // if the back end does not move the points itself
+  bool isMoved_;                          // by SessionParts::source
   std::unique_ptr<TouchBackend> backend_;
   std::unique_ptr<EditFollower> follower_;
   std::unique_ptr<SharedFollower> shared_;
   double sharedPatience_s_;
   Log* log_;
-  BrickTouch* bricks_;  // the back end, where the points around the hands alone are here
+  BrickTouch* bricks_;  // the back end, if only the points around the hands are here
   EditRelay relay_;
   std::unique_ptr<SessionRecording> recording_;
-  double last_s_ = 0;  // of the ticks
+  double last_s_ = 0;  // time of the last tick
 };
 
 }  // namespace palpate

@@ -14,7 +14,7 @@ void inBounds(std::string_view field, double value, double least, double most) {
   if (!(value >= least && value <= most)) throw ConfigError(field, "{} is not between {} and {}", value, least, most);
 }
 
-// 0 stands for a choice of the program's own.
+// 0: the program chooses.
 void inBoundsOrZero(std::string_view field, double value, double least, double most) {
   if (value != 0) inBounds(field, value, least, most);
 }
@@ -23,13 +23,13 @@ void validate(const IndexConfig& index) {
   inBoundsOrZero("index.cell_mm", index.cell_mm, bounds::kShortest_mm, bounds::kLongest_mm);
   inBoundsOrZero("index.cells_along_side", index.cellsAlongSide, 1, bounds::kMaxCells);
   if (index.cell_mm != 0 && index.cellsAlongSide != 0)
-    throw ConfigError("index.cells_along_side", "says what index.cell_mm says already; leave one of them 0");
+    throw ConfigError("index.cells_along_side", "conflicts with index.cell_mm; leave one of them 0");
 }
 
 void validate(const ToolConfig& tool) {
   inBounds("tool.points", static_cast<double>(tool.points), 1, static_cast<double>(kMaxToolPoints));
   inBounds("tool.size_mm", tool.size_mm, bounds::kShortest_mm, bounds::kLongest_mm);
-  if (!isFinite(tool.axis) || !(glm::length(tool.axis) > 0)) throw ConfigError("tool.axis", "is no direction");
+  if (!isFinite(tool.axis) || !(glm::length(tool.axis) > 0)) throw ConfigError("tool.axis", "is not a direction");
 }
 
 void validate(const BrushConfig& brush) {
@@ -61,7 +61,7 @@ void validate(const HandConfig& hand, std::size_t number) {
 }
 
 void validate(const MotionConfig& motion) {
-  if (!isFinite(motion.axis) || !(glm::length(motion.axis) > 0)) throw ConfigError("motion.axis", "is no direction");
+  if (!isFinite(motion.axis) || !(glm::length(motion.axis) > 0)) throw ConfigError("motion.axis", "is not a direction");
   inBounds("motion.amplitude_mm", motion.amplitude_mm, 0, bounds::kLongest_mm);
   inBounds("motion.frequency_Hz", motion.frequency_Hz, 0, bounds::kMaxRate_Hz);
   inBounds("motion.speed_mm_per_s", motion.speed_mm_per_s, 0, bounds::kLongest_mm);
@@ -71,30 +71,31 @@ void validate(const StreamConfig& stream, const SessionConfig& config) {
   inBounds("stream.speed", stream.speed, bounds::kMinSpeed, bounds::kMaxSpeed);
   inBoundsOrZero("stream.depth_scale", stream.depthScale, bounds::kMinDepthScale, bounds::kMaxDepthScale);
   if (config.model.normals != NormalSource::keep)
-    throw ConfigError("model.normals", "the frames of a depth camera bring their own; leave it at keep");
+    throw ConfigError("model.normals", "the frames of a depth camera have their own; leave it at keep");
   if (!stream.live) return;
-  if (stream.speed != 1) throw ConfigError("stream.speed", "what is live comes at its own; leave it out");
-  if (stream.loop) throw ConfigError("stream.loop", "what is live does not come again; leave it out");
-  if (!config.realtime) throw ConfigError("realtime", "what is live goes by the clock; turn it on");
+  if (stream.speed != 1) throw ConfigError("stream.speed", "a live stream has no playback speed; leave it out");
+  if (stream.loop) throw ConfigError("stream.loop", "a live stream cannot restart; leave it out");
+  if (!config.realtime) throw ConfigError("realtime", "live streams require realtime");
 }
 
 void validate(const JoinConfig& join, const SessionConfig& config) {
   constexpr std::size_t kLongestName = 200;  // bytes, of a session
   if (config.model.file.empty() || config.model.file.size() > kLongestName)
-    throw ConfigError("model.file", "is no name of a session: 1 to {} bytes", kLongestName);
+    throw ConfigError("model.file", "is not a valid session name (1 to {} bytes)", kLongestName);
   if (join.domain > bounds::kLastDomain)
-    throw ConfigError("join.domain", "is {}; there are 0 to {}", join.domain, bounds::kLastDomain);
+    throw ConfigError("join.domain", "is {}, not between 0 and {}", join.domain, bounds::kLastDomain);
   if (config.model.normals != NormalSource::keep)
-    throw ConfigError("model.normals", "what is joined comes with its normals; leave it at keep");
+    throw ConfigError("model.normals", "a joined model has its own normals; leave it at keep");
   if (config.model.allPoints)
-    throw ConfigError("model.all_points", "what is joined comes as it is served; leave it out");
+    throw ConfigError("model.all_points", "the server chooses the points of a joined model; leave it out");
 }
 
-// What is smaller than the cells has none of its own to move.
+// A brush smaller than a cell has no cell of its own to move.
 void validateOnSoft(const BrushConfig& brush, const MatterScene& scene, double mm_per_unit) {
   const double least_mm = scene.spacing_mm * (mm_per_unit > 0 ? mm_per_unit : 1);
   if (brush.radius_mm < least_mm)
-    throw ConfigError("brush.radius_mm", "is {:g}; the cells of the body are {:g} mm wide, and none is sculpted finer",
+    throw ConfigError("brush.radius_mm",
+                      "is {:g}; the cells of the body are {:g} mm wide, and the brush must not be smaller",
                       brush.radius_mm, least_mm);
 }
 
@@ -104,14 +105,15 @@ void validate(const MatterScene& scene, const SessionConfig& config) {
   } catch (const Error& error) {
     throw ConfigError("matter", "{}", error.what());
   }
-  if (scene.periodic != MatterScene{}.periodic) throw ConfigError("matter.periodic", "is for flow without a hand");
+  if (scene.periodic != MatterScene{}.periodic)
+    throw ConfigError("matter.periodic", "requires a simulation without a hand");
   if (config.stream) throw ConfigError("stream", "the model is a scene of matter; leave it out");
   if (scene.matter == Matter::soft) {
     if (config.brush) validateOnSoft(*config.brush, scene, config.model.mm_per_unit);
-    if (!(scene.gain > 0)) throw ConfigError("matter.gain", "is 0; what is not felt is not pressed");
+    if (!(scene.gain > 0)) throw ConfigError("matter.gain", "is 0; pressing a soft body requires more");
     return;
   }
-  if (scene.tool.radius_mm == 0) throw ConfigError("matter.tool.radius_mm", "is 0; a hand holds a ball");
+  if (scene.tool.radius_mm == 0) throw ConfigError("matter.tool.radius_mm", "is 0; the hand requires a ball");
   if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
 }
 
@@ -134,7 +136,7 @@ void validate(const SessionConfig& config) {
   if (config.stream) validate(*config.stream, config);
   if (config.join) validate(*config.join, config);
   if (config.join && (config.stream || config.matter))
-    throw ConfigError("join", "the model is something else already; leave it out");
+    throw ConfigError("join", "the model is a stream or a scene of matter; leave it out");
   if (config.matter) validate(*config.matter, config);
   for (std::size_t i = 0; i < config.hands.size(); ++i) validate(config.hands[i], i);
   inBoundsOrZero("duration_s", config.duration_s, bounds::kShortest_s, bounds::kLongest_s);

@@ -1,4 +1,4 @@
-// What a session is configured with: one value, typed and nested, which every program fills and a session log carries.
+// Configuration of a session: one typed, nested value, which every program fills and a session log carries.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@
 
 namespace palpate {
 
-/// A field of a configuration that is out of its bounds or does not go with another one. The text begins with the
-/// field's path, as in "brush.radius_mm".
+/// A field of a configuration is out of bounds or incompatible with another one. The text begins with the field's path,
+/// as in "brush.radius_mm".
 class ConfigError : public UsageError {
  public:
   template <class... Args>
@@ -37,8 +37,7 @@ class ConfigError : public UsageError {
   std::string field_;
 };
 
-/// Where a model's normals come from: the file's own, estimated where it has none; always estimated from the points; or
-/// from the faces.
+/// Source of a model's normals: the file, or estimated if it has none; always estimated from the points; or the faces.
 enum class NormalSource { keep, estimate, face };
 inline constexpr std::array<std::pair<std::string_view, NormalSource>, 3> kNormalSources{
     {{"keep", NormalSource::keep}, {"estimate", NormalSource::estimate}, {"face", NormalSource::face}}};
@@ -47,56 +46,56 @@ struct ModelConfig {
   std::string file;
   double mm_per_unit = 0;  ///< millimetres per model unit; 0: as the file says, or the longest side becomes 100 mm
   NormalSource normals = NormalSource::keep;
-  bool allPoints = false;  ///< of a reconstruction also those that its own measures tell to be unreliable
+  bool allPoints = false;  ///< reads also the points that a reconstruction's own measures mark as unreliable
 
   bool operator==(const ModelConfig&) const = default;
 };
 
-/// What the points define, and how it is felt.
+/// The surface that the points define, and how it feels.
 struct SurfaceConfig {
   SurfaceKind kind = SurfaceKind::average;
-  double friction = 0;  ///< coefficient of a proxy that slides; 0 is none, bounds::kMaxFriction the most
-  /// Support radius, mm; nothing: four spacings, wider where points are noisy, place by place where spacings differ.
+  double friction = 0;  ///< coefficient for a sliding proxy, 0 to bounds::kMaxFriction
+  /// Support radius, mm; empty: four spacings, more if points are noisy, local if spacings differ.
   std::optional<double> radius_mm;
 
   bool operator==(const SurfaceConfig&) const = default;
 };
 
-/// How the index is laid out, built and kept.
+/// Layout, build and update of the index.
 struct IndexConfig {
   IndexFollow follow = IndexFollow::incremental;
   BucketKey bucketKey = BucketKey::teschner;
   SortMethod sort = kDefaultSort;
   double cell_mm = 0;         ///< edge of a cell; 0: the support radius, unless `cellsAlongSide` says otherwise
-  double cellsAlongSide = 0;  ///< cells along the model's longest side; 0: as cell_mm says. Only one of the two.
-  std::optional<std::uint32_t> spareSlots;  ///< for new points; in proportion to the cloud when not given
+  double cellsAlongSide = 0;  ///< cells along the model's longest side; 0: as cell_mm says. At most one of both is set.
+  std::optional<std::uint32_t> spareSlots;  ///< for new points; empty: in proportion to the cloud
 
   bool operator==(const IndexConfig&) const = default;
 };
 
-/// Which machine answers the poses, and by which method.
+/// The machine that answers the poses, and its method.
 struct BackendConfig {
-  std::string name = "auto";   ///< of a back end (Backends); auto: the best that this machine has
-  std::string method;          ///< of that back end; empty: its own choice
-  bool deterministic = false;  ///< bit-identical results run after run in real time; virtual time is so in any case
-  std::optional<Wait> wait;    ///< for the GPU; by driver and cores when not given
-  std::optional<bool> ahead;   ///< ask before the hand has moved; where the driver is known for it when not given
-  bool timesPasses = false;    ///< takes the time of each pass
+  std::string name = "auto";   ///< of a back end (Backends); auto: the best of this machine
+  std::string method;          ///< of that back end; empty: its default
+  bool deterministic = false;  ///< bit-identical results in each run in real time; virtual time always has them
+  std::optional<Wait> wait;    ///< how to wait for the GPU; empty: by driver and cores
+  std::optional<bool> ahead;   ///< ask before the hand has moved; empty: on drivers known to allow it
+  bool timesPasses = false;    ///< measures the time of each pass
 
   bool operator==(const BackendConfig&) const = default;
 };
 
-/// What touches: a single point, or many that share the stiffness.
+/// The tool: a single point, or many that share the stiffness.
 struct ToolConfig {
   ToolKind kind = ToolKind::point;
   std::size_t points = 16;  ///< of a pad, ball or spatula
   double size_mm = 10;      ///< diameter of a pad or ball, length of a spatula
-  DVec3 axis{0, 0, -1};     ///< where the face looks while the stylus is not turned, in the model's axes
+  DVec3 axis{0, 0, -1};     ///< direction of the face while the stylus is not rotated, in the model's axes
 
   bool operator==(const ToolConfig&) const = default;
 };
 
-/// What changes the points that are touched (BrushOptions), in mm.
+/// The brush, which changes the touched points (BrushOptions), in mm.
 struct BrushConfig {
   BrushKind kind = BrushKind::push;
   double tau_mm = 0.5, beta = 0.1, radius_mm = 6, strength = 0.5;
@@ -107,32 +106,32 @@ struct BrushConfig {
   bool operator==(const BrushConfig&) const = default;
 };
 
-/// How the device's millimetres meet the model's: the path (or the model, for a device in a hand) in the middle of the
-/// workspace, shrunk if it is too large; or the origins together, true to scale.
+/// How the device's workspace is mapped to the model: the path (or the model, for a held device) is centred in the
+/// workspace and shrunk if it is too large; or the origins coincide, at true scale.
 enum class WorkspaceFit { fit, identity };
 inline constexpr std::array<std::pair<std::string_view, WorkspaceFit>, 2> kWorkspaceFits{
     {{"fit", WorkspaceFit::fit}, {"identity", WorkspaceFit::identity}}};
 
-/// What holds a HIP: a person at a haptic device, a script, a recording, or a model of a hand.
+/// Moves a HIP: a haptic device in a person's hand, a script, a recording, or a simulated hand.
 struct HandConfig {
-  std::string device = "path";  ///< path, sim, replay:FILE, or one that a person holds (deviceChoices())
+  std::string device = "path";  ///< path, sim, replay:FILE, or a held device (heldDevicesHelp())
   std::string path;             ///< of path and sim: a CSV file, or builtin:NAME
-  double penetration_mm = 2;    ///< how deep builtin:press goes
+  double penetration_mm = 2;    ///< depth of builtin:press
   WorkspaceFit fit = WorkspaceFit::fit;
-  std::optional<PassivityMode> passivity;  ///< on for a device in a hand and off for a script when not given
-  double stiffness_N_per_mm = 0, damping_N_s_per_mm = 0;  ///< of a simulated hand; 0: its own
-  bool ownScheduler = false;  ///< palpate's servo thread calls the ticks of a device whose driver would
-  bool rumbles = false;       ///< a gamepad does, at each contact
+  std::optional<PassivityMode> passivity;                 ///< empty: on for a held device, off for a script
+  double stiffness_N_per_mm = 0, damping_N_s_per_mm = 0;  ///< of a simulated hand; 0: its default
+  bool ownScheduler = false;  ///< palpate's servo thread runs the ticks, not the device's driver
+  bool rumbles = false;       ///< a gamepad rumbles at each contact
 
   bool operator==(const HandConfig&) const = default;
 };
 
-/// How the model moves, as a whole, as a function of the session's time; at rest's place at time 0.
+/// Rigid motion of the model as a function of the session's time; at time 0 it is in its rest position.
 struct MotionConfig {
   MotionKind kind = MotionKind::oscillate;
-  DVec3 axis{0, 0, 1};         ///< along which it goes, or about which it turns, through its middle; of any length
-  double amplitude_mm = 5;     ///< of oscillate: half the way from one end to the other
-  double frequency_Hz = 0.5;   ///< of oscillate and turn: times to and fro, or about, in a second
+  DVec3 axis{0, 0, 1};         ///< of translation, or of rotation, through the middle; of any length
+  double amplitude_mm = 5;     ///< of oscillate: half the distance between both ends
+  double frequency_Hz = 0.5;   ///< of oscillate and turn: cycles, or rotations, per second
   double speed_mm_per_s = 10;  ///< of drift
 
   bool operator==(const MotionConfig&) const = default;
@@ -140,38 +139,37 @@ struct MotionConfig {
 
 /// A depth camera, whose newest frame is the model: recorded in the folder that ModelConfig::file names, or live.
 struct StreamConfig {
-  bool live = false;  ///< ModelConfig::file is a camera's device, "-": raw frames on standard input, or a topic of ROS
-  double speed = 1;   ///< of a recording: its seconds in one of the session's
-  bool loop = false;  ///< of a recording: after its last frame it begins again
-  bool fuse = false;  ///< its frames become one map; otherwise the newest one is the cloud
+  bool live = false;  ///< ModelConfig::file is a camera's device, "-" (raw frames on standard input), or a topic of ROS
+  double speed = 1;   ///< of a recording: its seconds per second of the session
+  bool loop = false;  ///< of a recording: restarts after its last frame
+  bool fuse = false;  ///< fuses its frames into one map; otherwise the newest one is the cloud
   double depthScale = 0;   ///< depth values per metre; 0: as the source says
   std::string intrinsics;  ///< a JSON file; empty: as the source says
 
   bool operator==(const StreamConfig&) const = default;
 };
 
-/// A session that another program serves over a network, by the name that ModelConfig::file says: its points are the
-/// model.
+/// A session that another program serves over a network, under the name in ModelConfig::file: its points are the model.
 struct JoinConfig {
   std::string network;             ///< interface, by name or address; empty: this machine alone
-  std::vector<std::string> peers;  ///< addresses of machines to ask, where the network carries no multicast
+  std::vector<std::string> peers;  ///< addresses of machines to ask, if the network has no multicast
   std::uint32_t domain = 0;        ///< of DDS
   std::string security;            ///< a folder of keys; empty: nothing is encrypted
-  bool near = false;  ///< of its points those around the hands alone come here; what moves comes so in any case
+  bool near = false;               ///< fetches only the points around the hands; always so for a moving model
 
   bool operator==(const JoinConfig&) const = default;
 };
 
-/// What is taken back once the path of a session has ended.
+/// Strokes to undo and redo once the path of a session has ended.
 struct UndoConfig {
   std::size_t undo = 0, redo = 0;  ///< strokes
-  double memory_MiB = 1024;        ///< of strokes that can be taken back; past it the oldest are forgotten
+  double memory_MiB = 1024;        ///< for strokes that can be undone; beyond it the oldest are dropped
 
   bool operator==(const UndoConfig&) const = default;
 };
 
 struct SessionConfig {
-  /// Of the text that configText() writes.
+  /// Version of the text that configText() writes.
   static constexpr int kVersion = 1;
 
   ModelConfig model;
@@ -179,41 +177,41 @@ struct SessionConfig {
   IndexConfig index;
   SurfaceConfig surface;
   ToolConfig tool;
-  std::optional<BrushConfig> brush;  ///< nothing: only feel
+  std::optional<BrushConfig> brush;  ///< empty: no edits
   ForceOptions force;
   UndoConfig undo;
-  std::optional<MotionConfig> motion;           ///< nothing: the model stands still, unless it is a stream
-  std::optional<StreamConfig> stream;           ///< nothing: the model is a cloud in a file
+  std::optional<MotionConfig> motion;           ///< empty: the model stands still, unless it is a stream
+  std::optional<StreamConfig> stream;           ///< empty: the model is a cloud in a file
   std::optional<JoinConfig> join;               ///< the model is served by another program
-  std::optional<MatterScene> matter;            ///< that the model is, with a tool; its file is only a name then
+  std::optional<MatterScene> matter;            ///< the model is this scene, with a tool; its file is only a name then
   std::vector<HandConfig> hands{HandConfig{}};  ///< the first one may sculpt, the others feel
   double rate_Hz = 1000;                        ///< ticks per second
   double duration_s = 0;                        ///< 0: as long as the paths
-  bool realtime = false;  ///< against the wall clock; otherwise in virtual time, as fast as it goes
+  bool realtime = false;  ///< against the wall clock; otherwise in virtual time, as fast as possible
 
   bool operator==(const SessionConfig&) const = default;
-  /// Whether the points move by themselves.
+  /// Whether the points move without a hand.
   bool moves() const { return motion || stream || matter; }
 };
 
-/// Throws ConfigError that names the first field which is out of its bounds, and the bounds.
+/// Throws ConfigError that names the first field out of bounds, and the bounds.
 void validate(const SessionConfig& config);
 
 /// The brush and the tool in model units.
 BrushOptions brushOptions(const BrushConfig& brush, const ModelScale& scale);
-/// Without points for a tool of one. Throws UsageError for what makes no tool.
+/// Without points for a tool of one point. Throws UsageError for an invalid tool.
 ToolShape toolShape(const ToolConfig& tool, const ModelScale& scale);
 
-/// What strokes that can be taken back may take, bytes; 0 where none are.
+/// Memory for strokes that can be undone, bytes; 0 if none are.
 std::uint64_t undoBytes(const UndoConfig& undo);
 
-/// The configuration as JSON text, with its version. What is at its default is written, too, so that a default that
-/// changes changes no recorded session.
+/// The configuration as JSON text, with its version. Defaults are written, too, so that a changed default changes no
+/// recorded session.
 std::string configText(const SessionConfig& config);
 /// Reads it. Throws Error for another version, an unknown field or name, and as validate().
 SessionConfig parseConfig(std::string_view text);
 
-/// A scene of matter as JSON text in a line, and back. Throws as parseConfig().
+/// A scene of matter as one line of JSON, and back. Throws as parseConfig().
 std::string sceneText(const MatterScene& scene);
 MatterScene parseScene(std::string_view text);
 

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A number that may be infinite, which JSON cannot say: null.
+// A number that may be infinite, which JSON cannot represent: null.
 Json limit(double value) { return std::isinf(value) ? Json(nullptr) : Json(value); }
 double limit(const Json& json) { return json.is_null() ? std::numeric_limits<double>::infinity() : json.get<double>(); }
 
@@ -24,7 +24,7 @@ std::uint64_t fromHex(const std::string& text) {
   std::uint64_t value = 0;
   const char* end = text.data() + text.size();
   const auto [last, error] = std::from_chars(text.data(), end, value, 16);
-  if (error != std::errc() || last != end) throw std::invalid_argument("'" + text + "' is no checksum");
+  if (error != std::errc() || last != end) throw std::invalid_argument("'" + text + "' is not a checksum");
   return value;
 }
 
@@ -61,7 +61,7 @@ void readDevice(const Json& device, RecordedSession& session) {
     if (device.at("passivity") == name) session.passivity = mode;
 }
 
-// States that a log lacks, as far as it is known: no more than its gaps have room for, or say.
+// Maximum number of states that a log lacks: as its gaps state, or have room for.
 std::uint64_t mostMissingEdits(const SessionRecord& record) {
   std::uint64_t most = 0;
   for (const LogGap& gap : record.gaps) most += gap.states.value_or((gap.end - gap.begin) / sizeof(PointState));
@@ -86,7 +86,7 @@ std::string headerText(const RecordedSession& session) {
 RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text) {
   try {
     const Json json = Json::parse(text);
-    // Before it carried the configuration, a header had what it says of the model in a part of its own.
+    // Earlier headers, without configuration, had the model's facts in a part of their own.
     const bool carriesFlags = json.contains("options");
     const Json& model = carriesFlags ? json.at("model") : json;
     RecordedSession session{.points = model.at("points").get<std::uint64_t>(),
@@ -102,7 +102,7 @@ RecordedSession parseHeader(const std::filesystem::path& log, const std::string&
     }
     readDevice(json.at("device"), session);
     return session;
-  } catch (const std::exception& error) {  // of JSON, of the configuration
+  } catch (const std::exception& error) {  // from JSON or from the configuration
     throw FileError(log, fmt::format("does not say how to run the session again ({}); was it written by another "
                                      "palpate?",
                                      error.what()));
@@ -113,7 +113,7 @@ void requireEditsOf(const std::filesystem::path& log, std::size_t points, const 
   const std::size_t most = points + record.edits.points.size() + mostMissingEdits(record);
   for (const PointState& state : record.edits.points)
     if (state.number() >= most || state.parent >= most)
-      throw FileError(log, fmt::format("names the point {}, and with all its edits there are {}; it is damaged",
+      throw FileError(log, fmt::format("is damaged: it refers to point {}, but with all its edits there are only {}",
                                        std::max(state.number(), state.parent), most));
 }
 

@@ -1,4 +1,4 @@
-// What the header of a session log says: how to run the session again.
+// The header of a session log: how to run the session again.
 #pragma once
 
 #include <filesystem>
@@ -17,26 +17,26 @@ namespace palpate {
 
 /// A session as its log describes it.
 struct RecordedSession {
-  SessionConfig config;        ///< with the model's file as it was then
+  SessionConfig config;        ///< with the path of the model's file at that time
   std::uint64_t points = 0;    ///< of the model
   std::uint64_t checksum = 0;  ///< of the model as it was loaded, normals included
-  std::string document;        ///< what the model is for a person, where that is another file; empty: its own
+  std::string document;        ///< the file that the user opened, if the model is another one; empty: the model's
   std::string machine, palpate;
   DeviceLimits limits;
   WorkspaceMap map;
   std::optional<PassivityMode> passivity;
 };
 
-/// The text of a header.
+/// Text of a header.
 std::string headerText(const RecordedSession& session);
-/// Reads it; one that carries options of the command line, as logs did before they carried the configuration, is
-/// migrated. Throws FileError for a text that it does not understand.
+/// Reads a header; one with command-line options, which earlier logs had in place of the configuration, is migrated.
+/// Throws FileError for a text that it does not understand.
 RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text);
 
-/// Throws FileError where the edits of a log are not of a model with so many points.
+/// Throws FileError if the edits of a log do not belong to a model with that number of points.
 void requireEditsOf(const std::filesystem::path& log, std::size_t points, const SessionRecord& record);
 
-/// Passes on each tick as a session log keeps it, with what the back end knows of it.
+/// Passes on each tick in the form of a session log, with the back end's part of it.
 class TickTap final : public TickRecorder {
  public:
   /// `sink` runs on the servo thread, as part of the tick.

@@ -19,7 +19,7 @@ JoinedCloud join(const std::string& name, const JoinConfig& config, const Joinin
                                         .log = &log,
                                         .stop = how.stop});
   if (joined.far)
-    log.say("{}: of the {} points of {}, served by {}, those around the hands come here{}; {}", name,
+    log.say("{}: of the {} points of {}, served by {}, only those around the hands are fetched{}; {}", name,
             joined.facts->extent.points, joined.model, joined.host, joined.facts->moves ? "; they move" : "",
             opennessOf(network));
   else

@@ -1,4 +1,4 @@
-// The way from a session that another program serves to a model that is shared with whoever has joined it, too.
+// Joins a session that another program serves, as a model shared with all other participants.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 namespace palpate {
 
 struct Joining {
-  std::string hand;        ///< what the others see this program's hands called; empty: as the machine
-  double patience_s = 10;  ///< for the session to be found, and for each next piece of it
-  StopSign stop = {};      ///< ends it
+  std::string hand;        ///< name of this program's hands for the others; empty: that of the machine
+  double patience_s = 10;  ///< maximum wait for the session to be found, and for each next piece of it
+  StopSign stop = {};      ///< cancels joining
 };
 
-/// Joins sessions as one more hand: its strokes are everybody's, where the session is sculpted at all.
+/// Joins sessions as one more hand, whose strokes all participants receive, if the session can be sculpted.
 SessionJoiner sessionJoiner(const Joining& how);
-/// Fetches the points of a session as they are, to look at them.
+/// Fetches the present points of a session, for display only.
 SessionJoiner pointsJoiner(const Joining& how);
 
 }  // namespace palpate

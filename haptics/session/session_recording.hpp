@@ -10,25 +10,25 @@
 
 namespace palpate {
 
-/// Hears, once and in words, what could not be written.
+/// Called once, with what could not be written.
 using RecordingFault = std::function<void(const std::string&)>;
 
-/// A session log under way.
+/// A session log in progress.
 class SessionRecording final : public TickRecorder {
  public:
-  /// `onFault` hears of a fault on the log's thread; where it is empty, takeFault() keeps it. Throws FileError when the
-  /// file cannot be made. `backend` outlives this.
+  /// `onFault` is called on the log's thread; if it is empty, takeFault() returns the fault. Throws FileError if the
+  /// file cannot be created. `backend` must outlive this object.
   SessionRecording(const std::string& file, const RecordedSession& session, const TouchBackend& backend,
                    RecordingFault onFault = {});
 
-  /// Of the first tick, whose time in the log is 0; ticks then count from there. Before it.
+  /// Sets the time of the first tick, which is 0 in the log; later ticks are counted from there. Before the first tick.
   void beginAt(double time_s) { begin_s_ = time_s; }
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override { tap_.ticked(row, device); }
 
   SessionWriter& writer() { return writer_; }
-  /// What could not be written, in words, once. For any thread.
+  /// Returns once what could not be written. Thread-safe.
   std::optional<std::string> takeFault();
-  /// Writes how the session ended. Throws FileError where not all could be written.
+  /// Records how the session ended. Throws FileError if not everything could be written.
   void finish(std::uint64_t pointsChecksum) { writer_.finish(pointsChecksum); }
 
  private:
@@ -36,7 +36,7 @@ class SessionRecording final : public TickRecorder {
 
   double rate_Hz_;
   std::optional<double> begin_s_;
-  std::mutex lock_;  // of
+  std::mutex lock_;  // protects fault_
   std::optional<std::string> fault_;
   SessionWriter writer_;
   TickTap tap_;

@@ -13,7 +13,7 @@ namespace palpate {
 
 namespace {
 
-// What a log of edits may do to the points: sets them, and adds some behind them.
+// The points after the edits of a log, which may change points and append new ones.
 std::vector<PointState> edited(const std::string& log, const Model& model, const SessionRecord& record) {
   requireEditsOf(log, model.cloud.size(), record);
   Journal journal(model.cloud);
@@ -21,7 +21,7 @@ std::vector<PointState> edited(const std::string& log, const Model& model, const
   return {journal.points().begin(), journal.points().end()};
 }
 
-/// Keeps all that was done to the points.
+/// Collects all edits.
 class EditCollector final : public EditFollower {
  public:
   explicit EditCollector(EditBatch& all) : all_(all) {}
@@ -48,24 +48,24 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
   const bool isHere = parts.cloud && !config.matter && !config.stream;
   if (config.join && !isHere)
     throw FileError(model.file,
-                    fmt::format("was served by another program; name its points, saved, with {}", parts.naming));
+                    fmt::format("was served by another program; save its points and name them with {}", parts.naming));
   if (!config.matter && !isHere && !std::filesystem::exists(model.file))
-    throw FileError(model.file, fmt::format("is not there; name the model of the session with {}", parts.naming));
+    throw FileError(model.file, fmt::format("does not exist; name the model of the session with {}", parts.naming));
   const BackendKind& kind = parts.backends.named(config.backend.name);
   const ModelLoading loading{.log = parts.log, .threads = parts.threads, .estimate = kind.normalEstimator()};
   recorded.model = isHere ? modelOf(*parts.cloud, model, loading) : loadModel(config, loading);
   recorded.scale = recorded.model.scale;
   if (recorded.model.cloud.size() != recorded.session.points)
     throw FileError(model.file,
-                    fmt::format("has {} points, and that of the session had {}; name the right model with {}",
+                    fmt::format("has {} points, the model of the session had {}; name the right model with {}",
                                 recorded.model.cloud.size(), recorded.session.points, parts.naming));
   if (checksumOf(recorded.model) != recorded.session.checksum)
-    throw FileError(model.file,
-                    fmt::format("has changed since the session: its points are others; name the right model with {}",
-                                parts.naming));
+    throw FileError(
+        model.file,
+        fmt::format("has changed since the session: its points differ; name the right model with {}", parts.naming));
   const auto falls = [](const LoggedTick& a, const LoggedTick& b) { return !(a.time_s < b.time_s); };
   if (std::ranges::adjacent_find(record.ticks, falls) != record.ticks.end())
-    throw FileError(log, "its ticks do not follow one another in time; it is damaged");
+    throw FileError(log, "its ticks are not in the order of time; it is damaged");
   recorded.points = edited(log, recorded.model, record);
   if (record.end)
     recorded.endsAsRecorded = checksumOf(recorded.model.cloud.origin, recorded.points) == record.end->points;
@@ -74,11 +74,11 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
 
 SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
   const SessionRecord& record = recorded.record;
-  if (record.ticks.empty()) throw FileError(recorded.file, "has no whole tick; there is nothing to run again");
+  if (record.ticks.empty()) throw FileError(recorded.file, "contains no complete tick, so it cannot be replayed");
   SessionConfig config = recorded.session.config;
   config.realtime = false;
   config.hands = {HandConfig{}};
-  config.duration_s = 0;  // as long as the recording
+  config.duration_s = 0;  // that of the recording
   SessionAgain again;
   Session session(
       config, std::move(recorded.model),
@@ -109,7 +109,7 @@ ReplayOutcome compareRuns(const Recorded& recorded, const SessionAgain& again, d
   const Tolerance allowed{tolerance, recorded.scale};
   ReplayOutcome outcome{.comparable = comparableTicks(recorded.record, config.rate_Hz, config.realtime, ordered)};
   if (config.realtime && config.moves())
-    outcome.comparable = {0, "in real time the frames of a model that moves come when they are ready"};
+    outcome.comparable = {0, "in real time the frames of a moving model are received when they are ready"};
   outcome.differences = compareTicks({recorded.record.ticks, &recorded.record.edits}, {again.ticks, &again.edits},
                                      outcome.comparable.count, allowed);
   outcome.differences.ends =

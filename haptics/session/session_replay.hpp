@@ -1,5 +1,4 @@
-// A recorded session once more: its model, its edits, and all of it run again in virtual time and held against the
-// record.
+// Replay of a recorded session: loads its model and edits, runs it again in virtual time, and compares both runs.
 #pragma once
 
 #include <optional>
@@ -12,17 +11,17 @@
 
 namespace palpate {
 
-/// What a replay needs beside the log. All of it outlives the replay.
+/// Arguments of a replay beside the log. All pointees must outlive it.
 struct ReplayParts {
   const Backends& backends;
   Log& log;
   unsigned threads = 0;               ///< on the CPU; 0: one per core
-  std::string model;                  ///< file in place of the one that the log names; empty: that one
+  std::string model;                  ///< file in place of the one in the log; empty: that one
   const PointCloud* cloud = nullptr;  ///< in place of any file
-  std::string naming = "model";       ///< what a person names a model with, in the words of errors
+  std::string naming = "model";       ///< name of the option for the model, for errors
 };
 
-/// A log, the model that it is about, until it is run again, and the points as its edits leave them.
+/// A log, its model (until it is run again), and the points after its edits.
 struct Recorded {
   std::string file;
   SessionRecord record;
@@ -30,26 +29,26 @@ struct Recorded {
   Model model;
   ModelScale scale;
   std::vector<PointState> points;
-  std::optional<bool> endsAsRecorded;  ///< nothing where the session did not come to its end
+  std::optional<bool> endsAsRecorded;  ///< empty if the session was interrupted
 };
-/// Throws FileError for a log that cannot be read or is damaged beyond use, and for another model than the session had.
+/// Throws FileError for a log that cannot be read or is damaged beyond use, and for another model than the session's.
 Recorded loadRecorded(const std::string& log, const ReplayParts& parts);
 
-/// The session run again in virtual time.
+/// A replay in virtual time.
 struct SessionAgain {
   ServoResult result;
   std::vector<LoggedTick> ticks;
   EditBatch edits;
   std::vector<PointState> points;
 };
-/// Takes the model. Throws FileError where there is no tick, and Error.
+/// Moves the model out of `recorded`. Throws FileError if there is no tick, and Error.
 SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts);
 
 struct ReplayOutcome {
   ComparableTicks comparable;
   Differences differences;
 
-  /// All ticks and all points in the end came out the same, to the last bit where the tolerance was 0.
+  /// All ticks and the points at the end are the same, bit by bit if the tolerance was 0.
   bool isWhole(const Recorded& recorded) const {
     return !differences.any() && differences.ends && differences.ticks == recorded.record.ticks.size();
   }

@@ -12,12 +12,12 @@ namespace palpate {
 
 namespace {
 
-constexpr double kBodyRate_Hz = 500;       // hands are where they are so often
-constexpr double kBudget_us = 1000;        // and wait so long for an answer
-constexpr double kBetweenPlaces_s = 0.02;  // in which a hand is where it was said to be
-constexpr double kFastest_mm_s = 2000;     // that a hand goes
+constexpr double kBodyRate_Hz = 500;       // rate of the poses of the hands
+constexpr double kBudget_us = 1000;        // maximum wait for an answer
+constexpr double kBetweenPlaces_s = 0.02;  // time constant with which a hand follows its reported positions
+constexpr double kFastest_mm_s = 2000;     // maximum speed of a hand
 
-// Matter with as many hands as there can be.
+// Matter with the maximum number of hands.
 std::unique_ptr<TouchBackend> matterOf(SessionConfig config, const Model& model, const SteppedModel::Parts& parts) {
   config.hands.assign(kMaxHands, HandConfig{});
   config.realtime = true;
@@ -82,7 +82,7 @@ bool SteppedModel::step(double time_s, std::span<const SeenHand> hands, CloudFra
   return true;
 }
 
-// Each hand keeps its place among the body's; one for whom there is none is not felt by the body.
+// Assigns the hands to slots, which they keep; without a free slot a hand is ignored.
 void SteppedModel::seat(std::span<const SeenHand> hands, double since_s) {
   for (Slot& slot : slots_) slot.seen = false;
   for (const SeenHand& hand : hands) {
@@ -91,7 +91,7 @@ void SteppedModel::seat(std::span<const SeenHand> hands, double since_s) {
     if (isNew) slot = std::ranges::find_if(slots_, [](const Slot& one) { return !one.number; });
     if (slot == slots_.end()) continue;
     slot->seen = true;
-    // One that comes faster than a hand goes was put down elsewhere.
+    // A hand that moves faster than the maximum was put down elsewhere.
     const bool isPutDown = isNew || glm::distance(slot->hip, hand.place.position) > fastest_ * kBetweenPlaces_s;
     const double share = isPutDown ? 1 : 1 - std::exp(-since_s / kBetweenPlaces_s);
     slot->hip = glm::mix(slot->hip, hand.place.position, share);
@@ -120,24 +120,25 @@ Restarts SteppedModel::restarts() const {
   return restarts_;
 }
 
-// No hand ends for the others what it has driven too fast. What fails again before it was seen to go on is begun anew
-// again.
+// A failure caused by one hand must not end the simulation for the others. A failure that persists after a restart
+// leads to another one.
 void SteppedModel::restart() {
   constexpr double kAgain_s = 0.5;
   SimulationControl* const control = matter_->simulation();
   const std::string failure = control ? control->failure() : std::string();
   const bool wasFailing = std::exchange(isFailing_, !failure.empty());
-  if (failure.empty() || (wasFailing && sinceRestart_.elapsed_s() < kAgain_s)) return;  // the next step does it
+  if (failure.empty() || (wasFailing && sinceRestart_.elapsed_s() < kAgain_s))
+    return;  // the last reset takes effect with the next step
   sinceRestart_ = {};
   if (!wasFailing) {
-    if (log_) log_->say("the simulation {}: it begins anew", failure);
+    if (log_) log_->say("the simulation {}: it is restarted", failure);
     const std::scoped_lock hold(lock_);
     restarts_ = {.count = restarts_.count + 1, .why = failure};
   }
   control->reset();
 }
 
-// What stands still in them everybody has.
+// Removes the standing points, which all participants have.
 void SteppedModel::leaveParticles(CloudFrame& frame) const {
   if (!model_->standing) return;
   for (std::vector<Vec3>* values : {&frame.positions, &frame.normals, &frame.velocities})

@@ -1,4 +1,4 @@
-// A model that moves, without a servo loop: for a program that shows it to hands on other machines.
+// A moving model without a servo loop: for a program that serves it to hands on other machines.
 #pragma once
 
 #include <array>
@@ -13,33 +13,32 @@
 
 namespace palpate {
 
-/// Steps what a configuration says that moves: a motion, the frames of a depth camera, or matter, in which the hands
-/// are as those of one session: they press a soft body, and hold balls in water and sand. A simulation that has failed
-/// begins anew. One thread uses it at a time, but for restarts().
+/// Steps the configured motion: a rigid motion, the frames of a depth camera, or matter, with the hands as in one
+/// session: they press a soft body, and hold balls in water and sand. A simulation that has failed is restarted. For
+/// one thread at a time, except restarts().
 class SteppedModel {
  public:
   struct Parts {
-    const BackendKind& backend;  ///< that moves matter
+    const BackendKind& backend;  ///< simulates the matter
     unsigned threads = 0;        ///< on the CPU; 0: one per core
-    Log* log =
-        nullptr;  ///< hears of frames that do not go into a map, and of a simulation that begins anew; outlives it
+    Log* log = nullptr;          ///< for frames that are not fused, and restarts; must outlive it
   };
   /// Throws Error, ConfigError.
   SteppedModel(const SessionConfig& config, std::shared_ptr<const Model> model, const Parts& parts);
   ~SteppedModel();
 
-  /// How often step() wants to be called.
+  /// Rate at which step() is to be called.
   double rate_Hz() const;
-  /// Frames a second, at most, that step() gives.
+  /// Maximum rate of the frames that step() returns.
   static constexpr double kFrames_Hz = 60;
-  /// Goes on to that time, s since the beginning; hands that are not among `hands` any more touch nothing. False where
-  /// the points are where they were in the last frame, or it is too soon for the next one.
+  /// Advances to that time, s since the beginning; hands that are missing in `hands` stop touching. False if the points
+  /// have not moved since the last frame, or the next one is not due yet.
   bool step(double time_s, std::span<const SeenHand> hands, CloudFrame& frame);
-  /// Of a simulation that has failed. For any thread.
+  /// Restarts of a simulation that has failed. Thread-safe.
   Restarts restarts() const;
 
  private:
-  // A far hand in the simulation.
+  // A remote hand in the simulation.
   struct Slot {
     std::optional<std::uint32_t> number;
     DVec3 hip{0};
@@ -54,14 +53,14 @@ class SteppedModel {
   std::shared_ptr<const Model> model_;
   std::shared_ptr<PlayedStream> stream_;
   std::optional<FusedStream> fusion_;
-  std::unique_ptr<CloudSource> source_;  // where no hand has a part in it
+  std::unique_ptr<CloudSource> source_;  // if hands have no influence
   std::unique_ptr<TouchBackend> matter_;
   Log* log_;
-  std::size_t particles_ = 0;  // that move, the first of the points
-  double fastest_ = 0;         // that a hand goes, model units per second
+  std::size_t particles_ = 0;  // number of moving points, which are the first
+  double fastest_ = 0;         // maximum speed of a hand, model units per second
   bool isFailing_ = false;
   Stopwatch sinceRestart_;
-  mutable std::mutex lock_;  // of the next one
+  mutable std::mutex lock_;  // protects restarts_
   Restarts restarts_;
   std::array<Slot, kMaxHands> slots_;
   std::optional<double> last_s_, shown_s_;

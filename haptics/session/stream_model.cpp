@@ -19,24 +19,24 @@ namespace palpate {
 namespace {
 
 constexpr std::string_view kStandardInput = "-";
-constexpr int kMaxSaid = 3;  // frames that are lost before the first good one: the others are not better
+constexpr int kMaxSaid = 3;  // number of reported losses before the first good frame: more would not help
 
 struct OpenedStream {
   std::shared_ptr<DepthStream> stream;
-  std::optional<UpAxis> up = UpAxis::minusY;  ///< in the world of its poses; the camera's without
-  std::optional<UpAxis> worldUp = {};         ///< where its frames say where they were seen from, in place of that
-  double mm_per_unit = 0;  ///< that the session is to have where nobody says another; 0: as fits a hand
+  std::optional<UpAxis> up = UpAxis::minusY;  ///< in the world of its poses, or in the camera's axes without poses
+  std::optional<UpAxis> worldUp = {};         ///< in place of that, if its frames have poses
+  double mm_per_unit = 0;                     ///< of the session, unless configured otherwise; 0: fitting a hand
 };
 
 OpenedStream watchRos(const std::string& topic, const StreamConfig& stream, const ModelLoading& loading) {
-  if (!loading.watch) throw Error("{}: topics of ROS are not heard here", topic);
+  if (!loading.watch) throw Error("{}: ROS topics are not supported here", topic);
   std::optional<DepthCamera> intrinsics;
   if (!stream.intrinsics.empty()) intrinsics = readCamera(stream.intrinsics).camera;
   constexpr double kMmPerMetre = 1000;
   OpenedStream opened{.stream = loading.watch(topic, stream, intrinsics, loading.log),
-                      .worldUp = UpAxis::z,  // REP 103, of all frames but those of a camera
+                      .worldUp = UpAxis::z,  // REP 103, for all frames except a camera's
                       .mm_per_unit = kMmPerMetre};
-  // Points are in any axes at all; those of a picture are its camera's.
+  // The axes of point clouds are unknown; those of a picture are its camera's.
   if (!(opened.stream->camera().fx > 0)) opened.up.reset();
   return opened;
 }
@@ -44,17 +44,17 @@ OpenedStream watchRos(const std::string& topic, const StreamConfig& stream, cons
 std::shared_ptr<DepthStream> openDevice(const std::string& device, const StreamConfig& stream) {
   if (device == kStandardInput) {
     if (!stream.intrinsics.empty())
-      throw ConfigError("stream.intrinsics", "raw frames say them in their first line; leave it out");
+      throw ConfigError("stream.intrinsics", "raw frames contain them in their first line; leave it out");
     return std::make_shared<DepthPipe>(::fileno(stdin), "standard input", stream.depthScale);
   }
   if (stream.intrinsics.empty())
-    throw ConfigError("stream.intrinsics", "{} says none; give a JSON file with those of the camera", device);
+    throw ConfigError("stream.intrinsics", "{} provides none; give a JSON file with those of the camera", device);
   CameraText camera = readCamera(stream.intrinsics);
   if (stream.depthScale > 0) camera.depthScale = stream.depthScale;
   return openDepthCamera(device, camera);
 }
 
-/// False at the end.
+/// Returns false at the end of the stream.
 bool readFrame(DepthStream& stream, DepthFrame& frame, Log& log) {
   for (int lost = 0;;) {
     try {
@@ -73,7 +73,7 @@ PointCloud cloudOf(const CloudFrame& points, const DVec3& origin) {
   return cloud;
 }
 
-/// Relative to an origin that lies near, as far from zero as the world may be.
+/// Relative to an origin nearby, since the world may be far from zero.
 PointCloud firstCloud(const DepthCamera& camera, const DepthFrame& frame) {
   CloudFrame points;
   DepthPoints maker;
@@ -85,7 +85,7 @@ PointCloud firstCloud(const DepthCamera& camera, const DepthFrame& frame) {
   return cloudOf(points, origin);
 }
 
-/// As its map begins, and from where it was seen.
+/// The initial map, and its camera pose.
 FirstFrame firstMap(const DepthCamera& camera, const DepthFrame& frame) {
   FrameFusion fusion({});
   const FrameOutcome& outcome = fusion.fuse(camera, frame);

@@ -14,22 +14,20 @@
 
 namespace palpate {
 
-/// The cloud of the first frame that can be read and has points, in metres, with what is up; and what goes on behind it
-/// (Model::stream). Waits for that frame. Throws FileError, Error.
+/// The cloud of the first readable frame with points, in metres, with the up axis; and the stream that continues behind
+/// it (Model::stream). Waits for that frame. Throws FileError, Error.
 struct FirstFrame {
   PointCloud cloud;
   std::shared_ptr<PlayedStream> stream;
-  std::optional<CameraFrustum> camera;  ///< that took it; none where the frame does not say where it stood
+  std::optional<CameraFrustum> camera;  ///< that took it; empty if the frame has no pose
 };
 FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loading);
 
-/// The stream of the configuration, to be played behind the model's cloud: the one that the model has, held as it is,
-/// or else the recording. Null where the configuration has none. Throws FileError, and Error where another session has
-/// it.
+/// The configured stream, to be played behind the model's cloud: the one of the model, paused as it is, or else the
+/// recording. Null if none is configured. Throws FileError, and Error if another session plays it.
 std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Model& model);
 
-/// How the frames of a stream that was taken become a map, which begins with the model's cloud; nothing where they do
-/// not.
+/// How the frames of a taken stream are fused into a map, which begins with the model's cloud; empty if they are not.
 std::optional<FusedStream> fusedStream(const SessionConfig& config, const std::shared_ptr<const Model>& model,
                                        std::shared_ptr<PlayedStream> stream, unsigned threads, Log* log);
 

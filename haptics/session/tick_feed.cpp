@@ -16,7 +16,7 @@ void TickFeed::ticked(const TraceRow& row, const DeviceState& device) noexcept {
   added_.store(added + 1, std::memory_order_release);
 }
 
-// A tick is added with all its hands, or not at all.
+// A tick is added with all its hands or not at all.
 void TickFeed::tickedToo(std::size_t hand, const TraceRow& row) noexcept {
   if (hand >= hands_ || leftOut_) return;
   leftOut_ = isFull();

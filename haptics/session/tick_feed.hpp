@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// Brings what the servo thread does to the thread that shows it; the former waits for nobody.
+/// Passes the ticks from the servo thread to the thread that displays them; the former is never blocked.
 class TickFeed final : public TickRecorder {
  public:
   explicit TickFeed(std::size_t hands = 1) : hands_(hands), ring_(kRing * hands) {}
@@ -16,40 +16,39 @@ class TickFeed final : public TickRecorder {
   /// On the servo thread.
   void tickedToo(std::size_t hand, const TraceRow& row) noexcept override;
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
-  /// Also notified of every tick; set while no servo thread runs.
+  /// Listener that is also notified of every tick; set while no servo thread runs.
   void setListener(TickRecorder* listener) { listener_ = listener; }
 
-  /// Appends the rows since the last call: those of all hands at a tick, and then those at the next one. For one
-  /// thread.
+  /// Appends the rows since the last call, ordered by tick, then by hand. For one thread.
   void take(std::vector<TraceRow>& rows);
-  /// On which core the last tick was served; negative before the first.
+  /// CPU core of the last tick; negative before the first.
   int core() const { return core_.load(std::memory_order_relaxed); }
 
  private:
-  static constexpr std::uint64_t kRing = 1 << 15;  // half a minute at 1 kHz; rows past it are left out
+  static constexpr std::uint64_t kRing = 1 << 15;  // half a minute at 1 kHz; further rows are dropped
 
   TraceRow& rowOf(std::uint64_t tick, std::size_t hand) noexcept { return ring_[tick % kRing * hands_ + hand]; }
   bool isFull() const noexcept;
 
   std::size_t hands_;
-  bool leftOut_ = false;  // the tick that is being recorded, for there was no room
+  bool leftOut_ = false;  // the present tick is dropped, because the ring is full
   std::vector<TraceRow> ring_;
   std::atomic<std::uint64_t> added_ = 0, taken_ = 0;
   std::atomic<int> core_ = -1;
   TickRecorder* listener_ = nullptr;
 };
 
-/// What came of the ticks so far: the numbers and the curves that a person looks at.
+/// Statistics and curves of the ticks so far, for display.
 class TickHistory {
  public:
-  /// Rows that are kept for curves and CSV: the last so many.
+  /// Maximum number of rows kept for curves and CSV: the last ones.
   static constexpr std::size_t kKept = 60'000;
 
-  /// `period_s`: between two ticks when none is missed.
+  /// between two ticks if none is missed.
   explicit TickHistory(double period_s) : period_s_(period_s) {}
 
   void add(const std::vector<TraceRow>& rows);
-  /// The next row does not follow the last one.
+  /// The next row is not counted as the successor of the last one.
   void interrupt() { follows_ = false; }
 
   const std::deque<TraceRow>& rows() const { return rows_; }

@@ -36,7 +36,7 @@ class VulkanBackend final : public BackendKind {
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
   std::uint64_t matterMemory_bytes() const override { return matterMemory(device_().ownMemory()); }
   std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
-    // Beside the questions, which have the surface of its points meanwhile.
+    // On a queue of its own, beside the queries of the surface of its points.
     if (scene.matter == Matter::soft)
       return std::make_unique<GpuSoftWorld>(device_(), device_().backgroundQueue().another(), scene, options);
     return std::make_unique<GpuMatterWorld>(device_(), device_().latencyQueue(), scene, options);

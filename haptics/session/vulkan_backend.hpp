@@ -10,14 +10,14 @@ namespace palpate {
 
 class Device;
 
-/// A GPU through Vulkan. `device` opens it, when it is first needed, and may throw; the device outlives all that is
+/// A GPU through Vulkan. `device` opens it when it is first needed, and may throw; the device must outlive everything
 /// made on it.
 std::unique_ptr<BackendKind> vulkanBackend(std::function<Device&()> device);
 
-/// The grid of the index for a support radius (model units), as the Vulkan back end lays it out.
+/// The grid of the index for a support radius (model units), as in the Vulkan back end.
 HashGrid gridFor(const Model& model, const IndexConfig& config, double radius);
 
-/// Estimates normals on that GPU; on the CPU where it is a software driver, which takes twice as long for the same.
+/// Estimates normals on that GPU; on the CPU if it is a software driver, which would take twice as long.
 NormalEstimator estimateNormalsOn(std::function<Device&()> device);
 
 }  // namespace palpate

@@ -88,7 +88,7 @@ TEST_CASE("a word that nothing is called gets what was probably meant") {
   meant("fly --help", "there is no subcommand 'fly'");
   meant("touch x.ply --edit psuh", "--edit: there is no 'psuh', but push; choose none, push, carve");
   meant("help bench coexsit", "did you mean coexist?");
-  meant("bench", "It knows build, sort,");
+  meant("bench", "a subcommand is required: build, sort,");
 }
 
 TEST_CASE("an option that is given twice, or without its value, is said in words") {
@@ -294,19 +294,21 @@ TEST_CASE("what a session cannot be configured with is said by the flags that as
   refused(touch + "--tool pad --backend cuda", "--tool: --backend cuda has only point; take vulkan or cpu for pad");
   refused(touch + "--tool pad --method naive", "--tool: --method naive has only point; take fused for pad");
   refused(touch + "--tool ball --ahead on --backend vulkan", "--ahead: a ball is not asked ahead; leave it out");
-  refused(touch + "--tool pad --tool-axis 0,0,0 --backend cpu", "--tool-axis: is no direction");
+  refused(touch + "--tool pad --tool-axis 0,0,0 --backend cpu", "--tool-axis: is not a direction");
   refused(touch + second + "--backend cuda", "--second-device: --backend cuda feels with one hand; take vulkan or cpu");
   refused(touch + second + "--method naive", "--second-device: --method naive feels with one hand; take fused");
   refused(touch + second + "--ahead on --backend vulkan", "--ahead: two hands are not asked ahead; leave it out");
   refused(touch + "--ahead off --backend cpu", "--ahead: only --backend vulkan can be asked ahead");
   refused(touch + "--wait spin --backend cpu", "--wait: only --backend vulkan can be told how to wait");
-  refused(touch + "--print-tick --backend cpu", "--print-tick: only --backend vulkan knows its passes");
+  refused(touch + "--print-tick --backend cpu", "--print-tick: only --backend vulkan can time its passes");
   refused(touch + "--edit carve --backend cuda", "--edit: --backend cuda has only push; take vulkan or cpu for carve");
   refused(touch + "--edit push --undo 1 --backend cuda",
           "--undo: back end cuda does not report its edits; use vulkan or cpu");
   refused(touch + "--log x --backend cuda", "--log: back end cuda does not report its edits; use vulkan or cpu");
-  refused(touch + "--method direct --backend vulkan", "--method: direct is none of --backend vulkan, which has fused");
-  refused(touch + "--device dhd:x --realtime --duration 1 --backend cpu", "--device: dhd:x: the number of a device");
+  refused(touch + "--method direct --backend vulkan",
+          "--method: direct is not a method of --backend vulkan, which has fused");
+  refused(touch + "--device dhd:x --realtime --duration 1 --backend cpu",
+          "--device: dhd:x: is not the number of a device");
   refused("bench step --sizes 2000 --surface sphere --backend cuda", "--surface: --backend cuda has only average");
   refused("bench edit --models " + model + " --touched 20 --duration 1 --rate 20000",
           "--rate: 20000 is not between 1 and 10000");

@@ -154,10 +154,10 @@ TEST_CASE("devices that do not go together with other options are wrong usage") 
     CHECK(outcome.code == 2);
     CHECK(says(outcome.text, part));
   };
-  wrong("--device openhaptics", "add --realtime");
-  wrong("--device openhaptics --realtime", "say how long with --duration");
-  wrong("--device stick", "'stick' is no device; there is path, sim, replay:FILE");
-  wrong("--device dhd:two --realtime --duration 1", "the number of a device, from 0 on");
+  wrong("--device openhaptics", "--device openhaptics requires --realtime");
+  wrong("--device openhaptics --realtime", "--device openhaptics requires --duration");
+  wrong("--device stick", "'stick' is not a device; there is path, sim, replay:FILE");
+  wrong("--device dhd:two --realtime --duration 1", "is not the number of a device, 0 to 63");
   wrong("--device replay:x.csv --map identity", "--map");
 }
 
@@ -179,7 +179,7 @@ TEST_CASE("a trajectory with forces is replayed, and the forces are compared") {
   CHECK(bad.code == 1);
   CHECK(says(bad.text, "bad.csv:2: 3 columns"));
   std::ofstream(scene.folder / "far.csv") << "0 1e9 2 3\n1 1e9 2 4\n";
-  CHECK(says(palpate(scene.touch("--device replay:" + scene.file("far.csv"))).text, "goes nowhere near the model"));
+  CHECK(says(palpate(scene.touch("--device replay:" + scene.file("far.csv"))).text, "is never near the model"));
 }
 
 TEST_CASE("doctor says what was looked for, what was found, and what is missing") {
@@ -222,8 +222,8 @@ TEST_CASE("doctor says all that it can where there is no Vulkan loader, and that
   const Outcome outcome =
       run("LD_LIBRARY_PATH=" + folder.path().string() + " " + program() + " doctor --servo 0.1 --json " + file);
   CHECK(outcome.code == 1);
-  for (const char* part : {"GPU: none. no Vulkan loader", "--device openhaptics", "Display: none",
-                           "Servo loop with nothing", "work on the processor", "install the package libvulkan1"})
+  for (const char* part : {"GPU: none. no Vulkan loader", "--device openhaptics", "Display: none", "Empty servo loop",
+                           "work on the processor", "install the package libvulkan1"})
     CHECK(says(outcome.text, part));
   const auto found = jsonOf(file);
   CHECK(found["gpus"].empty());

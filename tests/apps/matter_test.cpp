@@ -139,7 +139,7 @@ TEST_CASE("a soft body is sculpted, undone and replayed, and shape matching is r
   };
   const std::string info = said("info " + in("block.json") + " --json " + in("i.json"));
   CHECK(info.find("shape matching, not calibrated") != std::string::npos);
-  CHECK(info.find("no stiffness in Pa") != std::string::npos);
+  CHECK(info.find("not a stiffness in Pa") != std::string::npos);
   CHECK(jsonOf(in("i.json"))["preset"] == "shape-matching");
   CHECK(jsonOf(in("i.json"))["young_Pa"].is_null());
   CHECK(jsonOf(in("i.json"))["substeps"] == 1);
@@ -213,8 +213,8 @@ TEST_CASE("options that are incompatible with a scene are refused with the reaso
   refused("touch jelly --edit push --tool-radius 3", 2, "the cells of the body are 6 mm wide");
   refused("touch dam --tool ball", 2, "--tool: in matter a hand holds the scene's ball");
   refused("touch dam --motion turn", 2, "--motion: matter moves by itself");
-  refused("touch dam --backend cuda", 2, "--backend: cuda feels only what stands still");
-  refused("touch dam --fuse on", 2, "is no recorded depth camera");
+  refused("touch dam --backend cuda", 2, "--backend: cuda requires a model at rest");
+  refused("touch dam --fuse on", 2, "is not a recorded depth camera");
   refused("touch dam --path builtin:scan", 2, "there are press, stir");
   refused("touch " + bad, 1, bad + ": 'salt': is not known");
   refused("info " + bad, 1, bad + ": 'salt': is not known");

@@ -136,11 +136,11 @@ TEST_CASE("the command line takes a scale from two places, and convert writes it
                                           "render " + model + " -o " + (folder / "n.png").string()};
   for (const std::string& command : commands) {
     isRefused(command + " --scale-from 1,2:3,4,5=6", "--scale-from: ");
-    isRefused(command + " --scale-from 1,2,3:3,4,5", "is not two places and a length in mm");
-    isRefused(command + " --scale-from 1,2,3:1,2,3=5", "--scale-from: both places are the same one");
+    isRefused(command + " --scale-from 1,2,3:3,4,5", "is not two positions and a length in mm");
+    isRefused(command + " --scale-from 1,2,3:1,2,3=5", "--scale-from: both positions are the same");
     isRefused(command + " --scale-from 1,2,3:1,2,4=-5", "mm per unit, which is not between");
     isRefused(command + " --scale-from 1,2,3:1,2,4=nan", "mm per unit, which is not between");
-    isRefused(command + " --scale-from 1,2,3:1,2,4=5 --mm-per-unit 3", "--mm-per-unit says the scale already");
+    isRefused(command + " --scale-from 1,2,3:1,2,4=5 --mm-per-unit 3", "--scale-from: conflicts with --mm-per-unit");
   }
   CHECK_FALSE(std::filesystem::exists(folder / "n.ply"));
 }

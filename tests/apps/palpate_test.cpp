@@ -290,12 +290,12 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("touch " + model + " --passivity on", 2, "does not yield to forces");
   fails("touch " + model + " --hand-stiffness 1", 2, "--device sim");
   fails("touch " + model + " --device sim --map large", 2, "--map");
-  fails("touch " + model + " --device hid --duration 1", 2, "--device hid: a person lives in real time");
+  fails("touch " + model + " --device hid --duration 1", 2, "--device hid requires --realtime");
   fails("touch " + model + " --device hid --realtime", 2, "--duration");
   fails("touch " + model + " --device hid --realtime --duration 1 --hand-damping 1", 2, "--device sim");
   fails("touch " + model + " --device hid:none --realtime --duration 1", 1, "no DualSense that is 'none'");
   fails("touch " + model + " --device joystick", 2, "joystick");
-  fails("touch " + model + " --rumble", 2, "--rumble: a gamepad rumbles in real time");
+  fails("touch " + model + " --rumble", 2, "--rumble requires --realtime");
   fails("touch " + model + " --save x.ply", 2, "--edit");
   fails("render " + model + " -o " + (folder / "o.tif").string(), 2, ".png, .jpg or .jpeg");
   fails("touch " + model + " --picture " + (folder / "o.bmp").string(), 2, ".png, .jpg or .jpeg");

@@ -84,9 +84,9 @@ TEST_CASE("ROS topics that are not a live camera, and incompatible options, are 
     CHECK(outcome.text.find(words) != std::string::npos);
   };
   refuses("touch ros:/pose --realtime", 1, "the topic has type geometry_msgs/msg/PoseStamped");
-  refuses("touch ros:/depth/image_raw", 2, "--realtime: what is live goes by the clock; turn it on");
+  refuses("touch ros:/depth/image_raw", 2, "--realtime: live streams require realtime");
   refuses("touch --live ros:/points --realtime --fuse on", 1, "the topic has points");
-  refuses("touch ros:/points --loop", 2, "is no recorded depth camera");
+  refuses("touch ros:/points --loop", 2, "is not a recorded depth camera");
   refuses("convert ros:/depth/image_raw never.ply", 1, "the topic has type sensor_msgs/msg/Image");
   refuses("touch --live ros:/a//b --realtime", 2, "is not a valid name");
 }

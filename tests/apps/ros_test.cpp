@@ -140,18 +140,18 @@ TEST_CASE("invalid ROS names, and ROS options without ROS, are refused") {
   refuses("touch ros:a//b", "is not a valid name");
   refuses("touch a.ply --ros-rate 0 --ros a", "--ros-rate");
   refuses("touch a.ply --ros lab --ros-parent lab", "cannot be its own parent");
-  refuses("touch a.ply --ros-parent map", "--ros-parent: is for --ros");
-  refuses("touch a.ply --ros lab --ros-pose 1,2,3", "--ros-pose: is for --ros-parent");
+  refuses("touch a.ply --ros-parent map", "--ros-parent: requires --ros");
+  refuses("touch a.ply --ros lab --ros-pose 1,2,3", "--ros-pose: requires --ros-parent");
   for (const char* pose : {"1,2", "1,2,3,4", "1,2,x", "1,2,nan", "0,0,0,1,1,0,0", "0,0,0,0,0,0,0", "1e10,0,0"})
     refuses(std::string("serve a.ply --name a --ros lab --ros-parent map --ros-pose ") + pose, "unit quaternion");
-  refuses("touch a.ply --ros-frame map", "--ros-frame and --color-topic: are for a topic of ROS");
-  refuses("serve a.ply --name a --ros-frame map", "--ros-frame and --color-topic: are for a topic of ROS");
-  refuses("convert a.ply b.ply --ros-frame map", "--ros-frame and --color-topic: are for a topic of ROS");
-  refuses("view a.ply --color-topic rgb", "--ros-frame and --color-topic: are for a topic of ROS");
+  refuses("touch a.ply --ros-frame map", "--ros-frame and --color-topic: require a ROS topic");
+  refuses("serve a.ply --name a --ros-frame map", "--ros-frame and --color-topic: require a ROS topic");
+  refuses("convert a.ply b.ply --ros-frame map", "--ros-frame and --color-topic: require a ROS topic");
+  refuses("view a.ply --color-topic rgb", "--ros-frame and --color-topic: require a ROS topic");
   refuses("touch ros:a --color-topic a//b", "is not a valid name");
   refuses("touch ros:a --ros-frame /", "is not a valid name of a frame");
-  refuses("touch a.ply --domain 3", "for --as and --near for ROS");
-  CHECK(palpate("mesh ros:a -o never.ply").text.find("are not heard here") != std::string::npos);
+  refuses("touch a.ply --domain 3", "require --join, --ros or a ROS topic");
+  CHECK(palpate("mesh ros:a -o never.ply").text.find("are not supported here") != std::string::npos);
 }
 
 }  // namespace palpate::ros_test

@@ -131,8 +131,8 @@ TEST_CASE("unusable keys and invalid names are refused before anything is sent")
   refuses("keys " + in("lab"), 2, "--name");
   refuses("keys " + in("lab") + " --name a/b", 2, "is not a valid holder's name");
   refuses("keys " + in("lab") + " --name b --days 0", 2, "--days");
-  refuses("touch a.ply --security " + in("lab/a"), 2, "are for --join");
-  refuses("doctor --security " + in("lab/a"), 2, "are for --network");
+  refuses("touch a.ply --security " + in("lab/a"), 2, "require --join");
+  refuses("doctor --security " + in("lab/a"), 2, "require --network");
   std::filesystem::permissions(folder / "lab" / "a" / "key.pem", std::filesystem::perms::others_read,
                                std::filesystem::perm_options::add);
   for (const std::string& command :

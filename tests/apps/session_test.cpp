@@ -100,7 +100,7 @@ TEST_CASE("strokes beyond the undo memory are forgotten, with a message") {
   const Outcome outcome = palpate(scene.touch("--backend cpu --undo 3 --undo-memory 0.0001 --save " +
                                               scene.file("s.ply") + " --json " + scene.file("t.json")));
   REQUIRE(outcome.code == 0);
-  CHECK(outcome.text.find("strokes forgotten") != std::string::npos);
+  CHECK(outcome.text.find("dropped strokes") != std::string::npos);
   const auto json = jsonOf(scene.folder / "t.json")["undo"];
   CHECK(json["undone"] == 0);
   CHECK(json["strokes"] == 3);

@@ -416,7 +416,7 @@ TEST_CASE("a served moving model is felt as it moves, and a served soft body yie
     const std::string join = "touch --join moving" + domain() + " --backend cpu";
     const Outcome still = palpate(join + " --duration 0.1");
     CHECK(still.code == 1);
-    CHECK(still.text.find("join it against the clock") != std::string::npos);
+    CHECK(still.text.find("join it with --realtime") != std::string::npos);
     works(join + " --realtime --path " + in("rest.csv") + " --trace " + in("t.csv") + " --json " + in("j.json"));
     // A hand at rest in the middle of the path is pressed half of the time, as deep as the surface passes over it.
     std::ifstream trace(in("t.csv"));
@@ -510,7 +510,7 @@ TEST_CASE("served water that two hands beat until it fails restarts, and their p
     CHECK(seen["last_message"].get<std::string>().find("'fine' has restarted") != std::string::npos);
   }
   const std::string said = contentOf(folder / "said");
-  CHECK(said.find(": it begins anew") != std::string::npos);
+  CHECK(said.find(": it is restarted") != std::string::npos);
   CHECK(jsonOf(in("j.json"))["near"]["restarts"] >= 1);
   CHECK(serving.program.wait(SIGINT) == 0);
 }
@@ -527,7 +527,7 @@ TEST_CASE("a remote hand feels served water through its ball, which displaces it
   const std::string touch = "touch" + join + " --backend cpu --realtime --path builtin:press";
   const Outcome still = palpate("touch" + join + " --backend cpu --duration 0.1");
   CHECK(still.code == 1);
-  CHECK(still.text.find("join it against the clock") != std::string::npos);
+  CHECK(still.text.find("join it with --realtime") != std::string::npos);
   works(touch + " --duration 2 --trace " + in("t.csv") + " --json " + in("j.json"));
   const Result felt = jsonOf(in("j.json"));
   MESSAGE("of " << felt["ticks"] << " ticks " << felt["contact_ticks"] << " had a force, of at most "
@@ -559,14 +559,14 @@ TEST_CASE("models that cannot be served, and incompatible sharing options, are r
     CHECK(outcome.text.find(words) != std::string::npos);
   };
   refuses("touch a.ply --join city", "is the model");
-  refuses("touch --join city --motion oscillate", "a joined model stays where it is served");
-  refuses("touch --join city --speed 2", "is no recorded depth camera");
-  refuses("touch --join city --normals estimate", "comes with its normals");
-  refuses("touch a.ply --interface lo", "are for --join");
+  refuses("touch --join city --motion oscillate", "a joined model cannot be moved");
+  refuses("touch --join city --speed 2", "is not a recorded depth camera");
+  refuses("touch --join city --normals estimate", "has its own normals");
+  refuses("touch a.ply --interface lo", "require --join");
   refuses("touch --join city --domain 231", "231");
   refuses("touch --join city --interface 'x y'", "neither the name of an interface");
-  refuses("touch a.ply --near", "are for --join");
-  refuses("doctor --domain 3", "are for --network");
+  refuses("touch a.ply --near", "require --join");
+  refuses("doctor --domain 3", "require --network");
   refuses("render -o " + (folder / "p.png").string(), "a session with --join");
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 1000 -o " + model);

@@ -165,18 +165,18 @@ TEST_CASE("options that are incompatible with a depth camera are refused by name
   const std::string model = (folder / "recorded").string(), cloud = (folder / "s.ply").string();
   works("make sphere -n 1000 -o " + cloud);
   isRefused("touch", 2, "model: is required");
-  isRefused("touch " + cloud + " --speed 2", 2, "is no recorded depth camera, which --speed");
-  isRefused("render " + cloud + " --depth-scale 1000 -o p.png", 2, "is no recorded depth camera");
+  isRefused("touch " + cloud + " --speed 2", 2, "is not a recorded depth camera, which --speed");
+  isRefused("render " + cloud + " --depth-scale 1000 -o p.png", 2, "is not a recorded depth camera");
   isRefused("touch " + model + " --live -", 2, "--live: the camera is the model; leave");
-  isRefused("touch --live -", 2, "--realtime: what is live goes by the clock");
-  isRefused("touch --live /dev/null --realtime", 2, "--intrinsics: /dev/null says none");
+  isRefused("touch --live -", 2, "--realtime: live streams require realtime");
+  isRefused("touch --live /dev/null --realtime", 2, "--intrinsics: /dev/null provides none");
   isRefused("touch --live /dev/null --realtime --intrinsics " + model + "/intrinsics.json", 1,
             "/dev/null: is no video device");
-  isRefused("touch --live - --realtime --loop", 2, "--loop: what is live does not come again");
+  isRefused("touch --live - --realtime --loop", 2, "--loop: a live stream cannot restart");
   isRefused("touch " + model + " --edit push", 2,
             "--edit: the frames of a depth camera cannot be sculpted while they play");
   isRefused("touch " + model + " --motion turn", 2, "--motion: the frames of a depth camera move already");
-  isRefused("touch " + model + " --normals estimate", 2, "--normals: the frames of a depth camera bring their own");
+  isRefused("touch " + model + " --normals estimate", 2, "--normals: the frames of a depth camera have their own");
   isRefused("touch " + model + " --speed 0", 2, "--speed");
   isRefused("touch " + model + " --intrinsics none.json", 1, "none.json: cannot be read");
   const Outcome ended = run("true | " + program() + " touch --live - --realtime");

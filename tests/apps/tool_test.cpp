@@ -120,7 +120,7 @@ TEST_CASE("options that are incompatible with a tool are refused before a file i
   fails("--tool-points 8", "--tool pad, ball or spatula");
   fails("--tool ball --tool-size 0", "--tool-size");
   fails("--tool pad --tool-axis 0,0", "X,Y,Z");
-  fails("--tool pad --tool-axis 0,0,0", "--tool-axis: is no direction");
+  fails("--tool pad --tool-axis 0,0,0", "--tool-axis: is not a direction");
   fails("--tool pad --backend cuda", "--backend cuda has only point");
   fails("--tool pad --method brute", "--method brute has only point");
   fails("--tool pad --ahead on", "not asked ahead");

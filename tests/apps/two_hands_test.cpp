@@ -124,11 +124,11 @@ TEST_CASE("options that are incompatible with a second hand are refused with a r
   const std::string path = "--second-device path --second-path builtin:press ";
   wrong("--second-path builtin:press", "--second-path: there is no second hand; add --second-device");
   wrong("--second-trace t.csv", "--second-trace: there is no second hand");
-  wrong("--second-device stick", "'stick' is no device");
+  wrong("--second-device stick", "'stick' is not a device");
   wrong("--second-device path", "--second-device path: say where it goes with --second-path");
   wrong("--second-device replay:x.csv --second-path builtin:press", "--second-path: replay:x.csv follows none");
-  wrong("--second-device openhaptics", "--second-device openhaptics: a person lives in real time; add --realtime");
-  wrong("--second-device dhd --realtime", "--second-device dhd: has no path that ends");
+  wrong("--second-device openhaptics", "--second-device openhaptics requires --realtime");
+  wrong("--second-device dhd --realtime", "--second-device dhd requires --duration");
   wrong("--device hid --second-device hid --realtime --duration 1", "hid is in the first hand; name another one");
   wrong(path + "--log " + scene.file("log"), "--log: a session log has one hand");
   wrong(path + "--method brute", "--second-device: --method brute feels with one hand; take fused", "vulkan");

@@ -138,7 +138,7 @@ TEST_CASE("a file's own name is in the log, so that it is run again without bein
   CHECK(lastErrorSays("4999 points"));
   std::filesystem::remove(model);
   CHECK(pp_log_replay(file.string().c_str(), nullptr, &result) == PP_ERROR_FILE);
-  CHECK(lastErrorSays("not there"));
+  CHECK(lastErrorSays("does not exist"));
   PP_REQUIRE_OK(pp_cloud_close(cloud));
 }
 

@@ -46,7 +46,7 @@ def test_a_recorded_session_comes_out_the_same_to_the_last_bit(recorded, ball):
     again = pp.replay(file, ball)
     assert again.identical and again.compared == again.ticks == 200 and again.points == 0
     assert again.first_difference_s is None and again.recorded_edits_agree and again.because == ""
-    with pytest.raises(pp.Error, match="not there"):
+    with pytest.raises(pp.Error, match="does not exist"):
         pp.replay(file)
     with pytest.raises(pp.Error, match="points"):
         pp.replay(file, pp.Cloud(ball.xyz[:-1]))

@@ -125,7 +125,7 @@ TEST_CASE("water that fails restarts, and each restart is counted and reported w
   MESSAGE(fmt::format("after {} frames: {}", frames, fmt::join(served.said(), "; ")));
   REQUIRE(served.said().size() == 2);
   CHECK(served.restarts().count == 2);
-  CHECK(served.said()[1] == "the simulation " + served.restarts().why + ": it begins anew");
+  CHECK(served.said()[1] == "the simulation " + served.restarts().why + ": it is restarted");
 }
 
 TEST_CASE("a body that stands in water is not part of the frames") {
@@ -282,7 +282,7 @@ TEST_CASE("invalid water from a server is refused with a reason") {
   MatterScene scene = pool();
   scene.spacing_mm = 1e-9;
   CHECK_THROWS_AS(joinedPool(sceneText(scene)), Error);
-  CHECK_THROWS_WITH_AS(joinedPool(sceneText(pool()), 1'000'000), doctest::Contains("has not come"), Error);
+  CHECK_THROWS_WITH_AS(joinedPool(sceneText(pool()), 1'000'000), doctest::Contains("are missing"), Error);
 }
 
 TEST_CASE("a scene is sent as text, and an invalid text is refused") {

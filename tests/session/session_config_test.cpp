@@ -164,7 +164,7 @@ TEST_CASE("an invalid text is refused with the name of the field") {
   CHECK(faultOf(replaced(text, "\"device\": \"dhd:1\"", "\"device\": 1")) == "hands[1].device");
   CHECK(faultOf(replaced(text, "\"brush\": {", "\"brush\": 5, \"unused\": {")) == "brush");
   CHECK(faultOf(std::string("[]")) == "config");
-  CHECK(faultOf(std::string("{")).find("no JSON") != std::string::npos);
+  CHECK(faultOf(std::string("{")).find("not valid JSON") != std::string::npos);
 }
 
 TEST_CASE("a value out of bounds is refused with the name of the field") {

@@ -207,10 +207,10 @@ TEST_CASE("a stream that cannot be a model is refused with its kind") {
   SessionConfig live = config;
   live.stream->live = live.realtime = true;
   live.model.file = "/dev/null";
-  CHECK(says(refusal([&] { load(live); }), "stream.intrinsics: /dev/null says none; give a JSON file"));
+  CHECK(says(refusal([&] { load(live); }), "stream.intrinsics: /dev/null provides none; give a JSON file"));
   live.model.file = "-";
   live.stream->intrinsics = "camera.json";
-  CHECK(says(refusal([&] { load(live); }), "stream.intrinsics: raw frames say them in their first line"));
+  CHECK(says(refusal([&] { load(live); }), "stream.intrinsics: raw frames contain them in their first line"));
   for (int i = 0; i < kFrames; ++i)  // isolated pixels without neighbours
     writeBytes(folder / "depth" / fmt::format("{:04}.png", i), [] {
       std::vector<float> depth_m(std::size_t{kCamera.width} * kCamera.height);
