@@ -83,7 +83,7 @@ void Context::writeJson(const Json& result) const {
 }
 
 void Context::checkJson() const {
-  if (json_ != "-") checkOutput(json_, Output::result);
+  if (json_ != "-") checkOutput(json_, Output::only);
 }
 
 void Context::close(std::unique_ptr<Device>& device) {

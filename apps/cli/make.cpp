@@ -54,7 +54,9 @@ void addMake(Options& app, Context& context, Command& command) {
   for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
   sub.add("shape", options->shape, "one of " + names).required().typeName("SHAPE");
   sub.add("-n,--points", options->count, "number of points").check(wholeBetween(0, kMaxPoints)).showDefault();
-  sub.add("-o,--output", options->output, "output: " + cloudFormats().endingsWritten(Written::points)).required().typeName("FILE");
+  sub.add("-o,--output", options->output, "output: " + cloudFormats().endingsWritten(Written::points))
+      .required()
+      .typeName("FILE");
   sub.add("--seed", options->seed, "seed of the sampling and the noise; the same seed gives the same bytes")
       .check(wholeBetween(0, bounds::kMaxSeed))
       .showDefault();

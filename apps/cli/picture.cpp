@@ -117,7 +117,7 @@ void checkPictureOptions(const PictureOptions& options) {
   Frame::checkSize(size.width, size.height);
   frameOptions(options, Model{});
   Camera::parse(options.camera, PointCloud{}, 1);
-  checkOutput(options.depthFile, Output::depth);
+  checkOutput(options.depthFile, Output::only);
 }
 
 bool showsPaint(const PictureOptions& options) {

@@ -86,7 +86,7 @@ void replay(Context& context, const ReplayOptions& options) {
   if (!options.recover && !options.saveFile.empty()) throw UsageError("--save: needs --recover");
   if (options.recover && !options.traceFile.empty()) throw UsageError("--trace: --recover runs nothing");
   checkOutput(options.saveFile, Output::points);
-  checkOutput(options.traceFile, Output::trace);
+  checkOutput(options.traceFile, Output::only);
   sayWhatIsLost(options.saveFile, context.log());
   const ReplayParts parts{.backends = context.backends(),
                           .log = context.log(),

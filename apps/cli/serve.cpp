@@ -93,7 +93,7 @@ void serve(Context& context, const ServeOptions& options) {
   if (options.readOnly && (!options.journalFile.empty() || !options.saveFile.empty()))
     throw UsageError("--read-only: nobody sculpts it; leave --journal and --save out");
   checkOutput(options.saveFile, Output::points);
-  checkOutput(options.journalFile, Output::journal);
+  checkOutput(options.journalFile, Output::only);
   sayWhatIsLost(options.saveFile, context.log());
   const SessionConfig config = servedConfig(context, options);
   const auto loaded = std::make_shared<const Model>(loadModel(context, config, EstimateOn::cpu, &options.network));

@@ -161,7 +161,8 @@ void addSimulate(Options& app, Context& context, Command& command) {
   sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
   sub.add("--probe", options->probe, "position x,y,z at which the water pressure is reported at the end, mm");
   sub.add("--save", options->save,
-          "write the final particles, or the surface of a soft body, mm: " + cloudFormats().endingsWritten(Written::points))
+          "write the final particles, or the surface of a soft body, mm: " +
+              cloudFormats().endingsWritten(Written::points))
       .typeName("FILE");
   sub.whenNamed([&, options] { command = [&context, options] { simulate(context, *options); }; });
 }

@@ -192,9 +192,9 @@ void drawEnd(Context& context, const TouchCommandOptions& options, const Session
 /// Checks the output files before the session.
 void checkOutputs(Context& context, const TouchCommandOptions& options) {
   for (const auto& [file, kind] :
-       {std::pair{&options.traceFile, Output::trace}, std::pair{&options.secondTraceFile, Output::trace},
-        std::pair{&options.trajectoryFile, Output::trajectory}, std::pair{&options.saveFile, Output::points},
-        std::pair{&options.pictureFile, Output::picture}, std::pair{&options.logFile, Output::session}})
+       {std::pair{&options.traceFile, Output::only}, std::pair{&options.secondTraceFile, Output::only},
+        std::pair{&options.trajectoryFile, Output::only}, std::pair{&options.saveFile, Output::points},
+        std::pair{&options.pictureFile, Output::picture}, std::pair{&options.logFile, Output::only}})
     checkOutput(*file, kind);
   std::error_code ignored;
   if (std::filesystem::equivalent(options.model.file, options.logFile, ignored))
