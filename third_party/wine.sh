@@ -4,7 +4,8 @@
 set -u
 export WINEPREFIX=${WINEPREFIX:-$(dirname "$(readlink -f "$0")")/../build/windows-libraries/wine}
 export WINEDEBUG=${WINEDEBUG:--all} LC_ALL=C.UTF-8  # in UTF-8 file names may contain any letter
-export WINEDLLOVERRIDES="winedbg.exe=d${WINEDLLOVERRIDES:+;$WINEDLLOVERRIDES}"  # a debugger at a crash would wait forever
+# A debugger that starts at a crash would wait forever.
+export WINEDLLOVERRIDES="winedbg.exe=d${WINEDLLOVERRIDES:+;$WINEDLLOVERRIDES}"
 WINEPREFIX=$(readlink -f "$WINEPREFIX")
 output=$(mktemp)
 trap 'rm -f "$output"' EXIT

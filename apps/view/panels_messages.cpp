@@ -15,6 +15,19 @@ std::string measureLine(const ViewStatus& status) {
   return fmt::format("measured: {}", lengthText(*status.measured, status.unit));
 }
 
+// The number of newest errors that leave most of the picture free, at least one.
+std::size_t errorsThatFit(const std::vector<std::string>& errors, float wrap) {
+  constexpr float kShare = 0.25f;  // of the display's height
+  float height = 0;
+  std::size_t count = 0;
+  while (count < errors.size()) {
+    height += ImGui::CalcTextSize(errors[errors.size() - 1 - count].c_str(), nullptr, false, wrap).y;
+    if (count > 0 && height > kShare * ImGui::GetIO().DisplaySize.y) break;
+    ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 // Of names and words that may have any letters.
@@ -80,12 +93,16 @@ void Panels::drawErrors(const ViewStatus& status, const ViewSettings& view, View
   ImGui::Begin("errors", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
-  ImGui::PushTextWrapPos(std::clamp(0.8f * (right - left), em(6), em(32)));
-  for (const std::string& error : status.errors) ImGui::TextUnformatted(error.c_str());
+  const float wrap = std::clamp(0.8f * (right - left), em(6), em(32));
+  const std::size_t shown = errorsThatFit(status.errors, wrap);
+  ImGui::PushTextWrapPos(wrap);
+  for (std::size_t i = status.errors.size() - shown; i < status.errors.size(); ++i)
+    ImGui::TextUnformatted(status.errors[i].c_str());
   ImGui::PopTextWrapPos();
   if (button("Close")) requests.closeErrors = true;
   ImGui::SameLine();
-  ImGui::TextUnformatted("(Esc)");
+  const std::size_t earlier = status.errors.size() - shown;
+  ImGui::TextUnformatted(earlier == 0 ? "(Esc)" : fmt::format("(Esc), and {} before", earlier).c_str());
   ImGui::End();
   ImGui::PopStyleColor(3);
 }

@@ -26,7 +26,7 @@ std::string_view nameOf(LengthUnit unit);
 
 /// The unit of this many mm, as inch for 25.4; unknown for any other number.
 LengthUnit unitOfScale(double mm_per_unit);
-/// The unit in a file's comments, as in `comment units: mm` or `obj_info unit = metres`, or else the one of the scale in
+/// The unit in a file's comments, as in `comment units: mm` or `obj_info unit = metres`, else the unit of the scale in
 /// them (scaleSaidIn()); unknown if they contain neither.
 LengthUnit unitSaidIn(std::span<const std::string> comments);
 /// Writes the unit into the comments, replacing any other.

@@ -17,8 +17,8 @@ class CloudFormats {
   /// By the content of a folder or file, independent of its name, else by the file's ending in any case; the first
   /// format if unknown.
   const CloudFormat& toRead(const std::filesystem::path& file) const;
-  /// By the file's ending. Throws UsageError, listing the known endings, for an unknown one and for a format that cannot
-  /// hold the content; a device or a pipe, whose name has no meaning, gets the first format.
+  /// By the file's ending. Throws UsageError, listing the known endings, for an unknown one and for a format that
+  /// cannot hold the content; a device or a pipe, whose name has no meaning, gets the first format.
   const CloudFormat& toWrite(const std::filesystem::path& file, Written what = Written::copy) const;
   /// By the file's ending; the first format, as for reading, if it is unknown, or if the format requires triangles and
   /// `triangles` is false: whatever can be opened can be saved.

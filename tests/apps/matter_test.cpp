@@ -212,7 +212,7 @@ TEST_CASE("options that are incompatible with a scene are refused with the reaso
   refused("touch jelly --edit carve", 2, "--edit: a soft body cannot be carved, because it keeps its cells");
   refused("touch jelly --edit push --tool-radius 3", 2, "the cells of the body are 6 mm wide");
   refused("touch dam --tool ball", 2, "--tool: in matter a hand holds the scene's ball");
-  refused("touch dam --motion turn", 2, "--motion: matter moves by itself");
+  refused("touch dam --motion turn", 2, "--motion: a simulated scene moves already");
   refused("touch dam --backend cuda", 2, "--backend: cuda requires a model at rest");
   refused("touch dam --fuse on", 2, "is not a recorded depth camera");
   refused("touch dam --path builtin:scan", 2, "there are press, stir");
@@ -259,7 +259,7 @@ TEST_CASE("the window plays, pauses and restarts water, saves it beside the scen
   CHECK(apart("begin.png", "again.png") < 0.8 * apart("later.png", "again.png"));
   CHECK(played->state("held.json")["last_message"] == "the scene is held");
   const std::string message = played->state("tool.json")["last_message"];
-  CHECK_MESSAGE(message.find("is not sculpted") != std::string::npos, message);
+  CHECK_MESSAGE(message.find("cannot be sculpted") != std::string::npos, message);
   CHECK(played->state("saved.json")["save_file"] == "dam.ply");
   const PointCloud saved = readPly(played->folder / "dam.ply");
   CHECK(saved.size() == 6 * 8 * 4);

@@ -80,7 +80,7 @@ TEST_CASE("options that are incompatible with a moving model are refused by name
     CHECK_MESSAGE(outcome.code == 2, outcome.text);
     CHECK_MESSAGE(outcome.text.find(option) != std::string::npos, outcome.text);
   };
-  refused("--edit push", "--edit: what moves");
+  refused("--edit push", "--edit: a moving model cannot be sculpted");
   refused("--backend cuda", "--motion: --backend cuda");
   refused("--motion-axis 0,0,0", "--motion-axis");
   refused("--motion-amplitude -1", "--motion-amplitude");

@@ -297,8 +297,8 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("touch " + model + " --device joystick", 2, "joystick");
   fails("touch " + model + " --rumble", 2, "--rumble requires --realtime");
   fails("touch " + model + " --save x.ply", 2, "--edit");
-  fails("render " + model + " -o " + (folder / "o.tif").string(), 2, ".png, .jpg or .jpeg");
-  fails("touch " + model + " --picture " + (folder / "o.bmp").string(), 2, ".png, .jpg or .jpeg");
+  fails("render " + model + " -o " + (folder / "o.tif").string(), 2, ".png, .jpg, .jpeg");
+  fails("touch " + model + " --picture " + (folder / "o.bmp").string(), 2, ".png, .jpg, .jpeg");
   fails("render " + model + " -o " + out + " --size 10", 2, "--size");
   fails("render " + model + " -o " + out + " --camera 'eye=1,2'", 2, "eye");
   fails("render " + model + " -o " + out + " --pass none", 2, "none");
@@ -319,11 +319,12 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("touch " + model + " --mm-per-unit inf", 2, "--mm-per-unit");
   fails("touch " + model + " --picture " + out + " --size 0x0", 2, "size: 0 pixels");
   fails("touch " + model + " --trace " + (folder / "no/where.csv").string(), 1, "where.csv");
-  fails("render " + model + " -o " + folder.path().string(), 1, "folder");
+  std::filesystem::create_directory(folder / "folder.png");
+  fails("render " + model + " -o " + (folder / "folder.png").string(), 1, "is a folder");
   fails("render " + model + " -o " + out + " --splat-radius 1e9", 2, "--splat-radius");
   fails("make sphere -n -5 -o " + out, 2, "--points");
   fails("make sphere -n 10 --size 1e38 -o " + out, 2, "--size");
-  fails("make ball -n 10 -o " + out, 2, "sphere");
+  fails("make ball -n 10 -o " + (folder / "o.ply").string(), 2, "sphere");
   fails("make sphere -n 10 --center 1,2 -o " + out, 2, "--center");
   fails("info " + (folder / "none.ply").string(), 1, "none.ply");
   fails("touch " + model + " --path " + (folder / "none.csv").string(), 1, "none.csv");

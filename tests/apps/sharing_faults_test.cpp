@@ -168,7 +168,7 @@ TEST_CASE("the force fades while a server hangs, and returns from outside; of a 
   CHECK(cameBack);
   CHECK(last_N > 0.9 * most_N);
   CHECK(jsonOf(in("still.json"))["safety"]["aged_ticks"] == 0);
-  CHECK(has(contentOf(folder / "safe.said"), "whether or not the link holds"));
+  CHECK(has(contentOf(folder / "safe.said"), "served read-only; it is felt even while the network is interrupted"));
   CHECK_FALSE(has(contentOf(folder / "safe.said"), "not been heard"));
   const std::vector<Row> felt = readTrace(in("still.csv"));
   for (const Row& row : felt)

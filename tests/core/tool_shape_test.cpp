@@ -113,7 +113,8 @@ TEST_CASE("tools of invalid size, count or direction are refused with a reason")
   for (const double size :
        {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
     CHECK_THROWS_WITH_AS(makeTool(ToolKind::ball, 8, size), doctest::Contains("above zero"), UsageError);
-  CHECK_THROWS_WITH_AS(facing(makeTool(ToolKind::pad, 8, 10), DVec3(0)), doctest::Contains("has no direction"), UsageError);
+  CHECK_THROWS_WITH_AS(facing(makeTool(ToolKind::pad, 8, 10), DVec3(0)), doctest::Contains("has no direction"),
+                       UsageError);
 }
 
 TEST_CASE("unit quaternions are accepted as rotations, others are not") {
