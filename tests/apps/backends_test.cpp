@@ -71,7 +71,7 @@ TEST_CASE("the CPU back end needs no GPU except for pictures, sculpts and saves,
   const ScratchFolder folder;
   const std::string model = (folder / "torus.ply").string();
   works("make torus -n 5000 -o " + model);
-  for (const std::string run : {"a.csv", "b.csv"})
+  for (const std::string run : {"a", "b"})
     works("touch " + model +
           " --gpu 'no such card' --backend cpu --path builtin:slide --rate 500 --edit push --tau 0.3 --trace " +
           (folder / (run + ".csv")).string() + " --save " + (folder / (run + ".ply")).string() +

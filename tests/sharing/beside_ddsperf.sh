@@ -24,7 +24,7 @@ running+=("$hearing")
 "$palpate" --quiet touch "$folder/m.ply" --mm-per-unit 1 --backend cpu --realtime --duration "$seconds" --ros lab \
   --domain "$domain" > "$folder/touch" || fail 'touch has failed'
 wait "$hearing" || fail 'nothing was heard'
-poses=$(sed -n 's/^[0-9]* poses.*; poses came/100 Hz, came/p' "$folder/heard")
+poses=$(sed -n 's/^[0-9]* poses.*; latency of poses/100 Hz, latency/p' "$folder/heard")
 [ -n "$poses" ] || fail 'no pose was heard'
 
 "$palpate" serve "$folder/m.ply" --name lab --domain "$domain" > "$folder/serve" 2>&1 &
