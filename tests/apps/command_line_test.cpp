@@ -336,7 +336,7 @@ TEST_CASE("progress is a bar on a terminal, lines in a file, and absent with --q
     MESSAGE("this machine meshes too fast to show progress");
 }
 
-TEST_CASE("touch selects a hardware GPU, and the CPU if only a software driver exists, unless an option needs a GPU") {
+TEST_CASE("touch selects a hardware GPU, otherwise the CPU, unless an option requires one of them") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), json = (folder / "t.json").string();
   works("make sphere -n 5000 -o " + model);

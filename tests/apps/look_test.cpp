@@ -132,7 +132,7 @@ TEST_CASE("colours by height come with a legend, and a scale bar with its length
   CHECK(count(580, 240, 30, [&](int x, int y) { return light.at(x, y)[0] < 100; }) > 20);
 }
 
-TEST_CASE("a picture whose colours do not show the painted points is reported") {
+TEST_CASE("touch reports when the colours of a picture hide what was painted") {
   const ScratchFolder folder;
   const std::string image = (folder / "i.png").string();
   const std::string sphere = (folder / "s.ply").string();

@@ -194,7 +194,7 @@ TEST_CASE("file dialogues can be used by keyboard alone, and say which file will
   CHECK(differing(original, mine, 240, 180, 150) > 200);
 }
 
-TEST_CASE("a file chosen to save one model is not overwritten when another model is opened and saved") {
+TEST_CASE("opening another model closes the save dialogue, so that the first model's file is not overwritten") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0.1 key ctrl+shift+s

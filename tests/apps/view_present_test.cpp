@@ -104,7 +104,7 @@ TEST_CASE("the screen shows the drawn picture, presented by the GPU or copied, a
   }
 }
 
-// NVIDIA's driver crashes so on an X server without its extension.
+// NVIDIA's driver crashes if it is queried on such a server.
 TEST_CASE("a driver that would crash on an X server without its extension is not queried, and pictures are copied") {
   if (!hasDisplay()) return;
   const LostGpuLayer layer("display");

@@ -1,4 +1,4 @@
-// A whole session in the window, on a display without a screen (Xvfb).
+// The window under scripts of a user's input, on a display without a screen (Xvfb).
 #include "tests/apps/window_play.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/near.hpp"

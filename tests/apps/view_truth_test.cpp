@@ -149,7 +149,7 @@ TEST_CASE("the brush size is shown and typed in the model's own unit") {
   CHECK(typed["tool_radius_mm"].get<double>() == near(0.2 * typed["mm_per_unit"].get<double>(), 1e-6));
 }
 
-TEST_CASE("Escape closes a list first, and only then the panel or measurement behind it") {
+TEST_CASE("Escape closes a list first, and only then the measurement or dialogue behind it") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x600 --rate 250 --backend cpu", R"(
 0.1 click Tool
