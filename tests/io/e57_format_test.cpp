@@ -269,7 +269,7 @@ TEST_CASE("damaged E57 files with valid checksums are read or refused, without a
   CHECK(read < kTries - 50);
 }
 
-TEST_CASE("files of libE57, the reference library, are read as their headers say" * doctest::skip(!canReadE57())) {
+TEST_CASE("E57 files of the reference implementation are read as their headers say" * doctest::skip(!canReadE57())) {
   const std::filesystem::path folder = scannedFiles();
   if (folder.empty()) {
     MESSAGE("skipped: no scanned files");

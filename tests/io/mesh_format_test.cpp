@@ -208,7 +208,7 @@ TEST_CASE("files without a mesh or triangles are refused with their name") {
   CHECK(with("beyond.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n") != "read");
 }
 
-TEST_CASE("mesh formats require triangles, and sculpted meshes are saved as PLY points unless remeshed") {
+TEST_CASE("mesh formats require triangles, and a sculpted cloud of a mesh file is saved as PLY points") {
   const ScratchFolder folder;
   const Box box;
   CHECK_THROWS_WITH_AS(objFormat().write(folder / "a.obj", box.corners, {}), doctest::Contains("there are none"),
