@@ -211,7 +211,7 @@ TEST_CASE("each value that the help lists for an option is completed") {
   CHECK(offered > 20);
 }
 
-TEST_CASE("zsh completes commands, values and files by the script that the program prints") {
+TEST_CASE("the zsh script that the program prints completes commands, values and files") {
   CHECK(palpate("complete bash").text == contentOf(sourceFolder() / "third_party/debian/palpate.bash"));
   const std::string script = palpate("complete zsh").text;
   CHECK(script == contentOf(sourceFolder() / "third_party/debian/palpate.zsh"));
@@ -313,8 +313,7 @@ TEST_CASE("progress is a bar on a terminal, lines in a file, and absent with --q
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 20000 -o " + model);
-  const std::string session =
-      "touch " + model + " --backend cpu --realtime --duration 1.6";  // progress is shown after the first second
+  const std::string session = "touch " + model + " --backend cpu --realtime --duration 1.6";  // shown after 1 s
   const std::string seen = onTerminal(folder, session);
   CHECK(says(seen, "\r\033[Ktouch [="));
   CHECK(seen.find("\r\033[K", seen.rfind("] ")) != std::string::npos);  // erased before the table

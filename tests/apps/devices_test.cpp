@@ -75,8 +75,8 @@ TEST_CASE("button 1 of a stylus sculpts" * kClock) {
   const Scene scene;
   std::string script = "hurry\nlead 0.5";
   bool pressed = false;
-  SUBCASE("not without") {}
-  SUBCASE("while it is pressed") {
+  SUBCASE("released") {}
+  SUBCASE("pressed") {
     script += "\nbutton 1 0.9 0.3";
     pressed = true;
   }
@@ -311,8 +311,7 @@ TEST_CASE("a 3D mouse pushes the stylus into the model, also after it was unplug
   bool rested = false;
   for (auto row = felt + 1; row != rows.end() && !rested; ++row) rested = glm::length(row->force) == 0 && rests(row);
   CHECK(rested);
-  CHECK(outcome.text.find("SpaceMouse Compact") !=
-        outcome.text.rfind("SpaceMouse Compact"));  // the reconnection is reported
+  CHECK(outcome.text.find("SpaceMouse Compact") != outcome.text.rfind("SpaceMouse Compact"));  // again
 }
 
 }  // namespace palpate::devices_test

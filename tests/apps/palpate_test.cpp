@@ -252,7 +252,7 @@ TEST_CASE("info reports points, bounds and memory of a made model, as JSON in a 
   CHECK(palpate("info " + model + " --json -").text.find("\"points\": 1000") != std::string::npos);
 }
 
-TEST_CASE("render writes a picture and a depth file; every pass, colour and camera can be asked for" * kMoreInFull) {
+TEST_CASE("render writes a picture and a depth file, with any pass, colour and camera" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string model = (folder / "torus.ply").string(), image = (folder / "i.png").string();
   works("make torus -n 5000 -o " + model);

@@ -268,7 +268,7 @@ TEST_CASE("the cap of a 3D mouse moves the model, or the stylus once its first b
   CHECK(played->state("let.json")["stylus"] == false);
 }
 
-TEST_CASE("no validation message while a model is touched, sculpted and meshed") {
+TEST_CASE("touching, sculpting and meshing in the window cause no Vulkan validation message") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x240 --rate 250 --edit carve --lattice 32", R"(
 0.1 mouse 373 120

@@ -181,8 +181,7 @@ TEST_CASE("invalid views are refused, and allocate no memory") {
   for (const std::uint64_t lie : {std::uint64_t{0}, std::uint64_t{2 * kSheet + 1}, ~std::uint64_t{0}})
     CHECK(with(0, lie).starts_with(
         fmt::format("fused.ply.vis: byte 0: has the views of {} points, and fused.ply has 288;", lie)));
-  CHECK(
-      with(8, ~std::uint32_t{0}).starts_with("fused.ply.vis: byte "));  // views that overlap those of the other points
+  CHECK(with(8, ~std::uint32_t{0}).starts_with("fused.ply.vis: byte "));  // views that overlap the others
   CHECK(with(12, std::uint32_t{3})
             .starts_with("fused.ply.vis: byte 12: point 1 was seen by image 3, counted from 0, and the model has 3;"));
   CHECK(with(12, std::uint32_t{2}) == "read");

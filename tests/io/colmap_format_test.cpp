@@ -133,7 +133,7 @@ TEST_CASE("every binary COLMAP file that is truncated is refused with its byte")
   check(&Files::points, "points3D", 997);
 }
 
-TEST_CASE("false counts in COLMAP files allocate no memory, and are refused at the end of the file") {
+TEST_CASE("wrong counts in COLMAP files allocate no memory, and are refused at the end of the file") {
   for (const std::uint64_t lie : {std::uint64_t{1} << 40, ~std::uint64_t{0}}) {
     Files files = binary();
     std::memcpy(files.points.data(), &lie, sizeof lie);
@@ -178,8 +178,7 @@ TEST_CASE("invalid lines of a COLMAP folder are refused with the line") {
         "points3D.txt:1: point 1 was seen by image 4, which is not there");
   CHECK(with(&Files::points, "") == "read");  // no points
 
-  for (const std::int32_t model :
-       {15, 16, 40}) {  // unknown models: their parameters are skipped by the size of the file
+  for (const std::int32_t model : {15, 16, 40}) {  // unknown models are skipped by the file's size
     Files unknown = binary();
     std::memcpy(unknown.cameras.data() + 12, &model, sizeof model);
     CHECK(refusal(unknown, "bin") == "read");
@@ -214,7 +213,7 @@ TEST_CASE("a real reconstruction: the normal of every point faces the cameras th
     ++i;
   });
   CHECK(i == cloud.size());
-  MESSAGE(facing, " of ", views, " views are in front of their point");
+  MESSAGE(facing, " of ", views, " views are on the side of the normal");
   CHECK(static_cast<double>(facing) > 0.95 * static_cast<double>(views));
   // The photographed objects are farther than 60 units. Most points floating in front of them are removed, and hardly
   // any of the others.

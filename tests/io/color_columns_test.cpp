@@ -55,8 +55,7 @@ TEST_CASE("PLY colours from 0 to 1, to 255 and to 65535 give the same colours, i
 TEST_CASE("colours of text, OBJ, OFF and PCD are judged by the whole column, not by its first row") {
   for (const double scale : {1.0 / 255, 1.0, 257.0}) {
     CAPTURE(scale);
-    if (scale <= 1)
-      checkSheetColors(readingFile("a.xyz", lines(scale)).cloud);  // without names, larger values are ambiguous
+    if (scale <= 1) checkSheetColors(readingFile("a.xyz", lines(scale)).cloud);  // larger ones are ambiguous
     checkSheetColors(readingFile("a.txt", lines(scale, "X Y Z R G B\n")).cloud);
     checkSheetColors(readingFile("a.obj", lines(scale, "", "v ")).cloud);
     checkSheetColors(readingFile("a.off", lines(scale, "COFF\n20 0 0\n")).cloud);

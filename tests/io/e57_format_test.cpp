@@ -150,8 +150,7 @@ TEST_CASE("spherical E57 coordinates become Cartesian ones; points without an ec
 TEST_CASE("E57 normals are rotated with their scan" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part = scanOf(true);
-  part.more =
-      "<pose><rotation><w>0</w><x>1</x><y>0</y><z>0</z></rotation></pose>";  // a rotation of 180 degrees about x
+  part.more = "<pose><rotation><w>0</w><x>1</x><y>0</y><z>0</z></rotation></pose>";  // 180 degrees about x
   part.streams.push_back(floats("nor:normalX", ramp(kCount, 0, 0), true));
   part.streams.push_back(floats("nor:normalY", ramp(kCount, 0.6, 0), true));
   part.streams.push_back(floats("nor:normalZ", ramp(kCount, 0.8, 0), true));

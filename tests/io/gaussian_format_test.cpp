@@ -85,8 +85,7 @@ TEST_CASE("info of a cloud from Gaussians names its source and what its points c
   REQUIRE(contents.elements.size() == 1);
   CHECK(contents.elements[0].name == "Gaussian");
   CHECK(contents.elements[0].count == 100);
-  CHECK(contents.madeFrom ==
-        "100 Gaussians; the points are those of their surface");  // one f_rest does not make a degree
+  CHECK(contents.madeFrom == "100 Gaussians; the points are those of their surface");  // one f_rest has no degree
   const StoredCloud stored = readCloud(file.path());
   REQUIRE(stored.lost.size() == 2);
   CHECK(contains(stored.lost[0], "100 Gaussians"));

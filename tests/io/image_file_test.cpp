@@ -141,7 +141,7 @@ TEST_CASE("an image that cannot hold depth is refused with the reason") {
   CHECK_THROWS_WITH_AS(readGreyImage(folder.path()), doctest::Contains("is a folder"), FileError);
 }
 
-TEST_CASE("a false image size allocates no memory") {
+TEST_CASE("a wrong image size allocates no memory") {
   const Refusal refusal;
   std::string claims = greyPng(1, 1, std::vector<std::uint16_t>{7});
   // The header chunk follows the magic bytes and its length; its checksum is valid.

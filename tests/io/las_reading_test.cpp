@@ -126,7 +126,7 @@ TEST_CASE("LAS extra bytes become attributes with their names, as their descript
   CHECK(reading(las.text()).lost == std::vector<std::string>{"whole numbers of 'big' beyond 2^53"});
 }
 
-TEST_CASE("a damaged or false LAS file is refused with its byte") {
+TEST_CASE("a damaged or inconsistent LAS file is refused with its byte") {
   const std::string good = fileOf(3, 10).text();
   const auto with = [&](std::size_t at, auto value) {
     std::string text = good;

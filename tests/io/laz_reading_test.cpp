@@ -1,4 +1,4 @@
-// Reading LAZ: points are unpacked bit by bit, and damaged or false files are refused.
+// Reading LAZ: points are unpacked bit by bit, and damaged or inconsistent files are refused.
 #include <doctest/doctest.h>
 
 #include "engine/core/checksum.hpp"
@@ -96,7 +96,7 @@ TEST_CASE("LAZ files of other programs are unpacked as by laz-perf") {
   CHECK(written(readCloud(folder / "simple.laz").cloud) == bytesOf(folder / "simple.las"));
 }
 
-TEST_CASE("a damaged or false LAZ file is refused with its byte") {
+TEST_CASE("a damaged or inconsistent LAZ file is refused with its byte") {
   const LasBytes las = variedFile(3, 3000);
   const std::string good = packedFile(las, {.chunks = {1000, 2000}});
   const std::size_t record = 227, data = record + 54;

@@ -67,8 +67,7 @@ void checkSamples(const PointCloud& cloud, std::size_t count) {
   CHECK(all);
   const double areas[] = {6, 6, 3, 3, 2, 2};
   for (std::size_t k = 0; k < 6; ++k)
-    CHECK(std::abs(onFace[k] - areas[k] / 22 * static_cast<double>(count)) <
-          4);  // each of two triangles may be off by one
+    CHECK(std::abs(onFace[k] - areas[k] / 22 * static_cast<double>(count)) < 4);  // two triangles, each off by one
 }
 
 std::string refusalOf(const std::filesystem::path& file) {

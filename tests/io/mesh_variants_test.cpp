@@ -42,7 +42,7 @@ TEST_CASE("concave faces of a PLY file are triangulated correctly, not as fans")
         near(4, 1e-12));
 }
 
-TEST_CASE("points of OBJ and OFF without faces are points, with their normals") {
+TEST_CASE("OBJ and OFF files without faces are read as points, with their normals") {
   const PointCloud obj = readingFile("a.obj", "v 1 2 3\nvn 0 0 2\nv 4 5 6\nvn 1 0 0\n").cloud;
   REQUIRE(obj.size() == 2);
   REQUIRE(obj.hasNormals());

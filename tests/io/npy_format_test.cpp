@@ -97,7 +97,7 @@ TEST_CASE("a structured NPY array gives attributes with the names of its fields"
   CHECK(reading(array(real, "(1,)", bytes({1.f, 2.f, 3.f, 0.f, 1.f, 9.f}))).cloud.colors.at(0) == Color{0, 1, 9, 255});
 }
 
-TEST_CASE("numbers of either byte order are read, whatever their size") {
+TEST_CASE("NPY numbers of any size are read in either byte order") {
   for (const bool big : {false, true}) {
     CAPTURE(big);
     std::string type =
@@ -178,7 +178,7 @@ TEST_CASE("a cloud of any number of points is read back from NPY unchanged") {
   CHECK(npyFormat().lacks(some) == std::vector<std::string>{"1 triangles", "comments", "the quotes in the name it's"});
 }
 
-TEST_CASE("a damaged or false NPY array is refused with its byte") {
+TEST_CASE("a damaged or inconsistent NPY array is refused with its byte") {
   const std::string data = bytes({1.f, 2.f, 3.f});
   CHECK(refusal("hello") == ": byte 0: no array of NumPy; it does not begin as one");
   CHECK(refusal(std::string("\x93NUMPY\x01\x00", 8)) == ": byte 8: ends inside the array's description");

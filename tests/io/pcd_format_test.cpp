@@ -198,7 +198,7 @@ TEST_CASE("a cloud of any number of points is read back from PCD unchanged") {
   }
 }
 
-TEST_CASE("a damaged or false PCD file is refused with its line or byte") {
+TEST_CASE("a damaged or inconsistent PCD file is refused with its line or byte") {
   const std::string ascii = header("x y z", "4 4 4", "F F F", 2, "ascii");
   CHECK(refusal("plywood\n") == ":1: not a PCD file: found 'plywood', expected 'VERSION'");
   CHECK(refusal("") == ": is empty; it holds no points");

@@ -1,5 +1,5 @@
-// False, truncated or foreign files: each is refused with its line or byte, and none allocates memory for a false
-// count.
+// Inconsistent, truncated or foreign files: each is refused with its line or byte, and none allocates memory for a
+// wrong count.
 #include <doctest/doctest.h>
 
 #include <ctime>
@@ -38,7 +38,7 @@ TEST_CASE("a file that is not PLY is refused") {
   CHECK(contains(errorOf([] { readPly("/tmp"); }), "is a folder"));
 }
 
-TEST_CASE("a broken header is refused with its line") {
+TEST_CASE("a broken PLY header is refused with its line") {
   const std::string ascii = "ply\nformat ascii 1.0\n";
   CHECK(contains(refusal("ply\nformat ascii 1.0\nelement vertex 1\n" + kXyz), ":6: the file ends inside the header"));
   CHECK(contains(refusal("ply\nelement vertex 0\n" + kXyz + "end_header\n"), ":6: the header has no 'format' line"));
@@ -69,8 +69,7 @@ TEST_CASE("a broken header is refused with its line") {
 TEST_CASE("an impossible count in a PLY header costs neither time nor memory") {
   for (const PlyFormat format : kAllFormats) {
     for (const char* count : {"1000000000000000000", "18446744073709551615", "4294967296"}) {
-      const std::clock_t begin =
-          std::clock();  // processor time of this process, independent of the load of the machine
+      const std::clock_t begin = std::clock();  // processor time
       const std::string header = magic(format) + "element vertex " + count + "\n" + kXyz;
       CHECK(contains(refusal(header + "end_header\n" + floats(format, {1, 2, 3})), "the header promises"));
       CHECK(contains(refusal(header + "property list uint int n\nend_header\n"), "the header promises"));

@@ -144,7 +144,7 @@ TEST_CASE("floating-point colours of PLY become bytes, and alpha is kept") {
   CHECK(cloud.extra.empty());
 }
 
-TEST_CASE("16-bit colours are scaled and a float alpha follows its colour") {
+TEST_CASE("16-bit PLY colours are scaled to 8 bits, also with a floating-point alpha") {
   const TemporaryFile file(
       magic(PlyFormat::ascii) +
       "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty ushort red\n"
@@ -205,7 +205,7 @@ TEST_CASE("a few zero normals are taken from the nearest point; many leave the c
   CHECK_FALSE(readPly(many.path()).hasNormals());
 }
 
-TEST_CASE("normals can be taken from faces and strips, before or after the vertices") {
+TEST_CASE("PLY normals can be computed from faces and strips, before or after the vertices") {
   for (const PlyFormat format : kAllFormats) {
     for (const bool facesFirst : {false, true}) {
       for (const bool strips : {false, true}) {

@@ -108,7 +108,7 @@ TEST_CASE("normals that are added replace a lone nx of the input") {
   CHECK(readPly(out.path()).normals.at(0) == Vec3(0, 0, 1));
 }
 
-TEST_CASE("an empty cloud can be written and read") {
+TEST_CASE("an empty cloud can be written to PLY and read") {
   const TemporaryFile out;
   for (const bool ascii : {false, true}) {
     writePly(out.path(), PointCloud{}, {ascii});

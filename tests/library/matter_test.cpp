@@ -309,7 +309,7 @@ TEST_CASE("paused matter is not felt and does not move, and parameters act while
 TEST_CASE("a host's own loop feels water tick by tick, with or without a time budget") {
   const SceneFile scene;
   pp_session_options options = cpuOptions();
-  SUBCASE("as long as it takes") {}
+  SUBCASE("without a budget") {}
   SUBCASE("with a budget") { options.budget_us = 100'000; }
   const OpenScene water(scene.name(), options);
   pp_contact contact{};

@@ -229,7 +229,7 @@ TEST_CASE("a live hand sculpts a joined cloud, and a later client receives its s
   PP_CHECK_OK(pp_session_close(late));
 }
 
-TEST_CASE("a lost server fades a pulled hand's force to zero, and a server restarted without edits gives an error" *
+TEST_CASE("a lost server fades a pulled hand's force to zero, and one restarted without edits gives an error" *
           kClock) {
   if (!isBuilt()) return;
   auto serving = std::make_unique<Serving>("brief");
@@ -490,7 +490,7 @@ TEST_CASE("cameras are shown, seen by others, and hidden again") {
   PP_CHECK_OK(pp_session_close(ben));
 }
 
-TEST_CASE("network calls that wait end when the program's stop function says so, and call it often") {
+TEST_CASE("waiting network calls end when the program's stop function returns 1, and call it often") {
   if (!isBuilt()) return;
   struct Patience {
     int asked = 0, most = 0;

@@ -15,7 +15,7 @@ pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<d
 
 TEST_CASE("a tick of a host's own servo loop allocates nothing") {
   pp_session_options options = cpuOptions();
-  SUBCASE("as long as it takes") {}
+  SUBCASE("without a budget") {}
   SUBCASE("with a budget") { options.budget_us = 500; }
   const OpenBall ball(options);
   pp_contact contact{};
