@@ -138,7 +138,7 @@ TEST_CASE("the longer of two endings of a file name counts, and COPC is refused 
   CHECK(cloudFormats().toWrite("copc.laz").name == "LAZ");
   CHECK(cloudFormats().toWrite("a.3dgs.ply").name == "3DGS");
   CHECK(cloudFormats().toWrite("3dgs.ply").name == "PLY");
-  // A file of another content has the shorter ending's format, and a cloud read from Gaussians is saved as PLY.
+  // A file without COPC or Gaussians has the shorter ending's format, and sculpted Gaussians are saved as PLY points.
   CHECK(cloudFormats().toRead("a.copc.laz").name == "LAZ");
   CHECK(cloudFormats().toRead("a.3dgs.ply").name == "PLY");
   CHECK(cloudFormats().toSave("a.3dgs.ply").name == "PLY");

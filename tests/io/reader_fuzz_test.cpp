@@ -1,4 +1,4 @@
-// Fuzzes every reader of untrusted bytes with damaged files, for a moment or for a given time: PALPATE_FUZZ_S=3600
+// Fuzzes every reader of untrusted bytes with damaged files, for 25 rounds or for a given time: PALPATE_FUZZ_S=3600
 // build/asan/tests_io --source-file='*reader_fuzz*' sets the seconds, PALPATE_FUZZ_FROM the first round, so that
 // several can run at once, and PALPATE_FUZZ_ONLY=laz,e57 the formats. A file that crashes the program remains where it
 // was read.
@@ -73,7 +73,7 @@ std::vector<Specimen> wantedSpecimens() {
   for (const auto& part : std::views::split(std::string_view(only), ','))
     wanted.emplace_back(std::string_view(part.begin(), part.end()));
   for (const std::string& name : wanted)
-    if (std::ranges::find(all, name, &Specimen::format) == all.end()) FAIL("no format is called ", name);
+    if (std::ranges::find(all, name, &Specimen::format) == all.end()) FAIL("unknown format: ", name);
   std::erase_if(all, [&](const Specimen& s) { return std::ranges::find(wanted, s.format) == wanted.end(); });
   return all;
 }

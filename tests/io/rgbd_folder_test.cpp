@@ -43,7 +43,7 @@ Played play(DepthStream& stream) {
       played.lost.emplace_back(error.what());
     }
   }
-  FAIL("a stream without end");
+  FAIL("the stream does not end");
   return played;
 }
 

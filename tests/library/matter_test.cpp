@@ -129,7 +129,7 @@ pp_matter_state stateOf(pp_matter matter) {
   return state;
 }
 
-// Fine and weightless, with one substep at a time: its speed of sound is lower than the speed of a beating hand.
+// kThin is so fine and weightless that each step is one substep: a beating hand exceeds its speed of sound.
 constexpr const char* kCoarse =
     R"({"matter": "water", "box_mm": [80, 120, 80], "fill_mm": [80, 70, 80], "spacing_mm": 16,
         "tool": {"radius_mm": 20, "mass_kg": 0.034}})";

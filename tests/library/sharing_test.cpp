@@ -572,7 +572,7 @@ TEST_CASE("sharing calls refuse handles that are closed, of another kind or not 
   CHECK(pp_session_others(session, nullptr, 0, &count) == PP_ERROR_HANDLE);
 }
 
-TEST_CASE("a server's log function is told of new clients, and calls of its own server are refused in it") {
+TEST_CASE("a server's log function is told of new clients, and cannot query or close its own server") {
   if (!isBuilt()) return;
   struct Heard {
     std::atomic<std::uint64_t> server = 0;
@@ -601,7 +601,7 @@ TEST_CASE("a server's log function is told of new clients, and calls of its own 
   PP_CHECK_OK(pp_server_close(server));
 }
 
-TEST_CASE("settle reports failure while the server does not answer, even if all points agreed before") {
+TEST_CASE("settle reports no agreement while the server does not answer, even if all points agreed before") {
   if (!isBuilt()) return;
   StandingServer server("held");
   const pp_session session = joined("held", "anna");

@@ -38,7 +38,7 @@ def test_every_public_name_has_a_docstring(name):
         return  # a value of a class; the docstring of the class describes it
     text = text_of(thing)
     assert len(text) > 10, name
-    assert text != text_of(type(thing)), f"{name} says what its type says"
+    assert text != text_of(type(thing)), f"{name} has the docstring of its type"
 
 
 @pytest.mark.parametrize("name, unit", [

@@ -35,7 +35,7 @@ def packages(npm):
 
 def scan(name: str) -> pathlib.Path:
     if not (SCANS / name).exists():
-        pytest.skip(f"there is no ../shared/models/formats/{name}")
+        pytest.skip(f"no ../shared/models/formats/{name}")
     return SCANS / name
 
 
