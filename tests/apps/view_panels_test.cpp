@@ -206,7 +206,7 @@ TEST_CASE("changes are saved first if the user chooses so, and the window closes
 
 TEST_CASE("a failed save keeps the changes and the window open") {
   if (!hasDisplay()) return;
-  // No longer file name can be written, and saving first writes to a temporary file with a longer name.
+  // The longest name that can be written: saving fails, since it first writes a temporary file with a longer name.
   const std::string name = std::string(248, 's') + ".ply";
   const auto played = play("%/" + name + " --size 480x360 --rate 250 --edit push", std::string(kStroke) + R"(
 1.8 quit

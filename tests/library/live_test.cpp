@@ -142,7 +142,7 @@ TEST_CASE("forces can be switched off and on, with a force law, while the hand m
 TEST_CASE("a missing device and incompatible options are refused with an error") {
   const OpenBall ball;
   pp_live_options options = pp_default_live_options();
-  CHECK(pp_live_start(ball.session, nullptr) == PP_ERROR_ARGUMENT);  // no device and no path
+  CHECK(pp_live_start(ball.session, nullptr) == PP_ERROR_ARGUMENT);  // the default device, path, without a path
   options.device = "mouse-of-glass";
   CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("mouse-of-glass"));
