@@ -3,7 +3,7 @@
 // names:
 //   device PATH VENDOR PRODUCT USAGE_PAGE USAGE NAME    (numbers hexadecimal)
 //   denied                     the device cannot be opened
-//   push AT_S FOR_S BYTES…     a report (hexadecimal), sixty times a second; seconds since the device was first opened
+//   push AT_S FOR_S BYTES…     a report (hexadecimal), 60 times a second; seconds since the device was first opened
 //   gone AT_S FOR_S            the device is unplugged
 #include <hidapi.h>
 

@@ -202,7 +202,7 @@ TEST_CASE("glTF: a buffer embedded, beside the file or in GLB gives the same mes
         ": buffer 0 is 'gone.bin', and there is no such file beside this one");
 }
 
-TEST_CASE("glTF: nodes rotate, mirror and repeat a mesh, and strips and fans keep the orientation of triangles") {
+TEST_CASE("glTF: nodes rotate, mirror and repeat a mesh, and triangle strips and fans are read") {
   const std::string json = gltfTriangle(false);
   const auto with = [&](const std::string& what, const std::string& instead) {
     return imported(importGltf, replaced(json, what, instead)).soup;
