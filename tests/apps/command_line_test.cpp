@@ -1,4 +1,4 @@
-// The command line as a person types it: help, slips of the keyboard, bounds, and how far a job has come.
+// The command line as users type it: help, misspelt words, bounds, and progress.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 bool lacks(const std::string& text, const std::string& part) { return text.find(part) == std::string::npos; }
 
-// What the program says on a terminal of its own.
+// Output of the program on a pseudo-terminal.
 std::string onTerminal(const ScratchFolder& folder, const std::string& arguments) {
   const std::string file = (folder / "said").string();
   const std::string command =
@@ -38,7 +38,7 @@ bool answersOnSoftware(const ScratchFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("the overview is readable, and the options of touch stand under headings, the usual ones first") {
+TEST_CASE("the overview is readable, and the options of touch are grouped under headings, common ones first") {
   const Outcome overview = palpate("--help");
   CHECK(overview.code == 0);
   CHECK(std::ranges::count(overview.text, '\n') < 50);
@@ -66,7 +66,7 @@ TEST_CASE("the overview is readable, and the options of touch stand under headin
   CHECK(says(palpate("--help-all").text, "--bucket-key"));
 }
 
-TEST_CASE("a word that nothing is called gets what was probably meant") {
+TEST_CASE("a misspelt command, option or value gets a suggestion") {
   const auto meant = [](const std::string& arguments, const std::string& complaint) {
     CAPTURE(arguments);
     const Outcome outcome = palpate(arguments);
@@ -91,7 +91,7 @@ TEST_CASE("a word that nothing is called gets what was probably meant") {
   meant("bench", "a subcommand is required: build, sort,");
 }
 
-TEST_CASE("an option that is given twice, or without its value, is said in words") {
+TEST_CASE("a duplicate option, or one without its value, is reported in a sentence") {
   const auto refuses = [](const std::string& arguments, const std::string& complaint) {
     const Outcome outcome = palpate(arguments);
     CHECK(outcome.code == 2);
@@ -110,7 +110,7 @@ TEST_CASE("palpate help COMMAND shows what palpate COMMAND --help does") {
   }
 }
 
-TEST_CASE("a result that could not be written is refused before anything is done, and a pipe is written to once") {
+TEST_CASE("an output that cannot be written is refused before any work, and a pipe is written only once") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), pipe = (folder / "pipe").string();
   const Outcome refused = palpate("make sphere -n 1000 -o " + model + " --json " + (folder / "no/x.json").string());
@@ -124,7 +124,7 @@ TEST_CASE("a result that could not be written is refused before anything is done
   CHECK(says(piped.text, "1000"));
 }
 
-TEST_CASE("an output whose ending is not known is refused before any work, with the endings that are written") {
+TEST_CASE("an output with an unknown ending is refused before any work, with the endings that can be written") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make sphere -n 500 -o " + in("s.ply"));
@@ -136,7 +136,7 @@ TEST_CASE("an output whose ending is not known is refused before any work, with 
     CHECK_MESSAGE(says(outcome.text, in(name) + ": " + complaint), outcome.text);
     CHECK(std::ranges::count(outcome.text, '\n') == 1);  // nothing was read or done
   };
-  // Of what is not there nothing is read before.
+  // The missing input files are not read before.
   const std::string none = in("none.ply");
   for (const char* name : {"b.foo", "b"}) {
     refused("make sphere -n 500 -o ", name, "clouds are written as .ply, .las");
@@ -155,12 +155,12 @@ TEST_CASE("an output whose ending is not known is refused before any work, with 
   refused(touch + "--edit push --save ", "b.3dgs.ply", "3DGS is written by palpate convert alone");
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()) == 1);
   works("make sphere -n 500 -o /dev/null --json /dev/null");
-  // What has one format alone may have any name.
+  // Outputs that have only one format may have any name.
   works(touch + "--duration 0.1 --trace " + in("trace") + " --trajectory " + in("way") + " --log " + in("l.ply") +
         " --json " + in("result.txt"));
 }
 
-TEST_CASE("a shell completes commands, options and what they choose from, also behind options of all commands") {
+TEST_CASE("a shell completes commands, options and values, also after options of all commands") {
   const auto offers = [](const std::string& words, const std::string& expected) {
     const Outcome offered = palpate("complete " + words);
     CHECK(offered.code == 0);
@@ -175,8 +175,8 @@ TEST_CASE("a shell completes commands, options and what they choose from, also b
   offers("touch --edit = gr", "grab\n");
   offers("touch --path ''", "/\n");
   offers("touch x.ply --stiffne", "--stiffness\n");
-  offers("-- tou", "touch\n/\n");  // as the scripts ask, behind which a word may be the name of a shell
-  // What bash makes of it, and the files of a folder beside commands.
+  offers("-- tou", "touch\n/\n");  // as the scripts call it: a word after -- may be the name of a shell
+  // The completion of bash, and the files of a folder beside commands.
   const ScratchFolder folder;
   std::ofstream(folder / "tower.ply") << "ply\n";
   const std::string script = (sourceFolder() / "third_party/debian/palpate.bash").string();
@@ -186,7 +186,7 @@ TEST_CASE("a shell completes commands, options and what they choose from, also b
   CHECK(bash.text == "tower.ply touch\ncarve\n");
 }
 
-TEST_CASE("each word that the help offers for an option is completed") {
+TEST_CASE("each value that the help lists for an option is completed") {
   std::size_t offered = 0;
   for (const std::string command : {"touch", "convert", "mesh", "render", "bench touch"}) {
     std::istringstream help(palpate(command + " --help").text);
@@ -211,14 +211,14 @@ TEST_CASE("each word that the help offers for an option is completed") {
   CHECK(offered > 20);
 }
 
-TEST_CASE("zsh completes commands, values and files by the script that the program prints") {
+TEST_CASE("the zsh script that the program prints completes commands, values and files") {
   CHECK(palpate("complete bash").text == contentOf(sourceFolder() / "third_party/debian/palpate.bash"));
   const std::string script = palpate("complete zsh").text;
   CHECK(script == contentOf(sourceFolder() / "third_party/debian/palpate.zsh"));
   CHECK(says(script, "#compdef palpate\n"));
   CHECK(says(script, " complete -- "));
   if (run("command -v zsh").code != 0) {
-    MESSAGE("skipped: zsh is not here to run its script");
+    MESSAGE("skipped: zsh is not installed");
     return;
   }
   const ScratchFolder folder;
@@ -238,7 +238,7 @@ TEST_CASE("zsh completes commands, values and files by the script that the progr
   CHECK(zsh.text == "compdef _palpate palpate\n--edit=grab\ntouch\ncompset -P --*=\nFILES\nbuild\ncoexist\n");
 }
 
-TEST_CASE("every number has bounds, which its complaint names") {
+TEST_CASE("every numeric option has bounds, which its error names") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), out = (folder / "o.ply").string();
   works("make sphere -n 500 -o " + model);
@@ -273,7 +273,7 @@ TEST_CASE("every number has bounds, which its complaint names") {
   works("touch " + model + " --stiffness 1000 --friction 0 --radius auto --max-force 0");
 }
 
-TEST_CASE("what a session cannot be configured with is said by the flags that ask for it") {
+TEST_CASE("an unsupported configuration is refused with the options that request it") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 500 -o " + model);
@@ -309,15 +309,14 @@ TEST_CASE("what a session cannot be configured with is said by the flags that as
           "--rate: 20000 is not between 1 and 10000");
 }
 
-TEST_CASE("a terminal sees how far a job has come, a file reads it in lines, and nobody does with --quiet" *
-          kMoreInFull) {
+TEST_CASE("progress is a bar on a terminal, lines in a file, and absent with --quiet" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 20000 -o " + model);
-  const std::string session = "touch " + model + " --backend cpu --realtime --duration 1.6";  // shown from a second on
+  const std::string session = "touch " + model + " --backend cpu --realtime --duration 1.6";  // shown after 1 s
   const std::string seen = onTerminal(folder, session);
   CHECK(says(seen, "\r\033[Ktouch [="));
-  CHECK(seen.find("\r\033[K", seen.rfind("] ")) != std::string::npos);  // gone before the table
+  CHECK(seen.find("\r\033[K", seen.rfind("] ")) != std::string::npos);  // erased before the table
   const Outcome plain = palpate(session);
   CHECK(says(plain.text, "touch: "));
   CHECK(says(plain.text, " %\n"));
@@ -333,10 +332,10 @@ TEST_CASE("a terminal sees how far a job has come, a file reads it in lines, and
   if (watch.elapsed_s() > 2)
     CHECK_MESSAGE(says(mesh, "m.ply [="), mesh);
   else
-    MESSAGE("this machine meshes too fast to see how far it has come");
+    MESSAGE("this machine meshes too fast to show progress");
 }
 
-TEST_CASE("touch takes a GPU, and the CPU where only a software driver is, unless an option asks for more") {
+TEST_CASE("touch selects a hardware GPU, otherwise the CPU, unless an option requires one of them") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), json = (folder / "t.json").string();
   works("make sphere -n 5000 -o " + model);
@@ -363,7 +362,7 @@ TEST_CASE("touch takes a GPU, and the CPU where only a software driver is, unles
   works("replay " + log);
 }
 
-TEST_CASE("the report tells how the index really came after the edits") {
+TEST_CASE("the report states how the index was updated after edits: static, rebuilt or incremental") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), json = (folder / "t.json").string();
   works("make sphere -n 5000 -o " + model);
@@ -379,7 +378,7 @@ TEST_CASE("the report tells how the index really came after the edits") {
   }
   const auto cpu = report("--backend cpu --edit push");
   CHECK(cpu["index"] == "rebuild");
-  CHECK(cpu["index_builds"] >= cpu["edit_ticks"].get<int>() / 2);  // ticks that change nothing build nothing
+  CHECK(cpu["index_builds"] >= cpu["edit_ticks"].get<int>() / 2);  // ticks without a change rebuild nothing
   CHECK(cpu["index_followed"] == 0);
   const auto followed = report("--backend vulkan --edit push");
   CHECK(followed["index"] == "incremental");
@@ -391,7 +390,7 @@ TEST_CASE("the report tells how the index really came after the edits") {
   CHECK(rebuilt["index_followed"] == 0);
 }
 
-TEST_CASE("touch says that a tool is smaller than the spacing, with both and what to do") {
+TEST_CASE("touch reports a tool smaller than the spacing, with both sizes and advice") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), info = (folder / "info.json").string();
   works("make sphere -n 2000 -o " + model);  // of 100 mm

@@ -1,4 +1,4 @@
-// Haptic devices as a user meets them: by a driver library that is found at run time, and by recordings.
+// Haptic devices through a driver library that is found at run time, and through recordings.
 #include <algorithm>
 
 #include "tests/apps/running_program.hpp"
@@ -17,7 +17,7 @@ constexpr double kDuration_s = 1.7;  // including half a second before the hand 
 struct Scene {
   Scene() { works("make sphere -n 20000 --size 60 -o " + model); }
   std::string file(const std::string& name) const { return (folder / name).string(); }
-  /// On the CPU, where the same poses give the same forces bit by bit.
+  /// On the CPU, where equal poses give bitwise equal forces.
   std::string touch(const std::string& options) const {
     return "touch " + model + " --backend cpu --mm-per-unit 1 --stiffness 0.4 " + options;
   }
@@ -46,7 +46,7 @@ Compared compare(const std::vector<Row>& a, const std::vector<Row>& b) {
 
 }  // namespace
 
-TEST_CASE("the loop through a driver feels what the simulated Touch feels, and its log runs again" * kClock) {
+TEST_CASE("the loop through a driver feels what the simulated Touch feels, and its log can be replayed" * kClock) {
   const Scene scene;
   const FakeDriver driver("fake_hd", "hurry\nskip 1\nlead 0.5", kHand);
   const std::string hand = (driver.folder() / "hand.csv").string();
@@ -75,19 +75,19 @@ TEST_CASE("button 1 of a stylus sculpts" * kClock) {
   const Scene scene;
   std::string script = "hurry\nlead 0.5";
   bool pressed = false;
-  SUBCASE("not without") {}
-  SUBCASE("while it is pressed") {
+  SUBCASE("released") {}
+  SUBCASE("pressed") {
     script += "\nbutton 1 0.9 0.3";
     pressed = true;
   }
   const FakeDriver driver("fake_hd", script, kHand);
   works(scene.held("--edit push --tau 0.2 --json " + scene.file("out.json") + " --log " + scene.file("log")));
   CHECK((jsonOf(scene.folder / "out.json")["moved_points"].get<int>() > 0) == pressed);
-  CHECK(driver.note().mostForce_N > 0.1);  // felt in any case
+  CHECK(driver.note().mostForce_N > 0.1);  // felt in either case
   works("replay " + scene.file("log"));
 }
 
-TEST_CASE("a device that fails in mid-touch leaves the trace, no force, and the driver's reason") {
+TEST_CASE("a device that fails during contact leaves the trace, zero force, and the driver's reason") {
   const Scene scene;
   const FakeDriver driver("fake_hd", "hurry\nlead 0.5\nfault error 770 1.35", kHand);
   const Outcome outcome = palpate(scene.held("--trace " + scene.file("t.csv")));
@@ -101,7 +101,7 @@ TEST_CASE("a device that fails in mid-touch leaves the trace, no force, and the 
   CHECK(driver.note().closed == 1);
 }
 
-TEST_CASE("a session that is interrupted or that crashes leaves no force behind") {
+TEST_CASE("a session that is interrupted or crashes leaves zero force") {
   const Scene scene;
   const FakeDriver driver("fake_hd", "lead 0.5", "0,0,40,0\n0.4,0,28.5,0\n");
   int signal = SIGTERM;
@@ -115,7 +115,7 @@ TEST_CASE("a session that is interrupted or that crashes leaves no force behind"
   CHECK(driver.lastForce_N() == DVec3(0));
 }
 
-TEST_CASE("a Force Dimension is felt through its own library" * kClock) {
+TEST_CASE("a Force Dimension device is felt through its own library" * kClock) {
   const Scene scene;
   const FakeDriver driver("fake_dhd", "hurry\nlead 0.5", kHand);
   works(scene.held("--json " + scene.file("out.json"), "dhd"));
@@ -123,7 +123,7 @@ TEST_CASE("a Force Dimension is felt through its own library" * kClock) {
   CHECK(jsonOf(scene.folder / "out.json")["contact_ticks"].get<int>() > 10);
 }
 
-TEST_CASE("without a library, with a broken or an old one, a sentence says what to do") {
+TEST_CASE("without a driver library, or with a broken or old one, an error says what to do") {
   const Scene scene;
   const auto complaint = [&](const std::string& device) {
     const Outcome outcome = palpate(scene.held("--trace " + scene.file("t.csv"), device));
@@ -147,7 +147,7 @@ TEST_CASE("without a library, with a broken or an old one, a sentence says what 
   CHECK(says(complaint("openhaptics:Nobody"), "the device 'Nobody' cannot be opened: another program has the device"));
 }
 
-TEST_CASE("devices that do not go together with other options are wrong usage") {
+TEST_CASE("devices that conflict with other options are wrong usage") {
   const Scene scene;
   const auto wrong = [&](const std::string& options, const std::string& part) {
     const Outcome outcome = palpate(scene.touch(options));
@@ -182,7 +182,7 @@ TEST_CASE("a trajectory with forces is replayed, and the forces are compared") {
   CHECK(says(palpate(scene.touch("--device replay:" + scene.file("far.csv"))).text, "is never near the model"));
 }
 
-TEST_CASE("doctor says what was looked for, what was found, and what is missing") {
+TEST_CASE("doctor reports which libraries it looked for, which it found, and which are missing") {
   const ScratchFolder folder;
   const std::string file = (folder / "doctor.json").string();
   const auto drivers = [&] { return jsonOf(folder / "doctor.json")["haptics"]["drivers"]; };
@@ -215,7 +215,7 @@ TEST_CASE("doctor says what was looked for, what was found, and what is missing"
   }
 }
 
-TEST_CASE("doctor says all that it can where there is no Vulkan loader, and that no GPU will do") {
+TEST_CASE("doctor without a Vulkan loader reports everything else, and that no GPU can be used") {
   const ScratchFolder folder;
   for (const char* name : {"libvulkan.so", "libvulkan.so.1"}) std::ofstream(folder / name) << "no library";
   const std::string file = (folder / "doctor.json").string();
@@ -231,7 +231,7 @@ TEST_CASE("doctor says all that it can where there is no Vulkan loader, and that
   CHECK(found["haptics"].contains("drivers"));
 }
 
-TEST_CASE("doctor says how many ticks a servo loop with nothing to do misses on this machine") {
+TEST_CASE("doctor reports how many ticks an idle servo loop misses on this machine") {
   const ScratchFolder folder;
   const std::string file = (folder / "doctor.json").string();
   const Outcome outcome = palpate("doctor --servo 0.5 --rate 2000 --json " + file);
@@ -259,7 +259,7 @@ class FakeHid {
 
 constexpr const char* kMouse = "device /dev/null 256f c635 1 8 SpaceMouse Compact\n";
 
-TEST_CASE("a 3D mouse is listed by doctor, with what to do where it cannot be opened") {
+TEST_CASE("doctor lists a 3D mouse, and says what to do if it cannot be opened") {
   const ScratchFolder folder;
   const auto mice = [&] {
     works("doctor --json " + (folder / "doctor.json").string());
@@ -286,7 +286,7 @@ TEST_CASE("a 3D mouse is listed by doctor, with what to do where it cannot be op
   }
 }
 
-TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes back" * kClock) {
+TEST_CASE("a 3D mouse pushes the stylus into the model, also after it was unplugged and plugged in again" * kClock) {
   const Scene scene;
   // Full deflection away from the user: the thirteen bytes of translation and rotation in one report.
   const std::string push = "1 0 0 a2 fe 0 0 0 0 0 0 0 0\n";
@@ -301,7 +301,7 @@ TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes 
   CHECK(glm::length(rows.front().force) == 0);
   const auto felt = std::ranges::find_if(rows, [](const Row& row) { return row.force.z > 0.1; });  // inside it
   REQUIRE(bool(felt != rows.end()));
-  // While no input is given, it rests without a force.
+  // Without input it rests without a force.
   const auto rests = [&](auto from) {
     const auto moves = std::find_if(from, rows.end(), [&](const Row& row) {
       return glm::length(row.force) > 0 || glm::distance(row.hip, from->hip) >= 0.2;
@@ -311,7 +311,7 @@ TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes 
   bool rested = false;
   for (auto row = felt + 1; row != rows.end() && !rested; ++row) rested = glm::length(row->force) == 0 && rests(row);
   CHECK(rested);
-  CHECK(outcome.text.find("SpaceMouse Compact") != outcome.text.rfind("SpaceMouse Compact"));  // it is reported again
+  CHECK(outcome.text.find("SpaceMouse Compact") != outcome.text.rfind("SpaceMouse Compact"));  // again
 }
 
 }  // namespace palpate::devices_test

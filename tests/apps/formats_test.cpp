@@ -1,4 +1,4 @@
-// A file of every format, opened by touch, info and render.
+// A file of every format is opened by touch, info and render.
 #include "tests/apps/every_format.hpp"
 #include "tests/apps/program.hpp"
 
@@ -20,7 +20,7 @@ TEST_CASE("info, touch and render open a file of every format" * kMoreInFull) {
     if (isDear && format.name != "glTF") continue;
     works("touch " + file.string() + " --backend cpu --path builtin:press --rate 250 --quiet --json " + json);
     CHECK(jsonOf(json)["ticks"] > 0);
-    if (format.write) CHECK(jsonOf(json)["contact_ticks"] > 0);  // the others are not balls
+    if (format.write) CHECK(jsonOf(json)["contact_ticks"] > 0);  // the other files are not balls
     if (isDear) continue;
     std::filesystem::remove(picture);
     works("render " + file.string() + " --size 64x64 --quiet -o " + picture);

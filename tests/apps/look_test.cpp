@@ -7,7 +7,7 @@ namespace palpate::look_test {
 
 namespace {
 
-/// A cone without its tip, on its base, up along `axis` (x, y or z) or against it.
+/// Cone without its tip, on its base, with up along `axis` (x, y or z) or against it.
 void writeCone(const std::filesystem::path& file, int axis, double sign, const std::string& comment = "made up") {
   constexpr int kPoints = 3000;
   std::ofstream out(file);
@@ -27,7 +27,7 @@ void writeCone(const std::filesystem::path& file, int axis, double sign, const s
 
 }  // namespace
 
-TEST_CASE("info tells which way is up and why, and names the unit") {
+TEST_CASE("info reports the up direction with its reason, and the unit") {
   const ScratchFolder folder;
   const auto info = [&](const std::string& arguments) {
     works("info " + arguments + " --json " + (folder / "i.json").string());
@@ -57,7 +57,7 @@ TEST_CASE("info tells which way is up and why, and names the unit") {
     CHECK(palpate(std::string("info ") + (folder / "s.ply").string() + " " + wrong).code == 2);
 }
 
-TEST_CASE("lengths are the model's own, and how large it is in the hand is said once") {
+TEST_CASE("lengths are in the model's own unit, and the touch scale is reported once") {
   const ScratchFolder folder;
   const std::string ply = (folder / "s.ply").string(), las = (folder / "s.las").string();
   works("--quiet make sphere -n 3000 --size 3 --center 637177.98,4877754.178,421.33 -o " + ply);
@@ -69,7 +69,7 @@ TEST_CASE("lengths are the model's own, and how large it is in the hand is said 
   CHECK_MESSAGE(says(unknown, "touch scale: 100 mm in the hand for 2.99904 units\n"), unknown);
   const std::string feet = palpate("info " + las + " --unit ft").text;
   CHECK(says(feet, "100 mm in the hand for 2.99904 ft\n"));
-  // No other length is in mm of the hand.
+  // Only the touch scale is in millimetres of the hand.
   CHECK(feet.find(" mm") == feet.rfind(" mm"));
   const std::string report =
       palpate("touch " + las + " --unit m --backend cpu --path builtin:press --duration 0.05 --edit push").text;
@@ -78,7 +78,7 @@ TEST_CASE("lengths are the model's own, and how large it is in the hand is said 
   CHECK(says(report, "support radius 0."));
 }
 
-TEST_CASE("a model is drawn upright whichever way its file has it") {
+TEST_CASE("a model is drawn upright, whatever the up axis of its file") {
   const ScratchFolder folder;
   const auto render = [&](int axis, double sign, const std::string& options) {
     const std::string file = (folder / "cone.ply").string(), image = (folder / "i.png").string();
@@ -95,7 +95,7 @@ TEST_CASE("a model is drawn upright whichever way its file has it") {
   for (const auto& [axis, sign] : {std::pair(0, 1.0), std::pair(1, -1.0), std::pair(2, 1.0), std::pair(2, -1.0)}) {
     CAPTURE(axis);
     CAPTURE(sign);
-    // Its points are sampled differently around the axis: the outline is the same within some pixels.
+    // The points are sampled differently around the axis: the outline is the same within some pixels.
     CHECK(unlike(render(axis, sign, "").first) < 1500);
     CHECK(unlike(render(axis, sign, "--up " + std::string(axis == 1 ? "y" : "-y")).first) > 5000);
   }
@@ -127,12 +127,12 @@ TEST_CASE("colours by height come with a legend, and a scale bar with its length
   const auto [bar, said] = render("--scale-bar --unit m");
   CHECK(says(said, " m long"));
   CHECK(differing(plain, bar, 60, 435, 15) > 10);
-  // On a light background the numbers are dark.
+  // The numbers are dark on a light background.
   const Picture light = render("--color height --background 255,255,255").first;
   CHECK(count(580, 240, 30, [&](int x, int y) { return light.at(x, y)[0] < 100; }) > 20);
 }
 
-TEST_CASE("what a picture cannot show is said") {
+TEST_CASE("touch reports when the colours of a picture hide what was painted") {
   const ScratchFolder folder;
   const std::string image = (folder / "i.png").string();
   const std::string sphere = (folder / "s.ply").string();
@@ -150,12 +150,12 @@ TEST_CASE("what a picture cannot show is said") {
   CHECK(painted(" --pass normal"));
 }
 
-TEST_CASE("a few points are discs that can be told apart, and none is cut off") {
+TEST_CASE("a few points are drawn as separate discs, and none is cut off") {
   const ScratchFolder folder;
   const std::string file = (folder / "few.ply").string(), image = (folder / "i.png").string();
   for (const int points : {1, 2, 4, 8, 20}) {
     CAPTURE(points);
-    // One or two points get discs that face the eye, also without normals in the file.
+    // One or two points are drawn as discs that face the eye, also without normals in the file.
     const bool bare = points <= 2;
     {
       std::ofstream out(file);
@@ -182,7 +182,7 @@ TEST_CASE("a few points are discs that can be told apart, and none is cut off") 
   }
 }
 
-TEST_CASE("the window has a model upright, turns it over on demand, and shows what is painted") {
+TEST_CASE("the window draws a model upright, turns it upside down on demand, and shows paint") {
   if (!hasDisplay()) return;
   const auto played = play("%/cone.ply --size 560x640 --rate 250", R"(
 0.2 state %/first.json

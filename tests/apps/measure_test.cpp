@@ -1,4 +1,4 @@
-// How large a model is, by two places and the length between them: in the window, and on the command line.
+// Size of a model from two positions and the length between them: in the window, and on the command line.
 #include <cmath>
 
 #include "tests/apps/window_play.hpp"
@@ -18,9 +18,9 @@ bool isRefused(const std::string& arguments, const std::string& saying) {
 
 }  // namespace
 
-TEST_CASE("two places that are picked give their distance, and a true length the scale, which saved files say") {
+TEST_CASE("two picked positions give a distance, a true length gives the scale, and saved files contain it") {
   if (!hasDisplay()) return;
-  // A plane of 3 x 2 units that faces the eye fills much of the window.
+  // A plane of 3 x 2 units faces the eye and fills much of the window.
   const auto played = play("%/plane.ply --size 480x600 --rate 250 --backend cpu", R"(
 0.1 key tab
 0.2 key z
@@ -55,7 +55,7 @@ TEST_CASE("two places that are picked give their distance, and a true length the
   const auto one = played->state("one.json"), two = played->state("two.json"), scaled = played->state("scaled.json");
   CHECK(one["measured"].is_null());
   REQUIRE_FALSE(two["measured"].is_null());
-  // The view is along z: 120 pixels at the depth of the plane, by the picture's own camera of 45 degrees.
+  // The view is along z: 120 pixels at the depth of the plane, with the picture's camera of 45 degrees.
   const auto vec = [](const Result& v) { return DVec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()); };
   const double depth = glm::distance(vec(two["camera"]["eye"]), vec(two["camera"]["target"]));
   const double units = 120 * depth / (0.5 * 600 / std::tan(22.5 / 57.29577951308232));
@@ -69,10 +69,10 @@ TEST_CASE("two places that are picked give their distance, and a true length the
   CHECK(says(refused["last_message"].get<std::string>(), "is not a positive length in mm"));
   const auto reopened = played->state("reopened.json");
   CHECK(reopened["mm_per_unit"].get<double>() == near(scaled["mm_per_unit"].get<double>(), 1e-6));
-  CHECK(reopened["measured"] == two["measured"]);  // what was saved is the model since
+  CHECK(reopened["measured"] == two["measured"]);  // the saved file is the model from then on
 }
 
-TEST_CASE("a scale is not set over changes before the person has said what becomes of them") {
+TEST_CASE("a new scale is set only after the user has decided what happens to unsaved changes") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x600 --rate 250 --edit push --backend cpu", R"(
 0.1 mouse 373 300
@@ -112,7 +112,7 @@ TEST_CASE("a scale is not set over changes before the person has said what becom
   CHECK(scaled["mm_per_unit"].get<double>() == near(500 / cancelled["measured"].get<double>(), 1e-6));
 }
 
-TEST_CASE("the command line takes a scale from two places, and convert writes it down") {
+TEST_CASE("the command line takes a scale from two positions, and convert writes it to the file") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), out = (folder / "o.ply").string(),
                     json = (folder / "j.json").string();
@@ -145,7 +145,7 @@ TEST_CASE("the command line takes a scale from two places, and convert writes it
   CHECK_FALSE(std::filesystem::exists(folder / "n.ply"));
 }
 
-TEST_CASE("convert says the unit that it is given in formats that can hold one, and says where it cannot") {
+TEST_CASE("convert writes the given unit to formats that can hold one, and reports those that cannot") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("--quiet make sphere -n 500 -o " + in("s.ply"));

@@ -9,7 +9,7 @@
 
 namespace palpate::palpate_test {
 
-TEST_CASE("a press on a sphere: no force outside, along the true normal inside, at the depth that theory gives") {
+TEST_CASE("a press on a sphere has no force outside, and inside the true normal and the depth that theory gives") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), trace = (folder / "trace.csv").string();
   works("make sphere -n 200000 -o " + model);
@@ -40,7 +40,7 @@ TEST_CASE("a press on a sphere: no force outside, along the true normal inside, 
   CHECK(json["contact_error_mm"] < 0.001);
 }
 
-TEST_CASE("noise is measured, and widens the support radius alike on every back end, as long as nobody gives it") {
+TEST_CASE("noise is measured and widens the support radius equally on every back end, unless a radius is given") {
   const ScratchFolder folder;
   const std::string clean = (folder / "clean.ply").string(), noisy = (folder / "noisy.ply").string();
   const std::string json = (folder / "out.json").string();
@@ -69,7 +69,7 @@ TEST_CASE("noise is measured, and widens the support radius alike on every back 
   }
 }
 
-TEST_CASE("virtual time gives the same trace, the same cloud and the same picture, byte by byte") {
+TEST_CASE("virtual time gives the same trace, cloud and picture, byte by byte") {
   const ScratchFolder folder;
   const std::string model = (folder / "torus.ply").string();
   works("make torus -n 5000 -o " + model);
@@ -86,11 +86,11 @@ TEST_CASE("virtual time gives the same trace, the same cloud and the same pictur
   }
 }
 
-TEST_CASE("a push leaves a dent in the saved file, and carries everything else through") {
+TEST_CASE("a push leaves a dent in the saved file, and all other properties are kept") {
   const ScratchFolder folder;
   const std::string plain = (folder / "plain.ply").string(), saved = (folder / "saved.ply").string();
   works("make sphere -n 10000 --ascii -o " + plain);
-  // The same cloud with a property that nobody knows.
+  // The same cloud with an unknown property.
   std::istringstream in(contentOf(plain));
   std::ofstream out(folder / "model.ply");
   bool body = false;
@@ -118,9 +118,9 @@ TEST_CASE("a push leaves a dent in the saved file, and carries everything else t
     std::memcpy(&value, cloud.extra[0].data.data() + i * sizeof value, sizeof value);
     return value;
   };
-  // Points that are gone are missing, new ones stand behind the file's with the property of one beside them.
+  // Removed points are missing; added points follow the file's points, with the property of a neighbour.
   std::size_t edited = 0;
-  bool isNew = false;  // from the first one on that stands behind a later one of the file
+  bool isNew = false;  // true from the first point that follows a point of a higher index in the file
   double deepest = 0;
   for (std::size_t i = 0; i < after.size(); ++i) {
     const auto of = static_cast<std::size_t>(confidence(after, i));
@@ -136,7 +136,7 @@ TEST_CASE("a push leaves a dent in the saved file, and carries everything else t
   CHECK(jsonOf(folder / "touch.json")["moved_points"] >= edited);
 }
 
-TEST_CASE("every brush sculpts on the CPU, and says how many points it edited") {
+TEST_CASE("every brush sculpts on the CPU, and the report states the number of edited points") {
   const ScratchFolder folder;
   const std::string model = (folder / "plain.ply").string(), saved = (folder / "saved.ply").string();
   works("make sphere -n 20000 -o " + model);
@@ -165,7 +165,7 @@ TEST_CASE("sculpting in real time with a picture and a saved cloud ends cleanly"
   CHECK(std::filesystem::exists(folder / "touched.png"));
 }
 
-TEST_CASE("an interrupted session keeps its trace and says that it was interrupted") {
+TEST_CASE("an interrupted session keeps its trace and reports the interruption") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 5000 -o " + model);
@@ -196,7 +196,7 @@ TEST_CASE("outputs follow links, keep permissions, and never replace a device") 
   if (std::filesystem::exists("/dev/full")) CHECK(palpate("make plane -n 10 -o /dev/full").code == 1);
 }
 
-TEST_CASE("real time ends by itself and reports its ticks") {
+TEST_CASE("a session in real time ends after its path and reports its ticks") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 20000 -o " + model);
@@ -207,9 +207,9 @@ TEST_CASE("real time ends by itself and reports its ticks") {
   CHECK(std::filesystem::exists(folder / "p.png"));
 }
 
-// A software driver would translate the shaders in its first ticks, for ten seconds, and leave the hand without a
-// force.
-TEST_CASE("a session in real time begins when the driver has translated every shader" * kClock) {
+// Otherwise a software driver compiles the shaders during the first ticks, for ten seconds, without a force on the
+// hand.
+TEST_CASE("a session in real time starts after the driver has compiled every shader" * kClock) {
   if (std::getenv("PALPATE_GPU") == nullptr || std::string(std::getenv("PALPATE_GPU")) != "llvmpipe") {
     MESSAGE("skipped: for lavapipe, which PALPATE_GPU does not name");
     return;
@@ -232,14 +232,14 @@ TEST_CASE("a session in real time begins when the driver has translated every sh
   ::unsetenv("MESA_SHADER_CACHE_DISABLE");
   CHECK(json["moved_points"] > 0);
   if (!isStale(json)) return;
-  // Perhaps this machine is too slow where every shader is ready, too.
+  // This machine may be too slow even with compiled shaders.
   works("touch " + model + " --backend vulkan --edit push --penetration 4");
   const bool tooBusy = isStale(played());
   CHECK(tooBusy);
-  if (tooBusy) MESSAGE("this machine is too busy to tell: its answers are late also where no shader is translated");
+  if (tooBusy) MESSAGE("this machine is too busy to tell: answers are late even when no shader is compiled");
 }
 
-TEST_CASE("info and make tell what there is") {
+TEST_CASE("info reports points, bounds and memory of a made model, as JSON in a file and on standard output") {
   const ScratchFolder folder;
   const std::string model = (folder / "cube.ply").string();
   works("make cube -n 1000 -o " + model + " --center 10,20,30 --size 2 --noise 0.01 --seed 3");
@@ -252,7 +252,7 @@ TEST_CASE("info and make tell what there is") {
   CHECK(palpate("info " + model + " --json -").text.find("\"points\": 1000") != std::string::npos);
 }
 
-TEST_CASE("render writes a picture and a depth file; every pass, colour and camera can be asked for" * kMoreInFull) {
+TEST_CASE("render writes a picture and a depth file, with any pass, colour and camera" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string model = (folder / "torus.ply").string(), image = (folder / "i.png").string();
   works("make torus -n 5000 -o " + model);
@@ -272,7 +272,7 @@ TEST_CASE("render writes a picture and a depth file; every pass, colour and came
   CHECK(contentOf(folder / "d.pfm").starts_with("Pf"));
 }
 
-TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1, in one line, and leaves no file") {
+TEST_CASE("wrong usage exits with 2 and a reason; a failed command with 1, in one line, and leaves no file") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), out = (folder / "o.png").string();
   works("make sphere -n 5000 -o " + model);
@@ -340,14 +340,14 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
     CHECK(entry.path().extension() != ".tmp");
 }
 
-TEST_CASE("a script may name the way that is the default") {
+TEST_CASE("options may name their default values") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 5000 -o " + model);
   works("touch " + model + " --device path --backend vulkan --method fused --surface sharp --index rebuild --grid 128");
 }
 
-TEST_CASE("doctor, version and help answer") {
+TEST_CASE("doctor, --version and --help print their information") {
   CHECK(palpate("--version").text.find("palpate ") == 0);
   CHECK(palpate("--help").code == 0);
   for (const char* name : {"info", "make", "touch", "render", "bench", "doctor"}) {

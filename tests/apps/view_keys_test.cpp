@@ -1,4 +1,4 @@
-// What the README says of keys and mouse.
+// Keys and mouse of the window, as the README describes them.
 #include "tests/apps/window_play.hpp"
 #include "tests/near.hpp"
 
@@ -60,20 +60,20 @@ TEST_CASE("the mouse and the keys move the view") {
   REQUIRE(played->outcome.code == 0);
   const auto eye = [&](const char* name) { return Eye(played->state(name)); };
   const Eye begin = eye("begin.json"), panned = eye("panned.json"), looked = eye("looked.json");
-  // The sphere follows the cursor to the right and down; so the eye goes to the left and up.
+  // The sphere follows the cursor to the right and down, so the eye moves to the left and up.
   CHECK(glm::distance(panned.way(), begin.way()) < 1e-6);
   CHECK(panned.target.x < begin.target.x - 1);
   CHECK(glm::distance(eye("back.json").target, begin.target) < 0.5);
   CHECK(glm::length(eye("near.json").way()) < 0.8 * glm::length(begin.way()));
   CHECK(glm::distance(eye("fitted.json").eye, begin.eye) < 1e-9);
-  CHECK(glm::length(looked.target) == near(50, 0.02));  // a place on the sphere
+  CHECK(glm::length(looked.target) == near(50, 0.02));  // a point on the sphere
   CHECK(looked.target.x > 2);
   CHECK(glm::distance(eye("x.json").direction(), DVec3(1, 0, 0)) < 0.01);
   CHECK(glm::distance(eye("behind_x.json").direction(), DVec3(-1, 0, 0)) < 0.01);
-  CHECK(glm::distance(eye("y.json").direction(), DVec3(0, 1, 0)) < 0.2);  // not quite, so that up stays up
+  CHECK(glm::distance(eye("y.json").direction(), DVec3(0, 1, 0)) < 0.2);  // not exactly, so that up stays up
   CHECK(glm::distance(eye("z.json").direction(), DVec3(0, 0, 1)) < 0.01);
-  CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));  // Q is the end
-  // Where nothing moves the model is not drawn again.
+  CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));  // Q closes the window
+  // A model at rest is not drawn again.
   const auto count = [&](const char* name, const char* what) { return played->state(name)[what].get<int>(); };
   CHECK(count("begin.json", "pictures") > count("still.json", "pictures"));
   CHECK(count("begin.json", "pictures_of_model") == count("still.json", "pictures_of_model"));
@@ -81,7 +81,7 @@ TEST_CASE("the mouse and the keys move the view") {
   CHECK(count("y.json", "pictures_of_model") == count("behind_x.json", "pictures_of_model") + 1);
 }
 
-TEST_CASE("a first click measures, however soon it comes behind the start or the cursor") {
+TEST_CASE("a first click measures, even directly after the start or after a cursor move") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0 key d
@@ -100,7 +100,7 @@ TEST_CASE("a first click measures, however soon it comes behind the start or the
   CHECK(played->state("measured.json")["measured"] > 10);
 }
 
-TEST_CASE("keys choose the brush, keep the stylus and put the forces down") {
+TEST_CASE("keys choose the brush, keep the stylus engaged and switch the forces off and on") {
   if (!hasDisplay()) return;
   std::string script = "0.1 mouse 373 180\n0.4 state %/begin.json\n";
   for (int key = 1; key <= 8; ++key) {
@@ -139,7 +139,7 @@ TEST_CASE("keys choose the brush, keep the stylus and put the forces down") {
   CHECK(kept["tool_radius_mm"] < played->state("begin.json")["tool_radius_mm"]);
   CHECK(played->state("begin.json")["stylus"] == false);
   CHECK(kept["stylus"] == true);
-  CHECK(played->state("still_kept.json")["stylus"] == true);  // letting Space go does not let the stylus go
+  CHECK(played->state("still_kept.json")["stylus"] == true);  // releasing Space does not release the stylus
   const auto force_N = [&](const char* name) { return glm::length(vecOf(played->state(name)["force_N"])); };
   CAPTURE(played->state("pressed.json").dump());
   CHECK(played->state("pressed.json")["contact"] == true);
@@ -152,7 +152,7 @@ TEST_CASE("keys choose the brush, keep the stylus and put the forces down") {
   CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));
 }
 
-TEST_CASE("help, curves, colours, background and pictures to files") {
+TEST_CASE("help, curves, colours, background and screenshots follow their keys") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600 --rate 250", R"(
 0.1 mouse 400 590
@@ -180,13 +180,13 @@ TEST_CASE("help, curves, colours, background and pictures to files") {
   const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
   const Picture begin = picture("begin.png"), bare = picture("bare.png"), helped = picture("help.png"),
                 normals = picture("normals.png"), light = picture("light.png");
-  CHECK(differing(begin, bare, 700, 60, 40) > 500);  // the curves are gone, and
-  CHECK(differing(begin, bare, 130, 300, 40) == 0);  // the panel stays
+  CHECK(differing(begin, bare, 700, 60, 40) > 500);  // the curves are hidden, and
+  CHECK(differing(begin, bare, 130, 300, 40) == 0);  // the panel remains
   CHECK(differing(bare, helped, 400, 300, 40) > 500);
   CHECK(differing(bare, normals, 400, 300, 40) > 500);
   CHECK(bare.at(780, 300)[0] < 110);
   CHECK(light.at(780, 300)[0] > 200);
-  // In the folder that the program runs in, none over another.
+  // Screenshots are written to the working directory, and none overwrites another.
   const Picture first = picture("sphere-1.png"), second = picture("sphere-2.png");
   CHECK(first.width == 800);
   CHECK(differing(first, light, 400, 300, 40) == 0);

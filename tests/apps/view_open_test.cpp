@@ -1,5 +1,5 @@
-// Opening and saving in the window: what cannot be opened leaves everything as it was, and what is saved is what is
-// open from then on.
+// Opening and saving in the window: a file that cannot be opened changes nothing, and a saved file becomes the open
+// one.
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/window_play.hpp"
@@ -9,13 +9,13 @@ namespace palpate::view_open_test {
 
 namespace {
 
-// Presses the brush into the middle of what the panel leaves free in a window of 480 x 360.
+// Presses the brush into the middle of the area that the panel leaves free in a window of 480 x 360.
 std::string strokeAt(double time_s) {
   return fmt::format("{} mouse 373 180\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
                      time_s, time_s + 0.2, time_s + 0.3, time_s + 0.6, time_s + 0.7);
 }
 
-// Drops each, and writes the state to a file of its name.
+// Drops each file, and writes the state to a file of the same name.
 std::string dropAll(double time_s, const std::vector<std::string>& names) {
   std::string script;
   for (const std::string& name : names) {
@@ -53,7 +53,7 @@ void checkNothingIsLost(const std::string& backend) {
     CAPTURE(name);
     const auto state = played->state(name + ".json");
     CHECK(says(std::string(state["last_message"]), name));
-    CHECK(state["asks_about_changes"] == false);  // nothing is lost with what cannot be opened
+    CHECK(state["asks_about_changes"] == false);  // a file that cannot be opened discards nothing
     CHECK(state["model"] == dent["model"]);
     CHECK(state["undoable"] == 1);
     CHECK(state["changed"] == true);
@@ -66,13 +66,13 @@ void checkNothingIsLost(const std::string& backend) {
 
 }  // namespace
 
-TEST_CASE("what cannot be opened changes nothing: the model, its strokes and undo stay, on either back end") {
+TEST_CASE("a file that cannot be opened changes nothing: model, strokes and undo stay, on either back end") {
   if (!hasDisplay()) return;
   checkNothingIsLost("cpu");
   checkNothingIsLost("vulkan");
 }
 
-TEST_CASE("what is saved as another file is that file from then on, and what failed to open is not measured") {
+TEST_CASE("a model saved under another name has that file from then on, and a file that failed to open is ignored") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1 ask
@@ -120,7 +120,7 @@ TEST_CASE("what is saved as another file is that file from then on, and what fai
   CHECK(contentOf(played->folder.path() / "state" / "palpate" / "recent").starts_with(mine));
 }
 
-TEST_CASE("behind a question no stroke goes on") {
+TEST_CASE("a question in the window ends the stroke, and none starts behind it") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1 ask
@@ -149,7 +149,7 @@ TEST_CASE("behind a question no stroke goes on") {
   }
 }
 
-TEST_CASE("the keyboard does all of the file dialogues, which say what is about to be replaced") {
+TEST_CASE("file dialogues can be used by keyboard alone, and say which file will be replaced") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0.1 key ctrl+shift+s
@@ -186,15 +186,15 @@ TEST_CASE("the keyboard does all of the file dialogues, which say what is about 
   const auto& folder = played->folder.path();
   CHECK(played->state("saved.json")["model"] == (folder / "mine.ply").string());
   CHECK(readPly(folder / "mine.ply").size() == 2000);
-  CHECK(played->state("opened.json")["model"] == (folder / "cube.ply").string());  // behind two folders
+  CHECK(played->state("opened.json")["model"] == (folder / "cube.ply").string());  // it follows two folders in the list
   CHECK(says(std::string(played->state("closed.json")["last_message"]), "'name' cannot be clicked"));
   CHECK(played->state("again.json")["model"] == (folder / "sphere.ply").string());
-  // A line that says that the model's own file would be replaced, where the dialogue has none for a new name.
+  // The dialogue warns in a line that the model's own file would be replaced; for a new name there is no such line.
   const Picture original(folder / "original.png"), mine(folder / "mine.png");
   CHECK(differing(original, mine, 240, 180, 150) > 200);
 }
 
-TEST_CASE("a file that was chosen to save a model in is not overwritten by the next one that is opened") {
+TEST_CASE("opening another model closes the save dialogue, so that the first model's file is not overwritten") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0.1 key ctrl+shift+s

@@ -1,4 +1,4 @@
-// What a person does in the panels, by clicks on what they show.
+// Operating the panels by clicks on their controls.
 #include "tests/apps/window_play.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
@@ -12,7 +12,7 @@ void makeTwo(const std::filesystem::path& folder) {
   works("--quiet make torus -n 1000 -o " + (folder / "torus.ply").string());
 }
 
-// Presses the brush into the middle of what the panel leaves free in a window of 480 x 360.
+// Presses the brush into the middle of the area that the panel leaves free in a window of 480 x 360.
 constexpr const char* kStroke = R"(
 0.1 mouse 373 180
 0.4 key space down
@@ -25,7 +25,7 @@ constexpr const char* kStroke = R"(
 
 }  // namespace
 
-TEST_CASE("the curves pause, and go to CSV files, none over another") {
+TEST_CASE("the curves pause, and are exported to CSV files, none of which overwrites another") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x400 --rate 500", R"(
 0.1 mouse 408 200
@@ -50,7 +50,7 @@ TEST_CASE("the curves pause, and go to CSV files, none over another") {
   const auto& folder = played->folder.path();
   const auto picture = [&](const char* name) { return Picture(folder / name); };
   const Picture paused = picture("paused.png"), later = picture("later.png"), on = picture("on.png");
-  // The curve of what ticks took, between its edges: no two stretches of it are the same.
+  // The curve of tick durations, between its edges: no two sections of it are equal.
   int pausedMoved = 0, moved = 0;
   for (const int x : {600, 660, 720}) {
     pausedMoved += differing(paused, later, x, 172, 14);
@@ -79,7 +79,7 @@ TEST_CASE("the curves pause, and go to CSV files, none over another") {
   CHECK(readTrace(folder / "sphere-ticks-2.csv").size() > rows.size());
 }
 
-TEST_CASE("the model stands in the middle of what the panels leave free, in dark and in light") {
+TEST_CASE("the model is centred in the area that the panels leave free, in dark and in light") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply", R"(
 0.4 screenshot %/large.png
@@ -96,7 +96,7 @@ TEST_CASE("the model stands in the middle of what the panels leave free, in dark
                            "", makeTwo);
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
-  // Columns that have something of the model, which alone is brown.
+  // Columns that contain a part of the model, the only brown object.
   const auto columnsOf = [&](const char* name) {
     const Picture picture(played->folder.path() / name);
     std::pair<int, int> columns{picture.width, 0};
@@ -114,11 +114,11 @@ TEST_CASE("the model stands in the middle of what the panels leave free, in dark
     CHECK(std::abs((first + last) / 2 - expected) < 20);  // its shadow side is hardly brown
     CHECK(last - first > 150);
   };
-  checkMiddle("large.png", (276 + 1011) / 2);  // curves on the other side
+  checkMiddle("large.png", (276 + 1011) / 2);  // the curves are on the other side
   checkMiddle("small.png", (276 + 600) / 2);
   CHECK(columnsOf("small.png").first > 276);
   checkMiddle("bare.png", 300);
-  // The boxes to tick stand out from the light panel: some line of it is darker than both of its neighbours.
+  // Check boxes stand out from the light panel: some line of it is darker than both of its neighbours.
   const Picture light(played->folder.path() / "light.png");
   int lines = 0;
   for (int x = 12; x < 30; ++x)
@@ -127,7 +127,7 @@ TEST_CASE("the model stands in the middle of what the panels leave free, in dark
   CHECK(lines > 40);
 }
 
-TEST_CASE("another model is not opened over changes before the person has said what becomes of them") {
+TEST_CASE("another model is opened only after the user has decided what happens to unsaved changes") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", std::string(kStroke) + R"(
 1.8 drop %/torus.ply
@@ -158,15 +158,15 @@ TEST_CASE("another model is not opened over changes before the person has said w
   CHECK(cancelled["asks_about_changes"] == false);
   CHECK(cancelled["model"] == dent["model"]);
   CHECK(cancelled["changed"] == true);
-  CHECK(cancelled["edits"] == dent["edits"]);  // keys have nothing to say while it is asked
+  CHECK(cancelled["edits"] == dent["edits"]);  // keys have no effect while the question is open
   CHECK(std::string(discarded["model"]).ends_with("torus.ply"));
   CHECK(discarded["asks_about_changes"] == false);
   const auto& folder = played->folder.path();
   CHECK(contentOf(folder / "sphere.ply") == contentOf(folder / "kept.ply"));
-  CHECK_FALSE(std::filesystem::exists(folder / "after.json"));  // the torus has no changes: nothing is asked
+  CHECK_FALSE(std::filesystem::exists(folder / "after.json"));  // the torus has no changes, so no question appears
 }
 
-TEST_CASE("changes are saved first where the person says so, and the window closes only then") {
+TEST_CASE("changes are saved first if the user chooses so, and the window closes only after that") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", std::string(kStroke) + R"(
 1.8 drop %/torus.ply
@@ -199,14 +199,14 @@ TEST_CASE("changes are saved first where the person says so, and the window clos
   CHECK(stays["asks_about_changes"] == false);
   CHECK(stays["changed"] == true);
   CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));
-  // What was there at the end is in the file.
+  // The file contains the points as they were at the end.
   const Outcome info = palpate("info --json - --quiet " + (played->folder.path() / "sphere.ply").string());
   CHECK(says(info.text, fmt::format("\"points\": {}", stays["points"].get<int>())));
 }
 
-TEST_CASE("what cannot be saved is not left behind") {
+TEST_CASE("a failed save keeps the changes and the window open") {
   if (!hasDisplay()) return;
-  // No file can be written under a longer name, as is done before the model's own name is given to it.
+  // The longest name that can be written: saving fails, since it first writes a temporary file with a longer name.
   const std::string name = std::string(248, 's') + ".ply";
   const auto played = play("%/" + name + " --size 480x360 --rate 250 --edit push", std::string(kStroke) + R"(
 1.8 quit
@@ -229,7 +229,7 @@ TEST_CASE("what cannot be saved is not left behind") {
   CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));
 }
 
-TEST_CASE("the panels turn the surface, save under another name, record and play") {
+TEST_CASE("the panels choose the surface, save under another name, record and replay") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x600 --rate 250 --edit push", R"(
 0.1 click Feel
@@ -280,7 +280,7 @@ TEST_CASE("the panels turn the surface, save under another name, record and play
   CHECK(saved["changed"] == false);
   works("--quiet info " + (folder / "saved.ply").string());
   CHECK(says(std::string(played->state("twice.json")["last_message"]),
-             "'Save as' cannot be clicked"));  // it says Replace now
+             "'Save as' cannot be clicked"));  // the button's label is now Replace
   CHECK(contentOf(folder / "take.log").size() > 1000);
   CHECK(says(contentOf(folder / "take.log"), "sharp"));
   CHECK(played->state("replayed.json")["edits"] > recorded["edits"]);
@@ -289,7 +289,7 @@ TEST_CASE("the panels turn the surface, save under another name, record and play
   CHECK(says(palpate("replay --tolerance 1e-9 " + (folder / "take.log").string()).text, "give the recorded points"));
 }
 
-TEST_CASE("a model that is dropped while another one is loaded comes instead of it") {
+TEST_CASE("a model dropped while another one loads is loaded instead of it") {
   if (!hasDisplay()) return;
   const auto played = play("--size 320x240", R"(
 0.1 impatient
@@ -309,7 +309,7 @@ TEST_CASE("a model that is dropped while another one is loaded comes instead of 
   CHECK(contentOf(played->folder.path() / "state" / "palpate" / "recent").find("large.ply") == std::string::npos);
 }
 
-TEST_CASE("what could not be opened is not offered again, and Tab takes the panels away") {
+TEST_CASE("a file that could not be opened is not listed among the models, and Tab hides the panels") {
   if (!hasDisplay()) return;
   const auto played = play("--size 480x360", R"(
 0.1 drop %/broken.ply
@@ -336,7 +336,7 @@ TEST_CASE("what could not be opened is not offered again, and Tab takes the pane
   CHECK(says(message("broken.json"), "that of a PLY file is"));
   CHECK(says(message("again.json"), "'broken.ply' cannot be clicked"));
   CHECK(says(message("away.json"), "'Models' cannot be clicked"));
-  CHECK(message("back.json") == message("away.json"));  // nothing was clicked in vain
+  CHECK(message("back.json") == message("away.json"));  // no further message: both clicks hit a control
 }
 
 }  // namespace palpate::view_panels_test

@@ -1,4 +1,4 @@
-// How pictures come to the display: what stands in the memory of an X server, against what the window drew.
+// Presentation on the display: the memory of an X server is compared with the picture that the window drew.
 #include <bit>
 
 #include "tests/apps/window_play.hpp"
@@ -9,7 +9,7 @@ namespace palpate::view_present_test {
 
 namespace {
 
-// A screen of an X server that keeps it in a file (Xvfb -fbdir), in the format of xwd.
+// Screen of an X server that keeps it in a file (Xvfb -fbdir), in the format of xwd.
 struct Screen {
   explicit Screen(const std::filesystem::path& file) : bytes(contentOf(file)) {
     REQUIRE(bytes.size() > 100);
@@ -18,7 +18,7 @@ struct Screen {
     height = field(5);
     bits = field(11);
     stride = field(12);
-    pixels = field(0) + 12 * field(19);  // behind header and colours
+    pixels = field(0) + 12 * field(19);  // after header and colours
     REQUIRE(bytes.size() >= pixels + std::size_t{stride} * height);
   }
   std::array<int, 3> at(int x, int y) const {
@@ -47,7 +47,7 @@ struct Shown {
   Screen screen() const { return Screen(folder / "screen.xwd"); }
 };
 
-// Plays until seen.json is there, and keeps what is on the screen then.
+// Plays until seen.json exists, and then keeps the content of the screen.
 std::unique_ptr<Shown> show(const std::string& options, int depth) {
   auto shown = std::make_unique<Shown>();
   const std::filesystem::path& folder = shown->folder.path();
@@ -69,7 +69,7 @@ std::unique_ptr<Shown> show(const std::string& options, int depth) {
   return shown;
 }
 
-// Pixels of the model's part of the window that are farther off than `tolerance` in some colour.
+// Number of pixels in the model's part of the window that differ by more than `tolerance` in some channel.
 int wrongPixels(const Screen& screen, const Picture& picture, int tolerance) {
   return count(380, 240, 90, [&](int x, int y) {
     const auto a = screen.at(x, y), b = picture.at(x, y);
@@ -79,7 +79,7 @@ int wrongPixels(const Screen& screen, const Picture& picture, int tolerance) {
 
 }  // namespace
 
-TEST_CASE("what is on the screen is what was drawn, presented by the GPU and copied, also with few colours") {
+TEST_CASE("the screen shows the drawn picture, presented by the GPU or copied, also with 16-bit colours") {
   if (!hasDisplay()) return;
   struct Case {
     const char* options;
@@ -99,13 +99,13 @@ TEST_CASE("what is on the screen is what was drawn, presented by the GPU and cop
     CHECK(int(screen.depth) == each.depth);
     CHECK(picture.width == 600);
     CHECK(wrongPixels(screen, picture, each.tolerance) == 0);
-    // The model is there, and not the background alone.
+    // The picture contains the model, not only the background.
     CHECK(count(380, 240, 90, [&](int x, int y) { return picture.at(x, y) != picture.at(590, 470); }) > 5000);
   }
 }
 
-// As NVIDIA's driver does on such a server.
-TEST_CASE("a driver that does not survive being asked on an X server without its extension is not asked") {
+// NVIDIA's driver crashes if it is queried on such a server.
+TEST_CASE("a driver that would crash on an X server without its extension is not queried, and pictures are copied") {
   if (!hasDisplay()) return;
   const LostGpuLayer layer("display");
   const auto shown = show("", 24);
@@ -118,7 +118,7 @@ TEST_CASE("a driver that does not survive being asked on an X server without its
   CHECK(says(contentOf(folder / "said"), "(--present copy): the X server has no NV-GLX"));
 }
 
-TEST_CASE("doctor says how pictures come to the display, or that there is none") {
+TEST_CASE("doctor reports how pictures are presented on the display, or that there is no display") {
   if (!hasDisplay()) return;
   const ScratchFolder folder;
   const std::string json = (folder / "d.json").string();

@@ -1,4 +1,4 @@
-// Saving in the window: what a file would lose is asked about first, and nothing that a person made is lost.
+// Saving in the window: the user is asked before a file would lose something, and no work of the user is lost.
 #include "engine/io/ply_reader.hpp"
 #include "engine/io/ply_writer.hpp"
 #include "tests/apps/window_play.hpp"
@@ -8,7 +8,7 @@ namespace palpate::view_save_test {
 
 namespace {
 
-// A sphere with faces, as another program writes it; and a copy of it to look at afterwards.
+// A sphere with faces, as another program writes it, and a copy for later comparison.
 void makeMesh(const std::filesystem::path& folder) {
   makeSphere(folder, 2000);
   PointCloud cloud = readPly(folder / "sphere.ply");
@@ -19,7 +19,7 @@ void makeMesh(const std::filesystem::path& folder) {
   std::filesystem::copy_file(folder / "mesh.ply", folder / "original.ply");
 }
 
-// Presses the brush into the middle of what the panel leaves free in a window of 480 x 360.
+// Presses the brush into the middle of the area that the panel leaves free in a window of 480 x 360.
 std::string strokeAt(double time_s) {
   return fmt::format("{} mouse 373 180\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
                      time_s, time_s + 0.2, time_s + 0.3, time_s + 0.8, time_s + 0.9);
@@ -30,8 +30,7 @@ std::string fileOf(const Played& played, const char* name) { return contentOf(pl
 
 }  // namespace
 
-TEST_CASE(
-    "Ctrl+S where a mesh would lose its faces asks, and by default saves beside it, from then on without asking") {
+TEST_CASE("Ctrl+S asks before a mesh loses its faces, saves beside it by default, and asks only once") {
   if (!hasDisplay()) return;
   const auto played = play("%/mesh.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1.4 ask
@@ -63,7 +62,7 @@ TEST_CASE(
   CHECK(asked["changed"] == true);
   CHECK(cancelled["asks_how_to_save"] == false);
   CHECK(cancelled["changed"] == true);
-  CHECK(cancelled["undoable"] == asked["undoable"]);  // keys have nothing to say while it is asked
+  CHECK(cancelled["undoable"] == asked["undoable"]);  // keys have no effect while the question is open
   CHECK(std::string(saved["save_file"]).ends_with("mesh-sculpted-2.ply"));
   CHECK(saved["changed"] == false);
   CHECK(says(std::string(saved["last_message"]), "mesh-sculpted-2.ply is saved"));
@@ -76,7 +75,7 @@ TEST_CASE(
   CHECK(readPly(played->folder.path() / "mesh-sculpted-2.ply").size() == again["points"]);
 }
 
-TEST_CASE("saved over, a mesh is kept as it was, and so is what was kept before") {
+TEST_CASE("saving over a mesh keeps the original as a backup, and earlier backups too") {
   if (!hasDisplay()) return;
   const auto played = play("%/mesh.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1.4 ask
@@ -105,7 +104,7 @@ TEST_CASE("saved over, a mesh is kept as it was, and so is what was kept before"
   CHECK(readPly(played->folder.path() / "mesh.ply").size() == again["points"]);
 }
 
-TEST_CASE("saved first when the window closes, a mesh is asked about, too") {
+TEST_CASE("closing the window and choosing Save asks how to save a mesh, and Cancel keeps everything") {
   if (!hasDisplay()) return;
   const auto played = play("%/mesh.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1.4 ask
@@ -131,7 +130,7 @@ TEST_CASE("saved first when the window closes, a mesh is asked about, too") {
   CHECK(exists(*played, "mesh-sculpted.ply"));
 }
 
-TEST_CASE("a script that does not ask saves beside, and a file of our own is saved over as it was") {
+TEST_CASE("a script without questions saves a mesh beside the original, and replaces palpate's own file") {
   if (!hasDisplay()) return;
   const std::string script = strokeAt(0.1) + "1.5 key ctrl+s\n1.9 state %/saved.json\n2.0 quit\n";
   const auto mesh = play("%/mesh.ply --size 480x360 --rate 250 --edit push", script, "", makeMesh);
@@ -148,7 +147,7 @@ TEST_CASE("a script that does not ask saves beside, and a file of our own is sav
   CHECK_FALSE(exists(*ours, "sphere-sculpted.ply"));
 }
 
-TEST_CASE("what is undone is not changed, comes back with redo, and is relative to what was saved") {
+TEST_CASE("undone strokes are not unsaved changes, redo restores them, and changes are relative to the saved state") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1.4 ask
@@ -183,13 +182,13 @@ TEST_CASE("what is undone is not changed, comes back with redo, and is relative 
   CHECK(changed("saved.json") == false);
   CHECK(changed("behind.json") == true);
   CHECK(changed("same.json") == false);
-  CHECK_FALSE(exists(*played, "after.json"));  // it was closed without a question
+  CHECK_FALSE(exists(*played, "after.json"));  // the window was closed without a question
   CHECK(fileOf(*played, "sphere.ply") != fileOf(*played, "kept.ply"));
 }
 
-TEST_CASE("a recording that meets a full disk is told once, and the session goes on") {
+TEST_CASE("a recording on a full disk gives one message, and the session continues") {
   if (!hasDisplay()) return;
-  // In a program whose files may have 100 KiB: three quarters of a second of ticks.
+  // The program's files are limited to 100 KiB: three quarters of a second of ticks.
   const ScratchFolder folder;
   const std::filesystem::path limited = folder / "limited.sh";
   std::ofstream(limited) << "#!/bin/bash\ntrap '' XFSZ\nulimit -f 100\nexec '" +
@@ -214,7 +213,7 @@ TEST_CASE("a recording that meets a full disk is told once, and the session goes
   CHECK(full["recording"] == true);
   CHECK(says(std::string(full["last_message"]), "take.log: cannot be written"));
   CHECK(played->state("ended.json")["recording"] == false);
-  CHECK(played->state("ended.json")["last_message"] == full["last_message"]);  // nothing more is said
+  CHECK(played->state("ended.json")["last_message"] == full["last_message"]);  // no further message
   const std::string& text = played->outcome.text;
   REQUIRE(says(text, "the session continues"));
   CHECK(text.find("the session continues") == text.rfind("the session continues"));

@@ -1,10 +1,10 @@
-// How the window is opened without a command, and what it says of a tool that is too small.
+// Opening the window without a command, and its message about a tool that is too small.
 #include "tests/apps/window_play.hpp"
 #include "tests/says.hpp"
 
 namespace palpate::view_start_test {
 
-TEST_CASE("models alone open the window, as view does") {
+TEST_CASE("palpate with models and no command opens the window, as view does") {
   if (!hasDisplay()) return;
   const ScratchFolder folder;
   makeSphere(folder.path(), 2000);
@@ -21,7 +21,7 @@ TEST_CASE("models alone open the window, as view does") {
   CHECK_FALSE(none.text.find("no subcommand") != std::string::npos);
 }
 
-TEST_CASE("palpate alone opens the window, and says what it needs where there is no display") {
+TEST_CASE("palpate without arguments opens the window, and without a display says what it needs") {
   const Outcome blind = run("env -u DISPLAY -u WAYLAND_DISPLAY " + program());
   CHECK(blind.code == 1);
   CHECK_MESSAGE(says(blind.text, "a window needs a display"), blind.text);
@@ -34,10 +34,10 @@ TEST_CASE("palpate alone opens the window, and says what it needs where there is
   if (!hasDisplay()) return;
   const ScratchFolder folder;
   const Outcome open = run("XDG_STATE_HOME=" + folder.path().string() + " xvfb-run -a timeout -s INT 4 " + program());
-  CHECK_MESSAGE(open.code == 124, open.text);  // it was still open
+  CHECK_MESSAGE(open.code == 124, open.text);  // the window was still open
 }
 
-TEST_CASE("the window says that a tool is smaller than the spacing, and is silent once it is larger") {
+TEST_CASE("the window reports a tool smaller than the spacing, and no longer reports it once it is larger") {
   if (!hasDisplay()) return;
   std::string script = "0.2 state %/large.json\n";
   for (int i = 0; i < 12; ++i) script += "0.3 key [\n";

@@ -1,4 +1,4 @@
-// The window as a person uses it, on a display without a screen (Xvfb).
+// The window under scripts of a user's input, on a display without a screen (Xvfb).
 #include "tests/apps/window_play.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/near.hpp"
@@ -7,7 +7,7 @@ namespace palpate::view_test {
 
 namespace {
 
-// The brush's ring is the only thing that is yellow.
+// The brush's ring is the only yellow object.
 int ringPixels(const Picture& picture, int x, int y) {
   return count(x, y, 40, [&](int i, int j) {
     const auto p = picture.at(i, j);
@@ -151,9 +151,9 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
   CHECK(ringPixels(touching, 418, 210) > 30);
   CHECK(ringPixels(dented, 418, 210) == 0);
   CHECK(differing(first, dented, 418, 200, 40) > 100);  // the dent
-  // Above the messages, whose height depends on how long the folder's name is.
+  // Above the messages, whose height depends on the length of the folder's name.
   if (dent["undoable"] == 1) CHECK(differing(first, picture("undone.png"), 418, 200, 40) < 10);
-  CHECK(differing(first, dented, 480, 250, 10) == 0);  // and nothing else
+  CHECK(differing(first, dented, 480, 250, 10) == 0);  // and the rest is unchanged
   // The panel: darker than the background beside it.
   CHECK(first.at(200, 40)[0] < first.at(330, 40)[0]);
 }
@@ -185,7 +185,7 @@ TEST_CASE("a second press at one position meets the surface, however soon the cu
   }
 }
 
-TEST_CASE("a script runs the same ticks on any machine, and in real time those of the clock") {
+TEST_CASE("a script runs the same ticks on any machine; in real time ticks follow the clock") {
   if (!hasDisplay()) return;
   const std::string script = R"(
 0.1 mouse 335 120
@@ -263,12 +263,12 @@ TEST_CASE("the cap of a 3D mouse moves the model, or the stylus once its first b
   CHECK(touch["stylus"] == true);
   CHECK(touch["contact"] == true);
   CHECK(touch["peak_force_N"] > 0.3);
-  CHECK(touch["camera"] == played->state("fitted.json")["camera"]);  // the stylus moves now, not the model
+  CHECK(touch["camera"] == played->state("fitted.json")["camera"]);  // the 3D mouse moves the stylus now, not the model
   CHECK(back["contact"] == false);
   CHECK(played->state("let.json")["stylus"] == false);
 }
 
-TEST_CASE("no validation message while a model is touched, sculpted and meshed") {
+TEST_CASE("touching, sculpting and meshing in the window cause no Vulkan validation message") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x240 --rate 250 --edit carve --lattice 32", R"(
 0.1 mouse 373 120
@@ -298,7 +298,7 @@ TEST_CASE("no validation message while a model is touched, sculpted and meshed")
   CHECK(played->state("carved.json")["edits"] > 0);
   CHECK(played->state("carved.json")["mesh_triangles"] != mesh["mesh_triangles"]);
   CHECK(undone["undoable"] == 0);
-  CHECK(undone["mesh_triangles"] == mesh["mesh_triangles"]);  // it follows what is taken back
+  CHECK(undone["mesh_triangles"] == mesh["mesh_triangles"]);  // the mesh follows an undo
 }
 
 TEST_CASE("the window can be closed while a model loads, and can load one model after another") {
@@ -366,7 +366,7 @@ TEST_CASE("a session recorded in the window is replayed, in the window and witho
   CHECK(again.text.find("recorded edits        give the recorded points") != std::string::npos);
 }
 
-TEST_CASE("another GPU draws what this one touches: edits arrive through the host") {
+TEST_CASE("a second GPU draws the model that the first one touches: edits are transferred through the host") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x300 --edit paint --backend vulkan --sight-gpu 0 --rate 250", R"(
 0.1 mouse 373 145
@@ -392,7 +392,7 @@ TEST_CASE("another GPU draws what this one touches: edits arrive through the hos
 
 TEST_CASE("a held haptic device is felt in the window, and moves along the axes of the screen") {
   if (!hasDisplay()) return;
-  // From before the sphere into it, along the device's axis towards the user.
+  // From outside the sphere into it, along the device's axis towards the user.
   const FakeDriver driver("fake_hd", "hurry\nlead 2\nbutton 1 3.5 60", "0,0,0,34.5\n1,0,0,28\n60,0,0,28\n");
   const auto played = play("%/sphere.ply --size 480x320 --edit push --device openhaptics", R"(
 0.2 state %/before.json
@@ -413,7 +413,7 @@ TEST_CASE("a held haptic device is felt in the window, and moves along the axes 
   CHECK(driver.note().mostForce_N > 0.2);
   CHECK(played->state("before.json")["edits"] == 0);
   CHECK(touched["edits"].get<int>() > 0);  // the button is pressed
-  // Towards the eye, which is first before the model and then beside it.
+  // Towards the eye, which is at first in front of the model and then beside it.
   CHECK(touched["hip"][2].get<double>() > 0.8 * sizeOf(touched["hip"]));
   CHECK(turned["hip"][0].get<double>() > 0.9 * sizeOf(turned["hip"]));
   CHECK(driver.lastForce_N() == DVec3(0));

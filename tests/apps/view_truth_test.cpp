@@ -1,4 +1,4 @@
-// What the window says and shows is true of the model: places, lengths, messages, names, pictures.
+// The window's texts and pictures are true of the model: positions, lengths, messages, names.
 #include <cstdlib>
 
 #include "tests/apps/window_play.hpp"
@@ -12,7 +12,7 @@ namespace {
 constexpr double kEast = 637177.98, kNorth = 4877754.178, kHeight = 421.33, kStep = 0.25;
 constexpr int kSide = 40;
 
-// A field of a survey, in the coordinates of its country.
+// Points of a survey, in national grid coordinates.
 void writeField(const std::filesystem::path& file) {
   std::ofstream out(file);
   out << "ply\nformat ascii 1.0\ncomment units: m\nelement vertex " << kSide * kSide
@@ -27,7 +27,7 @@ bool isDecimal(double value, double first) {
   return value == std::strtod(fmt::format("{:.3f}", first + kStep * steps).c_str(), nullptr);
 }
 
-// What stands in front of a word, and so on: the columns that have something of a brown model.
+// First and last column that contain a part of a brown model.
 std::pair<int, int> brownColumns(const Picture& picture) {
   std::pair<int, int> columns{picture.width, 0};
   for (int y = 0; y < picture.height; ++y)
@@ -53,7 +53,7 @@ int reds(const Picture& picture) {
 
 }  // namespace
 
-TEST_CASE("a place that is picked has the digits of the file, also when it is copied; beside the model is none") {
+TEST_CASE("a picked position has the digits of the file, also when copied; beside the model none is picked") {
   if (!hasDisplay()) return;
   const auto played = play("%/field.ply --size 480x360 --rate 250 --backend cpu --up z", R"(
 0.1 key tab
@@ -94,7 +94,7 @@ TEST_CASE("a place that is picked has the digits of the file, also when it is co
   CHECK(says(std::string(played->state("pasted.json")["last_message"]), copied.substr(copied.find(' ') + 1)));
 }
 
-TEST_CASE("an error stays until it is closed, and what was said of a model goes with it") {
+TEST_CASE("an error is shown until it is closed, and messages about a model disappear with it") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250 --backend cpu", R"(
 0.1 state %/sphere.json
@@ -118,7 +118,7 @@ TEST_CASE("an error stays until it is closed, and what was said of a model goes 
                            });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto saidIn = [&](const char* state) { return played->state(state)["remarks"].dump(); };
-  CHECK_FALSE(says(saidIn("sphere.json"), "up is"));  // the panel says it
+  CHECK_FALSE(says(saidIn("sphere.json"), "up is"));  // the panel shows it
   REQUIRE(played->state("broken.json")["errors"].size() == 1);
   CHECK(says(std::string(played->state("broken.json")["errors"][0]), "broken.ply"));
   const auto& folder = played->folder.path();
@@ -128,7 +128,7 @@ TEST_CASE("an error stays until it is closed, and what was said of a model goes 
   CHECK(played->state("torus.json")["errors"].empty());
 }
 
-TEST_CASE("the size of a brush is shown and typed in the model's own unit") {
+TEST_CASE("the brush size is shown and typed in the model's own unit") {
   if (!hasDisplay()) return;
   const auto played = play("%/ball.ply --size 480x360 --rate 250 --backend cpu --unit m", R"(
 0.1 key 2
@@ -149,7 +149,7 @@ TEST_CASE("the size of a brush is shown and typed in the model's own unit") {
   CHECK(typed["tool_radius_mm"].get<double>() == near(0.2 * typed["mm_per_unit"].get<double>(), 1e-6));
 }
 
-TEST_CASE("Escape closes a list first, and only then what is behind it") {
+TEST_CASE("Escape closes a list first, and only then the measurement or dialogue behind it") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x600 --rate 250 --backend cpu", R"(
 0.1 click Tool
@@ -189,15 +189,15 @@ TEST_CASE("Escape closes a list first, and only then what is behind it") {
   CHECK(played->state("measured.json")["measured"] > 1);
   CHECK(played->state("ended.json")["measuring"] == false);
   CHECK(played->state("ended.json")["measured"].is_null());
-  // What is measured stands in pictures of the model, at the line: darker than that.
+  // A measurement is drawn in pictures of the model as a darker line.
   const Picture with(played->folder.path() / "sphere-1.png"), without(played->folder.path() / "sphere-2.png");
   CHECK(differing(with, without, 383, 310, 6) > 100);
   CHECK(played->state("browsing.json")["last_message"] ==
-        played->state("ended.json")["last_message"]);  // 'Up' is there still
+        played->state("ended.json")["last_message"]);  // 'Up' is still shown
   CHECK(says(std::string(played->state("gone.json")["last_message"]), "'Up' cannot be clicked"));
 }
 
-TEST_CASE("the views of the window are about the model's up") {
+TEST_CASE("the axis views of the window are relative to the model's up direction") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x600 --rate 250 --backend cpu --up z", R"(
 0.1 click Tool
@@ -232,7 +232,7 @@ TEST_CASE("the views of the window are about the model's up") {
   CHECK(from("top.json").z > 0.98);
 }
 
-TEST_CASE("a narrow window shows the model, and it stands in the middle when panels come and go") {
+TEST_CASE("a narrow window hides the panels, and the model stays centred when panels appear or disappear") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 320x240 --rate 250 --backend cpu", R"(
 0.3 screenshot %/narrow.png
@@ -262,7 +262,7 @@ TEST_CASE("a narrow window shows the model, and it stands in the middle when pan
   CHECK(played->state("again.json")["panels"] == false);
 }
 
-TEST_CASE("names are shown in the letters that they are written in") {
+TEST_CASE("file names are shown in their own script") {
   if (!hasDisplay()) return;
   const bool hasChinese = std::filesystem::exists("/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf");
   if (!hasChinese) MESSAGE("skipped in part: no font for Chinese (package fonts-droid-fallback)");
@@ -293,7 +293,7 @@ TEST_CASE("names are shown in the letters that they are written in") {
   if (hasChinese) CHECK(differ("chinese.png") > 40);
 }
 
-TEST_CASE("recent models are those that can be read; one that is gone is named, and a scene keeps its name") {
+TEST_CASE("recent models are those that can be read; a missing one is reported, and a scene keeps its name") {
   if (!hasDisplay()) return;
   const auto played = play("--size 480x360 --rate 250 --backend cpu", R"(
 0.1 click gone.ply

@@ -1,4 +1,4 @@
-// Strokes that are not saved outlive the window, however it ends; and what is shorter than a picture is not lost in it.
+// Unsaved strokes survive any end of the window, and input shorter than a frame is not lost.
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/running_program.hpp"
 #include "tests/apps/window_play.hpp"
@@ -22,7 +22,7 @@ constexpr const char* kTwoStrokes = R"(0.1 mouse 373 180
 1.8 key space up
 )";
 
-// What tells of the strokes of a window that a signal meets when its script has come to its end.
+// State of a window that is ended by a signal after its script.
 struct Struck {
   ScratchFolder folder;
   int status = 0;
@@ -31,7 +31,7 @@ struct Struck {
     std::error_code none;
     return std::filesystem::directory_iterator(unsaved(), none) != std::filesystem::directory_iterator();
   }
-  // Another window, which asks.
+  // Opens another window, which offers the strokes.
   Result later(const std::string& script) const {
     const std::filesystem::path& path = folder.path();
     std::ofstream(path / "later.txt") << inFolder("0 ask\n0.1 state %/asked.json\n" + script + "9 quit\n", path);
@@ -44,12 +44,12 @@ struct Struck {
   }
 };
 
-// The program that is run, in its folder and on a display of its own, until `signal` meets it behind its script.
+// Runs the program in its folder and on a display of its own, and sends it `signal` after its script.
 void strike(Struck& struck, int signal, const std::string& script, const std::string& options = "") {
   const std::filesystem::path& path = struck.folder.path();
   makeSphere(path, 2000);
   std::ofstream(path / "script.txt") << inFolder(script + "4 state %/end.json\n4 await %/never\n", path);
-  // The shell says which process the window is: the display's script stands between.
+  // The shell reports the process id of the window: xvfb-run is its parent.
   const std::string command =
       inFolder("cd % && echo $$ > pid && XDG_STATE_HOME=%/state exec env --default-signal=HUP " +
                    std::filesystem::absolute(program()).string() +
@@ -59,7 +59,7 @@ void strike(Struck& struck, int signal, const std::string& script, const std::st
   std::thread display([&] { run(inFolder("xvfb-run -a sh %/window.sh > %/said 2>&1", path)); });
   for (int i = 0; i < 1200 && !std::filesystem::exists(path / "end.json"); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  std::this_thread::sleep_for(std::chrono::milliseconds(600));  // longer than strokes are on their way to the file
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));  // longer than strokes take to reach the file
   const std::string pid = contentOf(path / "pid");
   if (!pid.empty()) ::kill(std::stoi(pid), signal);
   display.join();
@@ -67,7 +67,7 @@ void strike(Struck& struck, int signal, const std::string& script, const std::st
 
 }  // namespace
 
-TEST_CASE("strokes that were not saved outlive SIGKILL and are gone on with: points, undo and the file's name") {
+TEST_CASE("unsaved strokes survive SIGKILL and can be resumed with their points, undo and file name") {
   if (!hasDisplay()) return;
   Struck struck;
   strike(struck, SIGKILL, kTwoStrokes);
@@ -94,14 +94,14 @@ TEST_CASE("strokes that were not saved outlive SIGKILL and are gone on with: poi
   CHECK(jsonOf(path / "undone.json")["undoable"] == 0);
   CHECK(jsonOf(path / "redone.json")["changed"] == false);
   CHECK_FALSE(struck.keepsSomething());
-  // The same strokes in a window that nobody has ended.
+  // The same strokes in a window that was not interrupted.
   const auto whole = play("%/sphere.ply --size 480x360 --rate 250 --edit push",
                           std::string(kTwoStrokes) + "4 save %/whole.ply\n4.2 quit\n", "",
                           [](const auto& folder) { makeSphere(folder, 2000); });
   CHECK(contentOf(path / "again.ply") == contentOf(whole->folder.path() / "whole.ply"));
 }
 
-TEST_CASE("a window that is asked to end by SIGTERM leaves its strokes, which can be thrown away, or asked for later") {
+TEST_CASE("a window ended by SIGTERM keeps its strokes, which can be discarded or offered again later") {
   if (!hasDisplay()) return;
   Struck struck;
   strike(struck, SIGTERM, std::string(kTwoStrokes) + "1.9 save %/copy.ply\n2.1 key ctrl+z\n");
@@ -115,7 +115,7 @@ TEST_CASE("a window that is asked to end by SIGTERM leaves its strokes, which ca
   CHECK(struck.later("")["asks_about_strokes"] == false);
 }
 
-TEST_CASE("strokes outlive a lost terminal as well, felt by the GPU, and those that were all undone are not offered") {
+TEST_CASE("strokes survive a lost terminal, also on the GPU, and strokes that were all undone are not offered") {
   if (!hasDisplay()) return;
   Struck struck;
   strike(struck, SIGHUP, kTwoStrokes, "--backend vulkan");
@@ -133,7 +133,7 @@ TEST_CASE("strokes outlive a lost terminal as well, felt by the GPU, and those t
   CHECK(undone.later("")["asks_about_strokes"] == false);
 }
 
-TEST_CASE("strokes go on where the disk is full that they are kept on, which is said once") {
+TEST_CASE("sculpting continues when the disk for unsaved strokes is full, and one error reports it") {
   if (!hasDisplay()) return;
   const ScratchFolder folder;
   makeSphere(folder.path(), 20000);
@@ -167,10 +167,10 @@ TEST_CASE("strokes go on where the disk is full that they are kept on, which is 
   CHECK(second["edits"] > first["edits"]);
   REQUIRE(first["errors"].size() == 1);
   CHECK(says(std::string(first["errors"][0]), "strokes are no longer kept until they are saved"));
-  CHECK(second["errors"].empty());  // it was closed, and is not said again
+  CHECK(second["errors"].empty());  // the error was closed, and is not repeated
 }
 
-TEST_CASE("a tap of the stylus makes a stroke of its own, and two of them make two") {
+TEST_CASE("each tap of the stylus makes a stroke of its own, and a tap beside the model makes none") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", R"(
 0.1 mouse 373 180
@@ -196,7 +196,7 @@ TEST_CASE("a tap of the stylus makes a stroke of its own, and two of them make t
   CHECK(played->state("beside.json")["edits"] == played->state("undone.json")["edits"]);
 }
 
-TEST_CASE("a click and a key that are shorter than a picture are not lost, in a panel as in the model") {
+TEST_CASE("a click or key press shorter than a frame is not lost, in a panel or on the model") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", std::string(kTwoStrokes) + R"(
 2 state %/before.json

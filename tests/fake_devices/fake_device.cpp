@@ -26,7 +26,7 @@ FakeDevice::FakeDevice(const char* variable) {
 
 void FakeDevice::read(const std::filesystem::path& script) {
   std::ifstream in(script);
-  if (!in) giveUp("no script " + script.string());
+  if (!in) giveUp("cannot read the script " + script.string());
   Path hand({{0, DVec3(0)}});
   WorkspaceMap map;
   SimulatedTouchOptions options;
@@ -52,7 +52,7 @@ void FakeDevice::read(const std::filesystem::path& script) {
       presses_.push_back(press);
     } else if (what == "note" && words >> name) {
       note_ = mappedNote(name);
-      if (!note_) giveUp("cannot note in " + name);
+      if (!note_) giveUp("cannot write events to " + name);
       note_->frames = 0;  // the file may contain the notes of an earlier session
     } else if (what == "fault" && words >> name) {
       FakeFault fault{.name = name};

@@ -43,14 +43,14 @@ struct FakeNote {
   std::uint32_t opened = 0, closed = 0, enabled = 0;
 };
 
-/// Zero at first, shared by all that map the file; nullptr if the file cannot be mapped.
+/// Zero at first, shared by all processes that map the file; nullptr if the file cannot be mapped.
 FakeNote* mappedNote(const std::filesystem::path& file);
 
 class FakeDevice {
  public:
   static constexpr const char *kFirst = "PALPATE_FAKE_DEVICE", *kSecond = "PALPATE_FAKE_SECOND_DEVICE";
   /// Reads the script named by an environment variable; without one the hand is at rest. Aborts with a message if the
-  /// script cannot be parsed: that is a bug of a test.
+  /// script cannot be parsed, which is a bug in a test.
   explicit FakeDevice(const char* variable = kFirst);
 
   const FakeFault* fault(const std::string& name) const;
@@ -79,7 +79,7 @@ class FakeDevice {
   std::vector<Press> presses_;
   std::uint64_t skip_ = 0;
   bool hurries_ = false;
-  std::optional<Stopwatch> sinceFirst_;  // since the first frame that is not skipped or read at opening
+  std::optional<Stopwatch> sinceFirst_;  // since the first frame that is neither skipped nor read on opening
   DQuat turn_{1, 0, 0, 0};
   std::atomic<double> time_s_ = 0;  // also read by the scheduler thread
   DVec3 position_mm_{0};

@@ -57,7 +57,8 @@ class FakeStylus {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return lastForce_N() == DVec3(0);
   }
-  /// Waits for a force of at least `least_N` and returns it: the stylus bounces, so that reading again may give less.
+  /// Waits for a force of at least `least_N` and returns it: the stylus bounces, so that a later reading may be
+  /// smaller.
   double waitForForce_N(double least_N) const {
     double felt_N = 0;
     for (int i = 0; i < 20'000 && felt_N < least_N; ++i) {

@@ -55,7 +55,7 @@ struct Library {
   std::vector<ErrorInfo> errors;
   double rate_Hz = 1000;
 
-  std::mutex guard;  // of the schedule
+  std::mutex guard;  // protects the schedule
   std::vector<Scheduled> scheduled;
   SchedulerHandle next = 1;
   std::atomic<bool> running = false;

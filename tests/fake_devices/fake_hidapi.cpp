@@ -1,11 +1,10 @@
-// libhidapi-hidraw as far as it is used, over a script: for tests of the program through the real dynamic loader, where
-// the kernel makes no virtual devices. Lines of the script, which the variable PALPATE_FAKE_HID names:
+// The part of libhidapi-hidraw that is used, driven by a script: for tests of the program through the real dynamic
+// loader on machines whose kernel has no virtual devices. Lines of the script, which the variable PALPATE_FAKE_HID
+// names:
 //   device PATH VENDOR PRODUCT USAGE_PAGE USAGE NAME    (numbers hexadecimal)
-//   denied                                              it cannot be opened
-//   push AT_S FOR_S BYTES…                              a report (hexadecimal), sixty times a second; in seconds since
-//   it
-//                                                       was first opened
-//   gone AT_S FOR_S                                     it is unplugged
+//   denied                     the device cannot be opened
+//   push AT_S FOR_S BYTES…     a report (hexadecimal), 60 times a second; seconds since the device was first opened
+//   gone AT_S FOR_S            the device is unplugged
 #include <hidapi.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Intrinsics and poses, as files write them.
+// Intrinsics and poses in the forms that files use.
 #include "engine/io/camera_text.hpp"
 
 #include <doctest/doctest.h>
@@ -34,7 +34,7 @@ std::string poseRefusal(const std::array<double, 16>& rows) {
 
 }  // namespace
 
-TEST_CASE("both forms of intrinsics are the same camera") {
+TEST_CASE("both forms of intrinsics give the same camera") {
   const DepthCamera camera{.width = 640, .height = 480, .fx = 525, .fy = 526, .cx = 319.5, .cy = 239.25};
   const CameraText flat = parseCamera(intrinsicsJson(camera, R"(, "depth_scale": 1000.0)"));
   const CameraText matrix = parseCamera(R"({"width": 640, "height": 480, "depth_scale": 1000, "fps": 15,
@@ -47,7 +47,7 @@ TEST_CASE("both forms of intrinsics are the same camera") {
   CHECK(matrix.rate_Hz == 15.0);
 }
 
-TEST_CASE("what makes no camera is refused by the name of the field") {
+TEST_CASE("invalid camera intrinsics are refused with the name of the field") {
   CHECK(refusal("") == "is no JSON");
   CHECK(refusal("{\"width\": 640") == "is no JSON");
   CHECK(refusal("[1]") == "is no JSON object");
@@ -61,7 +61,7 @@ TEST_CASE("what makes no camera is refused by the name of the field") {
         std::string::npos);
   CHECK(refusal(R"({"width": 640, "height": 480, "intrinsic_matrix": [1, 2]})").find("list of 9 numbers") !=
         std::string::npos);
-  // Row by row: what others write so.
+  // Row-major order, as other programs write it.
   CHECK(refusal(R"({"width": 640, "height": 480, "intrinsic_matrix": [525, 0, 319.5, 0, 525, 239.5, 0, 0, 1]})")
             .find("column by column") != std::string::npos);
   const DepthCamera camera = recordedCamera();
@@ -78,7 +78,7 @@ TEST_CASE("what makes no camera is refused by the name of the field") {
                        FileError);
 }
 
-TEST_CASE("a matrix and a quaternion are the same pose, and places go there and back") {
+TEST_CASE("a matrix and a quaternion give the same pose, and positions survive the path to the camera and back") {
   const CameraPose pose{.turn = glm::normalize(DQuat(0.9, 0.1, -0.3, 0.2)), .centre = {1, -2, 3}};
   const CameraPose read = cameraPose(rowsOf(pose));
   const DVec3 place(0.3, -0.7, 2);
@@ -87,7 +87,7 @@ TEST_CASE("a matrix and a quaternion are the same pose, and places go there and 
   CHECK(glm::distance(cameraPose(pose.centre, 1.01 * pose.turn).toWorld(place), pose.toWorld(place)) < 1e-12);
 }
 
-TEST_CASE("a matrix that was rounded becomes the nearest rotation; one that is far off is refused") {
+TEST_CASE("a rounded matrix becomes the nearest rotation, and one that is far off is refused") {
   const CameraPose pose = recordedPose(3);
   std::array<double, 16> rounded = rowsOf(pose);
   for (const std::size_t k : {0, 1, 2, 4, 5, 6, 8, 9, 10}) rounded[k] = std::round(rounded[k] * 1000) / 1000;
@@ -113,7 +113,7 @@ TEST_CASE("a matrix that was rounded becomes the nearest rotation; one that is f
   CHECK_THROWS_AS(cameraPose(DVec3(std::numeric_limits<double>::infinity()), DQuat(1, 0, 0, 0)), Error);
 }
 
-TEST_CASE("between two poses the shorter arc is taken") {
+TEST_CASE("between two poses the shorter arc is interpolated") {
   const CameraPose from{.turn = {1, 0, 0, 0}, .centre = {0, 0, 0}};
   CameraPose to{.turn = {std::cos(0.2), 0, std::sin(0.2), 0}, .centre = {2, 0, 0}};
   for (const double sign : {1.0, -1.0}) {

@@ -1,4 +1,4 @@
-// Bytes of a file, however many are asked for at a time.
+// Bytes of a file, requested in pieces of any size.
 #include "engine/io/chunked_file.hpp"
 
 #include <doctest/doctest.h>
@@ -22,7 +22,7 @@ std::string_view textOf(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-TEST_CASE("the bytes of a file come in their order, few at a time or so many that threads share them") {
+TEST_CASE("the bytes of a file are read in order, in small pieces or in large ones shared by threads") {
   constexpr std::size_t kMega = std::size_t{1} << 20;
   const std::string content = someBytes(9 * kMega + 3);
   const TemporaryFile written(content);
@@ -39,7 +39,7 @@ TEST_CASE("the bytes of a file come in their order, few at a time or so many tha
       same = same && textOf(unread) == std::string_view(content).substr(at, unread.size());
       CHECK(file.offset() == at);
       CHECK(file.remaining() == content.size() - at);
-      // Not all, so that what is left stands before what comes next.
+      // Not all of it, so that the remainder precedes the next bytes.
       const std::size_t read = std::max<std::size_t>(1, unread.size() - unread.size() / 7);
       file.consume(read);
       at += read;
@@ -50,7 +50,7 @@ TEST_CASE("the bytes of a file come in their order, few at a time or so many tha
   }
 }
 
-TEST_CASE("a file that was cut since it was opened ends where it ends") {
+TEST_CASE("a file truncated after it was opened is read up to its new end") {
   constexpr std::size_t kMega = std::size_t{1} << 20;
   const std::string content = someBytes(6 * kMega);
   for (const std::size_t left : {std::size_t{0}, kMega + 5, 5 * kMega, 6 * kMega - 1}) {

@@ -1,4 +1,4 @@
-// The table of formats, and the same ways through a table with a format that exists nowhere else.
+// The table of formats, and reading and writing through a table with an additional format.
 #include "engine/io/cloud_formats.hpp"
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@
 namespace palpate::test::cloud_formats_test {
 namespace {
 
-// Three numbers a line, of which the first line says how many follow.
+// Three numbers a line; the first line gives the number of lines that follow.
 FileContents contentsOfTally(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::uint64_t count = 0;
@@ -54,7 +54,7 @@ std::vector<std::string> lacksOfTally(const StoredCloud& stored) {
 constexpr std::array<std::string_view, 2> kTallyEndings{".tally", ".tly"};
 constexpr std::array<std::string_view, 1> kScanEndings{".scan"};
 
-// One that does both, and one that is read only.
+// One format that is read and written, and one that is only read.
 const std::array kFormats{
     plyFormat(),
     CloudFormat{.name = "tally",
@@ -74,7 +74,7 @@ PointCloud threePoints() {
 
 }  // namespace
 
-TEST_CASE("a format is known by its ending; others are refused for writing, with those that there are") {
+TEST_CASE("a format is known by its ending; others are refused for writing, with a list of those that are written") {
   CHECK(cloudFormats().toWrite("folder.x/cloud.PLY").name == "PLY");
   CHECK(cloudFormats().toRead("cloud.ply").name == "PLY");
   CHECK(cloudFormats().toRead("no-ending").name == "PLY");
@@ -86,8 +86,7 @@ TEST_CASE("a format is known by its ending; others are refused for writing, with
   CHECK(cloudFormats().toSave("cloud").name == "PLY");
 }
 
-TEST_CASE(
-    "points are refused as a format of triangles or of copies, a mesh only as one of copies, and a device takes PLY") {
+TEST_CASE("points are not written as STL or 3DGS, a mesh not as 3DGS, and a device file is written as PLY") {
   const auto refuses = [](const char* file, Written what, const char* complaint) {
     CHECK_THROWS_WITH_AS(cloudFormats().toWrite(file, what), doctest::Contains(complaint), UsageError);
   };
@@ -130,7 +129,7 @@ TEST_CASE("every format that is written is read back, point by point") {
   CHECK(tried.size() == 14);
 }
 
-TEST_CASE("of two endings that a name has the longer one counts, and COPC is not written as what it is not") {
+TEST_CASE("the longer of two endings of a file name counts, and COPC is refused for writing") {
   CHECK_THROWS_WITH_AS(cloudFormats().toWrite("a.copc.laz"),
                        doctest::Contains("a.copc.laz: COPC is read and not written; clouds are written as .ply"),
                        UsageError);
@@ -139,7 +138,7 @@ TEST_CASE("of two endings that a name has the longer one counts, and COPC is not
   CHECK(cloudFormats().toWrite("copc.laz").name == "LAZ");
   CHECK(cloudFormats().toWrite("a.3dgs.ply").name == "3DGS");
   CHECK(cloudFormats().toWrite("3dgs.ply").name == "PLY");
-  // What holds neither is of the shorter ending, and what was made of Gaussians is not saved as some.
+  // A file without COPC or Gaussians has the shorter ending's format, and sculpted Gaussians are saved as PLY points.
   CHECK(cloudFormats().toRead("a.copc.laz").name == "LAZ");
   CHECK(cloudFormats().toRead("a.3dgs.ply").name == "PLY");
   CHECK(cloudFormats().toSave("a.3dgs.ply").name == "PLY");
@@ -149,23 +148,23 @@ TEST_CASE("of two endings that a name has the longer one counts, and COPC is not
   CHECK(cloudFormats().endingToSave("a.e57") == ".ply");
 }
 
-TEST_CASE("a format that a table has besides is read, written and saved through the same ways") {
+TEST_CASE("a format added to the table is read, written and saved like the built-in ones") {
   const ScratchFolder folder;
   const PointCloud cloud = threePoints();
   writeCloud(folder / "a.tally", cloud, {}, kTable);
   CHECK(readCloud(folder / "a.tally", nullptr, {}, kTable).cloud.positions == cloud.positions);
   CHECK(contentsOf(folder / "a.tally", kTable).elements.at(0).count == 3);
-  CHECK(cloudFormats().toRead(folder / "a.tally").name == "PTS");  // as it would be without that table
+  CHECK(cloudFormats().toRead(folder / "a.tally").name == "PTS");  // as without that table
   CHECK(kTable.toWrite("a.TLY").name == "tally");
   CHECK(kTable.toWrite("a.tly").lacks({.cloud = cloud}).empty());
 
-  // It has no place for the sign of who wrote it, so that what is there is kept.
+  // The format cannot hold the mark that palpate wrote the file, so the existing file is kept as a backup.
   CHECK(fileInTheWay(folder / "a.tally", kTable).sentence() == "a.tally was not written by palpate");
   CHECK(saveKeeping(folder / "a.tally", cloud, kTable) == folder / "a.tally.bak");
   CHECK(readCloud(folder / "a.tally", nullptr, {}, kTable).cloud.positions == cloud.positions);
 }
 
-TEST_CASE("what is only read is not written, and messages name what a table has") {
+TEST_CASE("a read-only format is not written, and messages list the formats of the table") {
   CHECK(kTable.toRead("a.scan").name == "scan");
   CHECK(kTable.toSave("a.scan").name == "PLY");
   CHECK_THROWS_WITH_AS(kTable.toWrite("a.scan"),

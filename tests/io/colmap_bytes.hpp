@@ -11,7 +11,7 @@
 
 namespace palpate::test::colmap {
 
-/// Bytes as the binary files have them.
+/// Bytes in the layout of the binary files.
 class Bytes {
  public:
   template <class T>
@@ -50,7 +50,7 @@ inline Files binary() {
   images.put(std::uint64_t{2});
   for (const std::uint32_t id : {kSecondImage, kFirstImage}) {
     images.put(id);
-    for (const double q : {2.0, 0.0, 0.0, 0.0}) images.put(q);  // not unit
+    for (const double q : {2.0, 0.0, 0.0, 0.0}) images.put(q);  // not of unit length
     for (const double t : {id == kFirstImage ? 0.0 : -1.0, 0.0, 0.0}) images.put(t);
     images.put(kCamera).name(id == kFirstImage ? "a b.jpg" : "c.jpg").put(std::uint64_t{1});
     images.put(1.5).put(2.5).put(std::int64_t{-1});
@@ -68,7 +68,7 @@ inline Files binary() {
 inline Files text() {
   Files files{
       .cameras = "# Camera list\n7 PINHOLE 640 480 500 510 320 240\n", .images = "# Image list\n", .points = ""};
-  files.images += "900 2 0 0 0 -1 0 0 7 c.jpg\n1.5 2.5 -1\n3 2 0 0 0 0 0 0 7 a b.jpg\n\n";  // no observations at all
+  files.images += "900 2 0 0 0 -1 0 0 7 c.jpg\n1.5 2.5 -1\n3 2 0 0 0 0 0 0 7 a b.jpg\n\n";  // no observations
   for (int i = 0; i < kSide * kSide; ++i)
     files.points += fmt::format("{} {} {} 5 {} 10 200 {} 3 0 900 0\n", 10 + 3 * i, along(i % kSide), along(i / kSide),
                                 i % 256, errorOf(i));

@@ -1,5 +1,5 @@
-// A PLY file beside the views of its points: its normals face the images that saw them, and views that lie are refused
-// with their byte.
+// A PLY file with the views of its points beside it: its normals face the images that saw them, and invalid views are
+// refused with their byte.
 #include "engine/io/colmap_dense_format.hpp"
 
 #include <doctest/doctest.h>
@@ -18,9 +18,9 @@ namespace {
 
 constexpr int kSide = 12;                       // points along an edge of a sheet, and
 constexpr std::size_t kSheet = kSide * kSide;   // of each of two sheets, both at z = 5
-constexpr std::uint32_t kFront = 0, kBack = 2;  // places of the images before and behind them; their ids are others
+constexpr std::uint32_t kFront = 0, kBack = 2;  // indices of the images before and behind them; the ids differ
 
-/// Images before, far aside and behind; the ids are no places in the file.
+/// Images before, far aside and behind; the ids are not their indices in the file.
 WrittenColmap images() {
   return {
       .images = {{.id = 2, .centre = {0, 0, 0}}, {.id = 0, .centre = {500, 0, 5}}, {.id = 900, .centre = {0, 0, 10}}},
@@ -28,7 +28,7 @@ WrittenColmap images() {
 }
 
 std::uint32_t seenBy(std::size_t point) { return point < kSheet ? kFront : kBack; }
-/// Towards the image that saw the point.
+/// Direction towards the image that saw the point.
 Vec3 facing(std::size_t point) { return {0, 0, point < kSheet ? -1.0f : 1.0f}; }
 
 template <class T>
@@ -94,7 +94,7 @@ std::string refusal(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("a fused cloud without normals gets them from the images that saw its points, by their places in the file") {
+TEST_CASE("a fused cloud without normals gets them from the images that saw its points, by image index") {
   const ScratchFolder folder;
   writeWorkspace(folder.path(), Normals::none);
   const StoredCloud stored = readCloud(folder / "fused.ply");
@@ -109,7 +109,7 @@ TEST_CASE("a fused cloud without normals gets them from the images that saw its 
   CHECK(contentsOf(folder / "fused.ply").elements.at(0).count == 2 * kSheet);
 }
 
-TEST_CASE("normals that face away from their views are turned, and the others stay as they are, bit by bit") {
+TEST_CASE("normals that face away from their views are flipped, and the others stay unchanged, bit by bit") {
   const ScratchFolder folder;
   for (const Normals normals : {Normals::right, Normals::every5thWrong}) {
     writeWorkspace(folder.path(), normals);
@@ -123,7 +123,7 @@ TEST_CASE("normals that face away from their views are turned, and the others st
   }
 }
 
-TEST_CASE("the model may stand in the cloud's own folder; without one, or without views, the cloud is read as it was") {
+TEST_CASE("a model in the cloud's own folder is used; without a model or views the cloud is read unchanged") {
   const ScratchFolder folder;
   writeCloud(folder / "fused.ply", Normals::none);
   writeBytes(folder / "fused.ply.vis", views());
@@ -141,7 +141,7 @@ TEST_CASE("the model may stand in the cloud's own folder; without one, or withou
   CHECK_FALSE(readCloud(folder / "fused.ply").cloud.hasNormals());
 }
 
-TEST_CASE("a sculpted cloud goes beside, and one that was saved over is what was saved, whatever views lie there") {
+TEST_CASE("a sculpted cloud is saved beside the original, and one saved over it ignores the views") {
   const ScratchFolder folder;
   writeWorkspace(folder.path(), Normals::right);
   CHECK(whereToSave(folder / "fused.ply") == folder / "fused-sculpted.ply");
@@ -155,7 +155,7 @@ TEST_CASE("a sculpted cloud goes beside, and one that was saved over is what was
   CHECK(again.normals[3] == Vec3(1, 0, 0));
 }
 
-TEST_CASE("views that end too early, anywhere, are refused with the byte and what to do") {
+TEST_CASE("views truncated at any byte are refused with the byte and advice") {
   const ScratchFolder folder;
   writeWorkspace(folder.path(), Normals::right);
   const std::string whole = views();
@@ -169,7 +169,7 @@ TEST_CASE("views that end too early, anywhere, are refused with the byte and wha
   }
 }
 
-TEST_CASE("views that lie are refused, and take no memory") {
+TEST_CASE("invalid views are refused, and allocate no memory") {
   const ScratchFolder folder;
   writeWorkspace(folder.path(), Normals::right);
   const auto with = [&](std::size_t at, auto value) {
@@ -181,14 +181,14 @@ TEST_CASE("views that lie are refused, and take no memory") {
   for (const std::uint64_t lie : {std::uint64_t{0}, std::uint64_t{2 * kSheet + 1}, ~std::uint64_t{0}})
     CHECK(with(0, lie).starts_with(
         fmt::format("fused.ply.vis: byte 0: has the views of {} points, and fused.ply has 288;", lie)));
-  CHECK(with(8, ~std::uint32_t{0}).starts_with("fused.ply.vis: byte "));  // views that run over the others
+  CHECK(with(8, ~std::uint32_t{0}).starts_with("fused.ply.vis: byte "));  // views that overlap the others
   CHECK(with(12, std::uint32_t{3})
             .starts_with("fused.ply.vis: byte 12: point 1 was seen by image 3, counted from 0, and the model has 3;"));
   CHECK(with(12, std::uint32_t{2}) == "read");
   writeBytes(folder / "fused.ply.vis", views() + 'x');
   CHECK(refusal(folder / "fused.ply")
             .starts_with(fmt::format("fused.ply.vis: byte {}: goes on behind the views", views().size())));
-  // A long list of views that are there: nothing but its length is wrong.
+  // A long list of existing views: only its length is wrong.
   std::string bytes = views().substr(0, 8);
   put(bytes, std::uint32_t{1 << 20});
   bytes.resize(bytes.size() + 4 * ((1 << 20) - 1));

@@ -1,5 +1,5 @@
-// COLMAP's folders: both forms give the same cloud, whose normals face the cameras, and what is wrong is refused with
-// its place.
+// COLMAP's folders: both forms give the same cloud, whose normals face the cameras, and invalid content is refused with
+// its line or byte.
 #include "engine/io/colmap_format.hpp"
 
 #include <doctest/doctest.h>
@@ -44,7 +44,7 @@ std::string refusal(const Files& files, const std::string& form) {
 
 }  // namespace
 
-TEST_CASE("both forms of a COLMAP folder are the same cloud, seen from the same side") {
+TEST_CASE("both forms of a COLMAP folder give the same cloud, seen from the same side") {
   for (const auto& [files, form] : {std::pair{binary(), "bin"}, std::pair{text(), "txt"}}) {
     CAPTURE(form);
     const StoredCloud stored = reading(files, form);
@@ -68,10 +68,10 @@ TEST_CASE("both forms of a COLMAP folder are the same cloud, seen from the same 
   }
 }
 
-TEST_CASE("images stand where they were taken, and look along their axes") {
+TEST_CASE("images of a COLMAP model have the positions and axes of their cameras") {
   const ScratchFolder folder;
   Files files = text();
-  // A quarter turn about x, that brings the world's y to the camera's z, and three units back.
+  // A rotation of 90 degrees about x, which maps the world's y to the camera's z, and three units back.
   files.images = "3 0.7071067811865476 0.7071067811865476 0 0 0 0 3 7 turned\n\n900 1 0 0 0 -1 0 0 7 c.jpg\n\n";
   write(folder.path(), files, "txt");
   const ColmapModel model = readColmapImages(folder.path());
@@ -85,9 +85,9 @@ TEST_CASE("images stand where they were taken, and look along their axes") {
   CHECK(model.images[1].name == "c.jpg");
 }
 
-TEST_CASE("a folder's contents are told without its points, and saving goes beside it") {
+TEST_CASE("the contents of a COLMAP folder are read without its points, and a cloud is saved beside it") {
   const ScratchFolder folder;
-  for (const std::string form : {"txt", "bin"}) {  // the binary ones count where there are both
+  for (const std::string form : {"txt", "bin"}) {  // with both forms present the binary files are used
     write(folder.path(), form == "bin" ? binary() : text(), form);
     const FileContents contents = contentsOf(folder.path());
     REQUIRE(contents.elements.size() == 3);
@@ -102,7 +102,7 @@ TEST_CASE("a folder's contents are told without its points, and saving goes besi
   CHECK_THROWS_WITH_AS(readCloud(empty.path()), doctest::Contains("is a folder"), FileError);
 }
 
-TEST_CASE("what COLMAP read is written as PLY with all that came along, and knows what was up") {
+TEST_CASE("a cloud from COLMAP is written as PLY with all its attributes and its up direction") {
   const ScratchFolder folder;
   StoredCloud stored = reading(binary(), "bin");
   writeCloud(folder / "a.ply", stored.cloud);
@@ -114,7 +114,7 @@ TEST_CASE("what COLMAP read is written as PLY with all that came along, and know
   CHECK(findUp(again).up == UpAxis::minusY);
 }
 
-TEST_CASE("every binary file that ends too early is refused with its byte") {
+TEST_CASE("every binary COLMAP file that is truncated is refused with its byte") {
   const Files whole = binary();
   const auto check = [&](std::string Files::*file, const std::string& name, std::size_t step) {
     for (std::size_t size = 0; size < (whole.*file).size(); size += step) {
@@ -133,7 +133,7 @@ TEST_CASE("every binary file that ends too early is refused with its byte") {
   check(&Files::points, "points3D", 997);
 }
 
-TEST_CASE("counts that lie take no memory, and end where the file does") {
+TEST_CASE("wrong counts in COLMAP files allocate no memory, and are refused at the end of the file") {
   for (const std::uint64_t lie : {std::uint64_t{1} << 40, ~std::uint64_t{0}}) {
     Files files = binary();
     std::memcpy(files.points.data(), &lie, sizeof lie);
@@ -149,7 +149,7 @@ TEST_CASE("counts that lie take no memory, and end where the file does") {
   }
 }
 
-TEST_CASE("what a folder cannot mean is refused with its line") {
+TEST_CASE("invalid lines of a COLMAP folder are refused with the line") {
   const auto with = [](std::string Files::*file, const std::string& content) {
     Files files = text();
     files.*file = content;
@@ -176,9 +176,9 @@ TEST_CASE("what a folder cannot mean is refused with its line") {
         "points3D.txt:1: a track of 3 numbers, where an image and a place in it make a pair");
   CHECK(with(&Files::points, "1 0 0 0 1 2 3 0.5 4 0\n") ==
         "points3D.txt:1: point 1 was seen by image 4, which is not there");
-  CHECK(with(&Files::points, "") == "read");  // no points at all
+  CHECK(with(&Files::points, "") == "read");  // no points
 
-  for (const std::int32_t model : {15, 16, 40}) {  // of models that are not known the size of the file tells
+  for (const std::int32_t model : {15, 16, 40}) {  // unknown models are skipped by the file's size
     Files unknown = binary();
     std::memcpy(unknown.cameras.data() + 12, &model, sizeof model);
     CHECK(refusal(unknown, "bin") == "read");
@@ -193,7 +193,7 @@ TEST_CASE("what a folder cannot mean is refused with its line") {
   CHECK_THROWS_WITH_AS(readCloud(folder.path()), doctest::Contains("has no cameras.bin and no cameras.txt"), FileError);
 }
 
-TEST_CASE("a real reconstruction: every point has a normal that faces those who saw it") {
+TEST_CASE("a real reconstruction: the normal of every point faces the cameras that saw it") {
   const std::filesystem::path folder = modelsFolder() / "colmap_a";
   if (!isColmapFolder(folder)) {
     MESSAGE("skipped: no ", folder.string());
@@ -213,17 +213,17 @@ TEST_CASE("a real reconstruction: every point has a normal that faces those who 
     ++i;
   });
   CHECK(i == cloud.size());
-  MESSAGE(facing, " of ", views, " views are from in front");
+  MESSAGE(facing, " of ", views, " views are on the side of the normal");
   CHECK(static_cast<double>(facing) > 0.95 * static_cast<double>(views));
-  // What was photographed is farther than 60 units; of what hangs in the air before it most goes, of the rest hardly
-  // any.
+  // The photographed objects are farther than 60 units. Most points floating in front of them are removed, and hardly
+  // any of the others.
   const auto inTheAir = [](const PointCloud& of) {
     return std::ranges::count_if(of.positions,
                                  [&](const Vec3& p) { return of.origin.z + static_cast<double>(p.z) < 60; });
   };
   const StoredCloud reliable = readCloud(folder);
   CHECK(reliable.cloud.size() == 4093);
-  MESSAGE(inTheAir(reliable.cloud), " of ", inTheAir(cloud), " points in the air are left");
+  MESSAGE(inTheAir(reliable.cloud), " of ", inTheAir(cloud), " floating points remain");
   CHECK(2 * inTheAir(reliable.cloud) < inTheAir(cloud));
 }
 

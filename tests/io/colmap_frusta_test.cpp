@@ -1,5 +1,5 @@
-// What cameras see, against the formula by which a picture comes about: a corner of the pyramid is projected to the
-// corner of the picture.
+// View frusta of cameras, compared with the projection formula: a corner of the pyramid is projected to the corner of
+// the picture.
 #include "engine/io/colmap_frusta.hpp"
 
 #include <doctest/doctest.h>
@@ -24,12 +24,12 @@ std::vector<CameraFrustum> frustaWith(const std::string& camera) {
   return frustaOf(readColmapImages(folder.path()));
 }
 
-/// As the camera has it: x right, y down, z forward.
+/// In camera coordinates: x right, y down, z forward.
 DVec3 seen(const DVec3& place) { return glm::mat3_cast(kTurn) * (place - kCentre); }
 
 }  // namespace
 
-TEST_CASE("the corners of a frustum are seen at the corners of the picture") {
+TEST_CASE("the corners of a frustum project to the corners of the picture") {
   // Distortion is left out, so that models of the same focal lengths see the same.
   for (const auto& [camera, fx, fy, cx, cy] :
        {std::tuple{"4 PINHOLE 640 480 500 510 310 250", 500., 510., 310., 250.},
@@ -50,7 +50,7 @@ TEST_CASE("the corners of a frustum are seen at the corners of the picture") {
   }
 }
 
-TEST_CASE("a fisheye lens sees by angles, and no farther than a pyramid can") {
+TEST_CASE("the frustum of a fisheye lens follows its angles, up to the widest angle of a pyramid") {
   const auto frusta = frustaWith("4 OPENCV_FISHEYE 640 480 500 500 320 240 0 0 0 0");
   REQUIRE(frusta.size() == 1);
   const DVec3 p = seen(frusta[0].centre + frusta[0].corners[0]);
@@ -61,14 +61,14 @@ TEST_CASE("a fisheye lens sees by angles, and no farther than a pyramid can") {
   CHECK(std::atan2(std::hypot(far.x, far.y), far.z) * 180 / std::numbers::pi == near(74.5, 0.01));
 }
 
-TEST_CASE("what is no lens has no frustum") {
+TEST_CASE("a camera with an invalid focal length or size has no frustum") {
   CHECK(frustaWith("4 PINHOLE 640 480 0 510 310 250").empty());
   CHECK(frustaWith("4 PINHOLE 640 480 500 -510 310 250").empty());
   CHECK(frustaWith("4 PINHOLE 640 480 500 1e-300 310 250").empty());
   CHECK(frustaWith("4 PINHOLE 0 480 500 510 310 250").empty());
 }
 
-TEST_CASE("the corners of what a depth camera sees are half a pixel beyond the middles of its outermost pixels") {
+TEST_CASE("the corners of a depth camera's frustum are half a pixel outside the centres of its corner pixels") {
   const DepthCamera camera{.width = 640, .height = 480, .fx = 525, .fy = 530, .cx = 319, .cy = 241};
   const CameraPose pose{.turn = glm::conjugate(kTurn), .centre = kCentre};
   const CameraFrustum frustum = frustumOf(camera, pose);

@@ -1,5 +1,5 @@
-// What is read of a COLMAP folder, against COLMAP itself where this machine has it: it writes the same model in its
-// other form, and both are the same to us.
+// Reading of COLMAP folders, compared with COLMAP if it is installed: COLMAP converts a model to its other form, and
+// both are read as the same model.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 
 bool hasColmap() {
   if (std::system("command -v colmap > /dev/null") == 0) return true;
-  MESSAGE("skipped: there is no colmap on this machine (package colmap)");
+  MESSAGE("skipped: colmap is not installed (package colmap)");
   return false;
 }
 
@@ -50,12 +50,12 @@ std::vector<std::size_t> byPlace(const PointCloud& cloud) {
   return order;
 }
 
-/// `tolerance`: of the decimals that COLMAP writes.
+/// `tolerance`: resolution of the decimals that COLMAP writes.
 void checkSame(const std::filesystem::path& one, const std::filesystem::path& other, double tolerance) {
   const ColmapModel a = readColmapImages(one), b = readColmapImages(other);
   REQUIRE(a.cameras.size() == b.cameras.size());
   REQUIRE(a.images.size() == b.images.size());
-  // COLMAP may write images in another order; names tell them apart.
+  // COLMAP may write images in another order; they are matched by name.
   const auto named = [](const ColmapModel& model, const std::string& name) {
     for (const ColmapImage& image : model.images)
       if (image.name == name) return image;
@@ -73,7 +73,7 @@ void checkSame(const std::filesystem::path& one, const std::filesystem::path& ot
     CHECK(glm::distance(image.down, again.down) <= tolerance);
   }
   CHECK(frustaOf(a).size() == frustaOf(b).size());
-  // Points are in any order, too: by their places.
+  // Points may be in any order, too; they are matched by position.
   const auto sorted = [](std::vector<ColmapPoint> points) {
     std::ranges::sort(points, {},
                       [](const ColmapPoint& p) { return std::tuple(p.position.x, p.position.y, p.position.z); });
@@ -93,7 +93,7 @@ void checkSame(const std::filesystem::path& one, const std::filesystem::path& ot
 
 }  // namespace
 
-TEST_CASE("COLMAP's other form of a written model is the same model") {
+TEST_CASE("COLMAP's other form of a written model is read as the same model") {
   if (!hasColmap()) return;
   const ScratchFolder folder;
   WrittenColmap written{.images = {{.id = 3, .centre = {1, 2, 3}, .turn = glm::normalize(DQuat(0.9, 0.1, -0.3, 0.2))},
@@ -105,7 +105,7 @@ TEST_CASE("COLMAP's other form of a written model is the same model") {
   checkSame(folder / "text", folder / "binary", 1e-12);
 }
 
-TEST_CASE("COLMAP's other forms of a real reconstruction are the same reconstruction, normals included") {
+TEST_CASE("COLMAP's other forms of a real reconstruction are read as the same one, normals included") {
   if (!hasColmap()) return;
   const std::filesystem::path real = modelsFolder() / "colmap_a";
   if (!isColmapFolder(real)) {

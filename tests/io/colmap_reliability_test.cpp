@@ -1,6 +1,6 @@
-// Which points of a reconstruction stay, on one whose truth is known: points of a sphere, triangulated from rays with
-// noise, some of them between cameras that stand too close together, some from images of something else, some from two
-// images alone that were matched falsely.
+// Which points of a reconstruction are kept, on a scene with known truth: points of a sphere, triangulated from rays
+// with noise. Some are seen by cameras too close together, some by images of something else, and some by only two
+// wrongly matched images.
 #include "engine/io/colmap_reliability.hpp"
 
 #include <doctest/doctest.h>
@@ -19,14 +19,14 @@
 namespace palpate::test::colmap_reliability_test {
 namespace {
 
-constexpr double kRadius = 10, kRing = 40;  // of the sphere, and of the cameras about it
+constexpr double kRadius = 10, kRing = 40;  // radii of the sphere, and of the ring of cameras around it
 constexpr double kFocal_px = 1000;
 constexpr int kCameras = 72;
-constexpr double kBeside = 0.1;  // from each camera to the two beside it: a fifth of a degree seen from the sphere
+constexpr double kBeside = 0.1;  // distance between neighbouring cameras: a fifth of a degree seen from the sphere
 
 enum class Kind { good = 1, narrow = 2, mistaken = 3, mispaired = 4 };
 
-/// Three cameras at each place of the ring, which look at the middle.
+/// Three cameras at each position of the ring, which look at the centre.
 std::vector<WrittenImage> ring() {
   std::vector<WrittenImage> images;
   for (int k = 0; k < kCameras; ++k)
@@ -47,7 +47,7 @@ DVec2 projected(const WrittenImage& image, const DVec3& place) {
   return kFocal_px / p.z * DVec2(p);
 }
 
-/// The place that is nearest to all rays through places of pictures, by least squares.
+/// The position nearest to all rays through image positions, by least squares.
 DVec3 triangulated(const std::vector<const WrittenImage*>& images, const std::vector<DVec2>& places_px) {
   glm::dmat3 sum(0);
   DVec3 right(0);
@@ -63,7 +63,7 @@ DVec3 triangulated(const std::vector<const WrittenImage*>& images, const std::ve
 struct Reconstruction {
   WrittenColmap written;
   std::vector<Kind> kinds;
-  std::vector<double> off;  ///< from the sphere
+  std::vector<double> off;  ///< distance from the sphere
 };
 
 Reconstruction reconstructed() {
@@ -109,7 +109,7 @@ Reconstruction reconstructed() {
 
 }  // namespace
 
-TEST_CASE("points that their rays say nothing of are left out, and all good ones stay") {
+TEST_CASE("points that their rays do not determine are left out, and all good ones are kept") {
   const Reconstruction made = reconstructed();
   std::array<std::size_t, 5> all{}, far{};
   for (std::size_t i = 0; i < made.kinds.size(); ++i) {
@@ -117,7 +117,7 @@ TEST_CASE("points that their rays say nothing of are left out, and all good ones
     far.at(static_cast<std::size_t>(made.kinds[i])) += made.off[i] > 0.05 * kRadius;
   }
   const auto of = [](const auto& counts, Kind kind) { return counts[static_cast<std::size_t>(kind)]; };
-  // What is put to the test: good points lie on the sphere, and most of the narrow and mispaired ones far from it.
+  // Preconditions: good points lie on the sphere, and most of the narrow and mispaired ones far from it.
   REQUIRE(of(far, Kind::good) == 0);
   REQUIRE(2 * of(far, Kind::narrow) > of(all, Kind::narrow));
   REQUIRE(2 * of(far, Kind::mispaired) > of(all, Kind::mispaired));
@@ -146,7 +146,7 @@ TEST_CASE("points that their rays say nothing of are left out, and all good ones
   CHECK(every.leftOut.empty());
 }
 
-TEST_CASE("an angle of a degree and a half is enough, of any two rays, and three images are") {
+TEST_CASE("three images and 1.5 degrees between any two of their rays make a point reliable") {
   ColmapModel model;
   const auto at = [](double degrees) {
     const double angle = degrees * std::numbers::pi / 180;
@@ -162,19 +162,19 @@ TEST_CASE("an angle of a degree and a half is enough, of any two rays, and three
   CHECK(judge({0, 4, 0}) == Reliability::smallAngle);  // all look along one line
   CHECK(judge({0, 0, 5}) == Reliability::reliable);
   CHECK(judge({0, 0, 0}) == Reliability::smallAngle);
-  CHECK(judge({6, 6, 6}) == Reliability::smallAngle);  // in the point itself
+  CHECK(judge({6, 6, 6}) == Reliability::smallAngle);  // at the point itself
   CHECK(judge({}) == Reliability::fewViews);
   CHECK(judge({0, 5}) == Reliability::fewViews);
   CHECK(judge({0, 5, 1}, 4) == Reliability::reliable);
   CHECK(judge({0, 5, 1}, 4.01) == Reliability::largeError);
-  CHECK(judge({0, 5, 1}, -1) == Reliability::reliable);  // nobody knows
+  CHECK(judge({0, 5, 1}, -1) == Reliability::reliable);  // unknown error
   std::vector<std::uint32_t> crowd(100'000, 0);
   CHECK(judge(crowd) == Reliability::smallAngle);
   std::fill_n(crowd.begin(), crowd.size() / 2, 5u);
   CHECK(judge(crowd) == Reliability::reliable);
 }
 
-TEST_CASE("where most are unreliable all stay") {
+TEST_CASE("a reconstruction with mostly unreliable points keeps all of them") {
   for (const int reliable : {0, 14, 15}) {
     CAPTURE(reliable);
     const ScratchFolder folder;

@@ -1,4 +1,4 @@
-// What the numbers of colours mean, told by the whole column, in every format.
+// The range of colour values is determined from the whole column, in every format.
 #include "tests/io/e57_bytes.hpp"
 #include "tests/io/ply_bytes.hpp"
 #include "tests/io/reading_text.hpp"
@@ -6,7 +6,7 @@
 namespace palpate::test::color_columns_test {
 namespace {
 
-/// The sheet as PLY text with colours times `scale`, of that type.
+/// The sheet as PLY text with colours times `scale`, of type `type`.
 std::string plySheet(const std::string& type, double scale, int dark = -1) {
   std::string text = fmt::format(
       "ply\nformat ascii 1.0\nelement vertex 20\nproperty float x\nproperty float y\nproperty float z\nproperty {0} "
@@ -34,7 +34,7 @@ std::string lines(double scale, const std::string& before = "", const std::strin
 
 }  // namespace
 
-TEST_CASE("colours of PLY are the same from 0 to 1, to 255 and to 65535, in whatever type they are") {
+TEST_CASE("PLY colours from 0 to 1, to 255 and to 65535 give the same colours, in any numeric type") {
   for (const std::string type : {"float", "double"})
     for (const double scale : {1.0 / 255, 1.0, 257.0}) {
       CAPTURE(type);
@@ -49,13 +49,13 @@ TEST_CASE("colours of PLY are the same from 0 to 1, to 255 and to 65535, in what
   const PointCloud dark = readingFile("a.ply", plySheet("float", 1, 7)).cloud;
   REQUIRE(dark.size() == Sheet::kPoints);
   CHECK(dark.colors[6][0] == 50);
-  CHECK(int{dark.colors[7][0]} <= 1);  // one dark point says nothing of the others
+  CHECK(int{dark.colors[7][0]} <= 1);  // one dark point does not determine the range of the others
 }
 
-TEST_CASE("colours of text, OBJ, OFF and PCD are judged by their column, and a unit vector in the first row is none") {
+TEST_CASE("colours of text, OBJ, OFF and PCD are judged by the whole column, not by its first row") {
   for (const double scale : {1.0 / 255, 1.0, 257.0}) {
     CAPTURE(scale);
-    if (scale <= 1) checkSheetColors(readingFile("a.xyz", lines(scale)).cloud);  // more may mean anything
+    if (scale <= 1) checkSheetColors(readingFile("a.xyz", lines(scale)).cloud);  // larger ones are ambiguous
     checkSheetColors(readingFile("a.txt", lines(scale, "X Y Z R G B\n")).cloud);
     checkSheetColors(readingFile("a.obj", lines(scale, "", "v ")).cloud);
     checkSheetColors(readingFile("a.off", lines(scale, "COFF\n20 0 0\n")).cloud);
@@ -66,13 +66,13 @@ TEST_CASE("colours of text, OBJ, OFF and PCD are judged by their column, and a u
   }
 }
 
-TEST_CASE("whole colours of text are steps of 255, however dark all points are") {
+TEST_CASE("integer colours of text are steps of 255, even if all points are dark") {
   const PointCloud cloud = readingFile("a.csv", "x,y,z,red,green,blue\n0,0,0,1,0,0\n1,0,0,0,1,1\n").cloud;
   REQUIRE(cloud.hasColors());
   CHECK(cloud.colors[0] == std::array<std::uint8_t, 4>{1, 0, 0, 255});
 }
 
-TEST_CASE("real colours of E57 without limits may go to 255, and whole ones of 16 bits hold 8") {
+TEST_CASE("floating-point E57 colours without limits may range to 255") {
   const std::vector<double> ramp{0, 1, 2, 3}, light{0, 50, 100, 255};
   E57Bytes real;
   real.add({.points = 4,
@@ -85,7 +85,7 @@ TEST_CASE("real colours of E57 without limits may go to 255, and whole ones of 1
   CHECK(int{cloud.colors[3][2]} == 255);
 }
 
-TEST_CASE("corners without a colour beside coloured ones are white, and counted") {
+TEST_CASE("mesh corners without a colour beside coloured ones become white, and are counted") {
   const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 5 1 0 0\nv 1 0 5 1 0 0\nv 0 1 5 1 0 0\nf 1 2 3\nf 4 5 6\n";
   const StoredCloud stored = readingFile("a.obj", obj, {.asTriangles = true});
   REQUIRE(stored.cloud.colors.size() == 6);

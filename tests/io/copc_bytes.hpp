@@ -11,8 +11,8 @@ struct CopcNode {
   std::int32_t bytes, points;  // -1 points: a page
 };
 
-/// A file of three nodes, two of them on a page of their own. Where its parts are is known, so that tests can damage
-/// them.
+/// A file of three nodes, two of them on a page of their own. The offsets of its parts are members, so that tests can
+/// damage them.
 struct CopcFile {
   std::string text, rows;
   std::size_t info = 375 + 54, root = 0, page = 0;

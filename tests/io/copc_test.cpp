@@ -1,4 +1,4 @@
-// COPC: the octree's pages are walked, all points come, and what lies is refused.
+// COPC: the octree's pages are traversed, all points are read, and invalid entries are refused.
 #include "engine/io/copc.hpp"
 
 #include <doctest/doctest.h>
@@ -8,7 +8,7 @@
 
 namespace palpate::test::copc_test {
 
-TEST_CASE("all points of the octree come, in the order of the file, and what it was is said") {
+TEST_CASE("all points of a COPC octree are read in file order, and the lost octree is reported") {
   const CopcFile file = copcFile();
   const StoredCloud stored = reading(file.text);
   CHECK(stored.cloud.size() == 900);
@@ -24,7 +24,7 @@ TEST_CASE("all points of the octree come, in the order of the file, and what it 
   CHECK(contentsOf(folder / "a.copc.laz").elements.at(0).count == 900);
 }
 
-TEST_CASE("a hierarchy that goes in circles, or beside the file, is refused with its byte") {
+TEST_CASE("a COPC hierarchy with cycles or entries outside the file is refused with its byte") {
   const CopcFile good = copcFile();
   const auto with = [&](std::size_t at, const CopcNode& node) {
     CopcFile file = good;
@@ -56,13 +56,13 @@ TEST_CASE("a hierarchy that goes in circles, or beside the file, is refused with
   CHECK(refusal(far.text).starts_with(say(far.info + 40, "a page of 64 bytes of the hierarchy")));
 }
 
-TEST_CASE("whatever is damaged in a COPC file, it is read or refused") {
+TEST_CASE("damaged COPC files are read or refused, without a crash") {
   const CopcFile file = copcFile();
   constexpr int kTries = 500;
   const int read = readOfDamaged(file.text, ".laz", file.info + 160, kTries);
   CHECK(read > 20);
   CHECK(read < kTries - 20);
-  // The pages stand behind the points: turned around, they are among what is damaged most.
+  // The pages follow the points; damaged alone, they are damaged more often.
   Damage damage;
   for (int k = 0; k < kTries; ++k) {
     const std::string pages = damage.of(file.text.substr(file.root, 4 * CopcFile::kEntry), 4 * CopcFile::kEntry);

@@ -1,4 +1,4 @@
-// Files made worse, the same way in each run.
+// Damaged copies of files, the same in each run.
 #pragma once
 
 #include <array>
@@ -14,11 +14,11 @@
 
 namespace palpate::test {
 
-/// Bits are flipped, ends are cut, numbers become extreme.
+/// Flips bits, truncates, and sets numbers to extreme values.
 class Damage {
  public:
   explicit Damage(std::uint32_t seed = 12345) : state_(seed) {}
-  /// `head`: how many of the first bytes are numbers that say what the file holds.
+  /// `head`: number of leading bytes that describe the content of the file.
   std::string of(std::string text, std::size_t head) {
     constexpr std::array<std::uint64_t, 6> kExtremes{0, 1, 0x7f, 0xff, 0x7fffffffffffffff, 0xffffffffffffffff};
     for (std::size_t flips = random(4); flips > 0; --flips)
@@ -33,7 +33,7 @@ class Damage {
         std::memcpy(text.data() + at, &extreme, bytes);
         break;
       }
-      case 2:  // a digit of text becomes another one
+      case 2:  // replaces a digit of text
         for (int tries = 0; tries < 50; ++tries)
           if (char& c = text[random(head)]; c >= '0' && c <= '9') c = static_cast<char>('0' + random(10));
         break;
@@ -51,8 +51,8 @@ class Damage {
   std::uint32_t state_;
 };
 
-/// How many of so many damaged files are read; all others are refused. What is read is written again, and the table is
-/// asked what it holds.
+/// Number of `tries` damaged files that are read; all others must be refused. Each is also queried for its contents,
+/// and a file that is read is written again.
 inline int readOfDamaged(const std::string& good, const std::string& ending, std::size_t head, int tries) {
   const ScratchFolder folder;
   Damage damage;

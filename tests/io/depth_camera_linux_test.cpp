@@ -1,4 +1,4 @@
-// Video4Linux, with a camera that is not there.
+// Video4Linux, with a simulated camera.
 #include <doctest/doctest.h>
 #include <linux/videodev2.h>
 
@@ -20,19 +20,19 @@ namespace palpate::depth_camera_test {
 namespace {
 
 constexpr DepthCamera kCamera{.width = 3, .height = 2, .fx = 3, .fy = 3, .cx = 1, .cy = 0.5};
-constexpr std::uint32_t kPitch = 8;  // two bytes more than a row has
+constexpr std::uint32_t kPitch = 8;  // two bytes longer than a row of pixels
 
-/// What the camera is like, and what it was told.
+/// State of the simulated camera, and the commands that it received.
 struct FakeCamera {
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   std::uint32_t format = V4L2_PIX_FMT_Z16, width = 3, height = 2;
   int formatError = 0, requestError = 0;
   std::uint32_t mostBuffers = 2;
   struct Shot {
-    int error = 0;  // of taking it
+    int error = 0;  // error of dequeuing the buffer
     std::uint32_t sequence = 0;
     double time_s = 0;
-    std::uint16_t first = 0;  // value; each pixel is one more
+    std::uint16_t first = 0;  // depth of the first pixel; each further one is larger by one
     std::uint32_t bytes = 2 * kPitch;
     std::uint32_t flags = 0;
   };
@@ -129,7 +129,7 @@ class FakeNode final : public VideoNode {
     camera_.shots.pop_front();
     if (shot.error != 0) return shot.error;
     std::uint32_t index = 0;
-    while (!camera_.isQueued.at(index)) ++index;  // one is there: each was given back
+    while (!camera_.isQueued.at(index)) ++index;  // a buffer is queued: each was returned
     camera_.isQueued[index] = false;
     for (std::size_t pixel = 0; pixel < 6; ++pixel) {
       const auto value = static_cast<std::uint16_t>(shot.first + pixel);
@@ -165,7 +165,7 @@ std::string refusal(FakeCamera& camera) {
 
 }  // namespace
 
-TEST_CASE("frames are the driver's, row by row, in millimetres or as its intrinsics say") {
+TEST_CASE("V4L2 frames are read row by row, in millimetres or in the scale of the intrinsics") {
   for (const double scale : {1000.0, 5000.0}) {
     FakeCamera camera;
     camera.shots = {{.sequence = 7, .time_s = 100.5, .first = 1000},
@@ -197,7 +197,7 @@ TEST_CASE("frames are the driver's, row by row, in millimetres or as its intrins
   }
 }
 
-TEST_CASE("a device that is no depth camera is refused with what it is") {
+TEST_CASE("a V4L2 device that is not a depth camera is refused with its kind") {
   FakeCamera other{.capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING};
   CHECK(refusal(other) == "/dev/video9: does not stream pictures; a camera has several devices, try the others");
   FakeCamera web{.format = V4L2_PIX_FMT_YUYV};
@@ -216,7 +216,7 @@ TEST_CASE("a device that is no depth camera is refused with what it is") {
   CHECK(refusal(none) == "/dev/video9: has no memory for its frames");
 }
 
-TEST_CASE("short, damaged and repeated frames are lost alone, and their memory is given back") {
+TEST_CASE("short, damaged and repeated V4L2 frames are dropped one by one, and their buffers returned") {
   FakeCamera camera;
   camera.shots = {{.sequence = 0, .time_s = 1, .first = 10},
                   {.sequence = 1, .time_s = 2, .bytes = 2 * kPitch - 3},
@@ -234,7 +234,7 @@ TEST_CASE("short, damaged and repeated frames are lost alone, and their memory i
   CHECK(camera.isQueued == std::vector<bool>{true, true});
 }
 
-TEST_CASE("a camera that is unplugged ends the stream, with a sentence") {
+TEST_CASE("an unplugged depth camera ends the stream with an error") {
   for (const auto& [error, sentence] : {std::pair{ENODEV, "/dev/video9: is gone; plug the camera in again"},
                                         std::pair{EIO, "/dev/video9: gives no more frames: Input/output error"}}) {
     FakeCamera camera;
@@ -247,7 +247,7 @@ TEST_CASE("a camera that is unplugged ends the stream, with a sentence") {
   }
 }
 
-TEST_CASE("stop ends a wait for a camera that sees nothing") {
+TEST_CASE("stop ends a wait for a camera that sends no frames") {
   FakeCamera camera;
   const auto stream = open(camera);
   auto read = std::async(std::launch::async, [&] {
@@ -260,7 +260,7 @@ TEST_CASE("stop ends a wait for a camera that sees nothing") {
   CHECK_THROWS_AS(stream->rewind(), Error);
 }
 
-TEST_CASE("what is no video device says so") {
+TEST_CASE("opening a file that is not a video device is refused") {
   const ScratchFolder folder;
   CHECK_THROWS_WITH_AS(openDepthCamera((folder / "none").string(), {.camera = kCamera}),
                        doctest::Contains("cannot be opened: No such file"), Error);

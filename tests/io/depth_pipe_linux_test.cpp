@@ -1,4 +1,4 @@
-// A pipe whose writer takes its time, or never writes again.
+// A pipe whose writer is slow, or never writes again.
 #include <doctest/doctest.h>
 #include <unistd.h>
 
@@ -41,7 +41,7 @@ constexpr const char* kHead =
 
 }  // namespace
 
-TEST_CASE("a frame comes as its bytes do, however they are cut up") {
+TEST_CASE("a depth frame is read from a pipe in pieces of any size") {
   Pipe pipe;
   pipe.write(kHead);
   DepthPipe stream(pipe.reader(), "input");
@@ -61,7 +61,7 @@ TEST_CASE("a frame comes as its bytes do, however they are cut up") {
   CHECK_FALSE(stream.next(frame));
 }
 
-TEST_CASE("stop ends a read that waits, between frames and within one, and all that come") {
+TEST_CASE("stop ends a pending read of a pipe, between frames or within one, and all later reads") {
   for (const char* there : {"", "fra", "frame 0\n", "frame 0\n\1"}) {
     Pipe pipe;
     pipe.write(kHead);

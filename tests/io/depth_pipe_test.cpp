@@ -1,4 +1,4 @@
-// Raw frames from another program: what was written is read, and what is torn, late or no frame is lost alone.
+// Raw frames from another program: frames are read as written, and a torn, late or invalid frame is dropped alone.
 #include "engine/io/depth_pipe.hpp"
 
 #include <doctest/doctest.h>
@@ -26,7 +26,7 @@ std::string head(const std::string& more = R"(, "depth_scale": 1000, "format": "
   return intrinsicsJson(kCamera, more) + "\n";
 }
 
-/// Depths are 100 more from frame to frame, and one more from pixel to pixel.
+/// Depths increase by 100 from frame to frame, and by one from pixel to pixel.
 std::string depths(int number) {
   std::string bytes;
   for (std::size_t i = 0; i < kPixels; ++i) {
@@ -49,7 +49,7 @@ struct Heard {
   }
 };
 
-/// As a file is read, which never waits.
+/// Reads the bytes from a file, which never blocks.
 Heard hear(const std::string& bytes, double depthScale = 0) {
   const ScratchFolder folder;
   writeBytes(folder / "frames", bytes);
@@ -86,7 +86,7 @@ bool isFrame(const DepthFrame& frame, int number) {
 
 }  // namespace
 
-TEST_CASE("frames are what was written, with times since the first one, poses and colours") {
+TEST_CASE("piped frames are read as written, with times since the first one, poses and colours") {
   const CameraPose pose = recordedPose(2);
   std::string bytes = head(R"(, "depth_scale": 1000, "format": "z16+rgb8")");
   for (int i = 0; i < 3; ++i) {
@@ -109,7 +109,7 @@ TEST_CASE("frames are what was written, with times since the first one, poses an
   }
 }
 
-TEST_CASE("the first line may give the pose of all, and a scale from without counts more than its own") {
+TEST_CASE("the first line may give a pose for all frames, and a given scale overrides its own") {
   const CameraPose pose = recordedPose(1);
   const std::string more =
       fmt::format(R"(, "depth_scale": 1000, "format": "z16", "pose": [{}])", fmt::join(rowsOf(pose), ", "));
@@ -122,7 +122,7 @@ TEST_CASE("the first line may give the pose of all, and a scale from without cou
   CHECK(hear(head(R"(, "format": "z16")") + frame(0, 0), 1000).frames.size() == 1);
 }
 
-TEST_CASE("a first line that makes no camera is refused, with what it says") {
+TEST_CASE("a first line without a valid camera is refused with the reason") {
   const auto refusal = [](const std::string& bytes) {
     const Heard heard = hear(bytes);
     CHECK(heard.frames.empty());
@@ -141,7 +141,7 @@ TEST_CASE("a first line that makes no camera is refused, with what it says") {
   CHECK(says(refusal(std::string(1 << 16, ' ') + head()), "is too long to be one"));
 }
 
-TEST_CASE("a frame that comes again, or too late, is lost alone") {
+TEST_CASE("a frame with a repeated or earlier time is dropped, and later ones are read") {
   const Heard heard =
       hear(head() + frame(0, 1) + frame(1, 1) + frame(2, 0.5) + frame(3, 1.5) + "frame nan\n" + frame(5, 2));
   CHECK(heard.times_s() == std::vector<double>{0, 0.5, 1});
@@ -153,7 +153,7 @@ TEST_CASE("a frame that comes again, or too late, is lost alone") {
   CHECK(heard.frames[1].number == 3);
 }
 
-TEST_CASE("a torn frame is lost, and the one behind it is whole") {
+TEST_CASE("a torn frame is dropped, and all frames read after it are complete") {
   const std::string torn = frame(1, 0.1);
   for (std::size_t size = 1; size < torn.size(); ++size) {
     CAPTURE(size);
@@ -161,7 +161,7 @@ TEST_CASE("a torn frame is lost, and the one behind it is whole") {
     REQUIRE(heard.frames.size() >= 2);
     CHECK(isFrame(heard.frames.front(), 0));
     CHECK(isFrame(heard.frames.back(), 3));
-    // Bytes of the next line may pass for the last pixels of a frame that lacks fewer.
+    // Bytes of the next line can be taken for the last pixels if fewer than six bytes are missing.
     const bool isPassable = torn.size() - size < 6;
     if (isPassable) continue;
     for (std::size_t i = 1; i < heard.frames.size(); ++i)
@@ -170,7 +170,7 @@ TEST_CASE("a torn frame is lost, and the one behind it is whole") {
   }
 }
 
-TEST_CASE("what stands between frames is passed over, and counts as one that was lost") {
+TEST_CASE("bytes between frames are skipped, and reported as a dropped frame") {
   const Heard heard = hear(head() + frame(0, 0) + std::string(100'000, 'f') + "frame frame" + frame(1, 0.1));
   CHECK(heard.frames.size() == 2);
   CHECK(heard.lost.size() >= 1);
@@ -180,7 +180,7 @@ TEST_CASE("what stands between frames is passed over, and counts as one that was
   CHECK(hear(head() + "frame 0" + std::string(5000, ' ') + "\n" + depths(0) + frame(1, 0.1)).frames.size() == 1);
 }
 
-TEST_CASE("a stream that ends within a frame keeps those before, and says so once") {
+TEST_CASE("a stream that ends within a frame keeps the earlier ones, and reports the end once") {
   const std::string whole = head() + frame(0, 0) + frame(1, 0.1);
   const std::size_t second = (head() + frame(0, 0)).size();
   for (std::size_t size = head().size(); size < whole.size(); ++size) {
@@ -195,7 +195,7 @@ TEST_CASE("a stream that ends within a frame keeps those before, and says so onc
       says(hear(whole.substr(0, whole.size() - 3)).lost.at(0), "input: frame 1 has 37 of its 40 bytes; there it ends"));
 }
 
-TEST_CASE("poses that are none lose their frames, and so do those that only some have") {
+TEST_CASE("frames with an invalid pose are dropped, and so are those without one if the first had one") {
   CameraPose pose = recordedPose(0);
   std::string bytes = head() + fmt::format("frame 0 {}\n", poseText(pose)) + depths(0);
   bytes += fmt::format("frame 1 {}\n", poseText(pose)).replace(8, 1, "9") + depths(1);
@@ -207,7 +207,7 @@ TEST_CASE("poses that are none lose their frames, and so do those that only some
   CHECK(says(heard.lost.back(), "has no pose, and the first one had one"));
 }
 
-TEST_CASE("memory follows the bytes that are there, not what the first line says") {
+TEST_CASE("memory is allocated for received bytes, not for the size in the first line") {
   const std::string large =
       R"({"width": 8192, "height": 8192, "fx": 5, "fy": 5, "cx": 0, "cy": 0, "depth_scale": 1, "format": "z16+rgb8"})";
   const ScratchFolder folder;

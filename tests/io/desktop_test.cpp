@@ -1,4 +1,4 @@
-// What the desktop is told of the formats that are read.
+// File types and program entry that the desktop receives for the formats that are read.
 #include <doctest/doctest.h>
 
 #include <fstream>
@@ -29,7 +29,7 @@ std::set<std::string> matches(const std::string& text, const char* pattern) {
 TEST_CASE("the desktop knows every ending that is read, and offers the program for each of its types") {
   const std::string types = packaged("palpate.xml"), entry = packaged("palpate.desktop");
   const std::set<std::string> patterns = matches(types, "<glob pattern=\"\\*([^\"]+)\"/>");
-  // Every desktop has these: of text in general the program is not to be the one that opens it.
+  // Every desktop defines these types; the program is not to become the default for general text.
   const std::set<std::string> elsewhere{".txt", ".csv"};
   std::set<std::string> endings;
   for (const CloudFormat& format : cloudFormats().all())

@@ -1,4 +1,4 @@
-// E57 files made by hand: pages with their checksums, packets of bits, and the XML that names them.
+// E57 files made by hand: pages with their checksums, packets of bits, and the XML that describes them.
 #pragma once
 
 #include <bit>
@@ -11,10 +11,10 @@
 
 namespace palpate::test {
 
-/// Whole numbers in as few bits as they need, or real ones, as one stream.
+/// One stream: integers in the fewest bits they need, or floats.
 struct E57Stream {
-  std::string xml;    ///< of the field
-  unsigned bits = 0;  ///< of whole numbers; 0: `real`
+  std::string xml;    ///< XML of the field
+  unsigned bits = 0;  ///< bits of an integer; 0: floats in `real`
   std::vector<std::uint64_t> whole = {};
   std::string real = {};
 
@@ -37,8 +37,8 @@ struct E57Part {
 
 class E57Bytes {
  public:
-  std::string xmlBehind = {};    ///< within the root
-  std::size_t pieceBytes = 900;  ///< of a stream in one packet
+  std::string xmlBehind = {};    ///< at the end of the root element
+  std::size_t pieceBytes = 900;  ///< bytes of a stream in one packet
   std::string codecs = {};
 
   void add(const E57Part& part) {
@@ -50,7 +50,7 @@ class E57Bytes {
       streams.push_back(stream.bytes());
       longest = std::max(longest, streams.back().size());
     }
-    data += std::string("\x02\0\x03\0", 4);  // an empty packet, as some programs leave
+    data += std::string("\x02\0\x03\0", 4);  // an empty packet, as some programs write
     for (std::size_t begin = 0; begin < longest; begin += pieceBytes) {
       std::string packet("\x01\0\0\0", 4), body;
       putAt(packet, 4, static_cast<std::uint16_t>(streams.size()));
@@ -91,7 +91,7 @@ class E57Bytes {
     return paged(logical);
   }
 
-  /// With right checksums, whatever the bytes are.
+  /// Pages with valid checksums, whatever the bytes are.
   static std::string paged(const std::string& logical) {
     std::string out;
     for (std::size_t at = 0; at < logical.size(); at += 1020) {

@@ -1,4 +1,4 @@
-// E57: what its numbers become, where several scans are put, and files that are damaged.
+// E57: conversion of its numbers, poses of several scans, and damaged files.
 #include "engine/io/e57_format.hpp"
 
 #include <doctest/doctest.h>
@@ -44,7 +44,7 @@ std::vector<std::int64_t> cycle(int count, std::int64_t least, std::int64_t most
   return values;
 }
 
-constexpr int kCount = 3000;  // of a stream in several packets
+constexpr int kCount = 3000;  // enough for several packets per stream
 
 E57Part scanOf(bool single) {
   return {
@@ -58,7 +58,7 @@ E57Part scanOf(bool single) {
 
 }  // namespace
 
-TEST_CASE("whole numbers of any width, scaled and real ones come out as they were put in" *
+TEST_CASE("E57 integers of any width, scaled integers and floats are read as they were written" *
           doctest::skip(!canReadE57())) {
   for (const bool single : {true, false}) {
     E57Bytes file;
@@ -95,7 +95,7 @@ TEST_CASE("whole numbers of any width, scaled and real ones come out as they wer
   }
 }
 
-TEST_CASE("a number that never changes takes no bits, and comes all the same" * doctest::skip(!canReadE57())) {
+TEST_CASE("a constant E57 field, stored in no bits, is read" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part = scanOf(true);
   part.streams[3] = {.xml = "<intensity type=\"Integer\" minimum=\"77\" maximum=\"77\"/>"};
@@ -103,7 +103,7 @@ TEST_CASE("a number that never changes takes no bits, and comes all the same" * 
   CHECK(valueOf(readingE57(file.text()).cloud, "intensity", 2999) == 77);
 }
 
-TEST_CASE("scans are turned and moved to where their poses say, in double precision" * doctest::skip(!canReadE57())) {
+TEST_CASE("E57 scans are placed by their poses, in double precision" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part one = scanOf(false), other = one;
   const double half = std::sqrt(0.5);
@@ -118,7 +118,7 @@ TEST_CASE("scans are turned and moved to where their poses say, in double precis
   REQUIRE(stored.cloud.size() == 2 * kCount);
   for (std::size_t i = 0; i < kCount; i += 333) {
     const DVec3 p = stored.cloud.fileCoordinates(i);
-    const DVec3 expected(-p.y + 500000.125, p.x + 4000000.5, p.z - 3);  // a quarter about z
+    const DVec3 expected(-p.y + 500000.125, p.x + 4000000.5, p.z - 3);  // a rotation of 90 degrees about z
     CHECK(glm::length(stored.cloud.fileCoordinates(kCount + i) - expected) < 2e-9);
   }
   CHECK(valueOf(stored.cloud, "scan", kCount - 1) == 0);
@@ -129,7 +129,7 @@ TEST_CASE("scans are turned and moved to where their poses say, in double precis
                                                 "the pose of a scan, which is applied", "1 pictures"});
 }
 
-TEST_CASE("places by range and angles become those by axes; points without an echo are left out and counted" *
+TEST_CASE("spherical E57 coordinates become Cartesian ones; points without an echo are left out and counted" *
           doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part{.points = 4,
@@ -147,10 +147,10 @@ TEST_CASE("places by range and angles become those by axes; points without an ec
   CHECK(stored.lost == std::vector<std::string>{"1 points that have no place"});
 }
 
-TEST_CASE("normals are turned with their scan" * doctest::skip(!canReadE57())) {
+TEST_CASE("E57 normals are rotated with their scan" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part = scanOf(true);
-  part.more = "<pose><rotation><w>0</w><x>1</x><y>0</y><z>0</z></rotation></pose>";  // half a turn about x
+  part.more = "<pose><rotation><w>0</w><x>1</x><y>0</y><z>0</z></rotation></pose>";  // 180 degrees about x
   part.streams.push_back(floats("nor:normalX", ramp(kCount, 0, 0), true));
   part.streams.push_back(floats("nor:normalY", ramp(kCount, 0.6, 0), true));
   part.streams.push_back(floats("nor:normalZ", ramp(kCount, 0.8, 0), true));
@@ -160,7 +160,7 @@ TEST_CASE("normals are turned with their scan" * doctest::skip(!canReadE57())) {
   CHECK(glm::length(cloud.normals[5] - Vec3(0, -0.6f, -0.8f)) < 1e-6f);
 }
 
-TEST_CASE("colours are of 8 bits by the limits that the file names" * doctest::skip(!canReadE57())) {
+TEST_CASE("E57 colours are scaled to 8 bits by the limits that the file gives" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part = scanOf(true);
   for (const std::size_t k : {4, 5, 6})
@@ -177,7 +177,8 @@ TEST_CASE("colours are of 8 bits by the limits that the file names" * doctest::s
   CHECK(cloud.colors[1][1] == 128);
 }
 
-TEST_CASE("a page whose checksum does not fit is named, wherever it is" * doctest::skip(!canReadE57())) {
+TEST_CASE("an E57 page with a wrong checksum is reported by its number, at any position" *
+          doctest::skip(!canReadE57())) {
   E57Bytes file;
   file.add(scanOf(true));
   const std::string good = file.text();
@@ -189,7 +190,7 @@ TEST_CASE("a page whose checksum does not fit is named, wherever it is" * doctes
     CHECK(refusalOfE57(text) ==
           fmt::format(": byte {}: page {} of {} is damaged: its checksum does not fit", page * 1024, page + 1, pages));
     text = good;
-    text[page * 1024 + 1022] ^= 4;  // of the checksum itself
+    text[page * 1024 + 1022] ^= 4;  // in the checksum itself
     CHECK(refusalOfE57(text).find(fmt::format("page {} of", page + 1)) != std::string::npos);
   }
   CHECK(refusalOfE57(good.substr(0, 3000)).starts_with(": byte 3000: the file ends inside page 3"));
@@ -197,7 +198,7 @@ TEST_CASE("a page whose checksum does not fit is named, wherever it is" * doctes
   CHECK(refusalOfE57(good.substr(0, good.size() - 1024)).starts_with(": byte 16: the header promises"));
 }
 
-TEST_CASE("what lies under right checksums is refused with its byte" * doctest::skip(!canReadE57())) {
+TEST_CASE("invalid E57 content under valid checksums is refused with its byte" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   file.add(scanOf(true));
   const std::string good = E57Bytes::unpaged(file.text());
@@ -242,7 +243,8 @@ TEST_CASE("what lies under right checksums is refused with its byte" * doctest::
   CHECK(refusalOfE57(nothing.text()).find("of which nothing is stored") != std::string::npos);
 }
 
-TEST_CASE("whatever is damaged under right checksums, it is read or refused" * doctest::skip(!canReadE57())) {
+TEST_CASE("damaged E57 files with valid checksums are read or refused, without a crash" *
+          doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part = scanOf(true);
   part.points = 100;
@@ -266,8 +268,7 @@ TEST_CASE("whatever is damaged under right checksums, it is read or refused" * d
   CHECK(read < kTries - 50);
 }
 
-TEST_CASE("files of the library that the standard is known by come out as their headers say" *
-          doctest::skip(!canReadE57())) {
+TEST_CASE("E57 files of the reference implementation are read as their headers say" * doctest::skip(!canReadE57())) {
   const std::filesystem::path folder = scannedFiles();
   if (folder.empty()) {
     MESSAGE("skipped: no scanned files");
@@ -289,7 +290,7 @@ TEST_CASE("files of the library that the standard is known by come out as their 
                        FileError);
 }
 
-TEST_CASE("a build without the library for XML says so" * doctest::skip(canReadE57())) {
+TEST_CASE("a build without the XML library refuses E57 with that reason" * doctest::skip(canReadE57())) {
   E57Bytes file;
   file.add(scanOf(true));
   CHECK(refusalOfE57(file.text()).find("E57 needs the library pugixml") != std::string::npos);

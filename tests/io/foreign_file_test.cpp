@@ -1,4 +1,4 @@
-// Files are known by what they hold, whatever they are called, and those that are no clouds say what they are.
+// Files are identified by their content, whatever their name, and files of other kinds are refused by kind.
 #include "tests/io/gltf_bytes.hpp"
 #include "tests/io/reading_text.hpp"
 
@@ -18,7 +18,7 @@ const std::string kPly =
 
 }  // namespace
 
-TEST_CASE("what a file holds tells its format, whatever its ending") {
+TEST_CASE("the content of a file determines its format, whatever its ending") {
   CHECK(kindOf("a.xyz", kPly) == "PLY");
   CHECK(kindOf("a", kPly) == "PLY");
   CHECK(kindOf("a.ply", "1 2 3\n4 5 6\n") == "XYZ");
@@ -37,7 +37,7 @@ TEST_CASE("what a file holds tells its format, whatever its ending") {
   CHECK(kindOf("a.dat", "Dear reader\n") == "unknown");
 }
 
-TEST_CASE("a file of another kind says what it is, and what to do") {
+TEST_CASE("a file of another kind is refused with its kind and advice") {
   const std::string png = "\x89PNG\r\n\x1a\n";
   for (const char* name : {"a.png", "a.ply", "a.xyzzy"}) {
     CAPTURE(name);

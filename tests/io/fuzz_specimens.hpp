@@ -1,4 +1,4 @@
-// Files that are right, of every format that comes from strangers, to be made worse.
+// Valid files of every format that is read from untrusted sources, to be damaged.
 #pragma once
 
 #include <functional>
@@ -15,15 +15,15 @@
 namespace palpate::test {
 
 struct Specimen {
-  std::string format;  ///< for a person who wants no other one
-  std::string name;    ///< of the file
+  std::string format;  ///< name for PALPATE_FUZZ_ONLY
+  std::string name;    ///< name of the file
   std::string text;
-  std::size_t head;  ///< how many of the first bytes say what it holds
-  /// What stands around it in the file, checksums as they must be; null: nothing.
+  std::size_t head;  ///< number of leading bytes that describe the content
+  /// Adds the surrounding bytes and valid checksums; null: `text` is the whole file.
   std::function<std::string(const std::string&)> dressed = {};
-  /// Files beside it, by name, where it is one of a folder that is read as a whole, or by one of them.
+  /// Other files of its folder, by name, if a folder is read as a whole or through one of its files.
   std::vector<std::pair<std::string, std::string>> beside = {};
-  std::string opened = {};  ///< that one
+  std::string opened = {};  ///< that file
 
   std::filesystem::path sourceIn(const std::filesystem::path& folder) const {
     return beside.empty() ? folder / name : folder / opened;
@@ -56,7 +56,7 @@ inline void addLaz(std::vector<Specimen>& all) {
   all.push_back({"laz", "a.laz", packedFile(variedFile(2, 200), {.chunked = false}), 400});
   const CopcFile copc = copcFile();
   all.push_back({"copc", "a.copc.laz", copc.text, copc.info + 160});
-  // The pages of the octree stand behind the points.
+  // The pages of the octree follow the points.
   const std::size_t pages = 4 * CopcFile::kEntry;
   const auto inPlace = [copc](const std::string& text) {
     return std::string(copc.text).replace(copc.root, pages, text);
@@ -83,7 +83,7 @@ inline void addPackedPcd(std::vector<Specimen>& all) {
   std::string columns;
   for (int column = 0; column < 4; ++column)
     for (int i = 0; i < 60; ++i) {
-      const float value = static_cast<float>(i / 7);  // in runs, so that they are packed
+      const float value = static_cast<float>(i / 7);  // in runs, so that they are compressed
       columns.append(reinterpret_cast<const char*>(&value), sizeof value);
     }
   const std::string packed = packedLzf(columns);
@@ -168,7 +168,7 @@ inline void addColmapDense(std::vector<Specimen>& all) {
   }
 }
 
-/// PTX, and Gaussians as they are packed.
+/// PTX, and packed Gaussians.
 inline void addPacked(std::vector<Specimen>& all) {
   std::string ptx;
   for (int scan = 0; scan < 2; ++scan) {

@@ -13,7 +13,7 @@ inline constexpr std::array kNames{"x",       "y",       "z",      "nx",       "
                                    "scale_1", "scale_2", "rot_0",  "rot_1",    "rot_2",   "rot_3"};
 inline constexpr std::size_t kOpacity = 10, kRest = 9;
 
-/// A square of Gaussians in z = 0 that look up, red.
+/// A square of red Gaussians in z = 0 with normals along z.
 inline GaussianScene square(int side) {
   GaussianScene scene;
   SceneRandom random(3);
@@ -27,8 +27,8 @@ inline GaussianScene square(int side) {
 struct FileOptions {
   PlyFormat format = PlyFormat::binaryLittleEndian;
   ScalarType type = ScalarType::f32;
-  std::string leftOut = {};    ///< a property
-  std::string otherType = {};  ///< a property that is of whole numbers
+  std::string leftOut = {};    ///< a property that is missing
+  std::string otherType = {};  ///< a property with an integer type
   std::size_t badRow = 0;      ///< 1-based; 0: none
   std::size_t badColumn = 0;
   double badValue = 0;

@@ -1,5 +1,5 @@
-// Files of Gaussians: told by their header, read in every encoding, refused with the place of what is wrong, and never
-// written over by points.
+// Files of Gaussians: identified by their header, read in every encoding, refused with line or byte, and never
+// overwritten by points.
 #include "engine/io/gaussian_format.hpp"
 
 #include <doctest/doctest.h>
@@ -39,7 +39,7 @@ StoredCloud read(const std::string& content) {
 
 }  // namespace
 
-TEST_CASE("a file of Gaussians is told by its header, in every encoding, and gives the surface in each") {
+TEST_CASE("a file of Gaussians is identified by its header, and gives the same surface in every encoding") {
   const GaussianScene scene = square(20);
   const PointCloud expected = read(fileOf(scene)).cloud;
   CHECK(expected.size() > 300);
@@ -59,7 +59,7 @@ TEST_CASE("a file of Gaussians is told by its header, in every encoding, and giv
     }
 }
 
-TEST_CASE("what is no file of Gaussians is told to be none") {
+TEST_CASE("files that are not Gaussians are not taken for Gaussians") {
   const auto formatOf = [](const std::string& content) {
     const TemporaryFile file(content);
     return std::string(cloudFormats().toRead(file.path()).name);
@@ -78,14 +78,14 @@ TEST_CASE("what is no file of Gaussians is told to be none") {
   CHECK_FALSE(contains(cloudFormats().endingsWritten(), "3DGS"));
 }
 
-TEST_CASE("what the points are made from is said, with what they cannot keep") {
+TEST_CASE("info of a cloud from Gaussians names its source and what its points cannot keep") {
   const GaussianScene scene = square(10);
   const TemporaryFile file(fileOf(scene));
   const FileContents contents = contentsOf(file.path());
   REQUIRE(contents.elements.size() == 1);
   CHECK(contents.elements[0].name == "Gaussian");
   CHECK(contents.elements[0].count == 100);
-  CHECK(contents.madeFrom == "100 Gaussians; the points are those of their surface");  // one f_rest is of no degree
+  CHECK(contents.madeFrom == "100 Gaussians; the points are those of their surface");  // one f_rest has no degree
   const StoredCloud stored = readCloud(file.path());
   REQUIRE(stored.lost.size() == 2);
   CHECK(contains(stored.lost[0], "100 Gaussians"));
@@ -95,7 +95,7 @@ TEST_CASE("what the points are made from is said, with what they cannot keep") {
   CHECK(contains(contentsOf(plain.path()).madeFrom, "100 Gaussians of degree 0"));
 }
 
-TEST_CASE("points are never saved over Gaussians unless a person says so, and then those are kept") {
+TEST_CASE("points are saved over Gaussians only on request, and then the Gaussians are kept as a backup") {
   const ScratchFolder folder;
   const auto file = folder / "scene.ply";
   const std::string content = fileOf(square(10));
@@ -108,13 +108,13 @@ TEST_CASE("points are never saved over Gaussians unless a person says so, and th
   CHECK(saveKeeping(file, cloud) == folder / "scene.ply.bak");
   std::ifstream kept(folder / "scene.ply.bak", std::ios::binary);
   CHECK(std::string(std::istreambuf_iterator<char>(kept), {}) == content);
-  // What is there now is points, which are saved where they are.
+  // The file contains points now, which are saved in place.
   CHECK(cloudFormats().toRead(file).name == "PLY");
   CHECK(whereToSave(file) == file);
   CHECK(readCloud(file).cloud.positions == cloud.positions);
 }
 
-TEST_CASE("a property that is missing or of whole numbers is refused by its name") {
+TEST_CASE("a Gaussian property that is missing or an integer is refused by its name") {
   const GaussianScene scene = square(3);
   for (const char* name : kNames) {
     CAPTURE(name);
@@ -135,7 +135,7 @@ TEST_CASE("a property that is missing or of whole numbers is refused by its name
   }
 }
 
-TEST_CASE("a Gaussian with a number that is none is left out and counted, and what is not used does not matter") {
+TEST_CASE("a Gaussian with a non-finite value is left out and counted, unless the value is unused") {
   const GaussianScene scene = square(8);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (std::size_t column = 0; column < kNames.size(); ++column) {
@@ -144,7 +144,7 @@ TEST_CASE("a Gaussian with a number that is none is left out and counted, and wh
     const bool used = !name.starts_with("n") && !name.starts_with("f_rest");
     for (const PlyFormat format : kAllFormats)
       for (const double bad : {std::nan(""), -kInfinity}) {
-        if (name == "opacity" && bad < 0) continue;  // wholly transparent
+        if (name == "opacity" && bad < 0) continue;  // fully transparent
         const StoredCloud stored =
             read(fileOf(scene, {.format = format, .badRow = 7, .badColumn = column, .badValue = bad}));
         const bool counted = stored.lost.front().starts_with("1 Gaussian whose numbers are not finite");
@@ -153,7 +153,7 @@ TEST_CASE("a Gaussian with a number that is none is left out and counted, and wh
   }
 }
 
-TEST_CASE("of many rows, which threads share, every one is read") {
+TEST_CASE("a large file of Gaussians, shared by threads, is read completely") {
   const GaussianScene scene = square(160);  // some megabytes
   const PointCloud expected = surfaceOf(scene).cloud;
   const PointCloud cloud = read(fileOf(scene)).cloud;
@@ -162,27 +162,27 @@ TEST_CASE("of many rows, which threads share, every one is read") {
   CHECK(cloud.colors == expected.colors);
 }
 
-TEST_CASE("a file cut off at any byte is refused, and never crashes") {
+TEST_CASE("a file of Gaussians cut off at any byte is refused without a crash") {
   const GaussianScene scene = square(2);
   for (const PlyFormat format : kAllFormats) {
     const std::string text = fileOf(scene, {.format = format});
     CHECK(refusal(text) == "");
     for (std::size_t length = 0; length < text.size(); ++length) {
-      // Of text only the last line's end can be missing, or digits of its last number.
+      // Text can only lack its last line end, or digits of its last number.
       const bool inLastNumber = format == PlyFormat::ascii && length > text.find_last_of(' ') + 1;
       if (!inLastNumber) CHECK(refusal(text.substr(0, length)) != "");
     }
   }
 }
 
-TEST_CASE("a header that promises more Gaussians than follow takes no memory for them") {
+TEST_CASE("a header that promises more Gaussians than follow allocates no memory for them") {
   const std::string text = fileOf(square(1));
   const std::string lie = headerOf({}, 1'000'000'000'000) + text.substr(headerOf({}, 1).size());
   CHECK(contains(refusal(lie), "the header promises"));
   CHECK(read(headerOf({}, 0)).cloud.empty());
 }
 
-TEST_CASE("other elements beside Gaussians are named, and walked to their end") {
+TEST_CASE("other elements beside Gaussians are reported, and skipped up to their end") {
   const std::string text = fileOf(square(3));
   const std::string head = headerOf({}, 9);
   std::string with = head;
@@ -198,7 +198,7 @@ TEST_CASE("2D Gaussians, which have two scales, are flat") {
   for (std::size_t i = 0; i < cloud.size(); ++i) CHECK(std::abs(cloud.positions[i].z) < 0.3);
 }
 
-TEST_CASE("a scene that was trained is read") {
+TEST_CASE("a trained scene of Gaussians is read") {
   const std::filesystem::path file = modelsFolder() / "gaussians_9080.ply";
   if (!std::filesystem::exists(file)) {
     MESSAGE("skipped: no " << file.string());
@@ -214,7 +214,7 @@ TEST_CASE("a scene that was trained is read") {
   }
 }
 
-TEST_CASE("points that are written as Gaussians are read again as the same surface, normals and colours") {
+TEST_CASE("points written as Gaussians are read again as the same surface, with normals and colours") {
   const auto sphere = makeShape("sphere", 20);
   PointCloud cloud = sampleShape(*sphere, {.count = 4000, .seed = 1});
   const auto colorAt = [](const DVec3& p) { return DVec3(0.5) + p / 25.0; };
@@ -242,7 +242,8 @@ TEST_CASE("points that are written as Gaussians are read again as the same surfa
       for (int k = 0; k < 3; ++k)
         faded = std::max(faded, std::abs(back.colors[i][static_cast<std::size_t>(k)] - 255 * colorAt(p)[k]));
     }
-    MESSAGE("off by ", off / spacing, " spacings, turned by ", turned_deg, " degrees, faded by ", faded, " of 255");
+    MESSAGE("off the surface by ", off / spacing, " spacings, normals by ", turned_deg, " degrees, colours by ", faded,
+            " of 255");
     CHECK(off < 0.15 * spacing);
     CHECK(turned_deg < 5);
     CHECK(faded < 8);

@@ -1,4 +1,4 @@
-// Gaussian splats as they are packed for the web, and Gaussians whose numbers are none.
+// Gaussian splats as they are packed for the web, and Gaussians with invalid numbers.
 #include <cmath>
 #include <numbers>
 
@@ -14,7 +14,7 @@ namespace {
 constexpr int kSplats = 600;
 constexpr float kDeviation = 0.08f;
 
-/// Evenly over a ball of radius 1 (a spiral).
+/// Evenly distributed on a sphere of radius 1 (a spiral).
 DVec3 onBall(int k) {
   const double z = 1 - (2.0 * k + 1) / kSplats, around = std::numbers::pi * (3 - std::sqrt(5.0)) * k;
   const double r = std::sqrt(1 - z * z);
@@ -31,7 +31,7 @@ std::string splatBall() {
   for (int k = 0; k < kSplats; ++k) {
     for (int axis = 0; axis < 3; ++axis) put(out, static_cast<float>(onBall(k)[axis]));
     for (int axis = 0; axis < 3; ++axis) put(out, kDeviation);
-    out += "\xc8\x64\x32\xff\xff\x80\x80\x80";  // 200 100 50, opaque, turned by nothing
+    out += "\xc8\x64\x32\xff\xff\x80\x80\x80";  // 200 100 50, opaque, not rotated
   }
   return out;
 }
@@ -67,7 +67,7 @@ std::string spzBall(std::uint32_t version, std::uint32_t promised = kSplats) {
   return gzipped(out);
 }
 
-/// SuperSplat's, whose boxes are those of the whole ball.
+/// SuperSplat's compressed PLY, in which the box of each chunk is that of the whole ball.
 std::string compressedBall() {
   std::string out = "ply\nformat binary_little_endian 1.0\nelement chunk 3\n";
   for (const char* name : {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_scale_x", "min_scale_y",
@@ -86,7 +86,7 @@ std::string compressedBall() {
       return static_cast<std::uint32_t>(std::lround((onBall(k)[axis] + 1) / 2 * most));
     };
     put(out, part(0, 2047) << 21 | part(1, 1023) << 11 | part(2, 2047));
-    put(out, std::uint32_t{512} << 20 | 512u << 10 | 512u);  // the largest is w
+    put(out, std::uint32_t{512} << 20 | 512u << 10 | 512u);  // w is the largest component
     put(out, std::uint32_t{0});
     put(out, std::uint32_t{0xc86432ff});
   }
@@ -104,14 +104,14 @@ void checkBall(const StoredCloud& stored) {
 
 }  // namespace
 
-TEST_CASE("packed splats are read as what they are: .splat, SPZ 2 and 3, SuperSplat's compressed PLY") {
+TEST_CASE("packed splats are read: .splat, SPZ 2 and 3, SuperSplat's compressed PLY") {
   checkBall(readingFile("a.splat", splatBall()));
   checkBall(readingFile("a.spz", spzBall(2)));
   checkBall(readingFile("a.spz", spzBall(3)));
   checkBall(readingFile("a.ply", compressedBall()));
 }
 
-TEST_CASE("packed splats that end too early, or promise too many, are refused") {
+TEST_CASE("packed splats that are truncated, or promise too many, are refused") {
   CHECK(refusalOf("a.splat", splatBall().substr(0, 100)).find("100 bytes are no whole number of splats") !=
         std::string::npos);
   CHECK(refusalOf("a.spz", spzBall(2, 4'000'000'000)).find("too few") != std::string::npos);

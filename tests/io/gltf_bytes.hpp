@@ -18,8 +18,8 @@ inline std::string base64(const std::string& bytes) {
   return out;
 }
 
-/// The corners (0, 0, 0), (1, 0, 0) and (0, 1, 0) twice as large at (10, 20, 30): `binary`, as GLB, or else as JSON
-/// that has its buffer within.
+/// The corners (0, 0, 0), (1, 0, 0) and (0, 1, 0), scaled by two, at (10, 20, 30). `binary`: as GLB; otherwise as JSON
+/// with an embedded buffer.
 inline std::string gltfTriangle(bool binary) {
   std::string bin;
   for (const float value : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})

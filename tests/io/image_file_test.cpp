@@ -1,4 +1,4 @@
-// Pictures of depth and colour cameras: what is read is what was written, and what is damaged is refused.
+// Images of depth and colour cameras: written images are read exactly, and damaged ones are refused.
 #include "engine/io/image_file.hpp"
 
 #include <doctest/doctest.h>
@@ -34,7 +34,7 @@ void append(void* to, void* data, int size) {
   static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
 }
 
-/// Smooth, so that little is lost.
+/// A smooth picture, so that compression loses little.
 std::string jpegBytes(int width, int height) {
   std::vector<std::uint8_t> rgb;
   for (int y = 0; y < height; ++y)
@@ -71,7 +71,7 @@ class Refusal {
 
 }  // namespace
 
-TEST_CASE("a grey PNG of 16 bits keeps every value") {
+TEST_CASE("a 16-bit greyscale PNG keeps every value") {
   const ScratchFolder folder;
   writeBytes(folder / "a.png", greyPng(kWidth, kHeight, ramp()));
   CHECK(imageSizeOf(folder / "a.png") == ImageSize{kWidth, kHeight});
@@ -81,7 +81,7 @@ TEST_CASE("a grey PNG of 16 bits keeps every value") {
   CHECK(image.values == ramp());
 }
 
-TEST_CASE("colours come from PNG and JPEG, and grey ones are grey") {
+TEST_CASE("colours are read from PNG and JPEG, and greyscale images give grey") {
   const ScratchFolder folder;
   writeBytes(folder / "a.png", pngBytes(2, 1, 8, 2, std::string("\1\2\3\xff\xfe\xfd", 6)));
   CHECK(readColorImage(folder / "a.png").rgb == std::vector<std::array<std::uint8_t, 3>>{{1, 2, 3}, {255, 254, 253}});
@@ -117,7 +117,7 @@ TEST_CASE("a PNG that is cut off anywhere, or has one flipped bit, is refused") 
   CHECK(refusal.ofGrey(whole.substr(0, whole.size() - 6)).find("ends within the picture") != std::string::npos);
 }
 
-TEST_CASE("a JPEG that is cut off is refused, and not filled up with grey") {
+TEST_CASE("a truncated JPEG is refused, not filled with grey") {
   const Refusal refusal;
   const std::string whole = jpegBytes(40, 24);
   REQUIRE(refusal.ofColor(whole) == "read");
@@ -128,7 +128,7 @@ TEST_CASE("a JPEG that is cut off is refused, and not filled up with grey") {
   CHECK(refusal.ofColor(whole.substr(0, whole.size() / 2 + 200)).find("ends within the picture") != std::string::npos);
 }
 
-TEST_CASE("what is no depth is refused by its kind") {
+TEST_CASE("an image that cannot hold depth is refused with the reason") {
   const Refusal refusal;
   const std::string kind = "is no grey PNG of 16 bits, as depth is stored in";
   CHECK(refusal.ofGrey(pngBytes(2, 1, 8, 0, "\x10\x90")) == kind);
@@ -141,10 +141,10 @@ TEST_CASE("what is no depth is refused by its kind") {
   CHECK_THROWS_WITH_AS(readGreyImage(folder.path()), doctest::Contains("is a folder"), FileError);
 }
 
-TEST_CASE("sides that lie take no memory") {
+TEST_CASE("a wrong image size allocates no memory") {
   const Refusal refusal;
   std::string claims = greyPng(1, 1, std::vector<std::uint16_t>{7});
-  // The chunk of the head begins after the magic and its length, and its checksum fits.
+  // The header chunk follows the magic bytes and its length; its checksum is valid.
   const auto withSides = [&](std::uint32_t width, std::uint32_t height) {
     const std::string head = bigEndianWord(width) + bigEndianWord(height) + std::string("\x10\0\0\0\0", 5);
     return claims.substr(0, 8) + pngChunk("IHDR", head) + claims.substr(8 + 25);
@@ -157,7 +157,7 @@ TEST_CASE("sides that lie take no memory") {
   CHECK(refusal.ofGrey(withSides(2, 2)) != "read");
 }
 
-TEST_CASE("a picture of another size has the nearest pixels") {
+TEST_CASE("a picture is resized by its nearest pixels") {
   ColorImage image{.width = 2, .height = 1, .rgb = {{1, 1, 1}, {2, 2, 2}}};
   const auto redOf = [](const ColorImage& of) {
     std::vector<int> red;

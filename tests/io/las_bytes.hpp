@@ -9,18 +9,18 @@
 
 namespace palpate::test {
 
-/// Little endian, wherever the test runs that is.
+/// Little endian on any machine.
 template <class T>
 void putAt(std::string& bytes, std::size_t at, T value) {
   if (bytes.size() < at + sizeof value) bytes.resize(at + sizeof value, '\0');
   std::memcpy(bytes.data() + at, &value, sizeof value);
 }
 
-/// What a test sets of a file; the rest is zero.
+/// The fields of a file that a test sets; the rest is zero.
 struct LasBytes {
   unsigned minor = 2, format = 0, pointBytes = 20;
   std::array<double, 3> step{0.01, 0.01, 0.01}, offset{0, 0, 0};
-  std::string records = {};  ///< as they stand behind the header
+  std::string records = {};  ///< records that follow the header
   std::uint32_t recordCount = 0;
   std::string padding = {}, points = {}, tail = {};
   std::uint64_t count = 0;
@@ -69,7 +69,7 @@ inline std::string lasLongRecord(std::string user, unsigned id, const std::strin
   return out + data;
 }
 
-/// `options`: 8 and 16 where scale and offset hold.
+/// `options`: 8 and 16 if scale and offset are valid.
 inline std::string lasDescriptor(const std::string& name, unsigned code, unsigned options = 0, double scale = 0,
                                  double offset = 0) {
   std::string out(192, '\0');

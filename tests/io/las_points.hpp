@@ -1,4 +1,4 @@
-// LAS files with known points in every format, and what a test asks of reader and writer.
+// LAS files with known points in every format, and checks for reader and writer.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -22,14 +22,14 @@ inline std::string bytesOf(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// What a file with these bytes is read as.
+/// Reads a file of these bytes.
 inline StoredCloud reading(const std::string& text, unsigned threads = 0) {
   const ScratchFolder folder;
   std::ofstream(folder / "a.las", std::ios::binary) << text;
   return readCloud(folder / "a.las", nullptr, {.threads = threads});
 }
 
-/// Why it is not, without its name; "read" where it is.
+/// The error of reading these bytes, without the file's name; "read" if there is none.
 inline std::string refusal(const std::string& text, unsigned threads = 0) {
   try {
     reading(text, threads);
@@ -65,7 +65,7 @@ inline std::vector<std::string> namesOf(const PointCloud& cloud) {
   return names;
 }
 
-/// Where the specification puts what a format has, written down from its tables once more.
+/// Offsets of the fields of a format, copied from the specification's tables independently of the reader.
 struct Places {
   unsigned bytes;
   int time, color, infrared, waves;
@@ -151,7 +151,7 @@ inline void checkPoint(const PointCloud& cloud, unsigned format, std::size_t i) 
     CHECK(valueOf(cloud, "synthetic", i) == 1);
     CHECK(valueOf(cloud, "key_point", i) == 1);
     CHECK(valueOf(cloud, "scan_angle_rank", i) == -12);
-    CHECK(!has("withheld"));  // nothing but zeros
+    CHECK(!has("withheld"));  // zero for all points
   } else {
     CHECK(valueOf(cloud, "withheld", i) == 1);
     CHECK(valueOf(cloud, "overlap", i) == 1);
@@ -173,7 +173,7 @@ inline void checkPoint(const PointCloud& cloud, unsigned format, std::size_t i) 
   CHECK(valueOf(cloud, "wave_z_t", i) == 3.5);
 }
 
-/// Files of laser scanners; empty where they are not.
+/// Folder of files from laser scanners; empty if it is missing.
 inline std::filesystem::path scannedFiles() {
   const std::filesystem::path folder = modelsFolder() / "formats";
   return std::filesystem::exists(folder / "simple.las") ? folder : std::filesystem::path();

@@ -1,4 +1,4 @@
-// Reading LAS: what the numbers of points become, and files that are damaged.
+// Reading LAS: conversion of the numbers of points, and damaged files.
 #include "engine/io/las_format.hpp"
 
 #include <doctest/doctest.h>
@@ -12,7 +12,7 @@ namespace palpate::test::las_reading_test {
 
 using Color = std::array<std::uint8_t, 4>;
 
-TEST_CASE("any number of points is read, also on many threads") {
+TEST_CASE("LAS files with any number of points are read, also on many threads") {
   for (const std::int32_t count : {0, 1, 4095, 4096, 65'537}) {
     CAPTURE(count);
     const std::string text = fileOf(3, count).text();
@@ -23,13 +23,13 @@ TEST_CASE("any number of points is read, also on many threads") {
   }
 }
 
-TEST_CASE("coordinates far from zero keep every bit, in whatever steps") {
+TEST_CASE("LAS coordinates far from zero keep every bit, with any step") {
   for (const double step : {0.01, 1.16451354e-06, 0.001, -0.25}) {
     CAPTURE(step);
     LasBytes las{.step = {step, step, 3 * step}, .offset = {637012.25, 4850000, -12.125}};
     std::vector<std::array<std::int32_t, 3>> numbers;
     for (int i = 0; i < 1000; ++i) numbers.push_back({i * 7919, 100000 - i * 31, i * i});
-    numbers.push_back({2147483647, -2147483647 - 1, 0});  // as far apart as can be
+    numbers.push_back({2147483647, -2147483647 - 1, 0});  // the largest possible distance
     for (std::size_t n = 1000; n <= numbers.size(); ++n) {
       las.points.clear();
       las.count = n;
@@ -52,7 +52,7 @@ TEST_CASE("coordinates far from zero keep every bit, in whatever steps") {
   }
 }
 
-TEST_CASE("colours of 16 bits that hold 8 become those, others lose no bit") {
+TEST_CASE("16-bit LAS colours that hold 8 bits become 8-bit ones, and others lose no bit") {
   const auto file = [](std::vector<std::array<unsigned, 3>> colors) {
     LasBytes las{.format = 2, .pointBytes = 26};
     for (const auto& color : colors) {
@@ -87,7 +87,7 @@ TEST_CASE("colours of 16 bits that hold 8 become those, others lose no bit") {
   CHECK(!reading(file({{0, 0, 0}})).cloud.hasColors());
 }
 
-TEST_CASE("extra bytes are attributes under their names, as they are described") {
+TEST_CASE("LAS extra bytes become attributes with their names, as their descriptors say") {
   LasBytes las{.minor = 4, .format = 0, .pointBytes = 20 + 2 + 6 + 8 + 2 + 4 + 3};
   las.records = lasRecord("LASF_Spec", 4,
                           lasDescriptor("height above", 4, 24, 0.5, 10) + lasDescriptor("triple", 23) +
@@ -121,12 +121,12 @@ TEST_CASE("extra bytes are attributes under their names, as they are described")
   const std::string whole = written(cloud);
   CHECK(pointsOf(whole).substr(0, 45) == las.points.substr(0, 45));
 
-  // Beyond what double precision counts.
+  // Beyond the integers that double precision represents exactly.
   putAt(las.points, 28, (std::uint64_t{1} << 53) + 1);
   CHECK(reading(las.text()).lost == std::vector<std::string>{"whole numbers of 'big' beyond 2^53"});
 }
 
-TEST_CASE("a file that is damaged or lies is refused with its byte") {
+TEST_CASE("a damaged or inconsistent LAS file is refused with its byte") {
   const std::string good = fileOf(3, 10).text();
   const auto with = [&](std::size_t at, auto value) {
     std::string text = good;
@@ -170,7 +170,7 @@ TEST_CASE("a file that is damaged or lies is refused with its byte") {
   CHECK(refusal(described.text()).starts_with(": byte 375: describes more extra bytes than the 1"));
 }
 
-TEST_CASE("whatever is flipped, cut or made extreme in a file, it is read or refused") {
+TEST_CASE("flipped, cut or extreme bytes in a LAS file are read or refused, without a crash") {
   LasBytes las = fileOf(10, 40);
   las.pointBytes += 3;
   las.points.clear();
@@ -188,7 +188,7 @@ TEST_CASE("whatever is flipped, cut or made extreme in a file, it is read or ref
   CHECK(read < kTries - 100);
 }
 
-TEST_CASE("files of laser scanners come out as their headers say") {
+TEST_CASE("LAS files of laser scanners are read as their headers say") {
   const std::filesystem::path folder = scannedFiles();
   if (folder.empty()) {
     MESSAGE("skipped: no scanned files");
@@ -208,7 +208,7 @@ TEST_CASE("files of laser scanners come out as their headers say") {
     const std::string text = bytesOf(folder / truth.name), back = written(stored.cloud);
     CHECK(pointsOf(back) == pointsOf(text));
     CHECK(back.size() == text.size());
-    if (truth.sameHead) CHECK(back == text);  // the boxes of the others are not those of their points
+    if (truth.sameHead) CHECK(back == text);  // the headers of the other files have wrong bounding boxes
   }
   const PointCloud simple = readCloud(folder / "simple.las").cloud;
   const Bounds box = boundsOf(simple);

@@ -1,4 +1,4 @@
-// LAS and LAZ are read by many threads: what is read does not depend on how many they are.
+// LAS and LAZ are read by many threads: the result does not depend on their number.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ bool sameBytes(const Array& a, const Array& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
 }
 
-/// Which part differs; empty where none does.
+/// Name of the part that differs; empty if none does.
 std::string difference(const StoredCloud& a, const StoredCloud& b) {
   const PointCloud &p = a.cloud, &q = b.cloud;
   if (p.origin != q.origin) return "origin";
@@ -35,7 +35,7 @@ std::string difference(const StoredCloud& a, const StoredCloud& b) {
   return "";
 }
 
-/// A file of places and normals, as extra bytes.
+/// A file of positions and normals, as extra bytes.
 LasBytes withNormals(const std::vector<std::array<float, 3>>& normals) {
   std::string descriptors;
   for (const std::string_view name : kLasNormals) descriptors += lasDescriptor(std::string(name), 9);
@@ -59,9 +59,9 @@ PointCloud readText(const std::string& text, unsigned threads) {
 
 }  // namespace
 
-TEST_CASE("any number of threads reads the same, on both sides of every border between what they take") {
+TEST_CASE("any number of threads reads the same LAS points, on both sides of every block boundary") {
   const ScratchFolder folder;
-  // The first rows are 65,536, the next twice as many; threads take 4096 rows, and look at 512 at a time.
+  // The first block has 65,536 rows, the next twice as many; threads take 4096 rows, and scan 512 at a time.
   for (const unsigned format : {0u, 3u, 7u})
     for (const std::size_t count : {0, 1, 3, 511, 512, 513, 4097, 65'535, 65'536, 65'537, 196'609}) {
       if (count > 4097 && format != 3) continue;
@@ -77,7 +77,7 @@ TEST_CASE("any number of threads reads the same, on both sides of every border b
     }
 }
 
-TEST_CASE("any number of threads unpacks the same, in chunks of any length") {
+TEST_CASE("any number of threads unpacks the same LAZ points, in chunks of any length") {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "a.laz";
   for (const unsigned format : {1u, 3u, 7u})
@@ -96,14 +96,14 @@ TEST_CASE("any number of threads unpacks the same, in chunks of any length") {
     }
 }
 
-TEST_CASE("an attribute that only the last points have is whole, and one that nobody has is none") {
+TEST_CASE("a LAS attribute that is zero except at one point is kept, and one that is zero everywhere is left out") {
   for (const std::size_t at : {std::size_t{0}, std::size_t{70'000}, std::size_t{199'999}}) {
     CAPTURE(at);
     LasBytes las{.format = 1, .pointBytes = 28};
     las.count = 200'000;
     las.points.assign(las.count * 28, '\0');
     putAt(las.points, at * 28 + 12, std::uint16_t{77});  // intensity
-    putAt(las.points, at * 28 + 20, -0.0);               // a time that is zero, but not all of whose bits are
+    putAt(las.points, at * 28 + 20, -0.0);               // negative zero: equal to zero, but with one bit set
     for (const unsigned threads : {1u, 3u, 16u}) {
       CAPTURE(threads);
       const PointCloud cloud = readText(las.text(), threads);
@@ -121,11 +121,10 @@ TEST_CASE("an attribute that only the last points have is whole, and one that no
   }
 }
 
-TEST_CASE(
-    "normals of a file are of unit length, those that are missing are made, and what is no vector stays as it is") {
+TEST_CASE("LAS normals are normalized, missing ones are filled, and non-finite ones stay attributes") {
   std::vector<std::array<float, 3>> normals(5000, {0, 0, 1});
   normals[10] = {0, 3, 4};
-  normals[4999] = {1 + 1e-6f, 0, 0};  // as good as of unit length
+  normals[4999] = {1 + 1e-6f, 0, 0};  // within the tolerance of unit length
   for (const unsigned threads : {1u, 2u, 16u}) {
     CAPTURE(threads);
     PointCloud cloud = readText(withNormals(normals).text(), threads);

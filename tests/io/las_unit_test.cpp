@@ -1,4 +1,4 @@
-// Which unit of length a LAS file says its coordinates have.
+// Unit of length of a LAS file's coordinates.
 #include "engine/cloud/length_unit.hpp"
 #include "tests/io/las_points.hpp"
 
@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char* kUser = "LASF_Projection";
 
-// One point, with that record before the points, or behind them.
+// One point, with a record before the points or behind them.
 std::string fileWith(const std::string& records, std::uint32_t count, const std::string& behind = "") {
   test::LasBytes file{.minor = behind.empty() ? 2u : 4u, .records = records, .recordCount = count};
   file.points.assign(20, '\0');
@@ -42,7 +42,7 @@ constexpr const char* kFeet =
 
 }  // namespace
 
-TEST_CASE("a LAS file is in the unit of its coordinate system, and of degrees or without a system in none") {
+TEST_CASE("a LAS file has the unit of its coordinate system, and none if that is in degrees or missing") {
   CHECK(unitOf(fileWith("", 0)) == LengthUnit::unknown);
   CHECK(ofText(kFeet) == LengthUnit::foot);
   CHECK(ofText(std::string("COMPD_CS[\"c\",") + kFeet + ",VERT_CS[\"h\",UNIT[\"metre\",1.0]]]") == LengthUnit::foot);
@@ -62,11 +62,11 @@ TEST_CASE("a LAS file is in the unit of its coordinate system, and of degrees or
   CHECK(ofKeys({{1024, 1}, {3072, 2277}}) == LengthUnit::foot);  // a state plane
   CHECK(ofKeys({{1024, 1}, {3072, 32633}}) == LengthUnit::m);
   CHECK(ofKeys({{1024, 1}, {3072, 6588}}, "NAD83(2011) / Texas South Central (ftUS)|") == LengthUnit::foot);
-  // Behind the points, as LAS 1.4 has it.
+  // Behind the points, as LAS 1.4 allows.
   CHECK(unitOf(fileWith("", 0, test::lasLongRecord(kUser, 2112, kFeet))) == LengthUnit::foot);
 }
 
-TEST_CASE("the unit of a LAS file adds no byte to what is written, and goes to other formats as a comment") {
+TEST_CASE("the unit of a LAS file is written back unchanged, and to other formats as a comment") {
   for (const std::string& file : {fileWith("", 0), fileWith(test::lasRecord(kUser, 2112, kFeet), 1),
                                   fileWith("", 0, test::lasLongRecord(kUser, 2112, kFeet))}) {
     const std::string once = test::again(file);

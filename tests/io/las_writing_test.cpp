@@ -1,4 +1,4 @@
-// Writing LAS: that nothing changes on the way through, and what happens where it must.
+// Writing LAS: unchanged points are written byte by byte, and unavoidable changes are defined.
 #include "engine/io/las_format.hpp"
 
 #include <doctest/doctest.h>
@@ -8,7 +8,7 @@
 
 namespace palpate::test::las_writing_test {
 
-TEST_CASE("every format of points is read as the specification has it, and written back byte by byte") {
+TEST_CASE("every LAS point format is read as specified, and written back byte by byte") {
   for (unsigned format = 0; format < kPlaces.size(); ++format) {
     CAPTURE(format);
     const std::string text = fileOf(format, 20).text();
@@ -23,7 +23,7 @@ TEST_CASE("every format of points is read as the specification has it, and writt
   }
 }
 
-TEST_CASE("the file's coordinates survive a way through PLY and text, bit by bit") {
+TEST_CASE("LAS coordinates survive a conversion to PLY or text and back, bit by bit") {
   const std::string text = fileOf(3, 300).text();
   const StoredCloud stored = reading(text);
   for (const char* name : {"a.ply", "a.xyz"}) {
@@ -34,13 +34,13 @@ TEST_CASE("the file's coordinates survive a way through PLY and text, bit by bit
     for (std::size_t i = 0; i < back.size(); ++i) CHECK(back.fileCoordinates(i) == stored.cloud.fileCoordinates(i));
     CHECK(back.colors == stored.cloud.colors);
     CHECK(valueOf(back, "gps_time", 5) == valueOf(stored.cloud, "gps_time", 5));
-    const PointCloud third = reading(written(back)).cloud;  // LAS once more, without what the first file said
+    const PointCloud third = reading(written(back)).cloud;  // LAS again, without the header of the first file
     for (std::size_t i = 0; i < back.size(); ++i) CHECK(third.fileCoordinates(i) == stored.cloud.fileCoordinates(i));
     CHECK(pointsOf(written(back)) == pointsOf(text));
   }
 }
 
-TEST_CASE("records before and behind the points are carried, and named where they cannot be") {
+TEST_CASE("LAS records before and behind the points are kept, and listed when another format loses them") {
   LasBytes las = fileOf(6, 30);
   las.records = lasRecord("LASF_Projection", 2112, "GEOGCS[...]") + lasRecord("somebody", 7, std::string(300, '\x7f'));
   las.recordCount = 2;
@@ -57,7 +57,7 @@ TEST_CASE("records before and behind the points are carried, and named where the
   CHECK(lostOnTheWay(stored, cloudFormats().toWrite("a.ply")) == std::vector<std::string>{sentence});
   CHECK(lostOnTheWay(stored, cloudFormats().toWrite("a.las")).empty());
 
-  // An attribute more moves what stands behind the points, and says so.
+  // An additional attribute moves the records behind the points, and their offsets are updated.
   PointCloud more = stored.cloud;
   more.extra.push_back({"quality", ScalarType::f32, std::vector<std::byte>(4 * more.size(), std::byte{1})});
   const std::string longer = written(more);
@@ -68,7 +68,7 @@ TEST_CASE("records before and behind the points are carried, and named where the
   CHECK(third.cloud.storedAs.baggage->sentence == sentence);
 }
 
-TEST_CASE("what comes from other formats is written so that nothing changes, or said to") {
+TEST_CASE("clouds of other formats are written to LAS without a change, or the change is reported") {
   PointCloud cloud;
   for (int i = 0; i < 700; ++i) {
     cloud.positions.emplace_back(0.25f * static_cast<float>(i), -1.5f, 3);
@@ -83,7 +83,7 @@ TEST_CASE("what comes from other formats is written so that nothing changes, or 
       added.data.insert(added.data.end(), bytes, bytes + sizeof number);
     }
   };
-  attribute("intensity", [](int i) { return 0.5 + i; });  // no whole number, so none of LAS
+  attribute("intensity", [](int i) { return 0.5 + i; });  // not an integer, so not LAS's own field
   attribute("classification", [](int i) { return i % 3; });
   attribute("gps_time", [](int i) { return i * 1e-3; });
   cloud.storedAs.comments = {"comment units: mm"};
@@ -115,17 +115,17 @@ TEST_CASE("what comes from other formats is written so that nothing changes, or 
   CHECK(reading(written({})).cloud.empty());
 }
 
-TEST_CASE("points that were moved are kept finer than the file was, and others as they were") {
+TEST_CASE("moved points are written to LAS finer than the file's step, and the others unchanged") {
   PointCloud cloud = reading(fileOf(0, 100).text()).cloud;
   const DVec3 still = cloud.fileCoordinates(41);
-  cloud.positions[40] += Vec3(0.001f, -0.0004f, 0.0002f);  // steps are of 0.01
+  cloud.positions[40] += Vec3(0.001f, -0.0004f, 0.0002f);  // the file's step is 0.01
   const DVec3 moved = cloud.fileCoordinates(40);
   const PointCloud back = reading(written(cloud)).cloud;
   CHECK(back.fileCoordinates(41) == still);
   CHECK(glm::length(back.fileCoordinates(40) - moved) < 1e-6);
 }
 
-TEST_CASE("a class or a return that old formats cannot count makes it a newer one") {
+TEST_CASE("a class or return number beyond the old LAS point formats selects a newer one") {
   PointCloud cloud = reading(fileOf(1, 10).text()).cloud;
   for (Attribute& attribute : cloud.extra)
     if (attribute.name == "classification") attribute.data[3] = std::byte{64};
@@ -135,10 +135,10 @@ TEST_CASE("a class or a return that old formats cannot count makes it a newer on
   const PointCloud back = reading(text).cloud;
   CHECK(valueOf(back, "classification", 3) == 64);
   CHECK(valueOf(back, "classification", 4) == 6);
-  CHECK(valueOf(back, "scan_angle_rank", 4) == -12);  // which newer ones have otherwise
+  CHECK(valueOf(back, "scan_angle_rank", 4) == -12);  // newer formats store it in another unit
 }
 
-TEST_CASE("an intensity with fractions comes back under its name, and so it does the second time") {
+TEST_CASE("a fractional intensity keeps its name through LAS and LAZ") {
   const ScratchFolder folder;
   std::ofstream(folder / "a.xyz") << "x y z intensity\n0 0 0 0.25\n1 0 0 0.5\n";
   StoredCloud stored = readCloud(folder / "a.xyz");

@@ -1,4 +1,4 @@
-// LAZ and COPC files made by hand, from points that vary as scans do, for the tests of their readers.
+// LAZ and COPC files made by hand, from points that vary as in scans, for the tests of their readers.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace palpate::test {
 
-/// The same numbers in each run.
+/// Pseudo-random numbers, the same in each run.
 class Dice {
  public:
   explicit Dice(std::uint32_t seed) : state_(seed) {}
@@ -25,8 +25,8 @@ class Dice {
   std::uint32_t state_;
 };
 
-/// Rows of a format: walks with jumps, pulses of several returns, times that stay, step, jump and alternate, colours
-/// that are grey at times, several channels of a scanner, and so many bytes more.
+/// Rows of a point format: positions that walk and jump, pulses of several returns, times that stay, step, jump and
+/// alternate, colours that are sometimes grey, several scanner channels, and `more` extra bytes.
 class VariedPoints {
  public:
   VariedPoints(unsigned format, unsigned more, std::uint32_t seed = 1)
@@ -46,7 +46,7 @@ class VariedPoints {
     if (places.infrared >= 0 && dice_.oneIn(2)) infrared_ = static_cast<std::uint16_t>(infrared_ + dice_.upTo(300));
     if (places.infrared >= 0) putAt(row, static_cast<std::size_t>(places.infrared), infrared_);
     for (std::size_t k = 0; k < more_.size(); ++k)
-      if (k > 0 && dice_.oneIn(4)) more_[k] = static_cast<char>(more_[k] + dice_.upTo(5));  // the first one stays
+      if (k > 0 && dice_.oneIn(4)) more_[k] = static_cast<char>(more_[k] + dice_.upTo(5));  // not the first
     return row + more_;
   }
 
@@ -140,13 +140,13 @@ inline std::string textOf(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// How a test packs points.
+/// Options for packing points.
 struct LazWay {
   std::vector<std::size_t> chunks = {};  ///< points of each; empty: as they are written
   bool chunked = true, tableAtEnd = false, version4 = false;
 };
 
-/// A LAZ file with the points of a LAS file, made beside the writer.
+/// A LAZ file with the points of a LAS file, made independently of the writer.
 inline std::string packedFile(const LasBytes& las, const LazWay& way = {}) {
   LazLayout layout = lazLayoutFor(las.format, las.pointBytes);
   layout.channelsLag = !way.version4;

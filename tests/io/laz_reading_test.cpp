@@ -1,4 +1,4 @@
-// Reading LAZ: that points come out bit by bit as they went in, and files that are damaged or lie.
+// Reading LAZ: points are unpacked bit by bit, and damaged or inconsistent files are refused.
 #include <doctest/doctest.h>
 
 #include "engine/core/checksum.hpp"
@@ -19,7 +19,7 @@ std::uint64_t checksumOf(const std::string& bytes) {
 
 }  // namespace
 
-TEST_CASE("points of every format that is packed come out bit by bit") {
+TEST_CASE("points of every packed LAZ format are unpacked bit by bit") {
   for (const unsigned format : {0u, 1u, 2u, 3u, 6u, 7u, 8u})
     for (const unsigned more : {0u, 3u})
       for (const std::size_t count : {std::size_t{1}, std::size_t{2}, std::size_t{4000}}) {
@@ -33,7 +33,7 @@ TEST_CASE("points of every format that is packed come out bit by bit") {
       }
 }
 
-TEST_CASE("chunks may be of any number of points, one for all, and their table may stand anywhere") {
+TEST_CASE("LAZ chunks may have any number of points, and their table may be anywhere") {
   const LasBytes las = variedFile(3, 3000), layered = variedFile(7, 3000);
   CHECK(rowsOf(packedFile(las, {.chunks = {1, 999, 1, 1500, 499}})) == las.points);
   CHECK(rowsOf(packedFile(layered, {.chunks = {1, 999, 1, 1500, 499}})) == layered.points);
@@ -54,7 +54,7 @@ TEST_CASE("chunks may be of any number of points, one for all, and their table m
   CHECK(written(stored.cloud).ends_with(tail.tail));
 }
 
-TEST_CASE("chunks of the usual size, on both sides of their end, are unpacked on many threads") {
+TEST_CASE("LAZ chunks of the usual size, on both sides of their end, are unpacked on many threads") {
   for (const std::size_t count : {std::size_t{50'000}, std::size_t{50'001}, std::size_t{220'000}}) {
     CAPTURE(count);
     const LasBytes las = variedFile(count > 200'000 ? 6 : 1, count);
@@ -64,13 +64,13 @@ TEST_CASE("chunks of the usual size, on both sides of their end, are unpacked on
   }
 }
 
-TEST_CASE("one chunk of very many points is unpacked piece by piece") {
+TEST_CASE("a single LAZ chunk of very many points is unpacked in pieces") {
   const std::size_t count = 600'000;  // more than are unpacked at a time
   const LasBytes las = variedFile(0, count);
   CHECK(rowsOf(packedFile(las, {.chunked = false})) == las.points);
 }
 
-TEST_CASE("LAZ files of other programs come out as laz-perf unpacks them") {
+TEST_CASE("LAZ files of other programs are unpacked as by laz-perf") {
   const std::filesystem::path folder = scannedFiles();
   if (folder.empty()) {
     MESSAGE("skipped: no scanned files");
@@ -79,7 +79,7 @@ TEST_CASE("LAZ files of other programs come out as laz-perf unpacks them") {
   struct Truth {
     const char* name;
     std::size_t points;
-    std::uint64_t rows;  // checksum of what laz-perf 0.0.7 gives
+    std::uint64_t rows;  // checksum of laz-perf 0.0.7's output
   };
   for (const Truth& truth :
        {Truth{"simple.laz", 1065, 0x6e3fea813c9358bfu}, Truth{"plane.laz", 28185, 0x4e995f43a72d7fbau},
@@ -96,7 +96,7 @@ TEST_CASE("LAZ files of other programs come out as laz-perf unpacks them") {
   CHECK(written(readCloud(folder / "simple.laz").cloud) == bytesOf(folder / "simple.las"));
 }
 
-TEST_CASE("a packed file that is damaged or lies is refused with its byte") {
+TEST_CASE("a damaged or inconsistent LAZ file is refused with its byte") {
   const LasBytes las = variedFile(3, 3000);
   const std::string good = packedFile(las, {.chunks = {1000, 2000}});
   const std::size_t record = 227, data = record + 54;
@@ -136,7 +136,7 @@ TEST_CASE("a packed file that is damaged or lies is refused with its byte") {
   CHECK(refusal(good.substr(0, body + 4)).find("the file ends before it says where its table") != std::string::npos);
 }
 
-TEST_CASE("layers that are not what they say are refused with their byte") {
+TEST_CASE("LAZ layers of wrong size or count are refused with their byte") {
   const std::string good = packedFile(variedFile(7, 2000, 2), {.chunks = {800, 1200}});
   std::uint32_t body = 0;
   std::memcpy(&body, good.data() + 96, sizeof body);
@@ -154,7 +154,7 @@ TEST_CASE("layers that are not what they say are refused with their byte") {
   CHECK(with(chunk + rowBytes + 4, std::uint32_t{8}).find("ends inside them, or is damaged") != std::string::npos);
 }
 
-TEST_CASE("points with wave packets are read where they are packed, of one stream with their packets") {
+TEST_CASE("LAZ points with wave packets are read, with the packets if the format stores one stream") {
   constexpr std::size_t kPoints = 300;
   for (const auto& [plain, format] : {std::pair{1u, 4u}, std::pair{3u, 5u}, std::pair{6u, 9u}, std::pair{8u, 10u}}) {
     CAPTURE(format);
@@ -183,7 +183,7 @@ TEST_CASE("points with wave packets are read where they are packed, of one strea
   }
 }
 
-TEST_CASE("whatever is flipped, cut or made extreme in a packed file, it is read or refused") {
+TEST_CASE("flipped, cut or extreme bytes in a LAZ file are read or refused, without a crash") {
   const LasBytes plain = variedFile(3, 300, 2), layered = variedFile(8, 300, 2);
   const std::size_t heads[] = {227 + 54 + 34 + 24 + 8, 375 + 54 + 34 + 18 + 8 + 43 + 60};
   int k = 0;

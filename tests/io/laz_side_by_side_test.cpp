@@ -1,5 +1,4 @@
-// Chunks of LAZ that a thread unpacks two at a time: that each comes out as if it were alone, whatever the other one
-// is.
+// Two LAZ chunks that a thread unpacks together: each is unpacked as if it were alone, whatever the other contains.
 #include <doctest/doctest.h>
 
 #include "tests/io/laz_bytes.hpp"
@@ -12,7 +11,7 @@ std::string rowsBy(const std::string& text, unsigned threads) {
   return pointsOf(written(reading(text, threads).cloud));
 }
 
-/// Where the chunks of a packed file begin, and where the last one ends.
+/// Offsets of the chunks of a packed file, and the end of the last one.
 std::vector<std::size_t> chunkPlaces(const LasBytes& las, const std::vector<std::size_t>& chunks,
                                      const std::string& packed) {
   std::uint32_t body = 0;
@@ -29,7 +28,7 @@ std::vector<std::size_t> chunkPlaces(const LasBytes& las, const std::vector<std:
 
 }  // namespace
 
-TEST_CASE("two chunks side by side come out bit by bit, however much longer one of them is") {
+TEST_CASE("two LAZ chunks unpacked together are exact, even if one is much longer") {
   const std::vector<std::size_t> chunks = {1, 1, 3000, 1, 2, 2049, 1024, 1025, 700, 9, 2500, 2499, 5};
   for (const unsigned format : {0u, 1u, 2u, 3u, 6u, 8u})
     for (const unsigned more : {0u, 12u}) {
@@ -46,14 +45,14 @@ TEST_CASE("two chunks side by side come out bit by bit, however much longer one 
     }
 }
 
-TEST_CASE("of two chunks side by side the one that is damaged is named, and of two damaged ones the first") {
+TEST_CASE("a damaged LAZ chunk of two unpacked together is reported, and the first of two damaged ones") {
   const std::vector<std::size_t> chunks = {4000, 3000, 2000, 2500, 1500};
   for (const unsigned format : {3u, 7u}) {
     const LasBytes las = variedFile(format, 13'000, 2);
     const std::string good = packedFile(las, {.chunks = chunks});
     const std::vector<std::size_t> places = chunkPlaces(las, chunks, good);
     REQUIRE(refusal(good, 1) == "read");
-    // Bytes of ones from somewhere in a chunk to its end: sooner or later they name what is not there, or are too few.
+    // Bytes of 0xff up to a chunk's end: sooner or later they decode to something impossible, or are too few.
     const auto refused = [&](std::initializer_list<std::array<std::size_t, 2>> damaged) {
       std::string text = good;
       for (const auto [k, hundredths] : damaged) {
@@ -79,7 +78,7 @@ TEST_CASE("of two chunks side by side the one that is damaged is named, and of t
   }
 }
 
-TEST_CASE("a decoder that is told how much is left decodes what the careful one does") {
+TEST_CASE("the unchecked range decoder decodes what the checked one does while enough bytes remain") {
   constexpr int kCount = 20'000;
   RangeEncoder encoder;
   SymbolModel symbols(256);

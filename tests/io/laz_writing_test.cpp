@@ -1,4 +1,4 @@
-// Writing LAZ: that LAS, packed and unpacked, is what it was.
+// Writing LAZ: packed and unpacked, LAS is unchanged.
 #include <doctest/doctest.h>
 
 #include "engine/core/checksum.hpp"
@@ -7,7 +7,7 @@
 
 namespace palpate::test::laz_writing_test {
 
-TEST_CASE("LAS through LAZ is LAS as it is written without that, byte by byte") {
+TEST_CASE("LAS converted to LAZ and back equals LAS written directly, byte by byte") {
   for (const unsigned format : {0u, 1u, 2u, 3u, 6u, 7u, 8u})
     for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{3000}}) {
       CAPTURE(format);
@@ -30,7 +30,7 @@ TEST_CASE("LAS through LAZ is LAS as it is written without that, byte by byte") 
     }
 }
 
-TEST_CASE("what is packed is as long as LASzip makes it, to the byte") {
+TEST_CASE("a packed LAZ file has exactly LASzip's length and bytes") {
   const std::filesystem::path folder = scannedFiles();
   if (folder.empty()) {
     MESSAGE("skipped: no scanned files");
@@ -40,10 +40,10 @@ TEST_CASE("what is packed is as long as LASzip makes it, to the byte") {
   CHECK(pointsOf(ours) == pointsOf(bytesOf(folder / "simple.laz")));
 }
 
-TEST_CASE("what is packed is, bit by bit, what laz-perf has unpacked to the same points") {
+TEST_CASE("packed LAZ bytes equal those that laz-perf has unpacked to the same points") {
   struct Truth {
     unsigned format;
-    std::uint64_t packed;  // checksum of a file that laz-perf 0.0.7 was given
+    std::uint64_t packed;  // checksum of a file that laz-perf 0.0.7 has unpacked
   };
   for (const Truth& truth :
        {Truth{0u, 0xbdfa066c16c40435u}, Truth{1u, 0x280aa535c3f30b15u}, Truth{2u, 0x41a5fdd7f7230fe8u},
@@ -57,7 +57,7 @@ TEST_CASE("what is packed is, bit by bit, what laz-perf has unpacked to the same
   }
 }
 
-TEST_CASE("a cloud of another format is packed as it would be written plainly") {
+TEST_CASE("a cloud of another format is packed as LAZ with the same points") {
   PointCloud cloud;
   for (int i = 0; i < 60'000; ++i) {
     cloud.positions.emplace_back(0.25f * static_cast<float>(i % 251), -1.5f, 0.5f * static_cast<float>(i / 251));
@@ -71,7 +71,7 @@ TEST_CASE("a cloud of another format is packed as it would be written plainly") 
   CHECK(same);
 }
 
-TEST_CASE("wave packets are not packed, and an older file stays") {
+TEST_CASE("wave packets are refused for LAZ, and an older file is kept") {
   const ScratchFolder folder;
   const StoredCloud stored = reading(fileOf(4, 20).text());
   std::ofstream(folder / "a.laz") << "an older file";

@@ -1,4 +1,4 @@
-// Rows that are no points: they are left out, and counted, in every format.
+// Rows that are not valid points are left out and counted, in every format.
 #include <cmath>
 
 #include "tests/io/npy_bytes.hpp"
@@ -34,7 +34,7 @@ TEST_CASE("rows without a finite position are left out and counted: PLY, PCD, te
   checkTwoPoints(readingFile("a.npy", npy::array("'<f4'", "(3, 3)", values)), "1 point without a finite position");
 }
 
-TEST_CASE("faces count their vertices past rows that are left out, and those of such rows go") {
+TEST_CASE("faces keep their vertices when invalid rows are left out, and faces of such rows are dropped") {
   const StoredCloud stored = readingFile(
       "a.ply",
       "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement face "
@@ -45,7 +45,7 @@ TEST_CASE("faces count their vertices past rows that are left out, and those of 
   CHECK(stored.lost[1] == "1 triangles of points that are left out");
 }
 
-TEST_CASE("triangles with a corner that is not finite are left out and counted, in text and in binary STL") {
+TEST_CASE("triangles with a non-finite corner are left out and counted, in text STL") {
   const auto facet = [](const char* z) {
     return fmt::format("facet normal 0 0 1\nouter loop\nvertex 0 0 {}\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n",
                        z);
@@ -57,12 +57,12 @@ TEST_CASE("triangles with a corner that is not finite are left out and counted, 
   CHECK(stored.lost[0] == "1 triangles with a corner that is not finite");
 }
 
-TEST_CASE("a normal that is not a number is a missing one") {
+TEST_CASE("a normal that is not a number is treated as missing") {
   std::string text = "x y z nx ny nz\n";
   for (int k = 0; k < 20; ++k) text += fmt::format("{} 0 0 0 0 {}\n", k, k == 3 ? "nan" : "1");
   const PointCloud cloud = readingFile("a.txt", text).cloud;
   REQUIRE(cloud.normals.size() == 20);
-  CHECK(cloud.normals[3] == Vec3(0, 0, 1));  // the nearest point's
+  CHECK(cloud.normals[3] == Vec3(0, 0, 1));  // the normal of the nearest point
 }
 
 }  // namespace palpate::test::left_out_rows_test

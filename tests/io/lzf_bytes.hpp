@@ -1,4 +1,4 @@
-// LZF as compressed PCD files have it, made by hand for the tests of the reader.
+// LZF as in compressed PCD files, made by hand for the tests of the reader.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace palpate::test {
 
-/// Packs what repeats the four bytes before it, and nothing else.
+/// Compresses repetitions of the preceding four bytes, and nothing else.
 inline std::string packedLzf(const std::string& bytes) {
   constexpr std::size_t kBack = 4, kMaxLiteral = 32, kMaxRun = 264, kMinRun = 9;
   std::string out, literal;

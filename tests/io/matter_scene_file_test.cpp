@@ -34,7 +34,7 @@ std::string softWith(const std::string& more) {
 
 }  // namespace
 
-TEST_CASE("a scene of matter is read with all that it says") {
+TEST_CASE("a scene of matter is read with all its fields") {
   const MatterScene water = parseMatterScene(waterWith(
       R"("density_kg_m3": 900, "viscosity_Pa_s": 0.1, "gravity_m_s2": [0, 0, -5], "substeps": 9,
          "tool": {"radius_mm": 12, "mass_kg": 0.2}, "gain": 40)"));
@@ -75,7 +75,7 @@ TEST_CASE("a scene of matter is read with all that it says") {
   CHECK(scan.viscosity_Pa_s == kSoftViscosity_Pa_s);
 }
 
-TEST_CASE("a scene of matter that says something wrong is refused with the field") {
+TEST_CASE("an invalid scene of matter is refused with the field") {
   CHECK(refusal(waterWith(R"("gain": 1)")) == "read");
   CHECK(says(refusal("{"), "is no JSON"));
   CHECK(says(refusal("[]"), "is no JSON object"));
@@ -109,7 +109,7 @@ TEST_CASE("a scene of matter that says something wrong is refused with the field
   CHECK(says(refusal(waterWith(R"("tool": {"mass_kg": "3"})")), "tool.mass_kg: is"));
 }
 
-TEST_CASE("a file of a scene is refused by its name, the field and the bounds") {
+TEST_CASE("an invalid scene file is refused with its name, the field and the bounds") {
   const ScratchFolder folder;
   const auto file = folder / "scene.json";
   const auto readRefusal = [&](const std::string& text) {

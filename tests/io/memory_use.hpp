@@ -1,4 +1,5 @@
-// What a test program has from operator new, with a bound. Included by one file of a program, since it replaces that.
+// Memory that a test program holds from operator new, with a bound. Included by one file of a program, since it
+// replaces operator new.
 #pragma once
 
 #include <malloc.h>
@@ -12,11 +13,11 @@
 
 namespace palpate::test {
 
-/// Bytes, of all threads together.
+/// Bytes of all threads together.
 struct MemoryUse {
   static constexpr std::int64_t kNoBound = std::numeric_limits<std::int64_t>::max();
   static inline std::atomic<std::int64_t> now = 0, most = 0, bound = kNoBound;
-  static inline std::atomic<bool> refused = false;  ///< something was asked for beyond the bound
+  static inline std::atomic<bool> refused = false;  ///< an allocation exceeded the bound
 
   static bool add(std::int64_t bytes) {
     const std::int64_t sum = now += bytes;
@@ -31,7 +32,7 @@ struct MemoryUse {
   }
 };
 
-/// While one lives there is no more than so many bytes from operator new besides what there was, and bad_alloc beyond.
+/// During its lifetime operator new gives at most `bytes` more than before, and throws bad_alloc beyond.
 class MemoryBound {
  public:
   explicit MemoryBound(std::int64_t bytes) : before_(MemoryUse::now) {
@@ -62,7 +63,7 @@ inline std::int64_t bytesAt(void* memory) {
 
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   using palpate::test::MemoryUse;
-  // Before it is there, so that what is too much is never asked for.
+  // Checked before the allocation, so that an excessive size is never requested.
   constexpr auto kMax = static_cast<std::size_t>(MemoryUse::kNoBound / 2);
   if (const std::int64_t bound = MemoryUse::bound;
       bound != MemoryUse::kNoBound && MemoryUse::now + static_cast<std::int64_t>(std::min(size, kMax)) > bound) {
@@ -80,7 +81,7 @@ void* operator new(std::size_t size) {
   if (void* memory = operator new(size, std::nothrow)) return memory;
   throw std::bad_alloc();
 }
-// Not inlined: g++ 12 would see free() meet a new and warn.
+// Not inlined: g++ 12 would warn about free() of memory from new.
 [[gnu::noinline]] void operator delete(void* memory) noexcept {
   if (!memory) return;
   palpate::test::MemoryUse::now -= palpate::test::bytesAt(memory);

@@ -1,4 +1,4 @@
-// Meshes: what is written is read again as points of its surface, evenly spread; and what is no mesh is refused.
+// Meshes: a written mesh is read again as evenly spread points of its surface, and invalid meshes are refused.
 #include "engine/io/mesh_format.hpp"
 
 #include <doctest/doctest.h>
@@ -19,7 +19,7 @@ namespace palpate::test::mesh_format_test {
 
 namespace {
 
-/// A box of 1 x 2 x 3, its faces anticlockwise seen from outside.
+/// A box of 1 x 2 x 3, with faces anticlockwise seen from outside.
 struct Box {
   PointCloud corners;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -35,7 +35,7 @@ struct Box {
   }
 };
 
-/// Which of the six faces of the box a point is on; -1: none.
+/// Index of the box's face on which a point lies; -1: none.
 int faceOf(const DVec3& p) {
   constexpr double kNear = 1e-5;
   const DVec3 size(1, 2, 3);
@@ -67,7 +67,7 @@ void checkSamples(const PointCloud& cloud, std::size_t count) {
   CHECK(all);
   const double areas[] = {6, 6, 3, 3, 2, 2};
   for (std::size_t k = 0; k < 6; ++k)
-    CHECK(std::abs(onFace[k] - areas[k] / 22 * static_cast<double>(count)) < 4);  // each of two triangles is off by one
+    CHECK(std::abs(onFace[k] - areas[k] / 22 * static_cast<double>(count)) < 4);  // two triangles, each off by one
 }
 
 std::string refusalOf(const std::filesystem::path& file) {
@@ -81,7 +81,7 @@ std::string refusalOf(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("points are as many as asked for on equal areas, without gaps, and the same for any threads") {
+TEST_CASE("a mesh is sampled evenly, with the requested number of points, the same for any number of threads") {
   const Box box;
   TriangleSoup soup{.triangles = box.triangles};
   for (const Vec3& p : box.corners.positions) soup.corners.emplace_back(p);
@@ -104,11 +104,11 @@ TEST_CASE("points are as many as asked for on equal areas, without gaps, and the
     ++cells[cell];
   }
   const auto [least, most] = std::ranges::minmax(cells);
-  CHECK(least >= 32);  // of 40; a random spread would leave some with 25
+  CHECK(least >= 32);  // of 40; random sampling would leave some with 25
   CHECK(most <= 48);
 }
 
-TEST_CASE("triangles without an area or with corners that are no places are left out and counted") {
+TEST_CASE("degenerate triangles and those with non-finite corners are left out and counted") {
   TriangleSoup soup{.corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {std::nan(""), 0, 0}, {1e300, 0, 0}},
                     .triangles = {{0, 1, 3}, {0, 1, 2}, {0, 0, 0}, {0, 1, 4}, {0, 2, 5}}};
   const SampledSoup sampled = sampleSoup(soup, 500, 1);
@@ -120,7 +120,7 @@ TEST_CASE("triangles without an area or with corners that are no places are left
   CHECK(sampleSoup({}, 500, 1).cloud.empty());
 }
 
-TEST_CASE("normals and colours of corners are blended over their triangle") {
+TEST_CASE("normals and colours of corners are interpolated over their triangle") {
   const TriangleSoup soup{.corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
                           .normals = {{1, 0, 1}, {0, 0, 2}, {0, 0, 1}},
                           .colors = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}},
@@ -172,7 +172,7 @@ TEST_CASE("OBJ keeps normals and colours of corners, and coordinates far from ze
   CHECK(text.find("v 400001 5000002 3") != std::string::npos);
 }
 
-TEST_CASE("glTF places its meshes as its nodes say, and has y up") {
+TEST_CASE("glTF meshes are placed by their nodes, and have y up") {
   const ScratchFolder folder;
   std::string glb = gltfTriangle(true);
   std::ofstream(folder / "a.glb", std::ios::binary) << glb;
@@ -188,7 +188,7 @@ TEST_CASE("glTF places its meshes as its nodes say, and has y up") {
   CHECK(refusalOf(folder / "lies.glb") != "");
 }
 
-TEST_CASE("what is no mesh, or has no triangles, is refused with its name") {
+TEST_CASE("files without a mesh or triangles are refused with their name") {
   const ScratchFolder folder;
   const auto with = [&](const char* name, const std::string& text) {
     std::ofstream(folder / name, std::ios::binary) << text;
@@ -207,7 +207,7 @@ TEST_CASE("what is no mesh, or has no triangles, is refused with its name") {
   CHECK(with("beyond.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n") != "read");
 }
 
-TEST_CASE("meshes are written only where there are triangles, and sculpted clouds are saved as what they are") {
+TEST_CASE("mesh formats require triangles, and a sculpted cloud of a mesh file is saved as PLY points") {
   const ScratchFolder folder;
   const Box box;
   CHECK_THROWS_WITH_AS(objFormat().write(folder / "a.obj", box.corners, {}), doctest::Contains("there are none"),
@@ -225,7 +225,7 @@ TEST_CASE("meshes are written only where there are triangles, and sculpted cloud
   CHECK(objFormat().lacks(stored) == std::vector<std::string>{"the attribute 'heat'"});
 }
 
-TEST_CASE("as triangles a mesh comes with its corners, from any format into any other") {
+TEST_CASE("a mesh read as triangles keeps its corners, from any mesh format into any other") {
   const ScratchFolder folder;
   Box box;
   for (Vec3& corner : box.corners.positions) corner *= 0.1f;
@@ -246,9 +246,9 @@ TEST_CASE("as triangles a mesh comes with its corners, from any format into any 
     }
   const PointCloud facing = readCloud(folder / "a.obj", nullptr, {.normalsFromFaces = true, .asTriangles = true}).cloud;
   REQUIRE(facing.hasNormals());
-  for (std::size_t i = 0; i < 8; ++i)  // outwards from the middle of the box
+  for (std::size_t i = 0; i < 8; ++i)  // outwards from the centre of the box
     CHECK(glm::dot(facing.normals[i], box.corners.positions[i] - 0.1f * Vec3(0.5f, 1, 1.5f)) > 0);
-  // Double precision where the corners need it, and no sentence of what is lost where they do not.
+  // Double precision where the corners need it, and no message about lost precision where they do not.
   std::ofstream(folder / "far.off") << "OFF\n3 1 0\n5000000.125 0 0\n5000001.001 0 0\n5000000 1 0\n3 0 1 2\n";
   const StoredCloud far = readCloud(folder / "far.off", nullptr, {.asTriangles = true});
   CHECK(far.cloud.fileCoordinates(1) == DVec3(5000001.001, 0, 0));
@@ -260,7 +260,7 @@ TEST_CASE("as triangles a mesh comes with its corners, from any format into any 
   }
 }
 
-TEST_CASE("whatever is damaged in a mesh, it is read or refused") {
+TEST_CASE("a damaged mesh is read or refused, without a crash") {
   const ScratchFolder folder;
   const Box box;
   for (const char* ending : {".obj", ".stl", ".off"}) {

@@ -1,4 +1,4 @@
-// The readers of meshes, each with what its format alone has, and what is refused with its line or byte.
+// The readers of mesh formats: features of each format, and errors with their line or byte.
 #include "engine/io/mesh_import.hpp"
 
 #include <doctest/doctest.h>
@@ -25,7 +25,7 @@ ImportedMesh imported(Import import, const std::string& text) {
   return import(folder / "a.mesh");
 }
 
-/// Without the file's name; "read" where it is.
+/// The error without the file's name; "read" if there is none.
 std::string refusal(Import import, const std::string& text) {
   try {
     imported(import, text);
@@ -64,8 +64,8 @@ std::string binaryStl(std::uint32_t said, const std::string& facets) {
 
 }  // namespace
 
-TEST_CASE("polygons of dents become triangles within them, and all of them have two less than corners") {
-  // A plus sign, anticlockwise and clockwise, in a plane that leans.
+TEST_CASE("concave polygons become triangles inside them, always two fewer than corners") {
+  // A plus sign, anticlockwise and clockwise, in an inclined plane.
   std::vector<DVec3> plus;
   for (const auto& [x, y] : std::vector<std::pair<int, int>>{
            {1, 0}, {2, 0}, {2, 1}, {3, 1}, {3, 2}, {2, 2}, {2, 3}, {1, 3}, {1, 2}, {0, 2}, {0, 1}, {1, 1}})
@@ -86,7 +86,7 @@ TEST_CASE("polygons of dents become triangles within them, and all of them have 
     addPolygon(ring, triangles);
     CHECK(triangles.size() == std::max<std::size_t>(count, 2) - 2);
   }
-  // What crosses itself, stands on one place or is nowhere has them, too.
+  // Polygons that intersect themselves, or whose corners coincide or are not finite, give as many triangles.
   const double none = std::nan("");
   for (const std::vector<DVec3>& odd : std::vector<std::vector<DVec3>>{{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}},
                                                                        std::vector<DVec3>(7, DVec3(3)),
@@ -97,13 +97,13 @@ TEST_CASE("polygons of dents become triangles within them, and all of them have 
   }
 }
 
-TEST_CASE("OBJ: corners from the end, corners with several normals, and what is no triangle is named") {
+TEST_CASE("OBJ: negative indices, corners with several normals, and unsupported statements are reported") {
   const ImportedMesh mesh = imported(importObj,
                                      "# by hand\nmtllib a.mtl\no one\nv 0 0 0 \nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\n"
                                      "vn 0 0 1\nvn 0 0 -2\nf 1//1 2//1 3//1 4//1\nf -1/1/-1 -2/1/-1 \\\n-3/1/-1\n"
                                      "l 1 2\np 3\nsurf 0 1 0 1 1 2\nnonsense 3\n");
   CHECK(mesh.soup.triangles.size() == 3);
-  REQUIRE(mesh.soup.corners.size() == 7);  // four, and three of the other normal
+  REQUIRE(mesh.soup.corners.size() == 7);  // four, and three with the other normal
   REQUIRE(mesh.soup.normals.size() == 7);
   const auto& last = mesh.soup.triangles.back();
   CHECK(mesh.soup.corners[last[0]] == DVec3(0, 1, 0));
@@ -111,14 +111,14 @@ TEST_CASE("OBJ: corners from the end, corners with several normals, and what is 
   CHECK(mesh.soup.normals[last[1]] == Vec3(0, 0, -2));
   CHECK(mesh.lost == std::vector<std::string>{"2 points and lines", "1 free-form curves and surfaces",
                                               "1 statements that OBJ does not have"});
-  // One face without a normal leaves none to the others.
+  // One face without a normal leaves all corners without normals.
   const ImportedMesh some = imported(importObj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 3 2 1\n");
   CHECK(some.soup.normals.empty());
   CHECK(some.soup.corners.size() == 3);
   CHECK(some.soup.triangles.size() == 2);
 }
 
-TEST_CASE("OBJ: what is wrong is refused with its line") {
+TEST_CASE("OBJ: invalid statements are refused with their line") {
   const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   CHECK(refusal(importObj, three + "f 1 2 4\n") == ":4: a face names corner 4, of 3 before it");
   CHECK(refusal(importObj, three + "f 1 2 -4\n") == ":4: a face names corner -4, of 3 before it");
@@ -131,7 +131,7 @@ TEST_CASE("OBJ: what is wrong is refused with its line") {
   CHECK(refusal(importObj, "some words\n") == ":1: found 'some', expected a statement of OBJ");
 }
 
-TEST_CASE("STL: binary by its size, whatever word it begins with, and else as text") {
+TEST_CASE("STL: binary files are recognized by their size, whatever word they begin with") {
   const ImportedMesh binary = imported(importStl, binaryStl(2, bytesOfFacet(1, 0) + bytesOfFacet(2, 7)));
   CHECK(binary.soup.triangles.size() == 2);
   CHECK(binary.soup.corners.at(3) == DVec3(0, 0, 2));
@@ -156,7 +156,7 @@ TEST_CASE("STL: binary by its size, whatever word it begins with, and else as te
   CHECK(refusal(importStl, "solid a\nwords\n") == ":2: found 'words', expected what an STL file has there");
 }
 
-TEST_CASE("OFF: with normals and colours, as its first word says, and what is wrong is refused with its line") {
+TEST_CASE("OFF: normals and colours follow the first word, and invalid lines are refused with their line") {
   const ImportedMesh mesh = imported(importOff,
                                      "CNOFF # a square\n\n5 3 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 0 255 0 255\n"
                                      "1 1 0 0 0 1 0 0 255 255\n0 1 0 0 0 1 9 9 9 255\n9 9 9 0 0 1 0 0 0 0\n"
@@ -183,7 +183,7 @@ TEST_CASE("OFF: with normals and colours, as its first word says, and what is wr
   CHECK(refusal(importOff, "words\n") == ":1: found 'words', expected OFF");
 }
 
-TEST_CASE("glTF: its buffer within, beside it or packed is the same mesh") {
+TEST_CASE("glTF: a buffer embedded, beside the file or in GLB gives the same mesh") {
   const ImportedMesh packed = imported(importGltf, gltfTriangle(true)),
                      text = imported(importGltf, gltfTriangle(false));
   CHECK(packed.soup.corners == std::vector<DVec3>{{10, 20, 30}, {12, 20, 30}, {10, 22, 30}});
@@ -202,7 +202,7 @@ TEST_CASE("glTF: its buffer within, beside it or packed is the same mesh") {
         ": buffer 0 is 'gone.bin', and there is no such file beside this one");
 }
 
-TEST_CASE("glTF: nodes turn, mirror and repeat a mesh, and strips and fans wind as triangles do") {
+TEST_CASE("glTF: nodes rotate, mirror and repeat a mesh, and triangle strips and fans are read") {
   const std::string json = gltfTriangle(false);
   const auto with = [&](const std::string& what, const std::string& instead) {
     return imported(importGltf, replaced(json, what, instead)).soup;
@@ -235,7 +235,7 @@ TEST_CASE("glTF: nodes turn, mirror and repeat a mesh, and strips and fans wind 
   CHECK(glm::normalize(dressed.normals[2]) == Vec3(0, 1, 0));
 }
 
-TEST_CASE("glTF: what reaches beyond its buffer, goes in circles or is packed is refused") {
+TEST_CASE("glTF: accessors beyond their buffer, cyclic nodes and compressed meshes are refused") {
   const std::string json = gltfTriangle(false);
   const auto why = [&](const std::string& what, const std::string& instead) {
     return refusal(importGltf, replaced(json, what, instead));
@@ -265,7 +265,7 @@ TEST_CASE("glTF: what reaches beyond its buffer, goes in circles or is packed is
   std::string longer = glb;
   longer[13] = '\xff';
   CHECK(says(refusal(importGltf, longer), ": byte 12: a part of "));
-  // A triangle of a corner that is not there: the indices stand last.
+  // A triangle with a missing corner: the indices are the last bytes.
   std::string corner = glb;
   corner[corner.size() - 4] = 9;
   CHECK(says(refusal(importGltf, corner), "a triangle has corner 9 of 3, from 0 on"));

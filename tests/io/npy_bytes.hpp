@@ -19,7 +19,7 @@ std::string bytes(std::initializer_list<T> values, bool reversed = false) {
   return out;
 }
 
-/// `type` with its quotes, or a list of fields.
+/// `type`: with its quotes, or a list of fields.
 inline std::string array(const std::string& type, const std::string& shape, const std::string& data,
                          bool fortran = false, int version = 1) {
   const std::string head =
@@ -32,10 +32,10 @@ inline std::string array(const std::string& type, const std::string& shape, cons
 }
 
 struct Member {
-  std::string name, data, packed;  // `packed`: deflated; empty: stored
+  std::string name, data, packed;  // `packed`: deflated bytes; empty: stored
 };
 
-inline std::uint32_t checksum(const std::string& text) {  // by the polynomial, bit by bit
+inline std::uint32_t checksum(const std::string& text) {  // CRC-32 by its polynomial, bit by bit
   std::uint32_t sum = 0xffffffff;
   for (const char c : text) {
     sum ^= static_cast<std::uint8_t>(c);
@@ -70,7 +70,7 @@ inline std::string zip(const std::vector<Member>& members, bool wide = false) {
          bytes<std::uint16_t>({0});
 }
 
-/// A deflated block that is not packed: what follows is as it was.
+/// A deflate block of type stored: the bytes are unchanged.
 inline std::string plainBlock(const std::string& text) {
   const auto length = static_cast<std::uint16_t>(text.size());
   return std::string(1, '\1') + bytes<std::uint16_t>({length, static_cast<std::uint16_t>(~length)}) + text;

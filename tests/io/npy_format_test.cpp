@@ -1,4 +1,4 @@
-// Arrays of NumPy, alone and in archives: what their columns become, and what is refused with its byte.
+// Arrays of NumPy, alone and in archives: meaning of their columns, and errors with their byte.
 #include "engine/io/npy_format.hpp"
 
 #include <doctest/doctest.h>
@@ -36,7 +36,7 @@ std::string refusal(const std::string& text, const char* name = "a.npy") {
 
 }  // namespace
 
-TEST_CASE("rows of three, four and six numbers are places, an intensity, normals or colours") {
+TEST_CASE("NPY rows of three, four and six numbers are positions, with an intensity, normals or colours") {
   for (const bool reversed : {false, true}) {
     const std::string order = reversed ? ">" : "<";
     const PointCloud places =
@@ -73,7 +73,7 @@ TEST_CASE("rows of three, four and six numbers are places, an intensity, normals
         std::string::npos);
 }
 
-TEST_CASE("a structured array has the names of its fields") {
+TEST_CASE("a structured NPY array gives attributes with the names of its fields") {
   const std::string type =
       "[('xyz', '<f8', (3,)), ('', '|V2'), ('normal', '>f4', (3,)), ('red', '|u1'), ('green', '|u1'), "
       "('blue', '|u1'), ('time', '<u8'), ('ok', '|b1'), ('grid', '<i2', (1, 2))]";
@@ -91,13 +91,13 @@ TEST_CASE("a structured array has the names of its fields") {
   CHECK(read.cloud.extra[3].name == "grid_1");
   CHECK(loadScalar<std::int16_t>(read.cloud.extra[2].data.data() + 2) == -5);
   CHECK(read.lost == std::vector<std::string>{"whole numbers of 'time' beyond 2^53, if there are any"});
-  // Colours of real numbers, of which one alone is more than 1.
+  // Floating-point colours, of which only one exceeds 1.
   const std::string real =
       "[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('red', '<f4'), ('green', '<f4'), ('blue', '<f4')]";
   CHECK(reading(array(real, "(1,)", bytes({1.f, 2.f, 3.f, 0.f, 1.f, 9.f}))).cloud.colors.at(0) == Color{0, 1, 9, 255});
 }
 
-TEST_CASE("numbers of either byte order are read, whatever their size") {
+TEST_CASE("NPY numbers of any size are read in either byte order") {
   for (const bool big : {false, true}) {
     CAPTURE(big);
     std::string type =
@@ -118,7 +118,7 @@ TEST_CASE("numbers of either byte order are read, whatever their size") {
   }
 }
 
-TEST_CASE("an archive's arrays of as many rows as there are points go with them") {
+TEST_CASE("NPZ arrays with one row per point become attributes of the points") {
   const std::string points = array("'<f4'", "(2, 3)", bytes({1.f, 2.f, 3.f, 4.f, 5.f, 6.f}));
   const std::string colors = array("'|u1'", "(2, 3)", std::string("\x01\x02\x03\x04\x05\x06"));
   const std::string ring = array("'<u2'", "(2,)", bytes<std::uint16_t>({8, 9})),
@@ -138,7 +138,7 @@ TEST_CASE("an archive's arrays of as many rows as there are points go with them"
     CHECK(loadScalar<std::uint16_t>(read.cloud.extra[0].data.data() + 2) == 9);
     CHECK(read.lost == std::vector<std::string>{"the member 'notes.txt'", "the array 'pose' of shape (1)"});
   }
-  // Packed by fixed codes: 'a' ten times is the letter twice, and a copy of eight from one before.
+  // Packed with fixed codes: 'a' ten times is two literals, and a copy of eight from one byte before.
   const std::string packed("\x4b\x4c\x84\x01\x00", 5);
   const std::string file = zip({{"a", "aaaaaaaaaa", packed}});
   const auto members = zipMembers("a.npz", std::as_bytes(std::span(file)));
@@ -147,7 +147,7 @@ TEST_CASE("an archive's arrays of as many rows as there are points go with them"
   CHECK(std::string(reinterpret_cast<const char*>(text.data()), text.size()) == "aaaaaaaaaa");
 }
 
-TEST_CASE("any number of points comes back as it was") {
+TEST_CASE("a cloud of any number of points is read back from NPY unchanged") {
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{4097}, std::size_t{65'537}}) {
     CAPTURE(count);
     PointCloud cloud;
@@ -178,7 +178,7 @@ TEST_CASE("any number of points comes back as it was") {
   CHECK(npyFormat().lacks(some) == std::vector<std::string>{"1 triangles", "comments", "the quotes in the name it's"});
 }
 
-TEST_CASE("an array that is damaged or lies is refused with its byte") {
+TEST_CASE("a damaged or inconsistent NPY array is refused with its byte") {
   const std::string data = bytes({1.f, 2.f, 3.f});
   CHECK(refusal("hello") == ": byte 0: no array of NumPy; it does not begin as one");
   CHECK(refusal(std::string("\x93NUMPY\x01\x00", 8)) == ": byte 8: ends inside the array's description");
@@ -216,7 +216,7 @@ TEST_CASE("an array that is damaged or lies is refused with its byte") {
   CHECK(refusal(good.substr(10), "a.npz").find("byte ") != std::string::npos);
 }
 
-TEST_CASE("whatever is flipped, cut or made extreme in an array, it is read or refused") {
+TEST_CASE("flipped, cut or extreme bytes in an NPY array are read or refused, without a crash") {
   std::string rows;
   for (int k = 0; k < 60; ++k) rows += bytes({0.5 * k, 2., 3.});
   const std::string one = array("'<f8'", "(60, 3)", rows), names = array("[('xyz', '<f8', (3,))]", "(60,)", rows);
@@ -242,7 +242,7 @@ TEST_CASE("whatever is flipped, cut or made extreme in an array, it is read or r
   CHECK(read < 790);
 }
 
-TEST_CASE("what is written as an archive reads back as it was, deflated where that is shorter") {
+TEST_CASE("a written NPZ archive is read back unchanged, deflated where that is shorter") {
   PointCloud cloud;
   for (int i = 0; i < 3000; ++i) {
     cloud.positions.emplace_back(0.1f * static_cast<float>(i), 1 / 3.0f, static_cast<float>(i % 7));
@@ -270,7 +270,7 @@ TEST_CASE("what is written as an archive reads back as it was, deflated where th
     CHECK(back.extra[k].name == cloud.extra[k].name);
     CHECK(back.extra[k].data == cloud.extra[k].data);
   }
-  // Far from zero in double precision; a name that means something else is named as lost; no points at all.
+  // Far from zero in double precision; a name with another meaning is reported as lost; no points.
   PointCloud far = reading(array("'<f8'", "(1, 3)", bytes({4500000.001, 5200000.002, 0.003}))).cloud;
   far.extra.push_back({"points", ScalarType::u8, std::vector<std::byte>(1)});
   CHECK(npzFormat().lacks({.cloud = far}) ==

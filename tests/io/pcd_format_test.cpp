@@ -1,4 +1,4 @@
-// PCD in its three encodings: what fields become, what is refused with its place, and that nothing is lost on the way.
+// PCD in its three encodings: meaning of the fields, errors with line or byte, and lossless conversion.
 #include "engine/io/pcd_format.hpp"
 
 #include <doctest/doctest.h>
@@ -55,7 +55,7 @@ std::string bytesOf(Values... values) {
   return out;
 }
 
-/// As it is, in pieces that need no compression.
+/// Stored in literal runs, without compression.
 std::string stored(const std::string& bytes) {
   std::string out;
   for (std::size_t at = 0; at < bytes.size(); at += 32) {
@@ -74,7 +74,7 @@ std::string unpacked(const std::string& in, std::size_t bytes) {
 
 }  // namespace
 
-TEST_CASE("fields of text become places, normals, colours and attributes under their names") {
+TEST_CASE("PCD text fields become positions, normals, colours and named attributes") {
   const float packed = std::bit_cast<float>(std::uint32_t{0x00ff8001});
   const StoredCloud read = reading(
       header("x y z normal_x normal_y normal_z rgb curvature", "4 4 4 4 4 4 4 4", "F F F F F F F F", 2, "ascii") +
@@ -84,12 +84,12 @@ TEST_CASE("fields of text become places, normals, colours and attributes under t
   CHECK(read.cloud.fileCoordinates(1) == DVec3(4, 5, 6.5));
   CHECK(read.cloud.normals.at(1) == Vec3(1, 0, 0));
   CHECK(read.cloud.colors.at(0) == Color{255, 128, 1, 255});
-  CHECK(read.cloud.colors.at(1) == Color{0, 0, 1, 255});  // smaller than other numbers can be
+  CHECK(read.cloud.colors.at(1) == Color{0, 0, 1, 255});  // a denormal number
   REQUIRE(read.cloud.extra.size() == 1);
   CHECK(read.cloud.extra[0].name == "curvature");
 }
 
-TEST_CASE("binary points are those of the file, of any type, with padding and many numbers in a field") {
+TEST_CASE("binary PCD points are read in any type, with padding and several numbers per field") {
   const std::string head =
       "VERSION .7\nFIELDS x y z _ rgba hist ring t\nSIZE 8 8 8 1 4 4 2 8\nTYPE F F F U U F U U\n"
       "COUNT 1 1 1 4 1 2 1 1\nWIDTH 1\nHEIGHT 2\nVIEWPOINT 1 2 3 1 0 0 0\nPOINTS 2\nDATA ";
@@ -132,7 +132,7 @@ TEST_CASE("binary points are those of the file, of any type, with padding and ma
   }
 }
 
-TEST_CASE("compressed bytes are copies of those before, also of themselves") {
+TEST_CASE("compressed PCD copies earlier bytes, also overlapping its own output") {
   CHECK(unpacked(std::string("\x02"
                              "abc",
                              4),
@@ -140,11 +140,11 @@ TEST_CASE("compressed bytes are copies of those before, also of themselves") {
   CHECK(unpacked(std::string("\x00"
                              "a\x20\x00",
                              4),
-                 4) == "aaaa");  // three, one back
+                 4) == "aaaa");  // a copy of three bytes, from one byte back
   CHECK(unpacked(std::string("\x01"
                              "ab\xe0\x02\x01",
                              6),
-                 13) == "ababababababa");  // nine more and two
+                 13) == "ababababababa");  // a copy of nine bytes from two bytes back, and the two literals
   CHECK(unpacked(std::string("\x00"
                              "a\x20\x01",
                              4),
@@ -162,7 +162,7 @@ TEST_CASE("compressed bytes are copies of those before, also of themselves") {
   CHECK(unpacked("\xe0", 4) == "bad at 0");
 }
 
-TEST_CASE("places without a point are left out and counted, and so is half a place") {
+TEST_CASE("PCD points without a finite position are left out and counted") {
   const std::string head = header("x y z normal_x normal_y normal_z", "4 4 4 4 4 4", "F F F F F F", 3, "binary");
   const std::string good = bytesOf(1.f, 2.f, 3.f, 0.f, 1.f, 0.f), none = bytesOf(kNaN, kNaN, kNaN, kNaN, kNaN, kNaN);
   const StoredCloud read = reading(head + good + none + good);
@@ -172,11 +172,11 @@ TEST_CASE("places without a point are left out and counted, and so is half a pla
     CHECK(reading(head + good + none + bytesOf(1.f, half, 3.f, 0.f, 1.f, 0.f)).cloud.size() == 1);
   std::string many = header("x y z normal_x normal_y normal_z", "4 4 4 4 4 4", "F F F F F F", 20, "binary");
   for (int k = 0; k < 19; ++k) many += good;
-  many += bytesOf(9.f, 2.f, 3.f, kNaN, kNaN, kNaN);  // takes that of its neighbour
+  many += bytesOf(9.f, 2.f, 3.f, kNaN, kNaN, kNaN);  // gets the normal of its neighbour
   CHECK(reading(many).cloud.normals.at(19) == Vec3(0, 1, 0));
 }
 
-TEST_CASE("any number of points comes back as it was") {
+TEST_CASE("a cloud of any number of points is read back from PCD unchanged") {
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{4096}, std::size_t{65'537}}) {
     CAPTURE(count);
     PointCloud cloud;
@@ -198,7 +198,7 @@ TEST_CASE("any number of points comes back as it was") {
   }
 }
 
-TEST_CASE("a file that is damaged or lies is refused with its line or byte") {
+TEST_CASE("a damaged or inconsistent PCD file is refused with its line or byte") {
   const std::string ascii = header("x y z", "4 4 4", "F F F", 2, "ascii");
   CHECK(refusal("plywood\n") == ":1: not a PCD file: found 'plywood', expected 'VERSION'");
   CHECK(refusal("") == ": is empty; it holds no points");
@@ -231,7 +231,7 @@ TEST_CASE("a file that is damaged or lies is refused with its line or byte") {
         std::string::npos);
 }
 
-TEST_CASE("whatever is flipped, cut or made extreme in a PCD file, it is read or refused") {
+TEST_CASE("flipped, cut or extreme bytes in a PCD file are read or refused, without a crash") {
   std::string rows, text;
   for (int k = 0; k < 60; ++k) {
     rows += bytesOf(0.1f * static_cast<float>(k), 2.f, 3.f, std::uint32_t{0xff8010}, static_cast<std::uint16_t>(k));
@@ -247,7 +247,7 @@ TEST_CASE("whatever is flipped, cut or made extreme in a PCD file, it is read or
   }
 }
 
-TEST_CASE("what a PCD file has no place for is named") {
+TEST_CASE("properties that PCD cannot hold are listed") {
   StoredCloud some{.cloud = reading(header("x y z", "4 4 4", "F F F", 1, "ascii") + "1 2 3\n").cloud,
                    .triangles = {{0, 0, 0}},
                    .lost = {}};

@@ -1,4 +1,4 @@
-// Named pipes: read where a program writes to them, and refused in words where none does.
+// Named pipes: read if a program writes to them, and refused with an error if none does.
 #include <sys/stat.h>
 
 #include <thread>
@@ -8,7 +8,7 @@
 namespace palpate::test::pipe_linux_test {
 
 // ctest: waits
-TEST_CASE("a pipe to which nobody writes is refused in words, and one with a writer that is slow is read") {
+TEST_CASE("a pipe without a writer is refused with an error, and one with a slow writer is read") {
   const ScratchFolder folder;
   const std::filesystem::path pipe = folder / "a.xyz";
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);

@@ -16,7 +16,7 @@
 
 namespace palpate::test {
 
-/// A file in the temporary folder that goes away with the object.
+/// A file in the temporary folder, removed by the destructor.
 class TemporaryFile {
  public:
   explicit TemporaryFile(std::string_view content = {}) {
@@ -78,7 +78,7 @@ inline constexpr std::array kAllFormats{PlyFormat::ascii, PlyFormat::binaryLittl
 
 inline std::string magic(PlyFormat format) { return fmt::format("ply\nformat {} 1.0\n", plyName(format)); }
 
-/// The message of the Error that `action` throws; empty when it throws none.
+/// The message of the Error that `action` throws; empty if it throws none.
 template <class Action>
 std::string errorOf(Action&& action) {
   try {

@@ -24,7 +24,7 @@ bool names(const std::vector<std::string>& lost, std::string_view what) {
 
 }  // namespace
 
-TEST_CASE("a cloud that is written as it was read loses nothing") {
+TEST_CASE("a cloud written as it was read loses nothing") {
   const StoredCloud cloud =
       stored("element vertex 3\n" + kXyz + "property uchar red\nproperty uchar green\nproperty uchar blue\n" + kFaces,
              "0 0 0 1 2 3\n1 0 0 4 5 6\n0 1 0 7 8 9\n3 0 1 2\n3 2 1 0\n");
@@ -32,7 +32,7 @@ TEST_CASE("a cloud that is written as it was read loses nothing") {
   CHECK(cloud.triangles.size() == 2);
 }
 
-TEST_CASE("all that is lost by reading is named") {
+TEST_CASE("all properties lost by reading PLY are listed") {
   const StoredCloud cloud = stored(
       "element vertex 4\n" + kXyz + "property list uchar int links\nproperty ushort red\nproperty ushort green\n" +
           "property ushort blue\n" + kFaces + "property uchar material\nelement edge 1\nproperty int a\n" +
@@ -46,7 +46,7 @@ TEST_CASE("all that is lost by reading is named") {
   CHECK(names(cloud.lost, "8 bits"));
 }
 
-TEST_CASE("who wants points alone gets no triangles, hears what else there is, and is kept by no damage to it") {
+TEST_CASE("reading points alone from PLY gives no triangles, and damaged faces cause no error") {
   const std::string points = "element vertex 3\n" + kXyz, rows = "0 0 0\n1 0 0\n0 1 0\n";
   const TemporaryFile file("ply\nformat ascii 1.0\n" + points + kFaces + "end_header\n" + rows + "3 0 1 2\n3 0 1 9\n");
   CHECK_THROWS_AS(plyFormat().read(file.path(), nullptr, {}), FileError);
@@ -56,7 +56,7 @@ TEST_CASE("who wants points alone gets no triangles, hears what else there is, a
   CHECK(cloud.lost.empty());
 }
 
-TEST_CASE("what a file says that it holds is told without its rows") {
+TEST_CASE("the contents of a PLY file are read from its header alone") {
   const TemporaryFile file("ply\nformat ascii 1.0\ncomment by hand\nelement vertex 7\n" + kXyz + kFaces +
                            "end_header\n");
   const FileContents contents = plyFormat().contents(file.path());
@@ -70,7 +70,7 @@ TEST_CASE("what a file says that it holds is told without its rows") {
   CHECK(contents.comments == std::vector<std::string>{"comment by hand"});
 }
 
-TEST_CASE("what gives way to normals that came later is named") {
+TEST_CASE("PLY properties replaced by later normals are listed as lost") {
   StoredCloud cloud = stored("element vertex 1\n" + kXyz + "property float nx\nproperty float heat\n", "0 0 0 5 6\n");
   const CloudFormat ply = plyFormat();
   CHECK(ply.lacks(cloud).empty());

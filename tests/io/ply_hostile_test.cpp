@@ -1,5 +1,5 @@
-// Files that lie, end early or are not what they claim: each is refused with its place, and none takes memory on its
-// word.
+// Inconsistent, truncated or foreign files: each is refused with its line or byte, and none allocates memory for a
+// wrong count.
 #include <doctest/doctest.h>
 
 #include <ctime>
@@ -29,7 +29,7 @@ std::string floats(PlyFormat format, std::initializer_list<double> values) {
 
 }  // namespace
 
-TEST_CASE("what is no PLY file is refused") {
+TEST_CASE("a file that is not PLY is refused") {
   CHECK(contains(refusal(""), ":1: the file is empty"));
   CHECK(contains(refusal("solid cube"), ":1: its first line is 'solid cube'; that of a PLY file is 'ply'"));
   CHECK(contains(refusal("plywood\n"), "its first line is 'plywood'"));
@@ -38,7 +38,7 @@ TEST_CASE("what is no PLY file is refused") {
   CHECK(contains(errorOf([] { readPly("/tmp"); }), "is a folder"));
 }
 
-TEST_CASE("a broken header is refused with its line") {
+TEST_CASE("a broken PLY header is refused with its line") {
   const std::string ascii = "ply\nformat ascii 1.0\n";
   CHECK(contains(refusal("ply\nformat ascii 1.0\nelement vertex 1\n" + kXyz), ":6: the file ends inside the header"));
   CHECK(contains(refusal("ply\nelement vertex 0\n" + kXyz + "end_header\n"), ":6: the header has no 'format' line"));
@@ -66,10 +66,10 @@ TEST_CASE("a broken header is refused with its line") {
   CHECK(contains(refusal(endless), "no 'end_header' in the first"));
 }
 
-TEST_CASE("a count that cannot be true costs neither time nor memory") {
+TEST_CASE("an impossible count in a PLY header costs neither time nor memory") {
   for (const PlyFormat format : kAllFormats) {
     for (const char* count : {"1000000000000000000", "18446744073709551615", "4294967296"}) {
-      const std::clock_t begin = std::clock();  // of this process alone, however busy the machine is
+      const std::clock_t begin = std::clock();  // processor time
       const std::string header = magic(format) + "element vertex " + count + "\n" + kXyz;
       CHECK(contains(refusal(header + "end_header\n" + floats(format, {1, 2, 3})), "the header promises"));
       CHECK(contains(refusal(header + "property list uint int n\nend_header\n"), "the header promises"));
@@ -84,7 +84,7 @@ TEST_CASE("a count that cannot be true costs neither time nor memory") {
   }
 }
 
-TEST_CASE("a file cut off at any byte is refused or whole, and never crashes") {
+TEST_CASE("a PLY file cut off at any byte is refused or complete, without a crash") {
   for (const PlyFormat format : kAllFormats) {
     using enum ScalarType;
     BodyWriter body(format);
@@ -106,7 +106,7 @@ TEST_CASE("a file cut off at any byte is refused or whole, and never crashes") {
   }
 }
 
-TEST_CASE("any damaged byte gives a cloud or an error") {
+TEST_CASE("any damaged byte of a PLY file gives a cloud or an error") {
   using enum ScalarType;
   for (const PlyFormat format : kAllFormats) {
     BodyWriter body(format);
@@ -132,7 +132,7 @@ TEST_CASE("any damaged byte gives a cloud or an error") {
   }
 }
 
-TEST_CASE("positions that are not finite are left out, and normals that are not are missing ones") {
+TEST_CASE("non-finite PLY positions are left out, and non-finite normals are treated as missing") {
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   const std::string head = "element vertex 3\n" + kXyz;
   for (const PlyFormat format : {PlyFormat::binaryLittleEndian, PlyFormat::binaryBigEndian}) {
@@ -152,7 +152,7 @@ TEST_CASE("positions that are not finite are left out, and normals that are not 
   }
 }
 
-TEST_CASE("a row of text that does not fit its properties is refused at its line") {
+TEST_CASE("a PLY text row that does not match its properties is refused with its line") {
   const std::string head = magic(PlyFormat::ascii) + "element vertex 2\n" + kXyz + "property uchar level\n";
   CHECK(contains(refusal(head + "end_header\n0 0 0 1\n0 0 0\n"), ":10: vertex 2 ends before 'level'"));
   CHECK(contains(refusal(head + "end_header\n0 0 0 1 5\n0 0 0 1\n"),
@@ -164,7 +164,7 @@ TEST_CASE("a row of text that does not fit its properties is refused at its line
   CHECK(contains(refusal(head + "end_header\n0 0 0 1.5\n0 0 0 1\n"), ":9: found '1.5' for 'level'"));
 }
 
-TEST_CASE("a list that cannot be that long is refused") {
+TEST_CASE("an impossible list length in PLY is refused") {
   const std::string lists = "element vertex 1\n" + kXyz + "property list int int ring\nend_header\n";
   CHECK(contains(refusal(magic(PlyFormat::ascii) + lists + "0 0 0 -1\n"), ":9: vertex 1: list 'ring' claims -1 items"));
   CHECK(contains(refusal(magic(PlyFormat::ascii) + lists + "0 0 0 2000000000 1\n"),
@@ -180,7 +180,7 @@ TEST_CASE("a list that cannot be that long is refused") {
   }
 }
 
-TEST_CASE("faces that name vertices which are not there are refused when they are used") {
+TEST_CASE("PLY faces with invalid vertex indices are refused when they are used") {
   const std::string text =
       magic(PlyFormat::ascii) + "element vertex 3\n" + kXyz +
       "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 ";

@@ -41,7 +41,7 @@ std::string everything(PlyFormat format) {
 
 }  // namespace
 
-TEST_CASE("every encoding gives the same cloud, whatever surrounds the vertices") {
+TEST_CASE("every PLY encoding gives the same cloud, whatever surrounds the vertices") {
   for (const PlyFormat format : kAllFormats) {
     CAPTURE(plyName(format));
     const TemporaryFile file(everything(format));
@@ -62,7 +62,7 @@ TEST_CASE("every encoding gives the same cloud, whatever surrounds the vertices"
   }
 }
 
-TEST_CASE("the header alone says what is in a file") {
+TEST_CASE("the PLY header alone gives the contents of a file") {
   const TemporaryFile file(everything(PlyFormat::binaryBigEndian));
   const PlyInfo info = readPlyInfo(file.path());
   CHECK(info.format == PlyFormat::binaryBigEndian);
@@ -76,7 +76,7 @@ TEST_CASE("the header alone says what is in a file") {
   CHECK(info.find("camera") == nullptr);
 }
 
-TEST_CASE("line ends may be LF and CRLF in one header, also before a binary body") {
+TEST_CASE("line ends may be LF and CRLF in one PLY header, also before a binary body") {
   for (const PlyFormat format : kAllFormats) {
     BodyWriter body(format);
     body.put(ScalarType::f32, 1).put(ScalarType::f32, 2).put(ScalarType::f32, 3).endRow();
@@ -89,13 +89,13 @@ TEST_CASE("line ends may be LF and CRLF in one header, also before a binary body
   }
 }
 
-TEST_CASE("lines may end with CR alone, in every encoding, and errors name them as they name others") {
+TEST_CASE("PLY lines may end with CR alone, in every encoding, and errors give the right line") {
   const std::string header = "element vertex 2\rproperty float x\rproperty float y\r\rproperty float z\rend_header\r";
   for (const PlyFormat format : kAllFormats) {
     BodyWriter body(format);
     for (const double value : {1, 2, 3, 4, 5, 6}) body.put(ScalarType::f32, value);
     std::string text = body.text();
-    if (format == PlyFormat::ascii) text = "1 2 3\r\r4 5 6";  // the last line has no end
+    if (format == PlyFormat::ascii) text = "1 2 3\r\r4 5 6";  // the last line has no line end
     const TemporaryFile file(fmt::format("ply\rcomment one\rformat {} 1.0\r", plyName(format)) + header + text);
     const PointCloud cloud = readPly(file.path());
     CHECK(cloud.positions == std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}});
@@ -106,18 +106,18 @@ TEST_CASE("lines may end with CR alone, in every encoding, and errors name them 
   CHECK(contains(errorOf([&] { readPly(TemporaryFile(ascii + "element vertex -1\r").path()); }), ":3: the count"));
 }
 
-TEST_CASE("an LF behind a header of CR lines is data, unless the file is a byte too long for that") {
+TEST_CASE("an LF after a PLY header of CR lines is data, unless the file is one byte too long for that") {
   const std::string header =
       "ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty uchar x\rproperty uchar y\r"
       "property uchar z\rend_header\r";
   CHECK(readPly(TemporaryFile(header + "\n\x02\x03").path()).positions.at(0) == Vec3(10, 2, 3));
   CHECK(readPly(TemporaryFile(header + "\n\x01\x02\x03").path()).positions.at(0) == Vec3(1, 2, 3));
-  // More than a byte too long: what follows is not ours, and the style of the header stands.
+  // More than a byte too long: the remainder is not part of the cloud, and the header's line ends decide.
   CHECK(readPly(TemporaryFile(header + "\n\x02\x03junk").path()).positions.at(0) == Vec3(10, 2, 3));
   CHECK(contains(errorOf([&] { readPly(TemporaryFile(header + "\n\x02").path()); }), "truncated"));
 }
 
-TEST_CASE("a CR that is the last byte in memory waits for what follows before it counts as a line's end") {
+TEST_CASE("a CR at the end of a read buffer is combined with the LF that follows") {
   for (const std::size_t length : {(std::size_t{1} << 20) - 2, (std::size_t{1} << 20) - 1, std::size_t{1} << 20}) {
     const std::string line(length, 'a');
     for (const std::string_view end : {"\r\n", "\r", "\n"}) {
@@ -131,7 +131,7 @@ TEST_CASE("a CR that is the last byte in memory waits for what follows before it
   }
 }
 
-TEST_CASE("float colours become bytes and alpha is kept") {
+TEST_CASE("floating-point colours of PLY become bytes, and alpha is kept") {
   const TemporaryFile file(
       magic(PlyFormat::ascii) +
       "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float diffuse_red\n"
@@ -144,7 +144,7 @@ TEST_CASE("float colours become bytes and alpha is kept") {
   CHECK(cloud.extra.empty());
 }
 
-TEST_CASE("16-bit colours are scaled and a float alpha follows its colour") {
+TEST_CASE("16-bit PLY colours are scaled to 8 bits, also with a floating-point alpha") {
   const TemporaryFile file(
       magic(PlyFormat::ascii) +
       "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty ushort red\n"
@@ -152,7 +152,7 @@ TEST_CASE("16-bit colours are scaled and a float alpha follows its colour") {
   CHECK(readPly(file.path()).colors[0] == std::array<std::uint8_t, 4>{255, 1, 0, 51});
 }
 
-TEST_CASE("coordinates far from the origin keep their detail") {
+TEST_CASE("PLY coordinates far from the origin keep their precision") {
   for (const PlyFormat format : kAllFormats) {
     BodyWriter body(format);
     for (int i = 0; i < 100; ++i)
@@ -173,14 +173,14 @@ TEST_CASE("coordinates far from the origin keep their detail") {
   }
 }
 
-TEST_CASE("the origin is zero where single precision is enough") {
+TEST_CASE("the origin of a cloud is zero where single precision is sufficient") {
   CHECK(originFor({DVec3(-1), DVec3(1)}) == DVec3(0));
   CHECK(originFor({DVec3(10), DVec3(11)}) == DVec3(0));
   CHECK(originFor({DVec3(1000), DVec3(1001)}) == DVec3(1001));  // 1000.5 rounded to whole longest sides
   CHECK(originFor({DVec3(7), DVec3(7)}) == DVec3(7));
 }
 
-TEST_CASE("normals are made unit length, and those already unit are left alone") {
+TEST_CASE("PLY normals are normalized, and unit ones stay unchanged") {
   const TemporaryFile file(
       magic(PlyFormat::ascii) +
       "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
@@ -191,7 +191,7 @@ TEST_CASE("normals are made unit length, and those already unit are left alone")
   CHECK(cloud.normals[2] == Vec3(1, 0, 0));
 }
 
-TEST_CASE("a few zero normals are filled from the nearest point, many make the cloud one without") {
+TEST_CASE("a few zero normals are taken from the nearest point; many leave the cloud without normals") {
   const std::string properties =
       "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float "
       "nz\nend_header\n";
@@ -205,7 +205,7 @@ TEST_CASE("a few zero normals are filled from the nearest point, many make the c
   CHECK_FALSE(readPly(many.path()).hasNormals());
 }
 
-TEST_CASE("normals can be taken from faces and strips, before or after the vertices") {
+TEST_CASE("PLY normals can be computed from faces and strips, before or after the vertices") {
   for (const PlyFormat format : kAllFormats) {
     for (const bool facesFirst : {false, true}) {
       for (const bool strips : {false, true}) {
@@ -242,7 +242,7 @@ TEST_CASE("normals can be taken from faces and strips, before or after the verti
   }
 }
 
-TEST_CASE("a cloud of no vertices is a cloud") {
+TEST_CASE("a PLY file with no vertices is an empty cloud") {
   const TemporaryFile file(magic(PlyFormat::binaryLittleEndian) +
                            "element vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
   const PointCloud cloud = readPly(file.path());
@@ -250,7 +250,7 @@ TEST_CASE("a cloud of no vertices is a cloud") {
   CHECK(boundsOf(cloud).longestSide() == 0);
 }
 
-TEST_CASE("whole numbers may be written as reals and reals with a plus sign or too small to hold") {
+TEST_CASE("PLY integers may be written as reals, and reals with a plus sign or below the smallest float") {
   const TemporaryFile file(
       magic(PlyFormat::ascii) +
       "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty uchar level\n"

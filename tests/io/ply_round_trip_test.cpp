@@ -8,7 +8,7 @@
 namespace palpate::test::ply_round_trip_test {
 namespace {
 
-/// Reads `text`, writes it in both ways, reads each back and writes it again: nothing may change any more.
+/// Reads `text`, writes it in both encodings, reads each and writes it again: the second file must equal the first.
 void checkRoundTrip(const std::string& text) {
   const TemporaryFile source(text), binary, ascii, again;
   const PointCloud cloud = readPly(source.path());
@@ -52,7 +52,7 @@ std::string cloudOfTypes(PlyFormat format, ScalarType position, ScalarType norma
 
 }  // namespace
 
-TEST_CASE("clouds of every type and encoding survive being written and read") {
+TEST_CASE("PLY clouds of every type and encoding are written and read unchanged") {
   using enum ScalarType;
   for (const PlyFormat format : kAllFormats) {
     for (const ScalarType type : {i8, u8, i16, u16, i32, u32, f32, f64}) {
@@ -66,7 +66,7 @@ TEST_CASE("clouds of every type and encoding survive being written and read") {
   }
 }
 
-TEST_CASE("a plain binary file comes back byte by byte") {
+TEST_CASE("a plain binary PLY file is written back byte by byte") {
   std::string text =
       magic(PlyFormat::binaryLittleEndian) +
       "comment hello\nelement vertex 1000\nproperty double x\nproperty double y\nproperty double z\nproperty float nx\n"
@@ -83,7 +83,7 @@ TEST_CASE("a plain binary file comes back byte by byte") {
   CHECK(out.content() == file.content());
 }
 
-TEST_CASE("a moved point is written where it went, the others where they were") {
+TEST_CASE("a moved point is written at its new position, the others unchanged") {
   const TemporaryFile file(magic(PlyFormat::ascii) +
                            "element vertex 2\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
                            "1000000.1 0.1 0.2\n1000001.1 0.1 0.2\n"),
@@ -108,7 +108,7 @@ TEST_CASE("normals that are added replace a lone nx of the input") {
   CHECK(readPly(out.path()).normals.at(0) == Vec3(0, 0, 1));
 }
 
-TEST_CASE("an empty cloud can be written and read") {
+TEST_CASE("an empty cloud can be written to PLY and read") {
   const TemporaryFile out;
   for (const bool ascii : {false, true}) {
     writePly(out.path(), PointCloud{}, {ascii});
@@ -116,7 +116,7 @@ TEST_CASE("an empty cloud can be written and read") {
   }
 }
 
-TEST_CASE("a file that cannot be written is an error that names it") {
+TEST_CASE("an output path that cannot be written gives an error with its name") {
   CHECK(contains(errorOf([] { writePly("/nowhere/at/all.ply", PointCloud{}); }),
                  "/nowhere/at/all.ply: cannot be written"));
 }

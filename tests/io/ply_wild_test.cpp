@@ -44,7 +44,7 @@ void checkCloud(const std::filesystem::path& path, const nlohmann::json& truth) 
 
 }  // namespace
 
-TEST_CASE("files from other programs come out as their manifest says") {
+TEST_CASE("PLY files of other programs are read as their manifest says") {
   const std::filesystem::path folder = modelsFolder() / "wild";
   if (!std::filesystem::exists(folder / "manifest.json")) {
     MESSAGE("skipped: no ", (folder / "manifest.json").string());

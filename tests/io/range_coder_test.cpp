@@ -1,4 +1,4 @@
-// The coder of LASzip: what goes in comes out, and streams that are none say so.
+// The coder of LASzip: encoded values are decoded exactly, and invalid streams are detected.
 #include "engine/io/range_coder.hpp"
 
 #include <doctest/doctest.h>
@@ -8,12 +8,12 @@
 
 namespace palpate::test::range_coder_test {
 
-TEST_CASE("symbols, bits and whole numbers of any likelihood come out as they went in, to the last byte") {
+TEST_CASE("symbols, bits and integers of any probability are decoded as encoded, to the last byte") {
   for (const unsigned symbols : {2u, 16u, 17u, 64u, 256u, 516u}) {
     CAPTURE(symbols);
     Dice dice(symbols);
     std::vector<unsigned> values;
-    for (int i = 0; i < 60'000; ++i)  // rare ones, stretches of one, and all alike
+    for (int i = 0; i < 60'000; ++i)  // rare ones, runs, and all equal
       values.push_back(i % 20'000 < 7000 ? dice.below(symbols) : dice.oneIn(400) ? dice.below(symbols) : symbols - 1);
     RangeEncoder encoder;
     SymbolModel model(symbols), other(symbols);
@@ -41,9 +41,9 @@ TEST_CASE("symbols, bits and whole numbers of any likelihood come out as they we
   }
 }
 
-TEST_CASE("bytes that no encoder has written name symbols that there are, and are said to be wrong") {
+TEST_CASE("arbitrary bytes decode to existing symbols, and the range decoder reports an error") {
   for (const unsigned symbols : {2u, 17u, 256u, 516u})
-    for (const unsigned kept : {0u, 1u, 2u, 3u, 4u, 64u}) {  // of bytes that are all ones, before others
+    for (const unsigned kept : {0u, 1u, 2u, 3u, 4u, 64u}) {  // number of leading bytes that are 0xff
       CAPTURE(symbols);
       CAPTURE(kept);
       Dice dice(kept + 1);
@@ -54,13 +54,13 @@ TEST_CASE("bytes that no encoder has written name symbols that there are, and ar
       bool known = true;
       for (int k = 0; k < 5000; ++k) known = known && decoder.symbol(model) < symbols;
       CHECK(known);
-      // Where one of two symbols has become so likely that it costs next to nothing, bytes may be left for 5000.
+      // If one of two symbols is so probable that it costs almost no bits, bytes may remain after 5000 symbols.
       for (int k = 0; k < 512; ++k) decoder.bits(1);
       CHECK(decoder.isWrong());
     }
 }
 
-TEST_CASE("a symbol that is likely takes less than one that is not, near what its share is worth") {
+TEST_CASE("a probable symbol takes fewer bits than an improbable one, close to the entropy") {
   RangeEncoder encoder;
   SymbolModel model(64);
   Dice dice(5);
@@ -78,7 +78,7 @@ TEST_CASE("a symbol that is likely takes less than one that is not, near what it
   CHECK(used < 1.05 * bits);
 }
 
-TEST_CASE("numbers near and far from what is expected come out, in 16 bits and in 32") {
+TEST_CASE("numbers near and far from their prediction are decoded, in 16 bits and in 32") {
   for (const unsigned bits : {16u, 32u}) {
     std::vector<std::array<std::int32_t, 2>> pairs;  // expected, value
     const std::int32_t least = bits == 32 ? -2147483647 - 1 : 0, most = bits == 32 ? 2147483647 : 65535;

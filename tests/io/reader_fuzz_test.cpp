@@ -1,7 +1,7 @@
-// Every reader that takes bytes from strangers, with files that are made worse, for a while or for as long as one
-// likes: PALPATE_FUZZ_S=3600 build/asan/tests_io --source-file='*reader_fuzz*' says how many seconds,
-// PALPATE_FUZZ_FROM from which round on, so that several can run at once, and PALPATE_FUZZ_ONLY=laz,e57 which formats.
-// A file that ends the program is still where it was read.
+// Fuzzes every reader of untrusted bytes with damaged files, for 25 rounds or for a given time: PALPATE_FUZZ_S=3600
+// build/asan/tests_io --source-file='*reader_fuzz*' sets the seconds, PALPATE_FUZZ_FROM the first round, so that
+// several can run at once, and PALPATE_FUZZ_ONLY=laz,e57 the formats. A file that crashes the program remains where it
+// was read.
 #include <doctest/doctest.h>
 
 #include <cstdio>
@@ -19,7 +19,7 @@ namespace palpate::test::reader_fuzz_test {
 
 namespace {
 
-/// Of files that are a few thousand bytes: what packs best is a thousand times larger, and nothing is held many times.
+/// For files of a few thousand bytes: the best compression is a thousandfold, and no data is held many times.
 constexpr std::int64_t kMaxBytes = std::int64_t{128} << 20;
 
 struct Tally {
@@ -33,8 +33,8 @@ void put(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
 }
 
-/// Anything but a refusal with the file's name, or that of what it is written to, ends the test, and so does memory
-/// beyond what such a file can need.
+/// Only a refusal with the file's name, or with that of the output, is accepted; anything else fails the test, and so
+/// does memory beyond what such a file can need.
 void tryOne(const std::filesystem::path& folder, const Specimen& specimen, Damage& damage, Tally& tally) {
   const std::filesystem::path file = folder / specimen.name;
   const std::string text = damage.of(specimen.text, specimen.head);
@@ -73,18 +73,18 @@ std::vector<Specimen> wantedSpecimens() {
   for (const auto& part : std::views::split(std::string_view(only), ','))
     wanted.emplace_back(std::string_view(part.begin(), part.end()));
   for (const std::string& name : wanted)
-    if (std::ranges::find(all, name, &Specimen::format) == all.end()) FAIL("no format is called ", name);
+    if (std::ranges::find(all, name, &Specimen::format) == all.end()) FAIL("unknown format: ", name);
   std::erase_if(all, [&](const Specimen& s) { return std::ranges::find(wanted, s.format) == wanted.end(); });
   return all;
 }
 
 }  // namespace
 
-TEST_CASE("no reader falls over whatever a file has become") {
+TEST_CASE("no reader crashes or exceeds its memory on damaged files") {
   const char *given = std::getenv("PALPATE_FUZZ_S"), *first = std::getenv("PALPATE_FUZZ_FROM");
   const double wanted_s = given ? std::atof(given) : 0;
   const std::uint32_t from = first ? static_cast<std::uint32_t>(std::strtoul(first, nullptr, 10)) : 0;
-  constexpr std::uint32_t kRounds = 25;  // where nobody says how long
+  constexpr std::uint32_t kRounds = 25;  // without PALPATE_FUZZ_S
   const std::vector<Specimen> all = wantedSpecimens();
   const ScratchFolder scratch;
   for (std::size_t k = 0; k < all.size(); ++k)
@@ -114,7 +114,7 @@ TEST_CASE("no reader falls over whatever a file has become") {
   }
 }
 
-TEST_CASE("memory beyond a bound is refused, and counted again when it is given back") {
+TEST_CASE("memory beyond a bound is refused, and freed memory can be allocated again") {
   const MemoryBound bound(1 << 20);
   { const std::vector<char> half(600'000); }
   CHECK_FALSE(MemoryBound::isBroken());

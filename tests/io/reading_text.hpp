@@ -19,7 +19,7 @@ inline StoredCloud readingFile(const std::string& name, const std::string& bytes
   return readCloud(folder / name, nullptr, options);
 }
 
-/// What is said of a file behind its name; "read" where it is read.
+/// The error without the file's name; "read" if there is none.
 inline std::string refusalOf(const std::string& name, const std::string& bytes) {
   try {
     readingFile(name, bytes);
@@ -30,7 +30,7 @@ inline std::string refusalOf(const std::string& name, const std::string& bytes) 
   return "read";
 }
 
-/// 20 points, i to the right, j up: their places, and colours from 0 to 255.
+/// 20 points, i to the right, j up: their positions, and colours from 0 to 255.
 struct Sheet {
   static constexpr int kPoints = 20;
   static DVec3 place(int k) {

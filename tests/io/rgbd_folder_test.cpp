@@ -1,4 +1,4 @@
-// Folders of depth pictures: frames are what stood before the camera, and what is wrong is said with its place.
+// Folders of depth images: frames show the scene before the camera, and errors give file and line.
 #include "engine/io/rgbd_folder.hpp"
 
 #include <doctest/doctest.h>
@@ -27,7 +27,7 @@ void replaceIn(const std::filesystem::path& file, const std::string& what, const
   writeBytes(file, text.replace(at, what.size(), by));
 }
 
-/// All that next() gives: frames, and in words what was lost.
+/// All results of next(): frames, and the messages of dropped ones.
 struct Played {
   std::vector<DepthFrame> frames;
   std::vector<std::string> lost;
@@ -43,7 +43,7 @@ Played play(DepthStream& stream) {
       played.lost.emplace_back(error.what());
     }
   }
-  FAIL("a stream without end");
+  FAIL("the stream does not end");
   return played;
 }
 
@@ -84,7 +84,7 @@ const std::filesystem::path& livingRoom() {
 
 }  // namespace
 
-TEST_CASE("frames of both kinds of folder are what stood before the camera, with its poses and colours") {
+TEST_CASE("frames of both kinds of RGB-D folder show the scene, with its poses and colours") {
   for (const auto& [write, scale, late_s] :
        {std::tuple{&writeRedwood, 1000.0, 1e-12}, std::tuple{&writeTum, 5000.0, 1e-6}}) {
     const ScratchFolder folder;
@@ -128,7 +128,7 @@ TEST_CASE("frames of both kinds of folder are what stood before the camera, with
   }
 }
 
-TEST_CASE("a folder plays again from its first frame, and passes over frames up to a time") {
+TEST_CASE("an RGB-D folder is replayed from its first frame, and skips frames up to a time") {
   const ScratchFolder folder;
   writeRedwood(folder.path(), {.frames = 6});
   RgbdFolder stream(folder.path());
@@ -150,7 +150,7 @@ TEST_CASE("a folder plays again from its first frame, and passes over frames up 
   CHECK(stream.skipTo(1e9) == 0);
 }
 
-TEST_CASE("numbers of Redwood's files are times, and frames between them are none") {
+TEST_CASE("numbers in Redwood's file names are times, and missing numbers are gaps") {
   const ScratchFolder folder;
   writeRedwood(folder.path(), {.frames = 3});
   std::string log = contentOf(folder / "trajectory.log");
@@ -171,7 +171,7 @@ TEST_CASE("numbers of Redwood's files are times, and frames between them are non
   CHECK(played.frames[2].colors.front()[2] == 2);
 }
 
-TEST_CASE("poses that are numbered from 1 belong to the pictures one after another") {
+TEST_CASE("Redwood poses numbered from 1 belong to the images in order") {
   const Played played = playAfter(&writeRedwood, [](const auto& folder) {
     std::string log = contentOf(folder / "trajectory.log");
     for (const int i : {3, 2, 1, 0}) {
@@ -184,7 +184,7 @@ TEST_CASE("poses that are numbered from 1 belong to the pictures one after anoth
   CHECK(glm::distance(played.frames[3].pose->centre, recordedPose(0.1).centre) < 1e-6);
 }
 
-TEST_CASE("without a trajectory frames have no poses, and without pictures no colours") {
+TEST_CASE("RGB-D frames have no poses without a trajectory, and no colours without colour images") {
   for (const Write write : {&writeRedwood, &writeTum}) {
     const Played played = playAfter(write, [](const auto& folder) {
       for (const char* name : {"trajectory.log", "groundtruth.txt", "rgb.txt", "color"})
@@ -197,7 +197,7 @@ TEST_CASE("without a trajectory frames have no poses, and without pictures no co
   }
 }
 
-TEST_CASE("intrinsics that nobody gave are said; those that were given count more than the folder's own") {
+TEST_CASE("default intrinsics are reported, and given ones override those of the folder") {
   const ScratchFolder folder;
   writeRedwood(folder.path());
   writeBytes(folder / "other.json", intrinsicsJson({.width = 24, .height = 18, .fx = 30, .fy = 30, .cx = 1, .cy = 2},
@@ -218,7 +218,7 @@ TEST_CASE("intrinsics that nobody gave are said; those that were given count mor
              "has no intrinsics; taken are 640 x 480 pixels, focal lengths 525 and 525, middle 319.5, 239.5"));
 }
 
-TEST_CASE("colours of another size come along, and that is said once") {
+TEST_CASE("colour images of another size are resized, and that is reported once") {
   const ScratchFolder folder;
   writeTum(folder.path());
   for (const auto& entry : std::filesystem::directory_iterator(folder / "rgb"))
@@ -232,12 +232,12 @@ TEST_CASE("colours of another size come along, and that is said once") {
   CHECK(says(remarks.lines[0], "has 48 x 36 pixels; colours are brought to the 24 x 18 of depth"));
 }
 
-TEST_CASE("a frame that cannot be read is lost with its file, and those behind it come") {
+TEST_CASE("an RGB-D frame that cannot be read is dropped with its file name, and later ones are read") {
   const auto lostAfter = [](Write write, const std::function<void(const std::filesystem::path&)>& harm) {
     const Played played = playAfter(write, harm);
     REQUIRE(played.lost.size() == 1);
     REQUIRE(played.frames.size() == 3);
-    CHECK(played.frames[1].number == 2);  // that of the lost one is not given again
+    CHECK(played.frames[1].number == 2);  // the number of the dropped frame is not reused
     return played.lost[0];
   };
   const auto second = [](const std::filesystem::path& folder) { return folder / "depth" / "00001.png"; };
@@ -266,7 +266,7 @@ TEST_CASE("a frame that cannot be read is lost with its file, and those behind i
            "1305031102.208637.png: cannot be read"));
 }
 
-TEST_CASE("frames without a pose where others have one are lost, whatever ends first") {
+TEST_CASE("RGB-D frames without a pose are dropped if others have one, at the start or at the end") {
   const Played shorter = playAfter(&writeRedwood, [](const auto& folder) {
     const std::string log = contentOf(folder / "trajectory.log");
     writeBytes(folder / "trajectory.log", log.substr(0, log.find("2 2 3\n")));
@@ -283,10 +283,10 @@ TEST_CASE("frames without a pose where others have one are lost, whatever ends f
   CHECK(says(early.lost[0], "depth.txt:2: 1305031102.175304.png has no pose in groundtruth.txt"));
 }
 
-TEST_CASE("colours go to the depth that is nearest, and to one only") {
+TEST_CASE("a colour image belongs to the nearest depth image, and to one only") {
   const ScratchFolder folder;
   writeTum(folder.path(), {.frames = 2, .rate_Hz = 100});
-  // The first depth is 4 ms from the only colour, the second one 6 ms.
+  // The first depth image is 4 ms from the only colour image, the second one 6 ms.
   const std::string name = "1305031102.175304.png";
   writeBytes(folder / "rgb.txt", "1305031102.179304 rgb/" + name + "\n");
   RgbdFolder stream(folder.path());
@@ -296,7 +296,7 @@ TEST_CASE("colours go to the depth that is nearest, and to one only") {
   CHECK(played.lost.size() == 1);
 }
 
-TEST_CASE("lists that are wrong are refused at once, with file and line") {
+TEST_CASE("invalid lists of an RGB-D folder are refused on opening, with file and line") {
   const auto redwood = [](const auto& harm) { return refusalAfter(&writeRedwood, harm); };
   const auto tum = [](const auto& harm) { return refusalAfter(&writeTum, harm); };
   CHECK(redwood([](const auto&) {}) == "opened");
@@ -308,7 +308,7 @@ TEST_CASE("lists that are wrong are refused at once, with file and line") {
       says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "nan "); }), "depth.txt:3: found"));
   CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "1305031102.175304 "); }),
              "depth.txt:3: time 1305031102.175304 s is there twice"));
-  // Lists in another order than that of time are sorted.
+  // Lists that are not in order of time are sorted.
   CHECK(tum([](const auto& f) { replaceIn(f / "rgb.txt", "1305031102.219637 ", "7 "); }) == "opened");
   CHECK(says(tum([](const auto& f) { replaceIn(f / "groundtruth.txt", "1305031102.172304 ", "1305031102.172304 7 "); }),
              "groundtruth.txt:3: expected eight numbers"));
@@ -329,7 +329,7 @@ TEST_CASE("lists that are wrong are refused at once, with file and line") {
   CHECK(says(
       redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 3 0 0\n0 0 1 0\n0 0 0 1\n"); }),
       "trajectory.log:1: the pose's first three columns are no rotation"));
-  // An empty list is none.
+  // An empty list is treated as missing.
   CHECK(redwood([](const auto& f) { writeBytes(f / "trajectory.log", ""); }) == "opened");
   CHECK(tum([](const auto& f) { writeBytes(f / "rgb.txt", "# color\n"); }) == "opened");
   CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/1.png"); }),
@@ -349,7 +349,7 @@ TEST_CASE("lists that are wrong are refused at once, with file and line") {
   CHECK_THROWS_WITH_AS(RgbdFolder(empty.path()), doctest::Contains("is not a TUM folder"), FileError);
 }
 
-TEST_CASE("a list that is cut off at any byte is read or refused, and nothing else") {
+TEST_CASE("an RGB-D list cut off at any byte is read or refused") {
   for (const auto& [write, name] :
        {std::pair{&writeRedwood, "trajectory.log"}, std::pair{&writeTum, "depth.txt"},
         std::pair{&writeTum, "groundtruth.txt"}, std::pair{&writeRedwood, "intrinsics.json"}}) {
@@ -371,7 +371,7 @@ TEST_CASE("a list that is cut off at any byte is read or refused, and nothing el
   }
 }
 
-TEST_CASE("what is up follows from how the cameras were held") {
+TEST_CASE("the up direction of an RGB-D folder follows from the orientation of the cameras") {
   const ScratchFolder folder;
   writeRedwood(folder.path());
   CHECK(RgbdFolder(folder.path()).up() == UpAxis::minusY);
@@ -380,7 +380,7 @@ TEST_CASE("what is up follows from how the cameras were held") {
   CHECK(RgbdFolder(folder.path()).up() == UpAxis::z);
 }
 
-TEST_CASE("bags are told by their first bytes, whatever they are called, and what makes folders of them is said") {
+TEST_CASE("ROS and RealSense bags are recognized by their first bytes, and the error names a converter") {
   const ScratchFolder folder;
   for (const char* begin : {"#ROSBAG V2.0\n\x45", "\x89MCAP0\r\n", "SQLite format 3"}) {
     writeBytes(folder / "a.ply", begin);
@@ -392,7 +392,7 @@ TEST_CASE("bags are told by their first bytes, whatever they are called, and wha
   }
 }
 
-TEST_CASE("a real recording is read whole") {
+TEST_CASE("a real RGB-D recording is read completely") {
   if (!isRgbdFolder(livingRoom())) {
     MESSAGE("skipped: no ", livingRoom().string());
     return;

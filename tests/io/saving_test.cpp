@@ -32,7 +32,7 @@ std::size_t filesIn(const ScratchFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("what a file would lose by a sculpted cloud is named: elements, lists, that another program wrote it") {
+TEST_CASE("losses of a file that a sculpted cloud would replace are named: elements, lists, foreign origin") {
   const ScratchFolder folder;
   const FileInTheWay mesh = fileInTheWay(write(folder / "mesh.ply", kMesh));
   CHECK(mesh.losesSomething());
@@ -52,7 +52,7 @@ TEST_CASE("what a file would lose by a sculpted cloud is named: elements, lists,
   CHECK_FALSE(fileInTheWay(folder.path()).losesSomething());
 }
 
-TEST_CASE("a file of our own is replaced, one that loses something is kept, and so is what was kept before") {
+TEST_CASE("palpate's own file is replaced, a file that loses something is backed up, and older backups stay") {
   const ScratchFolder folder;
   const auto file = write(folder / "mesh.ply", kMesh);
   write(folder / "mesh.ply.bak", "of long ago");
@@ -65,11 +65,11 @@ TEST_CASE("a file of our own is replaced, one that loses something is kept, and 
   CHECK_FALSE(ours.losesSomething());
   const std::string saved = contentOf(file);
   CHECK(saveKeeping(file, readPly(file)).empty());
-  CHECK(contentOf(file) == saved);  // marked once
+  CHECK(contentOf(file) == saved);  // the mark is written once
   CHECK(filesIn(folder) == 3);
   CHECK(saveKeeping(folder / "new.ply", cloud).empty());
 
-  // A mesh of ours loses its faces, too.
+  // A mesh written by palpate loses its faces, too.
   PointCloud marked = cloud;
   markAsOurs(marked);
   const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}};
@@ -79,7 +79,7 @@ TEST_CASE("a file of our own is replaced, one that loses something is kept, and 
   CHECK(saveKeeping(folder / "ours.ply", cloud) == folder / "ours.ply.bak");
 }
 
-TEST_CASE("beside a file is a name that nobody has") {
+TEST_CASE("the name for saving beside a file is an unused one") {
   const ScratchFolder folder;
   CHECK(nameBeside(folder / "a.b.ply") == folder / "a.b-sculpted.ply");
   write(folder / "a.b-sculpted.ply", "");

@@ -1,4 +1,4 @@
-// Inputs of which users of other programs report that they fail, kept outside the repository with what is right.
+// Inputs that users of other programs reported as failing, kept outside the repository with the correct results.
 #include <doctest/doctest.h>
 
 #include <functional>
@@ -17,13 +17,13 @@ namespace {
 
 using Rgb = std::array<int, 3>;
 
-/// Of the sheet unless a case says otherwise.
+/// Expected result; by default that of the sheet.
 struct Right {
   std::size_t points = 20;
   DVec3 low{0}, high{4, 3, 1.2}, first{0}, last{4, 3, 1.2};
   std::optional<Rgb> firstColor = {}, lastColor = {};
   bool normals = false;
-  std::string lost = {};  ///< words of a sentence
+  std::string lost = {};  ///< part of a message
 };
 
 bool isSaid(const StoredCloud& stored, const std::string& words) {
@@ -101,7 +101,7 @@ constexpr Rgb kFirst{0, 0, 255}, kLast{200, 240, 55};
 
 }  // namespace
 
-TEST_CASE("what users of other programs could not read is read, or refused in words") {
+TEST_CASE("files that users of other programs could not read are read, or refused with an error") {
   const std::filesystem::path cases = modelsFolder() / "cases";
   if (!std::filesystem::is_directory(cases)) {
     MESSAGE("skipped: no ", cases.string());
@@ -152,7 +152,7 @@ TEST_CASE("what users of other programs could not read is read, or refused in wo
   checkBall(cases / "splat/supersplat_compressed.ply", 0.02, {200, 100, 50});
 }
 
-TEST_CASE("scans of E57 cases, COLMAP models of newer cameras and depth frames out of order are read") {
+TEST_CASE("E57 scans, COLMAP models of newer cameras and unordered depth frames of reported cases are read") {
   const std::filesystem::path cases = modelsFolder() / "cases";
   if (!std::filesystem::is_directory(cases)) {
     MESSAGE("skipped: no ", cases.string());

@@ -28,7 +28,7 @@ std::string utf16(const std::string& text, bool bigEndian, bool mark) {
 
 }  // namespace
 
-TEST_CASE("decimal commas are read wherever something else separates the numbers") {
+TEST_CASE("decimal commas are read if another character separates the numbers") {
   checkSheetPlaces(readingFile("a.xyz", sheetLines(" ", true)).cloud);
   checkSheetPlaces(readingFile("a.txt", sheetLines("\t", true)).cloud);
   checkSheetPlaces(readingFile("a.csv", "x;y;z\n" + sheetLines(";", true)).cloud);
@@ -39,7 +39,7 @@ TEST_CASE("decimal commas are read wherever something else separates the numbers
         std::string::npos);
 }
 
-TEST_CASE("the mark of UTF-8 and UTF-16 of either order are no part of the text") {
+TEST_CASE("UTF-8 with a byte order mark and UTF-16 of either byte order are read") {
   const std::string text = "x,y,z\r\n" + sheetLines(",", false);
   checkSheetPlaces(readingFile("a.csv", "\xef\xbb\xbf" + text).cloud);
   for (const bool bigEndian : {false, true})
@@ -50,7 +50,7 @@ TEST_CASE("the mark of UTF-8 and UTF-16 of either order are no part of the text"
   checkSheetPlaces(readingFile("a.ply", "\xef\xbb\xbf" + ply + sheetLines(" ", false)).cloud);
 }
 
-TEST_CASE("UTF-16 of several chunks of a file is read to its end") {
+TEST_CASE("UTF-16 longer than one read buffer is read to its end") {
   std::string text;
   for (int k = 0; k < 80'000; ++k) text += fmt::format("{} {} 0.5\n", k, k % 7);
   const PointCloud cloud = readingFile("a.xyz", utf16(text, false, true)).cloud;
@@ -58,7 +58,7 @@ TEST_CASE("UTF-16 of several chunks of a file is read to its end") {
   CHECK(cloud.fileCoordinates(79'999) == DVec3(79'999, 79'999 % 7, 0.5));
 }
 
-TEST_CASE("columns are known by the names that surveyors and other programs give them") {
+TEST_CASE("columns are recognized by the names that surveyors and other programs use") {
   const PointCloud survey =
       readingFile("a.csv", "ID,Easting [m],Northing [m],Height,R,G,B\n7,500000.25,5500000.5,1,255,0,1\n").cloud;
   REQUIRE(survey.size() == 1);
@@ -76,8 +76,8 @@ TEST_CASE("columns are known by the names that surveyors and other programs give
   CHECK(upper.extra.empty());
 }
 
-TEST_CASE("columns 4 to 6 without names are normals where all rows can be, and refused where they can be nothing") {
-  std::string facing = "0 0 0 0 0 0\n";  // one that has none
+TEST_CASE("unnamed columns 4 to 6 are normals if all rows allow it, and refused if they can be nothing") {
+  std::string facing = "0 0 0 0 0 0\n";  // a missing normal
   for (int k = 1; k < 20; ++k) facing += fmt::format("{} 0 0 0 {} 0\n", k, k % 2 == 0 ? -1 : 1);
   CHECK_FALSE(readingFile("a.xyz", facing).cloud.hasColors());
   const PointCloud colored = readingFile("a.xyz", "0 0 0 0 0 1\n1 0 0 0.2 0 0.8\n").cloud;
@@ -86,7 +86,7 @@ TEST_CASE("columns 4 to 6 without names are normals where all rows can be, and r
   CHECK(refusalOf("a.xyz", "0 0 0 -3 0 1\n1 0 0 7 0 0\n").find("columns 4 to 6") != std::string::npos);
 }
 
-TEST_CASE("PTX: the scans stand where their matrices put them, and no echo is no point") {
+TEST_CASE("PTX: scans are placed by their matrices, and points without an echo are left out") {
   const std::string scan =
       "2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 1 0 0\n-1 0 0 0\n0 0 1 0\n100 200 300 1\n1 0 0 0.5 255 0 0\n0 0 0 0.5 0 0 "
       "0\n2 0 0 0.25 0 9 0\n2 2 1 0.75 1 2 3\n";

@@ -1,4 +1,4 @@
-// Points as lines of text: what columns mean, what is refused with its line, and that nothing is lost on the way.
+// Points as lines of text: meaning of the columns, errors with their line, and lossless conversion.
 #include "engine/io/xyz_format.hpp"
 
 #include <doctest/doctest.h>
@@ -40,7 +40,7 @@ PointCloud again(const PointCloud& cloud) {
 
 }  // namespace
 
-TEST_CASE("columns without names are places, an intensity, normals or colours") {
+TEST_CASE("unnamed text columns are positions, an intensity, normals or colours") {
   const PointCloud places = reading("1 2 3\n4 5 6.5\n").cloud;
   REQUIRE(places.size() == 2);
   CHECK(places.fileCoordinates(1) == DVec3(4, 5, 6.5));
@@ -51,7 +51,7 @@ TEST_CASE("columns without names are places, an intensity, normals or colours") 
   REQUIRE(lit.extra.size() == 1);
   CHECK(lit.extra[0].name == "intensity");
 
-  const PointCloud facing = reading("1 2 3 0 0 1\n").cloud;  // no dark blue
+  const PointCloud facing = reading("1 2 3 0 0 1\n").cloud;  // not dark blue
   REQUIRE(facing.hasNormals());
   CHECK(facing.normals[0] == Vec3(0, 0, 1));
 
@@ -60,7 +60,7 @@ TEST_CASE("columns without names are places, an intensity, normals or colours") 
   CHECK(colored.colors[0] == Color{255, 0, 7, 255});
 }
 
-TEST_CASE("a line of names says what columns are, also behind the sign of a remark") {
+TEST_CASE("a header line names the columns, also as a comment") {
   for (const char* names : {"x,y,z,r,g,b,Scan", "//X Y Z R G B Scan", "# x y z r g b Scan"}) {
     CAPTURE(names);
     const PointCloud cloud = reading(std::string("# made by hand\n\n") + names + "\n1;2\t3, 9 8 7 4.5\n").cloud;
@@ -74,7 +74,7 @@ TEST_CASE("a line of names says what columns are, also behind the sign of a rema
   CHECK(reading("x y z red green blue\n0 0 0 0.5 1.0 0\n").cloud.colors.at(0)[0] == 128);
 }
 
-TEST_CASE("remarks, blank lines and any ends of lines stand between points") {
+TEST_CASE("comments, blank lines and any line ends are allowed between points") {
   CHECK(reading("1 2 3\n# one\n\n  \n// two\n4 5 6\n").cloud.size() == 2);
   CHECK(reading("1 2 3\r\n4 5 6\r\n").cloud.size() == 2);
   CHECK(reading("1 2 3\r4 5 6").cloud.size() == 2);
@@ -83,7 +83,7 @@ TEST_CASE("remarks, blank lines and any ends of lines stand between points") {
   CHECK(reading("x y z\n").cloud.empty());
 }
 
-TEST_CASE("what is no point is refused with its line") {
+TEST_CASE("a text line that is not a point is refused with its line") {
   CHECK(refusal("hello world\n") ==
         ":1: found 'hello', expected the coordinates of a point, or names of columns with x, y and z among them; "
         "--columns x,y,z names them in their place");
@@ -96,7 +96,7 @@ TEST_CASE("what is no point is refused with its line") {
   CHECK(refusal(std::string(2 << 20, '1')).starts_with(":1: "));
 }
 
-TEST_CASE("what is written reads back as it was") {
+TEST_CASE("a written text cloud is read back unchanged") {
   PointCloud cloud;
   for (int i = 0; i < 5000; ++i) {  // more than one batch
     cloud.positions.emplace_back(0.1f * static_cast<float>(i), 1 / 3.0f, std::numbers::pi_v<float>);
@@ -117,7 +117,7 @@ TEST_CASE("what is written reads back as it was") {
   CHECK(again({}).empty());
 }
 
-TEST_CASE("a PTS file says how many points follow, for each scan") {
+TEST_CASE("a PTS file gives the number of points of each scan") {
   const PointCloud cloud = reading("2\n1 2 3 -100 255 0 7\n4 5 6 20 1 2 3\n\n1\n7 8 9 0 4 5 6\n", "a.pts").cloud;
   REQUIRE(cloud.size() == 3);
   CHECK(cloud.fileCoordinates(2) == DVec3(7, 8, 9));
@@ -132,7 +132,7 @@ TEST_CASE("a PTS file says how many points follow, for each scan") {
   CHECK(refusal("1\n1 2 3\n4 5 6\n", "a.pts") == ":3: more than the 1 points that were promised");
   CHECK(refusal("3\n", "a.pts") == ":1: ends after 0 of 3 points");
   CHECK(refusal("1 2 3\nfour\n", "a.pts") == ":2: found 'four', expected a point, or how many follow");
-  CHECK(refusal("1\n1 2 3\n") == "read");  // whatever it is called
+  CHECK(refusal("1\n1 2 3\n") == "read");  // also under another ending
 
   for (const bool lit : {false, true}) {
     PointCloud some = cloud;
@@ -150,7 +150,7 @@ TEST_CASE("a PTS file says how many points follow, for each scan") {
   CHECK(ptsFormat().lacks(more) == std::vector<std::string>{"1 triangles", "normals", "the column 'ring'"});
 }
 
-TEST_CASE("CSV has names in its first line, in quotes or not, and commas") {
+TEST_CASE("CSV has names in its first line, quoted or not, and commas") {
   const PointCloud cloud =
       reading("\"X\",\"Y\",Z,Normal_X,Normal_Y,Normal_Z,\"Score\"\r\n1,2,3,0,1,0,0.25\r\n", "a.csv").cloud;
   REQUIRE(cloud.size() == 1);
@@ -175,7 +175,7 @@ TEST_CASE("CSV has names in its first line, in quotes or not, and commas") {
   CHECK(refusal("x,y,z\n1,3\n", "a.csv") == ":2: a point of 2 columns, of which 3 have names");
 }
 
-TEST_CASE("names of columns keep their case on the way from LAS through text and back") {
+TEST_CASE("column names keep their case from LAS to text and back") {
   const ScratchFolder folder;
   PointCloud cloud;
   for (int i = 0; i < 5; ++i) cloud.positions.emplace_back(i, 2 * i, 0.5f);
@@ -206,13 +206,13 @@ TEST_CASE("names of columns keep their case on the way from LAS through text and
     CHECK(valuesOf(back, "Intensity") == std::vector<double>{20, 21, 22, 23, 24});
     CHECK(valuesOf(back, "Colors_0") == std::vector<double>{30, 31, 32, 33, 34});
   }
-  // Places, normals and colours are known in any case.
+  // Positions, normals and colours are recognized in any case.
   const PointCloud known = reading("X,Y,Z,Normal_X,NORMAL_Y,nz,R,g,B\n1,2,3,0,0,1,7,8,9\n", "a.csv").cloud;
   CHECK(known.normals.at(0) == Vec3(0, 0, 1));
   CHECK(known.colors.at(0) == Color{7, 8, 9, 255});
 }
 
-TEST_CASE("given names of columns stand in place of what a file says") {
+TEST_CASE("given column names override those of the file") {
   const CloudReadOptions options{.columns = {"z", "y", "x", "red", "green", "blue", "kind"}};
   const PointCloud cloud = reading("3 2 1 9 8 7 5\n", "a.txt", options).cloud;
   CHECK(cloud.fileCoordinates(0) == DVec3(1, 2, 3));
@@ -223,7 +223,7 @@ TEST_CASE("given names of columns stand in place of what a file says") {
                        doctest::Contains(":1: a point of 3 columns, of which 7 have names"), FileError);
 }
 
-TEST_CASE("whatever is flipped, cut or made extreme in a file of text, it is read or refused") {
+TEST_CASE("flipped, cut or extreme bytes in a text file are read or refused, without a crash") {
   std::string text = "60\n";
   for (int k = 0; k < 60; ++k) text += fmt::format("{} 2.5 -3 {} 1 2 {}\n", 0.25 * k, k - 30, 4 * k);
   for (const auto& [good, ending] :
@@ -235,7 +235,7 @@ TEST_CASE("whatever is flipped, cut or made extreme in a file of text, it is rea
   }
 }
 
-TEST_CASE("what text has no place for is named") {
+TEST_CASE("properties that text cannot hold are listed") {
   StoredCloud stored{.cloud = reading("1 2 3\n").cloud, .triangles = {{0, 0, 0}}, .lost = {}};
   stored.cloud.storedAs.comments = {"comment by somebody"};
   stored.cloud.storedAs.alpha = true;

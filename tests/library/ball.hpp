@@ -1,4 +1,4 @@
-// A ball as arrays, as a host program has them; what is felt of it is known exactly.
+// A ball as arrays, as a host program passes it; its contact is known analytically.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -15,7 +15,7 @@ namespace palpate {
 
 inline constexpr double kBallRadius = 50;
 
-/// Even on a sphere (Fibonacci lattice; Swinbank and Purser 2006), with exact normals.
+/// Evenly distributed on a sphere (Fibonacci lattice; Swinbank and Purser 2006), with exact normals.
 template <class Number>
 struct BallArrays {
   std::vector<Number> positions, normals;
@@ -42,7 +42,7 @@ struct BallArrays {
   }
 };
 
-/// Fails the test with the library's words.
+/// Fails the test with the library's error message.
 #define PP_CHECK_OK(call) CHECK_MESSAGE((call) == PP_OK, std::string(pp_last_error()))
 #define PP_REQUIRE_OK(call) REQUIRE_MESSAGE((call) == PP_OK, std::string(pp_last_error()))
 
@@ -50,7 +50,7 @@ inline bool lastErrorSays(const std::string& words) {
   return std::string(pp_last_error()).find(words) != std::string::npos;
 }
 
-/// Open for a test's time.
+/// A cloud that is open during a test.
 struct BallCloud {
   pp_cloud cloud{};
   explicit BallCloud(std::size_t count = 20'000) {
@@ -63,7 +63,7 @@ struct BallCloud {
   BallCloud& operator=(const BallCloud&) = delete;
 };
 
-/// On the CPU, a model unit a millimetre, unless a test wants it otherwise.
+/// On the CPU, with one model unit per millimetre, unless a test changes it.
 inline pp_session_options cpuOptions() {
   pp_session_options options = pp_default_session_options();
   options.gpu = "cpu";
@@ -83,7 +83,7 @@ struct OpenBall {
   OpenBall& operator=(const OpenBall&) = delete;
 };
 
-/// Down the z axis from above the ball to `depth_mm` below its surface, and a rest there; x y z for each tick.
+/// Down the z axis from above the ball to `depth_mm` below its surface, and at rest there; x y z for each tick.
 inline std::vector<double> pressPath(double depth_mm, std::size_t down = 100, std::size_t rest = 100) {
   std::vector<double> path;
   for (std::size_t i = 0; i < down + rest; ++i) {
@@ -101,7 +101,7 @@ inline pp_path pathOf(const std::vector<double>& rows, std::uint32_t columns = 3
   return path;
 }
 
-/// All ticks of a path.
+/// Touches along a path, and returns all its ticks.
 inline std::vector<pp_tick> touch(pp_session session, const pp_path& path) {
   std::uint64_t count = 0;
   PP_REQUIRE_OK(pp_path_ticks(session, &path, &count));
@@ -121,7 +121,7 @@ inline std::vector<pp_tick> stroke(pp_session session, const pp_path& path, cons
 
 inline double lengthOf(const double (&v)[3]) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-/// The points of a session as they are, file coordinates.
+/// The current points of a session, in file coordinates.
 inline std::vector<double> placesOf(pp_session session) {
   pp_cloud cloud{};
   PP_REQUIRE_OK(pp_session_cloud(session, &cloud));
@@ -133,8 +133,8 @@ inline std::vector<double> placesOf(pp_session session) {
   return places;
 }
 
-/// Strokes whose brush keeps the density or not, in either order: the number of points changes with those that do
-/// alone.
+/// Strokes whose brush keeps the density or not, in either order: only the strokes that keep it change the number of
+/// points.
 inline void checkDensityIsOfTheBrush(const pp_session_options& options) {
   constexpr std::size_t kPoints = 5'000;
   for (const bool firstKeeps : {true, false}) {

@@ -12,7 +12,7 @@
 
 namespace palpate::clouds_test {
 
-TEST_CASE("a cloud has the points that it was made from, and shows them without copying") {
+TEST_CASE("a cloud has the points of its arrays, and gives access to them without a copy") {
   const BallArrays<float> ball(1'000);
   pp_cloud_arrays arrays = ball.arrays();
   std::vector<std::uint8_t> colors(3 * ball.count());
@@ -53,8 +53,8 @@ TEST_CASE("doubles far from the origin keep their last bit") {
   PP_CHECK_OK(pp_cloud_close(cloud));
 }
 
-TEST_CASE("rows may lie apart, and turned round") {
-  const std::vector<double> table{1, 2, 3, -1, 4, 5, 6, -1, 7, 8, 9, -1};  // with a fourth column that is not meant
+TEST_CASE("rows of an array may have any stride, also a negative one") {
+  const std::vector<double> table{1, 2, 3, -1, 4, 5, 6, -1, 7, 8, 9, -1};  // with a fourth column, which is skipped
   pp_cloud_arrays arrays = pp_default_cloud_arrays();
   arrays.count = 3;
   arrays.positions = {table.data() + 8, PP_FLOAT64, 0, -4 * static_cast<std::int64_t>(sizeof(double))};
@@ -69,7 +69,7 @@ TEST_CASE("rows may lie apart, and turned round") {
   PP_CHECK_OK(pp_cloud_close(cloud));
 }
 
-TEST_CASE("arrays that cannot be points are refused with the row") {
+TEST_CASE("arrays with invalid positions or types are refused with the row") {
   BallArrays<float> ball(100);
   ball.positions[3 * 42 + 1] = std::numeric_limits<float>::quiet_NaN();
   pp_cloud_arrays arrays = ball.arrays();
@@ -90,10 +90,10 @@ TEST_CASE("arrays that cannot be points are refused with the row") {
   CHECK(pp_cloud_create(&arrays, nullptr) == PP_ERROR_ARGUMENT);
 }
 
-TEST_CASE("a struct of an older program has the defaults for the rest, and one of no known size is refused") {
+TEST_CASE("a struct of an older program has defaults for the rest, and one of unknown size is refused") {
   const BallArrays<float> ball(10);
   pp_cloud_arrays arrays = ball.arrays();
-  arrays.normals = {reinterpret_cast<const void*>(16), 77, 0, 0};  // behind what the program says that it knows
+  arrays.normals = {reinterpret_cast<const void*>(16), 77, 0, 0};  // beyond the size that the program passes
   arrays.size = offsetof(pp_cloud_arrays, normals);
   pp_cloud cloud{};
   PP_REQUIRE_OK(pp_cloud_create(&arrays, &cloud));
@@ -108,7 +108,7 @@ TEST_CASE("a struct of an older program has the defaults for the rest, and one o
   }
 }
 
-TEST_CASE("defaults are written as far as the program knows a struct, and no further") {
+TEST_CASE("defaults are written up to the size of a struct that the program knows, and no further") {
   alignas(pp_session_options) std::array<unsigned char, sizeof(pp_session_options) + 32> room{};
   room.fill(0x5a);
   auto* const options = reinterpret_cast<pp_session_options*>(room.data());
@@ -116,7 +116,7 @@ TEST_CASE("defaults are written as far as the program knows a struct, and no fur
   pp_init_session_options(options, kOlder);
   CHECK(options->size == kOlder);
   CHECK(std::all_of(room.begin() + kOlder, room.end(), [](unsigned char byte) { return byte == 0x5a; }));
-  pp_init_session_options(options, sizeof(pp_session_options) + 16);  // a program that is newer
+  pp_init_session_options(options, sizeof(pp_session_options) + 16);  // a newer program
   CHECK(options->rate_Hz == 1000);
   CHECK(std::all_of(room.begin() + sizeof(pp_session_options), room.end() - 16,
                     [](unsigned char byte) { return byte == 0; }));
@@ -125,7 +125,7 @@ TEST_CASE("defaults are written as far as the program knows a struct, and no fur
   CHECK(pp_default_session_options().size == sizeof(pp_session_options));
 }
 
-TEST_CASE("a cloud that is written and read again is the same, in each format that keeps all of it") {
+TEST_CASE("a cloud written and read again is unchanged, in each format that keeps all of it") {
   const ScratchFolder folder;
   const BallArrays<float> ball(300);
   const pp_cloud_arrays arrays = ball.arrays();
@@ -151,7 +151,7 @@ TEST_CASE("a cloud that is written and read again is the same, in each format th
   PP_CHECK_OK(pp_cloud_close(cloud));
 }
 
-TEST_CASE("a file that is there is replaced, or kept where that is asked for") {
+TEST_CASE("an existing file is replaced, or kept as a backup on request") {
   const ScratchFolder folder;
   const BallCloud ball(100);
   const std::string file = (folder / "ball.ply").string();
@@ -165,7 +165,7 @@ TEST_CASE("a file that is there is replaced, or kept where that is asked for") {
   CHECK_FALSE(std::filesystem::exists(folder / "ball.ply.bak2"));
 }
 
-TEST_CASE("a file that lies is refused with its name and line") {
+TEST_CASE("an invalid file is refused with its name and line") {
   const ScratchFolder folder;
   const std::string file = (folder / "bad.ply").string();
   std::ofstream(file)
@@ -182,7 +182,7 @@ TEST_CASE("a file that lies is refused with its name and line") {
   CHECK(std::string(pp_last_error_file()).empty());
 }
 
-TEST_CASE("attributes that a file has besides are named and shown") {
+TEST_CASE("additional attributes of a file are listed and can be read") {
   const ScratchFolder folder;
   const std::string file = (folder / "scan.ply").string();
   std::ofstream(file)
@@ -202,7 +202,7 @@ TEST_CASE("attributes that a file has besides are named and shown") {
   PP_CHECK_OK(pp_cloud_close(cloud));
 }
 
-TEST_CASE("each thread has the words of its own failure") {
+TEST_CASE("each thread has the message of its own last failure") {
   pp_cloud cloud{};
   CHECK(pp_cloud_read("/nowhere/none.ply", nullptr, &cloud) == PP_ERROR_FILE);
   const std::string mine = pp_last_error();

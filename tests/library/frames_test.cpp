@@ -1,4 +1,4 @@
-// A cloud whose frames a program brings: felt where it is at each time, by path, tick by tick and live.
+// A cloud whose frames a program supplies: its position at each time is felt, by path, tick by tick and live.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace palpate::frames_test {
 namespace {
 
 constexpr std::size_t kPoints = 5'000;
-// The averaged surface lies so much below the ball (0.0694 r^2 / R, engine/contact).
+// The averaged surface is this far below the ball (0.0694 r^2 / R, engine/contact).
 constexpr double kSunk_mm = 0.145;
 
 struct MovingBall {
@@ -45,14 +45,14 @@ struct MovingBall {
   }
 };
 
-// A hand that stands 1 mm above the ball where it begins.
+// A hand that rests 1 mm above the ball's initial position.
 std::vector<double> stand(std::size_t ticks) {
   std::vector<double> rows;
   for (std::size_t i = 0; i < ticks; ++i) rows.insert(rows.end(), {0.3, -0.2, kBallRadius + 1});
   return rows;
 }
 
-/// Takes a live hand's ticks until they are enough, or 30 s have passed.
+/// Takes a live hand's ticks until `areEnough`, or until 30 s have passed.
 std::vector<pp_tick> takeUntil(pp_session session, const std::function<bool(const std::vector<pp_tick>&)>& areEnough) {
   std::vector<pp_tick> all;
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
@@ -69,7 +69,7 @@ std::vector<pp_tick> takeUntil(pp_session session, const std::function<bool(cons
 
 }  // namespace
 
-TEST_CASE("a frame is felt from its time on, and time goes on from path to path") {
+TEST_CASE("a frame is felt from its time on, and time continues from path to path") {
   const MovingBall ball;
   PP_REQUIRE_OK(ball.push(0.05, 1.5));
   PP_REQUIRE_OK(ball.push(0.15, 2.5));
@@ -93,7 +93,7 @@ TEST_CASE("a frame is felt from its time on, and time goes on from path to path"
   CHECK(placesOf(ball.session).size() == 3 * kPoints);
 }
 
-TEST_CASE("velocities carry points on between frames, for so long and no longer") {
+TEST_CASE("velocities extrapolate points between frames, up to a time limit") {
   const MovingBall still, carried;
   PP_REQUIRE_OK(still.push(0.01, 1.2));
   PP_REQUIRE_OK(carried.push(0.01, 1.2, 20));
@@ -104,7 +104,7 @@ TEST_CASE("velocities carry points on between frames, for so long and no longer"
   CHECK(b[190].penetration_mm == within(a[190].penetration_mm + 20 * 0.05, 0.03));
 }
 
-TEST_CASE("frames of other sizes are felt as they are, and those of doubles far from zero keep their places") {
+TEST_CASE("frames of other sizes are felt exactly, and those of doubles far from zero keep their positions") {
   pp_frames_options frames = pp_default_frames_options();
   frames.most_points = 2 * kPoints;
   const MovingBall ball(frames);
@@ -135,14 +135,14 @@ TEST_CASE("frames of other sizes are felt as they are, and those of doubles far 
   PP_REQUIRE_OK(pp_cloud_close(cloud));
 }
 
-TEST_CASE("frames come from one thread while another touches, and live") {
+TEST_CASE("frames are pushed by one thread while another touches, also live") {
   const MovingBall ball;
   const std::vector<double> rows{0, 0.3, -0.2, kBallRadius + 1};
   const pp_path path = pathOf(rows, 4);
   pp_live_options live = pp_default_live_options();
   live.path = &path;
   live.rate_Hz = 500;
-  PP_REQUIRE_OK(ball.push(3, -5));  // of before: time begins at 0 with it
+  PP_REQUIRE_OK(ball.push(3, -5));  // an earlier frame: time restarts at 0 with it
   PP_REQUIRE_OK(pp_live_start(ball.session, &live));
   std::atomic<int> wrong = 0;
   std::thread camera([&] {
@@ -159,10 +159,10 @@ TEST_CASE("frames come from one thread while another touches, and live") {
   CHECK(wrong == 0);
   REQUIRE(ticks.size() > 100);
   for (const pp_tick& tick : ticks)
-    if (tick.t_s < 0.2) CHECK(tick.contact == 0);  // none feels a frame before its time
+    if (tick.t_s < 0.2) CHECK(tick.contact == 0);  // no tick feels a frame before its time
   CHECK(ticks.back().contact == 1);
   CHECK(ticks.back().penetration_mm == within(1.5 - kSunk_mm, 0.02));
-  // The path behind it begins at 0, and so do its frames: with the newest one, until the next one's time has come.
+  // The next path begins at time 0, and so do its frames: the newest one applies until the next one's time.
   PP_REQUIRE_OK(ball.push(0.08, -5));
   std::vector<double> down = stand(120);
   for (std::size_t i = 0; i < 40; ++i) down[3 * i + 2] += 0.1 * static_cast<double>(40 - i);
@@ -174,8 +174,8 @@ TEST_CASE("frames come from one thread while another touches, and live") {
   CHECK(after.back().contact == 0);
 }
 
-TEST_CASE("a recorded depth camera is felt frame by frame, begins again, and is seen as it is") {
-  // A wall half a metre away that comes a millimetre nearer with each frame, of which there are a hundred a second.
+TEST_CASE("a recorded depth camera is felt frame by frame, restarts for a live session, and gives its points") {
+  // A wall half a metre away comes a millimetre nearer with each frame, a hundred frames a second.
   constexpr std::uint32_t kWidth = 40, kHeight = 30, kFrames = 10;
   const ScratchFolder folder;
   std::filesystem::create_directories(folder / "depth");
@@ -194,7 +194,7 @@ TEST_CASE("a recorded depth camera is felt frame by frame, begins again, and is 
   PP_REQUIRE_OK(pp_session_get_info(session, &info));
   CHECK(info.points == kWidth * kHeight);
   CHECK(info.mm_per_unit == 1000);
-  // A hand 2.5 mm before the wall.
+  // A hand 2.5 mm in front of the wall.
   std::vector<double> rows;
   for (int i = 0; i < 120; ++i) rows.insert(rows.end(), {0, 0, 0.4975});
   const auto ticks = touch(session, pathOf(rows));
@@ -206,10 +206,10 @@ TEST_CASE("a recorded depth camera is felt frame by frame, begins again, and is 
   PP_REQUIRE_OK(pp_session_frame(session, &frame));
   pp_moving_points points{};
   PP_REQUIRE_OK(pp_frame_view(frame, &points));
-  CHECK(points.points.max[2] > 0.4905);  // of the last frames
+  CHECK(points.points.max[2] > 0.4905);  // from the last frames
   CHECK(points.points.max[2] < 0.4925);
   PP_REQUIRE_OK(pp_frame_close(frame));
-  // Live it begins with the first frame again.
+  // A live session restarts with the first frame.
   const std::vector<double> stay{0, 0, 0, 0.4975};
   const pp_path path = pathOf(stay, 4);
   pp_live_options live = pp_default_live_options();
@@ -237,7 +237,7 @@ TEST_CASE("a recorded depth camera is felt frame by frame, begins again, and is 
   CHECK(pp_session_open_stream(nullptr, nullptr, &options, &session) == PP_ERROR_ARGUMENT);
 }
 
-TEST_CASE("frames that are no frames are refused, and what was felt is felt on") {
+TEST_CASE("invalid frames are refused, and the last valid one is still felt") {
   pp_frames_options kept = pp_default_frames_options();
   kept.keeps_points = 1;
   const MovingBall ball(kept);

@@ -1,4 +1,4 @@
-// Handles that are null, closed, of another kind or made up: an error with words, and never an end of the program.
+// Handles that are null, closed, of another kind or made up: an error with a message, never a crash.
 #include <atomic>
 #include <set>
 #include <thread>
@@ -35,12 +35,12 @@ TEST_CASE("a handle that is null, closed, of another kind or made up is refused 
   CHECK(pp_session_undo(wrong, 1, nullptr) == PP_ERROR_HANDLE);
   CHECK(pp_live_set_forces(wrong, 0) == PP_ERROR_HANDLE);
   CHECK(pp_mesh_close({ball.session.id}) == PP_ERROR_HANDLE);
-  // And what is right still works.
+  // Valid handles still work.
   PP_CHECK_OK(pp_cloud_view(ball.cloud.cloud, &points));
   CHECK(points.count == 20'000);
 }
 
-TEST_CASE("a place that is used again has another handle") {
+TEST_CASE("a reused slot gives a new handle, and the old one stays invalid") {
   std::set<std::uint64_t> seen;
   pp_cloud first{};
   for (int i = 0; i < 3'000; ++i) {
@@ -58,7 +58,7 @@ TEST_CASE("a place that is used again has another handle") {
   }
 }
 
-TEST_CASE("a session outlives its cloud's handle, and views outlive nothing but their own") {
+TEST_CASE("a session outlives its cloud's handle, and a session closed twice gives an error") {
   pp_session session{};
   {
     const BallCloud ball;
@@ -72,7 +72,7 @@ TEST_CASE("a session outlives its cloud's handle, and views outlive nothing but 
   CHECK(lastErrorSays("closed"));
 }
 
-TEST_CASE("many handles are open at a time, opened and closed by several threads") {
+TEST_CASE("many handles are open at once, opened and closed by several threads") {
   std::atomic<int> wrong = 0;
   const auto work = [&] {
     std::vector<pp_cloud> open(700);

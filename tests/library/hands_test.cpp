@@ -18,7 +18,7 @@ pp_session_options handsOptions(std::uint32_t hands) {
   return options;
 }
 
-// Onto the ball from the side that an axis points at, and a rest there.
+// Onto the ball from the side of an axis, and at rest there.
 std::vector<double> pressAlong(std::size_t axis, double sign, double depth_mm, std::size_t ticks = 200) {
   std::vector<double> path;
   for (std::size_t i = 0; i < ticks; ++i) {
@@ -54,7 +54,7 @@ Ran runHands(pp_session session, const std::vector<pp_path>& paths, const pp_bru
 
 }  // namespace
 
-TEST_CASE("each of several hands feels what it would feel alone, and its path's end is where it stays") {
+TEST_CASE("each of several hands feels what it would feel alone, and rests at the end of its path") {
   const OpenBall three(handsOptions(3));
   const auto top = pressAlong(2, 1, 1), side = pressAlong(0, -1, 2), early = pressAlong(1, 1, 1.5, 150);
   const Ran ran = runHands(three.session, {pathOf(top), pathOf(side), pathOf(early)});
@@ -74,11 +74,11 @@ TEST_CASE("each of several hands feels what it would feel alone, and its path's 
   const pp_tick& stays = ran.ticks[3 * 199 + 2];
   CHECK(stays.hip[1] == near(kBallRadius - 1.5, 1e-6));
   CHECK(stays.contact == 1);
-  CHECK(ran.ticks[3 * 199 + 1].force_N[0] < -1);                   // out of the ball, to its own side
-  for (const double torque : ran.torques_mNm) CHECK(torque == 0);  // points have none
+  CHECK(ran.ticks[3 * 199 + 1].force_N[0] < -1);                   // away from the ball, to its own side
+  for (const double torque : ran.torques_mNm) CHECK(torque == 0);  // points have no torque
 }
 
-TEST_CASE("the first of two hands sculpts, the other one only feels, and all of it can be taken back") {
+TEST_CASE("the first of two hands sculpts, the second only feels, and the stroke can be undone") {
   const OpenBall two(handsOptions(2));
   const auto before = placesOf(two.session);
   const auto top = pressAlong(2, 1, 4), bottom = pressAlong(2, -1, 4);
@@ -97,7 +97,7 @@ TEST_CASE("the first of two hands sculpts, the other one only feels, and all of 
   CHECK(placesOf(two.session) == before);
 }
 
-TEST_CASE("a host's own loop pulls two hands at once") {
+TEST_CASE("a host's own loop queries two hands in one call") {
   const OpenBall two(handsOptions(2));
   std::array<pp_contact, 2> contacts{};
   std::array<double, 6> torques{1, 1, 1, 1, 1, 1};
@@ -116,7 +116,7 @@ TEST_CASE("a host's own loop pulls two hands at once") {
   PP_REQUIRE_OK(pp_touch_lift(two.session));
 }
 
-TEST_CASE("a program that was built before there were hands and tools has one hand, and a point") {
+TEST_CASE("a program built before hands and tools were added has one hand with a point") {
   pp_tool tool = pp_default_tool();
   tool.kind = "nonsense that an old program does not know of";
   pp_session_options options = handsOptions(3);
@@ -127,11 +127,11 @@ TEST_CASE("a program that was built before there were hands and tools has one ha
   CHECK(touch(old.session, pathOf(top)).back().contact == 1);
   pp_session_options newer{};
   pp_init_session_options(&newer, offsetof(pp_session_options, hands));
-  CHECK(newer.hands == 0);  // nothing is written behind what it knows
+  CHECK(newer.hands == 0);  // nothing is written beyond its size
   CHECK(newer.rate_Hz == 1000);
 }
 
-TEST_CASE("hands, poses and paths that do not go together are refused, and the session is unharmed") {
+TEST_CASE("incompatible hands, poses and paths are refused, and the session stays usable") {
   pp_session session{};
   const BallCloud cloud(2'000);
   pp_session_options options = handsOptions(9);
@@ -170,14 +170,14 @@ TEST_CASE("hands, poses and paths that do not go together are refused, and the s
   CHECK(count == 400);
 }
 
-TEST_CASE("live hands have a row each in every tick, in step") {
+TEST_CASE("live hands have one row each in every tick, at the same times") {
   const OpenBall two(handsOptions(2));
   const std::vector<double> down{0, 0, 0, 52, 0.1, 0, 0, 49}, in{0, -52, 0, 0, 0.1, -48, 0, 0};
   const pp_path first = pathOf(down, 4), second = pathOf(in, 4);
   pp_live_options options = pp_default_live_options(), other = pp_default_live_options();
   options.path = &first;
   options.rate_Hz = 500;
-  CHECK(pp_live_start(two.session, &options) == PP_ERROR_ARGUMENT);  // where is the second?
+  CHECK(pp_live_start(two.session, &options) == PP_ERROR_ARGUMENT);  // the second path is missing
   CHECK(lastErrorSays("2 hands"));
   other.path = &second;
   options.next = &other;
@@ -193,7 +193,7 @@ TEST_CASE("live hands have a row each in every tick, in step") {
   const auto arePressed = [&] { return all[all.size() - 2].force_N[2] > 0.5 && all.back().force_N[0] < -1; };
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while ((all.size() < 300 || !arePressed()) && std::chrono::steady_clock::now() < end) {
-    std::vector<pp_tick> ticks(33);  // odd: the last row stays free
+    std::vector<pp_tick> ticks(33);  // an odd number: the last row stays unused
     std::uint64_t count = 0;
     PP_REQUIRE_OK(pp_live_take(two.session, ticks.data(), ticks.size(), &count));
     REQUIRE(count % 2 == 0);
@@ -215,7 +215,7 @@ TEST_CASE("live hands have a row each in every tick, in step") {
   PP_REQUIRE_OK(pp_live_stop(two.session));
 }
 
-TEST_CASE("a pad touches with many points, turns the hand where it stands on an edge, and is no stiffer than a point") {
+TEST_CASE("a pad touches with many points, gives a torque at an edge, and is no stiffer than a point") {
   pp_tool tool = pp_default_tool();
   tool.kind = "pad";
   tool.points = 16;
@@ -230,7 +230,7 @@ TEST_CASE("a pad touches with many points, turns the hand where it stands on an 
   const double pad_N = felt.ticks.back().force_N[2];
   CHECK(pad_N > 0.2);
   CHECK(pad_N < point_N);
-  // Beside the top of the ball it is pressed at one side, and turned.
+  // Beside the top of the ball the pad is pressed at one side, which gives a torque.
   pp_contact contact{};
   std::array<double, 3> torque{};
   const std::array<double, 4> straight{1, 0, 0, 0}, about{0, 1, 0, 0};
@@ -242,7 +242,7 @@ TEST_CASE("a pad touches with many points, turns the hand where it stands on an 
   const double beside_mNm = std::hypot(torque[0], torque[1], torque[2]);
   CHECK(contact.force_N[2] > 0.1);
   CHECK(beside_mNm > 0.1);
-  // Turned half about x its face looks up, and what of it is in the ball is another part.
+  // Rotated by 180 degrees about x its face points up, and another part of it is in the ball.
   for (int i = 100; i < 150; ++i) {
     const pp_pose now = poseAt(i);
     PP_REQUIRE_OK(pp_touch_hands(padded.session, &now, about.data(), 1, &contact, torque.data()));

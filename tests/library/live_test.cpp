@@ -1,4 +1,4 @@
-// A servo thread of the library's own: its ticks come in blocks, its law and its edits take effect, and it ends.
+// The library's own servo thread: ticks in blocks, its force law, its edits, and its end.
 #include <algorithm>
 #include <chrono>
 #include <thread>
@@ -11,7 +11,7 @@ namespace palpate::live_test {
 
 namespace {
 
-/// Takes ticks until there are so many, or 20 s have passed.
+/// Takes ticks until at least `wanted`, or until 20 s have passed.
 std::vector<pp_tick> takeTicks(pp_session session, std::size_t wanted, std::size_t block = 64) {
   std::vector<pp_tick> all;
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
@@ -35,7 +35,7 @@ pp_live_options along(const pp_path& path) {
 
 }  // namespace
 
-TEST_CASE("a live hand follows its path against the clock, and its ticks come in order and once") {
+TEST_CASE("a live hand follows its path in real time, and each tick is received once, in order") {
   const OpenBall ball;
   const std::vector<double> rows{0, 0, 0, 52, 0.1, 0, 0, 49};
   const pp_path path = pathOf(rows, 4);
@@ -48,7 +48,7 @@ TEST_CASE("a live hand follows its path against the clock, and its ticks come in
     return tick.contact == 1 && tick.force_N[2] == within(0.8 * tick.penetration_mm, 0.008 * tick.penetration_mm);
   };
   auto ticks = takeTicks(ball.session, 150);
-  // Behind a moment at which the machine stood still the force comes back with time.
+  // After a stall of the machine the force returns gradually.
   for (int i = 0; i < 100 && !(ticks.size() >= 150 && isPressed(ticks.back())); ++i) {
     const auto more = takeTicks(ball.session, 50);
     ticks.insert(ticks.end(), more.begin(), more.end());
@@ -70,7 +70,7 @@ TEST_CASE("a live hand follows its path against the clock, and its ticks come in
   while (count > 0) PP_REQUIRE_OK(pp_live_take(ball.session, &tick, 1, &count));
 }
 
-TEST_CASE("while a session is live it does nothing that would not go with it, and goes on afterwards") {
+TEST_CASE("a live session refuses conflicting calls, and works again after it is stopped") {
   const OpenBall ball;
   const auto press = pressPath(1);
   const pp_path path = pathOf(press);
@@ -91,10 +91,10 @@ TEST_CASE("while a session is live it does nothing that would not go with it, an
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   CHECK(touch(ball.session, path).size() == 200);
-  PP_REQUIRE_OK(pp_live_start(ball.session, &options));  // and is closed with it
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));  // closing the session stops it
 }
 
-TEST_CASE("a live hand sculpts with the brush that was set, and all of it can be taken back") {
+TEST_CASE("a live hand sculpts with the brush of its session, and all strokes can be undone") {
   const OpenBall ball;
   const auto before = placesOf(ball.session);
   pp_brush brush = pp_default_brush();
@@ -111,10 +111,10 @@ TEST_CASE("a live hand sculpts with the brush that was set, and all of it can be
   CHECK(placesOf(ball.session) == before);
 }
 
-TEST_CASE("forces can be taken away and a law given, while the hand goes on") {
+TEST_CASE("forces can be switched off and on, with a force law, while the hand moves") {
   Calls calls;
   const OpenBall ball;
-  // Once they are back, forces wait until the hand has been outside: it goes in and out.
+  // Forces that are switched on stay zero until the hand has been outside: it moves in and out.
   std::vector<double> rows{0, 0, 0, 51};
   for (int i = 0; i < 60; ++i) {
     const double begin_s = 0.9 * i;
@@ -139,10 +139,10 @@ TEST_CASE("forces can be taken away and a law given, while the hand goes on") {
   CHECK(calls.count > 100);
 }
 
-TEST_CASE("a device that is not there, and options that do not go together, are refused in words") {
+TEST_CASE("a missing device and incompatible options are refused with an error") {
   const OpenBall ball;
   pp_live_options options = pp_default_live_options();
-  CHECK(pp_live_start(ball.session, nullptr) == PP_ERROR_ARGUMENT);  // a path without one
+  CHECK(pp_live_start(ball.session, nullptr) == PP_ERROR_ARGUMENT);  // the default device, path, without a path
   options.device = "mouse-of-glass";
   CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("mouse-of-glass"));
@@ -155,7 +155,7 @@ TEST_CASE("a device that is not there, and options that do not go together, are 
   CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("rate_Hz"));
   options.rate_Hz = 0;
-  PP_REQUIRE_OK(pp_live_start(ball.session, &options));  // a simulated stylus in a simulated hand
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));  // a simulated stylus, moved by a simulated hand
   CHECK(takeTicks(ball.session, 100).size() >= 100);
   PP_REQUIRE_OK(pp_live_stop(ball.session));
 }

@@ -1,4 +1,4 @@
-// Session logs: written by a path and live, read into arrays, run again to the last bit; and what is no such log.
+// Session logs: recorded by path and live, read into arrays, replayed bit by bit; and invalid logs.
 #include <chrono>
 #include <cstring>
 #include <filesystem>
@@ -38,7 +38,7 @@ pp_replay_result replay(const std::filesystem::path& file, pp_cloud cloud) {
 
 }  // namespace
 
-TEST_CASE("a path that is only felt is recorded, read again tick by tick, and comes out the same to the last bit") {
+TEST_CASE("a path without a brush is recorded, read tick by tick, and replayed bit by bit") {
   const ScratchFolder folder;
   const auto file = folder.path() / "felt.session";
   const OpenBall ball;
@@ -78,7 +78,7 @@ TEST_CASE("a path that is only felt is recorded, read again tick by tick, and co
   CHECK(contentOf(file) == bytes);
 }
 
-TEST_CASE("a stroke is recorded with all that it did to the points, and comes out the same again") {
+TEST_CASE("a stroke is recorded with all its edits of points, and replayed bit by bit") {
   const ScratchFolder folder;
   const auto file = folder.path() / "dent.session";
   const OpenBall ball;
@@ -108,12 +108,12 @@ TEST_CASE("a stroke is recorded with all that it did to the points, and comes ou
     CHECK(changed > log.content.edits / 4);
   }
   CHECK(replay(file, ball.cloud.cloud).identical == 1);
-  // Once there are edits no log can begin.
+  // After edits no log can begin.
   CHECK(pp_session_record(ball.session, file.string().c_str()) == PP_ERROR_STATE);
   CHECK(lastErrorSays("edited"));
 }
 
-TEST_CASE("a file's own name is in the log, so that it is run again without being told") {
+TEST_CASE("a log contains the name of its model file, and is replayed without naming it") {
   const ScratchFolder folder;
   const auto model = folder.path() / "ball.ply", file = folder.path() / "felt.session";
   const BallCloud made(5'000);
@@ -129,7 +129,7 @@ TEST_CASE("a file's own name is in the log, so that it is run again without bein
   PP_REQUIRE_OK(pp_session_close(session));
   CHECK(replay(file, {}).identical == 1);
   CHECK(replay(file, cloud).identical == 1);
-  // Another model is found out.
+  // Another model is detected.
   const BallCloud other(4'999);
   pp_replay_options wrong = pp_default_replay_options();
   wrong.cloud = other.cloud;
@@ -142,7 +142,7 @@ TEST_CASE("a file's own name is in the log, so that it is run again without bein
   PP_REQUIRE_OK(pp_cloud_close(cloud));
 }
 
-TEST_CASE("matter is recorded whole, and comes out the same again although time had gone on") {
+TEST_CASE("matter is recorded from its start, and replayed bit by bit without its scene file") {
   const ScratchFolder folder;
   const auto scene = folder.path() / "tank.json", file = folder.path() / "tank.session";
   std::ofstream(scene) << R"({"matter": "water", "box_mm": [80, 120, 80], "fill_mm": [80, 70, 80], "spacing_mm": 10})";
@@ -157,13 +157,13 @@ TEST_CASE("matter is recorded whole, and comes out the same again although time 
   const auto ticks = touch(session, pathOf(dive));
   CHECK(ticks.front().t_s == 0);
   PP_REQUIRE_OK(pp_session_close(session));
-  std::filesystem::remove(scene);  // the log has it
+  std::filesystem::remove(scene);  // the log contains the scene
   const pp_replay_result result = replay(file, {});
   CHECK(result.identical == 1);
   CHECK(result.compared == ticks.size());
 }
 
-TEST_CASE("a live session is recorded until it is stopped, and run again as far as answers came in time") {
+TEST_CASE("a live session is recorded until it stops, and replayed as far as its answers were on time") {
   const ScratchFolder folder;
   const auto file = folder.path() / "live.session";
   const OpenBall ball;
@@ -195,7 +195,7 @@ TEST_CASE("a live session is recorded until it is stopped, and run again as far 
   CHECK((result.compared == result.ticks) == std::string(result.because).empty());
 }
 
-TEST_CASE("what cannot be recorded, and what is no log, is refused in words") {
+TEST_CASE("sessions that cannot be recorded, and files that are not logs, are refused with an error") {
   const ScratchFolder folder;
   const auto file = folder.path() / "x.session";
   const std::string name = file.string();
@@ -221,8 +221,8 @@ TEST_CASE("what cannot be recorded, and what is no log, is refused in words") {
   std::uint64_t count = 0;
   PP_REQUIRE_OK(pp_session_record(ball.session, (folder.path() / "no" / "folder").string().c_str()));
   CHECK(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_FILE);
-  CHECK(touch(ball.session, path).size() == 200);  // and that was all
-  // Nor is anything left of a live session and a stroke that could not begin.
+  CHECK(touch(ball.session, path).size() == 200);  // only the first path after the request fails
+  // A live session or a stroke that failed to start leaves no effect either.
   pp_live_options live = pp_default_live_options();
   live.path = &path;
   PP_REQUIRE_OK(pp_session_record(ball.session, (folder.path() / "no" / "folder").string().c_str()));
@@ -248,7 +248,7 @@ TEST_CASE("what cannot be recorded, and what is no log, is refused in words") {
   PP_REQUIRE_OK(pp_session_record(ball.session, name.c_str()));
   touch(ball.session, path);
   const std::string whole = contentOf(file);
-  // Cut off anywhere it is either read as far as it goes, or refused.
+  // A truncated log is either read up to its end, or refused.
   for (std::size_t bytes = 0; bytes < whole.size(); bytes += whole.size() / 37 + 1) {
     std::ofstream(file, std::ios::binary) << whole.substr(0, bytes);
     pp_log torn{};

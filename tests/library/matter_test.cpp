@@ -1,4 +1,4 @@
-// Matter that moves by itself: alone, under hands by path, tick by tick and live; its parameters, its points, its end.
+// Simulated matter: alone, under hands by path, tick by tick and live; its parameters, points and end.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -20,7 +20,7 @@ constexpr const char* kTank =
     R"({"matter": "water", "box_mm": [80, 120, 80], "fill_mm": [80, 70, 80], "spacing_mm": 10,
         "tool": {"radius_mm": 20, "mass_kg": 0.034}})";
 
-/// A scene in a file for a test's time.
+/// A scene in a file that exists during a test.
 struct SceneFile {
   std::filesystem::path file;
   explicit SceneFile(const std::string& json = kTank)
@@ -57,7 +57,7 @@ struct LoneMatter {
   LoneMatter& operator=(const LoneMatter&) = delete;
 };
 
-// Into the water and a rest there.
+// Into the water, and at rest there.
 std::vector<double> dive(std::size_t down = 300, std::size_t rest = 200, double x = 40) {
   std::vector<double> path;
   for (std::size_t i = 0; i < down + rest; ++i)
@@ -129,7 +129,7 @@ pp_matter_state stateOf(pp_matter matter) {
   return state;
 }
 
-// So fine and without weight that it takes one step at a time: its sound is slower than a hand that beats about.
+// kThin is so fine and weightless that each step is one substep: a beating hand exceeds its speed of sound.
 constexpr const char* kCoarse =
     R"({"matter": "water", "box_mm": [80, 120, 80], "fill_mm": [80, 70, 80], "spacing_mm": 16,
         "tool": {"radius_mm": 20, "mass_kg": 0.034}})";
@@ -138,7 +138,7 @@ constexpr const char* kThin = R"({"matter": "water", "box_mm": [16, 16, 16], "fi
 
 }  // namespace
 
-TEST_CASE("matter that nobody touches moves on by milliseconds, the same for any number of threads") {
+TEST_CASE("matter without a hand advances by milliseconds, the same for any number of threads") {
   const SceneFile scene(R"({"matter": "water", "box_mm": [120, 80, 40], "fill_mm": [50, 60, 40], "spacing_mm": 8})");
   const LoneMatter one(scene.name(), 1), two(scene.name(), 2);
   const Frame rest = frameOf(one.matter);
@@ -158,7 +158,7 @@ TEST_CASE("matter that nobody touches moves on by milliseconds, the same for any
   CHECK(state.front_mm > 55);  // it flows into the empty part
   CHECK(state.front_mm <= 120);
   CHECK(state.substeps > 0);
-  // Velocities in mm/s, positions in mm: a step of one millisecond says so.
+  // Velocities are in mm/s, positions in mm: a step of one millisecond is consistent with both.
   PP_REQUIRE_OK(pp_matter_step(one.matter, 1));
   const Frame next = frameOf(one.matter);
   double worst = 0, fastest = 0;
@@ -175,7 +175,7 @@ TEST_CASE("matter that nobody touches moves on by milliseconds, the same for any
   CHECK(frameOf(one.matter).positions == a.positions);
 }
 
-TEST_CASE("parameters of matter alone are listed, set within their bounds, and take effect") {
+TEST_CASE("parameters of matter without a hand are listed, set within their bounds, and take effect") {
   const SceneFile scene;
   const LoneMatter still(scene.name()), falling(scene.name());
   std::uint64_t count = 0;
@@ -198,11 +198,11 @@ TEST_CASE("parameters of matter alone are listed, set within their bounds, and t
   CHECK(pp_matter_set_parameter(still.matter, "gravity_y_m_s2", 1e9) == PP_ERROR_ARGUMENT);
   CHECK(pp_matter_set_parameter(still.matter, "gravity_y_m_s2", std::nan("")) == PP_ERROR_ARGUMENT);
   CHECK(pp_matter_set_parameter(still.matter, "taste", 1) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("viscosity_Pa_s"));  // it lists those that there are
+  CHECK(lastErrorSays("viscosity_Pa_s"));  // it lists the known ones
   CHECK(pp_matter_set_parameter(still.matter, nullptr, 1) == PP_ERROR_ARGUMENT);
 }
 
-TEST_CASE("scenes that are not there, and calls that do not fit, are refused in words") {
+TEST_CASE("missing scenes and calls that do not apply to a session are refused with an error") {
   pp_session session{};
   pp_matter matter{};
   const pp_session_options options = cpuOptions();
@@ -245,7 +245,7 @@ TEST_CASE("scenes that are not there, and calls that do not fit, are refused in 
   CHECK(pp_session_open_matter(tank.name().c_str(), &padded, &session) == PP_ERROR_ARGUMENT);
 }
 
-TEST_CASE("a hand by path feels the water, goes on from path to path, and begins anew with a reset") {
+TEST_CASE("a hand by path feels the water, time continues from path to path, and a reset restarts it") {
   const SceneFile scene;
   const OpenScene water(scene.name());
   pp_session_info info = pp_default_session_info();
@@ -266,13 +266,13 @@ TEST_CASE("a hand by path feels the water, goes on from path to path, and begins
   CHECK(motion.hands == 1);
   CHECK(motion.failed == 0);
   CHECK(motion.energy_J[0] > 0);                                  // work was done on the water
-  CHECK(motion.least_energy_J[0] > -0.005 * motion.energy_J[0]);  // while the force is let in
-  // On from there, and not from the beginning.
+  CHECK(motion.least_energy_J[0] > -0.005 * motion.energy_J[0]);  // during the ramp of the force
+  // Continues from there, not from the start.
   const std::vector<double> stay{40, 35, 40, 40, 35, 40};
   const auto more = touch(water.session, pathOf(stay));
   CHECK(more.front().t_s == near(last.t_s + 1e-3, 1e-6));
   CHECK(more.front().force_N[1] == near(last.force_N[1], 0.2));
-  // The same again from the start gives the same bits.
+  // The same path after a reset gives the same bits.
   PP_REQUIRE_OK(pp_session_reset(water.session));
   const auto again = touch(water.session, pathOf(way));
   REQUIRE(again.size() == first.size());
@@ -280,7 +280,7 @@ TEST_CASE("a hand by path feels the water, goes on from path to path, and begins
     CHECK(std::memcmp(again[i].force_N, first[i].force_N, sizeof first[i].force_N) == 0);
 }
 
-TEST_CASE("what is held is not felt and does not move, and parameters act while it runs") {
+TEST_CASE("paused matter is not felt and does not move, and parameters act while it runs") {
   const SceneFile scene;
   const OpenScene water(scene.name());
   const auto way = dive(200, 100);
@@ -306,10 +306,10 @@ TEST_CASE("what is held is not felt and does not move, and parameters act while 
   CHECK(parametersOf(water.session).at("gain").value == 3);
 }
 
-TEST_CASE("a host's own loop feels water tick by tick, with a budget against the clock and without as far as it asks") {
+TEST_CASE("a host's own loop feels water tick by tick, with or without a time budget") {
   const SceneFile scene;
   pp_session_options options = cpuOptions();
-  SUBCASE("as long as it takes") {}
+  SUBCASE("without a budget") {}
   SUBCASE("with a budget") { options.budget_us = 100'000; }
   const OpenScene water(scene.name(), options);
   pp_contact contact{};
@@ -321,13 +321,13 @@ TEST_CASE("a host's own loop feels water tick by tick, with a budget against the
   }
   CHECK(contact.contact == 1);
   CHECK(contact.force_N[1] > 0.1);
-  // Behind it a path begins where time has come to.
+  // A path starts at the time that the loop has reached.
   const std::vector<double> stay{40, 35, 40};
   CHECK(touch(water.session, pathOf(stay)).front().t_s == near(0.4, 1e-6));
 }
 
-TEST_CASE("a live hand in water: ticks come, frames are new, and it is governed from another thread") {
-  // Little enough for a busy machine to answer before the force of the last answer has faded.
+TEST_CASE("a live hand in water gives ticks and new frames, while another thread sets parameters") {
+  // Small enough for a busy machine to answer before the force of the last answer has faded.
   const SceneFile scene(kCoarse);
   pp_session_options options = cpuOptions();
   options.threads = 1;
@@ -349,13 +349,13 @@ TEST_CASE("a live hand in water: ticks come, frames are new, and it is governed 
     }
   });
   std::vector<pp_tick> all;
-  double most_N = 0;  // the last answer fades where the machine is slow, and another one is waited for
+  double most_N = 0;  // on a slow machine the last answer fades, and the test waits for another one
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while ((all.size() < 250 || most_N <= 0.05) && std::chrono::steady_clock::now() < end) {
     std::vector<pp_tick> ticks(64);
     std::uint64_t count = 0;
     const pp_status status = pp_live_take(water.session, ticks.data(), ticks.size(), &count);
-    if (status == PP_ERROR_THREAD) continue;  // the other one looks just now
+    if (status == PP_ERROR_THREAD) continue;  // the other thread is in a call
     PP_REQUIRE_OK(status);
     all.insert(all.end(), ticks.begin(), ticks.begin() + static_cast<std::ptrdiff_t>(count));
     for (std::uint64_t i = 0; i < count; ++i) most_N = std::max(most_N, ticks[i].force_N[1]);
@@ -375,7 +375,7 @@ TEST_CASE("a live hand in water: ticks come, frames are new, and it is governed 
   CHECK(most_N > 0.05);
 }
 
-TEST_CASE("matter that diverges is an error, whoever steps it, until it is reset") {
+TEST_CASE("matter that diverges gives an error by path and a zero force by tick, until it is reset") {
   const SceneFile scene(kThin);
   const OpenScene water(scene.name());
   std::vector<double> wild;
@@ -402,7 +402,7 @@ TEST_CASE("matter that diverges is an error, whoever steps it, until it is reset
   CHECK(motionOf(water.session).failed == 0);
 }
 
-TEST_CASE("a soft body is felt, shaped by a brush, and takes the shape back") {
+TEST_CASE("a soft body is felt, sculpted by a brush, and the stroke can be undone") {
   const SceneFile scene(R"({"matter": "soft", "box_mm": [120, 120, 120], "fill_mm": [60, 40, 60], "spacing_mm": 10,
                             "young_Pa": 20000})");
   const OpenScene jelly(scene.name());
@@ -428,7 +428,7 @@ TEST_CASE("a soft body is felt, shaped by a brush, and takes the shape back") {
   CHECK(info.redoable == 1);
 }
 
-TEST_CASE("handles of matter and frames are as hard as all others") {
+TEST_CASE("invalid handles of matter and frames are refused, and a frame outlives its matter") {
   const SceneFile scene;
   pp_matter closed{};
   pp_frame frame{};
@@ -441,7 +441,7 @@ TEST_CASE("handles of matter and frames are as hard as all others") {
   CHECK(pp_matter_close(closed) == PP_ERROR_HANDLE);
   CHECK(pp_matter_reset({}) == PP_ERROR_HANDLE);
   CHECK(pp_frame_close({closed.id}) == PP_ERROR_HANDLE);
-  const Frame outlives(frame);  // its matter
+  const Frame outlives(frame);  // its matter is closed
   CHECK(outlives.fastest() == 0);
   CHECK(pp_frame_close(frame) == PP_ERROR_HANDLE);
 }

@@ -1,4 +1,4 @@
-// A force law as a program brings it: always along x.
+// A force law supplied by a program: always along x.
 #pragma once
 
 #include <palpate/palpate.h>

@@ -1,4 +1,4 @@
-// Sessions that several programs have, within one test program.
+// Sessions shared between several clients, within one test program.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// That no other test program is on, of this machine alone.
+/// A network domain that no other test program uses, on this machine only.
 inline pp_network ownNetwork() {
   pp_network network = pp_default_network();
   network.domain = ownDomain();
@@ -51,7 +51,7 @@ struct Serving {
     PP_REQUIRE_OK(pp_server_cloud(server, &now));
     return bytesOf(now);
   }
-  // Places and normals, bit by bit; closes it.
+  // Positions and normals of a cloud, bit by bit; closes the cloud.
   static std::vector<float> bytesOf(pp_cloud cloud) {
     pp_points points{};
     PP_REQUIRE_OK(pp_cloud_view(cloud, &points));
@@ -73,7 +73,7 @@ inline pp_session joined(const char* name, const char* hand, pp_session_options 
   join.read_only = aim == JoinedTo::feel ? 1 : 0;
   join.near_hands = aim == JoinedTo::feelNear ? 1 : 0;
   join.patience_s = 20;
-  options.mm_per_unit = 0;  // as it is served
+  options.mm_per_unit = 0;  // the scale of the server
   pp_session session{};
   PP_REQUIRE_OK(pp_session_join(name, &join, &options, &session));
   return session;

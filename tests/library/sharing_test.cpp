@@ -1,5 +1,5 @@
 // ctest: waits
-// Sessions that several programs have, through the C interface: a cloud is served, joined twice, and sculpted by both.
+// Shared sessions through the C interface: a cloud is served, joined twice, and sculpted by both clients.
 #include <atomic>
 #include <memory>
 #include <thread>
@@ -12,7 +12,7 @@ namespace palpate::sharing_test {
 
 namespace {
 
-/// A server whose thread stands still when it is told to: it takes nothing and answers nobody.
+/// A server whose thread can be halted: it then receives nothing and answers no client.
 class StandingServer {
  public:
   explicit StandingServer(const char* name) : name_(name) {
@@ -33,7 +33,7 @@ class StandingServer {
   }
   StandingServer(const StandingServer&) = delete;
   StandingServer& operator=(const StandingServer&) = delete;
-  // One more who joins is told to the log, where it stands.
+  // Another client joins; the log function, which is told of it, then blocks the server's thread.
   void stand() {
     told_ = true;
     comer_ = std::thread([this] { PP_CHECK_OK(pp_session_close(joined(name_, "comer"))); });
@@ -57,7 +57,7 @@ pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<d
 
 }  // namespace
 
-TEST_CASE("a library without DDS shares nothing, and says so") {
+TEST_CASE("a library without DDS shares nothing, and reports that") {
   if (pp_can_share()) return;
   const BallCloud ball;
   pp_server server{};
@@ -69,7 +69,7 @@ TEST_CASE("a library without DDS shares nothing, and says so") {
   CHECK(pp_network_survey(nullptr, 0, nullptr, 0, &count) == PP_ERROR_UNSUPPORTED);
 }
 
-TEST_CASE("two hands sculpt what is served, by path: in the end all three have the same points, bit by bit") {
+TEST_CASE("two hands sculpt a served cloud by path, and both and the server end with the same points, bit by bit") {
   if (!isBuilt()) return;
   const Serving serving("shared ball");
   const auto before = serving.points();
@@ -114,7 +114,7 @@ TEST_CASE("two hands sculpt what is served, by path: in the end all three have t
   CHECK(serving.info().states > 20);
   CHECK(std::string(serving.info().openness).find("programs of this machine") != std::string::npos);
 
-  // This hand's stroke, where nobody else has changed the points since; who comes later gets all of it.
+  // Undoes this hand's stroke, whose points no other hand has changed since; a later client receives the result.
   std::uint64_t done = 0;
   PP_CHECK_OK(pp_session_undo(two, 1, &done));
   CHECK(done == 1);
@@ -125,7 +125,7 @@ TEST_CASE("two hands sculpt what is served, by path: in the end all three have t
   for (const pp_session session : {one, two, late}) PP_CHECK_OK(pp_session_close(session));
 }
 
-TEST_CASE("a pulled loop sculpts a joined cloud is seen, and feels what others do") {
+TEST_CASE("a pulled hand on a joined cloud is seen while it sculpts, and others feel its dent") {
   if (!isBuilt()) return;
   const Serving serving("pulled");
   pp_session_options options = cpuOptions();
@@ -167,14 +167,14 @@ TEST_CASE("a pulled loop sculpts a joined cloud is seen, and feels what others d
   PP_REQUIRE_OK(pp_session_settle(watcher, 60, &same));
   CHECK(same == 1);
   CHECK(isSame(pointsOf(watcher), serving.points()));
-  // The dent is felt elsewhere.
+  // Another client feels the dent.
   const auto touched = touch(watcher, pathOf(pressPath(1)));
   CHECK(touched.back().penetration_mm < 0.5);
   PP_CHECK_OK(pp_session_close(puller));
   PP_CHECK_OK(pp_session_close(watcher));
 }
 
-TEST_CASE("what a pulled hand has done, and nobody has taken in yet, is delivered as it is closed") {
+TEST_CASE("pending edits of a pulled hand are delivered when its session is closed") {
   if (!isBuilt()) return;
   const Serving serving("left");
   pp_session_options options = cpuOptions();
@@ -184,7 +184,7 @@ TEST_CASE("what a pulled hand has done, and nobody has taken in yet, is delivere
   push.radius_mm = 5;
   PP_REQUIRE_OK(pp_session_set_brush(session, &push));
   pp_contact contact{};
-  // Down, and held until the dent is there, whatever time an edit takes.
+  // Down, and held there until the dent exists, however long an edit takes.
   std::size_t tick = 0;
   CHECK(comes(30, [&] {
     const pp_pose pose = poseAt(tick, std::max(48.0, 52 - 0.05 * static_cast<double>(tick)));
@@ -201,7 +201,7 @@ TEST_CASE("what a pulled hand has done, and nobody has taken in yet, is delivere
   PP_CHECK_OK(pp_session_close(late));
 }
 
-TEST_CASE("a live hand on a joined cloud sculpts it, and who comes later has what it has done") {
+TEST_CASE("a live hand sculpts a joined cloud, and a later client receives its strokes") {
   if (!isBuilt()) return;
   const Serving serving("lively");
   const auto before = serving.points();
@@ -229,9 +229,8 @@ TEST_CASE("a live hand on a joined cloud sculpts it, and who comes later has wha
   PP_CHECK_OK(pp_session_close(late));
 }
 
-TEST_CASE(
-    "a server that is gone takes the force of a pulled hand away, and one that is served anew ends its part in words" *
-    kClock) {
+TEST_CASE("a lost server fades a pulled hand's force to zero, and one restarted without edits gives an error" *
+          kClock) {
   if (!isBuilt()) return;
   auto serving = std::make_unique<Serving>("brief");
   pp_session_options options = cpuOptions();
@@ -251,7 +250,7 @@ TEST_CASE(
   }));
   serving.reset();
   for (int i = 0; i < 500; ++i) PP_REQUIRE_OK(touchOnce());
-  CHECK(lengthOf(contact.force_N) > 0.5);  // a short silence is none
+  CHECK(lengthOf(contact.force_N) > 0.5);  // a short silence is tolerated
   CHECK(comes(20, [&] {
     PP_REQUIRE_OK(touchOnce());
     return lengthOf(contact.force_N) == 0;
@@ -277,11 +276,11 @@ TEST_CASE(
   pp_live_options live = pp_default_live_options();
   live.builtin = "press";
   CHECK(pp_live_start(session, &live) == PP_ERROR_NETWORK);
-  CHECK(pointsOf(session).size() == 6 * 20'000);  // which are not lost
+  CHECK(pointsOf(session).size() == 6 * 20'000);  // the points are not lost
   PP_CHECK_OK(pp_session_close(session));
 }
 
-TEST_CASE("a server with a journal goes on where it was, and so do those who have joined") {
+TEST_CASE("a server with a journal resumes after a restart, and so do its joined sessions") {
   if (!isBuilt()) return;
   const std::string journal = "/tmp/palpate_library_journal_" + std::to_string(getpid());
   auto serving = std::make_unique<Serving>("kept", false, journal.c_str());
@@ -303,7 +302,7 @@ TEST_CASE("a server with a journal goes on where it was, and so do those who hav
   unlink(journal.c_str());
 }
 
-TEST_CASE("what is served to be felt alone, or joined so, takes no brush") {
+TEST_CASE("a session served read-only, or joined read-only, accepts no brush") {
   if (!isBuilt()) return;
   const Serving felt("felt", true), shared("shared");
   const pp_session alone = joined("felt", "anna"), careful = joined("shared", "ben", cpuOptions(), JoinedTo::feel);
@@ -325,7 +324,7 @@ TEST_CASE("what is served to be felt alone, or joined so, takes no brush") {
   PP_CHECK_OK(pp_session_close(careful));
 }
 
-TEST_CASE("of what is joined near, the points around the hand are felt as all of them would be") {
+TEST_CASE("a client with only the points around the hand feels what one with all points feels") {
   if (!isBuilt()) return;
   const Serving serving("near");
   const auto before = serving.points();
@@ -337,7 +336,7 @@ TEST_CASE("of what is joined near, the points around the hand are felt as all of
   CHECK(far.back().contact == 1);
   for (std::size_t i = 0; i < far.size(); ++i)
     for (int k = 0; k < 3; ++k) CHECK(far[i].force_N[k] == all[i].force_N[k]);
-  // Each sees the other's hand.
+  // Each client sees the other's hand.
   const auto sees = [](pp_session who, const std::string& name) {
     pp_other_hand hands[4];
     std::uint64_t count = 0;
@@ -345,7 +344,7 @@ TEST_CASE("of what is joined near, the points around the hand are felt as all of
     return count == 1 && hands[0].name == name && hands[0].touching && !hands[0].sculpts &&
            hands[0].position[2] < hands[0].proxy[2];
   };
-  // Where it is at a path's end is on its way then, and shown for a second.
+  // A hand at the end of its path is still being sent, and is shown for a second.
   const auto isSeen = [&](pp_session hand, const std::string& name, pp_session who) {
     return comes(10, [&] {
       touch(hand, pathOf(path));
@@ -369,7 +368,7 @@ TEST_CASE("of what is joined near, the points around the hand are felt as all of
   std::uint64_t undone = 1;
   CHECK(pp_session_undo(near, 1, &undone) != PP_OK);
   CHECK(lastErrorSays("only the points around the hand"));
-  // What is live is delivered as it ends.
+  // Edits of a live hand are delivered when it ends.
   PP_CHECK_OK(pp_session_set_brush(near, &push));
   pp_live_options options = pp_default_live_options();
   options.builtin = "press";
@@ -384,7 +383,7 @@ TEST_CASE("of what is joined near, the points around the hand are felt as all of
   PP_CHECK_OK(pp_session_close(whole));
 }
 
-TEST_CASE("sessions of a network are listed; what cannot be joined or served is said") {
+TEST_CASE("sessions of a network are listed, and invalid joins and servers are refused with a reason") {
   if (!isBuilt()) return;
   const Serving serving("listed"), other("another");
   const pp_network network = ownNetwork();
@@ -392,7 +391,7 @@ TEST_CASE("sessions of a network are listed; what cannot be joined or served is 
   std::uint64_t count = 0;
   for (int i = 0; i < 30 && (count != 2 || seen[0].answered == 0); ++i)
     PP_REQUIRE_OK(pp_network_survey(&network, 1, seen, 1, &count));
-  CHECK(count == 2);  // and one was copied
+  CHECK(count == 2);  // only one fits into the array
   CHECK((std::string(seen[0].name) == "listed" || std::string(seen[0].name) == "another"));
   CHECK(seen[0].points == 20'000);
   CHECK(seen[0].fits == 1);
@@ -419,7 +418,7 @@ TEST_CASE("sessions of a network are listed; what cannot be joined or served is 
   wrong.interface_name = "nowhere0";
   join.network = &wrong;
   CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("on domain"));  // of another network already
+  CHECK(lastErrorSays("on domain"));  // the domain is already in use with another configuration
   wrong.domain = network.domain + 100;
   CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_NETWORK);
   CHECK(lastErrorSays("nowhere0"));
@@ -491,7 +490,7 @@ TEST_CASE("cameras are shown, seen by others, and hidden again") {
   PP_CHECK_OK(pp_session_close(ben));
 }
 
-TEST_CASE("calls that wait for others end when the program says so, and are asked often") {
+TEST_CASE("waiting network calls end when the program's stop function returns 1, and call it often") {
   if (!isBuilt()) return;
   struct Patience {
     int asked = 0, most = 0;
@@ -540,7 +539,7 @@ TEST_CASE("calls that wait for others end when the program says so, and are aske
   }
 }
 
-TEST_CASE("handles that are closed, of another kind or of sessions that were not joined give errors") {
+TEST_CASE("sharing calls refuse handles that are closed, of another kind or not joined") {
   const OpenBall ball;
   pp_sharing sharing = pp_default_sharing();
   std::uint64_t count = 0;
@@ -573,7 +572,7 @@ TEST_CASE("handles that are closed, of another kind or of sessions that were not
   CHECK(pp_session_others(session, nullptr, 0, &count) == PP_ERROR_HANDLE);
 }
 
-TEST_CASE("a log function is told who comes, and whatever it calls of its server does no harm") {
+TEST_CASE("a server's log function is told of new clients, and cannot query or close its own server") {
   if (!isBuilt()) return;
   struct Heard {
     std::atomic<std::uint64_t> server = 0;
@@ -602,7 +601,7 @@ TEST_CASE("a log function is told who comes, and whatever it calls of its server
   PP_CHECK_OK(pp_server_close(server));
 }
 
-TEST_CASE("settle says no while the server does not answer, though all was well when it was heard last") {
+TEST_CASE("settle reports no agreement while the server does not answer, even if all points agreed before") {
   if (!isBuilt()) return;
   StandingServer server("held");
   const pp_session session = joined("held", "anna");
@@ -610,7 +609,7 @@ TEST_CASE("settle says no while the server does not answer, though all was well 
   PP_REQUIRE_OK(pp_session_settle(session, 60, &same));
   CHECK(same == 1);
   server.stand();
-  CHECK(sharingOf(session).same == 1);  // as it was heard last
+  CHECK(sharingOf(session).same == 1);  // as in the last answer
   PP_CHECK_OK(pp_session_settle(session, 0.3, &same));
   CHECK(same == 0);
   server.goOn();
@@ -619,7 +618,7 @@ TEST_CASE("settle says no while the server does not answer, though all was well 
   PP_CHECK_OK(pp_session_close(session));
 }
 
-TEST_CASE("what a pulled hand has done last arrives, though the server stands still for a while as it is closed") {
+TEST_CASE("closing a session delivers a pulled hand's last edits, even if the server is halted for a while") {
   if (!isBuilt()) return;
   StandingServer server("standing");
   pp_session_options options = cpuOptions();
@@ -648,7 +647,7 @@ TEST_CASE("what a pulled hand has done last arrives, though the server stands st
   CHECK(info.states > 20);
 }
 
-TEST_CASE("a server and a joined session are asked by many threads while they are closed") {
+TEST_CASE("a server and a joined session can be queried by many threads while they are closed") {
   if (!isBuilt()) return;
   auto serving = std::make_unique<Serving>("busy");
   const pp_server server = serving->server;

@@ -1,4 +1,4 @@
-// Sculpting through the C interface: what changes, what does not, and that all of it can be taken back.
+// Sculpting through the C interface: what a stroke changes, what it leaves, and undo.
 #include <algorithm>
 #include <set>
 
@@ -24,7 +24,7 @@ std::multiset<Place> setOf(const std::vector<double>& places) {
 
 }  // namespace
 
-TEST_CASE("a stroke dents the ball where it passed and nowhere else, and undo gives back every bit") {
+TEST_CASE("a stroke dents the ball along its path and nowhere else, and undo restores every bit") {
   const OpenBall ball;
   const auto before = placesOf(ball.session);
   const auto path = pressPath(4, 150, 50);
@@ -40,7 +40,7 @@ TEST_CASE("a stroke dents the ball where it passed and nowhere else, and undo gi
     farthest = std::max(farthest, std::hypot(after[i] - 0.3, after[i + 1] + 0.2));
   }
   CHECK(lowest < kBallRadius - 2);
-  CHECK(farthest < 5 + 2);  // the brush, and the support radius about it
+  CHECK(farthest < 5 + 2);  // the brush, and the support radius around it
   pp_session_info info = pp_default_session_info();
   PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
   CHECK(info.undoable == 1);
@@ -59,7 +59,7 @@ TEST_CASE("a stroke dents the ball where it passed and nowhere else, and undo gi
   PP_REQUIRE_OK(pp_session_undo(ball.session, 1, nullptr));
 }
 
-TEST_CASE("feeling changes nothing, before a stroke and after one, and what was dented is felt") {
+TEST_CASE("touching without a brush changes nothing, and a dent is felt") {
   const OpenBall ball;
   const auto path = pressPath(1);
   const auto untouched = placesOf(ball.session);
@@ -69,13 +69,13 @@ TEST_CASE("feeling changes nothing, before a stroke and after one, and what was 
   stroke(ball.session, pathOf(deep), pushOf(5));
   const auto dented = placesOf(ball.session);
   const auto ticks = touch(ball.session, pathOf(path));
-  CHECK(ticks.back().force_N[2] < 0.5 * first_N);  // the surface has gone away from there
+  CHECK(ticks.back().force_N[2] < 0.5 * first_N);  // the surface is lower there
   CHECK(placesOf(ball.session) == dented);
   PP_REQUIRE_OK(pp_session_undo(ball.session, 1, nullptr));
   CHECK(touch(ball.session, pathOf(path)).back().force_N[2] == near(first_N, 1e-6));
 }
 
-TEST_CASE("a brush that is set sculpts tick by tick, but not where the pose only feels") {
+TEST_CASE("a session's brush sculpts tick by tick, but not where the pose says to feel only") {
   const OpenBall ball;
   const auto path = pressPath(4, 150, 20);
   const pp_brush brush = pushOf(5);
@@ -90,7 +90,7 @@ TEST_CASE("a brush that is set sculpts tick by tick, but not where the pose only
     }
     CHECK((placesOf(ball.session) != before) == (feels == 0));
   }
-  // A path is felt only, whatever brush is set, and the brush stays.
+  // A path only feels, even with a brush, and the brush stays set.
   const auto dented = placesOf(ball.session);
   touch(ball.session, pathOf(path));
   CHECK(placesOf(ball.session) == dented);
@@ -101,11 +101,11 @@ TEST_CASE("a brush that is set sculpts tick by tick, but not where the pose only
   CHECK(placesOf(ball.session) == before);
 }
 
-TEST_CASE("points come and go with a brush that keeps the density and with no other, whichever came first") {
+TEST_CASE("only brushes that keep the density add or remove points, in either order of strokes") {
   checkDensityIsOfTheBrush(cpuOptions());
 }
 
-TEST_CASE("each number of a brush takes effect with its own stroke, whatever brush came before") {
+TEST_CASE("each parameter of a brush takes effect with its own stroke, whatever brush was used before") {
   constexpr std::size_t kPoints = 5'000;
   const auto path = pressPath(5, 60, 10);
   const pp_brush usual = pushOf(8);
@@ -134,7 +134,7 @@ TEST_CASE("each number of a brush takes effect with its own stroke, whatever bru
   });
 }
 
-TEST_CASE("carving takes points away, painting gives them colours") {
+TEST_CASE("carving removes points, painting gives them colours") {
   const OpenBall ball;
   const auto path = pressPath(4, 150, 50);
   pp_brush brush = pushOf(5);

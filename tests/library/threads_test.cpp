@@ -1,4 +1,4 @@
-// Threads that use one session at a time as they may, and as they may not.
+// Concurrent use of one session, in permitted and in forbidden ways.
 #include <atomic>
 #include <thread>
 
@@ -15,7 +15,7 @@ pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<d
 
 TEST_CASE("a tick of a host's own servo loop allocates nothing") {
   pp_session_options options = cpuOptions();
-  SUBCASE("as long as it takes") {}
+  SUBCASE("without a budget") {}
   SUBCASE("with a budget") { options.budget_us = 500; }
   const OpenBall ball(options);
   pp_contact contact{};
@@ -33,7 +33,7 @@ TEST_CASE("a tick of a host's own servo loop allocates nothing") {
   CHECK(wrong == 0);
   CHECK(contact.contact == 1);
   CHECK(allocations == 0);
-  counting = true;  // and it counts what the library does
+  counting = true;  // control: allocations of the library are counted
   pp_cloud copy{};
   wrong += pp_session_cloud(ball.session, &copy) != PP_OK;
   counting = false;
@@ -43,7 +43,7 @@ TEST_CASE("a tick of a host's own servo loop allocates nothing") {
   PP_CHECK_OK(pp_cloud_close(copy));
 }
 
-TEST_CASE("a tick on a joined cloud allocates nothing, and waits for nobody who is told of it") {
+TEST_CASE("a tick on a joined cloud allocates nothing") {
   if (!isBuilt()) return;
   const Serving serving("ticked");
   pp_session_options options = cpuOptions();
@@ -68,7 +68,7 @@ TEST_CASE("a tick on a joined cloud allocates nothing, and waits for nobody who 
   PP_CHECK_OK(pp_session_close(session));
 }
 
-TEST_CASE("one thread touches and sculpts while another takes in what it did") {
+TEST_CASE("one thread touches and sculpts while another applies its edits") {
   pp_session_options options = cpuOptions();
   options.budget_us = 2'000;
   const OpenBall ball(options);
@@ -99,7 +99,7 @@ TEST_CASE("one thread touches and sculpts while another takes in what it did") {
   CHECK(placesOf(ball.session) == before);
 }
 
-TEST_CASE("calls that do not go together: the later one says so, and the session is unharmed") {
+TEST_CASE("a call that conflicts with one in progress returns an error, and the session stays usable") {
   // The law is called in the middle of pp_session_touch(), on a thread of its own.
   struct Shared {
     pp_session session{};

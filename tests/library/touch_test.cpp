@@ -1,4 +1,4 @@
-// What is felt through the C interface, held against a ball whose surface is known.
+// Contact through the C interface, compared with a ball whose surface is known.
 #include <algorithm>
 #include <limits>
 
@@ -44,7 +44,7 @@ TEST_CASE("a hand in a ball is pushed out along the ball's radius, by stiffness 
   }
 }
 
-TEST_CASE("a path of three columns has a tick for each row, there and then, and the same one gives the same ticks") {
+TEST_CASE("a path of three columns has one tick per row, at the row's position, and is repeatable") {
   const OpenBall ball;
   const auto path = pressPath(1, 37, 5);
   const auto ticks = touch(ball.session, pathOf(path));
@@ -60,16 +60,16 @@ TEST_CASE("a path of three columns has a tick for each row, there and then, and 
   }));
 }
 
-TEST_CASE("each path begins with a hand that has touched nothing") {
+TEST_CASE("each path begins without an earlier contact") {
   const OpenBall ball;
-  const std::vector<double> deep{0.3, -0.2, 44};  // where nothing is in reach
+  const std::vector<double> deep{0.3, -0.2, 44};  // far inside, with no points in reach
   CHECK(touch(ball.session, pathOf(deep)).back().contact == 0);
   const auto press = pressPath(1);
   CHECK(touch(ball.session, pathOf(press)).back().contact == 1);
   CHECK(touch(ball.session, pathOf(deep)).back().contact == 0);
 }
 
-TEST_CASE("a path with times is linear between its rows, and as long as they say") {
+TEST_CASE("a path with times is linear between its rows, and lasts as long as they say") {
   const OpenBall ball;
   const std::vector<double> rows{0.01, 0, 0, 60, 0.05, 0, 0, 52};
   const auto ticks = touch(ball.session, pathOf(rows, 4));
@@ -79,7 +79,7 @@ TEST_CASE("a path with times is linear between its rows, and as long as they say
   CHECK(ticks[50].hip[2] == near(52, 1e-6));
 }
 
-TEST_CASE("single precision and rows that lie apart are the same path") {
+TEST_CASE("paths in single precision and with any row stride give the same ticks") {
   const OpenBall ball;
   const std::vector<double> path{0, 0, 51, 0, 0, 50, 0, 0, 49};
   const std::vector<float> apart{0, 0, 51, -1, 0, 0, 50, -1, 0, 0, 49, -1};
@@ -95,7 +95,7 @@ TEST_CASE("single precision and rows that lie apart are the same path") {
   }
 }
 
-TEST_CASE("a path that cannot be followed is refused with its row, and nothing is written past the room") {
+TEST_CASE("an invalid path is refused with its row, and nothing is written beyond the array's size") {
   const OpenBall ball;
   std::vector<double> rows{0, 0, 0, 51, 0.01, 0, 0, 50, 0.01, 0, 0, 49};
   std::uint64_t count = 7;
@@ -126,7 +126,7 @@ TEST_CASE("a path that cannot be followed is refused with its row, and nothing i
   CHECK(pp_session_touch(ball.session, &path, nullptr, 20, &count) == PP_ERROR_ARGUMENT);
 }
 
-TEST_CASE("options that a session cannot have are refused by their name") {
+TEST_CASE("session options out of their bounds are refused by their name") {
   const BallCloud ball(100);
   const auto refused = [&](auto&& change, const char* words) {
     pp_session_options options = cpuOptions();
@@ -156,7 +156,7 @@ TEST_CASE("options that a session cannot have are refused by their name") {
   PP_CHECK_OK(pp_cloud_close(empty));
 }
 
-TEST_CASE("a cloud without normals is felt, too, and a log hears that they are estimated") {
+TEST_CASE("a cloud without normals can be felt, and the log function is told that they are estimated") {
   const BallArrays<float> arrays(5'000);
   pp_cloud_arrays bare = arrays.arrays();
   bare.normals = {};
@@ -175,7 +175,7 @@ TEST_CASE("a cloud without normals is felt, too, and a log hears that they are e
   PP_CHECK_OK(pp_cloud_close(cloud));
 }
 
-TEST_CASE("tick by tick a hand feels what it feels along a path") {
+TEST_CASE("a hand feels the same tick by tick as along a path") {
   const OpenBall ball;
   const auto path = pressPath(1);
   const auto ticks = touch(ball.session, pathOf(path));
@@ -251,7 +251,7 @@ TEST_CASE("a call that fails leaves no force, count or handle of an earlier one"
   CHECK(cloud.id == 0);
 }
 
-TEST_CASE("a hand that was lifted has not come through the surface on which side it is put down") {
+TEST_CASE("a hand lifted and put down inside the ball keeps no contact from before") {
   const OpenBall ball;
   pp_contact contact{};
   const auto at = [&](double t_s, double z) {
@@ -262,12 +262,12 @@ TEST_CASE("a hand that was lifted has not come through the surface on which side
   at(0.001, 49);
   CHECK(contact.contact == 1);
   PP_CHECK_OK(pp_touch_lift(ball.session));
-  at(0.002, 40);  // far inside: nothing is in reach
+  at(0.002, 40);  // far inside: no points are in reach
   CHECK(contact.contact == 0);
   CHECK(lengthOf(contact.force_N) == 0);
 }
 
-TEST_CASE("what is felt can be changed, but for the support radius") {
+TEST_CASE("contact parameters can be changed in a session, except the support radius") {
   const OpenBall ball;
   pp_session_info info = pp_default_session_info();
   PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
@@ -290,7 +290,7 @@ TEST_CASE("what is felt can be changed, but for the support radius") {
   CHECK(lastErrorSays("radius_mm"));
 }
 
-TEST_CASE("a force law of the program's own has the say, within the limits") {
+TEST_CASE("a program's own force law sets the force, within the limits") {
   Calls calls;
   pp_session_options options = cpuOptions();
   options.law = ownLaw;
@@ -301,7 +301,7 @@ TEST_CASE("a force law of the program's own has the say, within the limits") {
   CHECK(calls.count > 100);
   CHECK(calls.usual_N == near(0.8 * ticks.back().penetration_mm, 1e-6));
   CHECK(calls.lastHip_z == path.back());
-  CHECK(ticks.back().force_N[0] == near(1.25, 1e-6));  // as the law says, whatever the surface
+  CHECK(ticks.back().force_N[0] == near(1.25, 1e-6));  // the force of the law, independent of the surface
   CHECK(ticks.back().force_N[2] == within(0, 1e-6));
   calls.size_N = 50;
   CHECK(lengthOf(touch(ball.session, pathOf(path)).back().force_N) == near(3.3, 1e-6));

@@ -1,4 +1,4 @@
-// Calls that take long, watched by the program: they end soon once it wants that, and what was done is whole.
+// Long calls observed by the program: they end soon when it asks for it, and their partial results are consistent.
 #include <atomic>
 #include <chrono>
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace palpate::watch_test {
 
 namespace {
 
-/// Wants an end from the `stopAt`-th question on, and once that share is done.
+/// Requests a stop at the `stopAt`-th query, and as soon as the share `stopAtShare` is done.
 struct Watcher {
   int stopAt = 1'000'000;
   double stopAtShare = 2;
@@ -45,7 +45,7 @@ struct Watcher {
   }
 };
 
-constexpr double kSoon_s = 2;  // on a busy machine; 0.2 on one that is not
+constexpr double kSoon_s = 2;  // on a busy machine; 0.2 s on an idle one
 
 void checkStopped(pp_status status, const Watcher& watcher) {
   CHECK_MESSAGE(status == PP_ERROR_STOPPED, std::string(pp_last_error()));
@@ -55,7 +55,7 @@ void checkStopped(pp_status status, const Watcher& watcher) {
 
 }  // namespace
 
-TEST_CASE("a path that is stopped gives the ticks that were done, and its stroke is taken back as any other") {
+TEST_CASE("a stopped path gives the ticks done so far, and a stopped stroke can be undone") {
   Watcher watcher;
   pp_session_options options = cpuOptions();
   options.watch = watcher.watch();
@@ -86,7 +86,7 @@ TEST_CASE("a path that is stopped gives the ticks that were done, and its stroke
   CHECK(touch(ball.session, pathOf(pressPath(1))).back().force_N[2] > 0.5);
 }
 
-TEST_CASE("what is stopped while it is opened, read or written is not there, and leaves no file") {
+TEST_CASE("opening, reading or writing that is stopped gives no handle and leaves no file") {
   const ScratchFolder folder;
   const BallArrays<float> arrays(200'000);
   pp_cloud_arrays bare = arrays.arrays();
@@ -116,7 +116,7 @@ TEST_CASE("what is stopped while it is opened, read or written is not there, and
   PP_CHECK_OK(pp_cloud_close(cloud));
 }
 
-TEST_CASE("a session that is stopped as its first brush comes is as it was, and takes it later") {
+TEST_CASE("setting the first brush can be stopped, and the session stays usable and accepts it later") {
   Watcher watcher;
   pp_session_options options = cpuOptions();
   options.watch = watcher.watch();
@@ -129,7 +129,7 @@ TEST_CASE("a session that is stopped as its first brush comes is as it was, and 
   PP_CHECK_OK(pp_session_set_brush(ball.session, &brush));
 }
 
-TEST_CASE("matter that is stopped stands where its last step has left it") {
+TEST_CASE("matter that is stopped keeps the state after its last step, and continues from there") {
   Watcher watcher;
   pp_matter_options options = pp_default_matter_options();
   options.gpu = "cpu";

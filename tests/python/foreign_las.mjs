@@ -1,7 +1,7 @@
-// What npm's laz-perf, copc and @loaders.gl/las make of a file of points, for test_las_oracles.py.
+// Reads a file of points with npm's laz-perf, copc and @loaders.gl/las, for test_las_oracles.py.
 //   node foreign_las.mjs FOLDER-OF-PACKAGES laz|copc|loaders FILE OUTPUT
-// OUTPUT gets a line of JSON that says what comes, and the bytes behind it: of laz and copc the points' records as LAS
-// has them, of loaders the arrays.
+// OUTPUT receives a line of JSON that describes the data, followed by the bytes: the points' LAS records for laz and
+// copc, the arrays for loaders.
 import { closeSync, openSync, readFileSync, writeSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";

@@ -1,4 +1,4 @@
-"""Whatever a person can name says what it is, and numbers say their units and shapes."""
+"""Every public name has a docstring, and those of numbers give units and shapes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 
 def public_names():
-    """Every public name of the module, and of its classes what they and those before them have of palpate's own."""
+    """Every public name of the module, and palpate's own members of its classes and their bases."""
     for name in pp.__all__:
         thing = getattr(pp, name)
         yield name, thing
@@ -35,10 +35,10 @@ def text_of(thing: object) -> str:
 def test_every_public_name_has_a_docstring(name):
     thing = NAMES[name]
     if not (callable(thing) or isinstance(thing, (property, staticmethod, classmethod))):
-        return  # a value of a class, which its docstring names
+        return  # a value of a class; the docstring of the class describes it
     text = text_of(thing)
     assert len(text) > 10, name
-    assert text != text_of(type(thing)), f"{name} says what its type says"
+    assert text != text_of(type(thing)), f"{name} has the docstring of its type"
 
 
 @pytest.mark.parametrize("name, unit", [

@@ -1,4 +1,4 @@
-"""Clouds that move frame by frame, as a program says."""
+"""Clouds that move frame by frame, supplied by a program."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_what_is_no_frame_is_refused(moving, ball):
 
 
 def write_recording(folder) -> str:
-    """A wall half a metre away that comes a millimetre nearer with each of ten frames, a hundred a second (Redwood)."""
+    """A wall half a metre away that comes a millimetre nearer with each of ten frames, 100 per second (Redwood)."""
     def chunk(name, data):
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
@@ -112,7 +112,7 @@ def test_a_recorded_depth_camera_is_felt(tmp_path, ball):
         t = s.touch(stand)
         assert not t["contact"][15] and t["contact"][60]
         assert t["penetration_mm"][-1] > t["penetration_mm"][60] + 1
-        assert 0.4905 < s.frame().positions[:, 2].max() < 0.4925  # of the last frames
+        assert 0.4905 < s.frame().positions[:, 2].max() < 0.4925  # from the last frames
         with pytest.raises(pp.UsageError):
             s.push(stand)
     with pp.Session(folder, gpu="cpu", mm_per_unit=1000, speed=0.1, loop=True) as slow:

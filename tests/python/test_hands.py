@@ -156,7 +156,7 @@ def test_a_live_law_in_python_is_felt_and_a_late_one_fades(ball):
         live.take()
         time.sleep(0.35)
         late = live.take()
-        assert late["contact"].all() and (late["force_N"][:, 2] == 0).any()  # nothing is left of what is 50 ms old
+        assert late["contact"].all() and (late["force_N"][:, 2] == 0).any()  # after 50 ms a force is zero
         assert live.late_laws > 50
         live.stop()
         assert len(s.touch(press_path(1))) == 200

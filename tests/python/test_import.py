@@ -1,4 +1,4 @@
-"""What it costs to begin with palpate."""
+"""Cost of importing palpate."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 
 
 def processor_seconds(program: str) -> float:
-    """Of a core; the least of some runs, which others' work makes longer."""
+    """Processor seconds; the minimum of several runs, since the load of the machine only adds to them."""
 
     def once() -> float:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -1,4 +1,4 @@
-"""LAS, LAZ and COPC against npm's laz-perf, copc and @loaders.gl/las, and LAS against the bytes of its records."""
+"""LAS, LAZ and COPC compared with npm's laz-perf, copc and @loaders.gl/las, and LAS with the bytes of its records."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 SCANS = pathlib.Path(__file__).resolve().parents[3] / "shared" / "models" / "formats"
 
-# Records of LAS 1.4 R15, section 2.6, tables 7 to 16, without what is packed into bits.
+# Records of LAS 1.4 R15, section 2.6, tables 7 to 16, without the bit fields.
 OLD = [("X", "<i4"), ("Y", "<i4"), ("Z", "<i4"), ("intensity", "<u2"), ("bits", "u1"), ("class", "u1"),
        ("scan_angle_rank", "i1"), ("user_data", "u1"), ("point_source_id", "<u2")]  # fmt: skip
 NEW = [("X", "<i4"), ("Y", "<i4"), ("Z", "<i4"), ("intensity", "<u2"), ("returns", "u1"), ("flags", "u1"),
@@ -35,7 +35,7 @@ def packages(npm):
 
 def scan(name: str) -> pathlib.Path:
     if not (SCANS / name).exists():
-        pytest.skip(f"there is no ../shared/models/formats/{name}")
+        pytest.skip(f"no ../shared/models/formats/{name}")
     return SCANS / name
 
 
@@ -58,7 +58,7 @@ def header_of(file: pathlib.Path) -> dict[str, object]:
 
 
 def columns_of(records: bytes, point_format: int, length: int, scale, offset) -> dict[str, np.ndarray]:
-    """What a file says of its points, by the names that palpate has for it."""
+    """The columns of a file's points, under the names that palpate gives them."""
     layout = FORMATS[point_format]
     known = np.dtype(layout).itemsize
     rows = np.frombuffer(records, np.dtype([*layout, ("extra", f"V{length - known}")] if length > known else layout))
@@ -80,7 +80,7 @@ def columns_of(records: bytes, point_format: int, length: int, scale, offset) ->
 
 
 def require_same(cloud: pp.Cloud, columns: dict[str, np.ndarray], order: np.ndarray | slice = slice(None)) -> None:
-    """`order`: of the cloud's points, as they stand in the columns."""
+    """`order`: index of the cloud's point for each row of the columns."""
     columns = dict(columns)
     assert np.array_equal(np.asarray(cloud.xyz, float)[order], columns.pop("xyz"))
     if "red" in columns:
@@ -93,7 +93,7 @@ def require_same(cloud: pp.Cloud, columns: dict[str, np.ndarray], order: np.ndar
     for name, column in columns.items():
         if name in cloud.attributes:
             assert np.array_equal(cloud.attribute(name)[order], column), name
-        else:  # what is the same for all points and nothing says no more
+        else:  # palpate leaves out columns that are zero for all points
             assert not column.any(), name
 
 
@@ -124,7 +124,7 @@ def test_copc_decodes_the_same_points(packages, tmp_path):
     columns = columns_of(records, said["format"], said["length"], head["scale"], head["offset"])
     cloud = pp.read(file)
     assert said["count"] == len(cloud) > 0
-    # The nodes of its octree come in another order there; no two points of this file have one place and one time.
+    # copc gives the nodes of the octree in another order; no two points of this file share position and time.
     theirs = np.lexsort([*columns["xyz"].T, columns["gps_time"]])
     ours = np.lexsort([*np.asarray(cloud.xyz).T, cloud.attribute("gps_time")])
     require_same(cloud, {name: column[theirs] for name, column in columns.items()}, ours)
@@ -158,7 +158,7 @@ def test_laz_perf_decodes_what_is_written(packages, tmp_path, name):
     assert said["count"] == len(cloud)
     columns = columns_of(records, said["format"], said["length"], head["scale"], head["offset"])
     require_same(pp.read(written), columns)
-    # And that is what was there before: places within a hundredth of what the file resolves.
+    # The written points equal the original ones: positions within 0.51 of the file's step.
     assert np.abs(columns["xyz"] - np.asarray(cloud.xyz)).max() <= 0.51 * max(head["scale"])
     for attribute in ("intensity", "classification", "return_number", "gps_time", "point_source_id"):
         if attribute in cloud.attributes:

@@ -1,4 +1,4 @@
-"""Session logs: recorded, read into arrays, and run again to the last bit."""
+"""Session logs: recorded, read into arrays, and replayed bit by bit."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_a_recorded_stroke_is_read_as_arrays(recorded):
     scale, offset = log.map
     assert np.array_equal(scale * log.ticks["device"] + offset, t["hip"])
     assert log.ticks["valid"].all() and log.ticks["contact"].dtype == bool
-    assert 0 < log.ticks["edits"][-1] <= len(log.edits)  # those of the last answer come behind it
+    assert 0 < log.ticks["edits"][-1] <= len(log.edits)  # the edits of the last answer follow it
     assert set(log.edits.dtype.names) == {"point", "parent", "position", "normal", "color", "gone"}
     assert log.header["config"]["brush"]["radius_mm"] == 5
     ticks = log.ticks

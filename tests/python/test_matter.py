@@ -1,4 +1,4 @@
-"""Scenes of matter: alone, under hands by path and live; what is wrong is an error, and never an end."""
+"""Scenes of matter: alone, under hands by path and live; wrong use raises an error and never crashes."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_a_hand_feels_water_and_time_goes_on_until_reset(water):
     frame = water.frame()
     assert frame.t_s == pytest.approx(first["t_s"][-1]) and frame.normals.shape == frame.positions.shape
     (energy,) = water.port_energies
-    assert energy.now_J > 0 and energy.least_J > -0.005 * energy.now_J  # while the force is let in
+    assert energy.now_J > 0 and energy.least_J > -0.005 * energy.now_J  # during the ramp of the force
     more = water.touch(dive()[-5:])
     assert more["t_s"][0] == pytest.approx(first["t_s"][-1] + 1e-3)
     water.reset()

@@ -1,4 +1,4 @@
-"""Files against the programs that others read and write them with, bit by bit."""
+"""Files compared with those of other programs that read and write them, bit by bit."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_what_numpy_writes_is_read(tmp_path, count, kind, save):
     xyz, normals = ball_arrays(count)
     xyz = xyz.astype(kind)
     normals = normals.astype("<f4")
-    colors = np.full((count, 3), 7, np.uint8)  # packed into a few bits
+    colors = np.full((count, 3), 7, np.uint8)  # compressed to a few bits
     weight = np.arange(count, dtype=np.int32)
     save(tmp_path / "a.npz", xyz=xyz, normals=normals, colors=colors, Weight=weight)
     cloud = pp.read(tmp_path / "a.npz")
@@ -102,7 +102,7 @@ def test_splat_transform_reads_the_same_gaussians(tmp_path, splat_transform):
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=60)
     rows = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True)
     assert same_bits(np.column_stack([rows[n] for n in "xyz"]).astype(np.float32), cloud.xyz.copy())
-    # The colour from all sides (Kerbl 2023: the first harmonic), and the disc's short axis along the normal.
+    # The view-independent colour (Kerbl 2023: the first harmonic), and the disc's short axis along the normal.
     colors = 255 * (0.5 + 0.28209479177387814 * np.column_stack([rows[f"f_dc_{i}"] for i in range(3)]))
     assert np.abs(colors - cloud.colors[:, :3]).max() < 0.01
     w, x, y, z = (rows[f"rot_{i}"] for i in range(4))

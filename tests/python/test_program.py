@@ -1,4 +1,4 @@
-"""What Python feels is what the program feels, on the CPU and on a GPU."""
+"""Python and the program give the same contact, on the CPU and on a GPU."""
 
 from __future__ import annotations
 

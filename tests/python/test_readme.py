@@ -1,4 +1,4 @@
-"""The example that the README of the module shows is run, word for word but for what it names."""
+"""The examples of the module's README run, with the files, devices and durations of the test."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ README = Path(__file__).parents[2] / "apps" / "python" / "README.md"
 
 
 def example() -> str:
-    """The first part of the first block of Python: up to the line that is left free after the writing."""
+    """The first part of the first block of Python: up to the blank line after the writing."""
     block = re.search(r"^```python\n(.*?)^```", README.read_text(), re.S | re.M)
     assert block is not None
     return block.group(1).split("\n\nwith pp.Matter")[0]
@@ -25,7 +25,7 @@ def example() -> str:
 def test_the_example_of_the_readme_runs(tmp_path, monkeypatch):
     source = example()
     assert source.startswith("import numpy as np, palpate as pp\n")
-    # A scan, a device, a moment and a small lattice stand in for those of whoever reads it; all else is as it is shown.
+    # A scan, a device, a short time and a small resolution replace those of the reader; the rest is unchanged.
     for shown, here in (("gpu=0", 'gpu="cpu", mm_per_unit=1'), ('"openhaptics"', '"sim", builtin="press"'),
                         ("live.wait(60)", "live.wait(0.3)"), ("lattice=256", "lattice=64")):
         assert source.count(shown) == 1, shown
@@ -41,12 +41,12 @@ def test_the_example_of_the_readme_runs(tmp_path, monkeypatch):
     assert seen["img"].shape == (720, 1280, 4) and seen["img"].dtype == np.uint8
     assert seen["img"][..., :3].max() > seen["img"][..., :3].min()
     assert len(pp.read(tmp_path / "m.ply")) > 1000
-    assert len(pp.read(tmp_path / "out.ply")) == 20_000  # the stroke was taken back
+    assert len(pp.read(tmp_path / "out.ply")) == 20_000  # the stroke was undone
 
 
 def test_the_example_of_scenes_logs_frames_and_tools_runs(ball, tmp_path, monkeypatch):
     source = "with pp.Matter" + README.read_text().split("\n\nwith pp.Matter", 1)[1].split("\n\nlan = ", 1)[0]
-    # Less of everything, and on the CPU; the folder of a depth camera is another one's test (test_frames.py).
+    # Everything smaller, and on the CPU; the folder of a depth camera is tested in test_frames.py.
     for shown, here in (('pp.Matter("dam")', 'pp.Matter("dam", gpu="cpu")'), ("simulate(0.5)", "simulate(0.01)"),
                         ('"water", hands=2', '"water", hands=2, gpu="cpu"'),
                         ("moving=True)", 'moving=True, gpu="cpu")'),
@@ -82,7 +82,7 @@ def test_the_example_of_shared_sessions_runs(ball, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     exec(compile(serving, str(README), "exec"), seen)
     assert len(pp.read(tmp_path / "city.ply")) == 5000
-    with pp.serve(ball, "city", seen["lan"], mm_per_unit=1) as server:  # another program's, by then
+    with pp.serve(ball, "city", seen["lan"], mm_per_unit=1) as server:  # of another program, in the README
         exec(compile("print(pp.sessions" + joining, str(README), "exec"), seen)
         assert server.sculptors == 1
 

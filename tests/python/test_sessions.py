@@ -42,7 +42,7 @@ def test_paths_of_any_layout_are_the_same(session):
 def test_another_surface_can_be_chosen(session):
     averaged = session.touch(press_path(1))[-1]
     curved = session.touch(press_path(1), surface="sphere")[-1]
-    assert curved["penetration_mm"] > averaged["penetration_mm"]  # the average sinks into what is curved
+    assert curved["penetration_mm"] > averaged["penetration_mm"]  # the averaged surface lies below a convex one
     with pytest.raises(pp.UsageError, match="velvet"):
         session.touch(press_path(1), surface="velvet")
 

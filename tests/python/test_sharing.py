@@ -1,4 +1,4 @@
-"""Shared sessions: a NumPy cloud is served here, and joined by another Python process and by the program."""
+"""Shared sessions: a NumPy cloud is served by this process, and joined by another Python process and by the program."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import palpate as pp
 import pytest
 from conftest import RADIUS, ball_arrays, own_domain, press_path
 
-NETWORK = pp.Network(domain=own_domain())  # of this machine alone, and no other test's
+NETWORK = pp.Network(domain=own_domain())  # on this machine only, in a domain that no other test uses
 needs_dds = pytest.mark.skipif(not pp.can_share(), reason="this palpate was built without DDS")
 
 
@@ -38,7 +38,7 @@ def until(is_true, seconds: float = 60) -> bool:
 
 
 def awaited(ask, seconds: float = 60):
-    """What it gives, as soon as that is not empty."""
+    """The first result of `ask` that is not empty."""
     end = time.monotonic() + seconds
     while not (given := ask()) and time.monotonic() < end:
         time.sleep(0.01)
@@ -57,7 +57,7 @@ def joined(server: pp.Server, **how) -> pp.Session:
 
 
 def another_python(program: str, *words: str) -> subprocess.Popen[str]:
-    """Runs it with pp, np, NETWORK, name and checksum; its standard output is read."""
+    """Runs a program in which pp, np, NETWORK, name and checksum are defined, with its standard output in a pipe."""
     begin = f"""
         import hashlib, sys
         import numpy as np, palpate as pp
@@ -76,7 +76,7 @@ def test_two_pythons_sculpt_one_cloud_and_end_with_the_same_points(served):
             print("joined", flush=True)
             path = np.array(eval(sys.argv[2]))
             s.push(path, radius_mm=5)
-            sys.stdin.readline()                 # until the first one has pushed, too
+            sys.stdin.readline()                 # until the first client has pushed, too
             assert s.settle(60), s.sharing
             print(checksum(s.cloud()), s.sharing.received > 0, flush=True)
     """, served.name, repr(beside(press_path(3), 4).tolist()))
@@ -116,14 +116,14 @@ def test_a_live_hand_is_seen_and_sculpts_without_anybody_taking_its_ticks(served
         assert s.settle(60) and watcher.settle(60)
         assert checksum(s.cloud()) == checksum(watcher.cloud()) == checksum(served.cloud())
         assert s.undo() == 1
-        assert s.settle(60)  # a server that is slow may not have confirmed the undo yet
+        assert s.settle(60)  # a slow server may not have confirmed the undo yet
         assert watcher.settle(60) and checksum(watcher.cloud()) == checksum(served.cloud())
 
 
 @needs_dds
 def test_hands_of_who_is_near_are_seen_and_see_those_of_others(served):
     with joined(served, hand="anna", near=True) as near, joined(served, hand="ben") as whole:
-        # From outside, and there it stays: who begins inside touches nothing.
+        # From outside to inside, and at rest there: a hand that starts inside has no contact.
         way = np.array([[0, 0, 0, RADIUS + 3], [1, 0, 0, RADIUS + 3], [2, 0, 0, RADIUS - 1], [20, 0, 0, RADIUS - 1]])
 
         def sees(who: pp.Session, name: str) -> bool:
@@ -155,7 +155,7 @@ def test_sessions_are_listed_with_their_round_trips(served):
 
     mine = awaited(answered)[0]
     assert mine.points == served.points == 20_000 and mine.fits and mine.model == "a ball"
-    assert mine.round_trip_ms is not None and 0 < mine.round_trip_ms < 2000  # what takes longer has not been answered
+    assert mine.round_trip_ms is not None and 0 < mine.round_trip_ms < 2000  # slower answers are not counted
 
 
 @needs_dds
@@ -168,7 +168,7 @@ def test_what_is_felt_alone_takes_no_brush(ball):
     with pp.serve(ball, f"felt {os.getpid()}", NETWORK) as server:
         with joined(server, read_only=True) as s, pytest.raises(pp.UsageError, match="read_only"):
             s.push(press_path(1))
-        # Of its points those around the hand alone, felt as all of them.
+        # Only the points around the hand are joined, and felt like all of them.
         with joined(server, near=True) as near, joined(server, read_only=True) as whole:
             assert (near.touch(press_path(1))["force_N"] == whole.touch(press_path(1))["force_N"]).all()
             assert until(lambda: near.sharing.heard)
@@ -198,7 +198,7 @@ def test_a_server_that_is_served_anew_ends_a_hands_part_in_words(ball):
         live.stop()
         with pytest.raises(pp.Error, match="was restarted without its edits"):
             s.touch(press_path(1))
-        assert len(s.cloud()) == 20_000  # which are not lost
+        assert len(s.cloud()) == 20_000  # the points are not lost
         s.close()
 
 
@@ -235,7 +235,7 @@ def test_a_server_whose_journal_cannot_be_written_any_more_ends_and_says_why(tmp
     assert program.stdout is not None and program.stdout.readline() == "serving\n"
     with pp.Session(pp.Join(name, NETWORK, patience_s=3), gpu="cpu") as s:
         s.push(np.column_stack([np.linspace(1.1, 0.8, 100), np.zeros(100), np.full(100, 0.5)]), radius_mm=5)
-        assert not s.sharing.delivered  # and nobody has been told that it is kept
+        assert not s.sharing.delivered  # and the client is not told that its strokes are kept
     out, _ = program.communicate(timeout=120)
     assert out.startswith("False 2000 network ") and "strokes" in out
 
@@ -291,7 +291,7 @@ def test_what_is_closed_says_so_and_says_what_it_was(served):
     assert "programs of this machine" in served.openness and any("takes the points" in line for line in served.remarks)
     s.close()
     served.close()
-    served.close()  # once more does no harm
+    served.close()  # a second close does no harm
     for ask in (lambda: s.sharing, lambda: s.others, lambda: s.settle(1), served.cloud, lambda: served.clients):
         with pytest.raises(pp.Error) as caught:
             ask()
@@ -358,7 +358,7 @@ def test_without_dds_all_of_it_refuses_in_a_sentence(ball):
 
 
 def interrupted(call, after: float = 0.4) -> float:
-    """How long after a SIGINT that comes meanwhile the call ends with what that raises, s."""
+    """Seconds from a SIGINT during the call to the end of the call with KeyboardInterrupt."""
     sent: list[float] = []
 
     def send() -> None:
@@ -388,18 +388,18 @@ def test_what_waits_for_the_network_ends_with_ctrl_c_at_once_and_leaves_nothing_
         "serve": lambda: pp.serve(ball, name, NETWORK),
         "survey": lambda: pp.sessions(NETWORK, 60),
     }
-    pp.sessions(NETWORK, 0)  # what a process has of DDS from then on
+    pp.sessions(NETWORK, 0)  # allocates what DDS keeps for the life of the process
     before = held()
     for what, call in calls.items():
         times: list[float] = []
-        while not times or (min(times) >= 0.2 and len(times) < 20):  # again where something else has the processors
+        while not times or (min(times) >= 0.2 and len(times) < 20):  # repeated if the machine is busy
             times.append(interrupted(call))
         assert min(times) < 0.2, f"{what}: {times} s"
-        timer = threading.Timer(0.1, lambda: None)  # the last one's thread is gone once another one is
+        timer = threading.Timer(0.1, lambda: None)  # the last timer's thread ends once another one has run
         timer.start()
         timer.join()
         assert until(lambda: held() == before), f"{what}: {held()} in place of {before}"
-    with pp.serve(ball, name, NETWORK), pp.Session(pp.Join(name, NETWORK), gpu="cpu") as s:  # as if nothing had been
+    with pp.serve(ball, name, NETWORK), pp.Session(pp.Join(name, NETWORK), gpu="cpu") as s:  # as usual
         assert s.points == 20_000
 
 

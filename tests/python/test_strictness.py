@@ -1,4 +1,4 @@
-"""What a stranger hands over or asks first: it works, or is refused in palpate's words."""
+"""Arguments and calls of a first-time user: they work, or are refused with an error of palpate."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def test_stop_and_close_within_on_ticks_end_a_session_in_order(session, ball):
 
 
 def interrupted(call, after_s: float) -> float:
-    """Seconds from Ctrl+C, which comes then, to what it raises; called again where it had ended before."""
+    """Seconds from Ctrl+C during the call to its KeyboardInterrupt; calls again if the call ended before."""
     for _ in range(20):
         struck, ended = [], False
 
@@ -192,7 +192,7 @@ def interrupted(call, after_s: float) -> float:
     raise AssertionError(f"always ended within {after_s} s")
 
 
-SOON = 2.0  # seconds on a busy machine; 0.2 on one that is not
+SOON = 2.0  # seconds on a busy machine; 0.2 on an idle one
 
 
 def test_ctrl_c_ends_what_takes_long_and_keeps_what_was_done(ball, tmp_path):
@@ -208,7 +208,7 @@ def test_ctrl_c_ends_what_takes_long_and_keeps_what_was_done(ball, tmp_path):
         again.unlink(missing_ok=True)
         pp.write(again, large)
 
-    for _ in range(20):  # what was struck in the last moment is whole
+    for _ in range(20):  # a file whose writing was interrupted is either missing or complete
         assert interrupted(write, 0.03) < SOON
         if not again.exists():
             break
@@ -230,7 +230,7 @@ def test_ctrl_c_ends_what_takes_long_and_keeps_what_was_done(ball, tmp_path):
 def test_ctrl_c_ends_a_mesh_on_a_software_driver():
     xyz, normals = ball_arrays(20_000)
     with pp.Session(pp.Cloud(xyz, normals=normals), gpu="cpu") as s:
-        s.mesh(lattice=8)  # its shaders are translated
+        s.mesh(lattice=8)  # compiles its shaders
         assert interrupted(lambda: s.mesh(lattice=700), 0.5) < SOON
         assert s.mesh(lattice=16).closed
 

@@ -1,4 +1,4 @@
-"""A slip of the keyboard, or an argument of the wrong kind, gets the words that help."""
+"""A misspelt name, or an argument of the wrong kind, gives an error that helps."""
 
 from __future__ import annotations
 

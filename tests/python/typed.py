@@ -1,4 +1,4 @@
-"""A program with types, as mypy reads it; it is not run."""
+"""A typed program for mypy; it is not run."""
 
 from __future__ import annotations
 

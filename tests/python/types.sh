@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Whether the types that the Python package tells are right, by mypy; 77: there is none.
+# Checks the types of the Python package with mypy; exit code 77: mypy is not installed.
 #   tests/python/types.sh PYTHON FOLDER
 set -euo pipefail
 [ -z "${PALPATE_TESTS_ONLY:-}" ] || { echo "types.sh: skipped: it has no label $PALPATE_TESTS_ONLY"; exit 77; }
 here=$(cd "$(dirname "$0")" && pwd)
-"$1" -m mypy --version > /dev/null 2>&1 || { echo "types.sh: skipped: mypy is not here"; exit 77; }
+"$1" -m mypy --version > /dev/null 2>&1 || { echo "types.sh: skipped: mypy is not installed"; exit 77; }
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"

@@ -66,9 +66,7 @@ TEST_CASE("a recording far from zero keeps its detail") {
   CHECK(summarize(result.trace()).contactTicks > 80);
 }
 
-TEST_CASE(
-    "a hand at rest feels stiffness times depth of a wall that moves from frame to frame, and nothing once it is "
-    "gone") {
+TEST_CASE("a hand at rest feels the depth of a wall that moves from frame to frame, and nothing once it is gone") {
   const ScratchFolder folder;
   writeWall(folder.path());
   const auto cpu = cpuBackend();
