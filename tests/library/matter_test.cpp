@@ -228,7 +228,7 @@ TEST_CASE("missing scenes and calls that do not apply to a session are refused w
   CHECK(pp_session_reset(ball.session) == PP_ERROR_STATE);
   CHECK(pp_session_get_motion(ball.session, &motion) == PP_ERROR_STATE);
   CHECK(pp_session_set_parameter(ball.session, "gain", 1) == PP_ERROR_STATE);
-  CHECK(lastErrorSays("pp_session_open_matter"));
+  CHECK(lastErrorSays("a scene of matter"));
 
   const SceneFile tank;
   const OpenScene water(tank.name());

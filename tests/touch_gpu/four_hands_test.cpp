@@ -161,7 +161,7 @@ TEST_CASE_FIXTURE(FourHandsFixture, "the number of hands is at least one and at 
     CAPTURE(onGpu);
     CHECK(make(onGpu, scene, std::vector<ToolShape>(kMaxHands))->hands() == kMaxHands);
     for (const std::size_t hands : {std::size_t{0}, kMaxHands + 1})
-      CHECK_THROWS_WITH_AS(make(onGpu, scene, std::vector<ToolShape>(hands)), doctest::Contains("there are 1 to 8"),
+      CHECK_THROWS_WITH_AS(make(onGpu, scene, std::vector<ToolShape>(hands)), doctest::Contains("must be 1 to 8"),
                            UsageError);
   }
 }
