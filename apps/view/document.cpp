@@ -16,7 +16,7 @@ namespace palpate {
 
 namespace {
 
-/// Nothing where the file is a cloud. The live camera is the first model, if any is.
+/// Nothing where the file is a cloud. A live camera is always the first model.
 std::optional<StreamConfig> streamOf(const std::string& file, const WindowOptions& options) {
   if (options.stream.live && file == options.config.model.file) return options.stream;
   if (!isRgbdFolder(file)) return std::nullopt;
@@ -47,7 +47,7 @@ std::optional<LeftQuestion> Document::leftQuestion() const {
   return LeftQuestion{.file = left_.front().document(), .strokes = left_.front().strokes, .made = left_.front().made};
 }
 
-// The others are offered again.
+// The other strokes are offered at the next start.
 void Document::goOnWith(LeftStrokes left) {
   left_.clear();
   WindowOptions options = options_;
@@ -80,7 +80,7 @@ void Document::open(const std::string& file) {
   WindowOptions options = options_;
   options.config.model.file = file;
   options.config.stream = streamOf(file, options_);
-  // The session of others is the first model.
+  // A joined session is the first model.
   if (file != options_.config.model.file) options.config.join.reset();
   options.config.matter = options.config.stream || options.config.join ? std::nullopt : matterScene(file);
   read(std::move(options), "opening " + nameOf(file));
@@ -114,7 +114,7 @@ void Document::leave(const std::string& what, std::function<void()> then) {
   saveQuestion_.reset();
   beforeWhat_ = what;
   afterQuestion_ = std::move(then);
-  isSavingForIt_ = session_->isSaving();  // what that leaves out is asked about afterwards
+  isSavingForIt_ = session_->isSaving();  // changes that this save does not contain are asked about afterwards
   if (parts_.window.isMinimised()) parts_.window.minimise(false);
 }
 
@@ -136,7 +136,7 @@ bool Document::load(const std::function<void()>& letGo) {
   }
   if (result->lacksMemory && makeRoom()) return false;
   if (!result->failure.empty()) {
-    // Nobody is offered it again, unless it is what is open.
+    // Removed from the lists, unless it is the open model.
     if (!parked_ || parked_->file() != loader_.file()) {
       std::erase(offered_, loader_.file());
       recent_.forget(loader_.file());
@@ -149,7 +149,7 @@ bool Document::load(const std::function<void()>& letGo) {
   return false;
 }
 
-// What is read is good; what is open goes once nothing is lost with it.
+// The next model has been read: closes the present one once the user agrees to lose its changes, or has saved them.
 void Document::giveWay(const std::function<void()>& letGo) {
   if (agreed_ == Agreed::no) {
     agreed_ = Agreed::asked;
@@ -166,8 +166,8 @@ std::string Document::changesQuestion() const {
                      nameOf(file_));
 }
 
-// Where there is no room for another model beside the one that is open, that one goes first, and is opened again should
-// it have gone in vain. One with changes stays.
+// If the memory does not suffice for two models, the parked one is closed first, and opened again if the next one still
+// fails. A model with unsaved changes stays.
 bool Document::makeRoom() {
   if (!parked_ || handedOn_ != HandedOn::no) return false;
   if (parked_->isChanged()) {
@@ -251,13 +251,13 @@ void Document::finishSaving(const WindowSession::Saved& saved) {
   } else {
     messages_.sayError(saved.failure);
   }
-  // Where the points have changed since, or could not be written, nothing is left behind.
+  // Where the points have changed since, or could not be written, the question stays.
   if (!std::exchange(isSavingForIt_, false) || (saved.failure.empty() && session_->isChanged())) return;
   const auto then = std::exchange(afterQuestion_, nullptr);
   if (saved.failure.empty() && then) then();
 }
 
-// What is a picture of something that goes on is saved there from now on, and stays what it is.
+// A snapshot of a camera, a simulation or a shared session is saved to `file` from now on; the document stays the same.
 void Document::becomeFile(const std::string& file) {
   saveFile_ = file;
   if (!isOfFile()) return;
@@ -272,7 +272,7 @@ void Document::saveTo(const std::string& file) {
 }
 
 void Document::save() {
-  if (session_->isSaving()) return saveTo(saveFile_);  // which says so
+  if (session_->isSaving()) return saveTo(saveFile_);  // throws: a save is in progress
   std::error_code ignored;
   if (!session_->isChanged() && std::filesystem::exists(saveFile_, ignored))
     return messages_.say(saveFile_ + " has the points as they are; there is nothing to save");
@@ -371,7 +371,7 @@ void Document::letFramesGoOn() {
     agreed_ = Agreed::yes;
     loader_.open(opened_, parts_.settings.brush, parts_.settings.feel, session_->handOn());
   };
-  // The next frame takes the place of all points, where they are no map.
+  // Without fusion the next frame replaces all points.
   if (opened_.config.stream->fuse) return goOn();
   leave("the frames go on", goOn);
 }

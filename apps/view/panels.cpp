@@ -49,7 +49,7 @@ bool Panels::drag(const char* name, double& value, float speed, double least, do
                                        ImGuiSliderFlags_AlwaysClamp));
 }
 
-// Of a length in the hand, which is shown as it is on the model; `text` in its place, if there is any.
+// Field for a length in the hand, shown as the length on the model; `text` replaces the number if it is not empty.
 bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, std::pair<double, double> range_mm,
                         const ViewStatus& status, const char* text) {
   constexpr int kDigits = 3;
@@ -64,7 +64,7 @@ bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, std
   return changed;
 }
 
-// Named by its hint. Whether Enter was pressed in it.
+// Text field, named by its hint. Returns whether Enter was pressed in it.
 bool Panels::field(const char* hint, std::array<char, 512>& text) {
   ImGui::PushID(hint);
   const bool entered =
@@ -94,7 +94,8 @@ DVec2 Panels::freeWidth_px(const ViewSettings& view, double width_px) const {
   if (!view.panels) return all;
   const DVec2 besidePanel(double{em(kPanel_em + 2 * kMargin_em)}, width_px);
   const DVec2 between = view.plots ? besidePanel - DVec2(0, double{em(kCurves_em + 2 * kMargin_em)}) : besidePanel;
-  // Where there is next to nothing between them, the model stands behind the curves, then behind the panel as well.
+  // Where too little is left between panel and curves, the model is centred behind the curves, then behind the panel
+  // too.
   for (const DVec2& free : {between, besidePanel})
     if (free.y - free.x >= double{em(kModel_em)}) return free;
   return all;
@@ -104,7 +105,7 @@ bool Panels::hasRoomBeside(double width_px) const {
   return width_px >= double{em(kPanel_em + 2 * kMargin_em + kModel_em)};
 }
 
-// Names that are on the command line; `now` is what auto stands for.
+// The names are those of the command line; `now`: the value that auto stands for.
 template <class Names, class Value>
 void Panels::chooseOrAuto(const char* label, const Names& names, std::optional<Value>& value, std::string_view now) {
   const std::string automatic = fmt::format("auto ({})", now);
@@ -175,7 +176,7 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
     const Model& model = status.session->model();
     const double side = (model.container ? *model.container : status.session->bounds()).longestSide();
     std::string scale = touchScaleText(model.scale, side, status.unit);
-    scale.replace(scale.rfind(" for "), 1, "\n");  // no number is broken where the panel ends
+    scale.replace(scale.rfind(" for "), 1, "\n");  // so that no number is broken at the panel's edge
     ImGui::TextDisabled("touch scale: %s", scale.c_str());
     help("--mm-per-unit or Measure give another size; otherwise the longest side is 100 mm, unless the file says more");
   } else if (!status.loading) {

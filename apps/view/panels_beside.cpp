@@ -1,4 +1,4 @@
-// The part of Panels that stands beside the panel: curves, scale and heights, and the question about changes.
+// The part of Panels beside the main panel: curves, scale, heights, and the questions.
 #include <imgui.h>
 
 #include <algorithm>
@@ -14,8 +14,8 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kCurve = 300;         // values across a plot, and
-constexpr std::size_t kTicksPerValue = 10;  // ticks that each stands for, by the largest of them
+constexpr std::size_t kCurve = 300;         // values in a plot
+constexpr std::size_t kTicksPerValue = 10;  // ticks per value, which is their maximum
 
 // "5 minutes ago".
 std::string ago(std::filesystem::file_time_type then) {
@@ -31,7 +31,7 @@ std::string ago(std::filesystem::file_time_type then) {
   return fmt::format("{} {}{} ago", count, unit, count == 1 ? "" : "s");
 }
 
-// The last ticks, thinned to what a plot can show.
+// The last ticks, reduced to kCurve values.
 std::vector<float> curveOf(const std::deque<TraceRow>& rows, auto&& value) {
   std::vector<float> curve;
   const std::size_t count = std::min(rows.size(), kCurve * kTicksPerValue);
@@ -47,7 +47,7 @@ std::vector<float> curveOf(const std::deque<TraceRow>& rows, auto&& value) {
 
 }  // namespace
 
-// The words stand above the curve.
+// The label is drawn above the curve.
 void Panels::plot(const char* what, const std::vector<float>& curve, float least, float height,
                   const std::string& span) const {
   const float largest = curve.empty() ? 0.0f : *std::ranges::max_element(curve);
@@ -105,7 +105,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequest
   ImGui::End();
 }
 
-// Of a model that others serve and sculpt.
+// Curves of the link of a shared session.
 void Panels::drawLink() {
   if (link_.age_ms().empty()) return;
   if (!noted("link", ImGui::TreeNodeEx("link", ImGuiTreeNodeFlags_DefaultOpen))) return;
@@ -122,7 +122,7 @@ void Panels::drawLink() {
   ImGui::TreePop();
 }
 
-// At the lower right, where no panel is.
+// At the lower right, where there is no panel.
 void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const {
   const std::string text = lengthText(bar.length, unit);
   const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
@@ -136,7 +136,7 @@ void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const {
   list.AddText({std::round(right - 0.5f * (width + size.x)), std::round(y - em(0.4) - size.y)}, color, text.c_str());
 }
 
-// At the line between the two places, or as near to it as is seen beside the panels.
+// At the middle of the line between the two positions, moved if necessary so that no panel covers it.
 void Panels::drawDistance(const ViewStatus& status, const ViewSettings& view) const {
   if (!status.measured || !status.measuredAt_px) return;
   const std::string text = lengthText(*status.measured, status.unit);

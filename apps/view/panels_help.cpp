@@ -1,4 +1,4 @@
-// The part of Panels that explains: what is pointed at, and all keys.
+// The part of Panels that explains: tooltips, and the list of all keys.
 #include <imgui.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The part of Panels that tells where a place is, and how far it is to another one.
+// The part of Panels that shows a picked position and the distance of two.
 #include <imgui.h>
 
 #include "apps/view/panels.hpp"
@@ -8,7 +8,7 @@ namespace palpate {
 
 void Panels::drawPlace(const PlaceInfo& info) {
   const auto row = [](const char* name, const std::string& value) { ImGui::TextWrapped("%s %s", name, value.c_str()); };
-  // A line for each: a number is not broken where the panel ends.
+  // One line per axis, so that no number is broken at the panel's edge.
   const auto place = [](const std::string& what, const DVec3& at, double resolution) {
     ImGui::TextUnformatted(what.c_str());
     for (int axis = 0; axis < 3; ++axis)

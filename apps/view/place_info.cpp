@@ -13,7 +13,7 @@ namespace palpate {
 
 namespace {
 
-// The nearest one that is there; null where there is none.
+// The nearest existing point; null if there is none.
 const PointState* nearestTo(std::span<const PointState> points, const DVec3& place) {
   const PointState* nearest = nullptr;
   double least2 = std::numeric_limits<double>::infinity();
@@ -39,7 +39,7 @@ std::string textOf(const Attribute& attribute, std::size_t point) {
   });
 }
 
-// The spring of the hand, and the body below it.
+// The hand's spring and the soft body act in series.
 void findStiffness(const WindowSession& session, PlaceInfo& info) {
   const double hand = session.feel().stiffness_N_per_mm;
   const SessionConfig& config = session.config();
@@ -80,7 +80,7 @@ PlaceInfo placeInfo(const WindowSession& session, const DVec3& place) {
   if (cloud.hasColors())
     info.attributes.emplace_back(
         "colour", fmt::format("{}, {}, {}", point->color & 255, point->color >> 8 & 255, point->color >> 16 & 255));
-  // A point that came later has what it took from the one beside it.
+  // A point added later has the attributes of its parent.
   if (const std::size_t file = point->parent; file < cloud.size()) {
     if (isExact(cloud) && cloud.positions[file] == point->position) {
       info.position = cloud.fileCoordinates(file);
