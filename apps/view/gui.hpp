@@ -13,7 +13,7 @@ namespace palpate {
 /// Dear ImGui without a window or GPU of its own: receives the window's events and returns the panels' triangles.
 class Gui {
  public:
-  /// `scale`: pixels for each unit that panels are laid out in.
+  /// Panels are laid out at the window's scale (Window::scale()).
   explicit Gui(Window& window);
   ~Gui();
   Gui(const Gui&) = delete;
