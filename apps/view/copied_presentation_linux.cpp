@@ -33,8 +33,9 @@ std::unique_ptr<Presenter> copyingPresenter(const Window& window, Device& device
 
 std::string_view whyNotAskNvidia(const Window& window) {
   const auto x11 = x11Of(window);
-  return x11 && !hasXExtension(*x11, kNvidiaExtension) ? "the X server has no NV-GLX, as remote desktops have none"
-                                                       : "";
+  return x11 && !hasXExtension(*x11, kNvidiaExtension)
+             ? "the X server has no NV-GLX extension, as usual for remote desktops"
+             : "";
 }
 
 }  // namespace palpate

@@ -171,8 +171,7 @@ std::string Document::changesQuestion() const {
 bool Document::makeRoom() {
   if (!parked_ || handedOn_ != HandedOn::no) return false;
   if (parked_->isChanged()) {
-    messages_.say(
-        "there is no memory for another model beside this one, which stays: it has changes that are not saved");
+    messages_.say("not enough memory for another model beside this one, which stays open: it has unsaved changes");
     return false;
   }
   before_ = opened_;
@@ -208,7 +207,7 @@ void Document::install(std::unique_ptr<WindowSession> session, const std::string
   saidOfFrames_ = {};
   saidOfSimulation_.clear();
   const HandedOn handedOn = std::exchange(handedOn_, HandedOn::no);
-  if (handedOn == HandedOn::held) messages_.say("what is held can be sculpted; K lets the frames go on");
+  if (handedOn == HandedOn::held) messages_.say("the paused frame can be sculpted; K continues the frames");
   if (handedOn == HandedOn::toGoOn) holdFrames();
   if (handedOn != HandedOn::no) return;
   file_ = file;
@@ -236,15 +235,15 @@ void Document::sayWhatFramesLack() {
   const auto counts = session_->playCounts();
   if (!counts) return;
   const bool hasLost = counts->lost > 0, isSilent = counts->silentSince_s.has_value();
-  if (hasLost && !saidOfFrames_.lost) messages_.say("a frame is lost: " + counts->lastLoss);
+  if (hasLost && !saidOfFrames_.lost) messages_.say("a frame was lost: " + counts->lastLoss);
   if (isSilent && !saidOfFrames_.silent)
-    messages_.say(fmt::format("no frame has come since {:.1f} s; the last one stays{}", *counts->silentSince_s,
+    messages_.say(fmt::format("no frame received for {:.1f} s; the last one stays{}", *counts->silentSince_s,
                               std::isinf(counts->staysTrue_s) ? "" : fmt::format(" {:g} s", counts->staysTrue_s)));
   saidOfFrames_ = {.lost = hasLost, .silent = isSilent};
 }
 
 void Document::finishSaving(const WindowSession::Saved& saved) {
-  const std::string kept = saved.kept.empty() ? "" : "; what was there before is " + saved.kept;
+  const std::string kept = saved.kept.empty() ? "" : "; the old file is kept as " + saved.kept;
   if (saved.failure.empty()) {
     messages_.say(saved.file + " is saved" + kept);
     becomeFile(saved.file);
@@ -275,7 +274,7 @@ void Document::save() {
   if (session_->isSaving()) return saveTo(saveFile_);  // throws: a save is in progress
   std::error_code ignored;
   if (!session_->isChanged() && std::filesystem::exists(saveFile_, ignored))
-    return messages_.say(saveFile_ + " has the points as they are; there is nothing to save");
+    return messages_.say(saveFile_ + " already contains these points; there is nothing to save");
   const FileInTheWay inTheWay = fileInTheWay(saveFile_);
   if (!inTheWay.losesSomething()) return saveTo(saveFile_);
   saveQuestion_ = SaveQuestion{.loses = inTheWay.sentence(),
@@ -325,7 +324,7 @@ void Document::carryOut(const ViewRequests& requests) {
   if (requests.parameter) session_->setParameter(requests.parameter->first, requests.parameter->second);
   if (requests.holdFrames) holdFrames();
   if (requests.stepFrame && session_->isHeldStill())
-    messages_.say("what is sculpted is one frame; K lets the frames go on");
+    messages_.say("only this frame is being sculpted; K continues the frames");
   else if (requests.stepFrame)
     session_->stepFrame();
 }
@@ -335,7 +334,7 @@ void Document::restart() {
   if (!simulation) return;
   simulation->reset();
   saidOfSimulation_.clear();
-  messages_.say("the scene begins anew");
+  messages_.say("the scene restarts");
 }
 
 void Document::sayWhatSimulationLacks() {
@@ -344,16 +343,16 @@ void Document::sayWhatSimulationLacks() {
   const std::string failure = simulation->failure();
   if (failure == saidOfSimulation_) return;
   saidOfSimulation_ = failure;
-  if (!failure.empty()) messages_.sayError(fmt::format("the simulation {}; N begins it anew", failure));
+  if (!failure.empty()) messages_.sayError(fmt::format("the simulation {}; N restarts it", failure));
 }
 
 void Document::holdFrames() {
   if (SimulationControl* const simulation = session_->simulation()) {
     simulation->hold(!simulation->isHeld());
-    return messages_.say(simulation->isHeld() ? "the scene is held" : "the scene goes on");
+    return messages_.say(simulation->isHeld() ? "the scene is paused" : "the scene continues");
   }
   if (session_->isHeldStill()) return letFramesGoOn();
-  if (const auto held = session_->holdFrames()) messages_.say(*held ? "frames are held" : "frames go on");
+  if (const auto held = session_->holdFrames()) messages_.say(*held ? "frames are paused" : "frames continue");
 }
 
 void Document::sculptHeld() {
@@ -373,7 +372,7 @@ void Document::letFramesGoOn() {
   };
   // Without fusion the next frame replaces all points.
   if (opened_.config.stream->fuse) return goOn();
-  leave("the frames go on", goOn);
+  leave("the frames continue", goOn);
 }
 
 void Document::play(const std::string& log) {

@@ -21,7 +21,7 @@ void Loader::open(WindowOptions options, const BrushSettings& brush, const FeelS
   given_.reset();
   const std::string name = std::filesystem::path(options.config.model.file).filename().string();
   const bool isHeard = isRosModel(options.config.model.file);
-  const std::string what = (options.config.join ? "joining " : isHeard ? "hearing " : "reading ") + name;
+  const std::string what = (options.config.join ? "joining " : isHeard ? "receiving " : "reading ") + name;
   begin(std::move(options), brush, feel, what);
 }
 

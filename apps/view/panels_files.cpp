@@ -50,8 +50,8 @@ std::filesystem::path placeToWrite(const FileBrowser& browser, const std::string
 std::string whatIsReplaced(const std::filesystem::path& file, const ViewStatus& status) {
   std::error_code ignored;
   return std::filesystem::equivalent(file, status.model, ignored)
-             ? "This is the file of the model that is open: the points as they are now take its place."
-             : "There is a file of this name.";
+             ? "This is the file of the open model: the present points replace its contents."
+             : "A file of this name exists.";
 }
 
 void Panels::browse(FileTask task, const ViewStatus& status) {
@@ -93,7 +93,7 @@ bool Panels::drawEntries() {
     ImGui::TextUnformatted(size.c_str());
     ImGui::PopStyleColor();
   }
-  if (browser.entries().empty()) ImGui::TextDisabled("nothing of this kind is here");
+  if (browser.entries().empty()) ImGui::TextDisabled("no files of this kind");
   ImGui::EndChild();
   if (into) browser.go(*into);
   return chosen;

@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 std::string measureLine(const ViewStatus& status) {
-  if (!status.measured) return "measure: click two places of the model (Esc ends it)";
+  if (!status.measured) return "measure: click two positions on the model (Esc ends it)";
   return fmt::format("measured: {}", lengthText(*status.measured, status.unit));
 }
 

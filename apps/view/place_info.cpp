@@ -50,18 +50,18 @@ void findStiffness(const WindowSession& session, PlaceInfo& info) {
   }
   const MatterScene& scene = *config.matter;
   if (scene.matter != Matter::soft) {
-    info.stiffnessOf = "what flows has none";
+    info.stiffnessOf = "water and sand have none";
     return;
   }
   if (scene.preset == SoftPreset::shapeMatching) {
-    info.stiffnessOf = "matched shapes are not calibrated";
+    info.stiffnessOf = "not calibrated for shape matching";
     return;
   }
   const double radius_m = 0.5e-3 * session.model().scale.toMm(session.surface().radius);
   const double body = 1e-3 / halfSpaceCompliance_m_N(scene, radius_m);
   info.stiffness_N_mm = 1 / (1 / hand + 1 / (scene.gain * body));
   info.stiffnessOf =
-      fmt::format("the hand's spring of {:.3g} N/mm upon a half-space of {:.3g} N/mm", hand, scene.gain * body);
+      fmt::format("the hand's spring, {:.3g} N/mm, in series with a half-space, {:.3g} N/mm", hand, scene.gain * body);
 }
 
 }  // namespace

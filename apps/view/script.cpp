@@ -100,7 +100,7 @@ WindowEvent buttonEvent(Line& line) {
   for (const auto& [known, button] :
        {std::pair{"left", MouseButton::left}, {"middle", MouseButton::middle}, {"right", MouseButton::right}})
     if (name == known) return ButtonEvent{button, how == "down"};
-  line.fail(fmt::format("button: '{}' is none of left, middle, right", name));
+  line.fail(fmt::format("button: '{}' is not left, middle or right", name));
 }
 
 WindowEvent pushEvent(Line& line) {
@@ -171,10 +171,11 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     return SetAction{name, line.number("its value")};
   }
   if (what == "quit") return WindowEvent(CloseEvent{});
-  line.fail(fmt::format(
-      "'{}' is none of key, mouse, button, tap, wheel, push, drop, text, resize, minimise, restore, screenshot, "
-      "state, save, record, replay, impatient, patient, ask, click, set, await, quit",
-      what));
+  line.fail(
+      fmt::format("'{}' is not an event; events are key, mouse, button, tap, wheel, push, drop, text, resize, "
+                  "minimise, restore, screenshot, "
+                  "state, save, record, replay, impatient, patient, ask, click, set, await, quit",
+                  what));
 }
 
 }  // namespace

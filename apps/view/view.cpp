@@ -94,7 +94,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   if (options.edit != "none") Abilities(modelKindOf(view.session.config)).require(Action::sculpt, "--edit");
   setJoin(options.join, options.stream.live, view);
   if (options.hidesCamera && !view.session.config.join)
-    throw UsageError("--hide-camera: is for --join; nobody else sees a model that is not shared");
+    throw UsageError("--hide-camera: requires --join; a model that is not shared has no other participants");
   view.session.hidesCamera = options.hidesCamera;
   view.session.ros = options.join.ros.name;
   if (!view.session.config.join) setStream(options.stream, {options.join.network, context.log()}, view);
@@ -164,7 +164,7 @@ void addView(Options& app, Context& context, Command& command) {
       .check(Check{[](const std::string& device) {
                      return device == "mouse" || isHeldDevice(device)
                                 ? std::string()
-                                : "'" + device + "' is no device; there is mouse, " + heldDevicesHelp();
+                                : "'" + device + "' is not a device; devices are mouse, " + heldDevicesHelp();
                    },
                    "DEVICE"})
       .showDefault();

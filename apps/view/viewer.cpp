@@ -36,7 +36,7 @@ void Viewer::run() {
   while (closing_ != Closing::done && !StopBySignal::requested()) step();
   if (closing_ == Closing::done) return document_.close();
   if (document_.session() && document_.session()->isChanged())
-    messages_.say("what is not saved of " + document_.file() + " is kept, and offered when the window is opened again");
+    messages_.say("unsaved changes of " + document_.file() + " are kept, and offered when the window is opened again");
 }
 
 void Viewer::step() {
@@ -146,7 +146,7 @@ void Viewer::click(const std::string& name) {
   if (!place_px) {
     if (script_.lookAgain()) return;
     panels_.scrollTo({});
-    throw Error("'{}' cannot be clicked: nothing of that name is shown in the panels", name);
+    throw Error("'{}' cannot be clicked: the panels show no control of that name", name);
   }
   handle(MouseEvent{*place_px});
   script_.pressAndRelease();
@@ -155,7 +155,7 @@ void Viewer::click(const std::string& name) {
 void Viewer::await(const std::string& file) {
   std::error_code none;
   if (std::filesystem::exists(file, none)) return script_.hasCome();
-  if (!script_.awaitAgain()) throw Error("{} has not come within a minute", file);
+  if (!script_.awaitAgain()) throw Error("{} did not appear within a minute", file);
 }
 
 void Viewer::carryOut(const ViewRequests& requests) {
@@ -187,7 +187,7 @@ void Viewer::carryOut(const ViewRequests& requests) {
 void Viewer::exportMesh(const std::string& file) {
   screen_.waitForLast();
   const std::filesystem::path kept = shown_.mesh().write(file);
-  messages_.say(file + " is written" + (kept.empty() ? "" : "; what was there before is " + kept.string()));
+  messages_.say(file + " is written" + (kept.empty() ? "" : "; the old file is kept as " + kept.string()));
 }
 
 // Releases the stylus and everything drawn of the present model.
@@ -208,7 +208,7 @@ void Viewer::welcome() {
   panels_.closeFiles();  // the dialogue belonged to the model before
   measure_.belongTo(session.file());
   if (const auto distance = measure_.distance())
-    messages_.say(fmt::format("touch scale: what is measured, {}, is {:.6g} mm long in the hand",
+    messages_.say(fmt::format("touch scale: the measured distance, {}, is {:.6g} mm long in the hand",
                               lengthText(*distance, settings_.view.unitOf(session.model())),
                               session.model().scale.toMm(*distance)));
 }
@@ -228,7 +228,7 @@ void Viewer::copyPlaces() {
   for (const DVec3& place : measure_.places())
     text += (text.empty() ? "" : "\n") +
             coordinateText(cloud.origin + place, resolutionOf(document_.session()->bounds()), ",");
-  if (text.empty()) return messages_.say("nothing is picked to be copied: press D and click the model");
+  if (text.empty()) return messages_.say("no positions to copy: press D and click the model");
   window_.setClipboard(text);
   messages_.say("copied: " + text);
 }
@@ -251,9 +251,7 @@ Pointed Viewer::pointed() {
           .measure = settings_.view.measures ? &measure_ : nullptr};
 }
 
-void Viewer::sayLost(const std::string& failure) {
-  messages_.sayError(failure + "; what was done is kept and can be saved");
-}
+void Viewer::sayLost(const std::string& failure) { messages_.sayError(failure + "; edits are kept and can be saved"); }
 
 void Viewer::followSession() {
   WindowSession* session = document_.session();

@@ -19,7 +19,8 @@ void Viewer::applySettings() {
     if (document_.asks() && pointing_.isTouching()) brush.kind.reset();
     session->setBrushSettings(brush);
     session->setFeel(settings_.feel);
-    if (recorded && !session->isRecording()) messages_.say("the recording has ended: a log has one brush");
+    if (recorded && !session->isRecording())
+      messages_.say("the recording has ended: a log cannot contain a change of settings");
   });
   brushNotes_.noteSize(*session, settings_.view, pointing_.presses(), messages_);
 }

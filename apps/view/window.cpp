@@ -22,7 +22,7 @@ Error noDisplay() {
   std::string why = reason ? reason : "";
   while (why.ends_with(' ')) why.pop_back();
   const bool isNamed = std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
-  return Error("a window needs a display, and there is none{}; without one, palpate render makes a picture",
+  return Error("a window needs a display, and none was found{}; palpate render makes a picture without one",
                isNamed && !why.empty() ? fmt::format(" ({})", why) : "");
 }
 

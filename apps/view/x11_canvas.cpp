@@ -45,10 +45,10 @@ X11Canvas::X11Canvas(const X11Window& window) : server_(std::make_unique<Server>
   XGetWindowAttributes(x.display, x.window, &x.attributes);
   const Visual& visual = *x.attributes.visual;
   if (visual.c_class != TrueColor)
-    throw Error("the display has {} bits a pixel and no true colours; give it 16 bits or more", x.attributes.depth);
+    throw Error("the display has {} bits per pixel and no true colours; use 16 bits or more", x.attributes.depth);
   XImage* probe = XCreateImage(x.display, x.attributes.visual, static_cast<unsigned>(x.attributes.depth), ZPixmap, 0,
                                nullptr, 1, 1, 32, 0);
-  if (!probe) throw Error("the display takes no pictures of {} bits a pixel", x.attributes.depth);
+  if (!probe) throw Error("the display does not accept pictures of {} bits per pixel", x.attributes.depth);
   x.blueFirst = visual.red_mask != kBlue;
   x.takesAsIs =
       probe->bits_per_pixel == 32 && visual.green_mask == kGreen &&
@@ -65,7 +65,7 @@ void X11Canvas::put(std::span<const std::uint32_t> pixels, const UVec2& size_px)
   Server& x = *server_;
   XImage* image = XCreateImage(x.display, x.attributes.visual, static_cast<unsigned>(x.attributes.depth), ZPixmap, 0,
                                nullptr, size_px.x, size_px.y, 32, 0);
-  if (!image) throw Error("the display takes no picture of {} x {} pixels", size_px.x, size_px.y);
+  if (!image) throw Error("the display does not accept a picture of {} x {} pixels", size_px.x, size_px.y);
   // The bytes are in the host's order; Xlib swaps them for a server with another order.
   image->byte_order = std::endian::native == std::endian::little ? LSBFirst : MSBFirst;
   if (x.takesAsIs) {

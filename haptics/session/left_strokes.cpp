@@ -171,8 +171,8 @@ ModelConfig LeftStrokes::model() const {
 void LeftStrokes::requireModel(const Model& model) const {
   if (model.cloud.size() != session.points || checksumOf(model) != session.checksum)
     throw FileError(session.config.model.file,
-                    "has changed since the strokes were made on it that were not saved; they stay, and are offered "
-                    "again: put the file back as it was");
+                    "has changed since its unsaved strokes were made; they are kept, and offered again: restore the "
+                    "original file");
 }
 
 std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
@@ -194,8 +194,8 @@ std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
       else if (left.lacks.empty())
         left.folder->remove();
     } catch (const std::exception& error) {
-      say(fmt::format("strokes that were not saved cannot be offered, and are put aside in {}: {}",
-                      folder->putAside().string(), error.what()));
+      say(fmt::format("unsaved strokes cannot be read, and are kept in {}: {}", folder->putAside().string(),
+                      error.what()));
     }
   }
   std::ranges::sort(all, std::ranges::greater(), &LeftStrokes::made);

@@ -121,7 +121,7 @@ void LiveSession::start() {
                                                                .forcesOn = &servo_.forcesOn,
                                                                .recorder = &seen_.feed});
       if (result.deviceFailed) servo_.fault = result.fault;
-      if (result.queryLost) servo_.fault = machine() + " was lost: what it gave before is kept";
+      if (result.queryLost) servo_.fault = machine() + " was lost; earlier results are kept";
     } catch (const std::exception& error) {
       servo_.fault = error.what();
     }
@@ -211,7 +211,7 @@ std::optional<bool> LiveSession::holdFrames() {
 }
 
 Model LiveSession::handOn() {
-  if (servo_.lost) throw Error("{}: the session has ended; what it has can be saved", file());
+  if (servo_.lost) throw Error("{}: the session has ended; its points can be saved", file());
   endRecording();
   return between([&] {
     const Model& had = model();

@@ -51,7 +51,7 @@ StrokeFolder& UnsavedStrokes::folder() {
 void UnsavedStrokes::fail(const std::string& what) {
   failed_ = true;
   const std::scoped_lock hold(faultLock_);
-  fault_ = "strokes are no longer kept until they are saved, and would be lost with this program: " + what;
+  fault_ = "unsaved strokes are no longer kept on disk, and would be lost if this program ended: " + what;
 }
 
 std::optional<std::string> UnsavedStrokes::takeFault() {
