@@ -71,7 +71,7 @@ class Panels {
 
   /// Position of the control of that name in the last frame, pixels; the last one if several have the name.
   std::optional<DVec2> placeOf(const std::string& name) const;
-  /// Scrolls the control of that name into view in the next frames; empty: scrolls to nothing.
+  /// Scrolls the control of that name into view in the next frames; empty: none.
   void scrollTo(const std::string& name);
   /// Opens the file dialogue in the folder of the model, or of its save file.
   void browse(FileTask task, const ViewStatus& status);

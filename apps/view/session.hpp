@@ -66,8 +66,8 @@ class WindowSession final : private DrawnSlot, public LiveSession {
   const FeelSettings& feel() const { return feel_; }
   /// Model units; has no brush while the surface is only felt.
   HeldTool heldTool() const;
-  /// Extra depth, mm, that a hand without a device must aim at to sculpt to a given depth: the brush acts only once its
-  /// spring is that long, and the spring pulls the hand back. 0 where the hand only feels.
+  /// Extra depth, mm, that a hand without a device must aim at to sculpt to a given depth: the brush acts only from its
+  /// yield depth on, where the spring pulls the hand back. 0 where the hand only feels.
   double givenWay_mm() const;
   void setBrushSettings(const BrushSettings& brush);
   void setFeel(const FeelSettings& feel);

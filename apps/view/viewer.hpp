@@ -19,7 +19,7 @@ namespace palpate {
 
 struct ViewOptions {
   std::vector<std::string> models;
-  WindowOptions session;  ///< the model's file is ignored
+  WindowOptions session;  ///< its model's file is used only for a joined session or a live camera
   BrushSettings brush;
   FeelSettings feel;
   LookOptions look;

@@ -348,7 +348,7 @@ std::optional<std::string> LiveSession::takeRecordingFault() {
 std::vector<std::string> LiveSession::play(const std::string& log) {
   SessionRecord record = readSessionLog(log);
   const RecordedSession recorded = parseHeader(log, record.text);
-  if (record.ticks.empty()) throw FileError(log, "has no whole tick; there is nothing to play");
+  if (record.ticks.empty()) throw FileError(log, "contains no complete tick; there is nothing to play");
   std::vector<std::string> lacks = whatIsMissing(record);
   endRecording();
   between([&] {

@@ -103,8 +103,7 @@ class LiveSession {
   /// Control of a simulation; null where the model is not simulated.
   SimulationControl* simulation() const { return session_.simulation(); }
   /// The present points as a model; a camera's with its stream, which is paused and leaves this session. A session
-  /// configured without a stream sculpts these points; one with a stream continues from them when it resumes its
-  /// frames. Throws what a query failed with.
+  /// without a configured stream sculpts the points; one with a stream continues from them. Throws query failures.
   Model handOn();
   /// Session::releaseStream() at the time of the next tick.
   std::shared_ptr<PlayedStream> releaseStream();

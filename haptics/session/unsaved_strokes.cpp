@@ -29,7 +29,7 @@ StrokeFolder::StrokeFolder(const std::filesystem::path& root) {
     if (failed) throw FileError(path_, "cannot be made: " + failed.message());
     if (isNew && lock_.take(path_ / "lock")) return;
     constexpr int kMax = 1000;
-    if (number == kMax) throw FileError(path_, "cannot be held by one program alone");
+    if (number == kMax) throw FileError(path_, "cannot be locked");
   }
 }
 
@@ -125,7 +125,7 @@ void UnsavedStrokes::saved() {
   folder().removeLogs(number_ + 1);
 }
 
-// Cleared before a redo is written, and set after an undo is written.
+// The note is cleared before new changes are written, and set only after undone ones are written.
 void UnsavedStrokes::noteUnchanged(bool on) {
   if (std::exchange(unchanged_, on) != on) folder().setUnchanged(on);
 }
