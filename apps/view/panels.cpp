@@ -391,7 +391,7 @@ void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {
     std::error_code ignored;
     return file[0] != 0 && std::filesystem::exists(file, ignored);
   };
-  const std::string where = "a name without a folder is saved in " + std::filesystem::current_path().string();
+  const std::string where = "a name without a folder is in " + std::filesystem::current_path().string();
   const bool replaces = isThere(saveAs_.data());
   const bool entered = field("other.ply", saveAs_);
   help(where);
