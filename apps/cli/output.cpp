@@ -50,6 +50,8 @@ void checkName(const std::string& file, Output kind) {
 
 void checkOutput(const std::string& file, Output kind) {
   if (file.empty()) return;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) throw FileError(file, "is a folder; name a file in it");
   checkName(file, kind);
   if (!isDeviceOrPipe(file)) AtomicFile probe(file);  // a pipe's reader would take the probe for the end of the data
 }

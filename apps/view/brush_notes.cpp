@@ -25,7 +25,7 @@ void BrushNotes::notePaint(const WindowSession& session, ViewSettings& view, Mes
   inStroke_ = session.journal().inStroke();
   if (!begins || session.brushSettings().kind != BrushKind::paint || view.color == ColorBy::rgb) return;
   view.color = ColorBy::rgb;
-  messages.say("coloured by the points' own colours, which show what is painted");
+  messages.say("colours: the points' own, so that the paint is visible");
 }
 
 }  // namespace palpate

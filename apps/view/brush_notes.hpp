@@ -1,4 +1,4 @@
-// What a person should know about the brush in the hand.
+// Remarks to the user about the present brush.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@ class Messages;
 
 class BrushNotes {
  public:
-  /// Another model comes.
+  /// Called when another model is opened.
   void forget() { *this = {}; }
-  /// A brush that edits nothing is said to, once, and again with each press of it.
+  /// Reports a brush that is too small to edit points: once, and again at each press.
   void noteSize(const WindowSession& session, const ViewSettings& view, std::uint64_t presses, Messages& messages);
-  /// What is painted is to be seen: the colours change, and it is said.
+  /// Shows the points' own colours when a paint stroke begins, so that the paint is visible, and reports it.
   void notePaint(const WindowSession& session, ViewSettings& view, Messages& messages);
 
  private:

@@ -1,4 +1,4 @@
-// How the mouse turns and moves the camera while a button is down.
+// Rotates and moves the camera by the mouse while a button is down.
 #pragma once
 
 #include "engine/render/camera.hpp"
@@ -7,15 +7,15 @@ namespace palpate {
 
 class CameraDrag {
  public:
-  /// Turns about `pivot`, or moves along with it.
+  /// Begins to rotate about `pivot`, or to pan so that `pivot` stays under the cursor.
   void begin(const Camera& camera, const DVec3& pivot, bool pans);
-  /// The mouse is busy with something else, which counts as a drag.
+  /// Begins a drag that does not move the camera, e.g. a press of the stylus.
   void beginOther() { kind_ = Kind::other; }
   void end() { kind_ = Kind::none; }
   bool isUnderWay() const { return kind_ != Kind::none; }
   Camera moved(const Camera& camera, const DVec2& way_px, const DVec2& size_px) const;
 
-  /// Whether a button that goes down there and then does so for the second time.
+  /// Whether a press at that time and position is the second one of a double click.
   bool isDoubleClick(double time_s, const DVec2& place_px) const;
   void noteClick(double time_s, const DVec2& place_px);
 

@@ -6,7 +6,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::chrono::microseconds kRefresh(16'667);  // nobody tells when such a display shows the next picture
+constexpr std::chrono::microseconds kRefresh(16'667);  // assumed: such a display does not report its refresh times
 
 }  // namespace
 

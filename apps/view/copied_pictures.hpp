@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// Pictures that come to the display through the host's memory: for displays that the GPU cannot present to, such as
+/// Copies pictures to the display through the host's memory: for displays that the GPU cannot present to, such as
 /// remote desktops.
 class CopiedPictures final : public Presenter {
  public:
@@ -16,7 +16,7 @@ class CopiedPictures final : public Presenter {
 
   void change(const UVec2& size_px, bool waitsForDisplay) override;
   bool show(CommandList& list, const Buffer& picture, const std::function<void()>& record) override;
-  void waitForLast() override {}  // show() has
+  void waitForLast() override {}  // show() has waited already
 
  private:
   Device& device_;

@@ -8,13 +8,13 @@
 
 namespace palpate {
 
-/// Whether a window takes pictures that are copied to it through the host's memory: one on a display of X does.
+/// Whether pictures can be copied to the window through the host's memory: true on an X display.
 bool takesCopies(const Window& window);
 
-/// The presenter that copies. Throws Error where the window takes no copies.
+/// Makes a presenter that copies. Throws Error where takesCopies() is false.
 std::unique_ptr<Presenter> copyingPresenter(const Window& window, Device& device, bool waitsForDisplay);
 
-/// Why NVIDIA's driver must not even be asked whether it presents to a window; empty where it may.
+/// Why NVIDIA's driver must not be queried for presentation support (it may crash); empty where it may be queried.
 std::string_view whyNotAskNvidia(const Window& window);
 
 }  // namespace palpate

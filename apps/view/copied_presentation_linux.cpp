@@ -9,12 +9,12 @@ namespace palpate {
 
 namespace {
 
-// Of NVIDIA's own module in the X server; without it the driver has nobody to present to.
+// Extension of NVIDIA's module in the X server; the driver cannot present without it.
 constexpr const char* kNvidiaExtension = "NV-GLX";
 
-// Where it is one of an X server.
+// The window's X display and number; nothing for a window of another window system.
 std::optional<X11Window> x11Of(const Window& window) {
-  // Looked up by name: GLFW for Wayland, under the same name of a library, has none of these.
+  // Looked up by name: GLFW built for Wayland has the same library name and lacks these functions.
   const auto display = reinterpret_cast<void* (*)()>(::dlsym(RTLD_DEFAULT, "glfwGetX11Display"));
   const auto number = reinterpret_cast<unsigned long (*)(GLFWwindow*)>(::dlsym(RTLD_DEFAULT, "glfwGetX11Window"));
   if (!display || !number || !display()) return std::nullopt;
@@ -33,8 +33,9 @@ std::unique_ptr<Presenter> copyingPresenter(const Window& window, Device& device
 
 std::string_view whyNotAskNvidia(const Window& window) {
   const auto x11 = x11Of(window);
-  return x11 && !hasXExtension(*x11, kNvidiaExtension) ? "the X server has no NV-GLX, as remote desktops have none"
-                                                       : "";
+  return x11 && !hasXExtension(*x11, kNvidiaExtension)
+             ? "the X server has no NV-GLX extension, as usual for remote desktops"
+             : "";
 }
 
 }  // namespace palpate

@@ -16,7 +16,7 @@ namespace palpate {
 
 namespace {
 
-/// Nothing where the file is a cloud. The live camera is the first model, if any is.
+/// Nothing where the file is a cloud. A live camera is always the first model.
 std::optional<StreamConfig> streamOf(const std::string& file, const WindowOptions& options) {
   if (options.stream.live && file == options.config.model.file) return options.stream;
   if (!isRgbdFolder(file)) return std::nullopt;
@@ -47,7 +47,7 @@ std::optional<LeftQuestion> Document::leftQuestion() const {
   return LeftQuestion{.file = left_.front().document(), .strokes = left_.front().strokes, .made = left_.front().made};
 }
 
-// The others are offered again.
+// The other strokes are offered at the next start.
 void Document::goOnWith(LeftStrokes left) {
   left_.clear();
   WindowOptions options = options_;
@@ -80,7 +80,7 @@ void Document::open(const std::string& file) {
   WindowOptions options = options_;
   options.config.model.file = file;
   options.config.stream = streamOf(file, options_);
-  // The session of others is the first model.
+  // A joined session is the first model.
   if (file != options_.config.model.file) options.config.join.reset();
   options.config.matter = options.config.stream || options.config.join ? std::nullopt : matterScene(file);
   read(std::move(options), "opening " + nameOf(file));
@@ -114,7 +114,7 @@ void Document::leave(const std::string& what, std::function<void()> then) {
   saveQuestion_.reset();
   beforeWhat_ = what;
   afterQuestion_ = std::move(then);
-  isSavingForIt_ = session_->isSaving();  // what that leaves out is asked about afterwards
+  isSavingForIt_ = session_->isSaving();  // changes that this save does not contain are asked about afterwards
   if (parts_.window.isMinimised()) parts_.window.minimise(false);
 }
 
@@ -136,7 +136,7 @@ bool Document::load(const std::function<void()>& letGo) {
   }
   if (result->lacksMemory && makeRoom()) return false;
   if (!result->failure.empty()) {
-    // Nobody is offered it again, unless it is what is open.
+    // Removed from the lists, unless it is the open model.
     if (!parked_ || parked_->file() != loader_.file()) {
       std::erase(offered_, loader_.file());
       recent_.forget(loader_.file());
@@ -149,7 +149,7 @@ bool Document::load(const std::function<void()>& letGo) {
   return false;
 }
 
-// What is read is good; what is open goes once nothing is lost with it.
+// The next model has been read: closes the present one once the user agrees to lose its changes, or has saved them.
 void Document::giveWay(const std::function<void()>& letGo) {
   if (agreed_ == Agreed::no) {
     agreed_ = Agreed::asked;
@@ -166,13 +166,12 @@ std::string Document::changesQuestion() const {
                      nameOf(file_));
 }
 
-// Where there is no room for another model beside the one that is open, that one goes first, and is opened again should
-// it have gone in vain. One with changes stays.
+// If the memory does not suffice for two models, the parked one is closed first, and opened again if the next one still
+// fails. A model with unsaved changes stays.
 bool Document::makeRoom() {
   if (!parked_ || handedOn_ != HandedOn::no) return false;
   if (parked_->isChanged()) {
-    messages_.say(
-        "there is no memory for another model beside this one, which stays: it has changes that are not saved");
+    messages_.say("not enough memory for another model beside this one, which stays open: it has unsaved changes");
     return false;
   }
   before_ = opened_;
@@ -208,7 +207,7 @@ void Document::install(std::unique_ptr<WindowSession> session, const std::string
   saidOfFrames_ = {};
   saidOfSimulation_.clear();
   const HandedOn handedOn = std::exchange(handedOn_, HandedOn::no);
-  if (handedOn == HandedOn::held) messages_.say("what is held can be sculpted; K lets the frames go on");
+  if (handedOn == HandedOn::held) messages_.say("the paused frame can be sculpted; K continues the frames");
   if (handedOn == HandedOn::toGoOn) holdFrames();
   if (handedOn != HandedOn::no) return;
   file_ = file;
@@ -236,28 +235,28 @@ void Document::sayWhatFramesLack() {
   const auto counts = session_->playCounts();
   if (!counts) return;
   const bool hasLost = counts->lost > 0, isSilent = counts->silentSince_s.has_value();
-  if (hasLost && !saidOfFrames_.lost) messages_.say("a frame is lost: " + counts->lastLoss);
+  if (hasLost && !saidOfFrames_.lost) messages_.say("a frame was lost: " + counts->lastLoss);
   if (isSilent && !saidOfFrames_.silent)
-    messages_.say(fmt::format("no frame has come since {:.1f} s; the last one stays{}", *counts->silentSince_s,
+    messages_.say(fmt::format("no frame received for {:.1f} s; the last one stays{}", *counts->silentSince_s,
                               std::isinf(counts->staysTrue_s) ? "" : fmt::format(" {:g} s", counts->staysTrue_s)));
   saidOfFrames_ = {.lost = hasLost, .silent = isSilent};
 }
 
 void Document::finishSaving(const WindowSession::Saved& saved) {
-  const std::string kept = saved.kept.empty() ? "" : "; what was there before is " + saved.kept;
+  const std::string kept = saved.kept.empty() ? "" : "; the old file is kept as " + saved.kept;
   if (saved.failure.empty()) {
     messages_.say(saved.file + " is saved" + kept);
     becomeFile(saved.file);
   } else {
     messages_.sayError(saved.failure);
   }
-  // Where the points have changed since, or could not be written, nothing is left behind.
+  // Where the points have changed since, or could not be written, the question stays.
   if (!std::exchange(isSavingForIt_, false) || (saved.failure.empty() && session_->isChanged())) return;
   const auto then = std::exchange(afterQuestion_, nullptr);
   if (saved.failure.empty() && then) then();
 }
 
-// What is a picture of something that goes on is saved there from now on, and stays what it is.
+// A snapshot of a camera, a simulation or a shared session is saved to `file` from now on; the document stays the same.
 void Document::becomeFile(const std::string& file) {
   saveFile_ = file;
   if (!isOfFile()) return;
@@ -272,10 +271,10 @@ void Document::saveTo(const std::string& file) {
 }
 
 void Document::save() {
-  if (session_->isSaving()) return saveTo(saveFile_);  // which says so
+  if (session_->isSaving()) return saveTo(saveFile_);  // throws: a save is in progress
   std::error_code ignored;
   if (!session_->isChanged() && std::filesystem::exists(saveFile_, ignored))
-    return messages_.say(saveFile_ + " has the points as they are; there is nothing to save");
+    return messages_.say(saveFile_ + " already contains these points; there is nothing to save");
   const FileInTheWay inTheWay = fileInTheWay(saveFile_);
   if (!inTheWay.losesSomething()) return saveTo(saveFile_);
   saveQuestion_ = SaveQuestion{.loses = inTheWay.sentence(),
@@ -325,7 +324,7 @@ void Document::carryOut(const ViewRequests& requests) {
   if (requests.parameter) session_->setParameter(requests.parameter->first, requests.parameter->second);
   if (requests.holdFrames) holdFrames();
   if (requests.stepFrame && session_->isHeldStill())
-    messages_.say("what is sculpted is one frame; K lets the frames go on");
+    messages_.say("only this frame is being sculpted; K continues the frames");
   else if (requests.stepFrame)
     session_->stepFrame();
 }
@@ -335,7 +334,7 @@ void Document::restart() {
   if (!simulation) return;
   simulation->reset();
   saidOfSimulation_.clear();
-  messages_.say("the scene begins anew");
+  messages_.say("the scene restarts");
 }
 
 void Document::sayWhatSimulationLacks() {
@@ -344,16 +343,16 @@ void Document::sayWhatSimulationLacks() {
   const std::string failure = simulation->failure();
   if (failure == saidOfSimulation_) return;
   saidOfSimulation_ = failure;
-  if (!failure.empty()) messages_.sayError(fmt::format("the simulation {}; N begins it anew", failure));
+  if (!failure.empty()) messages_.sayError(fmt::format("the simulation {}; N restarts it", failure));
 }
 
 void Document::holdFrames() {
   if (SimulationControl* const simulation = session_->simulation()) {
     simulation->hold(!simulation->isHeld());
-    return messages_.say(simulation->isHeld() ? "the scene is held" : "the scene goes on");
+    return messages_.say(simulation->isHeld() ? "the scene is paused" : "the scene continues");
   }
   if (session_->isHeldStill()) return letFramesGoOn();
-  if (const auto held = session_->holdFrames()) messages_.say(*held ? "frames are held" : "frames go on");
+  if (const auto held = session_->holdFrames()) messages_.say(*held ? "frames are paused" : "frames continue");
 }
 
 void Document::sculptHeld() {
@@ -371,9 +370,9 @@ void Document::letFramesGoOn() {
     agreed_ = Agreed::yes;
     loader_.open(opened_, parts_.settings.brush, parts_.settings.feel, session_->handOn());
   };
-  // The next frame takes the place of all points, where they are no map.
+  // Without fusion the next frame replaces all points.
   if (opened_.config.stream->fuse) return goOn();
-  leave("the frames go on", goOn);
+  leave("the frames continue", goOn);
 }
 
 void Document::play(const std::string& log) {

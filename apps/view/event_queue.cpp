@@ -7,7 +7,7 @@ namespace palpate {
 
 namespace {
 
-// What is under the cursor is looked for in the picture that has it there, and known in the next one.
+// Frames until the position under the cursor is known: one copies the depth there, the next one reads it.
 constexpr int kUntilSeen = 2;
 
 bool isModifier(int key) { return key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_RIGHT_SUPER; }
@@ -16,7 +16,7 @@ bool isModifier(int key) { return key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_
 
 bool EventQueue::hasSeen() const { return picturesSinceChange_ >= kUntilSeen; }
 
-// What a key means is known once a picture has seen what was clicked before it.
+// A key's meaning may depend on a click before it: the key waits until a frame has handled that click.
 bool EventQueue::fits(const WindowEvent& event, const Seen& seen) const {
   if (std::holds_alternative<MouseEvent>(event)) return !seen.button && !seen.turned;
   if (std::holds_alternative<WheelEvent>(event)) return !seen.button && !seen.moved;
@@ -38,7 +38,7 @@ void EventQueue::note(const WindowEvent& event, Seen& seen) {
   const auto* key = std::get_if<KeyEvent>(&event);
   if (!key || keys_.contains(key->key) == key->down) return;
   key->down ? void(keys_.insert(key->key)) : void(keys_.erase(key->key));
-  // Ctrl and its like mean nothing by themselves.
+  // Modifiers such as Ctrl have no effect alone.
   seen.key = seen.key || !isModifier(key->key);
 }
 

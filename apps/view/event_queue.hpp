@@ -1,5 +1,4 @@
-// Events on their way from the window to what they mean: a picture sees at most one change of what is pressed, so that
-// none is lost that is shorter than a picture.
+// Queues window events: a frame handles at most one press or release, so that one shorter than a frame is not lost.
 #pragma once
 
 #include <deque>
@@ -14,14 +13,14 @@ class EventQueue {
  public:
   void add(const std::vector<WindowEvent>& events) { waiting_.insert(waiting_.end(), events.begin(), events.end()); }
   bool isEmpty() const { return waiting_.empty(); }
-  /// Those that the next picture is to see, in order; the others wait for the picture behind it.
+  /// The events for the next frame, in order; the others stay for the frame after it.
   std::vector<WindowEvent> takeForPicture();
-  /// Something else may be under the cursor: a button that goes down waits until pictures have shown what.
+  /// The position under the cursor may have changed: a button press waits until frames have picked it again.
   void forgetSeen() { picturesSinceChange_ = 0; }
   bool hasSeen() const;
 
  private:
-  // What the picture has seen so far.
+  // Kinds of events that this frame contains so far.
   struct Seen {
     bool moved = false, turned = false, button = false, key = false;
   };
@@ -29,7 +28,7 @@ class EventQueue {
   void note(const WindowEvent& event, Seen& seen);
 
   std::deque<WindowEvent> waiting_;
-  std::set<int> keys_;  // that are down
+  std::set<int> keys_;  // pressed at present
   int picturesSinceChange_ = 0;
 };
 

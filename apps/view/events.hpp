@@ -1,4 +1,4 @@
-// What happens to a window: from the window system, or from a script.
+// Events of a window: from the window system, or from a script.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// `key`: as GLFW numbers keys.
+/// `key`: GLFW key number.
 struct KeyEvent {
   int key = 0;
   bool down = false;
@@ -34,7 +34,7 @@ struct WheelEvent {
 struct DropEvent {
   std::vector<std::string> files;
 };
-/// A 3D mouse, until the next one: how its cap is pushed and turned, -1 to 1 (HidMotion), and its buttons.
+/// State of a 3D mouse until the next event: push and rotation of its cap, -1 to 1 (HidMotion), and its buttons.
 struct PushEvent {
   DVec3 push{0}, turn{0};
   std::uint32_t buttons = 0;

@@ -44,7 +44,7 @@ void FileBrowser::go(const std::filesystem::path& folder) {
   std::error_code failed;
   const std::filesystem::path there = std::filesystem::weakly_canonical(folder_ / folder, failed);
   if (failed || !std::filesystem::is_directory(there, failed)) {
-    failure_ = fmt::format("{} is no folder", (folder_ / folder).string());
+    failure_ = fmt::format("{} is not a folder", (folder_ / folder).string());
     return;
   }
   folder_ = there;
@@ -80,7 +80,7 @@ void FileBrowser::look() {
 }
 
 std::vector<FileBrowser::Filter> filtersToOpen() {
-  std::vector<FileBrowser::Filter> filters{{.name = "all that can be opened", .endings = {".json"}}};
+  std::vector<FileBrowser::Filter> filters{{.name = "all readable formats", .endings = {".json"}}};
   for (const CloudFormat& format : cloudFormats().all()) {
     if (format.read == nullptr || format.endings.empty()) continue;
     FileBrowser::Filter filter = filterOf(format);
@@ -89,7 +89,7 @@ std::vector<FileBrowser::Filter> filtersToOpen() {
         filters.front().endings.push_back(ending);
     filters.push_back(std::move(filter));
   }
-  filters.push_back({.name = "scenes of matter (.json)", .endings = {".json"}});
+  filters.push_back({.name = "simulation scenes (.json)", .endings = {".json"}});
   filters.push_back({.name = "all files", .endings = {}});
   return filters;
 }

@@ -1,4 +1,4 @@
-// What a person looks through for a file: a folder, and what of it a filter lets through.
+// Contents of the file dialogue: a folder, and its files that pass a filter.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace palpate {
 
 class FileBrowser {
  public:
-  /// Of the files those that end so, in any case; without endings all of them.
+  /// Passes files with one of these endings, case-insensitive; without endings all files.
   struct Filter {
     std::string name;
     std::vector<std::string> endings;
@@ -24,24 +24,24 @@ class FileBrowser {
     std::uintmax_t bytes = 0;
   };
 
-  /// The first filter is in force. `folder`: where it begins; the working folder where there is no such one.
+  /// The first filter is active. `folder`: the first folder; the working folder where it does not exist.
   FileBrowser(const std::filesystem::path& folder, std::vector<Filter> filters);
 
   const std::filesystem::path& folder() const { return folder_; }
-  /// Folders first, each kind by its name; what begins with a dot is left out.
+  /// Folders first, then files, each sorted by name; without names that begin with a dot.
   std::span<const Entry> entries() const { return entries_; }
-  /// Why the folder cannot be read; empty: it was.
+  /// Why the folder cannot be read; empty if it was read.
   const std::string& failure() const { return failure_; }
-  /// Whether the folder itself is what can be opened: a recorded camera, a reconstruction.
+  /// Whether the folder itself can be opened as a model: a recorded camera, a reconstruction.
   bool isModel() const { return isModel_; }
   std::span<const Filter> filters() const { return filters_; }
   std::size_t filter() const { return filter_; }
 
-  /// Into a folder of this one, or to a path from anywhere. Stays where it is, and says why, where there is none.
+  /// Goes to a folder, relative to this one or by an absolute path. If it does not exist, stays and sets failure().
   void go(const std::filesystem::path& folder);
   void goUp() { go(folder_.parent_path()); }
   void choose(std::size_t filter);
-  /// What a name in this folder is called from anywhere.
+  /// Path of a name in this folder.
   std::filesystem::path placeOf(const std::string& name) const { return folder_ / name; }
 
  private:
@@ -55,10 +55,10 @@ class FileBrowser {
   bool isModel_ = false;
 };
 
-/// One for all formats that are read together, one for each, and one for all files. Formats of folders are opened as
-/// what they are: the folder's own name.
+/// One filter for all readable formats, one for each format, and one for all files. Formats that are folders have no
+/// filter: the folder itself is opened.
 std::vector<FileBrowser::Filter> filtersToOpen();
-/// One for each format that points are written in; of triangles the others.
+/// One filter for each format of points that can be written; with `triangles`, for PLY and each format of triangles.
 std::vector<FileBrowser::Filter> filtersToSave(bool triangles);
 
 }  // namespace palpate

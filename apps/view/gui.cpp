@@ -43,7 +43,7 @@ constexpr std::array<std::pair<ImGuiKey, int>, 22> kKeys{{{ImGuiKey_Tab, GLFW_KE
 
 constexpr unsigned kFirstLatin = 0x20, kLastLatin = 0xff;
 
-// A list to choose from, or what else closes beside a click; no question.
+// Whether the topmost popup is a list or another one that a click beside it closes, and not a modal question.
 bool hasList() {
   const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
   return !open.empty() && open.back().Window && !(open.back().Window->Flags & ImGuiWindowFlags_Modal);
@@ -54,7 +54,7 @@ bool hasList() {
 Gui::Gui(Window& window) : window_(window), scale_(window.scale()) {
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // panels have their places
+  io.IniFilename = nullptr;  // panel positions are fixed
   io.BackendRendererName = "palpate";
   for (const auto& [key, number] : kKeys) io.KeyMap[key] = number;
   io.ClipboardUserData = this;
@@ -64,7 +64,7 @@ Gui::Gui(Window& window) : window_(window), scale_(window.scale()) {
     gui.clipboard_ = gui.window_.clipboard();
     return gui.clipboard_.c_str();
   };
-  // Glyphs stand on whole pixels and lines are drawn as triangles, so that the texture needs no interpolation.
+  // Glyphs are aligned to pixels and lines are drawn as triangles, so that the texture needs no interpolation.
   io.Fonts->Flags |= ImFontAtlasFlags_NoBakedLines;
   makeFont();
   setDark(true);
@@ -105,7 +105,7 @@ void Gui::setDark(bool dark) {
   style.WindowRounding = 6;
   style.FrameRounding = style.GrabRounding = style.PopupRounding = 4;
   style.WindowBorderSize = 0;
-  // White boxes on a white panel are seen by their borders alone.
+  // White boxes on a white panel are visible by their borders only.
   style.FrameBorderSize = dark ? 0 : 1;
   style.FramePadding = {6, 3};
   style.ItemSpacing = {6, 5};
@@ -181,7 +181,7 @@ void Gui::gather() {
 }
 
 bool Gui::wantsMouse() const { return ImGui::GetIO().WantCaptureMouse; }
-// As the last picture has left it: ImGui itself says it one picture later.
+// The state after the last frame: io.WantTextInput would be one frame late.
 bool Gui::wantsKeys() const { return ImGui::GetCurrentContext()->WantTextInputNextFrame == 1; }
 bool Gui::isBusy() const { return ImGui::IsAnyItemActive(); }
 

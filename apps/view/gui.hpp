@@ -10,35 +10,35 @@
 
 namespace palpate {
 
-/// Dear ImGui without a window or a GPU of its own: takes the window's events, gives the triangles of its panels.
+/// Dear ImGui without a window or GPU of its own: receives the window's events and returns the panels' triangles.
 class Gui {
  public:
-  /// `scale`: pixels for each unit that panels are laid out in.
+  /// Panels are laid out at the window's scale (Window::scale()).
   explicit Gui(Window& window);
   ~Gui();
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
 
-  /// How much of each texel of the font is covered.
+  /// Coverage of each texel of the font.
   std::span<const std::uint8_t> texture() const { return {texture_, std::size_t{texture_px_.x} * texture_px_.y}; }
   const UVec2& texture_px() const { return texture_px_; }
 
-  /// Whether that was all: Escape has closed a list.
+  /// Returns whether the event is consumed: Escape that closes a list.
   bool feed(const WindowEvent& event);
-  /// What the panels are to show; letters beyond Latin come into the font with the next picture.
+  /// Notes text that the panels will show; its letters beyond Latin are added to the font at the next frame.
   void noteLetters(std::string_view text);
-  /// Panels of one picture stand between these.
+  /// The panels of one frame are drawn between these.
   void begin(const UVec2& size_px, double dt_s);
   PanelShapes end();
-  /// Of them what lies behind all panels: scale and heights.
+  /// The part of the shapes that lies behind all panels: scale and heights.
   PanelShapes behindPanels() const;
-  /// How often the font has been made.
+  /// Number of times the font was built.
   std::uint64_t fontVersion() const { return fontVersion_; }
 
-  /// Whether a panel, and not what is behind it, is meant by the mouse, or by keys.
+  /// Whether the mouse, or the keys, are meant for a panel and not for the model behind it.
   bool wantsMouse() const;
   bool wantsKeys() const;
-  /// While a value is being dragged or typed.
+  /// Whether a value is being dragged or typed.
   bool isBusy() const;
   double scale() const { return scale_; }
   void setDark(bool dark);
@@ -55,7 +55,7 @@ class Gui {
   std::set<unsigned> letters_;  // beyond Latin
   std::vector<unsigned short> ranges_;
   bool lacksLetters_ = false, closesList_ = false;
-  std::size_t behind_ = 0;  // triangles
+  std::size_t behind_ = 0;  // number of triangles behind the panels; they come first
   std::string clipboard_;
   std::vector<shared::PanelVertex> vertices_;
   std::vector<shared::PanelTriangle> triangles_;

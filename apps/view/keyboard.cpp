@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-// Of the brush, for one press of [ or ].
+// Resizes the brush by one press of [ or ].
 void resize(double& radius_mm, double factor) {
   constexpr double kMin_mm = 0.5, kMax_mm = 30;
   radius_mm = std::clamp(radius_mm * factor, kMin_mm, kMax_mm);

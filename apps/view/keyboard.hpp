@@ -1,4 +1,4 @@
-// Which keys are down, and what they ask for.
+// Pressed keys, and the requests that they make.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@ namespace palpate {
 
 class Keyboard {
  public:
-  /// Notes where the key is now. Whether it has been there before, as one has that repeats.
+  /// Notes the state of the key. Returns whether it is unchanged, as in a key repeat.
   bool note(const KeyEvent& event);
-  /// What a person means by it; settings that have no more to it are turned at once.
+  /// Requests of a key event; keys that only change a setting change it directly.
   ViewRequests requestsOf(const KeyEvent& event, bool repeats, WindowSettings& settings) const;
   bool isShiftDown() const;
 

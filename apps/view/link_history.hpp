@@ -1,4 +1,4 @@
-// How the link to who serves a model has been, as curves show it.
+// History of the link to the server of a model, for the curves.
 #pragma once
 
 #include <vector>
@@ -10,10 +10,10 @@ namespace palpate {
 
 class LinkHistory {
  public:
-  static constexpr double kApart_s = 0.1;    ///< between two values
-  static constexpr std::size_t kKept = 300;  ///< values
+  static constexpr double kApart_s = 0.1;    ///< interval between two values
+  static constexpr std::size_t kKept = 300;  ///< number of values
 
-  /// Once for each picture. What is not known yet is 0.
+  /// Called once per frame. Unknown values are stored as 0.
   void add(const SharedCounts& counts);
   void clear();
 

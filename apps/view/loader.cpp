@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kReading = 0.7;  // share of the whole, as far as anybody can say before
+constexpr double kReading = 0.7;  // share of reading in the whole time, estimated
 
 }  // namespace
 
@@ -21,7 +21,7 @@ void Loader::open(WindowOptions options, const BrushSettings& brush, const FeelS
   given_.reset();
   const std::string name = std::filesystem::path(options.config.model.file).filename().string();
   const bool isHeard = isRosModel(options.config.model.file);
-  const std::string what = (options.config.join ? "joining " : isHeard ? "hearing " : "reading ") + name;
+  const std::string what = (options.config.join ? "joining " : isHeard ? "receiving " : "reading ") + name;
   begin(std::move(options), brush, feel, what);
 }
 
@@ -59,7 +59,7 @@ void Loader::build() {
 
 Loader::Result Loader::load() {
   try {
-    // Normals on the CPU: the GPU's queues belong to the session that is open still.
+    // Normals are estimated on the CPU: the present session still uses the GPU's queues.
     Model model = given_ ? std::move(*given_)
                          : loadModel(options_.config, {.log = context_.log(),
                                                        .threads = context_.threads(),

@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// Opens models one at a time, on a thread of its own, so that a window stays alive meanwhile: reads the file, and
-/// builds the session on the GPUs. That uses the queues of touch and sight: the thread that shows pictures keeps off
-/// them from mayBuild() on until the session is there.
+/// Opens models one at a time on another thread, so that the window stays responsive: reads the file, then builds the
+/// session on the GPUs. The build uses the queues of touch and sight: from build() until take() returns the result,
+/// the thread that shows pictures must not use them.
 class Loader final : private LogListener {
  public:
   Loader(Context& context, Device& sight) : context_(context), sight_(sight) {}
@@ -18,28 +18,28 @@ class Loader final : private LogListener {
   Loader(const Loader&) = delete;
   Loader& operator=(const Loader&) = delete;
 
-  /// Ends what is being loaded, and begins with another file.
+  /// Cancels the present load and begins with another file.
   void open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel);
-  /// The same with a model that is there, and is not read.
+  /// The same with a given model, which is not read from the file.
   void open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel, Model model);
   bool isLoading() const { return result_.valid(); }
-  /// Nothing is loaded any more.
+  /// Cancels the present load, and waits for its thread.
   void cancel();
   std::string file() const { return options_.config.model.file; }
   double progress() const { return progress_; }
   std::string stage() const;
-  /// What was said since the last call.
+  /// Remarks since the last call.
   std::vector<std::string> takeRemarks();
 
-  /// The file has been read, and is good: once the last session is gone, build() may be called.
+  /// Whether the file has been read and is valid: build() may be called once the present session is parked.
   bool isRead() const { return isRead_; }
-  /// The thread goes on to build the session.
+  /// Lets the thread build the session.
   void build();
-  /// The session, or why there is none, once either is known.
+  /// The session, or the failure.
   struct Result {
     std::unique_ptr<WindowSession> session;
     std::string failure;
-    bool lacksMemory = false;  ///< which there would be, perhaps, if no other model were open
+    bool lacksMemory = false;  ///< the load may succeed once the present model is closed
   };
   std::optional<Result> take();
 
@@ -56,11 +56,11 @@ class Loader final : private LogListener {
   WindowOptions options_;
   BrushSettings brush_;
   FeelSettings feel_;
-  std::optional<Model> given_;  // in place of what the file has
+  std::optional<Model> given_;  // replaces the contents of the file
   std::atomic<bool> cancelled_ = false, isRead_ = false;
   std::atomic<double> progress_ = 0;
   std::promise<void> mayBuild_;
-  bool isLet_ = false;  // that it may build
+  bool isLet_ = false;  // build() was called
   mutable std::mutex lock_;
   std::string stage_;
   std::vector<std::string> remarks_;

@@ -35,7 +35,7 @@ double Measure::scaleFor(const std::string& text) const {
   if (error != std::errc() || last != end || !(true_mm > 0))
     throw Error("true length: '{}' is not a positive length in mm", text);
   const double units = distance().value_or(0);
-  if (!(units > 0)) throw Error("nothing is measured: click two different places of the model first");
+  if (!(units > 0)) throw Error("nothing is measured: click two different positions on the model first");
   const double scale = true_mm / units;
   if (!(scale >= bounds::kMinScale && scale <= bounds::kMaxScale))
     throw Error("{} mm for {:.6g} units are {} mm per unit, which is not between {} and {}", true_mm, units, scale,

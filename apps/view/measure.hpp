@@ -1,4 +1,4 @@
-// Two places of the model that a person has picked, and how far apart they are.
+// Two picked positions on the model, and their distance.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,20 @@ namespace palpate {
 
 class Measure {
  public:
-  /// The first place or the second; a third one is the first of another two. Model units relative to the cloud's
-  /// origin.
+  /// Adds a position; a third one begins a new pair. Model units relative to the cloud's origin.
   void take(const DVec3& place);
-  /// Of the model in that file: what was measured on another one is forgotten.
+  /// Assigns the measure to the model in that file; a measure of another model is cleared.
   void belongTo(const std::string& file);
-  /// That model is saved in another file.
+  /// Called when that model is saved to another file.
   void beCalled(const std::string& file) { file_ = file; }
   void forget();
 
   std::span<const DVec3> places() const { return places_; }
-  /// Model units; nothing before there are two.
+  /// Model units; nothing with fewer than two positions.
   std::optional<double> distance() const;
-  std::uint64_t version() const { return version_; }  ///< another one after each change
+  std::uint64_t version() const { return version_; }  ///< increases with each change
 
-  /// Millimetres per model unit, with which what was measured has the length that `text` says in mm. Throws Error.
+  /// Millimetres per model unit that give the measured distance the length in `text`, mm. Throws Error.
   double scaleFor(const std::string& text) const;
 
  private:

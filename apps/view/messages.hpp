@@ -1,4 +1,4 @@
-// What the window tells a person: remarks, each for a while, and errors, until they were seen.
+// Messages to the user: remarks, each shown for a while, and errors, shown until they are closed.
 #pragma once
 
 #include <deque>
@@ -16,23 +16,23 @@ class Messages {
  public:
   explicit Messages(Log& log) : log_(log) {}
 
-  /// A remark beside a few others, of which the oldest gives way; in the log, too.
+  /// Shows and logs a remark; the oldest one is dropped if there are too many.
   void say(const std::string& text);
-  /// What went wrong, likewise; it stays until it is closed.
+  /// Shows and logs an error; it stays until it is closed.
   void sayError(const std::string& text);
-  /// A remark beside all others, what the log has already.
+  /// Shows a remark that is already in the log; drops no other.
   void add(const std::string& text);
-  /// Does it, and says what went wrong. A lost GPU is none of that: it ends the program.
+  /// Calls `act` and shows its failure. DeviceLost is rethrown: it ends the program.
   void tryTo(const std::function<void()>& act);
   void dropOld();
-  /// Another model is opened: what was said of the one before is of no use.
+  /// Clears all messages, as they concern the model before.
   void forget();
-  /// Whether there were any.
+  /// Returns whether there were any.
   bool closeErrors();
 
   std::vector<std::string> remarks() const;  ///< the newest last
   const std::vector<std::string>& errors() const { return errors_; }
-  const std::string& last() const { return last_; }  ///< also when it is gone
+  const std::string& last() const { return last_; }  ///< also when it is no longer shown
 
  private:
   struct Remark {

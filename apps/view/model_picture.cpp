@@ -8,10 +8,10 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kPicked = 5;    // depths: under the cursor, and left, right, over and under it
-constexpr std::uint32_t kBeside = 4;  // pixels of the picture
+constexpr std::size_t kPicked = 5;    // depths: at the cursor, and to the left, right, above and below
+constexpr std::uint32_t kBeside = 4;  // distance of the other four, picture pixels
 
-// Whatever lies nearest and farthest, which edits may change.
+// Compares without near and far depth, which edits may change.
 bool isSameView(const Camera& a, Camera b) {
   b.nearDepth = a.nearDepth;
   b.farDepth = a.farDepth;
@@ -56,7 +56,7 @@ void ModelPicture::record(CommandList& list, WindowSession& session, const Shown
     frame_->record(list, session.drawn(), camera, options);
 }
 
-// Before the next picture: the last one, which is done, is what a stroke that begins has found.
+// Called before the next picture is drawn: a stroke that begins keeps the depths of the last one.
 void ModelPicture::followFound(CommandList& list, const Camera& camera) {
   if (found_ && !(keepsFound_ && isSameView(found_->camera, camera))) found_.reset();
   if (!keepsFound_ || found_ || !scene_ || !isSameView(scene_->camera, camera)) return;

@@ -1,5 +1,5 @@
-// The picture of the model in the window: made again only where it would differ, smaller while making it is slow, and
-// asked what is under the cursor.
+// The picture of the model in the window: drawn again only if it would differ, at a lower resolution while drawing is
+// slow, and read for the depth under the cursor.
 #pragma once
 
 #include <memory>
@@ -17,44 +17,44 @@ class ModelPicture {
  public:
   explicit ModelPicture(Device& sight);
 
-  /// Before each picture. `still`: nothing moves, and it is drawn in full; else smaller, if the last one was slow.
+  /// Called before each frame. `still`: nothing moves, draw at full resolution; else lower it if the last was slow.
   void choosePace(bool still);
-  /// As large as the window asks for. `supersample`: Frame.
+  /// Sets the size for the window. `supersample`: see Frame.
   void fit(const UVec2& window_px, std::uint32_t supersample);
-  /// The next picture is made in any case.
+  /// The next picture is drawn in any case.
   void forget() { scene_.reset(); }
   bool exists() const { return frame_ != nullptr; }
 
-  /// Draws the triangles where there are some, else the discs.
+  /// Draws the triangles if there are any, else the discs.
   void record(CommandList& list, WindowSession& session, const ShownMesh& mesh, const Camera& camera,
               const FrameOptions& options);
-  /// While it is on, picks go by the picture as it was before the next one: a stroke goes by the surface as it found
-  /// it.
+  /// While on, picks use the depths of the picture before this call, so that a stroke follows the surface as it was
+  /// when the stroke began.
   void keepFound(bool on) { keepsFound_ = on; }
-  /// Copies the depth under the cursor; takePick() reads it once the picture is done.
+  /// Copies the depth under the cursor; takePick() reads it once the GPU has finished the picture.
   void recordPick(CommandList& list, const DVec2& cursor_px, const DVec2& window_px);
   void takePick();
   const Pick& picked() const { return picked_; }
 
-  /// After each picture of the window, and how long that took.
+  /// Called after each frame, with its duration.
   void noteTime(double time_ms);
-  /// Of the last picture of the model, which `list` recorded and which is done.
+  /// Passes of the model's last picture, which `list` recorded and the GPU has finished.
   const std::vector<PassRecord>& passes(const CommandList& list);
 
   const Frame& frame() const { return *frame_; }
-  std::uint32_t shrink() const { return shrink_; }  ///< pixels of the window for one of it, along each side
-  std::uint64_t made() const { return made_; }      ///< how often it was
+  std::uint32_t shrink() const { return shrink_; }  ///< window pixels per picture pixel, along each side
+  std::uint64_t made() const { return made_; }      ///< number of pictures drawn
 
  private:
-  // What it is made of: of the same comes the same picture.
+  // Everything that determines the picture.
   struct Scene {
     Camera camera;
     FrameOptions options;
-    std::uint64_t edits = 0, frames = 0, mesh = 0;  // how many, of a model that moves; which one, where it is drawn
+    std::uint64_t edits = 0, frames = 0, mesh = 0;  // counts; version of the mesh, 0 if discs are drawn
     bool operator==(const Scene&) const = default;
   };
 
-  // The depths of the picture that a stroke has found.
+  // Depths of the picture before a stroke.
   struct Found {
     Buffer depths;
     UVec2 size_px{0};
@@ -66,16 +66,16 @@ class ModelPicture {
   Device& sight_;
   std::unique_ptr<Frame> frame_;
   std::uint32_t supersample_ = 0, shrink_ = 1;
-  std::optional<Scene> scene_;  // of the picture that the frame has
+  std::optional<Scene> scene_;  // of the picture in frame_
   std::optional<Found> found_;
   bool keepsFound_ = false;
   Buffer pick_;
   Pick asked_, picked_;
   std::uint64_t made_ = 0;
-  bool isNew_ = false;              // made since the last noteTime()
-  bool passesAreNew_ = false;       // not looked at yet
-  double time_ms_ = 0;              // of the last picture that it was made for
-  std::vector<PassRecord> passes_;  // of that
+  bool isNew_ = false;              // drawn since the last noteTime()
+  bool passesAreNew_ = false;       // not read yet
+  double time_ms_ = 0;              // of the last frame in which the model was drawn
+  std::vector<PassRecord> passes_;  // of the last picture read
 };
 
 }  // namespace palpate

@@ -26,7 +26,7 @@ OwnCamera::~OwnCamera() = default;
 void OwnCamera::follow(const WindowSession& session, const Camera& camera, const UVec2& size_px) {
   const Model& model = session.model();
   const CameraPlace place = placeOf(camera, model.cloud.origin, double(size_px.x) / double(size_px.y));
-  // Of a view that is no picture, as from farther away than numbers reach, nobody hears.
+  // A view that is not a valid camera, e.g. with infinite coordinates, is not published.
   if (!isCamera(place)) return;
   if (model.presence && !isHidden_) model.presence->show(place);
   if (!ros_) return;

@@ -1,4 +1,4 @@
-// Who else hears from where the window's picture is seen.
+// Publishes the window's camera.
 #pragma once
 
 #include <memory>
@@ -11,19 +11,19 @@ namespace palpate {
 
 class RosCamera;
 
-/// As others see it; `origin`: of the cloud whose coordinates the camera is in.
+/// Camera pose as published; `origin`: origin of the cloud whose coordinates the camera uses.
 CameraPlace placeOf(const Camera& camera, const DVec3& origin, double aspect);
 
-/// Those who have joined the same session, unless the window hides it from them, and programs of ROS.
+/// Publishes the camera to the participants of the joined session, unless the window hides it, and to ROS programs.
 class OwnCamera {
  public:
-  /// Throws UsageError and NetworkError of ROS.
+  /// Throws UsageError and NetworkError of the ROS publisher.
   explicit OwnCamera(const WindowOptions& options);
   ~OwnCamera();
   OwnCamera(const OwnCamera&) = delete;
   OwnCamera& operator=(const OwnCamera&) = delete;
 
-  /// Once for each picture. Throws NetworkError where programs of ROS hear nothing from now on.
+  /// Called once per frame. Throws NetworkError where publishing to ROS has failed; it stops then.
   void follow(const WindowSession& session, const Camera& camera, const UVec2& size_px);
 
  private:

@@ -49,7 +49,7 @@ bool Panels::drag(const char* name, double& value, float speed, double least, do
                                        ImGuiSliderFlags_AlwaysClamp));
 }
 
-// Of a length in the hand, which is shown as it is on the model; `text` in its place, if there is any.
+// Field for a length in the hand, shown as the length on the model; `text` replaces the number if it is not empty.
 bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, std::pair<double, double> range_mm,
                         const ViewStatus& status, const char* text) {
   constexpr int kDigits = 3;
@@ -64,7 +64,7 @@ bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, std
   return changed;
 }
 
-// Named by its hint. Whether Enter was pressed in it.
+// Text field, named by its hint. Returns whether Enter was pressed in it.
 bool Panels::field(const char* hint, std::array<char, 512>& text) {
   ImGui::PushID(hint);
   const bool entered =
@@ -94,7 +94,8 @@ DVec2 Panels::freeWidth_px(const ViewSettings& view, double width_px) const {
   if (!view.panels) return all;
   const DVec2 besidePanel(double{em(kPanel_em + 2 * kMargin_em)}, width_px);
   const DVec2 between = view.plots ? besidePanel - DVec2(0, double{em(kCurves_em + 2 * kMargin_em)}) : besidePanel;
-  // Where there is next to nothing between them, the model stands behind the curves, then behind the panel as well.
+  // Where too little is left between panel and curves, the model is centred behind the curves, then behind the panel
+  // too.
   for (const DVec2& free : {between, besidePanel})
     if (free.y - free.x >= double{em(kModel_em)}) return free;
   return all;
@@ -104,7 +105,7 @@ bool Panels::hasRoomBeside(double width_px) const {
   return width_px >= double{em(kPanel_em + 2 * kMargin_em + kModel_em)};
 }
 
-// Names that are on the command line; `now` is what auto stands for.
+// The names are those of the command line; `now`: the value that auto stands for.
 template <class Names, class Value>
 void Panels::chooseOrAuto(const char* label, const Names& names, std::optional<Value>& value, std::string_view now) {
   const std::string automatic = fmt::format("auto ({})", now);
@@ -171,13 +172,13 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
     ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
     help(status.model);
     ImGui::TextDisabled("%zu points, up is %s", status.session->journal().present(), nameOf(status.up).data());
-    help((status.isUpTurned ? "as it was turned" : "by its shape: " + status.upright.why) + "; Look has up to turn it");
+    help((status.isUpTurned ? "as chosen" : "automatic: " + status.upright.why) + "; change it with up in Look");
     const Model& model = status.session->model();
     const double side = (model.container ? *model.container : status.session->bounds()).longestSide();
     std::string scale = touchScaleText(model.scale, side, status.unit);
-    scale.replace(scale.rfind(" for "), 1, "\n");  // no number is broken where the panel ends
+    scale.replace(scale.rfind(" for "), 1, "\n");  // so that no number is broken at the panel's edge
     ImGui::TextDisabled("touch scale: %s", scale.c_str());
-    help("--mm-per-unit or Measure give another size; otherwise the longest side is 100 mm, unless the file says more");
+    help("change it with --mm-per-unit or Measure; default: the file's scale, else the longest side is 100 mm");
   } else if (!status.loading) {
     ImGui::TextWrapped("Drop a point cloud here, or press Ctrl+O (%s)", cloudFormats().namesRead().c_str());
   }
@@ -207,7 +208,7 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
   list(status.recent);
   for (const std::string& file : status.gone) {
     ImGui::TextDisabled("%s: gone", std::filesystem::path(file).filename().string().c_str());
-    help(file + " is not there any more");
+    help(file + " no longer exists");
   }
 }
 
@@ -232,9 +233,9 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
       drag("speed", brush.beta, 0.005f, 0, 1, "%.2f");
     else
       drag("strength", brush.strength, 0.01f, 0, 1, "%.2f");
-    help("how much of the way the surface goes at each tick; 0: none, 1: all");
-    dragLength("yields at", brush.tau_mm, 0.02, {0, 5}, status);
-    help("how deep the stylus stands in the surface before it gives way");
+    help("fraction of the effect per tick; 0: none, 1: all");
+    dragLength("yield depth", brush.tau_mm, 0.02, {0, 5}, status);
+    help("depth of the stylus in the surface from which on the surface yields");
     if (brush.kind == BrushKind::paint) {
       float color[3];
       for (std::size_t k = 0; k < 3; ++k) color[k] = static_cast<float>(brush.color[k]) / 255;
@@ -242,15 +243,15 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
         for (std::size_t k = 0; k < 3; ++k) brush.color[k] = static_cast<std::uint8_t>(std::lround(color[k] * 255));
     }
   }
-  dragLength("press", view.press_mm, 0.05, {0.1, 20}, status);
-  help("how deep the hand means to go while the button is down; turn the wheel meanwhile for more or less");
+  dragLength("press depth", view.press_mm, 0.05, {0.1, 20}, status);
+  help("depth that the hand aims at while the button is down; the wheel changes it meanwhile");
   checkbox("follow the surface", view.followsSurface);
-  help("off: the stylus moves in one plane before the eye, and the wheel moves it in depth");
+  help("off: the stylus moves in a plane parallel to the screen, and the wheel changes its depth");
   const StrokeCounts counts = status.session->strokes();
   ImGui::BeginDisabled(counts.undoable == 0);
   if (button("Undo", em(4))) requests.undo = true;
   ImGui::EndDisabled();
-  help("Ctrl+Z: takes the last stroke back");
+  help("Ctrl+Z: undoes the last stroke");
   ImGui::SameLine();
   ImGui::BeginDisabled(counts.redoable == 0);
   if (button("Redo", em(4))) requests.redo = true;
@@ -266,14 +267,14 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
   checkbox("forces on", forcesOn);
   help("Backspace");
   choose("surface", kSurfaceKinds, feel.surface);
-  help("average: quickest; sphere: sinks in less where it is curved; sharp: keeps edges");
+  help("average: fastest; sphere: sinks in less on curved surfaces; sharp: keeps edges");
   if (status.session->backendName() == "vulkan") choose("query", kQueryMethods, feel.method);
   drag("stiffness", feel.stiffness_N_per_mm, 0.01f, 0, 5, "%.2f N/mm");
-  help("force for each mm in the hand that the stylus stands in the surface");
+  help("force per mm of depth in the surface, measured in the hand");
   drag("damping", feel.damping_N_s_per_mm, 0.0001f, 0, 0.02, "%.4f N s/mm");
   drag("friction", feel.friction, 0.01f, 0, 2, "%.2f");
-  help("0: slippery; from 1 on the stylus hardly slides");
-  drag("largest force", feel.maxForce_N, 0.02f, 0, kTouchPeakForce_N, "%.2f N");
+  help("0: no friction; from 1 on the stylus hardly slides");
+  drag("maximum force", feel.maxForce_N, 0.02f, 0, kTouchPeakForce_N, "%.2f N");
   ImGui::TextDisabled("%s", status.session->machine().c_str());
 }
 
@@ -293,11 +294,11 @@ void Panels::drawOthers(const ViewStatus& status) {
   }
   for (const SeenCamera& camera : cameras)
     if (std::ranges::count(hands, camera.number, &SeenHand::number) == 0) line(camera.number, camera.name, "looks");
-  if (hands.empty() && cameras.empty()) ImGui::TextDisabled("nobody else is here");
+  if (hands.empty() && cameras.empty()) ImGui::TextDisabled("no other participants");
   if (!given) return;
   const SharedCounts& counts = *given;
-  if (counts.silent_s > 1) ImGui::Text("not heard for %.0f s", counts.silent_s);
-  if (counts.force < 1) ImGui::Text("%.0f %% of the force is left", 100 * counts.force);
+  if (counts.silent_s > 1) ImGui::Text("no message for %.0f s", counts.silent_s);
+  if (counts.force < 1) ImGui::Text("force reduced to %.0f %%", 100 * counts.force);
   if (counts.link.roundTrip_ms)
     ImGui::TextDisabled("round trip %.1f ms, %.0f %% lost", *counts.link.roundTrip_ms,
                         counts.link.lost_percent.value_or(0));
@@ -305,17 +306,17 @@ void Panels::drawOthers(const ViewStatus& status) {
 
 void Panels::drawMatter(const ViewStatus& status, ViewRequests& requests) {
   if (status.parameters.empty() || !header("Matter", true)) return;
-  if (button(status.simulationHeld ? "Go on##matter" : "Hold", em(4))) requests.holdFrames = true;
+  if (button(status.simulationHeld ? "Go on##matter" : "Pause##matter", em(4))) requests.holdFrames = true;
   help("K");
   ImGui::SameLine();
-  if (button("Begin anew")) requests.restart = true;
+  if (button("Restart")) requests.restart = true;
   help("N");
   for (const SimulationParameter& parameter : status.parameters) {
     double value = parameter.value;
     const auto speed = static_cast<float>((parameter.high - parameter.low) / 1000);
     if (drag(parameter.label.c_str(), value, speed, parameter.low, parameter.high, ("%.4g " + parameter.unit).c_str()))
       requests.parameter = {parameter.name, value};
-    help("from the next step on; a recording ends");
+    help("takes effect at the next step; ends a recording");
   }
 }
 
@@ -323,13 +324,13 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
   if (!header("Look")) return;
   choose("colour by", kColors, view.color);
   chooseOrAuto("up", kUpAxes, view.up, nameOf(status.upright.up));
-  help(fmt::format("by its shape up is {}: {}", nameOf(status.upright.up), status.upright.why));
+  help(fmt::format("auto: up is {}, {}", nameOf(status.upright.up), status.upright.why));
   chooseOrAuto("unit", kLengthUnits, view.unit, nameOf(status.unit));
-  help("of the file's lengths, which all are shown in; it scales nothing");
-  dragLength("disc radius", view.discRadius_mm, 0.01, {0, 5}, status, view.discRadius_mm > 0 ? "" : "auto");
-  help("of the disc that each point is drawn as; auto (0): as wide as closes the surface there");
+  help("unit of the file's lengths, for display only; it does not change the scale");
+  dragLength("point radius", view.discRadius_mm, 0.01, {0, 5}, status, view.discRadius_mm > 0 ? "" : "auto");
+  help("radius of the disc drawn for each point; auto (0): large enough to close the surface");
   checkbox("triangles", view.mesh);
-  help("marching cubes (M); touched blocks follow while you sculpt");
+  help("marching cubes (M); edited blocks are updated while you sculpt");
   if (view.mesh) {
     ImGui::SameLine();
     int exponent = static_cast<int>(std::lround(std::log2(view.lattice / 32)));
@@ -342,18 +343,18 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
     if (status.meshTriangles > 0 && button("Export mesh...")) browse(FileTask::exportMesh, status);
   }
   checkbox("cameras", view.cameras);
-  help("F: from where the pictures of the model were taken, where its files say it");
-  checkbox("smooth outlines", view.smoothOutlines);
-  help("four samples a pixel: slower");
+  help("F: the cameras that took the model's pictures, if its files contain them");
+  checkbox("antialiasing", view.smoothOutlines);
+  help("four samples per pixel; slower");
   ImGui::SameLine();
   checkbox("scale", view.scaleBar);
   checkbox("dark", view.dark);
   ImGui::SameLine();
-  checkbox("wait for display", view.waitsForDisplay);
-  help("off: pictures follow one another as fast as they can, and may tear");
+  checkbox("vsync", view.waitsForDisplay);
+  help("off: frames are drawn as fast as possible, and may tear");
   drawSides(requests);
   if (button("Reset")) requests.resetView = true;
-  help("R: all of the model is seen again");
+  help("R: shows the whole model");
   for (int axis = 0; axis < 3; ++axis) {
     ImGui::SameLine();
     if (button(std::array{"X", "Y", "Z"}[static_cast<std::size_t>(axis)])) requests.axis = axis;
@@ -370,7 +371,7 @@ void Panels::drawSides(ViewRequests& requests) {
   for (std::size_t k = 0; k < kModelSides.size(); ++k) {
     if (k % kInRow != 0) ImGui::SameLine();
     if (button(kModelSides[k].first.data(), width)) requests.side = kModelSides[k].second;
-    help(fmt::format("Ctrl+{}: looks at this side of the model, as up has it", k + 1));
+    help(fmt::format("Ctrl+{}: looks at this side of the model, by the up axis", k + 1));
   }
 }
 
@@ -411,8 +412,7 @@ void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {
     ImGui::BeginDisabled(isThereLog);
     if (button("Record") && log_[0]) requests.record = log_.data();
     ImGui::EndDisabled();
-    help(isThereLog ? "there is a file of this name: Play plays it"
-                    : "what the hand does; Play, or palpate replay, runs it again");
+    help(isThereLog ? "this file exists: Play plays it" : "records the hand; Play, or palpate replay, runs it again");
   }
   ImGui::SameLine();
   if (session.isPlaying()) {

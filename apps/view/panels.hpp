@@ -1,4 +1,4 @@
-// What a person sees and turns in the window.
+// The panels of the window: they show the state and change the settings.
 #pragma once
 
 #include <deque>
@@ -15,78 +15,78 @@
 
 namespace palpate {
 
-/// What is going on, for the panels.
+/// State of the window, as the panels show it.
 struct ViewStatus {
-  const WindowSession* session = nullptr;  ///< null: none is open
-  std::optional<double> loading;           ///< how far, 0 to 1
+  const WindowSession* session = nullptr;  ///< null: no model is open
+  std::optional<double> loading;           ///< progress, 0 to 1
   std::string loadingWhat;
-  std::vector<std::string> remarks;  ///< the newest last; each is shown for a while
+  std::vector<std::string> remarks;  ///< newest last; each is shown for a while
   std::span<const std::string> errors;
   std::span<const std::string> models, recent;
-  std::span<const std::string> gone;  ///< recent ones that are not there any more
-  std::string model;                  ///< the one that is open
-  std::string saveFile;               ///< where Save goes
-  std::string changesQuestion;        ///< empty where nothing is asked
+  std::span<const std::string> gone;  ///< recent models that no longer exist
+  std::string model;                  ///< the open model
+  std::string saveFile;               ///< target of Save
+  std::string changesQuestion;        ///< empty: no question
   std::optional<SaveQuestion> saveQuestion;
   std::optional<LeftQuestion> leftQuestion;
-  bool stylus = false;  ///< the mouse holds it
-  std::string device;   ///< that a person holds; empty for the mouse
+  bool stylus = false;  ///< the mouse holds the stylus
+  std::string device;   ///< device that the user holds; empty for the mouse
   std::string gpu;
   struct ScaleBar {
-    double width_px = 0, length = 0;  ///< of the file's units
+    double width_px = 0, length = 0;  ///< length in file units
   };
   std::optional<ScaleBar> scaleBar;  ///< at the depth of the camera's target
-  Upright upright;                   ///< by the model's shape
-  UpAxis up = UpAxis::y;             ///< as it is shown
-  bool isUpTurned = false;           ///< from the shape's, by a person
+  Upright upright;                   ///< up axis found from the model's shape
+  UpAxis up = UpAxis::y;             ///< up axis in use
+  bool isUpTurned = false;           ///< the user has set the up axis
   LengthUnit unit = LengthUnit::unknown;
-  std::optional<PlaceInfo> picked;     ///< the last place that was
-  std::optional<double> measured;      ///< between two places that were picked, units
-  std::optional<DVec2> measuredAt_px;  ///< where the picture has the middle of them
-  std::optional<HeightRange> heights;  ///< where colours are those of heights
+  std::optional<PlaceInfo> picked;     ///< the last picked position
+  std::optional<double> measured;      ///< distance of the two picked positions, units
+  std::optional<DVec2> measuredAt_px;  ///< middle between them in the picture
+  std::optional<HeightRange> heights;  ///< set where points are coloured by height
   double meshTime_ms = 0;
   std::uint64_t meshTriangles = 0;
-  const std::deque<float>* pictures_ms = nullptr;  ///< from picture to picture
+  const std::deque<float>* pictures_ms = nullptr;  ///< frame times
   double fps = 0;
   std::vector<PassRecord> passes;               ///< of the last picture of the model
-  std::vector<SimulationParameter> parameters;  ///< of what moves by itself
+  std::vector<SimulationParameter> parameters;  ///< of a simulated model
   bool simulationHeld = false;
   struct Others {
-    std::optional<SharedCounts> counts;  ///< where the model is sculpted
+    std::optional<SharedCounts> counts;  ///< set where the model can be sculpted
     std::vector<SeenHand> hands;
     std::vector<SeenCamera> cameras;
   };
-  std::optional<Others> others;  ///< who feels, sculpts and sees the model, too
+  std::optional<Others> others;  ///< other participants of the shared session
 };
 
-/// What becomes of a file that is there already and is to be written, in words.
+/// Text that says what happens to an existing file that is about to be written.
 std::string whatIsReplaced(const std::filesystem::path& file, const ViewStatus& status);
 
 class Panels {
  public:
   explicit Panels(Gui& gui) : gui_(gui) {}
 
-  /// Between Gui::begin() and Gui::end(). Changes the settings as they are turned.
+  /// Called between Gui::begin() and Gui::end(). Changes the settings as the user sets them.
   ViewRequests draw(const ViewStatus& status, WindowSettings& settings);
 
-  /// Where the last picture has what can be clicked, pixels; what is named so more than once, the last of them.
+  /// Position of the control of that name in the last frame, pixels; the last one if several have the name.
   std::optional<DVec2> placeOf(const std::string& name) const;
-  /// In the pictures to come, brings what is named so into view where a panel is scrolled away from it. Empty: nothing.
+  /// Scrolls the control of that name into view in the next frames; empty: none.
   void scrollTo(const std::string& name);
-  /// Looks for a file: beside the model, or where it is saved.
+  /// Opens the file dialogue in the folder of the model, or of its save file.
   void browse(FileTask task, const ViewStatus& status);
-  /// No file is looked for any more.
+  /// Closes the file dialogue.
   void closeFiles() { files_.reset(); }
   bool areFilesOpen() const { return files_.has_value(); }
-  /// The least width of a window that has room for the panel, the curves and a model between them, pixels.
+  /// Minimum width of a window with room for the panel, the curves and a model between them, pixels.
   double roomyWidth_px() const { return double{em(56)}; }
-  /// Whether the panel leaves a model room in a window of that width.
+  /// Whether the panel leaves room for a model in a window of that width.
   bool hasRoomBeside(double width_px) const;
-  /// From where to where nothing is drawn over the model, from the left, in a window of that width, pixels.
+  /// Left and right end of the range that no panel covers, in a window of that width, pixels from the left.
   DVec2 freeWidth_px(const ViewSettings& view, double width_px) const;
 
  private:
-  // Each notes where it is.
+  // Each notes its position for placeOf().
   bool button(const char* name, float width = 0);
   bool checkbox(const char* name, bool& on);
   bool header(const char* name, bool open = false);
@@ -98,7 +98,7 @@ class Panels {
   template <class Names, class Value>
   void chooseOrAuto(const char* name, const Names& names, std::optional<Value>& value, std::string_view now);
   bool field(const char* hint, std::array<char, 512>& text);
-  // Of what was drawn last, while it is pointed at: beside the panel, where it covers nothing of that.
+  // Tooltip of the control drawn last, while it is pointed at: beside the panel, so that it does not cover the panel.
   void help(const std::string& text) const;
   void plot(const char* what, const std::vector<float>& curve, float least, float height,
             const std::string& span) const;
@@ -132,21 +132,21 @@ class Panels {
   void drawSaveQuestion(const ViewStatus& status, ViewRequests& requests);
   void drawLeftQuestion(const ViewStatus& status, ViewRequests& requests);
   static constexpr double kPanel_em = 18.5, kCurves_em = 18, kMargin_em = 0.6;
-  static constexpr double kMessages_em = 32;  ///< the least width of what they stand in, beside the scale
-  static constexpr double kModel_em = 6;      ///< the least width of what is left for it
+  static constexpr double kMessages_em = 32;  ///< minimum width for messages beside the scale
+  static constexpr double kModel_em = 6;      ///< minimum width for the model
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 
   Gui& gui_;
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{};
   bool paused_ = false;
-  bool helps_ = true;  // unless the whole of help is shown
+  bool helps_ = true;  // tooltips are shown; off while the help window is open
   struct Files {
     FileTask task;
     FileBrowser browser;
     std::array<char, 512> name{}, folder{};
-    std::string seen;  // of the list: chosen, and scrolled to
+    std::string seen;  // chosen entry that the list has been scrolled to
   };
-  std::optional<Files> files_;  // while a file is looked for
+  std::optional<Files> files_;  // set while the file dialogue is open
   std::map<std::string, DVec2> places_;
   std::string scrollTo_;
   struct Curves {

@@ -1,4 +1,4 @@
-// The part of Panels that stands beside the panel: curves, scale and heights, and the question about changes.
+// The part of Panels beside the main panel: curves, scale, heights, and the questions.
 #include <imgui.h>
 
 #include <algorithm>
@@ -14,8 +14,8 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kCurve = 300;         // values across a plot, and
-constexpr std::size_t kTicksPerValue = 10;  // ticks that each stands for, by the largest of them
+constexpr std::size_t kCurve = 300;         // values in a plot
+constexpr std::size_t kTicksPerValue = 10;  // ticks per value, which is their maximum
 
 // "5 minutes ago".
 std::string ago(std::filesystem::file_time_type then) {
@@ -31,7 +31,7 @@ std::string ago(std::filesystem::file_time_type then) {
   return fmt::format("{} {}{} ago", count, unit, count == 1 ? "" : "s");
 }
 
-// The last ticks, thinned to what a plot can show.
+// The last ticks, reduced to kCurve values.
 std::vector<float> curveOf(const std::deque<TraceRow>& rows, auto&& value) {
   std::vector<float> curve;
   const std::size_t count = std::min(rows.size(), kCurve * kTicksPerValue);
@@ -47,7 +47,7 @@ std::vector<float> curveOf(const std::deque<TraceRow>& rows, auto&& value) {
 
 }  // namespace
 
-// The words stand above the curve.
+// The label is drawn above the curve.
 void Panels::plot(const char* what, const std::vector<float>& curve, float least, float height,
                   const std::string& span) const {
   const float largest = curve.empty() ? 0.0f : *std::ranges::max_element(curve);
@@ -84,16 +84,16 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequest
   curve(fmt::format("penetration, {}", nameOf(status.unit)).c_str(), curves_.penetration,
         static_cast<float>(scale.toUnits(1)), ticks);
   curve("tick, us", curves_.step_us, 100, ticks);
-  curve("picture, ms", curves_.picture_ms, 16, fmt::format("{} pictures", curves_.picture_ms.size()));
+  curve("frame, ms", curves_.picture_ms, 16, fmt::format("{} frames", curves_.picture_ms.size()));
   ImGui::Text("tick p50 %.0f us, p99.9 %.0f us", history.step_us().quantile_us(0.5),
               history.step_us().quantile_us(0.999));
   ImGui::Text("missed %llu of %llu ticks", static_cast<unsigned long long>(history.missed()),
               static_cast<unsigned long long>(history.ticks()));
   const double fps = std::round(status.fps);
-  ImGui::Text("%.0f picture%s a second", fps, fps == 1 ? "" : "s");
+  ImGui::Text("%.0f frame%s per second", fps, fps == 1 ? "" : "s");
   ImGui::TextDisabled("%s", status.gpu.c_str());
   drawLink();
-  if (noted("passes, us on the GPU", ImGui::TreeNode("passes, us on the GPU"))) {
+  if (noted("GPU passes, us", ImGui::TreeNode("GPU passes, us"))) {
     for (const PassRecord& pass : status.passes)
       if (pass.gpu_us > 0) ImGui::Text("%-24.24s %8.0f", pass.name.c_str(), pass.gpu_us);
     ImGui::TreePop();
@@ -105,7 +105,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequest
   ImGui::End();
 }
 
-// Of a model that others serve and sculpt.
+// Curves of the link of a shared session.
 void Panels::drawLink() {
   if (link_.age_ms().empty()) return;
   if (!noted("link", ImGui::TreeNodeEx("link", ImGuiTreeNodeFlags_DefaultOpen))) return;
@@ -115,14 +115,14 @@ void Panels::drawLink() {
     plot(what, values, least, em(2.4), fmt::format("{}: {}", span, words));
     ImGui::PopID();
   };
-  curve("round trip, ms", link_.roundTrip_ms(), 10, "median of the last pings to who serves it");
-  curve("lost, %", link_.lost_percent(), 5, "of the last pings, there or back");
-  curve("age of what is known, ms", link_.age_ms(), 1000,
-        "since what was heard last was said; the force fades beyond a second and two and a half round trips");
+  curve("round trip, ms", link_.roundTrip_ms(), 10, "median of the last pings to the server");
+  curve("lost, %", link_.lost_percent(), 5, "of the last pings, in either direction");
+  curve("age of the data, ms", link_.age_ms(), 1000,
+        "since the last received message was sent; the force fades beyond 1 s plus 2.5 round trips");
   ImGui::TreePop();
 }
 
-// At the lower right, where no panel is.
+// At the lower right, where there is no panel.
 void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const {
   const std::string text = lengthText(bar.length, unit);
   const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
@@ -136,7 +136,7 @@ void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const {
   list.AddText({std::round(right - 0.5f * (width + size.x)), std::round(y - em(0.4) - size.y)}, color, text.c_str());
 }
 
-// At the line between the two places, or as near to it as is seen beside the panels.
+// At the middle of the line between the two positions, moved if necessary so that no panel covers it.
 void Panels::drawDistance(const ViewStatus& status, const ViewSettings& view) const {
   if (!status.measured || !status.measuredAt_px) return;
   const std::string text = lengthText(*status.measured, status.unit);
@@ -217,8 +217,8 @@ void Panels::drawSaveQuestion(const ViewStatus& status, ViewRequests& requests) 
     requests.saveOver = button("Save over");
     ImGui::SameLine();
     requests.cancel = button("Cancel") || pressed(ImGuiKey_Escape);
-    ImGui::TextWrapped("Beside (Enter): as %s", nameOf(question->beside).c_str());
-    ImGui::TextWrapped("Over: what is there now stays as %s", nameOf(question->kept).c_str());
+    ImGui::TextWrapped("Beside (Enter): saves a copy, %s", nameOf(question->beside).c_str());
+    ImGui::TextWrapped("Over: replaces the file; the old one is kept as %s", nameOf(question->kept).c_str());
     ImGui::PopTextWrapPos();
   }
   if (requests.saveBeside || requests.saveOver || requests.cancel || !status.saveQuestion) ImGui::CloseCurrentPopup();
@@ -233,7 +233,7 @@ void Panels::drawLeftQuestion(const ViewStatus& status, ViewRequests& requests) 
   const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
   if (const auto& question = status.leftQuestion) {
     ImGui::PushTextWrapPos(std::min(em(32), 0.8f * display.x));
-    ImGui::TextWrapped("%s was sculpted %s and not saved: the program ended before (%zu stroke%s).",
+    ImGui::TextWrapped("%s was sculpted %s and not saved before the program ended (%zu stroke%s).",
                        std::filesystem::path(question->file).filename().string().c_str(), ago(question->made).c_str(),
                        question->strokes, question->strokes == 1 ? "" : "s");
     requests.goOnWithLeft = button("Go on with it") || pressed(ImGuiKey_Enter);

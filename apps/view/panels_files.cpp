@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-// By what it is for; the same dialogue for ImGui.
+// Title by task; ### keeps the same id for ImGui.
 const char* titleOf(FileTask task) {
   if (task == FileTask::open) return "Open a model###files";
   return task == FileTask::saveAs ? "Save the points as###files" : "Export the triangles as###files";
@@ -36,7 +36,7 @@ std::string sizeOf(std::uintmax_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / (kKilo * kKilo));
 }
 
-// What is written gets the ending of the format that is chosen, unless its name has one.
+// Adds the ending of the chosen format to a name without an ending.
 std::filesystem::path placeToWrite(const FileBrowser& browser, const std::string& name) {
   const FileBrowser::Filter& filter = browser.filters()[browser.filter()];
   const std::filesystem::path place = browser.placeOf(name);
@@ -50,8 +50,8 @@ std::filesystem::path placeToWrite(const FileBrowser& browser, const std::string
 std::string whatIsReplaced(const std::filesystem::path& file, const ViewStatus& status) {
   std::error_code ignored;
   return std::filesystem::equivalent(file, status.model, ignored)
-             ? "This is the file of the model that is open: the points as they are now take its place."
-             : "There is a file of this name.";
+             ? "This is the file of the open model: the present points replace its contents."
+             : "A file of this name exists.";
 }
 
 void Panels::browse(FileTask task, const ViewStatus& status) {
@@ -66,12 +66,12 @@ void Panels::browse(FileTask task, const ViewStatus& status) {
   if (task == FileTask::exportMesh) write(files_->name, beside.stem().string() + "-mesh");
 }
 
-// Whether a file was asked for by a double click.
+// Returns whether a file was double-clicked.
 bool Panels::drawEntries() {
   FileBrowser& browser = files_->browser;
   bool chosen = false;
   std::optional<std::string> into;
-  constexpr double kBesides_em = 12;  // what stands above and below them
+  constexpr double kBesides_em = 12;  // height of the controls above and below the list
   const float room = ImGui::GetIO().DisplaySize.y - em(kBesides_em);
   ImGui::BeginChild("entries", {0, std::clamp(room, em(4), em(16))}, true);
   for (const FileBrowser::Entry& entry : browser.entries()) {
@@ -93,14 +93,14 @@ bool Panels::drawEntries() {
     ImGui::TextUnformatted(size.c_str());
     ImGui::PopStyleColor();
   }
-  if (browser.entries().empty()) ImGui::TextDisabled("nothing of this kind is here");
+  if (browser.entries().empty()) ImGui::TextDisabled("no files of this kind");
   ImGui::EndChild();
   if (into) browser.go(*into);
   return chosen;
 }
 
-// Has the keyboard from the beginning: a name is typed, or one of the list is chosen with the arrows. Whether Enter was
-// pressed.
+// Has the keyboard focus at first: a name is typed, or an entry of the list is chosen with the arrow keys. Returns
+// whether Enter was pressed.
 bool Panels::drawName() {
   auto step = [this](bool down) -> std::optional<std::string> {
     const auto entries = files_->browser.entries();
@@ -144,14 +144,14 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
   const bool went = field("folder", files_->folder);
   if (went) browser.go(files_->folder.data());
   ImGui::PopItemWidth();
-  // Folders of what was open lately.
+  // Folders of recent models.
   std::vector<std::string> lately;
   for (const std::span<const std::string> files : {status.recent, status.gone})
     for (const std::string& file : files)
       if (const std::string folder = std::filesystem::path(file).parent_path().string();
           !folder.empty() && std::ranges::find(lately, folder) == lately.end())
         lately.push_back(folder);
-  bool chooses = false;  // from a list, which Enter means then
+  bool chooses = false;  // a list is open: Enter belongs to it
   if (!lately.empty() && ImGui::BeginCombo("##lately", "recent folders")) {
     chooses = true;
     for (const std::string& folder : lately)
@@ -186,7 +186,7 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
   ImGui::EndPopup();
 }
 
-// `chosen`: as if the first one was pressed. Whether the dialogue ends.
+// `chosen`: acts as a press of the first button. Returns whether the dialogue ends.
 bool Panels::drawFilesButtons(const ViewStatus& status, bool chosen, ViewRequests& requests) {
   FileBrowser& browser = files_->browser;
   const bool opens = files_->task == FileTask::open, named = files_->name[0] != 0;

@@ -1,4 +1,4 @@
-// The part of Panels that explains: what is pointed at, and all keys.
+// The part of Panels that explains: tooltips, and the list of all keys.
 #include <imgui.h>
 
 #include <algorithm>
@@ -42,25 +42,25 @@ void Panels::drawHelp(ViewSettings& view) {
        {"Space + left button", "press into the model, and sculpt with a brush"},
        {"Space + wheel", "deeper, or less deep"},
        {"T", "keep the stylus without holding Space"},
-       {"left drag", "turn the view about what is under the cursor"},
+       {"left drag", "rotate the view about the point under the cursor"},
        {"middle drag, Shift + left", "move the view"},
        {"wheel", "zoom to the cursor"},
-       {"double click", "look at what is under the cursor"},
+       {"double click", "look at the point under the cursor"},
        {"R;  X  Y  Z", "reset the view;  look along an axis (Shift: from behind)"},
-       {"Ctrl+1 to Ctrl+7", "look at the front, back, left, right, top, bottom, or aslant"},
+       {"Ctrl+1 to Ctrl+7", "look at the front, back, left, right, top, bottom, or isometric"},
        {"1 to 8", "feel, push, carve, inflate, smooth, grab, paint, flatten"},
        {"[  ]", "smaller, larger brush"},
        {"Ctrl+Z,  Ctrl+Shift+Z", "undo, redo"},
        {"Ctrl+S, Ctrl+Shift+S, Ctrl+O", "save;  to another file;  open a file"},
        {"Backspace", "forces off, and on again"},
        {"M", "triangles (marching cubes), or points"},
-       {"D,  F", "measure between two places,  cameras on and off"},
-       {"Ctrl+C", "copy the places that are picked, with all their digits"},
-       {"K,  .", "hold the frames of a depth camera, or let them go on;  the next one"},
-       {"K,  N", "hold water or sand, or let it go on;  it begins anew"},
+       {"D,  F", "measure between two positions,  cameras on and off"},
+       {"Ctrl+C", "copy the picked positions, with all their digits"},
+       {"K,  .", "pause or continue a depth camera;  next frame"},
+       {"K,  N", "pause or continue water or sand;  restart it"},
        {"P,  C", "picture of the model to a file,  curves on and off"},
        {"Tab", "panels on and off"},
-       {"Esc", "close a list, an error or help;  the stylus away;  an end to measuring"},
+       {"Esc", "close a list, an error or help;  put the stylus away;  end measuring"},
        {"H,  Q", "this help,  quit"}}};
   if (ImGui::BeginTable("keys", 2)) {
     ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
@@ -75,8 +75,8 @@ void Panels::drawHelp(ViewSettings& view) {
     ImGui::EndTable();
   }
   ImGui::TextWrapped(
-      "A gamepad: left stick moves, right stick or triggers go in depth, A holds the stylus, B lets it go.");
-  ImGui::TextWrapped("A 3D mouse: its cap is the model; the first button holds the stylus, then it is that.");
+      "Gamepad: left stick moves, right stick or triggers change the depth, A holds the stylus, B releases it.");
+  ImGui::TextWrapped("3D mouse: its cap moves the model; after the first button it moves the stylus.");
   ImGui::End();
 }
 

@@ -1,4 +1,4 @@
-// The part of Panels that tells where a place is, and how far it is to another one.
+// The part of Panels that shows a picked position and the distance of two.
 #include <imgui.h>
 
 #include "apps/view/panels.hpp"
@@ -8,13 +8,13 @@ namespace palpate {
 
 void Panels::drawPlace(const PlaceInfo& info) {
   const auto row = [](const char* name, const std::string& value) { ImGui::TextWrapped("%s %s", name, value.c_str()); };
-  // A line for each: a number is not broken where the panel ends.
+  // One line per axis, so that no number is broken at the panel's edge.
   const auto place = [](const std::string& what, const DVec3& at, double resolution) {
     ImGui::TextUnformatted(what.c_str());
     for (int axis = 0; axis < 3; ++axis)
       ImGui::Text("   %c %s", "xyz"[axis], coordinateText(at[axis], resolution).c_str());
   };
-  place("place", info.place, info.resolution);
+  place("position", info.place, info.resolution);
   if (info.point) {
     place(fmt::format("point {}", *info.point), info.position, info.positionResolution);
     row("normal", fmt::format("{:.4f}, {:.4f}, {:.4f}", info.normal.x, info.normal.y, info.normal.z));
@@ -29,23 +29,23 @@ void Panels::drawPlace(const PlaceInfo& info) {
 void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
   if (view.measures) ImGui::SetNextItemOpen(true);
   if (!header("Measure")) return;
-  checkbox("pick two places", view.measures);
-  help("D: the left button picks places of the model; turn the view beside it, or with the other buttons");
+  checkbox("pick two positions", view.measures);
+  help("D: the left button picks positions on the model; rotate the view beside the model, or with another button");
   if (status.measured) {
     ImGui::TextUnformatted(lengthText(*status.measured, status.unit).c_str());
     const bool entered = field("true length, mm", trueLength_);
     ImGui::SameLine();
     if ((button("Set") || entered) && trueLength_[0]) requests.trueLength = trueLength_.data();
     help(
-        "opens the model again at that touch scale: what is measured is so long in the hand; saved files "
-        "say it (mm_per_unit)");
+        "opens the model again at the touch scale that gives the measured distance this length; saved files "
+        "contain it (mm_per_unit)");
   } else {
-    ImGui::TextDisabled(view.measures ? "click two places of the model" : "nothing is measured");
+    ImGui::TextDisabled(view.measures ? "click two positions on the model" : "nothing is measured");
   }
   if (status.picked) {
     drawPlace(*status.picked);
     if (button("Copy")) requests.copyPlaces = true;
-    help("Ctrl+C: the places that are picked, a line for each");
+    help("Ctrl+C: copies the picked positions, one per line");
   }
 }
 

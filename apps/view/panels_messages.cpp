@@ -1,4 +1,4 @@
-// The part of Panels that tells what has happened: remarks at the bottom, errors at the top.
+// The part of Panels that shows messages: remarks at the bottom, errors at the top.
 #include <imgui.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 std::string measureLine(const ViewStatus& status) {
-  if (!status.measured) return "measure: click two places of the model (Esc ends it)";
+  if (!status.measured) return "measure: click two positions on the model (Esc ends it)";
   return fmt::format("measured: {}", lengthText(*status.measured, status.unit));
 }
 
@@ -30,7 +30,7 @@ std::size_t errorsThatFit(const std::vector<std::string>& errors, float wrap) {
 
 }  // namespace
 
-// Of names and words that may have any letters.
+// Notes the letters of all names and texts that may be in any script.
 void Panels::noteLetters(const ViewStatus& status) {
   for (const std::span<const std::string> texts :
        {std::span<const std::string>(status.remarks), status.errors, status.models, status.recent, status.gone})
@@ -66,10 +66,10 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
                                 : "hold Space to touch,  H for help,  Tab for panels");
   if (lines.empty()) return;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  // Beside the panel where that would cover them.
+  // Beside the panel if it would cover the messages.
   const bool isBeside = view.panels && double{display.x} < roomyWidth_px() && hasRoomBeside(display.x);
   const float left = isBeside ? em(kPanel_em + kMargin_em) : 0;
-  // Above the scale where they would meet.
+  // Above the scale if they would overlap.
   const float bottom = display.y - em(double{display.x} - left < double{em(kMessages_em)} ? 3 : 0.8);
   ImGui::SetNextWindowPos({0.5f * (left + display.x), bottom}, ImGuiCond_Always, {0.5f, 1});
   ImGui::Begin("messages", nullptr,
@@ -81,7 +81,7 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
   ImGui::End();
 }
 
-// White on red, in what the panels leave free, until a person has closed it.
+// White on red, in the area that no panel covers, until the user closes them.
 void Panels::drawErrors(const ViewStatus& status, const ViewSettings& view, ViewRequests& requests) {
   if (status.errors.empty()) return;
   const DVec2 free_px = freeWidth_px(view, double{ImGui::GetIO().DisplaySize.x});

@@ -13,7 +13,7 @@ namespace palpate {
 
 namespace {
 
-// The nearest one that is there; null where there is none.
+// The nearest existing point; null if there is none.
 const PointState* nearestTo(std::span<const PointState> points, const DVec3& place) {
   const PointState* nearest = nullptr;
   double least2 = std::numeric_limits<double>::infinity();
@@ -39,7 +39,7 @@ std::string textOf(const Attribute& attribute, std::size_t point) {
   });
 }
 
-// The spring of the hand, and the body below it.
+// The hand's spring and the soft body act in series.
 void findStiffness(const WindowSession& session, PlaceInfo& info) {
   const double hand = session.feel().stiffness_N_per_mm;
   const SessionConfig& config = session.config();
@@ -50,18 +50,18 @@ void findStiffness(const WindowSession& session, PlaceInfo& info) {
   }
   const MatterScene& scene = *config.matter;
   if (scene.matter != Matter::soft) {
-    info.stiffnessOf = "what flows has none";
+    info.stiffnessOf = "water and sand have none";
     return;
   }
   if (scene.preset == SoftPreset::shapeMatching) {
-    info.stiffnessOf = "matched shapes are not calibrated";
+    info.stiffnessOf = "not calibrated for shape matching";
     return;
   }
   const double radius_m = 0.5e-3 * session.model().scale.toMm(session.surface().radius);
   const double body = 1e-3 / halfSpaceCompliance_m_N(scene, radius_m);
   info.stiffness_N_mm = 1 / (1 / hand + 1 / (scene.gain * body));
   info.stiffnessOf =
-      fmt::format("the hand's spring of {:.3g} N/mm upon a half-space of {:.3g} N/mm", hand, scene.gain * body);
+      fmt::format("the hand's spring, {:.3g} N/mm, in series with a half-space, {:.3g} N/mm", hand, scene.gain * body);
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ PlaceInfo placeInfo(const WindowSession& session, const DVec3& place) {
   if (cloud.hasColors())
     info.attributes.emplace_back(
         "colour", fmt::format("{}, {}, {}", point->color & 255, point->color >> 8 & 255, point->color >> 16 & 255));
-  // A point that came later has what it took from the one beside it.
+  // A point added later has the attributes of its parent.
   if (const std::size_t file = point->parent; file < cloud.size()) {
     if (isExact(cloud) && cloud.positions[file] == point->position) {
       info.position = cloud.fileCoordinates(file);

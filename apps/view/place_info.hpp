@@ -1,4 +1,4 @@
-// What the model is at a place that a person has picked.
+// The model at a position that the user has picked.
 #pragma once
 
 #include <optional>
@@ -13,19 +13,19 @@ namespace palpate {
 class WindowSession;
 
 struct PlaceInfo {
-  DVec3 place{0};                      ///< that was picked, file coordinates
-  double resolution = 0;               ///< of it (coordinateText())
-  std::optional<std::uint32_t> point;  ///< the nearest point's number; nothing where points move by themselves
+  DVec3 place{0};                      ///< picked position, file coordinates
+  double resolution = 0;               ///< of `place` (coordinateText())
+  std::optional<std::uint32_t> point;  ///< id of the nearest point; nothing for a model that moves
   DVec3 position{0};                   ///< of that point, file coordinates
-  double positionResolution = 0;       ///< 0: as the file has it, in double precision
+  double positionResolution = 0;       ///< 0: exactly as in the file, in double precision
   DVec3 normal{0};                     ///< unit
-  std::vector<std::pair<std::string, std::string>> attributes;  ///< by their names, as the file has them
-  /// That a hand feels there in the normal's direction, N/mm, and what it comes of; nothing where nobody can say.
+  std::vector<std::pair<std::string, std::string>> attributes;  ///< names and values as in the file
+  /// Stiffness that a hand feels there along the normal, N/mm, and its cause; nothing where it is unknown.
   std::optional<double> stiffness_N_mm;
   std::string stiffnessOf;
 };
 
-/// `place`: model units relative to the cloud's origin. Looks at all points.
+/// `place`: model units relative to the cloud's origin. Iterates over all points.
 PlaceInfo placeInfo(const WindowSession& session, const DVec3& place);
 
 }  // namespace palpate

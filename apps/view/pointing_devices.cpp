@@ -11,13 +11,13 @@ namespace palpate {
 
 namespace {
 
-constexpr double kZoomPerNotch = 0.85;  // of the distance that is left
+constexpr double kZoomPerNotch = 0.85;  // factor of the distance
 constexpr double kZoom_per_s = 1.5;     // with the cap of a 3D mouse
-// A surface that is seen to fall back more steeply than this, and further than a step, is another one.
+// A visible surface that recedes more steeply than this, and by more than a step, is a different surface.
 constexpr double kSteepest = 4, kStep_mm = 2;
-// Without the surface, before a stylus that presses is put down anew; and how long it may take until it feels that.
+// Time without contact after which a pressing stylus is put down again; time that it may need to reach contact.
 constexpr double kLost_s = 0.06, kPutDown_s = 0.2;
-constexpr double kLongestTap_s = 0.3;  // until the hand has come to the surface, if it ever does
+constexpr double kLongestTap_s = 0.3;  // maximum wait for the hand to reach the surface
 constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
 
 }  // namespace
@@ -39,7 +39,7 @@ std::optional<DVec3> PointingDevices::placeUnderCursor(const Pointed& at) const 
 
 void PointingDevices::release(MouseButton button, const Pointed& at) {
   drag_.end();
-  constexpr double kStill_px = 3;  // a click, and no turn of the view
+  constexpr double kStill_px = 3;  // less motion than this is a click, more rotates the view
   if (const auto missed = std::exchange(missed_px_, std::nullopt))
     hasMissed_ = glm::distance(*missed, cursor_px_) <= kStill_px;
   if (button != MouseButton::left) return;
@@ -47,7 +47,7 @@ void PointingDevices::release(MouseButton button, const Pointed& at) {
   if (!tapping_) hand_.release();
 }
 
-// Of what the brush is pressed for, so shortly that the hand may be on its way.
+// Whether the present press has made no edit yet and is so short that the hand may still be on its way to the surface.
 bool PointingDevices::hasLeftNothing(const Pointed& at) const {
   return at.session && at.session->brushSettings().kind && at.session->edits() == pressed_.edits &&
          at.time_s - pressed_.time_s < kLongestTap_s;
@@ -146,7 +146,7 @@ void PointingDevices::moveByPad(double dt_s, const Pointed& at) {
   hand_.pressByTrigger(pad->rightTrigger - pad->leftTrigger);
 }
 
-// The cap is the model, or the stylus while that is held.
+// The cap moves the model, or the stylus while it is held.
 void PointingDevices::moveByCap(double dt_s, const Pointed& at) {
   if (!at.session || (push_.push == DVec3(0) && push_.turn == DVec3(0))) return;
   const DVec2 way_px = kStick_px_per_s * dt_s * DVec2(push_.push.x, -push_.push.y);
@@ -181,8 +181,8 @@ void PointingDevices::move(double dt_s, const ViewSettings& view, const Pointed&
   aimAt(camera.unproject(goesByPick ? at.picked.place_px : cursor_px_, *depth, at.size_px), view, at);
 }
 
-// A stylus that sculpts goes as deep under the surface as it means to, straight under it, and so much further as its
-// spring and its hand give. Where the surface that is seen goes on behind, it is lifted and put down there.
+// A stylus that sculpts aims at its press depth below the surface, along the normal, plus the displacement of its
+// spring and hand. Where the visible surface continues farther back, the stylus is lifted and put down there.
 void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const Pointed& at) {
   const Model& model = at.session->model();
   const std::optional<DVec3> last = std::exchange(pressedAt_, hand_.isPressing() ? std::optional(place) : std::nullopt);
@@ -193,7 +193,7 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
     const double aside = glm::length(place - *last - glm::dot(place - *last, along) * along);
     const auto& rows = at.session->history().rows();
     if (!rows.empty() && rows.back().contact) felt_s_ = std::max(felt_s_, at.time_s);
-    // Where it has lost what is seen under the cursor, as in a crease, it is within.
+    // Contact lost although the surface under the cursor is visible, e.g. in a crease: the stylus is inside the model.
     if (comesBack || deeper > kSteepest * aside + model.scale.toUnits(kStep_mm) || at.time_s - felt_s_ > kLost_s) {
       at.session->lift();
       hand_.putDownAgain();

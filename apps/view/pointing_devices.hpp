@@ -1,4 +1,4 @@
-// Mouse, gamepad and 3D mouse: they move the viewpoint, or the stylus while one of them holds it.
+// Mouse, gamepad and 3D mouse: they move the viewpoint, or the stylus while it is held.
 #pragma once
 
 #include <memory>
@@ -18,46 +18,46 @@ namespace palpate {
 class Messages;
 class Window;
 
-/// What they point at.
+/// The target of the pointing devices.
 struct Pointed {
   WindowSession* session = nullptr;  ///< null: no model is open
   Viewpoint& viewpoint;
   Pick picked;
   DVec2 size_px{0};
   double time_s = 0;
-  Measure* measure = nullptr;  ///< that the left button picks places for; null: it turns the view
+  Measure* measure = nullptr;  ///< the left button picks positions for it; null: the left button rotates the view
 };
 
 class PointingDevices {
  public:
-  /// A device in a person's hand is the stylus. `listens`: to a 3D mouse, if there is one, and nobody holds a device.
+  /// A haptic device, if held, is the stylus. `listens`: use a 3D mouse, if one exists and no device is held.
   PointingDevices(Window& window, const LiveOptions& held, bool listens);
 
-  const std::string& deviceName() const { return deviceName_; }  ///< empty: a person holds none
+  const std::string& deviceName() const { return deviceName_; }  ///< empty: no device is held
   const DVec2& cursor_px() const { return cursor_px_; }
   bool holdsStylus() const { return hand_.isHeld(); }
   bool isTouching() const { return hand_.isHeld() || device_; }  ///< with the stylus, or a device
   bool isMoving() const { return hand_.isHeld() || drag_.isUnderWay(); }
-  std::uint64_t presses() const { return presses_; }  ///< of the stylus so far
+  std::uint64_t presses() const { return presses_; }  ///< number of presses of the stylus
   bool isPressing() const { return hand_.isHeld() && hand_.isPressing(); }
-  /// Whether the button was let go before the hand has reached the surface: it goes on until it has left its mark.
+  /// Whether the button was released before the hand reached the surface: the press continues until it makes an edit.
   bool isTapping() const { return tapping_; }
 
   void moveMouse(const DVec2& place_px, const Pointed& at);
   void press(MouseButton button, bool shift, const Pointed& at);
   void release(MouseButton button, const Pointed& at);
-  /// Whether a click has meant to measure since the last call, and met nothing.
+  /// Whether a click to measure has missed the model since the last call.
   bool takeMiss() { return std::exchange(hasMissed_, false); }
   void turnWheel(const WheelEvent& event, const Pointed& at);
-  /// What the cap of a 3D mouse has done since the last call.
+  /// The state of the 3D mouse, if it has changed since the last call.
   std::optional<PushEvent> takePush(Messages& messages);
-  /// What its buttons ask for; the cap is heeded by move().
+  /// Requests of its buttons; the cap takes effect in move().
   ViewRequests push(const PushEvent& event, const Pointed& at);
 
   void carryOut(StylusRequest request, const Pointed& at);
-  /// Another model comes.
+  /// Releases stylus and drag, e.g. before another model is opened.
   void letGo(const Pointed& at);
-  /// Once for each picture, `dt_s` after the last one: what is held moves on, and the stylus goes where it points.
+  /// Called once per frame, `dt_s` after the last one: applies held sticks and cap, and aims the stylus at the cursor.
   void move(double dt_s, const ViewSettings& view, const Pointed& at);
 
  private:
@@ -73,17 +73,17 @@ class PointingDevices {
   std::shared_ptr<TurnedDevice> device_;
   std::string deviceName_;
   DVec2 cursor_px_{0};
-  std::optional<DVec2> missed_px_;  // where a button went down beside the model, to measure
+  std::optional<DVec2> missed_px_;  // cursor at a press to measure that missed the model
   bool hasMissed_ = false;
   CameraDrag drag_;
   StylusHand hand_;
-  std::optional<DVec3> pressedAt_;  // of the surface, where it pressed last; model units
-  bool wasBeside_ = false;          // and whether that was beside the model
-  double felt_s_ = 0;               // when it was put down, or has felt the surface since
+  std::optional<DVec3> pressedAt_;  // surface position of the last press; model units
+  bool wasBeside_ = false;          // whether it was beside the model
+  double felt_s_ = 0;               // time of the last contact, or of putting the stylus down
   struct {
     double time_s = 0;
     std::uint64_t edits = 0;
-  } pressed_;  // when the stylus was pressed, and what had been sculpted by then
+  } pressed_;  // time of the last press, and number of edits then
   bool tapping_ = false;
   PushEvent push_;
   std::uint64_t presses_ = 0;

@@ -18,12 +18,12 @@ bool isNvidias(VkPhysicalDevice gpu) {
 
 PresentationFound findPresentation(const Window& window, const Instance& instance, VkPhysicalDevice gpu) {
   const auto copied = [](std::string_view why) { return PresentationFound{Presentation::copy, std::string(why)}; };
-  if (window.extensions().empty()) return copied("the window system has no way to show pictures of Vulkan");
-  if (!canMakeSwapchains(gpu)) return copied("its driver has no swapchains");
+  if (window.extensions().empty()) return copied("the window system cannot present from Vulkan");
+  if (!canMakeSwapchains(gpu)) return copied("its driver does not support swapchains");
   if (isNvidias(gpu))
     if (const std::string_view why = whyNotAskNvidia(window); !why.empty()) return copied(why);
   const auto roles = chooseQueues(queueFamiliesOf(gpu));
-  if (!roles) return copied("it has no queue that computes");
+  if (!roles) return copied("it has no compute queue");
   const VkSurfaceKHR surface = window.surface(instance);
   VkBool32 can = VK_FALSE;
   const VkResult result = vkGetPhysicalDeviceSurfaceSupportKHR(gpu, roles->throughput.family, surface, &can);
@@ -40,9 +40,9 @@ std::unique_ptr<Presenter> makePresenter(const Window& window, Device& device, s
   if (found.presentation == Presentation::swapchain)
     return std::make_unique<Swapchain>(device, window.surface(device.instance()), window.size_px(), waitsForDisplay);
   if (wanted == Presentation::swapchain)
-    throw Error("--present swapchain: {} does not present here: {}; take copy or auto", device.name(), found.why);
+    throw Error("--present swapchain: {} cannot present here: {}; use copy or auto", device.name(), found.why);
   if (!takesCopies(window))
-    throw Error("{} shows nothing in this window ({}), and pictures are copied only to an X display", device.name(),
+    throw Error("{} cannot present to this window ({}), and pictures can be copied only to an X display", device.name(),
                 found.why);
   return copyingPresenter(window, device, waitsForDisplay);
 }

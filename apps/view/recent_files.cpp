@@ -21,7 +21,7 @@ bool isBuiltIn(const std::string& model) {
   return std::ranges::find(names, model) != names.end();
 }
 
-// By its path; one that is built in by its name. Empty: it cannot be found again.
+// Absolute path, or the name of a built-in scene. Empty: the model cannot be found again.
 std::string lastingName(const std::string& model) {
   std::error_code ignored;
   if (std::filesystem::exists(model, ignored)) return std::filesystem::absolute(model, ignored).string();
@@ -59,7 +59,7 @@ void RecentFiles::store() const {
     for (const auto* const list : {&files_, &gone_})
       for (const std::string& each : *list) out.write(each + "\n");
     out.commit();
-  } catch (const std::exception&) {  // a list of files is no reason to stop anybody
+  } catch (const std::exception&) {  // not important enough for an error
   }
 }
 

@@ -8,22 +8,22 @@ namespace palpate {
 
 /// The models that were opened last, the latest first: kept in $XDG_STATE_HOME/palpate/recent (or ~/.local/state; on
 /// Windows %LOCALAPPDATA%).
-/// Where that cannot be read or written they last as long as the program.
+/// If that file cannot be read or written, the list lasts as long as the program.
 class RecentFiles {
  public:
   static constexpr std::size_t kMax = 10;
 
   RecentFiles();
   const std::vector<std::string>& files() const { return files_; }
-  /// Those that were not there when the program began; kept, as a drive may come back.
+  /// Models that did not exist at the program's start; they stay in the list, as a drive may be mounted again.
   const std::vector<std::string>& gone() const { return gone_; }
-  /// A file, a folder or a scene that is built in; nothing else can be found again by its name.
+  /// Adds a file, a folder or a built-in scene; other models cannot be found again by name and are ignored.
   void add(const std::string& model);
-  /// It cannot be read.
+  /// Removes a model that cannot be read.
   void forget(const std::string& model);
 
  private:
-  std::filesystem::path store_;  // empty: nowhere
+  std::filesystem::path store_;  // empty: the list is not stored
   void store() const;
   std::vector<std::string> files_, gone_;
 };

@@ -1,4 +1,4 @@
-// What a person asks of the window, and is asked.
+// Requests of the user to the window, and questions to the user.
 #pragma once
 
 #include <filesystem>
@@ -10,43 +10,43 @@
 
 namespace palpate {
 
-/// Of the mouse, the pad or the cap, which may hold the stylus: to hold it while a key is down, to keep it without one,
-/// or to have done with it.
+/// Holding the stylus with mouse, gamepad or 3D mouse: while a key is down (hold, letGo), without a key (lockOrUnlock),
+/// or not at all (putAway).
 enum class StylusRequest { hold, letGo, lockOrUnlock, putAway };
 
-/// What a file is looked for.
+/// Purpose of the file dialogue.
 enum class FileTask { open, saveAs, exportMesh };
 
-/// What a person asks for.
+/// Requests of the user.
 struct ViewRequests {
   bool undo = false, redo = false, save = false, resetView = false, screenshot = false, exportTicks = false,
        endRecording = false, endPlaying = false, quit = false;
-  bool saveFirst = false, discard = false, cancel = false;           ///< the answer about changes that are not saved
-  bool saveBeside = false, saveOver = false;                         ///< the answer how to save, or cancel
-  bool goOnWithLeft = false, discardLeft = false, keepLeft = false;  ///< the answer about strokes that are left
-  bool closeErrors = false;                                          ///< they were seen
-  bool forgetMeasure = false;                                        ///< its places are not shown any more
-  bool switchForces = false;                                         ///< off, or on again
-  bool holdFrames = false, stepFrame = false;  ///< of a depth camera, or of matter that moves by itself
-  bool restart = false;                        ///< what moves by itself
-  std::optional<int> axis;                     ///< to look along
+  bool saveFirst = false, discard = false, cancel = false;           ///< answer about unsaved changes
+  bool saveBeside = false, saveOver = false;                         ///< answer how to save, or cancel
+  bool goOnWithLeft = false, discardLeft = false, keepLeft = false;  ///< answer about strokes of an earlier program
+  bool closeErrors = false;                                          ///< hide the errors
+  bool forgetMeasure = false;                                        ///< remove the picked positions
+  bool switchForces = false;                                         ///< toggle forces
+  bool holdFrames = false, stepFrame = false;                        ///< pause or step a depth camera or a simulation
+  bool restart = false;                                              ///< of a simulation
+  std::optional<int> axis;                                           ///< look along this axis
   bool fromBehind = false;
-  std::optional<ModelSide> side;  ///< to look from
-  bool copyPlaces = false;        ///< that are picked
+  std::optional<ModelSide> side;  ///< look from this side
+  bool copyPlaces = false;        ///< copy the picked positions
   std::optional<StylusRequest> stylus;
-  std::optional<FileTask> browse;  ///< a file is to be looked for
+  std::optional<FileTask> browse;  ///< open the file dialogue
   std::string open, saveAs, exportMesh, record, play;
-  std::optional<std::pair<std::string, double>> parameter;  ///< of what moves by itself, and its value
-  std::string trueLength;  ///< in mm, of what is measured, as it was typed; empty: none
+  std::optional<std::pair<std::string, double>> parameter;  ///< name and value of a simulation's parameter
+  std::string trueLength;                                   ///< true length of the measure in mm, as typed; empty: none
 };
 
 /// Whether to save beside a file or over it.
 struct SaveQuestion {
-  std::string loses;         ///< what that file would lose, in words
-  std::string beside, kept;  ///< the name beside it, and the one that it is kept under
+  std::string loses;         ///< text that says what the file would lose
+  std::string beside, kept;  ///< name of a copy beside it, and the name that the original would be kept under
 };
 
-/// Whether to go on with strokes that a program before has not saved.
+/// Whether to continue with unsaved strokes of an earlier program.
 struct LeftQuestion {
   std::string file;
   std::size_t strokes = 0;

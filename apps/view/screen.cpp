@@ -58,7 +58,7 @@ void Screen::writeKept(const Layers& layers, Messages& messages) {
   if (!kept) return;
   messages.tryTo([&] {
     write(*kept, layers);
-    if (kept->of == Of::model) messages.say("the picture is in " + kept->file);
+    if (kept->of == Of::model) messages.say("picture written to " + kept->file);
   });
 }
 

@@ -1,4 +1,4 @@
-// What the window shows: the model's picture and the panels over it, on their way to the display or to a file.
+// Composes the model's picture and the panels over it, and shows the result on the display or writes it to a file.
 #pragma once
 
 #include <functional>
@@ -20,35 +20,35 @@ class Screen {
  public:
   Screen(Window& window, Device& sight, const Gui& gui, std::optional<Presentation> presentation);
 
-  /// As large as the window, and at the display's pace or not.
+  /// Sets the size of the window, and whether to wait for the display (vsync).
   void fit(const UVec2& window_px, bool waitsForDisplay);
-  /// Zero on a side while there is nothing to be seen.
+  /// Zero on a side while the window is not visible.
   const UVec2& size_px() const { return presenter_->size_px(); }
   bool isVisible() const { return size_px().x > 0 && size_px().y > 0; }
   const Device& sight() const { return sight_; }
 
   struct Layers {
-    std::function<void(CommandList&)> drawModel;  ///< empty: there is none
-    const ModelPicture* model = nullptr;          ///< that it draws into
+    std::function<void(CommandList&)> drawModel;  ///< empty: no model
+    const ModelPicture* model = nullptr;          ///< target of drawModel
     PanelShapes panels;
-    PanelShapes behindPanels;  ///< of them what belongs to a picture of the model, too: scale and heights
-    bool dark = true;          ///< where no model is
-    int servoCore = -1;        ///< which a software driver keeps off; negative: nothing is served
+    PanelShapes behindPanels;  ///< the part that pictures of the model contain too: scale and heights
+    bool dark = true;          ///< background without a model
+    int servoCore = -1;        ///< core that a software driver avoids; negative: no servo thread runs
   };
-  /// While it is visible.
+  /// Only while isVisible().
   void show(const Layers& layers);
-  /// Whether the display had time for the last picture; it is not drawn, otherwise.
+  /// Whether the display accepted the last picture; otherwise it was not drawn.
   bool wasShown() const { return wasShown_; }
-  /// The GPU has done what the last picture asked of it.
+  /// Waits until the GPU has finished the last picture.
   void waitForLast() { presenter_->waitForLast(); }
-  /// Its passes.
+  /// Command list of the last picture, with its passes.
   const CommandList& list() const { return list_; }
 
-  /// What a picture is of: all that the window shows, or the model, without panels.
+  /// Content of a picture file: the whole window, or the model without panels.
   enum class Of { window, model };
-  /// The next picture is written to a file; of one of the model it is said.
+  /// Writes the next picture to a file; a picture of the model is reported to the user.
   void keep(const std::string& file, Of of) { kept_ = Kept{file, of}; }
-  /// `layers`: of that picture.
+  /// Writes the picture requested by keep(); `layers`: those of that picture.
   void writeKept(const Layers& layers, Messages& messages);
 
  private:
@@ -61,7 +61,7 @@ class Screen {
 
   Device& sight_;
   const Gui& gui_;
-  std::uint64_t fontVersion_;  // that the panels are drawn with
+  std::uint64_t fontVersion_;  // of the panels' present texture
   PanelPass panelPass_;
   std::unique_ptr<Presenter> presenter_;
   CommandList list_;

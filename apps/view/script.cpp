@@ -16,7 +16,7 @@ namespace palpate {
 
 namespace {
 
-/// The words of one line, which are taken one after the other.
+/// The words of one line, read one after the other.
 class Line {
  public:
   Line(const std::filesystem::path& file, std::size_t number, std::string_view text)
@@ -46,7 +46,7 @@ class Line {
     if (!(value >= 1 && value <= 16384)) fail(fmt::format("{} is {}; it must be between 1 and 16384", what, value));
     return static_cast<std::uint32_t>(value);
   }
-  /// All that is left: names of files may have blanks.
+  /// The remainder of the line: file names may contain blanks.
   std::string rest(const char* what) {
     if (atEnd()) fail(fmt::format("{} is missing", what));
     text_.remove_prefix(text_.find_first_not_of(kBlank));
@@ -77,7 +77,7 @@ std::vector<int> keysOf(const Line& line, const std::string& name) {
   return keys;
 }
 
-// In its place: g++ 12 takes what it inlines of a move for a read of a string that is not there.
+// Constructs the action in place: after inlining a move, g++ 12 warns falsely of a read of an uninitialised string.
 void add(std::vector<TimedAction>& actions, double time_s, const WindowEvent& event) {
   TimedAction& added = actions.emplace_back();
   added.time_s = time_s;
@@ -100,7 +100,7 @@ WindowEvent buttonEvent(Line& line) {
   for (const auto& [known, button] :
        {std::pair{"left", MouseButton::left}, {"middle", MouseButton::middle}, {"right", MouseButton::right}})
     if (name == known) return ButtonEvent{button, how == "down"};
-  line.fail(fmt::format("button: '{}' is none of left, middle, right", name));
+  line.fail(fmt::format("button: '{}' is not left, middle or right", name));
 }
 
 WindowEvent pushEvent(Line& line) {
@@ -114,7 +114,7 @@ WindowEvent pushEvent(Line& line) {
   return event;
 }
 
-// A finger on a touchpad, or a key that is touched: all of it is shorter than a picture.
+// A tap on a touchpad or on a key: press and release are shorter than a frame.
 TapAction tapOf(Line& line) {
   const std::string what = line.word("the place or the key");
   TapAction tap;
@@ -130,7 +130,7 @@ TapAction tapOf(Line& line) {
   return tap;
 }
 
-/// The file that an action writes; `kind` throws UsageError for an ending that is not written.
+/// The file that an action writes; `kind` throws UsageError for an ending that cannot be written.
 std::string written(Line& line, const std::function<void(const std::string&)>& kind) {
   std::string file = line.rest("the file");
   try {
@@ -171,10 +171,11 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     return SetAction{name, line.number("its value")};
   }
   if (what == "quit") return WindowEvent(CloseEvent{});
-  line.fail(fmt::format(
-      "'{}' is none of key, mouse, button, tap, wheel, push, drop, text, resize, minimise, restore, screenshot, "
-      "state, save, record, replay, impatient, patient, ask, click, set, await, quit",
-      what));
+  line.fail(
+      fmt::format("'{}' is not an event; events are key, mouse, button, tap, wheel, push, drop, text, resize, "
+                  "minimise, restore, screenshot, "
+                  "state, save, record, replay, impatient, patient, ask, click, set, await, quit",
+                  what));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Events that come together, before another picture is shown.
+/// Events that are queued together, before the next frame.
 struct TapAction {
   std::vector<WindowEvent> events;
 };
@@ -17,42 +17,42 @@ struct ResizeAction {
 struct MinimiseAction {
   bool on = true;
 };
-/// The next picture is written to a file.
+/// Writes the next picture to a file.
 struct ScreenshotAction {
   std::string file;
 };
-/// What is going on is written to a file.
+/// Writes the state of the window to a file.
 struct StateAction {
   std::string file;
 };
-/// The model is saved to a file.
+/// Saves the model to a file.
 struct SaveAction {
   std::string file;
 };
-/// A session log is begun, or ended where no file is named; or one is played.
+/// Begins a session log, or ends it if no file is named; ReplayAction plays one.
 struct RecordAction {
   std::string file;
 };
 struct ReplayAction {
   std::string file;
 };
-/// While it is on, the script goes on while a model is loaded; otherwise its clock stands still meanwhile.
+/// While on, the script continues while a model is loaded or saved; otherwise its clock is stopped meanwhile.
 struct ImpatientAction {
   bool on = true;
 };
-/// From now on the window asks about changes that are not saved, and how to save, as it asks a person.
+/// From now on the window asks about unsaved changes, and how to save, as without a script.
 struct AskAction {};
-/// What is named so in the panels is clicked: several events, each in a picture of its own.
+/// Clicks the control of that name in the panels: several events, each in its own frame.
 struct ClickAction {
   std::string name;
 };
 
-/// The script stands still until that file is there: another program has come as far.
+/// Stops the script until that file exists, to synchronise it with another program.
 struct AwaitAction {
   std::string file;
 };
 
-/// A parameter of what moves by itself.
+/// Sets a parameter of a simulation.
 struct SetAction {
   std::string name;
   double value = 0;
@@ -70,7 +70,7 @@ struct TimedAction {
 /// One event a line, `#` comments: `TIME_S key NAME [down|up]` (NAME may be ctrl+z), `mouse X Y`,
 /// `button left|middle|right down|up`, `tap X Y`, `tap KEY`, `wheel N`, `drop FILE`, `text WORDS`, `resize W H`,
 /// `minimise`, `restore`, `screenshot FILE.png`, `state FILE.json`, `save FILE.ply`, `record FILE`, `record`, `replay
-/// FILE`, `impatient`, `patient`, `ask`, `click NAME`, `set NAME VALUE`, `await FILE`, `quit`. Times do not fall.
+/// FILE`, `impatient`, `patient`, `ask`, `click NAME`, `set NAME VALUE`, `await FILE`, `quit`. Times must not decrease.
 /// Throws FileError with the line.
 std::vector<TimedAction> readScript(const std::filesystem::path& file);
 

@@ -5,7 +5,7 @@
 namespace palpate {
 
 void ScriptPlayer::passPicture(double picture_s) {
-  constexpr double kLongest_s = 0.1;  // slow machines play a script slowly, not coarsely
+  constexpr double kLongest_s = 0.1;  // a slow machine plays a script more slowly, with the same time steps
   if (!standsStill()) time_s_ += ownClock_ ? kStep_s : std::min(kLongest_s, picture_s);
 }
 
@@ -22,7 +22,7 @@ bool ScriptPlayer::isAboutToPress() const {
 }
 
 bool ScriptPlayer::lookAgain() {
-  constexpr int kLooks = 20;  // in as many pictures: it may be about to come
+  constexpr int kLooks = 20;  // frames: the control may appear soon
   if (++looks_ < kLooks) {
     --next_;
     return true;
@@ -44,7 +44,7 @@ bool ScriptPlayer::awaitAgain() {
 
 void ScriptPlayer::pressAndRelease() {
   looks_ = 0;
-  constexpr std::size_t kPictures = 4;  // one pressed; a panel that opens has its place after two more
+  constexpr std::size_t kPictures = 4;  // one pressed; an opening panel has its final position after two more
   clickEnd_ = next_ + kPictures;
   for (std::size_t i = 0; i < kPictures; ++i) {
     TimedAction button;

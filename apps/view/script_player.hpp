@@ -1,4 +1,4 @@
-// Which event of a script comes next, and when; and by which clock the window goes.
+// Plays a script: returns its actions when they are due, and provides the window's clock.
 #pragma once
 
 #include <optional>
@@ -10,36 +10,36 @@ namespace palpate {
 
 class ScriptPlayer {
  public:
-  /// Of its own clock, in which each picture takes that long.
+  /// Duration of a frame on the script's own clock.
   static constexpr double kStep_s = 0.05;
 
-  /// `ownClock`: it goes by that, and not by the wall's. Without actions, a person plays.
+  /// `ownClock`: use the script's own clock instead of the wall clock. Without actions there is no script.
   ScriptPlayer(std::vector<TimedAction> actions, bool ownClock) : actions_(std::move(actions)), ownClock_(ownClock) {}
 
   bool isEmpty() const { return actions_.empty(); }
   bool isOver() const { return next_ >= actions_.size(); }
   bool hasOwnClock() const { return ownClock_; }
   double time_s() const { return time_s_; }
-  /// The script's, or a person's.
+  /// The script's time, or the wall clock's without a script.
   double clock_s() const { return isEmpty() ? sinceStart_.elapsed_s() : time_s_; }
-  /// A picture was made, and took so long; what is clicked takes no time.
+  /// Advances the clock after a frame of that duration; clicks take no script time.
   void passPicture(double picture_s);
-  /// The next one, if it is time for it.
+  /// The next action, if it is due.
   std::optional<ScriptAction> takeDue();
-  /// Whether that is a button which goes down.
+  /// Whether the next action is due and is a button press.
   bool isAboutToPress() const;
 
-  /// Whether it goes on while a model is loaded or saved.
+  /// Whether the script continues while a model is loaded or saved.
   bool isImpatient() const { return impatient_; }
   void setImpatient(bool on) { impatient_ = on; }
 
-  /// What the last one is to click has no place yet: it comes again. False after so many times in vain.
+  /// Repeats the last action, whose control is not shown yet. False after too many attempts.
   bool lookAgain();
-  /// What the last one waits for is not there yet: it comes again, and no time passes. False after a minute in vain.
+  /// Repeats the last action, whose file does not exist yet; the clock is stopped. False after a minute.
   bool awaitAgain();
-  /// It is there.
+  /// Called when the awaited file exists.
   void hasCome() { awaits_.reset(); }
-  /// The button goes down and up again before anything else; the pictures in which it does are given to the panels.
+  /// Presses and releases the button before the next action, over several frames, so that the panels can react.
   void pressAndRelease();
 
  private:
@@ -50,7 +50,7 @@ class ScriptPlayer {
   std::size_t next_ = 0, clickEnd_ = 0;
   Stopwatch sinceStart_;
   double time_s_ = 0;
-  int looks_ = 0;  // in vain
+  int looks_ = 0;  // failed attempts
   std::optional<Stopwatch> awaits_;
 };
 

@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-// Where several sculpt no points come and go.
+// In a shared session no points are added or removed.
 std::optional<BrushConfig> brushOf(const BrushSettings& brush, const SessionConfig& config) {
   if (!brush.kind) return std::nullopt;
   return BrushConfig{.kind = *brush.kind,
@@ -89,7 +89,7 @@ void WindowSession::setBrushSettings(const BrushSettings& brush) {
   if (brush == brush_ || !isTouching()) return;
   brush_ = brush;
   const Abilities can(modelKindOf(config()));
-  if (brush.kind && config().stream && holdsFrames()) return;  // a session of its own sculpts them
+  if (brush.kind && config().stream && holdsFrames()) return;  // another session sculpts a paused frame
   if (!brush.kind || can.allow(actionOf(*brush.kind))) return setBrush(brushOf(brush, config()));
   if (can.allow(Action::sculpt)) setBrush(std::nullopt);
   throw Error("{}", can.refusal(actionOf(*brush.kind)));

@@ -1,4 +1,4 @@
-// The session behind the window: what a person sets there, as a session is configured with it.
+// The session of the window, configured by the window's settings.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 
 namespace palpate {
 
-/// What a person may turn while touching.
+/// Settings that can change while touching.
 struct BrushSettings {
-  std::optional<BrushKind> kind;  ///< nothing: only feel
+  std::optional<BrushKind> kind;  ///< nothing: feel only
   double radius_mm = 6, strength = 0.5, tau_mm = 0.5, beta = 0.1;
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 3> color{220, 40, 40};
@@ -33,19 +33,19 @@ struct FeelSettings {
   bool operator==(const FeelSettings&) const = default;
 };
 
-/// What the window is opened with.
+/// Options of the window.
 struct WindowOptions {
-  SessionConfig config;      ///< the file of its model changes from model to model
-  NetworkOptions network;    ///< that topics of ROS are heard on
-  bool hidesCamera = false;  ///< nobody in the session that is joined is told from where the picture is seen
-  std::string ros;           ///< under which programs of ROS hear that; empty: none does
-  std::string hand;          ///< what others see it called in the session that is joined; empty: as the machine
+  SessionConfig config;      ///< its model's file changes from model to model
+  NetworkOptions network;    ///< of ROS topics
+  bool hidesCamera = false;  ///< do not publish the camera to the participants of the joined session
+  std::string ros;           ///< name under which the camera is published to ROS; empty: not published
+  std::string hand;          ///< name of the hand in the joined session; empty: the machine's name
   StreamConfig stream;       ///< of models that are depth cameras
   std::uint64_t undo_bytes = 1ull << 30;
   LiveOptions live;
 };
 
-/// The picture that follows a session, for whoever must know it before the session is there.
+/// Pointer to the drawn copy of a session's points; a base class, as it is set while the session is constructed.
 struct DrawnSlot {
   DrawnFollower* follower = nullptr;
 };
@@ -53,7 +53,7 @@ struct DrawnSlot {
 /// A model in the window.
 class WindowSession final : private DrawnSlot, public LiveSession {
  public:
-  /// Builds everything on the GPUs. `sight`: where the picture is drawn. Throws Error.
+  /// Builds everything on the GPUs. `sight`: device that draws the picture. Throws Error.
   WindowSession(Context& context, Device& sight, Model model, const WindowOptions& options, const BrushSettings& brush,
                 const FeelSettings& feel);
 
@@ -64,10 +64,10 @@ class WindowSession final : private DrawnSlot, public LiveSession {
 
   const BrushSettings& brushSettings() const { return brush_; }
   const FeelSettings& feel() const { return feel_; }
-  /// Model units; without a brush while the surface is only felt.
+  /// Model units; has no brush while the surface is only felt.
   HeldTool heldTool() const;
-  /// How much further than it is to sculpt a hand without a device must mean to go, mm: its brush begins where its
-  /// spring is so long, which pulls it back. 0 where it only feels.
+  /// Extra depth, mm, that a hand without a device must aim at to sculpt to a given depth: the brush acts only from its
+  /// yield depth on, where the spring pulls the hand back. 0 where the hand only feels.
   double givenWay_mm() const;
   void setBrushSettings(const BrushSettings& brush);
   void setFeel(const FeelSettings& feel);

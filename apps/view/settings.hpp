@@ -1,4 +1,4 @@
-// All that a person turns in the window.
+// All settings of the window.
 #pragma once
 
 #include <optional>
@@ -15,26 +15,26 @@ struct ViewSettings {
   ColorBy color = ColorBy::rgb;
   std::optional<UpAxis> up;  ///< nothing: by the model's shape
   std::optional<LengthUnit> unit;
-  double discRadius_mm = 0;  ///< 0: each as wide as closes the surface
+  double discRadius_mm = 0;  ///< 0: automatic, so that the discs close the surface
   bool smoothOutlines = false, scaleBar = true, dark = true;
-  bool cameras = true;    ///< that took pictures of the model are shown
-  bool measures = false;  ///< the left button picks the two places of a measure
+  bool cameras = true;    ///< show the cameras that took pictures of the model
+  bool measures = false;  ///< the left button picks the two positions of a measure
   bool mesh = false;
   int lattice = 128;
-  bool followsSurface = true;  ///< the stylus stays at the surface that is seen under the cursor; else in one plane
-  double press_mm = 2.5;       ///< how deep the hand means to go while it presses
+  bool followsSurface = true;  ///< the stylus stays at the visible surface under the cursor; else in one plane
+  double press_mm = 2.5;       ///< depth that the hand aims at while it presses
   bool waitsForDisplay = true;
   bool panels = true, plots = true, help = false;
 
   UpAxis upOf(const Model& model) const { return up.value_or(model.upright.up); }
   LengthUnit unitOf(const Model& model) const { return unit.value_or(unitSaidIn(model.cloud.storedAs.comments)); }
-  /// What is so long in the hand, in the model's unit.
+  /// A length in the hand as text in the model's unit.
   std::string lengthText(double mm, const Model& model) const {
     return palpate::lengthText(model.scale.toUnits(mm), unitOf(model), kFewLengthDigits);
   }
 };
 
-/// All that a person turns.
+/// All settings.
 struct WindowSettings {
   ViewSettings view;
   BrushSettings brush;

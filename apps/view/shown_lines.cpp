@@ -7,13 +7,13 @@ namespace palpate {
 namespace {
 
 constexpr std::array<std::uint8_t, 3> kWayColor{70, 205, 130}, kMeasureColor{255, 70, 190};
-constexpr double kMark = 0.02;  // half as wide as the cross at a measured place, in longest sides
+constexpr double kMark = 0.02;  // half the width of the cross at a picked position, in longest sides
 constexpr double kMeasureWidth_px = 2.5;
-constexpr double kStylus = 0.12;  // how long another hand's stylus is drawn, in longest sides
-constexpr double kBall = 0.012;   // and half of the octahedron at its end
+constexpr double kStylus = 0.12;  // length of another hand's stylus, in longest sides
+constexpr double kBall = 0.012;   // half the size of the octahedron at its end, in longest sides
 constexpr double kStylusWidth_px = 3;
-constexpr double kOnlooker = 0.08;           // how long the pyramid of another's camera is, in longest sides
-constexpr std::size_t kLongestWay = 20'000;  // places; past them the oldest are forgotten
+constexpr double kOnlooker = 0.08;           // length of the pyramid of another participant's camera, in longest sides
+constexpr std::size_t kLongestWay = 20'000;  // positions; beyond that the older half is removed
 
 void addMeasure(std::vector<SpaceLine>& lines, std::span<const DVec3> places, double longestSide) {
   const auto add = [&](const DVec3& from, const DVec3& to) {
@@ -28,7 +28,7 @@ void addMeasure(std::vector<SpaceLine>& lines, std::span<const DVec3> places, do
   if (places.size() == 2) add(places[0], places[1]);
 }
 
-// A stylus that stands on the surface where its hand is held, and an octahedron where the hand itself is.
+// A stylus at the proxy on the surface, and an octahedron at the HIP.
 void addHand(std::vector<SpaceLine>& lines, const SeenHand& hand, const DVec3& origin, const DVec3& up,
              double longestSide) {
   const DVec3 at = hand.place.position - origin, held = hand.place.proxy - origin;
@@ -63,7 +63,7 @@ std::array<std::uint8_t, 3> colorOfHand(std::uint32_t number) {
 void ShownLines::followCamera(const WindowSession& session) {
   const auto view = session.playedView();
   if (!view || (played_ && played_->number == view->number)) return;
-  if (played_ && view->number < played_->number) way_.clear();  // it begins again
+  if (played_ && view->number < played_->number) way_.clear();  // the recording restarted
   if (way_.size() >= kLongestWay) way_.erase(way_.begin(), way_.begin() + kLongestWay / 2);
   played_ = view;
   way_.push_back(view->frustum.centre);

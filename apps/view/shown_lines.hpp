@@ -1,5 +1,5 @@
-// What the window draws over the model in thin lines: the cameras that saw it, what is measured, the hands and
-// cameras of others.
+// Thin lines that the window draws over the model: the cameras that saw it, the measure, and the hands and cameras of
+// the other participants.
 #pragma once
 
 #include <memory>
@@ -11,20 +11,20 @@
 
 namespace palpate {
 
-/// Of another hand, by its number (SeenHand), in the picture and in the panels.
+/// Colour of another participant's hand by its number (SeenHand), in the picture and in the panels.
 std::array<std::uint8_t, 3> colorOfHand(std::uint32_t number);
 
 class ShownLines {
  public:
-  /// Another model comes.
+  /// Called when another model is opened.
   void forget() { *this = {}; }
-  /// Once for each picture: the lines that there are now. The same list as long as they are the same.
+  /// Called once per frame: updates the lines. lines() stays the same list while nothing changes.
   void follow(const WindowSession& session, const ViewSettings& view, const Measure& measure);
   const std::shared_ptr<const std::vector<SpaceLine>>& lines() const { return lines_; }
-  std::size_t cameras() const { return cameras_; }  ///< that are shown
+  std::size_t cameras() const { return cameras_; }  ///< number of shown cameras
 
  private:
-  // What the lines are made of: of the same come the same.
+  // Everything that determines the lines.
   struct MadeOf {
     bool cameras = false;
     std::optional<std::uint64_t> frame;  // of a depth camera
@@ -37,8 +37,8 @@ class ShownLines {
   void addCameras(const WindowSession& session, std::vector<SpaceLine>& lines);
 
   std::optional<MadeOf> madeOf_;
-  std::optional<PlayedView> played_;  // of a depth camera: from where its frame was seen, and
-  std::vector<DVec3> way_;            // where it stood before, one place after the other
+  std::optional<PlayedView> played_;  // view of a depth camera's present frame
+  std::vector<DVec3> way_;            // path of that camera: its positions so far
   double length_ = 0;                 // of a frustum, model units; 0: not known yet
   std::shared_ptr<const std::vector<SpaceLine>> lines_;
   std::size_t cameras_ = 0;

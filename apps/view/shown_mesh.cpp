@@ -38,7 +38,7 @@ void ShownMesh::make(const WindowSession& session, std::uint32_t lattice) {
 }
 
 std::filesystem::path ShownMesh::write(const std::string& file) const {
-  if (triangleCount() == 0) throw Error("{}: there are no triangles to write; M makes some", file);
+  if (triangleCount() == 0) throw Error("{}: there are no triangles to write; press M to make them", file);
   std::filesystem::path kept;
   writeMesh(file, mesh_->download(), static_cast<double>(mesh_->plan().lattice.cell), false, &kept);
   return kept;

@@ -12,24 +12,24 @@ namespace palpate {
 
 class WindowSession;
 
-/// Made anew when another lattice is asked for; otherwise it follows what is edited.
+/// Rebuilt when another lattice is requested; otherwise updated where points are edited.
 class ShownMesh {
  public:
   explicit ShownMesh(Device& sight) : sight_(sight) {}
 
-  /// `edited` since the last call. False where nothing was done yet: a software driver will hold the picture up, so
-  /// that one that says so comes first. Throws what making them throws.
+  /// `edited`: point states since the last call. False if a rebuild is only announced: on a software driver it takes
+  /// so long that a frame with a message is shown first. Throws what the rebuild throws.
   bool follow(const WindowSession& session, std::uint32_t lattice, std::span<const PointState> edited);
   void clear();
 
-  bool isAnnounced() const { return isAnnounced_; }  ///< the next call makes what the last one did not
+  bool isAnnounced() const { return isAnnounced_; }  ///< the next follow() rebuilds the mesh
   std::uint64_t triangleCount() const { return mesh_ ? mesh_->triangleCount() : 0; }
-  std::uint64_t version() const { return version_; }  ///< another one after each change
-  double time_ms() const { return time_ms_; }         ///< that the last change took
-  /// Writes the triangles as they are; a file that is there is kept as what is returned. Throws FileError, and Error
-  /// where there are none.
+  std::uint64_t version() const { return version_; }  ///< increases with each change
+  double time_ms() const { return time_ms_; }         ///< duration of the last change
+  /// Writes the present triangles; returns the name under which an existing file is kept. Throws FileError, and Error
+  /// without triangles.
   std::filesystem::path write(const std::string& file) const;
-  /// Only while there are triangles.
+  /// Requires triangles.
   DrawnMesh drawn(const Bounds& bounds) const;
 
  private:

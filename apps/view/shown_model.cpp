@@ -55,7 +55,7 @@ void ShownModel::takePick() {
 }
 
 void ShownModel::choosePace(bool moves, double clock_s, bool inFull) {
-  constexpr double kStill_s = 0.4;  // without motion, and it is drawn in full
+  constexpr double kStill_s = 0.4;  // time without motion until full resolution
   if (moves || !edited_.points.empty()) moved_s_ = clock_s;
   picture_.choosePace(inFull || clock_s - moved_s_ > kStill_s);
 }

@@ -1,4 +1,4 @@
-// The model in the window: its discs or triangles, how they follow an edit, and how it is drawn.
+// The model in the window: its discs or triangles, their updates after edits, and how they are drawn.
 #pragma once
 
 #include "apps/view/model_picture.hpp"
@@ -14,21 +14,21 @@ class ShownModel {
  public:
   explicit ShownModel(Device& sight) : picture_(sight), mesh_(sight) {}
 
-  /// Another model comes. While the GPU draws nothing.
+  /// Called when another model is opened, while the GPU draws nothing.
   void forget();
-  /// Once for each picture: what was done to the points since the last one.
+  /// Called once per frame: takes the edits since the last frame.
   void follow(WindowSession& session, ViewSettings& view, const Measure& measure, Messages& messages);
 
-  /// Takes in what the last picture had under the cursor, once it is done.
+  /// Reads the depth under the cursor in the last picture, once the GPU has finished it.
   void takePick();
   /// ModelPicture::keepFound().
   void keepFound(bool on) { picture_.keepFound(on); }
-  /// Before each picture, at that time: drawn smaller while that is slow and something moves (`moves`: what is not the
-  /// points), unless it is wanted in full.
+  /// Called before each frame with its time: lowers the resolution while drawing is slow and something moves, unless
+  /// `inFull`. `moves`: something other than edited points moves.
   void choosePace(bool moves, double clock_s, bool inFull);
-  /// As large as the window asks for.
+  /// Sets the picture's size for the window.
   void fit(const UVec2& window_px, const ViewSettings& view);
-  /// Draws the model; `touched`: with the stylus at its surface.
+  /// Draws the model; `touched`: with the stylus.
   void record(CommandList& list, WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched);
 
   ModelPicture& picture() { return picture_; }
@@ -40,8 +40,8 @@ class ShownModel {
   ModelPicture picture_;
   ShownMesh mesh_;
   ShownLines lines_;
-  EditBatch edited_;    // since the last picture
-  double moved_s_ = 0;  // when something did last
+  EditBatch edited_;    // since the last frame
+  double moved_s_ = 0;  // time of the last motion
 };
 
 }  // namespace palpate

@@ -23,7 +23,7 @@ SpaceMouse::SpaceMouse() {
     listener_ = std::make_unique<HidListener>(
         transport, usable->info, [this](std::string_view sentence) { remark(sentence); }, "nothing moves");
     remark(fmt::format("{} moves the model; its first button holds the stylus", usable->name));
-  } catch (const Error& error) {  // unplugged in this very moment
+  } catch (const Error& error) {  // e.g. unplugged at this moment
     remark(error.what());
   }
 }

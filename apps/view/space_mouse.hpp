@@ -1,4 +1,4 @@
-// The 3D mouse of a window, where there is one.
+// The 3D mouse of a window, if there is one.
 #pragma once
 
 #include <mutex>
@@ -10,21 +10,21 @@ namespace palpate {
 
 class SpaceMouse {
  public:
-  /// Takes the first one that can be used. None is no error; one that cannot be used is a remark.
+  /// Uses the first usable 3D mouse. Having none is not an error; one that cannot be used is reported in a remark.
   SpaceMouse();
 
-  /// What has changed since the last call.
+  /// The present state, if it has changed since the last call.
   std::optional<PushEvent> changed();
-  /// What a person should read, since the last call.
+  /// Remarks to the user since the last call.
   std::vector<std::string> takeRemarks();
 
  private:
   void remark(std::string_view sentence);
 
-  std::mutex lock_;  // of the remarks, which come from the thread that listens
+  std::mutex lock_;  // protects the remarks, which the listening thread adds
   std::vector<std::string> remarks_;
   PushEvent last_;
-  std::unique_ptr<HidListener> listener_;  // goes first
+  std::unique_ptr<HidListener> listener_;  // destroyed first
 };
 
 }  // namespace palpate

@@ -9,8 +9,8 @@ namespace palpate {
 namespace {
 
 constexpr double kDepthPerNotch_mm = 0.5;
-constexpr double kHover_mm = 4;                               // before the surface
-constexpr double kDeepestPush_mm = 6, kFarthestPush_mm = 60;  // behind and before the surface
+constexpr double kHover_mm = 4;                               // in front of the surface
+constexpr double kDeepestPush_mm = 6, kFarthestPush_mm = 60;  // behind and in front of the surface
 constexpr double kClose_px = 3;
 
 }  // namespace
@@ -18,7 +18,7 @@ constexpr double kClose_px = 3;
 DVec3 normalAt(const Pick& pick, const Camera& camera, const DVec2& size_px) {
   const DVec3 place = camera.unproject(pick.place_px, pick.depth, size_px);
   const DVec3 toEye = glm::normalize(camera.eye - place);
-  // Of the two places beside it the one that is nearer in depth is on the same surface.
+  // Of the two positions beside it, the one nearer in depth is on the same surface.
   const auto along = [&](std::size_t first, const DVec2& way_px) -> std::optional<DVec3> {
     std::optional<DVec3> best;
     double least = 0;
@@ -37,7 +37,7 @@ DVec3 normalAt(const Pick& pick, const Camera& camera, const DVec2& size_px) {
   const DVec3 normal = glm::cross(*down, *right);
   const double length = glm::length(normal);
   if (!(length > 0)) return toEye;
-  // What is seen from the side alone is seen badly.
+  // A normal seen at a grazing angle is unreliable.
   constexpr double kMinTowardsEye = 0.3;
   const DVec3 facing = (glm::dot(normal, toEye) < 0 ? -1.0 : 1.0) / length * normal;
   return glm::dot(facing, toEye) < kMinTowardsEye ? toEye : facing;
@@ -66,18 +66,18 @@ void StylusHand::lift(double way_mm) { hover_mm_ = std::clamp(hover_mm_ + way_mm
 
 std::optional<double> StylusHand::depthAt(const DVec2& cursor_px, const Pick& picked, bool followsSurface,
                                           double beside) {
-  // The surface that is seen, where the last picture was looked at close to here; else the stylus keeps its depth. One
-  // that presses goes by what was looked at, however far the cursor has gone since.
+  // The visible surface, if the last pick was close to the cursor; else the stylus keeps its depth. A pressing stylus
+  // uses the last pick however far the cursor has moved since.
   const bool looked = pressing_ || glm::distance(picked.place_px, cursor_px) < kClose_px;
   const bool seen = looked && picked.depth > 0;
   isBeside_ = pressing_ && looked && !seen;
-  // A hand that presses in one place goes no deeper because the surface gives way.
+  // A hand that presses at one position does not go deeper because the surface yields.
   const bool rests = (trigger_ != 0 || hover_mm_ < 0) && glm::distance(picked.place_px, planePlace_px_) < kClose_px;
   if (seen && (planeDepth_ == 0 || (followsSurface && !rests))) {
     planeDepth_ = picked.depth;
     planePlace_px_ = picked.place_px;
   }
-  // Until then a guess, which must not hold the stylus back from the surface once that is seen.
+  // Without a visible surface the depth is a guess, and is not stored: the surface replaces it once it is visible.
   const double depth = planeDepth_ > 0 ? planeDepth_ : picked.depth;
   if (depth > 0) return depth;
   if (!looked) return std::nullopt;

@@ -1,4 +1,4 @@
-// The stylus in a hand that holds a mouse, a gamepad or a 3D mouse: how deep it is, by what is seen under the cursor.
+// The stylus held by mouse, gamepad or 3D mouse: its depth follows from the surface visible under the cursor.
 #pragma once
 
 #include <array>
@@ -8,60 +8,60 @@
 
 namespace palpate {
 
-/// What the last picture has under the cursor; while a stroke goes on, what it has found there.
+/// Depths under the cursor in the last picture; during a stroke, in the picture before the stroke.
 struct Pick {
   DVec2 place_px{0};
-  double depth = 0;  ///< model units; 0: nothing is there
+  double depth = 0;  ///< model units; 0: no surface
   double beside_px = 0;
-  std::array<double, 4> beside{};  ///< the same so many pixels to the left, right, over and under it
+  std::array<double, 4> beside{};  ///< depths beside_px to the left, right, above and below
 };
 
-/// The normal of the surface that is seen there, towards the eye; straight to the eye where little is seen.
+/// Normal of the visible surface there, towards the eye; the direction to the eye where depths lack or the surface is
+/// seen at a grazing angle.
 DVec3 normalAt(const Pick& pick, const Camera& camera, const DVec2& size_px);
 
 class StylusHand {
  public:
   bool isHeld() const { return held_; }
-  /// Held before the surface, without pressing; or let go.
+  /// Holds the stylus in front of the surface, without pressing; or releases it.
   void hold(bool on);
-  /// Whether it stays held without a key.
+  /// Whether the stylus stays held without a key.
   bool isLocked() const { return locked_; }
   void lock(bool on) { locked_ = on; }
-  /// Whether a gamepad or a 3D mouse has it, until the mouse moves.
+  /// Whether a gamepad or a 3D mouse moves the stylus, until the mouse moves.
   bool isByPad() const { return byPad_; }
   void giveToPad(bool on) { byPad_ = on; }
 
   bool isPressing() const { return pressing_; }
   void press();
   void release() { pressing_ = false; }
-  /// Whether it means to go into the surface, by whatever it is held with: from then on until it no longer does is one
-  /// stroke.
+  /// Whether the stylus aims into the surface, with any device; one stroke lasts as long as this is true.
   bool sculpts() const { return pressing_ || trigger_ > 0 || hover_mm_ < 0; }
-  /// Whether it presses where no surface is seen.
+  /// Whether the stylus presses where no surface is visible.
   bool isBeside() const { return isBeside_; }
-  /// Deeper while it presses, else nearer or farther.
+  /// Changes the press depth while pressing, else the height above the surface.
   void turnWheel(double notches);
   void lower(double way_mm) { hover_mm_ -= way_mm; }
-  /// The same with a cap that is held as long as it takes: not farther than a person means.
+  /// Raises the stylus by the cap of a 3D mouse; limited, as a cap is held for a long time.
   void lift(double way_mm);
-  /// -1 to 1, by the triggers of a gamepad.
+  /// Press by the triggers of a gamepad, -1 to 1.
   void pressByTrigger(double share) { trigger_ = share; }
 
-  /// The surface that it presses on goes on behind the one that it was on: it must be put down there anew.
+  /// Puts the stylus down again, in front of a surface that lies behind the one touched so far.
   void putDownAgain() { putDown_ = false; }
-  /// How far from the eye the stylus goes under the cursor; `beside` where no surface was seen there. Nothing while
-  /// nobody has looked: it must not begin inside the model, which it would never feel from there.
+  /// Depth of the stylus from the eye under the cursor; `beside` where no surface is visible there. Nothing until a
+  /// depth was picked there: a stylus that begins inside the model would never feel its surface.
   std::optional<double> depthAt(const DVec2& cursor_px, const Pick& picked, bool followsSurface, double beside);
-  /// How much farther than that the hand means to go, mm. Put down before the surface, also by a hand that presses
-  /// already: from behind it nothing would be felt.
+  /// Displacement beyond that depth, mm. The first call after hold() or putDownAgain() returns a position in front of
+  /// the surface, even while pressing: from behind it nothing would be felt.
   double takeInward_mm(double press_mm);
 
  private:
   bool held_ = false, locked_ = false, byPad_ = false, pressing_ = false;
   double hover_mm_ = 0, extraPress_mm_ = 0, trigger_ = 0;
-  double planeDepth_ = 0;   // of the surface that the stylus goes by, and
-  DVec2 planePlace_px_{0};  // where it was seen
-  bool putDown_ = false;    // since it is held
+  double planeDepth_ = 0;   // depth of the surface that the stylus follows; 0: none yet
+  DVec2 planePlace_px_{0};  // its position in the picture
+  bool putDown_ = false;    // put down since hold() or putDownAgain()
   bool isBeside_ = false;
 };
 

@@ -31,12 +31,12 @@ struct ViewCommandOptions {
   double rate_Hz = 1000, undoMemory_MiB = 1024;
 };
 
-/// Opens the device that a person holds. The window is not there yet: the person may be asked to calibrate it.
+/// Opens the held device. Called before the window opens, as the user may be asked to calibrate the device.
 void hold(Context& context, const ViewCommandOptions& options, WindowOptions& session) {
   OpenedDevice opened = openDevice(
       options.device, {.log = context.log(), .rate_Hz = options.rate_Hz, .ownScheduler = options.scheduler == "own"});
   if (options.rumble) opened.device = withRumble(std::move(opened.device), context.log());
-  // Turned about the middle of the workspace, it has its origin there.
+  // The device's axes are rotated about the middle of its workspace, so its origin is moved there.
   const DVec3 middle_mm = 0.5 * (opened.facts.workspaceMin_mm + opened.facts.workspaceMax_mm);
   opened.facts.workspaceMin_mm -= middle_mm;
   opened.facts.workspaceMax_mm -= middle_mm;
@@ -44,7 +44,7 @@ void hold(Context& context, const ViewCommandOptions& options, WindowOptions& se
   session.live.deviceFacts = opened.facts;
 }
 
-/// Of the first model; others are played in the same way where they are depth cameras.
+/// Sets the stream of the first model; later models that are depth cameras are played with the same options.
 void setStream(const StreamOptions& options, const RosQuestion& ros, ViewOptions& view) {
   std::string first = view.models.empty() ? std::string() : view.models.front();
   if (first.empty() && options.live.empty()) return;
@@ -54,7 +54,7 @@ void setStream(const StreamOptions& options, const RosQuestion& ros, ViewOptions
   view.session.config.model.file = first;
 }
 
-/// A session of others is the first model; others can be opened after it.
+/// A joined session is the first model; other models can be opened after it.
 void setJoin(const JoinOptionsGiven& options, const std::string& live, ViewOptions& view) {
   std::string first = view.models.empty() ? std::string() : view.models.front();
   view.session.config.join = joinConfig(options, first, live);
@@ -66,7 +66,7 @@ void setJoin(const JoinOptionsGiven& options, const std::string& live, ViewOptio
   view.session.hand = options.hand;
 }
 
-// Without a display, what is wrong with the model is said first.
+// Without a display, an error in the model file is reported first.
 std::unique_ptr<Window> openWindow(const ViewOptions& view) {
   try {
     return std::make_unique<Window>(view.size_px, "palpate");
@@ -94,7 +94,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   if (options.edit != "none") Abilities(modelKindOf(view.session.config)).require(Action::sculpt, "--edit");
   setJoin(options.join, options.stream.live, view);
   if (options.hidesCamera && !view.session.config.join)
-    throw UsageError("--hide-camera: is for --join; nobody else sees a model that is not shared");
+    throw UsageError("--hide-camera: requires --join; a model that is not shared has no other participants");
   view.session.hidesCamera = options.hidesCamera;
   view.session.ros = options.join.ros.name;
   if (!view.session.config.join) setStream(options.stream, {options.join.network, context.log()}, view);
@@ -106,7 +106,7 @@ void view(Context& context, const ViewCommandOptions& options) {
     if (options.edit == name) view.brush.kind = kind;
 
   if (options.device != "mouse") hold(context, options, view.session);
-  // A person who holds a device lives in real time, also while a script plays.
+  // A held device requires realtime, also while a script plays.
   const bool realtime = options.script.empty() || options.realtime || options.device != "mouse";
   if (!realtime) view.session.live.clock = std::make_shared<SteppedClock>();
 
@@ -117,13 +117,13 @@ void view(Context& context, const ViewCommandOptions& options) {
   Window& window = *shown;
   for (const auto& [name, presentation] : kPresentations)
     if (options.present == name) view.presentation = presentation;
-  // Where pictures are copied nothing is asked of the window system that its driver may not survive.
+  // With copied pictures no surface extensions are requested: the driver may crash in surface queries.
   const bool copies = view.presentation == Presentation::copy;
   context.showInWindows(copies ? std::vector<std::string>() : window.extensions());
   const RunningThreads ours;
   Device& touch = context.device();
   view.session.config.backend.name = chooseBackend(context, {.backend = options.backend});
-  if (touch.isCpu()) ours.laterOnesGiveWay();  // the driver's
+  if (touch.isCpu()) ours.laterOnesGiveWay();  // threads of the software driver
   Device& sight = options.sightGpu.empty() ? touch : context.sightDevice(options.sightGpu);
   const StopBySignal stop;
   Viewer(context, window, sight, view).run();
@@ -164,7 +164,7 @@ void addView(Options& app, Context& context, Command& command) {
       .check(Check{[](const std::string& device) {
                      return device == "mouse" || isHeldDevice(device)
                                 ? std::string()
-                                : "'" + device + "' is no device; there is mouse, " + heldDevicesHelp();
+                                : "'" + device + "' is not a device; devices are mouse, " + heldDevicesHelp();
                    },
                    "DEVICE"})
       .showDefault();

@@ -23,7 +23,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
   view.up = upNamed(options.look.up);
   view.unit = unitNamed(options.look.unit);
   view.lattice = options.lattice;
-  // Under a script with a clock of its own the display's pace means nothing.
+  // A script with its own clock need not wait for the display.
   if (script_.hasOwnClock()) view.waitsForDisplay = false;
   view.plots = double(options.size_px.x) >= panels_.roomyWidth_px();
   document_.offer(options.models);
@@ -36,7 +36,7 @@ void Viewer::run() {
   while (closing_ != Closing::done && !StopBySignal::requested()) step();
   if (closing_ == Closing::done) return document_.close();
   if (document_.session() && document_.session()->isChanged())
-    messages_.say("what is not saved of " + document_.file() + " is kept, and offered when the window is opened again");
+    messages_.say("unsaved changes of " + document_.file() + " are kept, and offered when the window is opened again");
 }
 
 void Viewer::step() {
@@ -55,7 +55,7 @@ void Viewer::step() {
   const Stopwatch watch;
   messages_.dropOld();
   followSession();
-  // Behind a question nothing goes on.
+  // No stroke continues behind a question.
   if (document_.asks())
     pointing_.letGo(pointed());
   else
@@ -105,7 +105,7 @@ void Viewer::playScript() {
   if (script_.isOver() || (script_.hasOwnClock() && !screen_.wasShown())) return;
   if (!isTapping && (scriptWaits() || !events_.isEmpty())) return;
   if (pace_.count() > 0) script_.passPicture(pace_.last_ms() * 1e-3);
-  // What follows finds the model loaded, and each press of a button a picture that has seen the one before.
+  // An action runs only once the model is loaded, and each button press only after a frame has handled the one before.
   while (!isTapping && !scriptWaits()) {
     const auto action = script_.takeDue();
     if (!action) return;
@@ -139,14 +139,14 @@ void Viewer::act(const ScriptAction& action) {
   });
 }
 
-// As a person does it: scrolls and goes there, presses and lets go, and then looks at what comes of it.
+// Clicks as a user does: scrolls, moves the cursor, presses, releases, and then waits for the panels to react.
 void Viewer::click(const std::string& name) {
   const auto place_px = panels_.placeOf(name);
   panels_.scrollTo(place_px ? std::string() : name);
   if (!place_px) {
     if (script_.lookAgain()) return;
     panels_.scrollTo({});
-    throw Error("'{}' cannot be clicked: nothing of that name is shown in the panels", name);
+    throw Error("'{}' cannot be clicked: the panels show no control of that name", name);
   }
   handle(MouseEvent{*place_px});
   script_.pressAndRelease();
@@ -155,7 +155,7 @@ void Viewer::click(const std::string& name) {
 void Viewer::await(const std::string& file) {
   std::error_code none;
   if (std::filesystem::exists(file, none)) return script_.hasCome();
-  if (!script_.awaitAgain()) throw Error("{} has not come within a minute", file);
+  if (!script_.awaitAgain()) throw Error("{} did not appear within a minute", file);
 }
 
 void Viewer::carryOut(const ViewRequests& requests) {
@@ -187,10 +187,10 @@ void Viewer::carryOut(const ViewRequests& requests) {
 void Viewer::exportMesh(const std::string& file) {
   screen_.waitForLast();
   const std::filesystem::path kept = shown_.mesh().write(file);
-  messages_.say(file + " is written" + (kept.empty() ? "" : "; what was there before is " + kept.string()));
+  messages_.say(file + " is written" + (kept.empty() ? "" : "; the old file is kept as " + kept.string()));
 }
 
-// Of the model that is open.
+// Releases the stylus and everything drawn of the present model.
 void Viewer::letGo() {
   pointing_.letGo(pointed());
   screen_.waitForLast();
@@ -205,15 +205,15 @@ void Viewer::welcome() {
   if (!panels_.hasRoomBeside(window_.size_px().x)) settings_.view.panels = false;
   fitCamera();
   events_.forgetSeen();
-  panels_.closeFiles();  // which are those of the model before
+  panels_.closeFiles();  // the dialogue belonged to the model before
   measure_.belongTo(session.file());
   if (const auto distance = measure_.distance())
-    messages_.say(fmt::format("touch scale: what is measured, {}, is {:.6g} mm long in the hand",
+    messages_.say(fmt::format("touch scale: the measured distance, {}, is {:.6g} mm long in the hand",
                               lengthText(*distance, settings_.view.unitOf(session.model())),
                               session.model().scale.toMm(*distance)));
 }
 
-// What is open is called another file as soon as it is saved as that.
+// Follows a change of the document's file, e.g. after it is saved under another name.
 void Viewer::followName() {
   if (document_.file() == named_) return;
   named_ = document_.file();
@@ -221,19 +221,19 @@ void Viewer::followName() {
   window_.setTitle(std::filesystem::path(named_).filename().string() + " - palpate");
 }
 
-// A line for each, as --scale-from and --camera take them.
+// One line per position, in the format of --scale-from and --camera.
 void Viewer::copyPlaces() {
   const PointCloud& cloud = document_.session()->model().cloud;
   std::string text;
   for (const DVec3& place : measure_.places())
     text += (text.empty() ? "" : "\n") +
             coordinateText(cloud.origin + place, resolutionOf(document_.session()->bounds()), ",");
-  if (text.empty()) return messages_.say("nothing is picked to be copied: press D and click the model");
+  if (text.empty()) return messages_.say("no positions to copy: press D and click the model");
   window_.setClipboard(text);
   messages_.say("copied: " + text);
 }
 
-// Of what is measured: the model is opened again at that scale.
+// Opens the model again at the scale that gives the measure this length.
 void Viewer::setTrueLength(const std::string& text) { document_.openAtScale(measure_.scaleFor(text)); }
 
 void Viewer::fitCamera() {
@@ -251,9 +251,7 @@ Pointed Viewer::pointed() {
           .measure = settings_.view.measures ? &measure_ : nullptr};
 }
 
-void Viewer::sayLost(const std::string& failure) {
-  messages_.sayError(failure + "; what was done is kept and can be saved");
-}
+void Viewer::sayLost(const std::string& failure) { messages_.sayError(failure + "; edits are kept and can be saved"); }
 
 void Viewer::followSession() {
   WindowSession* session = document_.session();

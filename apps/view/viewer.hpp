@@ -19,24 +19,24 @@ namespace palpate {
 
 struct ViewOptions {
   std::vector<std::string> models;
-  WindowOptions session;  ///< the model's file is not looked at
+  WindowOptions session;  ///< its model's file is used only for a joined session or a live camera
   BrushSettings brush;
   FeelSettings feel;
   LookOptions look;
   int lattice = 128;  ///< of the triangles
   UVec2 size_px{1280, 720};
   std::vector<TimedAction> script;
-  std::optional<Presentation> presentation;  ///< what is found unless given
+  std::optional<Presentation> presentation;  ///< found automatically if not given
 };
 
-/// The window: shows the models, takes what a person does, and lets the person feel, sculpt and save. The force goes
-/// its own way on the session's servo thread and waits for nothing here.
+/// The window: shows the models, handles input, and lets the user feel, sculpt and save. The force is computed on the
+/// session's servo thread, which never waits for the window.
 class Viewer {
  public:
   Viewer(Context& context, Window& window, Device& sight, const ViewOptions& options);
   ~Viewer();
 
-  /// Until the window is closed, or the script says so.
+  /// Runs until the window is closed, or the script ends it.
   void run();
 
  private:
@@ -79,14 +79,14 @@ class Viewer {
   std::string named_;  // in the window's title
   ShownModel shown_;
   Viewpoint viewpoint_;
-  DVec2 free_px_{0};  // of the panels, from the left, in the last picture
+  DVec2 free_px_{0};  // Panels::freeWidth_px() in the last frame
   OwnCamera ownCamera_;
   EventQueue events_;
   Keyboard keyboard_;
   PointingDevices pointing_;
   Measure measure_;
   struct {
-    std::uint64_t version = 0;  // of what is measured
+    std::uint64_t version = 0;  // of the measure
     std::optional<PlaceInfo> info;
   } picked_;
   BrushNotes brushNotes_;

@@ -1,4 +1,4 @@
-// The part of Viewer that makes pictures.
+// The part of Viewer that draws a frame.
 #include <utility>
 
 #include "apps/view/viewer.hpp"
@@ -14,17 +14,18 @@ void Viewer::applySettings() {
   session->setForces(settings_.forcesOn);
   messages_.tryTo([&] {
     const bool recorded = session->isRecording();
-    // A device cannot be put away: behind a question its hand feels, and changes nothing.
+    // A held device cannot be put away: behind a question it feels, but does not sculpt.
     BrushSettings brush = settings_.brush;
     if (document_.asks() && pointing_.isTouching()) brush.kind.reset();
     session->setBrushSettings(brush);
     session->setFeel(settings_.feel);
-    if (recorded && !session->isRecording()) messages_.say("the recording has ended: a log has one brush");
+    if (recorded && !session->isRecording())
+      messages_.say("the recording has ended: a log cannot contain a change of settings");
   });
   brushNotes_.noteSize(*session, settings_.view, pointing_.presses(), messages_);
 }
 
-// Of the panels, in a window that has another width now: those close that would lie on the model.
+// After a change of the window's width: closes panels that would cover the model.
 void Viewer::keepClear(double before_px, double now_px) {
   const double roomy_px = panels_.roomyWidth_px();
   if (before_px >= roomy_px && now_px < roomy_px) settings_.view.plots = false;
@@ -47,7 +48,7 @@ void Viewer::draw(double dt_s) {
   const PanelShapes panels = gui_.end();
   carryOut(requests);
   applySettings();
-  // What the last picture was made of is written anew from here on.
+  // From here on the resources of the last frame are overwritten.
   screen_.waitForLast();
 
   Screen::Layers layers{.panels = panels, .behindPanels = gui_.behindPanels(), .dark = settings_.view.dark};

@@ -1,4 +1,4 @@
-// The part of Viewer that tells how things are: to the panels, and to a script.
+// The part of Viewer that reports its state: to the panels, and to a script.
 #include <algorithm>
 
 #include "apps/cli/picture.hpp"
@@ -16,7 +16,7 @@ std::string_view nameIn(const auto& names, auto value) {
   return {};
 }
 
-// Whoever has joined the same session.
+// The other participants of the joined session.
 Json othersOf(const WindowSession& session) {
   Json others = Json::object();
   if (const SharedFollower* const shared = session.shared()) {
@@ -90,7 +90,7 @@ Json toJson(const PlaceInfo& info) {
 
 }  // namespace
 
-// The bar is drawn with the panels: a part of the picture would be as coarse as that is while something moves.
+// The bar is drawn with the panels: in the model's picture it would be coarse while something moves.
 ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
   const PictureSize size{screen_.size_px().x, screen_.size_px().y};
   const double length = scaleBarLength(viewpoint_.camera(), size);
@@ -105,7 +105,7 @@ std::optional<DVec2> Viewer::middleOfMeasure_px() const {
   return at ? std::optional(DVec2(*at)) : std::nullopt;
 }
 
-// Looks at all points: once for each place.
+// placeInfo() iterates over all points: called only once per picked position.
 void Viewer::findPlaceInfo() {
   if (!document_.session() || measure_.places().empty()) picked_.info.reset();
   if (picked_.version == measure_.version() || !document_.session()) return;

@@ -15,14 +15,14 @@ namespace palpate {
 
 namespace {
 
-// Why there is none is worth a word where a display was named.
+// The reason is included if the environment names a display.
 Error noDisplay() {
   const char* reason = nullptr;
   glfwGetError(&reason);
   std::string why = reason ? reason : "";
   while (why.ends_with(' ')) why.pop_back();
   const bool isNamed = std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
-  return Error("a window needs a display, and there is none{}; without one, palpate render makes a picture",
+  return Error("a window needs a display, and none was found{}; palpate render makes a picture without one",
                isNamed && !why.empty() ? fmt::format(" ({})", why) : "");
 }
 
@@ -30,7 +30,7 @@ std::vector<WindowEvent>& eventsOf(GLFWwindow* window) {
   return *static_cast<std::vector<WindowEvent>*>(glfwGetWindowUserPointer(window));
 }
 
-// Of the picture, in units of the window system.
+// Framebuffer pixels per unit of the window system.
 DVec2 pixelsPerUnit(GLFWwindow* window) {
   int width = 0, height = 0, across = 0, down = 0;
   glfwGetWindowSize(window, &width, &height);
@@ -47,7 +47,7 @@ std::optional<MouseButton> buttonOf(int number) {
 
 void listen(GLFWwindow* window) {
   glfwSetKeyCallback(window, [](GLFWwindow* from, int key, int scanCode, int action, int) {
-    // Letters as they stand on the person's keyboard, not on an American one.
+    // Letters by the user's keyboard layout, not by the US layout.
     const char* name = glfwGetKeyName(key, scanCode);
     if (name && name[0] >= 'a' && name[0] <= 'z' && name[1] == 0) key = GLFW_KEY_A + (name[0] - 'a');
     if (key >= 0) eventsOf(from).push_back(KeyEvent{key, action != GLFW_RELEASE});
@@ -163,7 +163,7 @@ double Window::scale() const {
 
 namespace {
 
-// Beside letters and digits.
+// In addition to letters and digits.
 constexpr std::array<std::pair<std::string_view, int>, 26> kKeyNames{{{"space", GLFW_KEY_SPACE},
                                                                       {"escape", GLFW_KEY_ESCAPE},
                                                                       {"enter", GLFW_KEY_ENTER},

@@ -13,41 +13,41 @@ struct GLFWwindow;
 
 namespace palpate {
 
-/// What a gamepad says: sticks -1 to 1 (right and up are positive), triggers 0 to 1.
+/// State of a gamepad: sticks -1 to 1 (right and up are positive), triggers 0 to 1.
 struct Gamepad {
   DVec2 left{0}, right{0};
   double leftTrigger = 0, rightTrigger = 0;
   bool a = false, b = false;
 };
 
-/// The window system, and one window on it. Throws Error where there is no display.
+/// The window system, and one window on it. Throws Error without a display.
 class Window {
  public:
-  /// One that is not visible only tells what could be shown.
+  /// An invisible window only serves to query presentation support.
   Window(const UVec2& size_px, const std::string& title, bool visible = true);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// The instance extensions that surface() needs; none where there is no way to show pictures of Vulkan.
+  /// Instance extensions that surface() requires; empty where the window system cannot present from Vulkan.
   std::vector<std::string> extensions() const;
   VkSurfaceKHR surface(const Instance& instance) const;
   GLFWwindow* handle() const { return window_; }
 
-  /// What has happened since the last call; waits for something for `wait_s` at most.
+  /// Events since the last call; waits up to `wait_s` for one.
   std::vector<WindowEvent> takeEvents(double wait_s = 0);
-  /// Of the picture; zero on a side while the window is minimised.
+  /// Size of the framebuffer; zero on a side while the window is minimised.
   UVec2 size_px() const;
   bool isMinimised() const;
   void resize(const UVec2& size_px);
   void minimise(bool on);
   void setTitle(const std::string& title);
-  /// The window system's own cursor.
+  /// Shows or hides the window system's cursor.
   void showCursor(bool on);
   std::optional<Gamepad> gamepad() const;
   std::string clipboard() const;
   void setClipboard(const std::string& text);
-  /// Pixels of the picture for each unit that a panel is laid out in.
+  /// Framebuffer pixels per layout unit of the panels.
   double scale() const;
 
  private:
@@ -55,10 +55,10 @@ class Window {
   std::vector<WindowEvent> events_;
 };
 
-/// The number of a key by its name in a script ("z", "space", "ctrl", "left", "f1", …), in any case; nothing for an
-/// unknown one.
+/// GLFW number of a key by its name in a script ("z", "space", "ctrl", "left", "f1", …), case-insensitive; nothing for
+/// an unknown name.
 std::optional<int> keyNamed(std::string_view name);
-/// All of them, in a line.
+/// All key names, in one line.
 std::string keyNames();
 
 }  // namespace palpate

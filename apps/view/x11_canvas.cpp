@@ -12,11 +12,11 @@ namespace palpate {
 
 namespace {
 
-constexpr unsigned long kRed = 0xff0000, kGreen = 0xff00, kBlue = 0xff;  // where blue is in the lowest byte
+constexpr unsigned long kRed = 0xff0000, kGreen = 0xff00, kBlue = 0xff;  // masks with blue in the lowest byte
 
 Display* displayOf(const X11Window& window) { return static_cast<Display*>(window.display); }
 
-// 8 bits of a colour where a visual has them, with as many bits as it has.
+// Converts an 8-bit channel to the bits of `mask`.
 unsigned long placed(std::uint32_t value, unsigned long mask) {
   const int bits = std::popcount(mask), at = std::countr_zero(mask);
   return (bits >= 8 ? (static_cast<unsigned long>(value) << (bits - 8)) : (value >> (8 - bits))) << at;
@@ -35,7 +35,7 @@ struct X11Canvas::Server {
   XWindowAttributes attributes{};
   GC context = nullptr;
   bool blueFirst = true, takesAsIs = false;
-  std::vector<char> packed;  // where the server does not take 32 bits a pixel as they are
+  std::vector<char> packed;  // converted pixels, if the server does not accept 32 bits per pixel directly
 };
 
 X11Canvas::X11Canvas(const X11Window& window) : server_(std::make_unique<Server>()) {
@@ -45,10 +45,10 @@ X11Canvas::X11Canvas(const X11Window& window) : server_(std::make_unique<Server>
   XGetWindowAttributes(x.display, x.window, &x.attributes);
   const Visual& visual = *x.attributes.visual;
   if (visual.c_class != TrueColor)
-    throw Error("the display has {} bits a pixel and no true colours; give it 16 bits or more", x.attributes.depth);
+    throw Error("the display has {} bits per pixel and no true colours; use 16 bits or more", x.attributes.depth);
   XImage* probe = XCreateImage(x.display, x.attributes.visual, static_cast<unsigned>(x.attributes.depth), ZPixmap, 0,
                                nullptr, 1, 1, 32, 0);
-  if (!probe) throw Error("the display takes no pictures of {} bits a pixel", x.attributes.depth);
+  if (!probe) throw Error("the display does not accept pictures of {} bits per pixel", x.attributes.depth);
   x.blueFirst = visual.red_mask != kBlue;
   x.takesAsIs =
       probe->bits_per_pixel == 32 && visual.green_mask == kGreen &&
@@ -65,8 +65,8 @@ void X11Canvas::put(std::span<const std::uint32_t> pixels, const UVec2& size_px)
   Server& x = *server_;
   XImage* image = XCreateImage(x.display, x.attributes.visual, static_cast<unsigned>(x.attributes.depth), ZPixmap, 0,
                                nullptr, size_px.x, size_px.y, 32, 0);
-  if (!image) throw Error("the display takes no picture of {} x {} pixels", size_px.x, size_px.y);
-  // Its bytes are ours, in our order; Xlib turns them round for a server that has another one.
+  if (!image) throw Error("the display does not accept a picture of {} x {} pixels", size_px.x, size_px.y);
+  // The bytes are in the host's order; Xlib swaps them for a server with another order.
   image->byte_order = std::endian::native == std::endian::little ? LSBFirst : MSBFirst;
   if (x.takesAsIs) {
     image->data = reinterpret_cast<char*>(const_cast<std::uint32_t*>(pixels.data()));
@@ -82,7 +82,7 @@ void X11Canvas::put(std::span<const std::uint32_t> pixels, const UVec2& size_px)
     }
   }
   XPutImage(x.display, x.window, x.context, image, 0, 0, 0, 0, size_px.x, size_px.y);
-  XSync(x.display, False);  // one picture under way at a time, however far the display is
+  XSync(x.display, False);  // one picture in flight at a time, also on a remote display
   image->data = nullptr;
   XDestroyImage(image);
 }

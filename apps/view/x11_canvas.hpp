@@ -8,16 +8,16 @@
 
 namespace palpate {
 
-/// A window of an X server, as the library that made it (Xlib) knows it. The display outlives whoever uses it.
+/// Xlib display and window. The display outlives its users.
 struct X11Window {
   void* display = nullptr;
   unsigned long window = 0;
 };
 
-/// Whether the server has an extension of that name.
+/// Whether the X server has an extension of that name.
 bool hasXExtension(const X11Window& window, const char* name);
 
-/// An X window as a place for pixels, near or far, of whatever depth. Throws Error where it has no true colours.
+/// Writes pixels to an X window, local or remote, of any depth. Throws Error for a display without true colours.
 class X11Canvas {
  public:
   explicit X11Canvas(const X11Window& window);
@@ -25,9 +25,9 @@ class X11Canvas {
   X11Canvas(const X11Canvas&) = delete;
   X11Canvas& operator=(const X11Canvas&) = delete;
 
-  /// Which order put() takes as it is: blue in the lowest byte, or red.
+  /// Channel order that put() accepts: blue in the lowest byte if true, else red.
   bool blueFirst() const;
-  /// Pixels of 32 bits, row by row from the top. Returns once the server has them.
+  /// Writes 32-bit pixels, row by row from the top. Returns once the server has received them.
   void put(std::span<const std::uint32_t> pixels, const UVec2& size_px);
 
  private:

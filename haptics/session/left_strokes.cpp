@@ -1,4 +1,4 @@
-// The part of unsaved strokes that the next program needs: what is left, and how a journal comes by it.
+// The part of unsaved strokes that the next program needs: finds the strokes and applies them to a journal.
 #include <algorithm>
 #include <charconv>
 #include <fstream>
@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kLog = "strokes-", kEnding = ".log", kKept = "model", kUnchanged = "unchanged",
                            kDamaged = ".damaged";
 
-// The number in the name of a log; 0 for what is none.
+// The number in the name of a log; 0 for other files.
 unsigned numberOf(const std::string& name) {
   if (!name.starts_with(kLog) || !name.ends_with(kEnding)) return 0;
   unsigned number = 0;
@@ -32,7 +32,7 @@ bool isSame(std::span<const PointState> states, std::span<const PointChange> cha
   return ours == theirs;
 }
 
-// Whether a change does what that turn of the journal does; if so, the journal has made it.
+// Whether a change equals an undo (or redo) of the journal; if so, the journal has applied it.
 bool isTurn(Journal& journal, std::span<const PointState> states, std::vector<PointChange> (Journal::*turn)(),
             std::vector<PointChange> (Journal::*opposite)()) {
   const std::vector<PointChange> changes = (journal.*turn)();
@@ -47,7 +47,7 @@ LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
   std::filesystem::path log;
   std::size_t most = 0;
   SessionRecord best;
-  // The last one, unless the program has ended before all of the one before it was there.
+  // The last log, unless the program ended before that log contained all of the log before it.
   std::optional<FileError> failure;
   for (const unsigned number : folder->logs()) {
     SessionRecord record;
@@ -65,7 +65,7 @@ LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
   if (log.empty() && failure) throw *failure;
   left.session = parseHeader(log, best.text);
   requireEditsOf(log, left.session.points, best);
-  best.end.emplace();  // that it did not come to its end is no news
+  best.end.emplace();  // a missing end is expected and not reported
   left.lacks = whatIsMissing(best);
   left.edits = std::move(best.edits);
   const std::vector<EditMark>& marks = left.edits.marks;
@@ -83,7 +83,7 @@ LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
 std::unique_ptr<StrokeFolder> StrokeFolder::open(const std::filesystem::path& folder) {
   std::unique_ptr<StrokeFolder> opened(new StrokeFolder);
   opened->path_ = folder;
-  // A folder without it is being made.
+  // A folder without a lock file is still being made.
   const std::filesystem::path lock = folder / "lock";
   std::error_code ignored;
   if (!std::filesystem::exists(lock, ignored) || !opened->lock_.take(lock)) return nullptr;
@@ -171,8 +171,8 @@ ModelConfig LeftStrokes::model() const {
 void LeftStrokes::requireModel(const Model& model) const {
   if (model.cloud.size() != session.points || checksumOf(model) != session.checksum)
     throw FileError(session.config.model.file,
-                    "has changed since the strokes were made on it that were not saved; they stay, and are offered "
-                    "again: put the file back as it was");
+                    "has changed since its unsaved strokes were made; they are kept, and offered again: restore the "
+                    "original file");
 }
 
 std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
@@ -194,8 +194,8 @@ std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
       else if (left.lacks.empty())
         left.folder->remove();
     } catch (const std::exception& error) {
-      say(fmt::format("strokes that were not saved cannot be offered, and are put aside in {}: {}",
-                      folder->putAside().string(), error.what()));
+      say(fmt::format("unsaved strokes cannot be read, and are kept in {}: {}", folder->putAside().string(),
+                      error.what()));
     }
   }
   std::ranges::sort(all, std::ranges::greater(), &LeftStrokes::made);
@@ -213,7 +213,7 @@ void followAgain(Journal& journal, const EditBatch& edits) {
     if (mayBeTurn && isTurn(journal, states, &Journal::redo, &Journal::undo)) continue;
     journal.follow({.points = {states.begin(), states.end()}, .marks = {{states.size(), mark.kind}}});
   }
-  // What was under way when the program ended is a stroke, too.
+  // The unfinished stroke at the program's end counts as a stroke.
   const auto rest = all.subspan(begin);
   if (!rest.empty())
     journal.follow({.points = {rest.begin(), rest.end()}, .marks = {{rest.size(), EditMark::Kind::stroke}}});

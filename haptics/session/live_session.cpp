@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kParked = 3;  // longest sides from the middle of the model: where a lifted stylus waits
+constexpr double kParked = 3;  // distance of a lifted stylus from the middle of the model, in longest sides
 
 WorkspaceMap mapFor(const Model& model, const Bounds& bounds) {
   return {.scale = model.scale.toUnits(1), .offset = model.cloud.origin + bounds.center()};
@@ -26,7 +26,7 @@ bool canBeSculpted(const SessionConfig& config, const Model& model) {
   return Abilities(modelKindOf(config, model)).allow(Action::sculpt);
 }
 
-// A model at rest is prepared for brushes that follow the first one. A soft body takes one at any time.
+// A model at rest is built with a brush, so that later brushes are possible. A soft body accepts one at any time.
 SessionConfig withBrush(SessionConfig config, const Model& model) {
   config.realtime = true;
   if (config.join && !canBeSculpted(config, model)) config.brush.reset();
@@ -71,7 +71,7 @@ LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts 
   start();
 }
 
-// Only for files, which can be read again.
+// Only for files: a model from another source cannot be read again.
 void LiveSession::keepUnsaved(const SessionConfig& config) {
   if (modelKindOf(config, model()) != ModelKind::cloud || isRosModel(file())) return;
   unsaved_.emplace(options_.unsavedIn, model());
@@ -97,7 +97,7 @@ LiveSession::~LiveSession() {
   if (saving_.running.valid()) saving_.running.wait();
   try {
     if (!servo_.lost) session_.deliver();
-  } catch (const std::exception&) {  // the session is over
+  } catch (const std::exception&) {  // nothing to report: the session is over
   }
 }
 
@@ -121,7 +121,7 @@ void LiveSession::start() {
                                                                .forcesOn = &servo_.forcesOn,
                                                                .recorder = &seen_.feed});
       if (result.deviceFailed) servo_.fault = result.fault;
-      if (result.queryLost) servo_.fault = machine() + " was lost: what it gave before is kept";
+      if (result.queryLost) servo_.fault = machine() + " was lost; earlier results are kept";
     } catch (const std::exception& error) {
       servo_.fault = error.what();
     }
@@ -130,7 +130,7 @@ void LiveSession::start() {
   });
 }
 
-// Once only: the clock may be another session's by now.
+// Releases the clock once only: another session may already use it.
 void LiveSession::stop() {
   if (!servo_.thread.joinable()) return;
   servo_.stop = true;
@@ -185,7 +185,7 @@ std::optional<std::string> LiveSession::follow() {
 }
 
 std::optional<std::string> LiveSession::tickUntil(double clock_s) {
-  // The back end keeps the edits of some ticks until they are taken.
+  // Short steps: the back end stores the edits of a limited number of ticks until they are taken.
   constexpr double kTaken_s = 0.005;
   std::optional<std::string> failure;
   while (!servo_.lost && !failure && servo_.clock_s < clock_s) {
@@ -211,13 +211,13 @@ std::optional<bool> LiveSession::holdFrames() {
 }
 
 Model LiveSession::handOn() {
-  if (servo_.lost) throw Error("{}: the session has ended; what it has can be saved", file());
+  if (servo_.lost) throw Error("{}: the session has ended; its points can be saved", file());
   endRecording();
   return between([&] {
     const Model& had = model();
     std::shared_ptr<PlayedStream> stream = session_.releaseStream(servo_.next_s);
     if (!stream && isHeldStill()) stream = std::make_shared<PlayedStream>(std::exchange(*had.stream, {}));
-    // The surface is felt as it was: with the same scale and spacing.
+    // Scale and spacing stay, so that the surface feels the same.
     return Model{.cloud = session_.sculpted().cloud,
                  .scale = had.scale,
                  .spacing = had.spacing,
@@ -278,7 +278,7 @@ StrokeCounts LiveSession::strokes() const {
 
 void LiveSession::save(const std::string& file) {
   if (isSaving()) throw Error("{}: the last save is still being written", file);
-  // What moves by itself is in no journal.
+  // The journal does not contain the points of a model that moves.
   std::optional<PointCloud> present;
   const auto look = [&] {
     if (config().moves()) present = session_.sculpted().cloud;
@@ -324,7 +324,7 @@ void LiveSession::record(const std::string& log) {
   endRecording();
   between([&] {
     session_.record(log, hand());
-    // As a replay begins: with a stylus that was put down nowhere yet.
+    // A replay begins with a stylus that has had no contact yet.
     session_.backend().resetHand(0);
     session_.recording()->beginAt(servo_.next_s);
   });
@@ -348,7 +348,7 @@ std::optional<std::string> LiveSession::takeRecordingFault() {
 std::vector<std::string> LiveSession::play(const std::string& log) {
   SessionRecord record = readSessionLog(log);
   const RecordedSession recorded = parseHeader(log, record.text);
-  if (record.ticks.empty()) throw FileError(log, "has no whole tick; there is nothing to play");
+  if (record.ticks.empty()) throw FileError(log, "contains no complete tick; there is nothing to play");
   std::vector<std::string> lacks = whatIsMissing(record);
   endRecording();
   between([&] {

@@ -1,4 +1,4 @@
-// A session that a person plays with: it runs on a thread of its own, and brush, feel, hand and log change meanwhile.
+// An interactive session: it runs on its own thread while brush, surface, force, hand and recording change.
 #pragma once
 
 #include <atomic>
@@ -19,133 +19,132 @@
 namespace palpate {
 
 struct LiveOptions {
-  /// In a person's hand, in place of the guided stylus; it goes from model to model.
+  /// The device that a person holds; it replaces the guided stylus and is passed on from model to model.
   std::shared_ptr<TurnedDevice> device;
   HapticDeviceFacts deviceFacts;
-  /// Of the ticks, in place of the machine's; it goes from model to model.
+  /// Clock of the ticks; it replaces the machine's and is passed on from model to model.
   std::shared_ptr<SteppedClock> clock;
-  /// Where strokes are kept that are not saved, for the next program should this one end; empty: nowhere.
+  /// Folder in which unsaved strokes are kept for the next program, in case this one ends; empty: they are not kept.
   std::filesystem::path unsavedIn;
-  /// Those on this model that a program before has left: the session goes on with them. Null: there are none.
+  /// Unsaved strokes of an earlier program on this model, with which the session continues; null: none.
   std::shared_ptr<const LeftStrokes> left;
 };
 
-/// Throws FileError where there is nothing to touch.
+/// Throws FileError where the model contains no points.
 void requirePoints(const Model& model, const std::string& file);
 
-/// A model while it is felt, seen and sculpted, against the wall clock and without end. All but the constructor is for
-/// one thread, which shows it; the constructor may run on another one before.
+/// Lets a person feel, see and sculpt a model, against the wall clock and without end. All but the constructor is for
+/// one thread, the one that shows the model; the constructor may run on another thread.
 class LiveSession {
  public:
-  /// Builds everything. A configuration without a brush only feels until another one comes. Throws Error.
+  /// Builds everything. Without a brush in the configuration the surface is only felt until setBrush(). Throws Error.
   LiveSession(const SessionConfig& config, Model model, SessionParts parts, const LiveOptions& options);
   ~LiveSession();
   LiveSession(const LiveSession&) = delete;
   LiveSession& operator=(const LiveSession&) = delete;
 
   const Model& model() const { return session_.model(); }
-  const SurfaceOptions& surface() const { return session_.surface(); }  ///< as it is felt, model units
+  const SurfaceOptions& surface() const { return session_.surface(); }  ///< in model units
   const SessionConfig& config() const { return session_.config(); }
   const std::string& file() const { return config().model.file; }
-  /// Of the model as it was loaded, model units relative to its origin.
+  /// Bounds of the model as loaded, model units relative to its origin.
   const Bounds& bounds() const { return bounds_; }
   double longestSide() const { return bounds_.longestSide(); }
-  /// Throws what went wrong with who follows the edits.
+  /// Throws the failure of the follower of the edits, if it failed.
   void checkFollower() const { session_.checkFollower(); }
   std::string machine() const { return session_.backend().machine(); }
 
-  /// Once for each picture: takes in what the servo thread has done, to the ticks and to the points. Says what went
-  /// wrong since the last time; the session ends with it.
+  /// Called once per frame: takes in the ticks and the edits of the servo thread. Returns what failed since the last
+  /// call; the session ends with a failure.
   std::optional<std::string> follow();
-  /// With a clock of its own: plays the ticks until then, and follows.
+  /// With LiveOptions::clock: runs the ticks up to that time, and follows.
   std::optional<std::string> tickUntil(double clock_s);
   const TickHistory& history() const { return seen_.history; }
-  /// Of the servo thread, where it last was; negative before its first tick.
+  /// Core that the servo thread last ran on; negative before its first tick.
   int servoCore() const { return seen_.feed.core(); }
-  /// What was done to the points since the last call, by whatever: for one who follows with a picture of his own.
+  /// All changes of the points since the last call (edits, undo, others' edits), for a caller with its own drawn copy.
   EditBatch takeBatch() { return std::exchange(seen_.batch, {}); }
-  std::uint64_t edits() const { return seen_.edits; }  ///< states of points so far
+  std::uint64_t edits() const { return seen_.edits; }  ///< number of point states so far
   bool isTouching() const { return !servo_.lost; }
 
-  /// Nothing touches it until goOn(): another session may use what its back end and its device do.
+  /// Stops the ticks until goOn(), so that another session may use the same GPU queues and the same device.
   void park();
   void goOn();
 
-  // The guided stylus; places in file coordinates. Without effect where a person holds a device.
+  // The guided stylus; positions in file coordinates. No effect where a person holds a device.
   void aim(const DVec3& place, bool sculpts = true) { stylus_.aim(place, sculpts); }
   void lift() { stylus_.lift(); }
   void setForces(bool on) { servo_.forcesOn = on; }
   bool forcesOn() const { return servo_.forcesOn; }
 
-  /// The hand is without force for a moment. Ends a recording, which is of one brush and one feel.
+  /// The hand is without force for a moment. Ends a recording, which has one brush, one surface and one force law.
   void setBrush(const std::optional<BrushConfig>& brush);
   void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
 
-  /// A parameter of a simulation, from the next step on (Session::setParameter()). Ends a recording.
+  /// Sets a parameter of a simulation from the next step on (Session::setParameter()). Ends a recording.
   void setParameter(std::string_view name, double value);
 
-  /// Holds the frames of a depth camera, or lets them go on; the hand is without force for a moment. Whether they are
-  /// held now; nothing where none are played.
+  /// Pauses or resumes the frames of a depth camera; the hand is without force for a moment. Returns whether they are
+  /// paused now; nothing where no frames are played.
   std::optional<bool> holdFrames();
-  /// Recorded, while they are held: the next one.
+  /// Goes to the next frame of a recorded camera while the frames are paused.
   void stepFrame();
-  /// Whether frames are held.
+  /// Whether frames are paused.
   bool holdsFrames() const { return held_; }
-  /// Whether the points are those of a camera whose frames are held for as long as a person sculpts them (handOn()).
+  /// Whether the points are a camera's frame that is paused while a person sculpts it (handOn()).
   bool isHeldStill() const { return !config().stream && model().stream && model().stream->player; }
-  /// Where others feel and sculpt the model, too; null where nobody does.
+  /// Exchanges edits with the other participants of a shared session; null where the model is not shared.
   SharedFollower* shared() { return session_.shared(); }
   const SharedFollower* shared() const { return session_.shared(); }
-  /// Where the hands and cameras of others are, and this program's; null where it was not joined.
+  /// Hands and cameras of the other participants, and this program's; null where no session was joined.
   SharedPresence* presence() const { return session_.presence(); }
-  /// What brings the points around the hands, where somebody else has all of them; null elsewhere.
+  /// Fetches the points around the hands from the server that has the whole model; null for a local model.
   FarCloud* far() const { return session_.far(); }
-  /// Of a model that moves by itself; null where it does not.
+  /// Control of a simulation; null where the model is not simulated.
   SimulationControl* simulation() const { return session_.simulation(); }
-  /// The points as they are, as a model: of a camera, with its frames, which are held from now on and which this
-  /// session has no more. A session whose configuration has no stream sculpts the points; one that has it goes on from
-  /// them once it lets its frames go on. Throws what a query could not.
+  /// The present points as a model; a camera's with its stream, which is paused and leaves this session. A session
+  /// without a configured stream sculpts the points; one with a stream continues from them. Throws query failures.
   Model handOn();
-  /// Session::releaseStream(), from now on.
+  /// Session::releaseStream() at the time of the next tick.
   std::shared_ptr<PlayedStream> releaseStream();
   /// Session::playCounts().
   std::optional<PlayCounts> playCounts() const { return session_.playCounts(); }
   /// Session::playedView().
   std::optional<PlayedView> playedView() const { return session_.playedView(); }
   const Journal& journal() const { return *journal_; }
-  /// False where there is nothing to take back, or to do again.
+  /// False where there is nothing to undo, or to redo.
   bool undo() { return undoStrokes(1, 0); }
   bool redo();
-  /// Of the points, or of the shape in which a soft body rests.
+  /// Strokes on the points, or on the rest shape of a soft body.
   StrokeCounts strokes() const;
 
-  /// Whether the points, or that shape, are others than those that were loaded, or saved last.
+  /// Whether the points, or that shape, differ from what was loaded or saved last.
   bool isChanged() const { return strokes().version != saving_.saved; }
-  /// Writes the points as they are, on a thread of its own. A file that would lose something by it is kept.
+  /// Writes the present points on another thread. A file that would lose data by this is kept under another name.
   void save(const std::string& file);
   bool isSaving() const { return saving_.running.valid(); }
-  /// What came of save(), once it is done: the file, as what an older one is kept, or what went wrong.
+  /// Result of save(): the file and the name that an older one is kept under, or the failure.
   struct Saved {
     std::string file, kept, failure;
   };
   std::optional<Saved> takeSaved();
 
-  /// What the model is for a person, where its strokes are kept.
+  /// Sets the file name that unsaved strokes are later offered under.
   void setDocument(const std::string& file);
-  /// The strokes are not wanted any more, saved or not: those that are kept for the next program are removed.
+  /// Removes the strokes that are kept for the next program, saved or not.
   void leaveStrokes();
-  /// Why they cannot be kept, once.
+  /// Why unsaved strokes cannot be kept; returned once.
   std::optional<std::string> takeUnsavedFault();
 
-  /// Session logs. A log says how the session goes from the model's file on, with one brush: it begins before the first
-  /// edit, and ends with the next change of a setting. Throws Error.
+  /// Records a session log. A log starts from the model's file and has one brush: it begins before the first edit and
+  /// ends with the next change of a setting. Throws Error.
   void record(const std::string& log);
   bool isRecording() const { return session_.recording() != nullptr; }
-  /// What cannot be written into the recording, once.
+  /// Why the recording cannot be written; returned once.
   std::optional<std::string> takeRecordingFault();
-  /// Throws FileError where not all could be written and takeRecordingFault() has not said so.
+  /// Throws FileError where not all was written and takeRecordingFault() has not reported it.
   void endRecording();
-  /// Plays the hand of a recorded session; the guided stylus has no say meanwhile. Says what the log lacks.
+  /// Plays the hand of a recorded session; the guided stylus is ignored meanwhile. Returns the gaps of the log.
   std::vector<std::string> play(const std::string& log);
   bool isPlaying() const { return playing_.has_value(); }
   void endPlaying();
@@ -153,7 +152,7 @@ class LiveSession {
  private:
   void start();
   void stop();
-  // With the servo thread at rest, and all that it has done taken in.
+  // Calls `act` with the servo thread stopped and all its ticks and edits taken in.
   template <class Do>
   auto between(Do&& act) {
     stop();
@@ -182,7 +181,7 @@ class LiveSession {
   GuidedTouch stylus_;
   WorkspaceMap map_;
 
-  // What the servo thread has done, as the one who shows it has taken it in.
+  // Results of the servo thread, as taken in by the thread that shows the model.
   struct Seen {
     explicit Seen(double period_s) : history(period_s) {}
     TickFeed feed;
@@ -192,7 +191,7 @@ class LiveSession {
     std::uint64_t edits = 0;
   } seen_;
 
-  // Another hand's recording, while it is played.
+  // The recorded hand that is being played.
   struct Playing {
     std::unique_ptr<HapticDevice> device;
     WorkspaceMap map;
@@ -203,16 +202,16 @@ class LiveSession {
   std::optional<UnsavedStrokes> unsaved_;
   struct Saving {
     std::future<Saved> running;
-    std::uint64_t version = 0, saved = 0;  // of the strokes
+    std::uint64_t version = 0, saved = 0;  // of the strokes: being saved, saved last
   } saving_;
 
   struct Servo {
     std::atomic<bool> forcesOn = true, stop = false, ended = false;
     bool lost = false;
     double next_s = 0, clock_s = 0;
-    std::string fault;  // once it has ended
+    std::string fault;  // valid once it has ended
     std::jthread thread;
-  } servo_;  // goes first
+  } servo_;  // destroyed first
 };
 
 }  // namespace palpate

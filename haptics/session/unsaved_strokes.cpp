@@ -13,8 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr double kBetweenWrites_s = 0.1;
-// So that a log does not grow without end: one that is longer than this, and than so many times the cloud, begins anew
-// with the points as they are.
+// Limit of a log's growth: a log with more states than kMaxStates and than kMaxClouds times the cloud is replaced by a
+// new one that begins with the present points.
 constexpr std::uint64_t kMaxStates = 1 << 24, kMaxClouds = 4;
 
 }  // namespace
@@ -29,7 +29,7 @@ StrokeFolder::StrokeFolder(const std::filesystem::path& root) {
     if (failed) throw FileError(path_, "cannot be made: " + failed.message());
     if (isNew && lock_.take(path_ / "lock")) return;
     constexpr int kMax = 1000;
-    if (number == kMax) throw FileError(path_, "cannot be held by one program alone");
+    if (number == kMax) throw FileError(path_, "cannot be locked");
   }
 }
 
@@ -38,7 +38,7 @@ UnsavedStrokes::~UnsavedStrokes() {
     if (making_.valid()) writer_ = making_.get();
     if (writer_) writePending();
     writer_.reset();
-  } catch (...) {  // what is in the log stays
+  } catch (...) {  // the log keeps what was written before
   }
 }
 
@@ -51,7 +51,7 @@ StrokeFolder& UnsavedStrokes::folder() {
 void UnsavedStrokes::fail(const std::string& what) {
   failed_ = true;
   const std::scoped_lock hold(faultLock_);
-  fault_ = "strokes are no longer kept until they are saved, and would be lost with this program: " + what;
+  fault_ = "unsaved strokes are no longer kept on disk, and would be lost if this program ended: " + what;
 }
 
 std::optional<std::string> UnsavedStrokes::takeFault() {
@@ -68,7 +68,7 @@ void UnsavedStrokes::adopt(const LeftStrokes& left) {
   begin(left.edits);
 }
 
-// The last log is there until the new one has all of it.
+// The last log is removed only when the new one contains all of it.
 void UnsavedStrokes::begin(EditBatch initial) {
   ++number_;
   wasKept_ = true;
@@ -125,7 +125,7 @@ void UnsavedStrokes::saved() {
   folder().removeLogs(number_ + 1);
 }
 
-// Said before what is done again is written, and after what was undone is.
+// The note is cleared before new changes are written, and set only after undone ones are written.
 void UnsavedStrokes::noteUnchanged(bool on) {
   if (std::exchange(unchanged_, on) != on) folder().setUnchanged(on);
 }

@@ -1,5 +1,5 @@
-// Strokes that are in no file yet: a session log without ticks has them while they are made, so that the next program
-// can go on with them where this one ends without having saved them.
+// Unsaved strokes: they are written to a session log without ticks as they are made, so that the next program can
+// continue with them if this one ends without saving.
 #pragma once
 
 #include <atomic>
@@ -24,30 +24,30 @@ class Journal;
 struct Model;
 struct ModelConfig;
 
-/// A folder with the strokes on one model, which one program has at a time.
+/// A folder with the strokes on one model, locked by one program at a time.
 class StrokeFolder {
  public:
-  /// A new one in `root`. Throws FileError.
+  /// Makes a new folder in `root`. Throws FileError.
   explicit StrokeFolder(const std::filesystem::path& root);
-  /// One that is there; null where a program that runs has it.
+  /// Opens an existing folder; null where a running program has locked it.
   static std::unique_ptr<StrokeFolder> open(const std::filesystem::path& folder);
 
   const std::filesystem::path& path() const { return path_; }
-  /// The log of that number; a later one has all that those before it have.
+  /// The log of that number; each log contains everything of the logs before it.
   std::filesystem::path log(unsigned number) const;
-  /// Numbers of those that are there, in order.
+  /// Numbers of the existing logs, ascending.
   std::vector<unsigned> logs() const;
   void removeLogs(unsigned before);
-  /// The model's file as it was when the strokes began; empty where it is where it was.
+  /// The model's file as it was before it was replaced; empty where it was not replaced.
   std::filesystem::path keptModel() const;
-  /// Whether the logs have nothing that the model's file has not, as where all strokes are undone.
+  /// Whether the logs add nothing to the model's file, e.g. because all strokes are undone.
   bool isUnchanged() const;
   void setUnchanged(bool on);
-  /// Keeps that file, which is about to be replaced. Throws FileError.
+  /// Keeps that file before it is replaced. Throws FileError.
   void keepModel(const std::filesystem::path& file);
-  /// With all that is in it.
+  /// Removes the folder with its contents.
   void remove();
-  /// Under another name, where nobody looks for strokes. Where it is then; it stays where it was if that is impossible.
+  /// Renames the folder so that it is no longer searched for strokes. Returns its path, unchanged if that fails.
   std::filesystem::path putAside();
 
  private:
@@ -57,7 +57,7 @@ class StrokeFolder {
   FileLock lock_;
 };
 
-/// What a program that has ended has left in such a folder.
+/// Strokes that an earlier program left in such a folder.
 struct LeftStrokes {
   std::shared_ptr<StrokeFolder> folder;
   RecordedSession session;
@@ -66,46 +66,46 @@ struct LeftStrokes {
   std::filesystem::file_time_type made;
   std::vector<std::string> lacks;  ///< a sentence for each gap
 
-  /// What their model was for the person.
+  /// The file name under which the strokes are offered.
   const std::string& document() const;
-  /// The model, with its own file.
+  /// The model, read from the kept file if there is one.
   ModelConfig model() const;
-  /// Throws FileError where it is another one than the strokes were made on.
+  /// Throws FileError where `model` is not the one that the strokes were made on.
   void requireModel(const Model& model) const;
 };
-/// All that is left in `root`, the latest first. Folders with nothing in them are removed, and so are those whose
-/// strokes were all undone. `say` hears of those that cannot be read, which are put aside, under another name.
+/// All strokes left in `root`, the latest first. Removes folders that are empty or whose strokes were all undone.
+/// Folders that cannot be read are renamed and reported to `say`.
 std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
                                      const std::function<void(const std::string&)>& say);
-/// Has a journal of the model follow what was done to it, strokes that were taken back or made again included.
+/// Applies recorded edits to a journal of the model, undone and redone strokes included.
 void followAgain(Journal& journal, const EditBatch& edits);
 
-/// Keeps the strokes of a session. Nobody waits for it: files are made and written on threads of their own. All but
+/// Keeps the strokes of a session. It does not delay the caller: files are made and written on other threads. All but
 /// keepModel() is for one thread.
 class UnsavedStrokes {
  public:
   /// `model` outlives it.
   UnsavedStrokes(std::filesystem::path root, const Model& model) : root_(std::move(root)), model_(model) {}
-  /// What it has stays for the next program, unless it was removed.
+  /// The files stay for the next program, unless remove() was called.
   ~UnsavedStrokes();
   UnsavedStrokes(const UnsavedStrokes&) = delete;
   UnsavedStrokes& operator=(const UnsavedStrokes&) = delete;
 
-  /// What the session is, from which its model comes again.
+  /// Sets the session's description, from which the next program reads the model again.
   void describe(RecordedSession session) { session_ = std::move(session); }
   void setDocument(const std::string& file) { session_.document = file; }
-  /// Goes on with what another program has left, in its folder.
+  /// Continues the strokes of an earlier program, in its folder.
   void adopt(const LeftStrokes& left);
-  /// `fresh`: what was done since the last call, which the journal has. `isChanged`: whether the points are others than
-  /// those of their file.
+  /// `fresh`: edits since the last call, already in the journal. `isChanged`: whether the points differ from those of
+  /// their file.
   void follow(const EditBatch& fresh, const Journal& journal, bool isChanged);
-  /// The points are in a file as they are.
+  /// Called when the present points have been saved.
   void saved();
-  /// The model's file is about to be replaced. For any thread.
+  /// Called before the model's file is replaced, from any thread.
   void keepModel();
-  /// Nothing of them is wanted any more.
+  /// Removes all kept strokes.
   void remove();
-  /// What cannot be written, in words, once.
+  /// Why strokes cannot be written; returned once.
   std::optional<std::string> takeFault();
 
  private:
@@ -121,17 +121,17 @@ class UnsavedStrokes {
   std::filesystem::path root_;
   const Model& model_;
   RecordedSession session_;
-  std::mutex folderLock_;  // of
+  std::mutex folderLock_;  // protects folder_
   std::shared_ptr<StrokeFolder> folder_;
   unsigned number_ = 0;     // of the last log
-  bool unchanged_ = false;  // as the folder has it
-  bool wasKept_ = false;    // so that the points before the next stroke may be others than the model's
+  bool unchanged_ = false;  // as noted in the folder
+  bool wasKept_ = false;    // if so, the points before the next stroke may differ from the model's
   std::future<std::unique_ptr<SessionWriter>> making_;
   std::unique_ptr<SessionWriter> writer_;
   EditBatch pending_;
   Stopwatch sinceWritten_;
   std::uint64_t states_ = 0;  // in the log
-  std::mutex faultLock_;      // of
+  std::mutex faultLock_;      // protects fault_
   std::optional<std::string> fault_;
   std::atomic<bool> failed_ = false;
 };

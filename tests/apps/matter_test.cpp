@@ -257,7 +257,7 @@ TEST_CASE("the window plays, pauses and restarts water, saves it beside the scen
   CHECK(moved > 0.005);
   CHECK(apart("held.png", "still.png") < 0.1 * moved);
   CHECK(apart("begin.png", "again.png") < 0.8 * apart("later.png", "again.png"));
-  CHECK(played->state("held.json")["last_message"] == "the scene is held");
+  CHECK(played->state("held.json")["last_message"] == "the scene is paused");
   const std::string message = played->state("tool.json")["last_message"];
   CHECK_MESSAGE(message.find("cannot be sculpted") != std::string::npos, message);
   CHECK(played->state("saved.json")["save_file"] == "dam.ply");
@@ -295,7 +295,7 @@ TEST_CASE("the window changes gravity, viscosity and gain while water moves, and
   CHECK(says(played->state("refused.json")["last_message"], "salt: is not a parameter of water"));
   CHECK(says(played->state("bounds.json")["last_message"], "gain: is -1; it must be from 0 to 1000"));
   CHECK(played->state("bounds.json")["parameters"] == set);
-  CHECK(says(played->state("reset.json")["last_message"], "the scene begins anew"));
+  CHECK(says(played->state("reset.json")["last_message"], "the scene restarts"));
   CHECK(played->state("reset.json")["parameters"] == set);
 }
 

@@ -154,7 +154,7 @@ TEST_CASE("a window shows the others' cameras, shows them its own, publishes it 
 TEST_CASE("--hide-camera requires --join") {
   const Outcome outcome = palpate("view a.ply --hide-camera");
   CHECK(outcome.code == 2);
-  CHECK(outcome.text.find("--hide-camera: is for --join") != std::string::npos);
+  CHECK(outcome.text.find("--hide-camera: requires --join") != std::string::npos);
 }
 
 }  // namespace palpate::onlookers_test

@@ -208,7 +208,7 @@ TEST_CASE("the window plays a recording") {
   };
   CHECK(differing("begin.png", "later.png") > 100);
   CHECK(differing("held.png", "stillheld.png") < 20);
-  CHECK(jsonOf(played->folder / "end.json")["last_message"] == "frames are held");
+  CHECK(jsonOf(played->folder / "end.json")["last_message"] == "frames are paused");
 }
 
 TEST_CASE("the window sculpts, undoes and saves a held frame, and playback continues") {
@@ -246,7 +246,7 @@ TEST_CASE("the window sculpts, undoes and saves a held frame, and playback conti
   CHECK(carved["undoable"] == 1);
   CHECK(played->state("undone.json")["undoable"] == 0);
   CHECK(std::filesystem::exists(played->folder / "carved.ply"));
-  CHECK(played->outcome.text.find("frames go on") != std::string::npos);
+  CHECK(played->outcome.text.find("frames continue") != std::string::npos);
   CHECK(played->state("on.json")["edits"] == 0);
 }
 

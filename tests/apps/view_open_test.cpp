@@ -110,11 +110,11 @@ TEST_CASE("a model saved under another name has that file from then on, and a fi
     CHECK(played->state(name)["model"] == mine);
     CHECK(played->state(name)["save_file"] == mine);
   }
-  CHECK(says(std::string(played->state("nothing.json")["last_message"]), "mine.ply has the points as they are"));
+  CHECK(says(std::string(played->state("nothing.json")["last_message"]), "mine.ply already contains these points"));
   CHECK(says(std::string(played->state("none.json")["last_message"]), "none.ply"));
   CHECK(played->state("scaled.json")["mm_per_unit"] != played->state("saved.json")["mm_per_unit"]);
   CHECK(played->state("scaled.json")["measured"] > 0);  // and is still shown
-  CHECK(says(std::string(played->state("again.json")["last_message"]), "mine.ply has the points as they are"));
+  CHECK(says(std::string(played->state("again.json")["last_message"]), "mine.ply already contains these points"));
   CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));
   CHECK(contentOf(played->folder.path() / "sphere.ply") == contentOf(played->folder.path() / "kept.ply"));
   CHECK(contentOf(played->folder.path() / "state" / "palpate" / "recent").starts_with(mine));

@@ -105,7 +105,7 @@ TEST_CASE("a window ended by SIGTERM keeps its strokes, which can be discarded o
   if (!hasDisplay()) return;
   Struck struck;
   strike(struck, SIGTERM, std::string(kTwoStrokes) + "1.9 save %/copy.ply\n2.1 key ctrl+z\n");
-  CHECK(says(contentOf(struck.folder.path() / "said"), "is kept, and offered"));
+  CHECK(says(contentOf(struck.folder.path() / "said"), "are kept, and offered"));
   CHECK(jsonOf(struck.folder.path() / "end.json")["model"] == (struck.folder.path() / "copy.ply").string());
   CHECK(struck.later("0.2 click Ask again later\n0.4 state %/later.json\n")["asks_about_strokes"] == true);
   CHECK(jsonOf(struck.folder.path() / "later.json")["asks_about_strokes"] == false);
@@ -166,7 +166,7 @@ TEST_CASE("sculpting continues when the disk for unsaved strokes is full, and on
   CHECK(second["undoable"] == 2);
   CHECK(second["edits"] > first["edits"]);
   REQUIRE(first["errors"].size() == 1);
-  CHECK(says(std::string(first["errors"][0]), "strokes are no longer kept until they are saved"));
+  CHECK(says(std::string(first["errors"][0]), "unsaved strokes are no longer kept on disk"));
   CHECK(second["errors"].empty());  // the error was closed, and is not repeated
 }
 

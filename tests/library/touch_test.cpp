@@ -101,7 +101,7 @@ TEST_CASE("an invalid path is refused with its row, and nothing is written beyon
   std::uint64_t count = 7;
   pp_path path = pathOf(rows, 4);
   CHECK(pp_path_ticks(ball.session, &path, &count) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("row 2"));
+  CHECK(lastErrorSays("pose 2 of 3"));
   rows[8] = 0.02;
   PP_CHECK_OK(pp_path_ticks(ball.session, &path, &count));
   CHECK(count == 21);

@@ -79,13 +79,12 @@ TEST_CASE("a name that ends in .jpg or .jpeg gives a JPEG of the same picture") 
 
 TEST_CASE("a name with an unknown extension is refused with the list of formats") {
   const ScratchFolder folder;
-  for (const char* name : {"a.tif", "b.png.bak", "c.pngx"}) {
+  for (const char* name : {"a.tif", "b.png.bak", "c.pngx", "bare"}) {
     CHECK_THROWS_WITH_AS(writeImage(folder / name, testImage(2, 2)), doctest::Contains(".jpg"), UsageError);
     CHECK_FALSE(std::filesystem::exists(folder / name));
   }
-  writeImage(folder / "bare", testImage(2, 2));
   writeImage(folder / "LOUD.PNG", testImage(2, 2));
-  for (const char* name : {"bare", "LOUD.PNG"}) CHECK(bytesOf(folder / name).starts_with("\x89PNG"));
+  CHECK(bytesOf(folder / "LOUD.PNG").starts_with("\x89PNG"));
 }
 
 TEST_CASE("a PFM contains the depths bit by bit, bottom row first") {
