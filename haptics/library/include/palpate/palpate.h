@@ -183,7 +183,7 @@ typedef struct pp_attribute {
 /* Number of such attributes, and one of them by its index from 0. */
 PP_API pp_status pp_cloud_attribute_count(pp_cloud cloud, uint64_t* count);
 PP_API pp_status pp_cloud_get_attribute(pp_cloud cloud, uint64_t index, pp_attribute* attribute);
-/* Closes the handle. Sessions and views of other handles are not affected. */
+/* Closes the handle and invalidates its views; sessions of the cloud are not affected. */
 PP_API pp_status pp_cloud_close(pp_cloud cloud);
 
 /* --- GPUs. -------------------------------------------------------------------------------------------------------- */
