@@ -1,4 +1,4 @@
-// The C interface: clouds, and the GPUs that there are.
+// The C interface: clouds, and the list of GPUs.
 #include <algorithm>
 #include <cstring>
 

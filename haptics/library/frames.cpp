@@ -1,4 +1,4 @@
-// The C interface: clouds whose frames a program brings, and recorded depth cameras.
+// The C interface: clouds whose frames the program provides, and recorded depth cameras.
 #include "engine/io/rgbd_folder.hpp"
 #include "haptics/library/held_session.hpp"
 #include "haptics/library/options.hpp"

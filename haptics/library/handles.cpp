@@ -39,7 +39,7 @@ std::string_view nameOf(HandleKind kind) {
   return {};
 }
 
-/// Held for a few instructions, by threads that would otherwise wait for longer than those take.
+/// Spin lock, held for a few instructions: waiting in the kernel would take longer.
 class Held {
  public:
   explicit Held(std::atomic_flag& flag) : flag_(flag) {
@@ -122,7 +122,7 @@ std::shared_ptr<void> HandleTable::remove(HandleKind kind, std::uint64_t handle)
 }
 
 HandleTable& handles() {
-  // Never destroyed: other threads of the host may still be in calls as the program ends.
+  // Never destroyed: other threads of the host may still be in calls when the program ends.
   static HandleTable& table = *new HandleTable;
   return table;
 }

@@ -62,13 +62,13 @@ BrushConfig JoinedPart::allowed(const BrushConfig& brush, const Session& session
   session.abilities().require(Action::sculpt, "brush");
   if (how_.readOnly) throw UsageError("brush: '{}' was joined with read_only; it can be felt and not sculpted", name_);
   BrushConfig allowed = brush;
-  allowed.keepsDensity = false;  // it would be another cloud than the others have
+  allowed.keepsDensity = false;  // the cloud would differ from that of the others
   return allowed;
 }
 
 namespace {
 
-// Of points around the hands alone.
+// State of a session that has only the points around the hands.
 void tellFar(const FarCloud& far, pp_sharing& state) {
   const FarCounts counts = far.counts();
   state.sculptable = far.isSculptable();

@@ -12,7 +12,7 @@ namespace palpate::library {
 namespace {
 
 HandSource opened(const pp_live_options& options, const LiveHands::Surroundings& with, double rate_Hz, bool first) {
-  // The ticks are the first one's.
+  // Only the first hand's device may call the ticks.
   HandConfig config{.device = options.device ? options.device : "path", .ownScheduler = !first};
   if (options.builtin) config.path = std::string("builtin:") + options.builtin;
   if (options.path) {
@@ -94,7 +94,7 @@ void LiveHands::stop() {
 
 std::uint64_t LiveHands::take(pp_tick* ticks, std::uint64_t capacity) {
   if (next_ == waiting_.size()) {
-    const bool ended = thread_->hasEnded();  // before the last ticks are taken
+    const bool ended = thread_->hasEnded();  // queried before the last ticks are read
     waiting_.clear();
     next_ = 0;
     thread_->take(waiting_);

@@ -1,4 +1,4 @@
-// The C interface: session logs, written, read and run again.
+// The C interface: session logs, written, read and replayed.
 #include <algorithm>
 #include <vector>
 
@@ -11,7 +11,7 @@
 
 namespace palpate::library {
 
-/// A log in memory, never changed once it is read.
+/// A log in memory; immutable.
 struct LogObject {
   std::vector<pp_log_tick> ticks;
   std::vector<pp_log_edit> edits;
@@ -80,7 +80,7 @@ std::shared_ptr<LogObject> logOf(const std::string& file) {
   return log;
 }
 
-/// Of this build; a GPU is opened when it is needed.
+/// Back ends of this build; a GPU is opened when it is needed.
 Backends backendsOn(GpuHalf& gpu) {
   std::vector<std::unique_ptr<BackendKind>> kinds;
   kinds.push_back(cpuBackend());

@@ -1,4 +1,4 @@
-// Of a session whose points move: its frames, and what governs them.
+// Sessions whose points move: their frames, and control of the simulation.
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -41,7 +41,7 @@ std::shared_ptr<const FrameObject> OpenSession::frame() {
   }
   takeFrame();
   if (!isLive()) return frame_;
-  // What was ready may be as old as the last time that somebody asked.
+  // The frame that was ready may be as old as the last request.
   const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(50);
   while (!takeFrame() && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -10,9 +10,9 @@ namespace palpate::library {
 
 namespace {
 
-constexpr float kUnits_per_m = 1e3f;  // of a scene: millimetres
+constexpr float kUnits_per_m = 1e3f;  // model units of a scene are millimetres
 
-// Soft bodies are moved by the CPU unless somebody names a GPU.
+// Soft bodies are moved by the CPU unless the program names a GPU.
 std::string backendOf(const MatterScene& scene, const pp_matter_options& options) {
   return scene.matter == Matter::soft && !options.gpu && !options.vulkan
              ? "cpu"

@@ -42,7 +42,7 @@ double budgetFrom(const pp_session_options& options) {
   return options.budget_us;
 }
 
-// A session begins at 0, and what moves may have come farther.
+// Paths begin at 0, but the time of moving points may be later.
 Path later(const Path& path, double by_s) {
   std::vector<PathKey> keys(path.keys().begin(), path.keys().end());
   for (PathKey& key : keys) key.t_s += by_s;
@@ -51,7 +51,7 @@ Path later(const Path& path, double by_s) {
 
 }  // namespace
 
-/// What hears of every edit.
+/// Receives all edits.
 class OpenSession::Followers final : public EditFollower {
  public:
   explicit Followers(OpenSession& session) : session_(session) {}
@@ -102,13 +102,13 @@ void OpenSession::end() noexcept {
     if (live_) live_->stop();
     leave();
     endRecording();
-  } catch (const std::exception& error) {  // the log has what could be written
+  } catch (const std::exception& error) {  // the log has all that could be written
     remarks_.sink().say("{}", error.what());
   }
   remarks_.end();
 }
 
-// What this hand has done last is still on its way.
+// Delivers this hand's last edits, which may still be in flight.
 void OpenSession::leave() {
   if (joined_ && session_) session_->deliver(joined_->patience_s());
 }
@@ -133,7 +133,7 @@ bool OpenSession::settleShared(double seconds) {
   return isSame;
 }
 
-// What cannot be built leaves the session as it was.
+// Restores the previous session if the new one cannot be built.
 void OpenSession::build(bool journal, bool editable) {
   if (!session_) return make(config_, journal, editable);
   const SessionConfig before = session_->config();
@@ -141,7 +141,7 @@ void OpenSession::build(bool journal, bool editable) {
   try {
     make(before, journal, editable);
   } catch (const Stopped&) {
-    unbuilt_ = Built{before, hadJournal, wasEditable};  // that would take as long again
+    unbuilt_ = Built{before, hadJournal, wasEditable};  // rebuilding it now would take as long again
     throw;
   } catch (...) {
     unbuilt_ = Built{before, hadJournal, wasEditable};
@@ -160,7 +160,7 @@ void OpenSession::ensureBuilt() {
 void OpenSession::make(SessionConfig config, bool journal, bool editable) {
   if (editable && !config.brush) config.brush = BrushConfig{};
   UndoConfig undo = config.undo;
-  undo.undo = 1;  // any number, so that there is room for some
+  undo.undo = 1;  // any number above 0, so that memory for undo is allocated
   session_.reset();
   gpu_.forgetPicture();
   const JobStopScope cuts(JobStopScope::cutting());
@@ -176,7 +176,7 @@ void OpenSession::make(SessionConfig config, bool journal, bool editable) {
                    .source = frames_.get(),
                    .follower = [this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }});
   if (editable) session_->setBrush(std::nullopt);
-  editable_ = editable || session_->shared() || session_->far();  // or it says why not
+  editable_ = editable || session_->shared() || session_->far();  // else a brush is refused with a reason
 }
 
 void OpenSession::endAsking() {
@@ -189,8 +189,8 @@ void OpenSession::endAsking() {
 void OpenSession::settle() {
   endAsking();
   if (hasFailed()) {
-    if (session_->recording()) session_->releaseRecording();  // whose end is not known
-    return session_->relay().finish();                        // all that is left of it is its reset
+    if (session_->recording()) session_->releaseRecording();  // its end is unknown
+    return session_->relay().finish();                        // only a reset is possible
   }
   session_->finish();
   endRecording();
@@ -228,7 +228,7 @@ void OpenSession::requireRunning() const {
                           session_->simulation()->failure());
 }
 
-// Where points move and time goes on, a hand that is where it was keeps what it touches.
+// Where points move and time continues, a hand that begins where it ended keeps its contact.
 bool OpenSession::goesOn(std::size_t hand, const Path& path) const {
   constexpr double kSamePlace_mm = 1;
   return next_s_ > 0 && hand < hips_.size() &&
@@ -248,7 +248,7 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
     }
     OpenSession& of;
     std::optional<BrushConfig> brush;
-  } before{*this, brush_};  // whatever comes of the path
+  } before{*this, brush_};  // restored even if the path fails
   setBrushBetween(brush);
   if (recordTo_ || reset_.exchange(false)) next_s_ = 0;  // a log begins at 0
   std::vector<PathDevice> devices;
@@ -268,7 +268,7 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
   ServoResult result = session_->run(
       hands, {.begin_s = next_s_, .observer = watch_->isTold() ? tells : TickObserver(), .law = law_.custom()});
   if (moves() && !result.trace().rows.empty()) next_s_ = result.trace().rows.back().time_s + 1 / config_.rate_Hz;
-  if (hasFailed()) session_->releaseRecording();  // whose end is not known
+  if (hasFailed()) session_->releaseRecording();  // its end is unknown
   hips_.clear();
   for (const HandResult& hand : result.hands)
     if (moves() && !hand.trace.rows.empty()) hips_.push_back(hand.trace.rows.back().hip);
@@ -291,7 +291,7 @@ void OpenSession::setBrushBetween(const std::optional<BrushConfig>& asked) {
   wanted.brush = brush;
   validate(wanted);
   backend_->check(wanted);
-  if (brush && !editable_ && !moves()) build(true, true);  // a soft body takes one whenever it comes
+  if (brush && !editable_ && !moves()) build(true, true);  // a soft body takes a brush without a rebuild
   session_->setBrush(brush);
   brush_ = brush;
   session_->finish();
@@ -343,7 +343,7 @@ void OpenSession::startLive(const pp_live_options& options) {
     beginRecording(live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true});
     live_->start();
   } catch (...) {
-    live_.reset();  // and its devices are closed
+    live_.reset();  // closes its devices
     throw;
   }
   framesGoOn_ = true;
@@ -352,8 +352,8 @@ void OpenSession::startLive(const pp_live_options& options) {
 void OpenSession::stopLive() {
   if (live_) live_->stop();
   if (frames_ && std::exchange(framesGoOn_, false)) {
-    session_->backend().finish();  // what is being made for a time of before would take in the frames that come now
-    frames_->restart();            // a path begins at 0 behind it
+    session_->backend().finish();  // frames in progress are for the old time and would include new frames
+    frames_->restart();            // the next path begins at 0
   }
   if (!session_->recording()) return takeIn();
   if (hasFailed()) session_->releaseRecording();
@@ -424,7 +424,7 @@ Image OpenSession::draw(const PictureRequest& request) {
     now.cloud = present();
     return gpu_.draw(now, nullptr, request);
   } catch (const Stopped&) {
-    gpu_.forgetPicture();  // half of which may be there
+    gpu_.forgetPicture();  // it may be incomplete
     throw;
   }
 }

@@ -1,4 +1,4 @@
-// The C interface: sessions, touched by a path or tick by tick, sculpted, seen, meshed and live.
+// The C interface: sessions, touched by path or tick by tick, sculpted, drawn, meshed and live.
 #include "haptics/library/held_session.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ using namespace palpate::library;
 
 namespace {
 
-/// Rows of all hands at a tick, tick after tick.
+/// Output of a path: the rows of all hands in a tick, tick after tick.
 struct TickRoom {
   pp_tick* ticks;
   std::uint64_t capacity;
@@ -86,7 +86,7 @@ pp_status pp_session_close(pp_session session) {
     const auto found = objectOf<OpenSession>(session.id);
     if (!found->claims().home().isThis()) return handles().abandon(HandleKind::session, session.id);
     const Claims::Held held(found->claims(), Claim::all);
-    found->end();  // another thread may hold it for a while
+    found->end();  // another thread may hold it a little longer
     handles().remove(HandleKind::session, session.id);
   });
 }
@@ -259,7 +259,7 @@ pp_status pp_mesh_write(pp_mesh mesh, const char* file, const pp_write_options* 
     const auto found = objectOf<MeshObject>(mesh.id);
     const std::string name = &required(file, "file");
     const pp_write_options given = optionsFrom(options, "options");
-    cloudFormats().toWrite(name, Written::mesh);  // refuses every other ending
+    cloudFormats().toWrite(name, Written::mesh);  // refuses other extensions
     std::filesystem::path kept;
     writeMesh(name, found->mesh, found->cell, given.ascii != 0, given.keep ? &kept : nullptr);
   });

@@ -75,7 +75,7 @@ PP_API pp_status pp_session_join(const char* name, const pp_join_options* join, 
 /* State of the exchange with the other programs. */
 typedef struct pp_sharing {
   uint32_t size;
-  uint32_t sculptable; /* 0: served as, or joined as, read-only: the counts of strokes are 0 */
+  uint32_t sculptable; /* 0: served read-only: the counts of strokes are 0 */
   uint32_t heard;      /* 0: the server has been silent for so long that there is no force */
   uint32_t delivered;  /* 1: the server has taken all edits of this hand */
   uint32_t at_rest;    /* 1: and all edits of others are in effect here */
