@@ -1,4 +1,4 @@
-// Clouds and meshes in Python: views of what the library holds.
+// Clouds and meshes in Python: views of the library's memory.
 #include "apps/python/interruption.hpp"
 
 namespace palpate::python {
@@ -8,7 +8,7 @@ using Vector = std::array<double, 3>;
 
 namespace {
 
-/// Whole numbers of any type as bytes. Throws palpate.UsageError that names the first one that is none.
+/// Converts integers of any type to bytes. Throws palpate.UsageError that names the first one out of range.
 py::array bytesOf(const py::array& whole) {
   const py::object outside = whole.attr("__lt__")(0).attr("__or__")(whole.attr("__gt__")(255)).attr("ravel")();
   const auto first = outside.attr("argmax")().cast<py::ssize_t>();
@@ -68,8 +68,7 @@ std::vector<std::string> attributesOf(const CloudPointer& cloud) {
   return names;
 }
 
-/// File coordinates: where the points lie as floats, if they were given so and those are all there is to know, else a
-/// copy in doubles.
+/// File coordinates: a view of the floats if the cloud was made of float32 and they are exact, else a copy in doubles.
 py::object placesOf(const py::object& self) {
   const auto cloud = self.cast<CloudPointer>();
   const pp_points points = cloud->view();
@@ -149,7 +148,7 @@ std::shared_ptr<PyCloud> PyCloud::of(const py::object& xyz, const py::object& no
   pp_cloud_arrays arrays = pp_default_cloud_arrays();
   arrays.count = static_cast<std::uint64_t>(places.shape(0));
   arrays.positions = rowsOf(places);
-  py::array facing, painted;  // kept until they are copied
+  py::array facing, painted;  // kept alive until they are copied
   if (!normals.is_none()) {
     facing = threeColumns(normals, "normals", places.shape(0));
     arrays.normals = rowsOf(facing);

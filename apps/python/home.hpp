@@ -1,4 +1,4 @@
-// The process in which something was opened.
+// The process in which an object was opened.
 #pragma once
 
 #include <unistd.h>
@@ -7,11 +7,11 @@
 
 namespace palpate::python {
 
-/// Threads, locks and a GPU stay behind in the process that forks.
+/// After a fork, threads, locks and a GPU remain in the parent process.
 class Home {
  public:
   bool isHere() const { return process_ == ::getpid(); }
-  /// Throws palpate.Error.
+  /// Throws palpate.Error in another process.
   void require() const {
     if (!isHere())
       throw Refusal("Error",

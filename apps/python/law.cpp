@@ -10,7 +10,7 @@ namespace palpate::python {
 
 namespace {
 
-/// What a law in Python is called with.
+/// Argument of a law in Python.
 struct LawInput {
   pp_pose pose;
   pp_contact contact;
@@ -40,10 +40,10 @@ void PythonLaw::setLive(bool live) {
     thread_ = std::thread([this] { serve(); });
     return;
   }
-  if (process_ != ::getpid()) return thread_.detach();  // it did not come along
+  if (process_ != ::getpid()) return thread_.detach();  // a forked process does not have the thread
   stop_ = true;
   asked_.release();
-  const py::gil_scoped_release released;  // which it may be waiting for
+  const py::gil_scoped_release released;  // the thread may be waiting for the lock
   thread_.join();
 }
 
@@ -98,7 +98,7 @@ void PythonLaw::answerLive(const Question& question, double force_N[3]) {
     last_ = answer_;
     return true;
   };
-  takes();  // what was too late for an earlier tick
+  takes();  // the answer that was late for an earlier tick
   if (!isAsked_) {
     question_ = question;
     isAsked_ = true;
@@ -127,7 +127,7 @@ Law::Law(const py::object& given, bool allowPython) {
   }
   const py::object address = py::hasattr(given, "address") ? py::object(given.attr("address")) : given;
   if (py::isinstance<py::int_>(address) && !py::isinstance<py::bool_>(address)) {
-    constexpr std::uintptr_t kFirstPage = 4096;  // where no function lies
+    constexpr std::uintptr_t kFirstPage = 4096;  // contains no function
     const auto place = address.cast<std::uintptr_t>();
     if (place < kFirstPage) refuse("law: " + std::to_string(place) + " is not the address of a function");
     function_ = reinterpret_cast<pp_force_law>(place);

@@ -18,7 +18,7 @@ class PyLog {
 
 using LogPointer = std::shared_ptr<PyLog>;
 
-/// Fields where a struct of the library has them.
+/// NumPy fields at the offsets of a struct of the library.
 class Fields {
  public:
   Fields& add(const char* name, const char* format, std::size_t offset) {

@@ -1,4 +1,4 @@
-// Matter in Python: scenes that move by themselves, alone and in sessions, and their points.
+// Matter in Python: scenes in sessions and alone, and their points.
 #include "apps/python/session.hpp"
 
 namespace palpate::python {
@@ -24,7 +24,7 @@ auto viewed(Get&& get) {
   };
 }
 
-/// name, value, low, high, unit, label
+/// Tuples of name, value, low, high, unit, label.
 py::list told(const std::vector<pp_parameter>& parameters) {
   py::list all;
   for (const pp_parameter& each : parameters)
@@ -33,7 +33,7 @@ py::list told(const std::vector<pp_parameter>& parameters) {
   return all;
 }
 
-/// One thread at a time is in it; others wait.
+/// Only one thread at a time uses it; others wait.
 class PyMatter {
  public:
   PyMatter(const std::string& scene, const std::optional<std::string>& gpu, std::uint32_t threads) {

@@ -5,7 +5,7 @@ namespace {
 
 using namespace palpate::python;
 
-/// Of palpate/_errors.py.
+/// A class of palpate/_errors.py.
 py::object classNamed(const char* name) { return py::module_::import("palpate._errors").attr(name); }
 
 const char* classOf(pp_status status) {
@@ -19,7 +19,7 @@ void translate(const Refusal& refusal) {
   PyErr_SetObject(kind.ptr(), made.ptr());
 }
 
-/// The library's words begin with the name of an option where C has it; Python's keywords are shorter.
+/// The library's messages begin with the name of an option in C; the keywords in Python are shorter.
 std::string inPython(std::string text) {
   constexpr std::pair<std::string_view, std::string_view> kNames[]{
       {"tool.kind", "tool"}, {"tool.", "tool_"}, {"surface.kind", "surface"},

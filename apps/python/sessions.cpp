@@ -1,4 +1,4 @@
-// Sessions in Python. Nothing of Python runs on a servo thread.
+// Sessions in Python. No Python code runs on a servo thread.
 #include "apps/python/session.hpp"
 
 namespace palpate::python {

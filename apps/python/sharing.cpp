@@ -1,4 +1,4 @@
-// Sessions that several programs have, in Python: served, listed, joined.
+// Shared sessions in Python: served, listed, joined.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -42,7 +42,7 @@ struct ServeSettings {
   std::uint32_t threads = 0;
 };
 
-/// For any number of threads.
+/// Thread-safe.
 class PyServer {
  public:
   PyServer(const PyCloud& cloud, const std::string& name, const ServeSettings& settings) {
@@ -114,7 +114,7 @@ py::dict told(const pp_server_info& info) {
   return told;
 }
 
-// Below 0 there is none.
+// None for a negative round trip.
 py::object tripOf(double round_trip_ms) {
   return round_trip_ms < 0 ? py::object(py::none()) : py::object(py::float_(round_trip_ms));
 }
