@@ -147,11 +147,12 @@ Law::Law(const py::object& given, bool allowPython) {
 void bindLaws(py::module_& module) {
   py::class_<LawInput>(
       module, "LawInput",
-      "What a force law in Python is called with, once a tick: t_s and dt_s (s), hip, proxy and normal\n"
-      "(model units), force_N (of spring and damper), penetration_mm, neighbours, fresh. It returns the\n"
-      "force on the hand, three numbers in N; limits of size and rise act on it.")
+      "Argument of a force law in Python, once for each tick of contact: t_s and dt_s (s), hip, proxy\n"
+      "and normal (model units), force_N (of spring and damper), penetration_mm, neighbours, fresh. The\n"
+      "law returns the force on the hand, three numbers in N; the limits of magnitude and rise apply to\n"
+      "it.")
       .def_property_readonly(
-          "t_s", [](const LawInput& in) { return in.pose.t_s; }, "Seconds, of the tick.")
+          "t_s", [](const LawInput& in) { return in.pose.t_s; }, "Seconds: time of the tick.")
       .def_property_readonly(
           "dt_s", [](const LawInput& in) { return in.dt_s; }, "Seconds since the tick before.")
       .def_property_readonly(
@@ -159,21 +160,21 @@ void bindLaws(py::module_& module) {
           "The haptic interface point: three floats, model units.")
       .def_property_readonly(
           "proxy", [](const LawInput& in) { return vectorOf(in.contact.proxy); },
-          "Where the surface holds the hand: three floats, model units.")
+          "Position of the proxy on the surface: three floats, model units.")
       .def_property_readonly(
           "normal", [](const LawInput& in) { return vectorOf(in.contact.normal); },
           "Three floats, unit length, outward.")
       .def_property_readonly(
           "force_N", [](const LawInput& in) { return vectorOf(in.contact.force_N); },
-          "On the hand, of spring and damper: three floats, N.")
+          "Force on the hand of spring and damper: three floats, N.")
       .def_property_readonly(
           "penetration_mm", [](const LawInput& in) { return in.contact.penetration_mm; }, "From hip to proxy, mm.")
       .def_property_readonly(
           "neighbours", [](const LawInput& in) { return in.contact.neighbours; },
-          "How many points are within the support radius.")
+          "Number of points within the support radius.")
       .def_property_readonly(
           "fresh", [](const LawInput& in) { return in.contact.fresh != 0; },
-          "Whether the surface was asked in this very tick, and not bridged.");
+          "True if the answer is of this tick's own query, False if it was bridged.");
 }
 
 }  // namespace palpate::python
