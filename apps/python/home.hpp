@@ -15,7 +15,7 @@ class Home {
   void require() const {
     if (!isHere())
       throw Refusal("Error",
-                    "this was opened by the process that has forked, and works there alone; open it here, or start "
+                    "this was opened in the parent process before fork(), and works only there; open it here, or start "
                     "processes by \"spawn\" (multiprocessing.set_start_method)",
                     PP_ERROR_STATE);
   }

@@ -73,8 +73,7 @@ PythonLaw::Answer PythonLaw::answerTo(const Question& question) {
       refuse("law: returned a force that is not finite");
     answer.force_N = force_N;
   } catch (const py::cast_error&) {
-    raised_ = std::make_exception_ptr(
-        Refusal("ArgumentTypeError", "law: returned something else than a force of three numbers, N"));
+    raised_ = std::make_exception_ptr(Refusal("ArgumentTypeError", "law: did not return a force of three numbers, N"));
     failed_ = true;
   } catch (...) {
     raised_ = std::current_exception();
@@ -138,8 +137,8 @@ Law::Law(const py::object& given, bool allowPython) {
   if (!allowPython)
     refuseType(
         "law: a function in Python runs in every tick and waits for Python's lock: some 30 us while no other thread "
-        "holds it, and 5 ms and more beside one busy thread, which a hand feels as a force that lags and "
-        "fades. Take a compiled function (\"libmine.so:law\", or a numba cfunc), or say allow_python=True");
+        "holds it, and 5 ms and more with one busy thread, which a hand feels as a force that lags and "
+        "fades. Use a compiled function (\"libmine.so:law\", or a numba cfunc), or pass allow_python=True");
   python_ = std::make_shared<PythonLaw>(given);
   function_ = &PythonLaw::call;
 }

@@ -39,7 +39,7 @@ class PythonLaw {
   /// Throws palpate.Error within a call of this law: the session waits for the law, and would deadlock.
   void refuseWithin() const {
     if (under_ == this)
-      throw Refusal("Error", "a force law cannot call its own session; what it may know is in its LawInput",
+      throw Refusal("Error", "a force law cannot call its own session; its LawInput has the available data",
                     PP_ERROR_STATE);
   }
 

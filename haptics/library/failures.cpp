@@ -57,7 +57,7 @@ pp_status noteHandled() {
   } catch (const std::exception& error) {
     return note(PP_ERROR_FAILED, error.what());
   } catch (...) {
-    return note(PP_ERROR_FAILED, "something was thrown that is no error of palpate's");
+    return note(PP_ERROR_FAILED, "an exception of an unknown type was thrown");
   }
 }
 

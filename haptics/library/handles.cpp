@@ -65,7 +65,7 @@ HandleTable::Slot* HandleTable::slotAt(std::uint32_t place) {
 std::uint32_t HandleTable::freePlace() {
   const std::scoped_lock lock(lock_);
   if (free_.empty()) {
-    if (owned_.size() == kChunks) throw Error("{} handles are open, and there may be no more", kSlots * kChunks);
+    if (owned_.size() == kChunks) throw Error("{} handles are open, which is the maximum", kSlots * kChunks);
     owned_.push_back(std::make_unique<Chunk>());
     const auto first = static_cast<std::uint32_t>((owned_.size() - 1) * kSlots);
     for (std::uint32_t k = kSlots; k-- > 0;) free_.push_back(first + k);

@@ -14,7 +14,7 @@ NetworkConfig networkFrom(const pp_network* given) {
   const pp_network network = optionsFrom(given, "network");
   constexpr std::uint64_t kMaxPeers = 1000;
   if (network.peer_count > kMaxPeers)
-    throw UsageError("network.peers: {} are more than {}", network.peer_count, kMaxPeers);
+    throw UsageError("network.peers: {} exceed the maximum of {}", network.peer_count, kMaxPeers);
   NetworkConfig config{
       .interface = textOf(network.interface_name), .domain = network.domain, .security = textOf(network.security)};
   if (network.peer_count > 0) required(network.peers, "network.peers");

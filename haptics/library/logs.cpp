@@ -90,7 +90,7 @@ Backends backendsOn(GpuHalf& gpu) {
 
 pp_replay_result replayed(const std::string& file, const pp_replay_options& options, Watch& watch) {
   const auto cloud = options.cloud.id == 0 ? nullptr : objectOf<CloudObject>(options.cloud.id);
-  if (!(options.tolerance >= 0)) throw UsageError("tolerance: {} is not a number from 0 on", options.tolerance);
+  if (!(options.tolerance >= 0)) throw UsageError("tolerance: {} is not a number of at least 0", options.tolerance);
   Remarks remarks(options.log, options.log_user, watch);
   GpuHalf gpu({.gpu = options.gpu});
   const Backends backends = backendsOn(gpu);

@@ -22,7 +22,8 @@ pp_frame opened(std::shared_ptr<const FrameObject> frame) {
 }
 
 void giveParameter(const std::vector<SimulationParameter>& all, std::uint64_t index, pp_parameter* parameter) {
-  if (index >= all.size()) throw UsageError("index: {}, and there are {} parameters", index, all.size());
+  if (index >= all.size())
+    throw UsageError("index: {} is out of range; the scene has {} parameters", index, all.size());
   required(parameter, "parameter") = parameterOf(all[index]);
 }
 

@@ -28,8 +28,7 @@ bool OpenSession::takeFrame() {
 }
 
 std::shared_ptr<const FrameObject> OpenSession::frame() {
-  if (!moves())
-    throw StateError("the points of this session stand still; a frame is of moving points, ask for the cloud");
+  if (!moves()) throw StateError("the points of this session do not move; request the cloud instead of a frame");
   if (!frame_) {
     auto first = std::make_shared<FrameObject>();
     first->cloud.origin = model_->cloud.origin;

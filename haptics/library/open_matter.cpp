@@ -26,7 +26,7 @@ MatterScene sceneNamed(const std::string& name) {
   std::error_code ignored;
   const bool isThere = std::filesystem::exists(name, ignored);
   throw UsageError("scene: '{}' is neither a JSON file nor one of {}{}", name, builtInScenes(),
-                   isThere ? "; where it is the file of a cloud, read that first" : "");
+                   isThere ? "; to use the file of a cloud, read it first" : "");
 }
 
 pp_parameter parameterOf(const SimulationParameter& parameter) {
@@ -59,7 +59,7 @@ void OpenMatter::step(std::uint64_t steps) {
   const auto require = [this] {
     if (world_->state() == MatterState::running) return;
     throw SimulationError(
-        "the simulation {} after {:.3f} s; take more substeps, and reset it",
+        "the simulation {} after {:.3f} s; use more substeps, and reset it",
         world_->state() == MatterState::diverged ? "has diverged" : "has too many particles in one place",
         world_->time_s());
   };

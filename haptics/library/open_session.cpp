@@ -14,7 +14,7 @@ namespace {
 
 std::size_t handsFrom(const pp_session_options& options) {
   if (options.hands > PP_MOST_HANDS)
-    throw UsageError("hands: {} are more than {}, the most of one session", options.hands, PP_MOST_HANDS);
+    throw UsageError("hands: {} exceed the maximum of {}", options.hands, PP_MOST_HANDS);
   return std::max(1u, options.hands);
 }
 
@@ -72,7 +72,7 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
       budget_us_(budgetFrom(options)),
       gpu_({options.gpu, options.vulkan}),
       backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()) {
-  if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud has no points; there is nothing to touch");
+  if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud contains no points");
   backend_->check(config_);
   ModelLoading loading{.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
   if (subject.join) loading.join = joined_.emplace(*subject.join).joiner();
@@ -84,8 +84,7 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
         "lengths "
         "in mm are measured, as a brush's radius_mm is; mm_per_unit sets the true scale",
         boundsOf(model_->cloud).longestSide(), kDefaultLongestSide_mm, model_->scale.mm_per_unit);
-  if (joined_ && model_->cloud.empty())
-    throw Error("'{}' has no points; there is nothing to touch", subject.model.file);
+  if (joined_ && model_->cloud.empty()) throw Error("'{}' contains no points", subject.model.file);
   if (subject.frames) {
     const std::size_t most = subject.frames->most_points ? subject.frames->most_points : model_->cloud.size();
     frames_ = std::make_unique<PushedFrames>(model_->cloud, most, subject.frames->keeps_points != 0);
@@ -114,7 +113,7 @@ void OpenSession::leave() {
 }
 
 const JoinedPart& OpenSession::joined() const {
-  if (!joined_) throw StateError("this session was not joined; it is of this program alone");
+  if (!joined_) throw StateError("this session was not joined; it belongs to this program only");
   return *joined_;
 }
 
@@ -199,14 +198,14 @@ void OpenSession::settle() {
 void OpenSession::record(const std::string& file) {
   settle();
   if (hands() > 1) throw StateError("a session log holds one hand, and this session has {}", hands());
-  if (hasLaw_) throw StateError("a session with a force law of its own cannot be replayed, and is not recorded");
+  if (hasLaw_) throw StateError("a session with its own force law cannot be replayed, and so cannot be recorded");
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
   if (const Abilities can = session_->abilities(); !can.allow(Action::record))
     throw StateError("{}", can.refusal(Action::record));
   if (edits_ > 0 || (shape && shape->counts().version > 0))
     throw StateError(
-        "a log begins with the points as they were opened, and these have been edited; save them, and open what "
-        "was saved");
+        "a log begins with the points as they were opened, but these have been edited; save them, and open the "
+        "saved file");
   if (!session_->journal()) build(true, false);
   recordTo_ = file;
 }
@@ -339,7 +338,7 @@ void OpenSession::startLive(const pp_live_options& options) {
                     .session = *session_, .log = remarks_.sink(), .forcesOn = forcesOn_, .law = law_.custom()});
   try {
     if (recordTo_ && live_->hasLaw())
-      throw StateError("a session with a force law of its own cannot be replayed, and is not recorded");
+      throw StateError("a session with its own force law cannot be replayed, and so cannot be recorded");
     beginRecording(live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true});
     live_->start();
   } catch (...) {

@@ -88,7 +88,7 @@ def missing_attribute(self: object, name: str) -> Any:
     settings = _settings(kind)
     if name in settings:
         called = kind.__name__
-        raise UnknownAttributeError(f"{name}: cannot be read; it is given as the {called} is made: {called}({name}=…)")
+        raise UnknownAttributeError(f"{name}: cannot be read; it is set when the {called} is created: {called}({name}=…)")
     meant = nearest(name, [each for each in [*dir(kind), *settings] if not each.startswith("_")])
     raise UnknownAttributeError(f"{name}: a {kind.__name__} has no such attribute{meant}")
 
@@ -99,7 +99,7 @@ def refuse_attribute(self: object, name: str, value: object) -> None:
         return object.__setattr__(self, name, value)
     kind, settings = type(self).__name__, _settings(type(self))
     if name in settings:
-        raise UnknownAttributeError(f"{name}: is given as the {kind} is made: {kind}(…, {name}={value!r})")
+        raise UnknownAttributeError(f"{name}: is set when the {kind} is created: {kind}(…, {name}={value!r})")
     if hasattr(type(self), name):
         raise UnknownAttributeError(f"{name}: cannot be set on a {kind}, only read")
     raise UnknownAttributeError(f"{name}: cannot be set on a {kind}{nearest(name, settings)}")

@@ -46,13 +46,13 @@ class Live:
     def take(self) -> NDArray[Any]:
         """Ticks since the last call; requires that live() got no on_ticks. Raises the error that ended the session."""
         if self._on_ticks is not None:
-            raise Error("the ticks go to on_ticks, and cannot be taken", status="state")
+            raise Error("on_ticks receives the ticks; take() cannot read them", status="state")
         ticks = self._session._live_take()
         self._look_at_scene()
         return ticks
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Waits until the session ends, at most `seconds`. True if it has ended. Raises errors of it and of on_ticks."""
+        """Waits until the session ends, at most `seconds`; True if it has. Raises errors of it and of on_ticks."""
         end = None if seconds is None else time.monotonic() + seconds
         while self.running and (end is None or time.monotonic() < end):
             left = self._interval_s if end is None else min(self._interval_s, max(0.0, end - time.monotonic()))

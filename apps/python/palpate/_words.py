@@ -100,13 +100,13 @@ def _wrong_type(parameter: _Parameter, value: object) -> str | None:
 def _misfit(parameters: list[_Parameter], args: tuple[Any, ...], settings: dict[str, Any]) -> str | None:
     """Describes what is wrong with a call; None if nothing is known to be wrong."""
     names = [each.name for each in parameters]
-    takes = f"it takes {', '.join(names)}" if names else "it takes nothing"
+    takes = f"it takes {', '.join(names)}" if names else "it takes no arguments"
     for name in settings:
         if name not in names:
             return f"there is no argument '{name}'{nearest(name, names) or ';'} {takes}".replace("? it", "? It")
     places = [each for each in parameters if each.by_place]
     if len(args) > len(places):
-        by_name = " by place, the others by name" if len(places) < len(names) else ""
+        by_name = " by position, the others by name" if len(places) < len(names) else ""
         return f"takes {len(places)} arguments{by_name}, and {len(args)} are given; {takes}"
     given = {each.name: value for each, value in zip(places, args)}
     for name in settings:
