@@ -100,6 +100,7 @@ class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
     return Cloud(cloud);
   }
 
+  /// Writes a file in the format of its extension (pp_cloud_write()).
   void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
     check(pp_cloud_write(handle(), file.c_str(), &options));
   }
@@ -109,6 +110,7 @@ class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
     check(pp_cloud_view(handle(), &points));
     return points;
   }
+  /// Number of points.
   std::uint64_t size() const { return view().count; }
   /// Copies x y z of each point, in file coordinates.
   std::vector<double> places() const {
@@ -129,11 +131,13 @@ class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
 class Mesh : public detail::Owned<pp_mesh, pp_mesh_close> {
  public:
   using Owned::Owned;
+  /// Read-only view, valid while this is open; nothing is copied.
   pp_triangles view() const {
     pp_triangles triangles{};
     check(pp_mesh_view(handle(), &triangles));
     return triangles;
   }
+  /// Writes a file in the format of its extension (pp_mesh_write()).
   void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
     check(pp_mesh_write(handle(), file.c_str(), &options));
   }
@@ -189,7 +193,9 @@ class Matter : public detail::Owned<pp_matter, pp_matter_close> {
   }
   /// Advances by `steps` milliseconds. Throws Error with PP_ERROR_SIMULATION if the scene fails meanwhile.
   void step(std::uint64_t steps = 1) { check(pp_matter_step(handle(), steps)); }
+  /// Restarts the scene, with the parameters that were set.
   void reset() { check(pp_matter_reset(handle())); }
+  /// Copies the present particles, or the surface of a soft body, in mm.
   Frame frame() const {
     pp_frame frame{};
     check(pp_matter_frame(handle(), &frame));
@@ -202,9 +208,11 @@ class Matter : public detail::Owned<pp_matter, pp_matter_close> {
     for (std::uint64_t i = 0; i < count; ++i) check(pp_matter_get_parameter(handle(), i, &all[i]));
     return all;
   }
+  /// From the next step on. Throws Error, without effect, for an unknown name or a value out of bounds.
   void setParameter(const std::string& name, double value) {
     check(pp_matter_set_parameter(handle(), name.c_str(), value));
   }
+  /// Computes the state, from all particles.
   pp_matter_state state() const {
     pp_matter_state state = pp_default_matter_state();
     check(pp_matter_get_state(handle(), &state));
@@ -248,6 +256,7 @@ class Server : public detail::Owned<pp_server, pp_server_close> {
 class Session : public detail::Owned<pp_session, pp_session_close> {
  public:
   using Owned::Owned;
+  /// Opens a cloud (pp_session_open()).
   explicit Session(const Cloud& cloud, const pp_session_options& options = pp_default_session_options())
       : Owned(made(cloud, options)) {}
 
@@ -309,6 +318,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
                          nullptr));
     return contacts;
   }
+  /// Notifies the session that all hands were lifted (pp_touch_lift()).
   void lift() { check(pp_touch_lift(handle())); }
   /// Each hand follows its path; the first one sculpts if `brush` is not null. Returns the rows of all hands in one
   /// tick, then those of the next tick.
@@ -328,8 +338,10 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     return ticks;
   }
 
+  /// Sets, or removes, the brush of touch() and of live hands (pp_session_set_brush()).
   void setBrush(const pp_brush& brush) { check(pp_session_set_brush(handle(), &brush)); }
   void setNoBrush() { check(pp_session_set_brush(handle(), nullptr)); }
+  /// Changes surface and force; not the support radius (pp_session_set_feel()).
   void setFeel(const pp_feel& feel) { check(pp_session_set_feel(handle(), &feel)); }
   /// Follows the path with a brush.
   std::vector<pp_tick> stroke(const pp_path& path, const pp_brush& brush = pp_default_brush()) {
@@ -350,7 +362,9 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_session_redo(handle(), strokes, &done));
     return done;
   }
+  /// Takes in pending edits; call it some thirty times a second (pp_session_follow()).
   void follow() { check(pp_session_follow(handle())); }
+  /// Copies the present points.
   Cloud cloud() {
     pp_cloud cloud{};
     check(pp_session_cloud(handle(), &cloud));
@@ -363,6 +377,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_session_render(handle(), &options, rgba.data(), rgba.size()));
     return rgba;
   }
+  /// Meshes the present points by marching cubes (pp_session_mesh()).
   Mesh mesh(const pp_mesh_options& options = pp_default_mesh_options()) {
     pp_mesh mesh{};
     check(pp_session_mesh(handle(), &options, &mesh));
@@ -370,6 +385,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   }
 
   // For joined sessions.
+  /// State of the exchange with the other programs.
   pp_sharing sharing() const {
     pp_sharing sharing = pp_default_sharing();
     check(pp_session_get_sharing(handle(), &sharing));
@@ -391,6 +407,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     if (count < cameras.size()) cameras.resize(count);
     return cameras;
   }
+  /// Shows a camera to the others, or no camera any more (pp_session_show_camera()).
   void showCamera(const pp_camera_place& camera) { check(pp_session_show_camera(handle(), &camera)); }
   void hideCamera() { check(pp_session_show_camera(handle(), nullptr)); }
   /// Waits at most `seconds` until this session has the server's points (pp_session_settle()). True if it has.
@@ -401,12 +418,15 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   }
 
   // For scenes of matter.
+  /// Copies the present points (pp_session_frame()).
   Frame frame() const {
     pp_frame frame{};
     check(pp_session_frame(handle(), &frame));
     return Frame(frame);
   }
+  /// Pauses the scene, or continues it.
   void hold(bool on = true) { check(pp_session_hold(handle(), on ? 1 : 0)); }
+  /// Restarts the scene with the next tick.
   void reset() { check(pp_session_reset(handle())); }
   std::vector<pp_parameter> parameters() const {
     std::uint64_t count = 0;
@@ -415,6 +435,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     for (std::uint64_t i = 0; i < count; ++i) check(pp_session_get_parameter(handle(), i, &all[i]));
     return all;
   }
+  /// From the next step on. Throws Error, without effect, for an unknown name or a value out of bounds.
   void setParameter(const std::string& name, double value) {
     check(pp_session_set_parameter(handle(), name.c_str(), value));
   }
@@ -427,6 +448,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   /// Records the next path, or the next live session, to a session log (pp_session_record()).
   void record(const std::string& file) { check(pp_session_record(handle(), file.c_str())); }
 
+  /// Starts ticks against the wall clock, on a thread of palpate (pp_live_start()).
   void startLive(const pp_live_options& options) { check(pp_live_start(handle(), &options)); }
   /// Ticks since the last call, at most `most` rows: one row for each hand in each tick.
   std::vector<pp_tick> takeTicks(std::size_t most = 4096) {
@@ -441,7 +463,9 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_live_get_state(handle(), &state));
     return state;
   }
+  /// Switches the force off, or on again with a ramp. May be called from any thread.
   void setForces(bool on) { check(pp_live_set_forces(handle(), on ? 1 : 0)); }
+  /// Stops after the tick in progress; ticks not read yet can still be read.
   void stopLive() { check(pp_live_stop(handle())); }
 
  private:
