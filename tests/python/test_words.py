@@ -189,7 +189,7 @@ def test_what_is_closed_says_so(ball):
 
 def test_a_limit_that_cannot_be_read_says_where_it_is_given_and_a_slip_what_was_meant(session):
     for thing, name, told in (
-            (session, "max_force_N", "max_force_N: cannot be read; it is set when the Session is created: "
+            (session, "max_force_N", "max_force_N: cannot be read; is set when the Session is created: "
              "Session(max_force_N=…)"),
             (session, "pionts", "pionts: a Session has no such attribute; did you mean points?"),
             (session.cloud(), "colour", "colour: a Cloud has no such attribute; did you mean colors?"),

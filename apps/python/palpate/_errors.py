@@ -88,7 +88,7 @@ def missing_attribute(self: object, name: str) -> Any:
     settings = _settings(kind)
     if name in settings:
         called = kind.__name__
-        raise UnknownAttributeError(f"{name}: cannot be read; it is set when the {called} is created: {called}({name}=…)")
+        raise UnknownAttributeError(f"{name}: cannot be read; is set when the {called} is created: {called}({name}=…)")
     meant = nearest(name, [each for each in [*dir(kind), *settings] if not each.startswith("_")])
     raise UnknownAttributeError(f"{name}: a {kind.__name__} has no such attribute{meant}")
 
