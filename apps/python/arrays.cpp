@@ -41,8 +41,7 @@ void refuseMasked(const py::object& given, const char* name) {
   if (!py::hasattr(given, "mask") || !py::isinstance<py::array>(given)) return;
   const auto hidden = py::array(given.attr("mask")).attr("sum")().cast<std::size_t>();
   if (hidden > 0)
-    refuse(std::string(name) + ": " + std::to_string(hidden) +
-           " numbers are masked; leave these rows out, or give .data");
+    refuse(std::string(name) + ": " + std::to_string(hidden) + " numbers are masked; remove these rows, or pass .data");
 }
 
 std::string shapeOf(const py::array& array) { return py::str(array.attr("shape")); }

@@ -1,4 +1,4 @@
-// NumPy's arrays on their way into the C interface and out of it.
+// Conversion of NumPy arrays to and from the C interface.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -20,16 +20,16 @@ namespace palpate::python {
 
 namespace py = pybind11;
 
-/// Any numbers, as doubles that follow one another; copied where they are not.
+/// Any numbers, as contiguous doubles; copied if they are not.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// Text of the library's as Python has it. What others have called themselves may be no UTF-8, or cut off in a
-/// character.
+/// Text of the library as a Python string. Names that other programs have sent may be invalid UTF-8, or cut off within
+/// a character.
 py::str textOf(std::string_view text);
 
 pp_rows rowsOf(const py::array& array);
 
-/// What is refused before it comes to the library, as a class of palpate/_errors.py.
+/// Refusal of an argument before the library is called; `kind` is a class of palpate/_errors.py.
 class Refusal : public std::runtime_error {
  public:
   Refusal(const char* kind, const std::string& what, pp_status status = PP_ERROR_ARGUMENT)
@@ -45,16 +45,16 @@ class Refusal : public std::runtime_error {
 [[noreturn]] inline void refuse(const std::string& what) { throw Refusal("UsageError", what); }
 /// Throws palpate.ArgumentTypeError.
 [[noreturn]] inline void refuseType(const std::string& what) { throw Refusal("ArgumentTypeError", what); }
-/// As a sentence names it: "the text 'a'", "1.5", "a list".
+/// The value as a message names it: "the text 'a'", "1.5", "a list".
 std::string described(const py::handle& given);
-/// Throws palpate.UsageError for an array that leaves numbers out by a mask.
+/// Throws palpate.UsageError for an array with masked numbers.
 void refuseMasked(const py::object& given, const char* name);
 std::string shapeOf(const py::array& array);
 
-/// Rows of three that follow one another: float32 as they are, everything else as float64.
+/// Contiguous rows of three: float32 as they are, all other types as float64.
 py::array threeColumns(const py::object& given, const char* name, std::optional<py::ssize_t> rows = std::nullopt);
 
-/// A view of memory that `owner` keeps, which nobody can write to.
+/// A read-only view of memory that `owner` keeps alive.
 template <class Number>
 py::object viewOf(const Number* data, std::vector<py::ssize_t> shape, const py::object& owner) {
   if (!data && shape[0] > 0) return py::none();
@@ -64,7 +64,7 @@ py::object viewOf(const Number* data, std::vector<py::ssize_t> shape, const py::
   return view;
 }
 
-/// A tick with the trace's columns, in their order: NumPy writes files of fields that lie in order alone.
+/// A tick with the columns of a trace, in their order: NumPy writes only fields that are in order in memory.
 struct TickRow {
   double t_s;
   double hip[3], proxy[3], normal[3], force_N[3];
@@ -73,7 +73,7 @@ struct TickRow {
   std::uint32_t neighbours;
   bool fresh;
 };
-/// Of a tool of many points.
+/// A tick of a tool of many points.
 struct ToolTickRow {
   TickRow tick;
   double torque_mNm[3];
@@ -82,7 +82,7 @@ TickRow rowOf(const pp_tick& tick);
 py::dtype tickType();
 py::dtype toolTickType();
 
-/// The path of an array, which outlives it.
+/// A path that refers to the numbers of an array.
 struct PathArray {
   Doubles rows;
   pp_path path;
@@ -90,12 +90,12 @@ struct PathArray {
   explicit PathArray(const py::object& given);
 };
 
-/// Of a str or whatever os.fspath() knows.
+/// Name of a file given as str or as any object that os.fspath() accepts.
 std::string fileOf(const py::object& path);
 
 class PyCloud {
  public:
-  /// `isSingle`: of float32 places.
+  /// `isSingle`: made of float32 positions.
   explicit PyCloud(pp::Cloud cloud, bool isSingle = false) : cloud_(std::move(cloud)), isSingle_(isSingle) {}
 
   static std::shared_ptr<PyCloud> of(const py::object& xyz, const py::object& normals, const py::object& colors);

@@ -1,4 +1,4 @@
-// Clouds and meshes in Python: views of what the library holds.
+// Clouds and meshes in Python: views of the library's memory.
 #include "apps/python/interruption.hpp"
 
 namespace palpate::python {
@@ -8,7 +8,7 @@ using Vector = std::array<double, 3>;
 
 namespace {
 
-/// Whole numbers of any type as bytes. Throws palpate.UsageError that names the first one that is none.
+/// Converts integers of any type to bytes. Throws palpate.UsageError that names the first one out of range.
 py::array bytesOf(const py::array& whole) {
   const py::object outside = whole.attr("__lt__")(0).attr("__or__")(whole.attr("__gt__")(255)).attr("ravel")();
   const auto first = outside.attr("argmax")().cast<py::ssize_t>();
@@ -68,8 +68,7 @@ std::vector<std::string> attributesOf(const CloudPointer& cloud) {
   return names;
 }
 
-/// File coordinates: where the points lie as floats, if they were given so and those are all there is to know, else a
-/// copy in doubles.
+/// File coordinates: a view of the floats if the cloud was made of float32 and they are exact, else a copy in doubles.
 py::object placesOf(const py::object& self) {
   const auto cloud = self.cast<CloudPointer>();
   const pp_points points = cloud->view();
@@ -89,8 +88,8 @@ py::object placesOf(const py::object& self) {
 void bindMeshes(py::module_& module) {
   py::class_<PyMesh, std::shared_ptr<PyMesh>>(
       module, "Mesh",
-      "Triangles with vertices of their own, never changed, as Session.mesh() gives them. Arrays are views of\n"
-      "palpate's own memory, which cannot be written to and keep the mesh.")
+      "Triangles and their vertices, immutable, as Session.mesh() returns them. Arrays are read-only\n"
+      "views of palpate's memory and keep the mesh alive.")
       .def_property_readonly(
           "vertices",
           [](const py::object& self) -> py::object {
@@ -120,9 +119,10 @@ void bindMeshes(py::module_& module) {
             const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
             return viewOf(mesh.triangles, {static_cast<py::ssize_t>(mesh.count), 3}, self);
           },
-          "(M, 3) uint32 view: numbers of vertices, anticlockwise as seen from outside.")
+          "(M, 3) uint32 view: indices of vertices, anticlockwise as seen from outside.")
       .def_property_readonly(
-          "closed", [](const PyMesh& mesh) { return mesh.mesh().view().closed != 0; }, "Whether it has no border.")
+          "closed", [](const PyMesh& mesh) { return mesh.mesh().view().closed != 0; },
+          "True if the mesh has no border.")
       .def(
           "save",
           [](const PyMesh& mesh, const py::object& path, bool ascii) {
@@ -133,8 +133,9 @@ void bindMeshes(py::module_& module) {
             mesh.mesh().write(file, options);
           },
           py::arg("file"), py::arg("ascii") = false,
-          "save(file, ascii=False)\n\nVertices with normals, and triangles, by the file's ending, as of write().\n"
-          "ascii: text where the format has both. Raises Error with the file.")
+          "save(file, ascii=False)\n\n"
+          "Writes vertices with normals and triangles, in the format of the file's extension, as write()\n"
+          "does. ascii: text, if the format has both. Raises Error with the file.")
       .def("__repr__", [](const PyMesh& mesh) {
         const pp_triangles triangles = mesh.mesh().view();
         return "<palpate.Mesh of " + std::to_string(triangles.count) + " triangles, " +
@@ -149,7 +150,7 @@ std::shared_ptr<PyCloud> PyCloud::of(const py::object& xyz, const py::object& no
   pp_cloud_arrays arrays = pp_default_cloud_arrays();
   arrays.count = static_cast<std::uint64_t>(places.shape(0));
   arrays.positions = rowsOf(places);
-  py::array facing, painted;  // kept until they are copied
+  py::array facing, painted;  // kept alive until they are copied
   if (!normals.is_none()) {
     facing = threeColumns(normals, "normals", places.shape(0));
     arrays.normals = rowsOf(facing);
@@ -164,11 +165,10 @@ void bindClouds(py::module_& module) {
   py::class_<PyCloud, CloudPointer>(
       module, "Cloud",
       "Cloud(xyz, normals=None, colors=None)\n\n"
-      "Points, never changed once they are made. xyz: (N, 3), model units; doubles keep their\n"
-      "precision. normals: (N, 3), made unit length. colors: (N, 3), whole numbers 0 to 255, uint16 0 to\n"
-      "65535, or float: 0 to 1, or 0 to 255 where any is above 1. All are copied; what is shown is a view of palpate's "
-      "own memory,\n"
-      "which cannot be written to and keeps the cloud.")
+      "Points, immutable. xyz: (N, 3), model units; doubles keep their precision. normals: (N, 3), are\n"
+      "normalized. colors: (N, 3), integers of 0 to 255, uint16 of 0 to 65535, or floats of 0 to 1, or\n"
+      "of 0 to 255 if any is above 1. All are copied. Properties are read-only views of palpate's\n"
+      "memory and keep the cloud alive.")
       .def(py::init(&PyCloud::of), py::arg("xyz"), py::arg("normals") = py::none(), py::arg("colors") = py::none())
       .def("__repr__",
            [](const PyCloud& cloud) {
@@ -178,9 +178,10 @@ void bindClouds(py::module_& module) {
                     (p.colors ? ", colors" : "") + ", " + side(0) + " x " + side(1) + " x " + side(2) + ">";
            })
       .def("__len__", [](const PyCloud& cloud) { return cloud.view().count; })
-      .def_property_readonly("xyz", &placesOf,
-                             "(N, 3), file coordinates: float64; of a cloud that was made of float32 a float32 view, "
-                             "while origin\nis zero.")
+      .def_property_readonly(
+          "xyz", &placesOf,
+          "(N, 3), file coordinates: float64. For a cloud made of float32 a float32 view, while origin is\n"
+          "zero.")
       .def_property_readonly(
           "positions",
           [](const py::object& self) {
@@ -194,8 +195,8 @@ void bindClouds(py::module_& module) {
             const pp_points points = cloud.view();
             return Vector{points.origin[0], points.origin[1], points.origin[2]};
           },
-          "Three floats, model units: file coordinates = origin + positions. Zero where\n"
-          "float32 alone does.")
+          "Three floats, model units: file coordinates = origin + positions. Zero if float32 alone is\n"
+          "precise enough.")
       .def_property_readonly(
           "normals",
           [](const py::object& self) -> py::object {
@@ -203,7 +204,7 @@ void bindClouds(py::module_& module) {
             if (!points.normals) return py::none();
             return viewOf(points.normals, {static_cast<py::ssize_t>(points.count), 3}, self);
           },
-          "(N, 3) float32 view, unit length; None where the points have none.")
+          "(N, 3) float32 view, unit length; None without normals.")
       .def_property_readonly(
           "colors",
           [](const py::object& self) -> py::object {
@@ -211,25 +212,26 @@ void bindClouds(py::module_& module) {
             if (!points.colors) return py::none();
             return viewOf(points.colors, {static_cast<py::ssize_t>(points.count), 4}, self);
           },
-          "(N, 4) uint8 view: red, green, blue, alpha, 0 to 255; None where the points have none.")
+          "(N, 4) uint8 view: red, green, blue, alpha, 0 to 255; None without colours.")
       .def_property_readonly(
           "bounds",
           [](const PyCloud& cloud) {
             const pp_points p = cloud.view();
             return std::pair(Vector{p.min[0], p.min[1], p.min[2]}, Vector{p.max[0], p.max[1], p.max[2]});
           },
-          "The least and the greatest corner of the box that holds the points, three floats\n"
-          "each, file coordinates; zeros without points.")
+          "Minimum and maximum corner of the bounding box, three floats each, file coordinates; zeros\n"
+          "without points.")
       .def_property_readonly("attributes", &attributesOf,
-                             "Names of the numbers that the file has for each point besides, as an intensity.")
+                             "Names of the further numbers of each point in the file, such as an intensity.")
       .def(
           "attribute",
           [](const py::object& self, const std::string& name) {
             return fieldOf(self.cast<CloudPointer>(), self, name.c_str());
           },
           py::arg("name"),
-          "attribute(name) -> array\n\nOne of attributes: (N,), a view in the file's own type and unit. Raises\n"
-          "UnknownNameError where there is none of the name.");
+          "attribute(name) -> array\n\n"
+          "One of attributes: (N,), a view in the file's type and unit. Raises UnknownNameError for an\n"
+          "unknown name.");
 
   bindMeshes(module);
 
@@ -247,8 +249,9 @@ void bindClouds(py::module_& module) {
       },
       py::arg("file"), py::arg("all_points") = false, py::arg("normals_from_faces") = false,
       "read(file, all_points=False, normals_from_faces=False) -> Cloud\n\n"
-      "A cloud from a file of any format in formats_read(). all_points: of a reconstruction also those that its own\n"
-      "measures tell to be unreliable. Raises Error with file and line.");
+      "Reads a cloud of any format in formats_read(). all_points: includes points of a reconstruction\n"
+      "that its own measures mark as unreliable. normals_from_faces: area-weighted normals of the faces\n"
+      "replace those of the file. Raises Error with file and line.");
   module.def(
       "write",
       [](const py::object& path, const PyCloud& cloud, bool ascii, bool keep) {
@@ -263,9 +266,9 @@ void bindClouds(py::module_& module) {
       },
       py::arg("file"), py::arg("cloud"), py::arg("ascii") = false, py::arg("keep") = false,
       "write(file, cloud, ascii=False, keep=False)\n\n"
-      "By the file's ending, one of formats_written(). It appears under its name only when it is whole; keep: a file "
-      "that is\n"
-      "there already is kept as NAME.EXT.bak. Raises Error with the file.");
+      "Writes a cloud in the format of the file's extension, one of formats_written(). The file appears\n"
+      "under its name only when it is complete. ascii: text, if the format has both. keep: an existing\n"
+      "file is kept as NAME.EXT.bak. Raises Error with the file.");
 }
 
 }  // namespace palpate::python

@@ -1,4 +1,4 @@
-// What palpate has said, a line each.
+// Messages of palpate, one line each.
 #pragma once
 
 #include <mutex>
@@ -9,10 +9,10 @@
 
 namespace palpate::python {
 
-/// Filled by threads that know nothing of Python.
+/// Filled by threads that do not hold Python's lock.
 class Heard {
  public:
-  /// A pp_log_function, whose user is one of these.
+  /// A pp_log_function, whose `user` is a Heard.
   static void hear(void* user, const char* line) {
     auto& heard = *static_cast<Heard*>(user);
     const std::scoped_lock lock(heard.lock_);

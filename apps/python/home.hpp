@@ -1,4 +1,4 @@
-// The process in which something was opened.
+// The process in which an object was opened.
 #pragma once
 
 #include <unistd.h>
@@ -7,15 +7,15 @@
 
 namespace palpate::python {
 
-/// Threads, locks and a GPU stay behind in the process that forks.
+/// After a fork, threads, locks and a GPU remain in the parent process.
 class Home {
  public:
   bool isHere() const { return process_ == ::getpid(); }
-  /// Throws palpate.Error.
+  /// Throws palpate.Error in another process.
   void require() const {
     if (!isHere())
       throw Refusal("Error",
-                    "this was opened by the process that has forked, and works there alone; open it here, or start "
+                    "this was opened in the parent process before fork(), and works only there; open it here, or start "
                     "processes by \"spawn\" (multiprocessing.set_start_method)",
                     PP_ERROR_STATE);
   }

@@ -1,4 +1,4 @@
-// Ctrl+C, and whatever else a signal raises in Python, while a call of the library takes long.
+// Ctrl+C, and other exceptions of Python's signal handlers, during long calls of the library.
 #pragma once
 
 #include <memory>
@@ -9,16 +9,16 @@
 
 namespace palpate::python {
 
-/// One call at a time.
+/// For one call at a time.
 class Interruption {
  public:
-  /// Asks Python's signal handlers, which run on its main thread alone; of a pp_watch or a pp_network, whose user is
-  /// one of these. Without Python's lock.
+  /// Runs Python's pending signal handlers, which run only on its main thread. Stop function of a pp_watch or a
+  /// pp_network whose `user` is an Interruption. Called without Python's lock.
   static std::int32_t isAsked(void* self);
   pp_watch watch() { return {.stop = &Interruption::isAsked, .progress = nullptr, .user = this}; }
 
-  /// Does what may be interrupted, without Python's lock. Throws what a handler has raised, and otherwise what `call`
-  /// throws.
+  /// Runs an interruptible call without Python's lock. Throws the exception of a handler, if any, otherwise that of
+  /// `call`.
   template <class Call>
   auto during(Call&& call) {
     try {

@@ -10,7 +10,7 @@ namespace palpate::python {
 
 namespace {
 
-/// What a law in Python is called with.
+/// Argument of a law in Python.
 struct LawInput {
   pp_pose pose;
   pp_contact contact;
@@ -40,10 +40,10 @@ void PythonLaw::setLive(bool live) {
     thread_ = std::thread([this] { serve(); });
     return;
   }
-  if (process_ != ::getpid()) return thread_.detach();  // it did not come along
+  if (process_ != ::getpid()) return thread_.detach();  // a forked process does not have the thread
   stop_ = true;
   asked_.release();
-  const py::gil_scoped_release released;  // which it may be waiting for
+  const py::gil_scoped_release released;  // the thread may be waiting for the lock
   thread_.join();
 }
 
@@ -73,8 +73,7 @@ PythonLaw::Answer PythonLaw::answerTo(const Question& question) {
       refuse("law: returned a force that is not finite");
     answer.force_N = force_N;
   } catch (const py::cast_error&) {
-    raised_ = std::make_exception_ptr(
-        Refusal("ArgumentTypeError", "law: returned something else than a force of three numbers, N"));
+    raised_ = std::make_exception_ptr(Refusal("ArgumentTypeError", "law: did not return a force of three numbers, N"));
     failed_ = true;
   } catch (...) {
     raised_ = std::current_exception();
@@ -98,7 +97,7 @@ void PythonLaw::answerLive(const Question& question, double force_N[3]) {
     last_ = answer_;
     return true;
   };
-  takes();  // what was too late for an earlier tick
+  takes();  // the answer that was late for an earlier tick
   if (!isAsked_) {
     question_ = question;
     isAsked_ = true;
@@ -127,7 +126,7 @@ Law::Law(const py::object& given, bool allowPython) {
   }
   const py::object address = py::hasattr(given, "address") ? py::object(given.attr("address")) : given;
   if (py::isinstance<py::int_>(address) && !py::isinstance<py::bool_>(address)) {
-    constexpr std::uintptr_t kFirstPage = 4096;  // where no function lies
+    constexpr std::uintptr_t kFirstPage = 4096;  // contains no function
     const auto place = address.cast<std::uintptr_t>();
     if (place < kFirstPage) refuse("law: " + std::to_string(place) + " is not the address of a function");
     function_ = reinterpret_cast<pp_force_law>(place);
@@ -138,8 +137,8 @@ Law::Law(const py::object& given, bool allowPython) {
   if (!allowPython)
     refuseType(
         "law: a function in Python runs in every tick and waits for Python's lock: some 30 us while no other thread "
-        "holds it, and 5 ms and more beside one busy thread, which a hand feels as a force that lags and "
-        "fades. Take a compiled function (\"libmine.so:law\", or a numba cfunc), or say allow_python=True");
+        "holds it, and 5 ms and more with one busy thread, which a hand feels as a force that lags and "
+        "fades. Use a compiled function (\"libmine.so:law\", or a numba cfunc), or pass allow_python=True");
   python_ = std::make_shared<PythonLaw>(given);
   function_ = &PythonLaw::call;
 }
@@ -147,11 +146,12 @@ Law::Law(const py::object& given, bool allowPython) {
 void bindLaws(py::module_& module) {
   py::class_<LawInput>(
       module, "LawInput",
-      "What a force law in Python is called with, once a tick: t_s and dt_s (s), hip, proxy and normal\n"
-      "(model units), force_N (of spring and damper), penetration_mm, neighbours, fresh. It returns the\n"
-      "force on the hand, three numbers in N; limits of size and rise act on it.")
+      "Argument of a force law in Python, once for each tick of contact: t_s and dt_s (s), hip, proxy\n"
+      "and normal (model units), force_N (of spring and damper), penetration_mm, neighbours, fresh. The\n"
+      "law returns the force on the hand, three numbers in N; the limits of magnitude and rise apply to\n"
+      "it.")
       .def_property_readonly(
-          "t_s", [](const LawInput& in) { return in.pose.t_s; }, "Seconds, of the tick.")
+          "t_s", [](const LawInput& in) { return in.pose.t_s; }, "Seconds: time of the tick.")
       .def_property_readonly(
           "dt_s", [](const LawInput& in) { return in.dt_s; }, "Seconds since the tick before.")
       .def_property_readonly(
@@ -159,21 +159,21 @@ void bindLaws(py::module_& module) {
           "The haptic interface point: three floats, model units.")
       .def_property_readonly(
           "proxy", [](const LawInput& in) { return vectorOf(in.contact.proxy); },
-          "Where the surface holds the hand: three floats, model units.")
+          "Position of the proxy on the surface: three floats, model units.")
       .def_property_readonly(
           "normal", [](const LawInput& in) { return vectorOf(in.contact.normal); },
           "Three floats, unit length, outward.")
       .def_property_readonly(
           "force_N", [](const LawInput& in) { return vectorOf(in.contact.force_N); },
-          "On the hand, of spring and damper: three floats, N.")
+          "Force on the hand of spring and damper: three floats, N.")
       .def_property_readonly(
           "penetration_mm", [](const LawInput& in) { return in.contact.penetration_mm; }, "From hip to proxy, mm.")
       .def_property_readonly(
           "neighbours", [](const LawInput& in) { return in.contact.neighbours; },
-          "How many points are within the support radius.")
+          "Number of points within the support radius.")
       .def_property_readonly(
           "fresh", [](const LawInput& in) { return in.contact.fresh != 0; },
-          "Whether the surface was asked in this very tick, and not bridged.");
+          "True if the answer is of this tick's own query, False if it was bridged.");
 }
 
 }  // namespace palpate::python

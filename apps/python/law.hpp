@@ -1,4 +1,4 @@
-// A force law as Python gives it.
+// A force law given in Python.
 #pragma once
 
 #include <atomic>
@@ -12,38 +12,38 @@
 
 namespace palpate::python {
 
-/// A force law in Python itself. By path the tick calls it and waits. In a live session a thread of its own calls it,
-/// and a tick waits so long for it at most; where it comes late, the force that it gave last is held for a moment and
-/// then fades. Once it has raised something the force is zero.
+/// A force law written in Python. By path the tick calls it and waits. In a live session a thread of its own calls it,
+/// and a tick waits at most kPatience; if the answer is late, the last force is held for a moment and then fades. Once
+/// the law has raised an exception the force is zero.
 class PythonLaw {
  public:
   static constexpr std::chrono::microseconds kPatience{300};
-  static constexpr double kHeld_s = 0.01;  ///< up to which a force is held
-  static constexpr double kGone_s = 0.05;  ///< from which on nothing is left of it
+  static constexpr double kHeld_s = 0.01;  ///< age up to which a force is held
+  static constexpr double kGone_s = 0.05;  ///< age at which it has faded to zero
 
   explicit PythonLaw(py::object callable);
-  /// With Python's lock, as what follows.
+  /// Requires Python's lock, as the functions below do.
   ~PythonLaw() { setLive(false); }
   PythonLaw(const PythonLaw&) = delete;
   PythonLaw& operator=(const PythonLaw&) = delete;
 
-  /// While no tick runs.
+  /// Only while no tick runs.
   void setLive(bool live);
-  /// What it raised before is forgotten. While no tick runs.
+  /// Discards earlier exceptions. Only while no tick runs.
   void begin();
-  /// Throws what the law has raised, once; from any thread.
+  /// Throws the exception that the law has raised, once. May be called from any thread.
   void raise();
-  /// Ticks of live sessions that it was too late for. From any thread.
+  /// Ticks of live sessions for which it was late. May be called from any thread.
   std::uint64_t late() const { return late_; }
 
-  /// Throws palpate.Error in a call of this law, which the session that asked would wait for.
+  /// Throws palpate.Error within a call of this law: the session waits for the law, and would deadlock.
   void refuseWithin() const {
     if (under_ == this)
-      throw Refusal("Error", "a force law cannot call its own session; what it may know is in its LawInput",
+      throw Refusal("Error", "a force law cannot call its own session; its LawInput has the available data",
                     PP_ERROR_STATE);
   }
 
-  /// A pp_force_law, without Python's lock.
+  /// A pp_force_law, called without Python's lock.
   static void call(void* user, const pp_pose* pose, const pp_contact* contact, double dt_s, double force_N[3]);
 
  private:
@@ -60,7 +60,7 @@ class PythonLaw {
   void answerLive(const Question& question, double force_N[3]);
   void serve();
 
-  static thread_local const PythonLaw* under_;  // that this thread calls now
+  static thread_local const PythonLaw* under_;  // law that this thread is calling
 
   py::object callable_;
   int process_;
@@ -69,18 +69,17 @@ class PythonLaw {
   std::atomic<std::uint64_t> late_ = 0;
   bool live_ = false;
 
-  // Between the tick and the thread that calls Python: each has them in turn.
+  // Exchanged between the tick and the thread that calls Python: only one of them uses these at a time.
   Question question_;
   Answer answer_;
   std::binary_semaphore asked_{0}, answered_{0};
-  bool isAsked_ = false;  // of the tick
+  bool isAsked_ = false;  // used by the tick only
   Answer last_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };
 
-/// "libmine.so:law", the address of a compiled function (numba's cfunc.address), or, where that is allowed, a function
-/// of Python's.
+/// "libmine.so:law", the address of a compiled function (numba's cfunc.address), or, if allowed, a Python function.
 class Law {
  public:
   Law() = default;
@@ -90,7 +89,7 @@ class Law {
   const char* library() const { return library_.empty() ? nullptr : library_.c_str(); }
   pp_force_law function() const { return function_; }
   void* user() const { return python_.get(); }
-  /// Null where it is none.
+  /// Null if the law is not a Python function.
   PythonLaw* python() const { return python_.get(); }
   explicit operator bool() const { return function_ || !library_.empty(); }
 

@@ -18,7 +18,7 @@ class PyLog {
 
 using LogPointer = std::shared_ptr<PyLog>;
 
-/// Fields where a struct of the library has them.
+/// NumPy fields at the offsets of a struct of the library.
 class Fields {
  public:
   Fields& add(const char* name, const char* format, std::size_t offset) {
@@ -122,27 +122,28 @@ void bindLogs(py::module_& module) {
             const pp_log_content log = self.cast<LogPointer>()->view();
             return rowsOf(logTickType(), log.tick, log.ticks, self);
           },
-          "A structured view, a row a tick: t_s, device (3, the device's own unit), turn (w x y z), proxy (3,\n"
-          "model units), force_N (3), edits (that came before it), neighbours, buttons, contact, fresh,\n"
-          "valid, put_down, forceless, edit_left_out.")
+          "A structured view, one row for each tick: t_s, device (3, the device's own unit), turn (w x y\n"
+          "z), proxy (3, model units), force_N (3), edits (number of edits before the tick's answer),\n"
+          "neighbours, buttons, contact, fresh, valid, put_down, forceless, edit_left_out.")
       .def_property_readonly(
           "edits",
           [](const py::object& self) {
             const pp_log_content log = self.cast<LogPointer>()->view();
             return rowsOf(logEditType(), log.edit, log.edits, self);
           },
-          "A structured view, a row for each state of a point: point, parent, position and normal (3,\n"
+          "A structured view, one row for each state of a point: point, parent, position and normal (3,\n"
           "relative to the origin of the cloud), color (4), gone.")
       .def_property_readonly(
-          "points", [](const PyLog& log) { return log.view().points; }, "Of the model.")
+          "points", [](const PyLog& log) { return log.view().points; }, "Number of points of the model.")
       .def_property_readonly(
-          "ended", [](const PyLog& log) { return log.view().ended != 0; }, "Whether the session came to its end.")
+          "ended", [](const PyLog& log) { return log.view().ended != 0; },
+          "True if the log includes the end of the session.")
       .def_property_readonly(
           "lost_ticks", [](const PyLog& log) { return log.view().lost_ticks; },
-          "Ticks that the session had and the log has not: more than could be written at the time.")
+          "Ticks that are not in the log, because they could not be written in time.")
       .def_property_readonly(
           "merged_edits", [](const PyLog& log) { return log.view().merged_edits; },
-          "States of points that a later one of the same point took the place of.")
+          "States of points that were superseded by later ones of the same point.")
       .def_property_readonly(
           "map",
           [](const PyLog& log) {
@@ -150,7 +151,7 @@ void bindLogs(py::module_& module) {
             return std::pair(view.map_scale,
                              std::array<double, 3>{view.map_offset[0], view.map_offset[1], view.map_offset[2]});
           },
-          "Scale and offset: model units = scale * device + offset, as long as no clutch was drawn.")
+          "Scale and offset: model units = scale * device + offset, until a clutch was used.")
       .def("_header", [](const PyLog& log) { return std::string(log.view().header); })
       .def("_missing", [](const PyLog& log) { return std::string(log.view().missing); });
   module.def("_replay", &replayed);

@@ -1,4 +1,4 @@
-// Matter in Python: scenes that move by themselves, alone and in sessions, and their points.
+// Matter in Python: scenes in sessions and alone, and their points.
 #include "apps/python/session.hpp"
 
 namespace palpate::python {
@@ -24,7 +24,7 @@ auto viewed(Get&& get) {
   };
 }
 
-/// name, value, low, high, unit, label
+/// Tuples of name, value, low, high, unit, label.
 py::list told(const std::vector<pp_parameter>& parameters) {
   py::list all;
   for (const pp_parameter& each : parameters)
@@ -33,7 +33,7 @@ py::list told(const std::vector<pp_parameter>& parameters) {
   return all;
 }
 
-/// One thread at a time is in it; others wait.
+/// Only one thread at a time uses it; others wait.
 class PyMatter {
  public:
   PyMatter(const std::string& scene, const std::optional<std::string>& gpu, std::uint32_t threads) {
@@ -84,7 +84,7 @@ py::dict stateOf(const pp_matter_state& state) {
 
 void bindMatter(py::module_& module) {
   py::class_<PyFrame, FramePointer>(
-      module, "Frame", "Points that move, as they were at a time; views cannot be written to, and keep the frame.")
+      module, "Frame", "Moving points at one time, immutable; views are read-only and keep the frame alive.")
       .def("__len__", [](const PyFrame& frame) { return frame.view().points.count; })
       .def("__repr__",
            [](const PyFrame& frame) {
@@ -93,16 +93,16 @@ void bindMatter(py::module_& module) {
                     py::str("{:.6g}").format(points.t_s).cast<std::string>() + " s>";
            })
       .def_property_readonly(
-          "t_s", [](const PyFrame& frame) { return frame.view().t_s; }, "Seconds, of the points.")
+          "t_s", [](const PyFrame& frame) { return frame.view().t_s; }, "Time of the points, s.")
       .def_property_readonly(
           "moving", [](const PyFrame& frame) { return frame.view().moving; },
-          "The first so many move; those behind them are of what stands in the scene.")
+          "Number of moving points, which come first; the rest belong to bodies standing in the scene.")
       .def_property_readonly("positions", viewed([](const pp_moving_points& p) { return p.points.positions; }),
-                             "(N, 3) float32 view, model units; of a scene mm.")
+                             "(N, 3) float32 view, model units; mm for a scene of matter.")
       .def_property_readonly("velocities", viewed([](const pp_moving_points& p) { return p.velocities; }),
                              "(N, 3) float32 view, model units per second.")
       .def_property_readonly("normals", viewed([](const pp_moving_points& p) { return p.points.normals; }),
-                             "(N, 3) float32 view, or None where nothing has some.");
+                             "(N, 3) float32 view, unit length; None without normals.");
 
   py::class_<PyMatter>(module, "_Matter")
       .def(py::init<const std::string&, const std::optional<std::string>&, std::uint32_t>(), py::arg("scene"),
@@ -112,34 +112,41 @@ void bindMatter(py::module_& module) {
           [](PyMatter& self) {
             if (self.isHere()) self.with([](pp::Matter& matter) { matter.close(); });
           },
-          "close()\n\nEnds it; what is called then raises Error. A with statement does it.")
+          "close()\n\n"
+          "Closes the scene; later calls raise ClosedError. A with statement does it.")
       .def(
           "step",
           [](PyMatter& self, std::uint64_t steps) { self.with([&](pp::Matter& matter) { matter.step(steps); }); },
           py::arg("steps") = 1,
-          "step(steps=1)\n\nSo many milliseconds further. Raises Error with the status \"simulation\" where it "
-          "diverges: it\n"
-          "stays where it was then, until reset().")
+          "step(steps=1)\n\n"
+          "Advances the scene by this number of milliseconds. Raises Error with the status \"simulation\" if\n"
+          "it diverges: it stays at that time until reset().")
       .def(
           "reset", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.reset(); }); },
-          "reset()\n\nEverything goes back to where it began, with the parameters that were set.")
+          "reset()\n\n"
+          "Restarts the scene, with the parameters that were set.")
       .def(
           "frame",
           [](PyMatter& self) {
             return std::make_shared<PyFrame>(self.with([](pp::Matter& matter) { return matter.frame(); }));
           },
-          "frame() -> Frame\n\nThe particles as they are, or the surface of a soft body.")
+          "frame() -> Frame\n\n"
+          "The present particles, or the surface of a soft body.")
       .def(
           "set",
           [](PyMatter& self, const std::string& name, double value) {
             self.with([&](pp::Matter& matter) { matter.setParameter(name, value); });
           },
-          py::arg("name"), py::arg("value"), "set(name, value)\n\nA parameter, from the next step on.")
+          py::arg("name"), py::arg("value"),
+          "set(name, value)\n\n"
+          "Sets a parameter from the next step on. Raises UsageError, without effect, if it is unknown or\n"
+          "out of bounds.")
       .def("_parameters",
            [](PyMatter& self) { return told(self.with([](pp::Matter& matter) { return matter.parameters(); })); })
       .def(
           "state", [](PyMatter& self) { return stateOf(self.with([](pp::Matter& matter) { return matter.state(); })); },
-          "state() -> dict\n\nOf all particles: t_s, particles, substeps, kinetic_J, potential_J, momentum_kg_m_s,\n"
+          "state() -> dict\n\n"
+          "State of all particles: t_s, particles, substeps, kinetic_J, potential_J, momentum_kg_m_s,\n"
           "max_compression, front_mm, on_model_N, inside_model, failed, machine.");
 }
 
@@ -150,23 +157,28 @@ void bindSessionsMatter(py::class_<PySession>& session) {
           [](PySession& self) {
             return std::make_shared<PyFrame>(self.with([](pp::Session& open) { return open.frame(); }));
           },
-          "frame() -> Frame\n\nThe points of a scene of matter as they are.")
+          "frame() -> Frame\n\n"
+          "The present points of a scene of matter, or the newest frame of moving points.")
       .def(
           "hold", [](PySession& self) { self.with([](pp::Session& open) { open.hold(true); }); },
-          "hold()\n\nA scene of matter stands still, and no hand feels it, until resume().")
+          "hold()\n\n"
+          "Pauses a scene of matter until resume(): it stands still, and no hand feels it.")
       .def(
           "resume", [](PySession& self) { self.with([](pp::Session& open) { open.hold(false); }); },
-          "resume()\n\nIt moves on.")
+          "resume()\n\n"
+          "Continues a paused scene of matter.")
       .def(
           "reset", [](PySession& self) { self.with([](pp::Session& open) { open.reset(); }); },
-          "reset()\n\nA scene of matter goes back to where it began, with the next tick.")
+          "reset()\n\n"
+          "Restarts a scene of matter with the next tick.")
       .def(
           "set",
           [](PySession& self, const std::string& name, double value) {
             self.with([&](pp::Session& open) { open.setParameter(name, value); });
           },
           py::arg("name"), py::arg("value"),
-          "set(name, value)\n\nA parameter of a scene, from the next step on, live, too.")
+          "set(name, value)\n\n"
+          "Sets a parameter of a scene of matter from the next step on, also while it is live.")
       .def("_parameters",
            [](PySession& self) { return told(self.with([](pp::Session& open) { return open.parameters(); })); })
       .def("_motion", [](PySession& self) {

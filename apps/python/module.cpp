@@ -5,7 +5,7 @@ namespace {
 
 using namespace palpate::python;
 
-/// Of palpate/_errors.py.
+/// A class of palpate/_errors.py.
 py::object classNamed(const char* name) { return py::module_::import("palpate._errors").attr(name); }
 
 const char* classOf(pp_status status) {
@@ -19,7 +19,7 @@ void translate(const Refusal& refusal) {
   PyErr_SetObject(kind.ptr(), made.ptr());
 }
 
-/// The library's words begin with the name of an option where C has it; Python's keywords are shorter.
+/// The library's messages begin with the name of an option in C; the keywords in Python are shorter.
 std::string inPython(std::string text) {
   constexpr std::pair<std::string_view, std::string_view> kNames[]{
       {"tool.kind", "tool"}, {"tool.", "tool_"}, {"surface.kind", "surface"},
@@ -66,16 +66,20 @@ PYBIND11_MODULE(_palpate, module) {
   });
   py::options options;
   options.disable_function_signatures();
-  module.def("version", &pp::version, "version() -> str\n\nOf the library that runs, as in \"0.1.0\".");
+  module.def("version", &pp::version,
+             "version() -> str\n\n"
+             "Version of the library at run time, such as \"0.1.0\".");
   module.def("gpus", &gpuNames, py::call_guard<py::gil_scoped_release>(),
-             "gpus() -> list of str\n\nNames of the GPUs that Vulkan has here, software drivers among them; a session\n"
-             "takes one by its place in the list or by a part of its name. Empty where there is no Vulkan.");
+             "gpus() -> list of str\n\n"
+             "Names of the GPUs that Vulkan finds here, including software drivers; empty without Vulkan. A\n"
+             "session selects one by its index or by a part of its name.");
   module.def("formats_read", &pp_formats_read,
-             "formats_read() -> str\n\nEndings of files, and kinds of folders, that read() takes:\n"
-             "\".ply, .las, ...\".");
+             "formats_read() -> str\n\n"
+             "Extensions of files, and kinds of folders, that read() accepts: \".ply, .las, ...\".");
   module.def("formats_written", &pp_formats_written,
-             "formats_written() -> str\n\nEndings of files that write() takes: \".ply, .las, ...\". Meshes\n"
-             "alone are written as .obj, .stl and .off.");
+             "formats_written() -> str\n\n"
+             "Extensions of files that write() accepts: \".ply, .las, ...\". Only meshes can be written as .obj,\n"
+             ".stl and .off.");
   module.def("_brush_settings", &palpate::python::brushSettings);
   module.def("_tick_dtype", &palpate::python::tickType);
   module.def("_tool_tick_dtype", &palpate::python::toolTickType);

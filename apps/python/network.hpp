@@ -1,4 +1,4 @@
-// Networks and sessions of others, as Python names them.
+// Networks and joined sessions, as given in Python.
 #pragma once
 
 #include <optional>
@@ -10,18 +10,18 @@
 
 namespace palpate::python {
 
-/// Interface, peers and domain, as palpate.Network has them.
+/// Interface, peers, domain and security, as in palpate.Network.
 using NetworkTuple =
     std::tuple<std::optional<std::string>, std::vector<std::string>, std::uint32_t, std::optional<std::string>>;
 
-/// Keeps the words that it points to.
+/// Owns the strings that its pp_network points to.
 class Network {
  public:
   explicit Network(NetworkTuple given);
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
   const pp_network* get() const { return &network_; }
-  /// What waits on it: Interruption::during().
+  /// Runs a call that waits on the network: Interruption::during().
   template <class Call>
   auto waiting(Call&& call) {
     return interruption_.during(std::forward<Call>(call));
@@ -34,9 +34,9 @@ class Network {
   Interruption interruption_;
 };
 
-/// Name, network, hand, read_only and patience_s, as palpate.Join has them.
+/// Name, network, hand, read_only, patience_s and near, as in palpate.Join.
 using JoinTuple = std::tuple<std::string, NetworkTuple, std::optional<std::string>, bool, double, bool>;
-/// Without Python's lock.
+/// Requires that Python's lock is not held.
 pp::Session join(const JoinTuple& how, const pp_session_options& options);
 
 }  // namespace palpate::python

@@ -10,7 +10,7 @@ namespace {
 
 const char* orNull(const std::optional<std::string>& text) { return text ? text->c_str() : nullptr; }
 
-// A path, or one for each of several hands.
+// One path, or one for each of several hands.
 std::vector<std::unique_ptr<PathArray>> pathsOf(const py::object& given, std::uint32_t hands) {
   std::vector<std::unique_ptr<PathArray>> paths;
   if (hands == 1) {
@@ -39,7 +39,7 @@ namespace {
 
 struct BrushSetting {
   const char* name;
-  const char* kind;  ///< what its value is, for a person
+  const char* kind;  ///< type of its value, for error messages
   void (*set)(pp_brush& brush, const py::handle& value, double mm_per_unit);
 };
 constexpr BrushSetting kBrushSettings[]{
@@ -147,7 +147,7 @@ pp::Session PySession::opened(const std::string& name, const SessionSettings& se
 }
 
 PySession::~PySession() {
-  py::gil_scoped_release released;  // a thread of palpate's may be waiting for it
+  py::gil_scoped_release released;  // a thread of palpate may be waiting for it
   session_ = pp::Session();
 }
 
@@ -214,7 +214,7 @@ py::array PySession::along(const py::object& given, const pp_brush* brush) {
 void PySession::addFrame(double t_s, const py::object& xyz, const py::object& normals, const py::object& velocities) {
   const py::array places = threeColumns(xyz, "xyz");
   const py::array facing = threeColumns(normals, "normals", places.shape(0));
-  py::array speeds;  // kept until they are copied
+  py::array speeds;  // kept alive until they are copied
   pp_frame_arrays frame = pp_default_frame_arrays();
   frame.count = static_cast<std::uint64_t>(places.shape(0));
   frame.t_s = t_s;
@@ -226,7 +226,7 @@ void PySession::addFrame(double t_s, const py::object& xyz, const py::object& no
   }
   home_.require();
   py::gil_scoped_release released;
-  session_.pushFrame(frame);  // beside whatever else is done with it
+  session_.pushFrame(frame);  // at the same time as any other call
 }
 
 py::array PySession::render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options) {
@@ -274,10 +274,10 @@ void PySession::startLive(const std::optional<std::string>& device, double rate,
   };
   name(own);
   if (with([](pp::Session& session) { return session.liveState().running != 0; }))
-    with([&](pp::Session& session) { session.startLive(first); });  // refused, in the library's words
+    with([&](pp::Session& session) { session.startLive(first); });  // refused with the library's message
   const bool hasOwn = static_cast<bool>(own);
   liveLaw_ = hasOwn ? std::move(own) : law_;
-  if (hasOwn) name(liveLaw_);  // its text may have moved with it
+  if (hasOwn) name(liveLaw_);  // its text may have moved
   PythonLaw* const slow = liveLaw_.python();
   if (slow) slow->setLive(true);
   try {

@@ -1,4 +1,4 @@
-// A session as Python has it.
+// A session in Python.
 #pragma once
 
 #include <mutex>
@@ -33,32 +33,33 @@ struct SessionSettings {
   std::uint64_t most_points = 0;
   double speed = 1;
   bool loop = false, fuse = false;
-  std::optional<JoinTuple> join;  ///< in place of a cloud
+  std::optional<JoinTuple> join;  ///< instead of a cloud
 };
 
-/// Whatever brush.
+/// A brush of any kind.
 struct Brush {
   std::string kind;
   pp_brush brush = pp_default_brush();
 
-  /// Of brushSettings(); lengths whose names do not end in _mm are in model units.
+  /// Settings as listed by brushSettings(); lengths whose names do not end in _mm are in model units.
   Brush(const std::string& name, const py::kwargs& settings, double mm_per_unit);
   Brush(const Brush&) = delete;
   Brush& operator=(const Brush&) = delete;
 };
-/// Their names: what palpate/_words.py takes for **brush.
+/// Names of all settings, which palpate/_words.py accepts for **brush.
 py::list brushSettings();
 
-/// One thread at a time is in it; others wait.
+/// Only one thread at a time uses it; others wait.
 class PySession {
  public:
-  /// `cloud`: a cloud, or the name of a scene of matter; None where a session of others is joined.
+  /// `cloud`: a cloud, the name of a scene of matter, or the folder of a depth camera; None if a shared session is
+  /// joined.
   PySession(const py::object& cloud, const SessionSettings& settings, Law law);
   ~PySession();
   PySession(const PySession&) = delete;
   PySession& operator=(const PySession&) = delete;
 
-  /// With the session to oneself, and without Python's lock.
+  /// Runs `act` with exclusive use of the session, and without Python's lock.
   template <class Do>
   auto with(Do&& act) {
     home_.require();
@@ -74,12 +75,12 @@ class PySession {
   void addFrame(double t_s, const py::object& xyz, const py::object& normals, const py::object& velocities);
   py::array render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options);
 
-  /// Of the hands after the first: device, builtin and path of each.
+  /// `others`: device, builtin and path of each hand after the first.
   void startLive(const std::optional<std::string>& device, double rate, const std::optional<std::string>& builtin,
                  const py::object& path, const py::object& law, bool allowPython, const py::list& others);
   void stopLive();
   py::array takeTicks();
-  /// Throws what the force law has raised in a live session.
+  /// Throws the exception that the force law has raised in a live session.
   void raiseOfLaw();
   std::uint64_t lateLaws() const { return liveLaw_.python() ? liveLaw_.python()->late() : 0; }
 
@@ -87,7 +88,7 @@ class PySession {
   py::list remarks() const { return told(heard_); }
   pp::Session& session() { return session_; }
   double mm_per_unit();
-  /// Places of its cloud are float32.
+  /// True if its cloud was made of float32 positions.
   bool isSingle() const { return cloud_ && cloud_->isSingle(); }
 
  private:
@@ -105,7 +106,7 @@ class PySession {
   Law law_, liveLaw_;
   Interruption interruption_;
   std::mutex inUse_;
-  pp::Session session_;  // goes first
+  pp::Session session_;  // destroyed first
 };
 
 void bindLogs(py::module_& module);

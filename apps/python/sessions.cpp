@@ -1,4 +1,4 @@
-// Sessions in Python. Nothing of Python runs on a servo thread.
+// Sessions in Python. No Python code runs on a servo thread.
 #include "apps/python/session.hpp"
 
 namespace palpate::python {
@@ -16,29 +16,25 @@ std::optional<Vector> vectorOr(const std::optional<Vector>& given, std::uint32_t
 
 void bindTouch(py::class_<PySession>& session) {
   session
-      .def(
-          "touch", &PySession::touch, py::arg("path"), py::arg("surface") = py::none(),
-          "touch(path, surface=None) -> structured array\n\n"
-          "Follows the path in virtual time and only feels. path: (N, 3), model units, a row for each tick; or (N, 4), "
-          "seconds\n"
-          "first. surface: from now on \"average\", \"sphere\" or \"sharp\". One row a tick: t_s (s), hip, proxy, "
-          "normal (3,\n"
-          "model units), force_N (3), penetration_mm, contact, neighbours, fresh. With a tool of many points also "
-          "torque_mNm\n"
-          "(3, about the HIP). The same path gives the same rows.\n\n"
-          "Of several hands: a path for each, (hands, N, 3) or a list of arrays, of which the longest one counts; "
-          "(ticks,\n"
-          "hands) come back. A scene of matter goes on from path to path, until reset(). Raises Error with the status\n"
-          "\"simulation\" where it diverges.")
+      .def("touch", &PySession::touch, py::arg("path"), py::arg("surface") = py::none(),
+           "touch(path, surface=None) -> structured array\n\n"
+           "Follows the path in virtual time and only feels. path: (N, 3), model units, one row for each\n"
+           "tick; or (N, 4), seconds first. surface: \"average\", \"sphere\" or \"sharp\", from now on. Returns\n"
+           "one row for each tick: t_s (s), hip, proxy, normal (3, model units), force_N (3),\n"
+           "penetration_mm, contact, neighbours, fresh; with a tool of many points also torque_mNm (3, about\n"
+           "the HIP). The same path gives the same rows.\n\n"
+           "With several hands: a path for each, (hands, N, 3) or a list of arrays; the longest one\n"
+           "determines the duration, and the result has the shape (ticks, hands). The time of a scene of\n"
+           "matter continues from path to path, until reset(). Raises Error with the status \"simulation\" if\n"
+           "the scene diverges.")
       .def("stroke", &PySession::stroke, py::arg("path"), py::arg("kind"),
            "stroke(path, kind, **brush) -> structured array\n\n"
-           "The same with a brush: push, carve, inflate, smooth, grab, paint or flatten. Of the brush: radius_mm and "
-           "tau_mm (how\n"
-           "deep a hand may stand before the surface yields), mm in the hand, or radius and tau, in model units; "
-           "beta (push: share of the way that a point goes in one "
-           "tick),\n"
-           "strength (0 to 1), falloff (0 to 16), keeps_density, color (three of 0 to 255). Of several hands the first "
-           "one\n"
+           "As touch(), with a brush for this path: push, carve, inflate, smooth, grab, paint or flatten.\n"
+           "Settings of the brush: radius_mm and tau_mm (depth of the hand from which the surface yields),\n"
+           "mm in the hand, or radius and tau, in model units; beta (push: share of the distance to its\n"
+           "target that a point moves in one tick, 0 to 1), strength (share of the full effect in one tick,\n"
+           "0 to 1), falloff (0 to 16), keeps_density (points are inserted where the surface is stretched\n"
+           "and merged where it is crowded), color (three of 0 to 255). Of several hands the first one\n"
            "sculpts.")
       .def(
           "set_brush",
@@ -48,39 +44,40 @@ void bindTouch(py::class_<PySession>& session) {
             self.with([&](pp::Session& open) { open.setBrush(brush.brush); });
           },
           py::arg("kind"),
-          "set_brush(kind, **brush)\n\nWhat a live hand sculpts with from now on, as of stroke(); None: it only feels.")
+          "set_brush(kind, **brush)\n\n"
+          "Sets the brush of a live hand from now on, as for stroke(); None: the hand only feels.")
       .def(
           "undo",
           [](PySession& self, std::uint64_t strokes) {
             return self.with([&](pp::Session& open) { return open.undo(strokes); });
           },
           py::arg("strokes") = 1,
-          "undo(strokes=1) -> int\n\nTakes the last strokes back, each point to the last bit; says how many there "
-          "were. A stroke\n"
-          "is all that is done in one contact, with gaps of up to 0.3 s.")
+          "undo(strokes=1) -> int\n\n"
+          "Undoes the last strokes, each point to the last bit, and returns their number. A stroke consists\n"
+          "of all edits in one contact, with gaps of up to 0.3 s.")
       .def(
           "redo",
           [](PySession& self, std::uint64_t strokes) {
             return self.with([&](pp::Session& open) { return open.redo(strokes); });
           },
           py::arg("strokes") = 1,
-          "redo(strokes=1) -> int\n\nDoes again what was taken back last; says how many there were.")
+          "redo(strokes=1) -> int\n\n"
+          "Redoes the strokes undone last, and returns their number.")
       .def(
           "cloud",
           [](PySession& self) {
             const bool isSingle = self.isSingle();
             return std::make_shared<PyCloud>(self.with([](pp::Session& open) { return open.cloud(); }), isSingle);
           },
-          "cloud() -> Cloud\n\nThe points as they are.")
+          "cloud() -> Cloud\n\n"
+          "A copy of the present points.")
       .def("add_frame", &PySession::addFrame, py::arg("t_s"), py::arg("xyz"), py::arg("normals"),
            py::arg("velocities") = py::none(),
-           "add_frame(t_s, xyz, normals, velocities=None)\n\nOf a session that was opened with moving=True: from that "
-           "time on\n"
-           "the points are felt there. t_s: of the session's ticks, after that of the frame before; a live session "
-           "begins\n"
-           "at 0. xyz, normals: (N, 3). velocities: (N, 3), model units per second, with which points go on for 50 ms. "
-           "From\n"
-           "any thread.")
+           "add_frame(t_s, xyz, normals, velocities=None)\n\n"
+           "For a session opened with moving=True: the points are felt there from t_s on. t_s: s, time of\n"
+           "the session's ticks, later than that of the frame before; a live session begins at 0. xyz,\n"
+           "normals: (N, 3). velocities: (N, 3), model units per second, with which positions are\n"
+           "extrapolated for up to 50 ms. May be called from any thread.")
       .def(
           "record",
           [](PySession& self, const py::object& path) {
@@ -88,9 +85,10 @@ void bindTouch(py::class_<PySession>& session) {
             self.with([&](pp::Session& open) { open.record(file); });
           },
           py::arg("file"),
-          "record(file)\n\nThe next path, or the next live session, is written to a session log, with its end "
-          "(read_log(),\n"
-          "replay()). It begins with the points as they were opened, and is of one hand, without a law of one's own.")
+          "record(file)\n\n"
+          "Records the next path, or the next live session, up to its end, to a session log (read_log(),\n"
+          "replay()). A log begins with the points as they were opened, and holds one hand without its own\n"
+          "force law.")
       .def("_live_start", &PySession::startLive, py::arg("device"), py::arg("rate"), py::arg("builtin"),
            py::arg("path"), py::arg("law"), py::arg("allow_python"), py::arg("others"))
       .def("_live_raise", &PySession::raiseOfLaw)
@@ -145,11 +143,13 @@ void bindSessions(py::module_& module) {
            py::arg("fuse") = false, py::arg("join") = py::none(), py::arg("law") = py::none(),
            py::arg("allow_python") = false)
       .def("close", &PySession::close,
-           "close()\n\nEnds it, and a live session with it; what is called then raises Error. A with statement does\n"
-           "it.")
-      .def_property_readonly("remarks", &PySession::remarks,
-                             "What was said while it was opened and since, a line each: what of a file is not\n"
-                             "kept, which GPU answers.")
+           "close()\n\n"
+           "Closes the session, and ends its live session; later calls raise ClosedError. A with statement\n"
+           "does it.")
+      .def_property_readonly(
+          "remarks", &PySession::remarks,
+          "Messages since the session was opened, one line each: what of a file is not kept, which GPU\n"
+          "answers.")
       .def("_info",
            [](PySession& self) {
              const pp_session_info info = self.with([](pp::Session& open) { return open.info(); });
@@ -189,11 +189,10 @@ void bindSessions(py::module_& module) {
           py::arg("background") = py::none(), py::arg("samples") = 4,
           "render(size=(1280, 720), eye=None, target=None, up=None, fov=45, color='rgb', background=None, "
           "samples=4)\n\n"
-          "The points as they are: uint8, height x width x 4, rows from the top. size: width, height. eye, target, up: "
-          "model\n"
-          "units; what is not given fits the model. fov: vertical, degrees. color: rgb, normal, depth, height. "
-          "background: three\n"
-          "of 0 to 255.")
+          "Draws the present points: uint8, height x width x 4, rows from the top. size: width, height.\n"
+          "eye, target, up: model units; what is not given is chosen to fit the model. fov: vertical,\n"
+          "degrees. color: rgb, normal, depth, height. background: three of 0 to 255. samples: per pixel, 1\n"
+          "or 4.")
       .def(
           "mesh",
           [](PySession& self, std::uint32_t lattice, const std::string& surface, std::optional<double> radius_mm) {
@@ -205,9 +204,9 @@ void bindSessions(py::module_& module) {
           },
           py::arg("lattice") = 128, py::arg("surface") = "sphere", py::arg("radius_mm") = py::none(),
           "mesh(lattice=128, surface='sphere', radius_mm=None) -> Mesh\n\n"
-          "Triangles around the points as they are, by marching cubes. lattice: cells along the longest side. surface: "
-          "sphere,\n"
-          "average, sharp or density.");
+          "Meshes the present points by marching cubes. lattice: cells along the longest side, 1 to 2048.\n"
+          "surface: sphere, average, sharp or density. radius_mm: support radius; None: from the spacing of\n"
+          "the points.");
   bindTouch(session);
   bindSessionsMatter(session);
   bindSessionsSharing(session);

@@ -1,4 +1,4 @@
-// Sessions that several programs have, in Python: served, listed, joined.
+// Shared sessions in Python: served, listed, joined.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -42,7 +42,7 @@ struct ServeSettings {
   std::uint32_t threads = 0;
 };
 
-/// For any number of threads.
+/// Thread-safe.
 class PyServer {
  public:
   PyServer(const PyCloud& cloud, const std::string& name, const ServeSettings& settings) {
@@ -114,7 +114,7 @@ py::dict told(const pp_server_info& info) {
   return told;
 }
 
-// Below 0 there is none.
+// None for a negative round trip.
 py::object tripOf(double round_trip_ms) {
   return round_trip_ms < 0 ? py::object(py::none()) : py::object(py::float_(round_trip_ms));
 }
@@ -199,39 +199,36 @@ void bindSessionsSharing(py::class_<PySession>& session) {
             return self.with([&](pp::Session& open) { return open.settle(seconds); });
           },
           py::arg("seconds") = 10.0,
-          "settle(seconds=10) -> bool\n\nOf a session that was joined: asks the server how far it is, and takes part "
-          "in what the others\n"
-          "do until all that the server had taken before this call is in effect here and all that was done here is "
-          "with the\n"
-          "server, at most so long (s). True where it is, and the points are the server's, bit by bit; False where "
-          "the server\n"
-          "does not answer. Not while it is live. Raises Error with the status \"network\" where this hand's part has "
-          "ended for\n"
-          "good.")
+          "settle(seconds=10) -> bool\n\n"
+          "For a joined session: requests the server's state, and exchanges edits until all that the server\n"
+          "had taken before this call is in effect here, and the server has all edits made here; waits at\n"
+          "most `seconds`. True if so and the points are the server's, bit by bit; False also if the server\n"
+          "does not answer. Not while the session is live. Raises Error with the status \"network\" if this\n"
+          "hand's part has ended permanently.")
       .def("_sharing",
            [](PySession& self) { return told(self.with([](pp::Session& open) { return open.sharing(); })); })
       .def("_others", &othersOf)
       .def("_cameras", &camerasOf)
       .def("show_camera", &showCamera, py::arg("position"), py::arg("orientation"), py::arg("fov_deg") = 45.0,
            py::arg("aspect") = 1.0,
-           "show_camera(position, orientation, fov_deg=45, aspect=1)\n\nOf a session that was joined: from now on the "
-           "others are\n"
-           "shown that a picture is seen from there, at most 30 times a second. position: x, y, z, model units; "
-           "orientation: a\n"
-           "unit quaternion, x, y, z, w, of the axes to the right of the picture, down in it and where it looks; "
-           "fov_deg:\n"
-           "vertical; aspect: width / height. Nobody is told of what render() makes unless this says it.")
+           "show_camera(position, orientation, fov_deg=45, aspect=1)\n\n"
+           "For a joined session: shows this camera to the others from now on, at most 30 times a second.\n"
+           "position: x, y, z, model units. orientation: unit quaternion x y z w of the axes to the right of\n"
+           "the picture, down in it and in the direction of view. fov_deg: vertical. aspect: width / height.\n"
+           "Pictures of render() are not shown unless this is called.")
       .def(
           "hide_camera", [](PySession& self) { self.with([](pp::Session& open) { open.hideCamera(); }); },
-          "hide_camera()\n\nThe others are shown no camera of this session any more.")
+          "hide_camera()\n\n"
+          "Stops showing a camera of this session to the others.")
       .def("_follow", [](PySession& self) { self.with([](pp::Session& open) { open.follow(); }); });
 }
 
 void bindSharing(py::module_& module) {
   module.def(
       "can_share", [] { return pp_can_share() != 0; },
-      "can_share() -> bool\n\nWhether this palpate was built with DDS. Where it was not, serve(), sessions() and a\n"
-      "Session of a Join raise Error with the status \"unsupported\".");
+      "can_share() -> bool\n\n"
+      "True if this palpate was built with DDS. Otherwise serve(), sessions() and a Session of a Join\n"
+      "raise Error with the status \"unsupported\".");
   module.def("_survey", &survey, py::arg("network"), py::arg("seconds"));
   py::class_<PyServer>(module, "_Server")
       .def(py::init([](const PyCloud& cloud, const std::string& name, const NetworkTuple& network, bool read_only,
@@ -245,13 +242,15 @@ void bindSharing(py::module_& module) {
            py::arg("model") = py::none(), py::arg("mm_per_unit") = py::none(), py::arg("estimate_normals") = false,
            py::arg("journal") = py::none(), py::arg("threads") = 0)
       .def("close", &PyServer::close,
-           "close()\n\nNobody is answered from then on; what is called then raises Error. A with statement does it. "
-           "Those who\n"
-           "have joined keep what they have.")
+           "close()\n\n"
+           "Stops serving; later calls raise ClosedError. A with statement does it. Programs that have\n"
+           "joined keep their points.")
       .def("cloud", &PyServer::cloud,
-           "cloud() -> Cloud\n\nThe points as they are: what has come of everybody's strokes.")
+           "cloud() -> Cloud\n\n"
+           "A copy of the present points, with all strokes taken.")
       .def("_info", [](const PyServer& self) { return told(self.info()); })
-      .def_property_readonly("remarks", &PyServer::remarks, "Who has come, and what else was said, a line each.");
+      .def_property_readonly("remarks", &PyServer::remarks,
+                             "Messages, such as of programs that have joined, one line each.");
 }
 
 }  // namespace palpate::python

@@ -1,4 +1,4 @@
-// What a broken invariant comes to in the library: the call fails, and the host goes on. The program's own definition
+// In the library a broken invariant fails the call and does not end the host. The program's own definition
 // (engine/core/check.cpp) is not linked.
 #include "engine/core/check.hpp"
 #include "haptics/library/failures.hpp"

@@ -1,4 +1,4 @@
-// Who is in a call on a session: at most one thread that touches and one that looks.
+// Exclusion of calls on a session: at most one thread that touches and one that looks.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@ inline void refuseInLogFunction() {
   if (isInLogFunction) throw StateError("a log function cannot call a session, matter or a server");
 }
 
-/// The process in which something was opened: threads, locks and a GPU stay behind in it where it forks.
+/// The process in which an object was opened: after a fork, its threads, locks and GPU remain in the parent.
 class HomeProcess {
  public:
   bool isThis() const noexcept { return number_ == processNumber(); }
@@ -34,8 +34,8 @@ class Claims {
  public:
   const HomeProcess& home() const { return home_; }
 
-  /// Held while a call lasts. Throws ThreadError where another thread has what it wants, StateError in a log function
-  /// and in another process.
+  /// Held for the duration of a call. Throws ThreadError if another thread holds a conflicting claim, StateError in a
+  /// log function and in another process.
   class Held {
    public:
     Held(Claims& claims, Claim claim) : claims_(claims), bits_(static_cast<unsigned>(claim)) { claims_.take(bits_); }

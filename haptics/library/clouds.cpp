@@ -1,4 +1,4 @@
-// The C interface: clouds, and the GPUs that there are.
+// The C interface: clouds, and the list of GPUs.
 #include <algorithm>
 #include <cstring>
 
@@ -112,7 +112,7 @@ pp_status pp_cloud_copy_places(pp_cloud cloud, double* places, uint64_t count) {
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     if (count != found->cloud.size())
-      throw UsageError("count: {} positions were asked for, and the cloud has {}", count, found->cloud.size());
+      throw UsageError("count: {} positions were requested, but the cloud has {}", count, found->cloud.size());
     if (count > 0) required(places, "places");
     for (std::size_t i = 0; i < count; ++i) {
       const DVec3 place = found->cloud.fileCoordinates(i);
@@ -131,7 +131,8 @@ pp_status pp_cloud_get_attribute(pp_cloud cloud, uint64_t index, pp_attribute* a
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     const auto& all = found->cloud.extra;
-    if (index >= all.size()) throw UsageError("index: {}, and there are {} attributes", index, all.size());
+    if (index >= all.size())
+      throw UsageError("index: {} is out of range; the cloud has {} attributes", index, all.size());
     required(attribute, "attribute") = {all[index].name.c_str(), nameOf(all[index].type), all[index].data.data()};
   });
 }
@@ -149,8 +150,9 @@ pp_status pp_gpu_name(uint32_t index, char* name, uint64_t capacity) {
   if (name && capacity > 0) name[0] = '\0';
   return guarded([&] {
     const std::vector<std::string> names = gpuNames();
-    if (index >= names.size()) throw UsageError("index: {}, and there are {} GPUs", index, names.size());
-    if (capacity == 0) throw UsageError("capacity: is 0; there is no room for a name");
+    if (index >= names.size())
+      throw UsageError("index: {} is out of range; this machine has {} GPUs", index, names.size());
+    if (capacity == 0) throw UsageError("capacity: is 0, too small for a name");
     const std::size_t length = std::min<std::size_t>(names[index].size(), capacity - 1);
     std::memcpy(&required(name, "name"), names[index].data(), length);
     name[length] = '\0';

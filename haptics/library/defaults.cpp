@@ -12,7 +12,7 @@ namespace palpate::library {
 
 namespace {
 
-/// As much of what is usual as the program knows of the struct; what it knows and this does not is zero.
+/// Writes the defaults of the fields that the program knows; fields that this library does not know are zero.
 template <class Options>
 void init(Options* to, std::uint32_t size) {
   if (!to) return;
@@ -118,7 +118,7 @@ pp_join_options usual() {
 
 }  // namespace palpate::library
 
-// A program of any age says how large it knows the struct to be.
+// A program of any version passes the size of the struct that it knows.
 #define PALPATE_INIT(name) \
   void pp_init_##name(pp_##name* options, uint32_t size) { palpate::library::init(options, size); }
 

@@ -1,11 +1,11 @@
-// The options of the C interface as they are where a program says nothing.
+// Default values of the options of the C interface.
 #pragma once
 
 #include <palpate/palpate.h>
 
 namespace palpate::library {
 
-/// Zero but for what is declared below.
+/// Zero, except for the specializations below.
 template <class Options>
 Options usual() {
   Options options{};

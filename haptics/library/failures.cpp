@@ -26,7 +26,7 @@ pp_status note(pp_status status, const char* text, const FileError* about = null
   return status;
 }
 
-// Of the exception that is being handled; throws std::bad_alloc where there is no room for its words.
+// Stores the exception being handled; throws std::bad_alloc if its description cannot be allocated.
 pp_status noteHandled() {
   try {
     throw;
@@ -57,7 +57,7 @@ pp_status noteHandled() {
   } catch (const std::exception& error) {
     return note(PP_ERROR_FAILED, error.what());
   } catch (...) {
-    return note(PP_ERROR_FAILED, "something was thrown that is no error of palpate's");
+    return note(PP_ERROR_FAILED, "an exception of an unknown type was thrown");
   }
 }
 
@@ -73,7 +73,7 @@ pp_status noteFailure() noexcept {
       return noteHandled();
     }
   } catch (...) {
-    // What is short enough is kept without an allocation.
+    // This string is short enough to need no allocation.
     last = {.status = PP_ERROR_MEMORY, .text = "out of memory", .file = {}, .line = 0};
     return PP_ERROR_MEMORY;
   }

@@ -1,4 +1,4 @@
-// What went wrong, as the C interface tells it: a status, and words for each thread.
+// Failures as the C interface reports them: a status and a description, per thread.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -13,7 +13,7 @@ class HandleError : public Error {
  public:
   using Error::Error;
 };
-/// Another thread is in a call that does not go with this one.
+/// Another thread is in a call that conflicts with this one.
 class ThreadError : public Error {
  public:
   using Error::Error;
@@ -30,21 +30,21 @@ class UnsupportedError : public Error {
  public:
   using Error::Error;
 };
-/// What moves by itself goes on no more.
+/// The simulation of the scene has failed.
 class SimulationError : public Error {
  public:
   using Error::Error;
 };
-/// A broken invariant of ours, which stops a program and not the host of a library.
+/// A broken invariant of palpate, which ends a program but not the host of a library.
 class BugFound : public Error {
  public:
   using Error::Error;
 };
 
-/// Keeps the exception that is being handled as the failure of this thread, and says what it is.
+/// Stores the exception being handled as the failure of this thread, and returns its status.
 pp_status noteFailure() noexcept;
 
-/// Does what a call is for; whatever is thrown becomes its status.
+/// Runs the body of a call and converts any exception to a status.
 template <class Do>
 pp_status guarded(Do&& act) noexcept {
   try {

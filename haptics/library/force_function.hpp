@@ -1,4 +1,4 @@
-// A force law that a program brings, in C or loaded from a library of its own.
+// A force law of the program, as a C function or loaded from a library.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -12,11 +12,11 @@ namespace palpate::library {
 class ForceFunction {
  public:
   ForceFunction() = default;
-  /// `library`: "libmine.so:function", in place of `law`; empty: none. Throws UsageError, and Error with the loader's
-  /// words.
+  /// `library`: "libmine.so:function", instead of `law`; empty: none. Throws UsageError, and Error with the loader's
+  /// message.
   ForceFunction(pp_force_law law, void* user, const std::string& library, double mm_per_unit);
 
-  /// Valid as long as this stays where it is; nothing where the program has brought none.
+  /// Valid while this object is not moved; empty if the program has no law.
   CustomForce custom() { return law_ ? CustomForce{&call, this} : CustomForce{}; }
 
  private:

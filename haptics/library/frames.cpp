@@ -1,4 +1,4 @@
-// The C interface: clouds whose frames a program brings, and recorded depth cameras.
+// The C interface: clouds whose frames the program provides, and recorded depth cameras.
 #include "engine/io/rgbd_folder.hpp"
 #include "haptics/library/held_session.hpp"
 #include "haptics/library/options.hpp"
@@ -47,8 +47,8 @@ pp_status pp_session_push_frame(pp_session session, const pp_frame_arrays* frame
     const auto found = objectOf<OpenSession>(session.id);
     found->claims().home().require();
     const pp_frame_arrays given = optionsFrom(&required(frame, "frame"), "frame");
-    if (given.count == 0) throw UsageError("count: a frame has no points; it takes at least one");
-    if (!given.normals.data) throw UsageError("normals: are missing; each frame needs its own");
+    if (given.count == 0) throw UsageError("count: is 0; a frame requires at least one point");
+    if (!given.normals.data) throw UsageError("normals: are missing; each frame requires them");
     const CloudArrays arrays{.count = given.count,
                              .positions = rowsFrom(given.positions, false, "positions"),
                              .normals = rowsFrom(given.normals, false, "normals"),

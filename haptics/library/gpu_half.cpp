@@ -79,7 +79,7 @@ void GpuHalf::follow(const EditBatch& batch) noexcept {
   try {
     if (state_->picture) state_->picture->follow(batch);
   } catch (...) {
-    state_->picture.reset();  // the next one copies all points again
+    state_->picture.reset();  // the next picture copies all points again
   }
 }
 

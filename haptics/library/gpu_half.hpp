@@ -1,4 +1,4 @@
-// What of the library needs a GPU. A library that is built without Vulkan has the same class, which says so.
+// The parts of the library that need a GPU. A build without Vulkan has the same class, which refuses its calls.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -17,16 +17,16 @@
 
 namespace palpate::library {
 
-/// The GPUs of this machine by name, in the order of their numbers; none where there is no Vulkan.
+/// Names of the GPUs of this machine, in the order of their numbers; empty without Vulkan.
 std::vector<std::string> gpuNames();
-/// Whether there is a GPU that palpate can use and that is no software driver.
+/// True if there is a GPU that palpate can use and that is not a software driver.
 bool hasRealGpu();
-/// Which GPU a program wants (pp_session_options), if any.
+/// GPU that the program requests (pp_session_options).
 struct GpuChoice {
-  const char* gpu = nullptr;               ///< number or part of a name; "cpu": none; null: one where there is one
-  const pp_vulkan_device* lent = nullptr;  ///< in place of one by name
+  const char* gpu = nullptr;               ///< number or part of a name; "cpu": none; null: one if available
+  const pp_vulkan_device* lent = nullptr;  ///< instead of one by name
 
-  /// The back end that answers.
+  /// Name of the back end that answers.
   std::string backend() const {
     const std::string name = gpu ? gpu : "";
     return name == "cpu" || (name.empty() && !lent && !hasRealGpu()) ? "cpu" : "vulkan";
@@ -35,25 +35,25 @@ struct GpuChoice {
 /// Throws UnsupportedError without Vulkan, FileError.
 void writePicture(const std::string& file, const Image& image);
 
-/// The GPU of one session, opened at its first use: what answers on it, pictures and meshes. Used by one thread at a
-/// time, but that the back end asks on its own queue.
+/// The GPU of one session, opened at its first use: the back end, pictures and meshes. For one thread at a time, except
+/// that the back end submits queries on its own queue.
 class GpuHalf {
  public:
-  /// One that is lent is taken up at once. Throws GpuError, and UsageError where one is named besides.
+  /// Opens a lent device at once. Throws GpuError, and UsageError if a GPU is named as well.
   explicit GpuHalf(const GpuChoice& choice);
   ~GpuHalf();
   GpuHalf(const GpuHalf&) = delete;
   GpuHalf& operator=(const GpuHalf&) = delete;
 
-  /// What answers there; this outlives it, and all that it makes. Throws UnsupportedError without Vulkan.
+  /// Back end on this GPU; this must outlive it and all that it makes. Throws UnsupportedError without Vulkan.
   std::unique_ptr<BackendKind> backend();
-  /// The picture follows what was done. Never fails: the next picture says what went wrong.
+  /// Updates the drawn points. Never fails: after an error the next picture copies all points again.
   void follow(const EditBatch& batch) noexcept;
-  /// Forgets the points that were drawn: others come in their place.
+  /// Discards the drawn points, because others replace them.
   void forgetPicture();
   /// SessionPicture::draw().
   Image draw(const Model& model, const Journal* journal, const PictureRequest& request);
-  /// By marching cubes. Throws OutOfGpuMemory.
+  /// Meshes by marching cubes. Throws OutOfGpuMemory.
   Mesh mesh(const PointCloud& cloud, const MeshPlan& plan);
 
  private:

@@ -39,7 +39,7 @@ std::string_view nameOf(HandleKind kind) {
   return {};
 }
 
-/// Held for a few instructions, by threads that would otherwise wait for longer than those take.
+/// Spin lock, held for a few instructions: waiting in the kernel would take longer.
 class Held {
  public:
   explicit Held(std::atomic_flag& flag) : flag_(flag) {
@@ -65,7 +65,7 @@ HandleTable::Slot* HandleTable::slotAt(std::uint32_t place) {
 std::uint32_t HandleTable::freePlace() {
   const std::scoped_lock lock(lock_);
   if (free_.empty()) {
-    if (owned_.size() == kChunks) throw Error("{} handles are open, and there may be no more", kSlots * kChunks);
+    if (owned_.size() == kChunks) throw Error("{} handles are open, which is the maximum", kSlots * kChunks);
     owned_.push_back(std::make_unique<Chunk>());
     const auto first = static_cast<std::uint32_t>((owned_.size() - 1) * kSlots);
     for (std::uint32_t k = kSlots; k-- > 0;) free_.push_back(first + k);
@@ -122,7 +122,7 @@ std::shared_ptr<void> HandleTable::remove(HandleKind kind, std::uint64_t handle)
 }
 
 HandleTable& handles() {
-  // Never destroyed: other threads of the host may still be in calls as the program ends.
+  // Never destroyed: other threads of the host may still be in calls when the program ends.
   static HandleTable& table = *new HandleTable;
   return table;
 }

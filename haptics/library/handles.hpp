@@ -1,4 +1,4 @@
-// The handles of the C interface: small numbers that stand for objects, each for one only, ever.
+// Handles of the C interface: small numbers, each of which stands for one object only and is never reused.
 #pragma once
 
 #include <array>
@@ -12,41 +12,41 @@ namespace palpate::library {
 
 enum class HandleKind : std::uint8_t { cloud = 1, session = 2, mesh = 3, frame = 4, matter = 5, log = 6, server = 7 };
 
-/// Objects by their handles: kind, generation of the place, place. For any number of threads; find() takes no lock that
-/// is held for longer than it takes to copy a pointer, and allocates nothing unless it fails.
+/// Table of objects by handle. A handle consists of kind, generation and index of a slot. Any number of threads may use
+/// it. find() holds a lock only for the copy of a pointer, and allocates nothing unless it fails.
 class HandleTable {
  public:
-  /// Throws Error when there is no place left.
+  /// Throws Error if the table is full.
   std::uint64_t add(HandleKind kind, std::shared_ptr<void> object);
-  /// Throws HandleError for a handle that is null, closed, of another kind or no handle at all.
+  /// Throws HandleError for a handle that is null, closed, of another kind or invalid.
   std::shared_ptr<void> find(HandleKind kind, std::uint64_t handle);
-  /// The same, and the handle is closed.
+  /// find(), and closes the handle.
   std::shared_ptr<void> remove(HandleKind kind, std::uint64_t handle);
-  /// The same of an object that is not ended here, since it belongs to another process: it stays in memory.
+  /// remove() for an object that belongs to another process: it is not destroyed, and its memory is leaked.
   void abandon(HandleKind kind, std::uint64_t handle) { static_cast<void>(new auto(remove(kind, handle))); }
 
  private:
   struct Slot {
-    std::atomic_flag lock;  // of what follows
+    std::atomic_flag lock;  // guards the members below
     std::shared_ptr<void> object;
     std::uint32_t generation = 1;
     HandleKind kind{};
   };
-  static constexpr std::size_t kSlots = 1024, kChunks = 1024;  // a million handles at a time
+  static constexpr std::size_t kSlots = 1024, kChunks = 1024;  // a million open handles
   using Chunk = std::array<Slot, kSlots>;
 
-  // Null where no handle ever had the place.
+  // Null if no handle has used the slot so far.
   Slot* slotAt(std::uint32_t place);
   Slot& slotOf(HandleKind kind, std::uint64_t handle);
   std::uint32_t freePlace();
 
   std::array<std::atomic<Chunk*>, kChunks> chunks_{};
-  std::mutex lock_;  // of what follows
+  std::mutex lock_;  // guards the members below
   std::vector<std::unique_ptr<Chunk>> owned_;
   std::vector<std::uint32_t> free_;
 };
 
-/// Of the library, for as long as the program runs.
+/// The table of the library, for the lifetime of the program.
 HandleTable& handles();
 
 }  // namespace palpate::library

@@ -1,4 +1,4 @@
-// A session, and the claim of this thread on it while a call of the C interface lasts.
+// Finds a session and holds this thread's claim on it for the duration of a call of the C interface.
 #pragma once
 
 #include "haptics/library/objects.hpp"
@@ -17,13 +17,13 @@ pp_status with(pp_session session, Claim claim, Do&& act) {
   });
 }
 
-/// The same for what takes long, and the program may watch.
+/// The same for calls that take long, which the program may watch.
 template <class Do>
 pp_status lasting(pp_session session, Do&& act) {
   return with(session, Claim::all, [&](OpenSession& open) { open.watch().run([&] { act(open); }); });
 }
 
-/// Opens what `modelKindOf` gives, watched.
+/// Opens a session of the subject that `modelKindOf` returns, watched by the program.
 template <class Give>
 void openSession(const pp_session_options* options, pp_session* session, Give&& modelKindOf) {
   required(session, "session");
@@ -44,7 +44,7 @@ pp_status looking(pp_session session, Do&& act) {
   });
 }
 
-/// The same for what takes long, and the program may watch.
+/// The same for calls that take long, which the program may watch.
 template <class Do>
 pp_status lookingLong(pp_session session, Do&& act) {
   return looking(session, [&](OpenSession& open) { open.watch().run([&] { act(open); }); });

@@ -14,7 +14,7 @@ NetworkConfig networkFrom(const pp_network* given) {
   const pp_network network = optionsFrom(given, "network");
   constexpr std::uint64_t kMaxPeers = 1000;
   if (network.peer_count > kMaxPeers)
-    throw UsageError("network.peers: {} are more than {}", network.peer_count, kMaxPeers);
+    throw UsageError("network.peers: {} exceed the maximum of {}", network.peer_count, kMaxPeers);
   NetworkConfig config{
       .interface = textOf(network.interface_name), .domain = network.domain, .security = textOf(network.security)};
   if (network.peer_count > 0) required(network.peers, "network.peers");
@@ -62,13 +62,13 @@ BrushConfig JoinedPart::allowed(const BrushConfig& brush, const Session& session
   session.abilities().require(Action::sculpt, "brush");
   if (how_.readOnly) throw UsageError("brush: '{}' was joined with read_only; it can be felt and not sculpted", name_);
   BrushConfig allowed = brush;
-  allowed.keepsDensity = false;  // it would be another cloud than the others have
+  allowed.keepsDensity = false;  // the cloud would differ from that of the others
   return allowed;
 }
 
 namespace {
 
-// Of points around the hands alone.
+// State of a session that has only the points around the hands.
 void tellFar(const FarCloud& far, pp_sharing& state) {
   const FarCounts counts = far.counts();
   state.sculptable = far.isSculptable();

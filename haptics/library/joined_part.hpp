@@ -1,4 +1,4 @@
-// What a session of the library's has with others, where it was joined.
+// This program's part in a joined session.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -13,19 +13,19 @@
 
 namespace palpate::library {
 
-/// Which network a program means.
+/// Validates the network of a program.
 NetworkConfig networkFrom(const pp_network* network);
 
-/// What ends a call that waits there.
+/// Stop sign of a call that waits on that network.
 StopSign stopFrom(const pp_network* network);
 
-/// How a session of others is joined.
+/// How to join a session.
 struct JoinSubject {
   JoinConfig network;
-  std::string hand;  ///< empty: as the machine
+  std::string hand;  ///< name of the hand; empty: name of the machine
   double patience_s = Joining{}.patience_s;
   bool readOnly = false;
-  StopSign stop;  ///< of the call that joins
+  StopSign stop;  ///< of the joining call
 };
 /// Throws UsageError.
 JoinSubject joinFrom(const pp_join_options& options);
@@ -35,15 +35,15 @@ class JoinedPart {
   explicit JoinedPart(JoinSubject how) : how_(std::move(how)) {}
 
   double patience_s() const { return how_.patience_s; }
-  /// Remembers whose it is. For one model, and for as long as this is.
+  /// Joins, and stores the names of session, server and points. For one model; must not outlive this.
   SessionJoiner joiner();
-  /// A brush as it can be there. Throws UsageError where there can be none.
+  /// The brush as the joined session allows it. Throws UsageError if none is allowed.
   BrushConfig allowed(const BrushConfig& brush, const Session& session) const;
   pp_sharing state(const Session& session) const;
   std::vector<pp_other_hand> others(const Session& session) const;
   std::vector<pp_other_camera> cameras(const Session& session) const;
   void showCamera(const Session& session, const pp_camera_place* camera) const;
-  /// Throws NetworkError where this hand's part has ended for good.
+  /// Throws NetworkError if this hand's part has ended permanently.
   void check(const Session& session) const;
 
  private:

@@ -12,19 +12,19 @@ namespace palpate::library {
 namespace {
 
 HandSource opened(const pp_live_options& options, const LiveHands::Surroundings& with, double rate_Hz, bool first) {
-  // The ticks are the first one's.
+  // Only the first hand's device may call the ticks.
   HandConfig config{.device = options.device ? options.device : "path", .ownScheduler = !first};
   if (options.builtin) config.path = std::string("builtin:") + options.builtin;
   if (options.path) {
     if (options.builtin) throw UsageError("path, builtin: both are given; leave one of them out");
     if (config.device != "path")
-      throw UsageError("path: the device {} does not follow one; leave path or device out", config.device);
+      throw UsageError("path: the device {} does not follow a path; leave path or device out", config.device);
     Path path = pathFrom(options.path, rate_Hz);
     const double duration_s = path.duration_s();
     return {.device = std::make_unique<PathDevice>(std::move(path)), .duration_s = duration_s};
   }
   if (config.path.empty() && (config.device == "path" || config.device == "sim"))
-    throw UsageError("device: {} needs to know where the hand goes: give builtin=press, slide, scan or orbit{}",
+    throw UsageError("device: {} requires the path of the hand: give builtin=press, slide, scan or orbit{}",
                      config.device, config.device == "path" ? ", or a path" : "");
   return openHand(config, {.model = with.session.model(), .rate_Hz = rate_Hz, .log = with.log});
 }
@@ -34,14 +34,14 @@ std::vector<HandSource> openedAll(const pp_live_options& options, const LiveHand
   const std::size_t wanted = with.session.config().hands.size();
   hands.push_back(opened(options, with, rate_Hz, true));
   for (const pp_live_options* next = options.next; next;) {
-    if (hands.size() == wanted) throw UsageError("hands: the session has {}, and more are given", wanted);
+    if (hands.size() == wanted) throw UsageError("hands: the session has {}, but more are given", wanted);
     const pp_live_options given = optionsFrom(next, "next");
     if (given.law || given.law_library) throw UsageError("next: only the first hand can have a force law");
     if (given.rate_Hz != 0) throw UsageError("next: only the first hand can have a rate");
     hands.push_back(opened(given, with, rate_Hz, false));
     next = given.next;
   }
-  if (hands.size() < wanted) throw UsageError("hands: the session has {}, and {} are given", wanted, hands.size());
+  if (hands.size() < wanted) throw UsageError("hands: the session has {}, but {} are given", wanted, hands.size());
   return hands;
 }
 
@@ -94,7 +94,7 @@ void LiveHands::stop() {
 
 std::uint64_t LiveHands::take(pp_tick* ticks, std::uint64_t capacity) {
   if (next_ == waiting_.size()) {
-    const bool ended = thread_->hasEnded();  // before the last ticks are taken
+    const bool ended = thread_->hasEnded();  // queried before the last ticks are read
     waiting_.clear();
     next_ = 0;
     thread_->take(waiting_);

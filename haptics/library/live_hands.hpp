@@ -1,4 +1,4 @@
-// The hands of a live session: their devices, its servo thread, and the ticks that nobody has taken yet.
+// The hands of a live session: their devices, the servo thread, and the ticks not read yet.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -21,20 +21,20 @@ class LiveHands {
     Session& session;
     Log& log;
     const std::atomic<bool>& forcesOn;
-    CustomForce law;  ///< unless the options have one
+    CustomForce law;  ///< used unless the options have a law
   };
-  /// Opens the devices, one for each hand of the session, and gets ready. Throws Error.
+  /// Opens the devices, one for each hand of the session, without starting ticks. Throws Error.
   LiveHands(const pp_live_options& options, const Surroundings& with);
 
   double rate_Hz() const { return rate_Hz_; }
   bool hasLaw() const { return hasLaw_; }
   OpenHand first() const { return hands_.front().hand(); }
-  /// Begins.
+  /// Starts the servo thread.
   void start();
   bool isRunning() const { return thread_ && !thread_->hasEnded(); }
   void stop();
-  /// As many rows as there is room for, of whole ticks. Throws DeviceError or GpuError where the thread has ended by
-  /// itself and no ticks are left.
+  /// Reads rows of whole ticks, up to `capacity`, and returns their number. Throws DeviceError or GpuError if the
+  /// thread has ended because of a fault and no ticks are left.
   std::uint64_t take(pp_tick* ticks, std::uint64_t capacity);
   std::uint64_t ticks() const { return ticks_; }
   std::uint64_t missed() const { return missed_; }
@@ -44,12 +44,12 @@ class LiveHands {
   double rate_Hz_;
   ForceFunction law_;
   std::vector<HandSource> hands_;
-  std::vector<TraceRow> waiting_;  // of these those from next_ on
+  std::vector<TraceRow> waiting_;  // rows from next_ on are not read yet
   std::size_t next_ = 0;
   std::uint64_t ticks_ = 0, missed_ = 0;
   std::optional<double> lastTime_s_;
   bool stopped_ = false, hasLaw_ = false;
-  std::optional<ServoThread> thread_;  // goes first
+  std::optional<ServoThread> thread_;  // destroyed first
 };
 
 }  // namespace palpate::library

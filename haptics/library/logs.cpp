@@ -1,4 +1,4 @@
-// The C interface: session logs, written, read and run again.
+// The C interface: session logs, written, read and replayed.
 #include <algorithm>
 #include <vector>
 
@@ -11,7 +11,7 @@
 
 namespace palpate::library {
 
-/// A log in memory, never changed once it is read.
+/// A log in memory; immutable.
 struct LogObject {
   std::vector<pp_log_tick> ticks;
   std::vector<pp_log_edit> edits;
@@ -80,7 +80,7 @@ std::shared_ptr<LogObject> logOf(const std::string& file) {
   return log;
 }
 
-/// Of this build; a GPU is opened when it is needed.
+/// Back ends of this build; a GPU is opened when it is needed.
 Backends backendsOn(GpuHalf& gpu) {
   std::vector<std::unique_ptr<BackendKind>> kinds;
   kinds.push_back(cpuBackend());
@@ -90,7 +90,7 @@ Backends backendsOn(GpuHalf& gpu) {
 
 pp_replay_result replayed(const std::string& file, const pp_replay_options& options, Watch& watch) {
   const auto cloud = options.cloud.id == 0 ? nullptr : objectOf<CloudObject>(options.cloud.id);
-  if (!(options.tolerance >= 0)) throw UsageError("tolerance: {} is not a number from 0 on", options.tolerance);
+  if (!(options.tolerance >= 0)) throw UsageError("tolerance: {} is not a number of at least 0", options.tolerance);
   Remarks remarks(options.log, options.log_user, watch);
   GpuHalf gpu({.gpu = options.gpu});
   const Backends backends = backendsOn(gpu);

@@ -1,4 +1,4 @@
-// The C interface: matter that moves by itself, in a session and alone, and its points.
+// The C interface: scenes of matter, in sessions and alone, and their points.
 #include "haptics/library/held_session.hpp"
 #include "haptics/library/open_matter.hpp"
 #include "haptics/library/options.hpp"
@@ -22,11 +22,12 @@ pp_frame opened(std::shared_ptr<const FrameObject> frame) {
 }
 
 void giveParameter(const std::vector<SimulationParameter>& all, std::uint64_t index, pp_parameter* parameter) {
-  if (index >= all.size()) throw UsageError("index: {}, and there are {} parameters", index, all.size());
+  if (index >= all.size())
+    throw UsageError("index: {} is out of range; the scene has {} parameters", index, all.size());
   required(parameter, "parameter") = parameterOf(all[index]);
 }
 
-// What governs matter may be called beside the thread that touches, whatever its budget.
+// Matter may be controlled while another thread touches, even without a budget.
 template <class Do>
 pp_status governing(pp_session session, Do&& act) {
   return library::with(session, Claim::look, [&](OpenSession& open) { act(open); });

@@ -1,4 +1,4 @@
-// Of a session whose points move: its frames, and what governs them.
+// Sessions whose points move: their frames, and control of the simulation.
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -28,8 +28,7 @@ bool OpenSession::takeFrame() {
 }
 
 std::shared_ptr<const FrameObject> OpenSession::frame() {
-  if (!moves())
-    throw StateError("the points of this session stand still; a frame is of moving points, ask for the cloud");
+  if (!moves()) throw StateError("the points of this session do not move; request the cloud instead of a frame");
   if (!frame_) {
     auto first = std::make_shared<FrameObject>();
     first->cloud.origin = model_->cloud.origin;
@@ -41,7 +40,7 @@ std::shared_ptr<const FrameObject> OpenSession::frame() {
   }
   takeFrame();
   if (!isLive()) return frame_;
-  // What was ready may be as old as the last time that somebody asked.
+  // The frame that was ready may be as old as the last request.
   const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(50);
   while (!takeFrame() && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

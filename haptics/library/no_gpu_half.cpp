@@ -1,4 +1,4 @@
-// Stands in for gpu_half.cpp where palpate is built without Vulkan.
+// Replaces gpu_half.cpp in builds without Vulkan.
 #include "haptics/library/failures.hpp"
 #include "haptics/library/gpu_half.hpp"
 

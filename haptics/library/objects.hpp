@@ -1,4 +1,4 @@
-// What handles stand for, and the way from one to the other.
+// The objects behind handles, and the conversion of one to the other.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -20,30 +20,30 @@ class OpenMatter;
 class OpenServer;
 struct LogObject;
 
-/// Where the points lie in memory.
+/// View of the points in memory.
 pp_points viewOf(const PointCloud& cloud);
 
-/// Never changed once it is made.
+/// Immutable.
 struct CloudObject {
   explicit CloudObject(PointCloud points, ModelConfig from = {.file = "the cloud"})
       : cloud(std::move(points)), source(std::move(from)), view(viewOf(cloud)) {}
   PointCloud cloud;
-  ModelConfig source;  ///< the file that it was read from, and how, so that a session log can name it
+  ModelConfig source;  ///< file that it was read from, and the options of reading, for the header of a session log
   pp_points view;
 };
 
 struct MeshObject {
   Mesh mesh;
-  double cell = 0;  ///< of the lattice, model units
+  double cell = 0;  ///< size of a cell of the lattice, model units
   pp_triangles view{};
 };
 
-/// Points that move, as they were at a time.
+/// Moving points at one time.
 struct FrameObject {
   PointCloud cloud;
-  std::vector<Vec3> velocities;  ///< one for each, model units per second
+  std::vector<Vec3> velocities;  ///< one for each point, model units per second
   double time_s = 0;
-  std::uint64_t moving = 0;  ///< the first so many move
+  std::uint64_t moving = 0;  ///< number of moving points, which come first
 };
 
 template <class Object>

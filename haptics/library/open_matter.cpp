@@ -10,9 +10,9 @@ namespace palpate::library {
 
 namespace {
 
-constexpr float kUnits_per_m = 1e3f;  // of a scene: millimetres
+constexpr float kUnits_per_m = 1e3f;  // model units of a scene are millimetres
 
-// Soft bodies are moved by the CPU unless somebody names a GPU.
+// Soft bodies are moved by the CPU unless the program names a GPU.
 std::string backendOf(const MatterScene& scene, const pp_matter_options& options) {
   return scene.matter == Matter::soft && !options.gpu && !options.vulkan
              ? "cpu"
@@ -26,7 +26,7 @@ MatterScene sceneNamed(const std::string& name) {
   std::error_code ignored;
   const bool isThere = std::filesystem::exists(name, ignored);
   throw UsageError("scene: '{}' is neither a JSON file nor one of {}{}", name, builtInScenes(),
-                   isThere ? "; where it is the file of a cloud, read that first" : "");
+                   isThere ? "; to use the file of a cloud, read it first" : "");
 }
 
 pp_parameter parameterOf(const SimulationParameter& parameter) {
@@ -59,7 +59,7 @@ void OpenMatter::step(std::uint64_t steps) {
   const auto require = [this] {
     if (world_->state() == MatterState::running) return;
     throw SimulationError(
-        "the simulation {} after {:.3f} s; take more substeps, and reset it",
+        "the simulation {} after {:.3f} s; use more substeps, and reset it",
         world_->state() == MatterState::diverged ? "has diverged" : "has too many particles in one place",
         world_->time_s());
   };

@@ -1,4 +1,4 @@
-// Matter as the C interface has it where no hand touches it.
+// A scene of matter without hands, for the C interface.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -16,13 +16,13 @@
 
 namespace palpate::library {
 
-/// A scene by its name, or in a file. Throws UsageError that lists those that are built in, FileError, and Error as
+/// A scene by its name, or from a file. Throws UsageError that lists the built-in scenes, FileError, and Error as
 /// planOf() does.
 MatterScene sceneNamed(const std::string& name);
-/// A parameter as programs have it; what is too long is cut off.
+/// Converts a parameter for programs; long texts are cut off.
 pp_parameter parameterOf(const SimulationParameter& parameter);
 
-/// For a thread that holds all of it.
+/// Calls require an exclusive claim of the calling thread.
 class OpenMatter {
  public:
   /// Throws Error.
@@ -30,12 +30,12 @@ class OpenMatter {
 
   Claims& claims() { return claims_; }
   Watch& watch() { return *watch_; }
-  /// So many milliseconds further, or until it is stopped. Throws Stopped, SimulationError where it fails on the way,
-  /// or has.
+  /// Advances by `steps` milliseconds, or until it is stopped. Throws Stopped, and SimulationError if the scene fails
+  /// meanwhile or has failed before.
   void step(std::uint64_t steps);
   void reset() { world_->reset(); }
   std::vector<SimulationParameter> parameters() const;
-  /// Throws UsageError; nothing is changed then.
+  /// Throws UsageError, without effect.
   void setParameter(std::string_view name, double value);
   std::shared_ptr<const FrameObject> frame();
   pp_matter_state state() const;

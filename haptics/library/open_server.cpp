@@ -12,13 +12,13 @@ namespace palpate::library {
 namespace {
 
 Model modelFor(const CloudObject& cloud, const pp_serve_options& options, Log& log) {
-  if (cloud.cloud.empty()) throw UsageError("the cloud has no points; there is nothing to serve");
+  if (cloud.cloud.empty()) throw UsageError("the cloud contains no points");
   SessionConfig config{.model = cloud.source};
   config.model.mm_per_unit = options.mm_per_unit;
   if (options.estimate_normals) config.model.normals = NormalSource::estimate;
   validate(config);
   if (options.read_only && options.journal)
-    throw UsageError("journal, read_only: a read-only session has no strokes to write down; leave one of them out");
+    throw UsageError("journal, read_only: a read-only session has no strokes to write; leave one of them out");
   return modelOf(cloud.cloud, config.model, {.log = log, .threads = options.threads});
 }
 

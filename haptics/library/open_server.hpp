@@ -1,4 +1,4 @@
-// A cloud that a program serves, on a thread of its own.
+// A cloud that the program serves, on a thread of its own.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -13,7 +13,7 @@
 
 namespace palpate::library {
 
-/// For any number of threads.
+/// Thread-safe but for end().
 class OpenServer {
  public:
   /// Throws Error.
@@ -25,7 +25,7 @@ class OpenServer {
 
   const HomeProcess& home() const { return home_; }
 
-  /// Nobody is answered, and no function of the program called, from then on. For one thread.
+  /// Stops serving and calling the program's functions. For one thread.
   void end();
   pp_server_info info();
   PointCloud points();
@@ -36,7 +36,7 @@ class OpenServer {
   Remarks remarks_;
   NetworkConfig network_;
   Model model_;
-  ServerThread thread_;  // goes first
+  ServerThread thread_;  // destroyed first
 };
 
 }  // namespace palpate::library

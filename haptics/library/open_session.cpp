@@ -14,7 +14,7 @@ namespace {
 
 std::size_t handsFrom(const pp_session_options& options) {
   if (options.hands > PP_MOST_HANDS)
-    throw UsageError("hands: {} are more than {}, the most of one session", options.hands, PP_MOST_HANDS);
+    throw UsageError("hands: {} exceed the maximum of {}", options.hands, PP_MOST_HANDS);
   return std::max(1u, options.hands);
 }
 
@@ -42,7 +42,7 @@ double budgetFrom(const pp_session_options& options) {
   return options.budget_us;
 }
 
-// A session begins at 0, and what moves may have come farther.
+// Paths begin at 0, but the time of moving points may be later.
 Path later(const Path& path, double by_s) {
   std::vector<PathKey> keys(path.keys().begin(), path.keys().end());
   for (PathKey& key : keys) key.t_s += by_s;
@@ -51,7 +51,7 @@ Path later(const Path& path, double by_s) {
 
 }  // namespace
 
-/// What hears of every edit.
+/// Receives all edits.
 class OpenSession::Followers final : public EditFollower {
  public:
   explicit Followers(OpenSession& session) : session_(session) {}
@@ -72,7 +72,7 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
       budget_us_(budgetFrom(options)),
       gpu_({options.gpu, options.vulkan}),
       backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()) {
-  if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud has no points; there is nothing to touch");
+  if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud contains no points");
   backend_->check(config_);
   ModelLoading loading{.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
   if (subject.join) loading.join = joined_.emplace(*subject.join).joiner();
@@ -84,8 +84,7 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
         "lengths "
         "in mm are measured, as a brush's radius_mm is; mm_per_unit sets the true scale",
         boundsOf(model_->cloud).longestSide(), kDefaultLongestSide_mm, model_->scale.mm_per_unit);
-  if (joined_ && model_->cloud.empty())
-    throw Error("'{}' has no points; there is nothing to touch", subject.model.file);
+  if (joined_ && model_->cloud.empty()) throw Error("'{}' contains no points", subject.model.file);
   if (subject.frames) {
     const std::size_t most = subject.frames->most_points ? subject.frames->most_points : model_->cloud.size();
     frames_ = std::make_unique<PushedFrames>(model_->cloud, most, subject.frames->keeps_points != 0);
@@ -102,19 +101,19 @@ void OpenSession::end() noexcept {
     if (live_) live_->stop();
     leave();
     endRecording();
-  } catch (const std::exception& error) {  // the log has what could be written
+  } catch (const std::exception& error) {  // the log has all that could be written
     remarks_.sink().say("{}", error.what());
   }
   remarks_.end();
 }
 
-// What this hand has done last is still on its way.
+// Delivers this hand's last edits, which may still be in flight.
 void OpenSession::leave() {
   if (joined_ && session_) session_->deliver(joined_->patience_s());
 }
 
 const JoinedPart& OpenSession::joined() const {
-  if (!joined_) throw StateError("this session was not joined; it is of this program alone");
+  if (!joined_) throw StateError("this session was not joined; it belongs to this program only");
   return *joined_;
 }
 
@@ -133,7 +132,7 @@ bool OpenSession::settleShared(double seconds) {
   return isSame;
 }
 
-// What cannot be built leaves the session as it was.
+// Restores the previous session if the new one cannot be built.
 void OpenSession::build(bool journal, bool editable) {
   if (!session_) return make(config_, journal, editable);
   const SessionConfig before = session_->config();
@@ -141,7 +140,7 @@ void OpenSession::build(bool journal, bool editable) {
   try {
     make(before, journal, editable);
   } catch (const Stopped&) {
-    unbuilt_ = Built{before, hadJournal, wasEditable};  // that would take as long again
+    unbuilt_ = Built{before, hadJournal, wasEditable};  // rebuilding it now would take as long again
     throw;
   } catch (...) {
     unbuilt_ = Built{before, hadJournal, wasEditable};
@@ -160,7 +159,7 @@ void OpenSession::ensureBuilt() {
 void OpenSession::make(SessionConfig config, bool journal, bool editable) {
   if (editable && !config.brush) config.brush = BrushConfig{};
   UndoConfig undo = config.undo;
-  undo.undo = 1;  // any number, so that there is room for some
+  undo.undo = 1;  // any number above 0, so that memory for undo is allocated
   session_.reset();
   gpu_.forgetPicture();
   const JobStopScope cuts(JobStopScope::cutting());
@@ -176,7 +175,7 @@ void OpenSession::make(SessionConfig config, bool journal, bool editable) {
                    .source = frames_.get(),
                    .follower = [this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }});
   if (editable) session_->setBrush(std::nullopt);
-  editable_ = editable || session_->shared() || session_->far();  // or it says why not
+  editable_ = editable || session_->shared() || session_->far();  // else a brush is refused with a reason
 }
 
 void OpenSession::endAsking() {
@@ -189,8 +188,8 @@ void OpenSession::endAsking() {
 void OpenSession::settle() {
   endAsking();
   if (hasFailed()) {
-    if (session_->recording()) session_->releaseRecording();  // whose end is not known
-    return session_->relay().finish();                        // all that is left of it is its reset
+    if (session_->recording()) session_->releaseRecording();  // its end is unknown
+    return session_->relay().finish();                        // only a reset is possible
   }
   session_->finish();
   endRecording();
@@ -199,14 +198,14 @@ void OpenSession::settle() {
 void OpenSession::record(const std::string& file) {
   settle();
   if (hands() > 1) throw StateError("a session log holds one hand, and this session has {}", hands());
-  if (hasLaw_) throw StateError("a session with a force law of its own cannot be replayed, and is not recorded");
+  if (hasLaw_) throw StateError("a session with its own force law cannot be replayed, and so cannot be recorded");
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
   if (const Abilities can = session_->abilities(); !can.allow(Action::record))
     throw StateError("{}", can.refusal(Action::record));
   if (edits_ > 0 || (shape && shape->counts().version > 0))
     throw StateError(
-        "a log begins with the points as they were opened, and these have been edited; save them, and open what "
-        "was saved");
+        "a log begins with the points as they were opened, but these have been edited; save them, and open the "
+        "saved file");
   if (!session_->journal()) build(true, false);
   recordTo_ = file;
 }
@@ -228,7 +227,7 @@ void OpenSession::requireRunning() const {
                           session_->simulation()->failure());
 }
 
-// Where points move and time goes on, a hand that is where it was keeps what it touches.
+// Where points move and time continues, a hand that begins where it ended keeps its contact.
 bool OpenSession::goesOn(std::size_t hand, const Path& path) const {
   constexpr double kSamePlace_mm = 1;
   return next_s_ > 0 && hand < hips_.size() &&
@@ -248,7 +247,7 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
     }
     OpenSession& of;
     std::optional<BrushConfig> brush;
-  } before{*this, brush_};  // whatever comes of the path
+  } before{*this, brush_};  // restored even if the path fails
   setBrushBetween(brush);
   if (recordTo_ || reset_.exchange(false)) next_s_ = 0;  // a log begins at 0
   std::vector<PathDevice> devices;
@@ -268,7 +267,7 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
   ServoResult result = session_->run(
       hands, {.begin_s = next_s_, .observer = watch_->isTold() ? tells : TickObserver(), .law = law_.custom()});
   if (moves() && !result.trace().rows.empty()) next_s_ = result.trace().rows.back().time_s + 1 / config_.rate_Hz;
-  if (hasFailed()) session_->releaseRecording();  // whose end is not known
+  if (hasFailed()) session_->releaseRecording();  // its end is unknown
   hips_.clear();
   for (const HandResult& hand : result.hands)
     if (moves() && !hand.trace.rows.empty()) hips_.push_back(hand.trace.rows.back().hip);
@@ -291,7 +290,7 @@ void OpenSession::setBrushBetween(const std::optional<BrushConfig>& asked) {
   wanted.brush = brush;
   validate(wanted);
   backend_->check(wanted);
-  if (brush && !editable_ && !moves()) build(true, true);  // a soft body takes one whenever it comes
+  if (brush && !editable_ && !moves()) build(true, true);  // a soft body takes a brush without a rebuild
   session_->setBrush(brush);
   brush_ = brush;
   session_->finish();
@@ -339,11 +338,11 @@ void OpenSession::startLive(const pp_live_options& options) {
                     .session = *session_, .log = remarks_.sink(), .forcesOn = forcesOn_, .law = law_.custom()});
   try {
     if (recordTo_ && live_->hasLaw())
-      throw StateError("a session with a force law of its own cannot be replayed, and is not recorded");
+      throw StateError("a session with its own force law cannot be replayed, and so cannot be recorded");
     beginRecording(live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true});
     live_->start();
   } catch (...) {
-    live_.reset();  // and its devices are closed
+    live_.reset();  // closes its devices
     throw;
   }
   framesGoOn_ = true;
@@ -352,8 +351,8 @@ void OpenSession::startLive(const pp_live_options& options) {
 void OpenSession::stopLive() {
   if (live_) live_->stop();
   if (frames_ && std::exchange(framesGoOn_, false)) {
-    session_->backend().finish();  // what is being made for a time of before would take in the frames that come now
-    frames_->restart();            // a path begins at 0 behind it
+    session_->backend().finish();  // frames in progress are for the old time and would include new frames
+    frames_->restart();            // the next path begins at 0
   }
   if (!session_->recording()) return takeIn();
   if (hasFailed()) session_->releaseRecording();
@@ -424,7 +423,7 @@ Image OpenSession::draw(const PictureRequest& request) {
     now.cloud = present();
     return gpu_.draw(now, nullptr, request);
   } catch (const Stopped&) {
-    gpu_.forgetPicture();  // half of which may be there
+    gpu_.forgetPicture();  // it may be incomplete
     throw;
   }
 }

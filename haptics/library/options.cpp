@@ -47,7 +47,7 @@ void checkPath(const pp_path& path) {
   if (path.columns != 3 && path.columns != 4)
     throw UsageError("path: has {} columns; expected 3 (x y z, a row for each tick) or 4 (seconds first)",
                      path.columns);
-  if (path.rows == 0 || !path.data) throw UsageError("path: has no rows; it takes at least one pose");
+  if (path.rows == 0 || !path.data) throw UsageError("path: has no rows; it requires at least one pose");
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name)
   if (!rows.data) return {};
   const bool real = rows.type == PP_FLOAT32 || rows.type == PP_FLOAT64;
   if (!real && !(mayBeWhole && bytesOf(rows.type) > 0))
-    throw UsageError("{}: {} is not a type of pp_number that they may have", name, rows.type);
+    throw UsageError("{}: {} is not a valid type here", name, rows.type);
   constexpr ScalarType kTypes[]{ScalarType::f32, ScalarType::f64, ScalarType::u8, ScalarType::u16};
   return {static_cast<const std::byte*>(rows.data), kTypes[rows.type], static_cast<std::ptrdiff_t>(rows.stride)};
 }

@@ -1,4 +1,4 @@
-// What a program hands over, read and checked: structs that begin with their size, arrays, paths.
+// Reads and validates the arguments of a program: structs that begin with their size, arrays, paths.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -20,19 +20,20 @@
 
 namespace palpate::library {
 
-/// Throws UsageError where it is null.
+/// Throws UsageError for null.
 template <class T>
 T& required(T* given, std::string_view name) {
   if (!given) throw UsageError("{}: is null", name);
   return *given;
 }
 
-constexpr std::size_t kMinSize = 8;  ///< of any struct that begins with its size
+constexpr std::size_t kMinSize = 8;  ///< minimum size of any struct that begins with its size
 
-/// Throws UsageError for a size that no palpate up to this one has had. The first field of any such struct is its size.
+/// Throws UsageError for a size that no version of palpate up to this one has used. The size is the first field of such
+/// a struct.
 void checkSize(std::uint32_t size, std::size_t known, std::string_view name);
 
-/// What is given, over the defaults as far as the program knows the struct; the defaults where it is null.
+/// The given fields, as far as the program knows the struct, and defaults for the rest, or for all if it is null.
 template <class Options>
 Options optionsFrom(const Options* given, std::string_view name) {
   Options options = usual<Options>();
@@ -51,8 +52,8 @@ void giveInfo(Info* to, Info value, std::string_view name) {
   std::memcpy(to, &value, to->size);
 }
 
-/// What a call fills is zero before anything can fail: whoever looks at it in spite of the status finds no force, count
-/// or handle of an earlier call. Null is for the call to refuse.
+/// Clears an output before anything can fail, so that a caller that ignores the status finds no force, count or handle
+/// of an earlier call. Does nothing for null, which the call refuses.
 template <class Out>
 void clear(Out* to) {
   if constexpr (requires { to->size; }) {
@@ -66,7 +67,7 @@ inline void putVector(const DVec3& vector, double (&to)[3]) {
   for (int k = 0; k < 3; ++k) to[k] = vector[k];
 }
 
-/// Cut off where it does not fit.
+/// Cuts the text off if it does not fit.
 template <std::size_t kSize>
 void putText(std::string_view text, char (&to)[kSize]) {
   const std::size_t length = text.size() < kSize ? text.size() : kSize - 1;
@@ -74,10 +75,10 @@ void putText(std::string_view text, char (&to)[kSize]) {
   to[length] = '\0';
 }
 
-/// Null is empty.
+/// Empty for null.
 std::string textOf(const char* text);
 
-/// A value of a table by its name; `usual` where there is no name. Throws UsageError that lists the names.
+/// Value of a table by its name; `usual` if the name is null. Throws UsageError that lists the names.
 template <class Table>
 auto chosen(const Table& table, const char* name, typename Table::value_type::second_type usual,
             std::string_view field) {
@@ -89,19 +90,19 @@ auto chosen(const Table& table, const char* name, typename Table::value_type::se
 }
 
 ToolConfig toolFrom(const pp_tool& tool);
-/// `mayBeWhole`: they may be whole numbers. Throws UsageError.
+/// `mayBeWhole`: accepts integers. Throws UsageError.
 NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name);
 CloudArrays arraysFrom(const pp_cloud_arrays& arrays);
-/// Vectors of so many points; none where none are given. Throws UsageError for what is not finite.
+/// Vectors of `count` points; empty if none are given. Throws UsageError for numbers that are not finite.
 std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name);
 SurfaceConfig surfaceFrom(const pp_feel& feel);
 ForceOptions forceFrom(const pp_feel& feel);
 BrushConfig brushFrom(const pp_brush& brush);
 PictureRequest pictureFrom(const pp_picture_options& options);
 MeshOptions meshFrom(const pp_mesh_options& options, const ModelScale& scale);
-/// Rows become keys; a row of three columns is a tick. Throws UsageError that names the first row which cannot be.
+/// Converts rows to keys; with three columns each row is one tick. Throws UsageError that names the first invalid row.
 Path pathFrom(const pp_path* path, double rate_Hz);
-/// So that a path of three columns has a tick for each of its rows.
+/// Number of ticks of a path; with three columns, one for each of its rows.
 std::uint64_t ticksOf(const Path& path, double rate_Hz);
 
 }  // namespace palpate::library

@@ -47,7 +47,7 @@ void PushedFrames::push(CloudFrame frame) {
   if (!(frame.time_s > frames_.back().time_s))
     throw UsageError("t_s: {} s is not after the frame before it, of {} s", frame.time_s, frames_.back().time_s);
   if (frames_.size() >= kMaxWaiting)
-    throw StateError("{} frames wait for their time; let it pass first", frames_.size());
+    throw StateError("{} frames are pending; advance the session to their times first", frames_.size());
   frames_.push_back(std::move(frame));
 }
 

@@ -1,4 +1,4 @@
-// Frames of a cloud that a program brings, one by one, each for its time.
+// Frames of a cloud that the program provides, each for its time.
 #pragma once
 
 #include <deque>
@@ -9,13 +9,13 @@
 
 namespace palpate::library {
 
-/// At a time the newest frame whose time has come is felt; those before it are forgotten. push() is for any thread.
+/// Provides the newest frame whose time has come, and discards those before it. Thread-safe.
 class PushedFrames final : public CloudSource {
  public:
   static constexpr std::size_t kMaxWaiting = 1024;
 
-  /// Begins with the points of `first`, which stand still. `most`: points of a frame. `keeps`: each has its place in
-  /// all frames.
+  /// Begins with the points of `first`, at rest. `most`: maximum number of points of a frame. `keeps`: each point has
+  /// the same index in all frames.
   PushedFrames(const PointCloud& first, std::size_t most, bool keeps);
 
   std::size_t size() const override { return most_; }
@@ -23,19 +23,19 @@ class PushedFrames final : public CloudSource {
   void makeFrame(double time_s, CloudFrame& frame) override;
   bool hasNewer(double time_s, double than_s) override;
 
-  /// Throws UsageError for what requireWhole() refuses, and for a time that is not after that of the frame before;
-  /// StateError where too many wait for their time.
+  /// Adds a frame. Throws UsageError if requireWhole() refuses it, or if its time is not after that of the frame
+  /// before; StateError if too many frames are pending.
   void push(CloudFrame frame);
-  /// Time begins anew, with the newest frame.
+  /// Restarts time at 0, with the newest frame.
   void restart();
 
  private:
-  // Of the newest frame whose time has come; the first one where none has.
+  // Index of the newest frame whose time has come; 0 if there is none.
   std::size_t at(double time_s) const;
 
   std::size_t most_;
   bool keeps_;
-  mutable std::mutex lock_;  // of
+  mutable std::mutex lock_;  // guards frames_
   std::deque<CloudFrame> frames_;
 };
 

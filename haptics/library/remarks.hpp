@@ -1,4 +1,4 @@
-// What is said on the way of a call, for who wants to hear it.
+// Messages of a call, for the program's log function.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -11,13 +11,13 @@
 
 namespace palpate::library {
 
-/// This thread is in a log function of the program's, which what it would call may be waiting for.
+/// This thread is in a log function of the program: calls from there could wait for the caller, and are refused.
 inline thread_local bool isInLogFunction = false;
 
-/// Passes remarks on.
+/// Passes messages to the program.
 class Remarks final : public LogListener {
  public:
-  /// `watch` hears of progress, where it is told to; outlives this.
+  /// `watch` receives progress, if the program wants it; must outlive this.
   Remarks(pp_log_function log, void* user, Watch& watch) : log_(log), user_(user), watch_(watch) {
     if (log || watch.isTold()) sink_.listen(this);
   }
@@ -32,7 +32,7 @@ class Remarks final : public LogListener {
     const Inside inside;
     log_(user_, whole.c_str());
   }
-  /// Waits for the program's function where it is called now; it is not called again.
+  /// Waits for a call of the program's function in progress; no further calls are made.
   void end() { sink_.listen(nullptr); }
   void progressed(std::string_view what, double share) override { watch_.progressed(what, share); }
 

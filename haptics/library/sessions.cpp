@@ -1,4 +1,4 @@
-// The C interface: sessions, touched by a path or tick by tick, sculpted, seen, meshed and live.
+// The C interface: sessions, touched by path or tick by tick, sculpted, drawn, meshed and live.
 #include "haptics/library/held_session.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ using namespace palpate::library;
 
 namespace {
 
-/// Rows of all hands at a tick, tick after tick.
+/// Output of a path: the rows of all hands in a tick, tick after tick.
 struct TickRoom {
   pp_tick* ticks;
   std::uint64_t capacity;
@@ -33,7 +33,7 @@ void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>
   for (const Path& path : paths) ticks = std::max(ticks, ticksOf(path, session.config().rate_Hz));
   const std::size_t hands = paths.size();
   if (ticks * hands > room.capacity)
-    throw UsageError("capacity: the path takes {} ticks, and there is room for {}", ticks, room.capacity / hands);
+    throw UsageError("capacity: the path takes {} ticks, but there is room for {}", ticks, room.capacity / hands);
   required(room.ticks, "ticks");
   required(room.count, "count");
   const ServoResult result = session.run(paths, brush);
@@ -86,7 +86,7 @@ pp_status pp_session_close(pp_session session) {
     const auto found = objectOf<OpenSession>(session.id);
     if (!found->claims().home().isThis()) return handles().abandon(HandleKind::session, session.id);
     const Claims::Held held(found->claims(), Claim::all);
-    found->end();  // another thread may hold it for a while
+    found->end();  // another thread may hold it a little longer
     handles().remove(HandleKind::session, session.id);
   });
 }
@@ -124,7 +124,7 @@ pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths
                                  pp_tick* ticks, double* torques_mNm, uint64_t capacity, uint64_t* count) {
   clear(count);
   return lasting(session, [&](OpenSession& open) {
-    if (hands > PP_MOST_HANDS) throw UsageError("hands: {} are more than {}", hands, PP_MOST_HANDS);
+    if (hands > PP_MOST_HANDS) throw UsageError("hands: {} exceed the maximum of {}", hands, PP_MOST_HANDS);
     if (hands > 0) required(paths, "paths");
     std::vector<Path> all;
     for (std::uint32_t i = 0; i < hands; ++i) all.push_back(pathFrom(paths[i], open.config().rate_Hz));
@@ -211,7 +211,7 @@ pp_status pp_session_render(pp_session session, const pp_picture_options* option
     const PictureRequest request = pictureFrom(optionsFrom(options, "options"));
     const std::uint64_t needed = std::uint64_t{4} * request.width * request.height;
     required(rgba, "rgba");
-    if (bytes < needed) throw UsageError("bytes: the picture takes {}, and there is room for {}", needed, bytes);
+    if (bytes < needed) throw UsageError("bytes: the picture requires {}, but there is room for {}", needed, bytes);
     const Image image = open.draw(request);
     std::memcpy(rgba, image.rgba.data(), needed);
   });
@@ -259,7 +259,7 @@ pp_status pp_mesh_write(pp_mesh mesh, const char* file, const pp_write_options* 
     const auto found = objectOf<MeshObject>(mesh.id);
     const std::string name = &required(file, "file");
     const pp_write_options given = optionsFrom(options, "options");
-    cloudFormats().toWrite(name, Written::mesh);  // refuses every other ending
+    cloudFormats().toWrite(name, Written::mesh);  // refuses other extensions
     std::filesystem::path kept;
     writeMesh(name, found->mesh, found->cell, given.ascii != 0, given.keep ? &kept : nullptr);
   });

@@ -1,4 +1,4 @@
-// The C interface: sessions that several programs have.
+// The C interface: sessions shared by several programs.
 #include "haptics/sharing/network.hpp"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ pp_seen_session told(const SeenSession& seen) {
   return session;
 }
 
-/// As many as there is room for; how many there are.
+/// Copies items up to `capacity`, and writes their total number to `count`.
 template <class Item>
 void give(const std::vector<Item>& all, Item* to, std::uint64_t capacity, std::uint64_t* count, std::string_view name) {
   if (capacity > 0) required(to, name);
@@ -45,7 +45,7 @@ pp_status serving(pp_server server, Do&& act) {
   });
 }
 
-// Beside the thread that touches, whatever its budget.
+// For calls that may run while another thread touches, even without a budget.
 template <class Do>
 pp_status beside(pp_session session, Do&& act) {
   return library::with(session, Claim::look, [&](OpenSession& open) { act(open); });

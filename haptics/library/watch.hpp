@@ -1,4 +1,4 @@
-// A call that takes long, and the program's functions that watch it.
+// Calls that take long, and the program's functions that watch them.
 #pragma once
 
 #include <palpate/palpate.h>
@@ -13,18 +13,18 @@
 
 namespace palpate::library {
 
-/// Runs what takes long on a thread of its own while the thread of the call asks the program whether to stop and tells
-/// it how far it is. One call at a time.
+/// Runs a long call on a thread of its own, while the calling thread queries the program whether to stop it and reports
+/// progress. One call at a time.
 class Watch {
  public:
   explicit Watch(const pp_watch& watch) : watch_(watch) {}
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
-  /// On this thread where nobody watches. Where JobStop wants it, `act` ends in between (JobStopScope::cutting()), and
-  /// throws Stopped. Throws what it throws.
+  /// Runs `act`, on this thread if the program has no watch functions. If a stop is requested, `act` ends early and
+  /// throws Stopped, between its steps or anywhere within JobStopScope::cutting(). Rethrows its exceptions.
   void run(const std::function<void()>& act);
-  /// Where all of it may be cut.
+  /// The same for a call that may be cut anywhere.
   void runCut(const std::function<void()>& act) {
     run([&] {
       const JobStopScope cuts(JobStopScope::cutting());
@@ -32,7 +32,7 @@ class Watch {
     });
   }
   bool isTold() const { return watch_.progress != nullptr; }
-  /// How far the call is. From any thread.
+  /// Sets the progress of the call. May be called from any thread.
   void progressed(std::string_view what, double share);
 
  private:
@@ -41,10 +41,10 @@ class Watch {
 
   const pp_watch watch_;
   std::atomic<bool> stop_ = false;
-  std::mutex lock_;  // of what follows
+  std::mutex lock_;  // guards the members below
   std::string what_;
   double share_ = 0;
-  bool isNew_ = false;  // not told yet
+  bool isNew_ = false;  // not reported yet
 };
 
 }  // namespace palpate::library

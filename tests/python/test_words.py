@@ -39,7 +39,7 @@ from conftest import ball_arrays, press_path
     (lambda s, m: pp.Session(), "Session(): cloud is missing; it takes cloud, gpu, "),
     (lambda s, m: s.touch(press_path(1), "sharp", 3),
      "touch(): takes 2 arguments, and 3 are given; it takes path, surface"),
-    (lambda s, m: pp.Session(s.cloud(), "cpu", 1, "sharp"), "Session(): takes 3 arguments by place, the others by "
+    (lambda s, m: pp.Session(s.cloud(), "cpu", 1, "sharp"), "Session(): takes 3 arguments by position, the others by "
      "name, and 4 are given; it takes cloud, gpu, mm_per_unit, surface, "),
     (lambda s, m: s.touch(press_path(1), path=3), "touch(): path is given twice"),
     (lambda s, m: pp.Session(s.cloud(), gpu="cpu", radius_mm="a"), "Session(): radius_mm is a number or None, not the "
@@ -60,9 +60,9 @@ from conftest import ball_arrays, press_path
     (lambda s, m: s.live(on_ticks=3, builtin="press"), "on_ticks: is a function, not 3"),
     (lambda s, m: s.live(others=[3], builtin="press"), "others: is a list of Hand, and has 3"),
     (lambda s, m: s.live(3), "device is a text or None, not 3"),
-    (lambda s, m: s.live("sim"), "device: sim needs to know where the hand goes: give builtin=press, slide, scan or "
+    (lambda s, m: s.live("sim"), "device: sim requires the path of the hand: give builtin=press, slide, scan or "
      "orbit"),
-    (lambda s, m: s.live(), "device: path needs to know where the hand goes: give builtin=press, slide, scan or "
+    (lambda s, m: s.live(), "device: path requires the path of the hand: give builtin=press, slide, scan or "
      "orbit, or a path"),
     (lambda s, m: m.simulate("a"), "simulate(): seconds is a number, not the text 'a'"),
     (lambda s, m: m.set("gain", "a"), "set(): value is a number, not the text 'a'"),
@@ -189,7 +189,7 @@ def test_what_is_closed_says_so(ball):
 
 def test_a_limit_that_cannot_be_read_says_where_it_is_given_and_a_slip_what_was_meant(session):
     for thing, name, told in (
-            (session, "max_force_N", "max_force_N: cannot be read; it is given as the Session is made: "
+            (session, "max_force_N", "max_force_N: cannot be read; is set when the Session is created: "
              "Session(max_force_N=…)"),
             (session, "pionts", "pionts: a Session has no such attribute; did you mean points?"),
             (session.cloud(), "colour", "colour: a Cloud has no such attribute; did you mean colors?"),

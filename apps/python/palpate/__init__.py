@@ -3,13 +3,12 @@
     import numpy as np, palpate as pp
     cloud = pp.read("scan.laz")                      # or pp.Cloud(xyz, normals=n, colors=c)
     with pp.Session(cloud, gpu="cpu") as s:
-        t = s.touch(path, surface="sharp")           # a structured array, one row a tick
+        t = s.touch(path, surface="sharp")           # a structured array, one row for each tick
         s.push(path, radius_mm=4); s.undo()
         picture = s.render((1280, 720))              # uint8, H x W x 4
         s.mesh(lattice=256).save("m.ply")
 
-Positions are in model units (the coordinates of the cloud's file), lengths that a hand feels in mm, forces in N, times
-in s.
+Positions are in model units (the coordinates of the cloud's file), lengths in the hand in mm, forces in N, times in s.
 """
 
 from __future__ import annotations
@@ -71,8 +70,8 @@ __version__: str = _palpate.version()
 if TYPE_CHECKING:
     import numpy
 
-    tick_dtype: numpy.dtype[Any]  # of what touch() gives
-    tool_tick_dtype: numpy.dtype[Any]  # with a tool of many points
+    tick_dtype: numpy.dtype[Any]  # of the rows that touch() returns
+    tool_tick_dtype: numpy.dtype[Any]  # the same with a tool of many points
 
 
 for _name in __all__:
@@ -87,7 +86,7 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str) -> Any:
-    if name == "tick_dtype":  # when it is first asked for: it takes NumPy, which takes longer than all of this
+    if name == "tick_dtype":  # on first use: it imports NumPy, which takes longer than the whole package
         return _palpate._tick_dtype()
     if name == "tool_tick_dtype":
         return _palpate._tool_tick_dtype()

@@ -1,4 +1,4 @@
-"""What palpate could not do."""
+"""Exceptions of palpate."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any
 
 
 class Error(RuntimeError):
-    """What could not be done, in words that say where, what and what to do.
+    """A failed operation; the message says where it failed, why, and what to do.
 
     Attributes:
         status: the kind of failure, one word: "file", "gpu", "device", "state", "memory", "network", "unsupported",
             "failed", …
         file: the file that it is about, or None.
-        line: the line of that file, from 1, or None where none is known.
+        line: the line of that file, from 1, or None if unknown.
     """
 
     def __init__(self, text: str, *, status: str = "failed", file: str | None = None, line: int | None = None) -> None:
@@ -24,7 +24,7 @@ class Error(RuntimeError):
         self.line = line
 
     def __str__(self) -> str:
-        return BaseException.__str__(self)  # the words alone, where KeyError would put them in quotes
+        return BaseException.__str__(self)  # without the quotes that KeyError adds
 
 
 class ClosedError(Error, AttributeError):
@@ -32,26 +32,26 @@ class ClosedError(Error, AttributeError):
 
 
 class UsageError(Error, ValueError):
-    """An argument that is out of its bounds or does not go with another one."""
+    """An argument that is out of bounds or conflicts with another one."""
 
     def __init__(self, text: str, *, status: str = "argument", **about: Any) -> None:
         super().__init__(text, status=status, **about)
 
 
 class ArgumentTypeError(UsageError, TypeError):
-    """An argument of a type that the call does not take, or under a name that it does not know."""
+    """An argument of a wrong type, or with an unknown name."""
 
 
 class UnknownNameError(UsageError, KeyError):
-    """A name that stands for nothing here, as of an attribute that a cloud does not have."""
+    """An unknown name, such as of an attribute that a cloud does not have."""
 
 
 class UnknownAttributeError(UsageError, AttributeError):
-    """An attribute that an object of palpate does not have, or that would have no effect where it is assigned."""
+    """An unknown attribute of an object of palpate, or an assignment that would have no effect."""
 
 
 def described(value: object) -> str:
-    """As a sentence names it: "the text 'a'", "1.5", "a list"."""
+    """The value as a message names it: "the text 'a'", "1.5", "a list"."""
     if isinstance(value, str):
         return f"the text {value[:60]!r}"
     if value is None or hasattr(value, "__float__") and not hasattr(value, "__len__"):
@@ -64,15 +64,15 @@ def described(value: object) -> str:
 
 
 def nearest(word: str, names: Iterable[str]) -> str:
-    """What was probably meant, as the end of a sentence; nothing where no name is like it."""
-    from difflib import get_close_matches  # which takes longer to import than all of palpate
+    """Suggests the most similar name, as the end of a sentence; empty if no name is similar."""
+    from difflib import get_close_matches  # takes longer to import than all of palpate
 
     close = get_close_matches(word, list(names), 1)
     return f"; did you mean {close[0]}?" if close else ""
 
 
 def _settings(kind: type) -> list[str]:
-    """Keywords that it is made with; none of what has no signature."""
+    """Keywords of the constructor; empty if it has no signature."""
     try:
         parameters = inspect.signature(kind.__init__).parameters  # type: ignore[misc]
     except ValueError:
@@ -81,25 +81,25 @@ def _settings(kind: type) -> list[str]:
 
 
 def missing_attribute(self: object, name: str) -> Any:
-    """__getattr__ of what palpate makes: says where a number is given that cannot be read, or what was meant."""
+    """__getattr__ of palpate's classes: points to a constructor argument that cannot be read, or to a similar name."""
     kind = type(self)
     if name.startswith("_") or hasattr(kind, name):
-        return object.__getattribute__(self, name)  # raises what was raised before
+        return object.__getattribute__(self, name)  # raises the original exception again
     settings = _settings(kind)
     if name in settings:
         called = kind.__name__
-        raise UnknownAttributeError(f"{name}: cannot be read; it is given as the {called} is made: {called}({name}=…)")
+        raise UnknownAttributeError(f"{name}: cannot be read; is set when the {called} is created: {called}({name}=…)")
     meant = nearest(name, [each for each in [*dir(kind), *settings] if not each.startswith("_")])
     raise UnknownAttributeError(f"{name}: a {kind.__name__} has no such attribute{meant}")
 
 
 def refuse_attribute(self: object, name: str, value: object) -> None:
-    """__setattr__ of what has no attributes to set but its own."""
+    """__setattr__ of palpate's classes: only private attributes can be set."""
     if name.startswith("_"):
         return object.__setattr__(self, name, value)
     kind, settings = type(self).__name__, _settings(type(self))
     if name in settings:
-        raise UnknownAttributeError(f"{name}: is given as the {kind} is made: {kind}(…, {name}={value!r})")
+        raise UnknownAttributeError(f"{name}: is set when the {kind} is created: {kind}(…, {name}={value!r})")
     if hasattr(type(self), name):
         raise UnknownAttributeError(f"{name}: cannot be set on a {kind}, only read")
     raise UnknownAttributeError(f"{name}: cannot be set on a {kind}{nearest(name, settings)}")

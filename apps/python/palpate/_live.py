@@ -21,7 +21,7 @@ _alive: weakref.WeakSet[Live] = weakref.WeakSet()
 
 
 class Live:
-    """A session that runs against the clock, until stop(), or for as long as a `with` lasts."""
+    """A session that runs against the clock, until stop() or the end of its `with`."""
 
     def __init__(
         self, session: Session, on_ticks: Callable[[NDArray[Any]], object] | None, interval_s: float
@@ -30,29 +30,29 @@ class Live:
         self._on_ticks = on_ticks
         self._interval_s = interval_s
         self._over = threading.Event()
-        self._lock = threading.Lock()  # of _ended
-        self._ended = False  # somebody has stopped the ticks, or is about to
-        self._stopped = threading.Event()  # and they have
+        self._lock = threading.Lock()  # guards _ended
+        self._ended = False  # a thread has stopped the ticks, or is about to
+        self._stopped = threading.Event()  # the ticks have stopped
         self._takes_rest = True
         self._failure: BaseException | None = None
         self._failed = False
         self._diverged: str | None = None
         self._thread: threading.Thread | None = None
         _alive.add(self)
-        if on_ticks is not None or session._is_joined:  # whose strokes the others wait for
+        if on_ticks is not None or session._is_joined:  # joined: sends its strokes to the others
             self._thread = threading.Thread(target=self._follow, name="palpate ticks", daemon=True)
             self._thread.start()
 
     def take(self) -> NDArray[Any]:
-        """The ticks since the last call; requires that live() got no on_ticks. Raises what ended the session."""
+        """Ticks since the last call; requires that live() got no on_ticks. Raises the error that ended the session."""
         if self._on_ticks is not None:
-            raise Error("the ticks go to on_ticks, and cannot be taken", status="state")
+            raise Error("on_ticks receives the ticks; take() cannot read them", status="state")
         ticks = self._session._live_take()
         self._look_at_scene()
         return ticks
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Waits until the session ends, at most so long. True if it has ended. Raises errors of it and of on_ticks."""
+        """Waits until the session ends, at most `seconds`; True if it has. Raises errors of it and of on_ticks."""
         end = None if seconds is None else time.monotonic() + seconds
         while self.running and (end is None or time.monotonic() < end):
             left = self._interval_s if end is None else min(self._interval_s, max(0.0, end - time.monotonic()))
@@ -65,8 +65,8 @@ class Live:
         return not self.running
 
     def stop(self) -> None:
-        """Waits for the tick under way; the device has no force then. Raises what went wrong on_ticks. From any thread,
-        on_ticks included, which hears of the last ticks behind it.
+        """Stops after the tick in progress; the device has no force afterwards. Raises errors of on_ticks. May be
+        called from any thread, also within on_ticks, which then receives the last ticks after it has returned.
         """
         self._end()
         self._raise()
@@ -78,16 +78,16 @@ class Live:
 
     @property
     def late_laws(self) -> int:
-        """Ticks that a force law in Python was too late for."""
+        """Number of ticks for which a force law in Python was late."""
         return self._session._live_late()
 
     @property
     def missed(self) -> int:
-        """Ticks whose time had passed, of those before the last one taken."""
+        """Number of ticks missed, because their time had passed, before the last one read."""
         return self._session._live_missed()
 
     def set_forces(self, on: bool) -> None:
-        """No force while they are off; a ramp when they are on again."""
+        """Switches the force on or off; when it is on again, it ramps up."""
         self._session._live_forces(on)
 
     __setattr__ = refuse_attribute
@@ -111,8 +111,8 @@ class Live:
                 self._pass_on()
             self._stopped.wait()
             if self._on_ticks is not None and self._takes_rest:
-                self._pass_on()  # the last of them
-        except BaseException as failure:  # told in wait() and stop(), by the thread that asks
+                self._pass_on()  # the last ticks
+        except BaseException as failure:  # raised by wait() and stop(), on the calling thread
             self._failure, self._failed = failure, True
             self._over.set()
 
@@ -130,7 +130,7 @@ class Live:
             self._on_ticks(ticks)
 
     def _end(self, closing: bool = False) -> None:
-        """Of any thread, on_ticks included: its own thread takes the last ticks, unless that one closes the session."""
+        """For any thread, also within on_ticks: that thread then reads the last ticks, unless it closes the session."""
         is_own = self._thread is threading.current_thread()
         with self._lock:
             first, self._ended = not self._ended, True
@@ -157,9 +157,9 @@ class Live:
 
 
 def end_live() -> None:
-    """Ends all that are live, before the interpreter does."""
+    """Ends all live sessions before the interpreter exits."""
     for live in list(_alive):
         live._end()
 
 
-os.register_at_fork(after_in_child=_alive.clear)  # what is live stays with the parent
+os.register_at_fork(after_in_child=_alive.clear)  # live sessions belong to the parent

@@ -1,4 +1,4 @@
-"""Session logs: what a hand did and felt, and what it did to the points."""
+"""Session logs, which record what a hand did and felt and how it changed the points."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Log(_palpate._Log):
-    """A session log. Views of it cannot be written to, and keep it."""
+    """A session log, immutable. Its views are read-only and keep it alive."""
 
     __setattr__ = refuse_attribute
 
@@ -24,29 +24,29 @@ class Log(_palpate._Log):
 
     @property
     def header(self) -> dict[str, Any]:
-        """How to run the session again."""
+        """How to replay the session."""
         return dict(json.loads(self._header()))
 
     @property
     def missing(self) -> list[str]:
-        """What is missing of it and where, in sentences; empty where it is whole."""
+        """Missing parts of the log, as sentences; empty if it is complete."""
         return self._missing().splitlines()
 
 
 @dataclass(frozen=True)
 class Replay:
-    """What came of a recorded session that was run again.
+    """Result of a replay.
 
     Attributes:
-        identical: all ticks and all points in the end are the same, within the tolerance; to the last bit if that is 0.
-        ticks: of the log.
-        compared: of them; less than all where the session cannot be run again exactly, for the reason in `because`.
-        force_ticks: whose forces differ, by `largest_force_N` at most.
-        edit_ticks: between which the points were edited differently.
-        points: that are not the same in the end; None where that was not compared.
-        first_difference_s: None where there is none.
-        recorded_edits_agree: whether the log's edits give the points that it ended with; None where it did not end.
-        machine, recorded_on: that ran it again, and that ran it first.
+        identical: all ticks, and all points at the end, are the same within the tolerance; to the last bit if it is 0.
+        ticks: ticks of the log.
+        compared: ticks compared; fewer than all if the session cannot be replayed exactly, for the reason in `because`.
+        force_ticks: ticks whose forces differ, by at most `largest_force_N`.
+        edit_ticks: ticks between which the edits differ.
+        points: points that differ at the end; None if they were not compared.
+        first_difference_s: time of the first difference, s; None without one.
+        recorded_edits_agree: whether the log's edits give the points at its end; None if the log has no end.
+        machine, recorded_on: machine of the replay, and of the recording.
     """
 
     identical: bool
@@ -64,7 +64,7 @@ class Replay:
 
 
 def read_log(file: str | os.PathLike[str]) -> Log:
-    """A session log; of one that is damaged or cut off all that is whole. Raises Error with the file."""
+    """Reads a session log; of a damaged or cut-off log all complete parts. Raises Error with the file."""
     return Log(file)
 
 
@@ -77,15 +77,15 @@ def replay(
     threads: int = 0,
     tolerance: float = 0,
 ) -> Replay:
-    """Runs a recorded session again, in virtual time, and holds it against its log.
+    """Replays a recorded session in virtual time and compares it with the log.
 
     Args:
-        file: what Session.record() or the program wrote.
-        cloud: the points that the session had; None: of the file `model`, or the one that the log names.
-        gpu: which one, where the session was on a GPU.
-        threads: of the CPU; 0: one per core.
-        tolerance: N for forces and mm for points; 0: the same bits.
+        file: a log written by Session.record() or the program.
+        cloud: the points of the session; None: those of the file `model`, or of the file that the log names.
+        gpu: GPU to use, if the session was on one; None: the best available.
+        threads: threads of the CPU; 0: one per core.
+        tolerance: maximum difference, N for forces and mm for points; 0: identical to the last bit.
 
-    Raises Error where the log, or the model that it had, cannot be read.
+    Raises Error if the log, or its model, cannot be read.
     """
     return Replay(**_palpate._replay(file, cloud, model, None if gpu is None else str(gpu), threads, tolerance))

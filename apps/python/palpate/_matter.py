@@ -1,4 +1,4 @@
-"""Scenes of matter that move by themselves: water, sand, soft bodies."""
+"""Scenes of moving matter: water, sand, soft bodies."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Parameter(NamedTuple):
-    """A number of a scene that can be changed while it moves."""
+    """A parameter of a scene, which can be changed while the scene moves."""
 
     value: float
     low: float
@@ -22,8 +22,8 @@ class Parameter(NamedTuple):
 
 
 class PortEnergy(NamedTuple):
-    """Energy that a hand has put into a scene since it began, less what it got back, J. Passive: the least is never
-    below 0.
+    """Energy that a hand has put into a scene since it began, less what it got back, J, now and its minimum. The hand
+    is passive if the minimum is never below 0.
     """
 
     now_J: float
@@ -35,13 +35,13 @@ def _by_name(told: list[tuple[str, float, float, float, str, str]]) -> dict[str,
 
 
 class Matter(_palpate._Matter):
-    """A scene of matter that no hand touches.
+    """A scene of matter without hands.
 
     Args:
-        scene: "water", "sand", "jelly" or another one that is built in, "FILE in water", "FILE in sand" or "soft FILE"
-            with a closed cloud or mesh, or a JSON file.
-        gpu: as of Session; None: a GPU where there is one, and the CPU for soft bodies.
-        threads: of the CPU; 0: one per core.
+        scene: "water", "sand", "jelly" or another built-in scene, "FILE in water", "FILE in sand" or "soft FILE" with a
+            closed cloud or mesh, or a JSON file.
+        gpu: as for Session; None: a GPU if there is one, and the CPU for soft bodies.
+        threads: threads of the CPU; 0: one per core.
 
     Positions are in mm. The same scene gives the same bytes on the same machine. Raises Error, and UsageError for an
     unknown scene. Threads may share it and wait for one another.
@@ -65,12 +65,12 @@ class Matter(_palpate._Matter):
         return f"<palpate.Matter {self._scene!r}>"
 
     def simulate(self, seconds: float) -> None:
-        """So much further, to the next millisecond; as step()."""
+        """Advances the scene by this time, rounded to milliseconds, as step() does."""
         if not 0 <= seconds < 1e9:
             raise UsageError(f"seconds: {seconds} is not a number from 0 to 1e9")
         self.step(round(seconds * 1000))
 
     @property
     def parameters(self) -> dict[str, Parameter]:
-        """Those that set() changes, by name."""
+        """Parameters, by name, which set() changes."""
         return _by_name(self._parameters())

@@ -1,4 +1,4 @@
-"""Sessions, over the C interface; what runs at the pace of a hand runs there."""
+"""Sessions, over the C interface, in which all servo ticks run."""
 
 from __future__ import annotations
 
@@ -40,43 +40,43 @@ class Session(_palpate._Session):
     """A cloud, or a scene of matter, that is felt, seen and sculpted.
 
     Args:
-        cloud: the points; normals are estimated where it has none. Or the name of a scene of matter that moves by
-            itself, as of Matter, in mm: a hand holds a ball in water and sand, and presses on what is soft. Or the
-            folder of a recorded depth camera (TUM, Redwood), in metres. Or a Join: a session that another program
-            serves, whose points are felt as those of a cloud; a hand's edits go to all programs that have joined, and
-            theirs come here between two ticks. At rest all have the same points, bit by bit; none come to keep the
-            surface whole (keeps_density). If its server is silent for seconds the force fades, until the server is
-            heard again.
-        gpu: number or part of the name of a GPU; "cpu": none, in double precision; None: a GPU where there is one.
-        mm_per_unit: millimetres in the hand per model unit, by which all lengths in mm are measured; None: as the file
-            says, or the longest side becomes 100 mm, which remarks tell. 1 for a scan in mm that is felt at its own
-            size.
-        surface: what the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).
-        radius_mm: support radius, as a hand feels it; None: by the spacing of the points.
-        friction: coefficient of a proxy that slides; 0 is none.
+        cloud: the points; normals are estimated if it has none. Or the name of a scene of moving matter, as for Matter,
+            in mm: a hand holds a ball in water and sand, and presses on a soft body. Or the folder of a recorded depth
+            camera (TUM, Redwood), in metres. Or a Join: a session that another program serves, whose points are felt
+            like those of a cloud; a hand's edits are sent to all programs that have joined, and their edits take effect
+            here between two ticks. At rest all programs have the same points, bit by bit; points are neither inserted
+            nor removed (keeps_density). If its server is silent for seconds the force fades, until the server is heard
+            again.
+        gpu: number or part of the name of a GPU; "cpu": none, double precision; None: a GPU if there is one.
+        mm_per_unit: millimetres in the hand per model unit, the scale of all lengths in mm; None: as the file says, or
+            else the longest side becomes 100 mm, which is reported in remarks. 1 for a scan in mm that is felt at its
+            own size.
+        surface: surface that the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).
+        radius_mm: support radius, in the hand; None: from the spacing of the points.
+        friction: coefficient of sliding friction of the proxy; 0: none.
         stiffness_N_per_mm, damping_N_s_per_mm, max_force_N: of the force.
         rate_Hz: ticks per second.
-        estimate_normals: also where the cloud has some.
-        threads: of the CPU; 0: one per core.
-        undo_memory_MiB: for strokes that can be taken back.
-        hands: that touch at the same time, 1 to 8; the first one sculpts, the others feel.
-        tool: of the first hand: "point", or many points that share the stiffness: "pad" (a fingertip), "ball",
+        estimate_normals: even if the cloud has normals.
+        threads: threads of the CPU; 0: one per core.
+        undo_memory_MiB: memory of strokes that can be undone.
+        hands: number of simultaneous hands, 1 to 8; the first one sculpts, the others feel.
+        tool: tool of the first hand: "point", or many points that share the stiffness: "pad" (a fingertip), "ball",
             "spatula".
-        tool_points, tool_size_mm: of a pad, ball or spatula: 1 to 64; diameter or length.
-        tool_axis: where the face of a pad or spatula looks, in the model's axes.
-        moving: the points move, frame by frame, as add_frame() says; the cloud stands still until the first one.
-        keeps_points: of those: a point has its row in all frames.
-        most_points: of those: points of a frame; 0: as many as the cloud has.
-        speed, loop, fuse: of a recorded depth camera: its seconds in one of the session's; whether it begins again;
-            whether its frames become one map.
-        law: a compiled force law of the first hand in place of spring and damper: "libmine.so:law", or a numba cfunc.
-            With allow_python a function of Python's, which is called with a LawInput in each tick of contact.
-        allow_python: takes such a function. It costs a tick some 30 us while no other thread holds Python's lock, and
-            5 ms and more beside one busy thread. By path the tick waits for it. Live, the tick waits 0.3 ms; if the
-            force comes later, the last one is held for 10 ms and fades until 50 ms. Its exceptions are raised by
-            touch(), wait() and stop().
+        tool_points, tool_size_mm: of a pad, ball or spatula: number of points, 1 to 64; diameter or length.
+        tool_axis: direction of the face of a pad or spatula, in the model's axes.
+        moving: the points move, frame by frame (add_frame()); they are at rest until the first frame.
+        keeps_points: for moving points: each point has the same row in all frames.
+        most_points: for moving points: maximum number of points of a frame; 0: that of the cloud.
+        speed, loop, fuse: for a recorded depth camera: seconds of the recording per second of the session; whether it
+            restarts after the last frame; whether its frames are fused into one map.
+        law: a compiled force law of the first hand instead of spring and damper: "libmine.so:law", or a numba cfunc.
+            With allow_python a Python function, which is called with a LawInput in each tick of contact.
+        allow_python: accepts a Python function. It costs a tick some 30 us while no other thread holds Python's lock,
+            and 5 ms and more with one busy thread. By path the tick waits for it. Live, the tick waits 0.3 ms; if the
+            force is later, the last one is held for 10 ms and fades until 50 ms. Its exceptions are raised by touch(),
+            wait() and stop().
 
-    Raises Error, and UsageError for an argument that is out of its bounds. Threads may share it and wait for one
+    Raises Error, and UsageError for an argument that is out of bounds. Threads may share a session and wait for one
     another.
     """
 
@@ -157,17 +157,17 @@ class Session(_palpate._Session):
         self.close()
 
     def close(self) -> None:
-        """Ends the session, and what is live of it; its clouds, meshes and arrays stay."""
+        """Closes the session, and ends its live session; its clouds, meshes and arrays remain valid."""
         if self._live is not None:
             self._live._end(closing=True)
         super().close()
 
     def push(self, path: Any, radius_mm: float | None = None, **brush: Any) -> NDArray[Any]:
-        """Follows the path and pushes the points before it, as stroke() does; radius_mm: 6 unless radius is given."""
+        """Follows the path with the brush push, as stroke() does; radius_mm: 6 unless radius is given."""
         return self.stroke(path, "push", **_with_radius(radius_mm, brush))
 
     def carve(self, path: Any, radius_mm: float | None = None, **brush: Any) -> NDArray[Any]:
-        """Follows the path and takes points away, as stroke() does; radius_mm: 6 unless radius is given."""
+        """Follows the path with the brush carve, as stroke() does; radius_mm: 6 unless radius is given."""
         return self.stroke(path, "carve", **_with_radius(radius_mm, brush))
 
     def live(
@@ -183,20 +183,20 @@ class Session(_palpate._Session):
         others: Sequence[Hand] = (),
         interval_s: float = 1 / 30,
     ) -> Live:
-        """Begins ticks against the wall clock, on a servo thread that Python has no part in.
+        """Starts ticks against the wall clock, on a servo thread that runs no Python code.
 
         Args:
             device: openhaptics[:NAME], dhd[:NUMBER], hid[:WHICH], sim, replay:FILE or path; None: path.
             rate: ticks per second; 0: the session's.
-            on_ticks: is called with blocks of ticks (tick_dtype), on a thread of its own, each `interval_s`; with
+            on_ticks: called with blocks of ticks (tick_dtype), on a thread of its own, every `interval_s` seconds; with
                 several hands their shape is (ticks, hands).
-            path: of a device that is none: an array as of touch(), followed once.
-            builtin: of sim and path: "press", "slide", "scan" or "orbit".
-            law, allow_python: in place of the session's, as there.
+            path: for the device path: an array as for touch(), followed once.
+            builtin: for sim and path: "press", "slide", "scan" or "orbit".
+            law, allow_python: instead of the session's, with the same meaning.
             others: the hands after the first.
 
-        A scene of matter begins from the start. Where it diverges wait() and stop() raise Error, and so they do where a
-        session that was joined goes on without this hand.
+        A scene of matter restarts. wait() and stop() raise Error if it diverges, and if this hand's part in a joined
+        session has ended permanently.
         """
         if on_ticks is not None and not callable(on_ticks):
             raise ArgumentTypeError(f"on_ticks: is a function, not {described(on_ticks)}")
@@ -210,7 +210,7 @@ class Session(_palpate._Session):
 
     @property
     def points(self) -> int:
-        """That the cloud had."""
+        """Number of points of the cloud as opened."""
         return int(self._info()["points"])
 
     @property
@@ -235,17 +235,17 @@ class Session(_palpate._Session):
 
     @property
     def undoable(self) -> int:
-        """Strokes that can be taken back."""
+        """Number of strokes that can be undone."""
         return int(self._info()["undoable"])
 
     @property
     def redoable(self) -> int:
-        """Strokes that can be done again."""
+        """Number of strokes that can be redone."""
         return int(self._info()["redoable"])
 
     @property
     def machine(self) -> str:
-        """What answers, in words."""
+        """Name of the machine that answers."""
         return str(self._info()["machine"])
 
     @property
@@ -255,53 +255,53 @@ class Session(_palpate._Session):
 
     @property
     def sharing(self) -> Sharing | None:
-        """State of the exchange with the others, in counts, s and ms; None unless the session was joined."""
+        """State of the exchange with the other programs; None unless the session was joined."""
         told = _if_any(self._sharing)
         return None if told is None else Sharing(**told)
 
     @property
     def others(self) -> list[OtherHand]:
-        """Hands of the other programs in a joined session that were heard within two seconds, in model units; none
+        """Hands of the other programs in a joined session that were heard within two seconds, in model units; empty
         unless it was joined.
         """
         return [OtherHand(*hand) for hand in _if_any(self._others) or ()]
 
     @property
     def cameras(self) -> list[OtherCamera]:
-        """Viewpoints of the other programs in a joined session that were heard within two seconds, in model units; none
+        """Cameras of the other programs in a joined session that were heard within two seconds, in model units; empty
         unless it was joined.
         """
         return [OtherCamera(*camera) for camera in _if_any(self._cameras) or ()]
 
     @property
     def parameters(self) -> dict[str, Parameter]:
-        """Of a scene of matter: those that set() changes, by name; none for what does not move by itself."""
+        """Parameters of a scene of matter, by name, which set() changes; empty for other sessions."""
         return _by_name(_if_any(self._parameters) or [])
 
     @property
     def port_energies(self) -> list[PortEnergy]:
-        """Of a scene of matter: what each hand has put into it; none for what does not move by itself."""
+        """Energy that each hand has put into a scene of matter; empty for other sessions."""
         motion = _if_any(self._motion)
         return [] if motion is None else [PortEnergy(*energy) for energy in motion["energies_J"]]
 
     @property
     def held(self) -> bool | None:
-        """Whether a scene of matter stands still, by hold(); None for what does not move by itself."""
+        """True while a scene of matter is paused by hold(); None for other sessions."""
         motion = _if_any(self._motion)
         return None if motion is None else bool(motion["held"])
 
     @property
     def failure(self) -> str | None:
-        """Why a scene of matter goes on no more until reset(), as "has diverged"; None while it does, and for what does
-        not move by itself.
+        """Reason why a scene of matter has failed, such as "has diverged", until reset(); None if it has not, and for
+        other sessions.
         """
         motion = _if_any(self._motion)
         return None if motion is None else str(motion["failure"]) or None
 
     @property
     def left_out_s(self) -> float | None:
-        """Time by which a live scene of matter has stayed behind the clock, and which it leaves out; None for what does
-        not move by itself.
+        """Time by which a live scene of matter fell behind the clock, and which it skipped, s; None for other
+        sessions.
         """
         motion = _if_any(self._motion)
         return None if motion is None else float(motion["left_out_s"])
@@ -314,12 +314,12 @@ class Session(_palpate._Session):
         return f"<palpate.Session of {info['points']} points on {info['machine']}, {info['undoable']} strokes>"
 
     def _repr_png_(self) -> bytes:
-        """What a notebook shows."""
+        """Picture for a notebook."""
         return _png(self.render((640, 400)))
 
 
 def _if_any(ask: Callable[[], Any]) -> Any:
-    """What it says; None where the session has nothing of the kind."""
+    """Result of `ask`; None if the session does not support it."""
     try:
         return ask()
     except Error as error:
@@ -351,7 +351,7 @@ def _forget_joined() -> None:
     _joined.clear()
 
 
-os.register_at_fork(after_in_child=_forget_joined)  # they stay with the parent
+os.register_at_fork(after_in_child=_forget_joined)  # they belong to the parent
 
 
 @atexit.register

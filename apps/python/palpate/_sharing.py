@@ -1,4 +1,4 @@
-"""Sessions that several programs have, here or on other machines: served, listed, joined."""
+"""Sessions shared by several programs, here or on other machines: served, listed, joined."""
 
 from __future__ import annotations
 
@@ -21,14 +21,15 @@ _serving: weakref.WeakSet[Server] = weakref.WeakSet()
 
 @dataclass(frozen=True)
 class Network:
-    """Which network sessions are on.
+    """Network on which sessions are shared.
 
     Attributes:
-        interface: of this machine, by name or address; None: programs of this machine alone. With it, every program on
-            that network can take part, and without `security` nothing is encrypted.
-        peers: addresses of machines to look for, where the network carries no multicast.
-        domain: of DDS, as ROS numbers them, 0 to 230.
-        security: a folder of keys (`palpate keys`): all is encrypted, for holders of keys of the same authority alone.
+        interface: interface of this machine, by name or address; None: programs of this machine only. With an
+            interface, every program on that network can take part, and nothing is encrypted without `security`.
+        peers: addresses of machines to contact directly, for networks without multicast.
+        domain: domain of DDS, as ROS numbers them, 0 to 230.
+        security: a folder of keys (`palpate keys`): everything is encrypted, and only holders of keys of the same
+            authority can take part.
     """
 
     interface: str | None = None
@@ -43,17 +44,17 @@ class Network:
 
 @dataclass(frozen=True)
 class Join:
-    """A session that another program serves (serve(), `palpate serve`), in place of a Session's cloud.
+    """A session that another program serves (serve(), `palpate serve`), given instead of a Session's cloud.
 
     Attributes:
-        name: that it is served under.
-        network: that it is on.
-        hand: what the others see this hand called; None: as the machine.
-        read_only: this hand feels what the others do, and takes no brush.
-        patience_s: s, for the session to be found, for each next piece of it, and, by path and in cloud(), for all
-            edits to have reached all programs.
-        near: only the points around the hands come here, ahead of them; they can be sculpted, but no stroke can be
-            taken back. Moving points always come so, and are felt live.
+        name: name of the served session.
+        network: network of the session.
+        hand: name of this hand for the others; None: name of the machine.
+        read_only: this hand feels the others' edits, and cannot have a brush.
+        patience_s: timeout, s, for finding the session, for each further piece of it, and, by path and in cloud(), for
+            all edits to reach all programs.
+        near: streams only the points around the hands, ahead of them; they can be sculpted, but no stroke can be
+            undone. Moving points are always streamed this way, and can be felt live.
     """
 
     name: str
@@ -68,15 +69,15 @@ class Join:
 
 
 class SeenSession(NamedTuple):
-    """A session that somebody serves.
+    """A served session.
 
     Attributes:
-        name, host, model: of it, of the machine that serves it, and what its points are in that one's words.
-        points: how many there are.
-        round_trip_ms: the median of its answers to pings; None where none came.
-        version: of what is said on the network.
-        fits: it is this palpate's version, so that it can be joined.
-        pings, answered: how many there were.
+        name, host, model: name of the session, its server's machine, and its server's description of the points.
+        points: number of points.
+        round_trip_ms: median of the answered pings; None if none was answered.
+        version: version of the network protocol.
+        fits: same version as this palpate, so that it can be joined.
+        pings, answered: number of pings, and of their answers.
     """
 
     name: str
@@ -91,15 +92,15 @@ class SeenSession(NamedTuple):
 
 
 class OtherHand(NamedTuple):
-    """Another program's hand in a session that was joined, as it was heard last.
+    """Last known state of another program's hand in a joined session.
 
     Attributes:
-        name: what it is called.
-        number: the same on all machines, for as long as it takes part.
-        position: of what it touches with, x y z, model units.
-        proxy: where the surface holds that, x y z, model units.
-        touching, sculpts: whether it does.
-        age_s: s since it was heard, 2 at most.
+        name: name of the hand.
+        number: the same on all machines, while it takes part.
+        position: position of what it touches with, x y z, model units.
+        proxy: the proxy of that on the surface, x y z, model units.
+        touching, sculpts: whether it touches, and sculpts.
+        age_s: s since it was heard, at most 2.
     """
 
     name: str
@@ -112,15 +113,16 @@ class OtherHand(NamedTuple):
 
 
 class OtherCamera(NamedTuple):
-    """From where another program's picture is seen in a session that was joined, as it was heard last.
+    """Last known camera of another program's picture in a joined session.
 
     Attributes:
-        name, number: of its hand, as of OtherHand.
+        name, number: of its hand, as in OtherHand.
         position: x y z, model units.
-        orientation: a unit quaternion, x y z w, of the axes to the right of the picture, down in it and where it looks.
-        fov_deg: vertical.
+        orientation: unit quaternion x y z w of the axes to the right of the picture, down in it and in the direction of
+            view.
+        fov_deg: vertical field of view, degrees.
         aspect: width / height of the picture.
-        age_s: s since it was heard, 2 at most.
+        age_s: s since it was heard, at most 2.
     """
 
     name: str
@@ -134,22 +136,22 @@ class OtherCamera(NamedTuple):
 
 @dataclass(frozen=True)
 class Sharing:
-    """How it goes with the others of a session that was joined.
+    """State of the exchange with the other programs of a joined session.
 
     Attributes:
-        name, host, model: of the session, of its server, and what its points are in that one's words.
-        sculptable: False: it is served to be felt alone; once it is joined nothing is exchanged, and all counts are 0.
+        name, host, model: name of the session, its server's machine, and its server's description of the points.
+        sculptable: False: served read-only; after joining nothing is exchanged, and all counts are 0.
         heard: False: the server has been silent for so long that there is no force, until it is heard again.
-        silent_s, longest_silent_s: s, since the server was heard last, and at most so far.
-        round_trip_ms: the median of the last pings; None: none was answered yet.
-        pings, answered: how many there were.
-        sent, received: states of points, that this hand has made, and of others that took effect here.
-        resent, resumed: pieces of strokes that went again, and times that what was missing was asked for.
-        delivered: all that this hand has done has been taken by the server.
-        at_rest: and all that others have done is in effect here.
+        silent_s, longest_silent_s: time since the server was last heard, s, and its maximum so far.
+        round_trip_ms: median of the last pings; None if none was answered yet.
+        pings, answered: number of pings, and of their answers.
+        sent, received: states of points that this hand has made, and those of others that took effect here.
+        resent, resumed: pieces of strokes that were sent again, and requests for missing edits.
+        delivered: the server has taken all edits of this hand.
+        at_rest: and all edits of others are in effect here.
         same: at rest, and the points are the server's, bit by bit.
-        restarts: times that what moves has begun anew where it is served, as water does that was stirred too fast.
-        fault: why this hand's part has ended for good; "": it goes on.
+        restarts: restarts of the moving points at the server, such as of water that was stirred too fast.
+        fault: reason why this hand's part has ended permanently; "": it has not.
     """
 
     name: str
@@ -174,8 +176,8 @@ class Sharing:
 
 
 class Server(_palpate._Server):
-    """A cloud that others join, until close(), or for as long as a `with` lasts (serve()). Runs on a thread of its own,
-    independent of Python; any number of threads may call it.
+    """A served cloud (serve()), until close() or the end of its `with`. Runs on a thread of its own, independent of
+    Python; any number of threads may call it.
     """
 
     def __init__(
@@ -209,46 +211,47 @@ class Server(_palpate._Server):
 
     @property
     def name(self) -> str:
-        """That it is joined by."""
+        """Name under which it is joined."""
         return self._name
 
     @property
     def serving(self) -> bool:
-        """False once it has ended by itself, as where its journal cannot be written; wait() says why."""
+        """False once it has ended because of a failure, such as of its journal; wait() raises the reason."""
         return bool(self._info()["serving"])
 
     @property
     def points(self) -> int:
-        """That the cloud has."""
+        """Number of points of the cloud."""
         return int(self._info()["points"])
 
     @property
     def clients(self) -> int:
-        """Programs that have ever asked for the points."""
+        """Number of programs that have ever requested the points."""
         return int(self._info()["clients"])
 
     @property
     def sculptors(self) -> int:
-        """Programs of whom strokes were taken."""
+        """Number of programs whose strokes were taken."""
         return int(self._info()["sculptors"])
 
     @property
     def states(self) -> int:
-        """Of points, that the strokes that were taken have made."""
+        """Number of states of points in the strokes that were taken."""
         return int(self._info()["states"])
 
     @property
     def mm_per_unit(self) -> float:
-        """Millimetres per model unit, as those who join have them."""
+        """Millimetres per model unit, also for joined programs."""
         return float(self._info()["mm_per_unit"])
 
     @property
     def openness(self) -> str:
-        """Who can join, in a sentence."""
+        """Who can join, as a sentence."""
         return str(self._info()["openness"])
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Waits so long (s), or until it ends or is closed. Returns whether it has ended; raises Error if it failed."""
+        """Waits until the server ends or is closed, at most `seconds`. True if it has ended. Raises Error if it failed.
+        """
         end = None if seconds is None else time.monotonic() + seconds
         while True:
             try:
@@ -292,22 +295,22 @@ def serve(
     journal: str | os.PathLike[str] | None = None,
     threads: int = 0,
 ) -> Server:
-    """A cloud for other programs, here or on other machines, which join it by its name: Session(Join(name)),
+    """Serves a cloud to other programs, here or on other machines, which join it by its name: Session(Join(name)),
     `palpate view --join`.
 
     Args:
-        cloud: the points; normals are estimated where it has none.
-        name: 1 to 200 bytes; no other session of the network has it. That is listened for first, for a second.
-        network: that it is served on.
-        read_only: whoever joins feels it, and does not sculpt it.
-        model: what the points are, in words; None: the name of the cloud's file.
+        cloud: the points; normals are estimated if it has none.
+        name: 1 to 200 bytes, not used by another session of the network; the call first listens for a second for one.
+        network: network on which it is served.
+        read_only: joined programs can feel the cloud but not sculpt it.
+        model: description of the points; None: the name of the cloud's file.
         mm_per_unit: millimetres per model unit; None: as the cloud's file says, or the longest side becomes 100 mm.
-        estimate_normals: also where the cloud has some.
-        journal: a file that each stroke is written to as it is taken: a server that is started with it again continues
-            where this one ends, and so do the programs that have joined.
-        threads: of the CPU, for normals; 0: one per core.
+        estimate_normals: even if the cloud has normals.
+        journal: a file to which each stroke is written when it is taken. A server that is started with it again
+            continues where the file ends, and so do the programs that have joined.
+        threads: threads of the CPU for normals; 0: one per core.
 
-    Raises Error, with the status "network" where the name is taken, and UsageError.
+    Raises Error, with the status "network" if the name is taken, and UsageError.
     """
     return Server(
         cloud,
@@ -323,11 +326,11 @@ def serve(
 
 
 def sessions(network: Network = Network(), seconds: float = 2) -> list[SeenSession]:
-    """The sessions that are served on a network.
+    """Lists the sessions that are served on a network.
 
     Args:
-        network: that is listened on.
-        seconds: s to listen, 0 to 600. Pings take half a second more, and up to two where some are lost.
+        network: network to listen on.
+        seconds: s to listen, 0 to 600. Pings take half a second more, and up to two if some are lost.
 
     Raises Error, and UsageError. Other threads run meanwhile.
     """

@@ -1,4 +1,4 @@
-"""Calls that do not fit what they call, in palpate's words in place of Python's and pybind11's."""
+"""Messages for calls with wrong arguments, instead of those of Python and pybind11."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class _Parameter(NamedTuple):
     name: str
     by_place: bool
     required: bool
-    type: str  # as an annotation has it; "" where it is not known
+    type: str  # as in an annotation; "" if unknown
 
 
 def _of_brush(known: set[str]) -> list[_Parameter]:
@@ -38,7 +38,7 @@ def _of_python(function: Callable[..., Any]) -> list[_Parameter]:
 
 
 def _of_pybind(signature: str) -> list[_Parameter]:
-    """Of "(self: Session, steps: int = 1, **kwargs) -> int"."""
+    """Parameters of a signature such as "(self: Session, steps: int = 1, **kwargs) -> int"."""
     inner = re.match(r"[^(]*\((.*?)\)(?: -> .*)?$", signature)
     parts, depth = [""], 0
     for c in inner.group(1) if inner else "":
@@ -88,7 +88,7 @@ def _is_row(value: Any, count: int, fits: Callable[[Any], bool]) -> bool:
 
 
 def _wrong_type(parameter: _Parameter, value: object) -> str | None:
-    """What the argument is instead; None where it fits, or where that is not known."""
+    """Describes the wrong type of an argument; None if it fits, or if that is unknown."""
     kind = re.sub(r"^Optional\[(.*)\]$", r"\1 | None", re.sub(r"[\w.]+\.", "", parameter.type))
     kinds = [_KINDS.get(each) for each in kind.split(" | ")]
     known = [each for each in kinds if each is not None]
@@ -98,15 +98,15 @@ def _wrong_type(parameter: _Parameter, value: object) -> str | None:
 
 
 def _misfit(parameters: list[_Parameter], args: tuple[Any, ...], settings: dict[str, Any]) -> str | None:
-    """What is wrong with a call, in words; None where nothing is known to be."""
+    """Describes what is wrong with a call; None if nothing is known to be wrong."""
     names = [each.name for each in parameters]
-    takes = f"it takes {', '.join(names)}" if names else "it takes nothing"
+    takes = f"it takes {', '.join(names)}" if names else "it takes no arguments"
     for name in settings:
         if name not in names:
             return f"there is no argument '{name}'{nearest(name, names) or ';'} {takes}".replace("? it", "? It")
     places = [each for each in parameters if each.by_place]
     if len(args) > len(places):
-        by_name = " by place, the others by name" if len(places) < len(names) else ""
+        by_name = " by position, the others by name" if len(places) < len(names) else ""
         return f"takes {len(places)} arguments{by_name}, and {len(args)} are given; {takes}"
     given = {each.name: value for each, value in zip(places, args)}
     for name in settings:
@@ -129,7 +129,7 @@ def _misfit(parameters: list[_Parameter], args: tuple[Any, ...], settings: dict[
 
 
 def _brush_arguments(function: Callable[..., Any], is_bound: bool) -> list[_Parameter]:
-    """Of a function with **brush, whatever the brush has; none of any other."""
+    """Parameters of a function with **brush, including all settings of a brush; empty for other functions."""
     if not is_bound:
         kinds = {each.kind for each in inspect.signature(function).parameters.values()}
         return _of_python(function) if inspect.Parameter.VAR_KEYWORD in kinds else []
@@ -154,7 +154,7 @@ def _in_words(name: str, function: Callable[..., Any], is_method: bool, is_bound
             kinds = [described(each) for each in given]
             kinds += [f"{key}={described(each)}" for key, each in settings.items() if each is not None]
             wrong = f"its arguments do not fit: {', '.join(kinds)}"
-        if wrong is None or called.startswith("_"):  # what is called by its own name is what the person wrote
+        if wrong is None or called.startswith("_"):  # a private name is not the one that the user called
             return wrong
         return f"{called}(): {wrong}"
 
@@ -162,7 +162,7 @@ def _in_words(name: str, function: Callable[..., Any], is_method: bool, is_bound
     def call(*args: Any, **settings: Any) -> Any:
         wrong = None
         try:
-            if brush and settings:  # the function itself takes any name
+            if brush and settings:  # the function itself accepts any name
                 wrong = _misfit(brush, args[is_method:], settings)
             if wrong is None:
                 return function(*args, **settings)
@@ -178,7 +178,7 @@ def _in_words(name: str, function: Callable[..., Any], is_method: bool, is_bound
 
 
 def say_of_bound(owner: Any) -> None:
-    """All that a module or class of pybind11's has."""
+    """Wraps all functions and methods of a pybind11 module or class."""
     for name, each in list(vars(owner).items()):
         is_method = str(type(each)) == "<class 'instancemethod'>"
         if is_method or isinstance(each, types.BuiltinFunctionType):
@@ -189,7 +189,7 @@ def say_of_bound(owner: Any) -> None:
 
 
 def say_of_python(thing: Any) -> Any:
-    """A function or a class of the package, which is changed; gives it back."""
+    """Wraps a function, or the methods of a class in place; returns the function or class."""
     if isinstance(thing, types.FunctionType):
         return _in_words(thing.__name__, thing, False, False)
     for name, each in list(vars(thing).items()):

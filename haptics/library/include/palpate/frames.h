@@ -1,4 +1,4 @@
-/* palpate's C interface: a cloud whose frames a program brings, as those of a camera or of a simulation of its own.
+/* palpate's C interface: clouds whose frames the program provides, such as those of a camera or of its own simulation.
  * palpate.h includes this. */
 #ifndef PALPATE_FRAMES_H
 #define PALPATE_FRAMES_H
@@ -8,44 +8,47 @@
 
 typedef struct pp_frames_options {
   uint32_t size;
-  uint32_t keeps_points; /* 1: a point has its row in all frames, which have as many; 0: nothing is known of which is
-                            which */
-  uint64_t most_points;  /* of a frame; 0: as many as the cloud has */
+  uint32_t keeps_points; /* 1: each point has the same row in all frames, which have the same size; 0: the rows of
+                            different frames are unrelated */
+  uint64_t most_points;  /* maximum number of points of a frame, at least that of the cloud; 0: that of the cloud */
 } pp_frames_options;
 PP_OPTIONS(frames_options)
-/* The cloud stands still until the first frame. It cannot be sculpted, and is in no session log. Time goes on from path
- * to path; a live session begins at 0 with the newest frame, and so does the first path after it. Options may be null.
- */
+/* Opens a session of a cloud that is at rest until the first frame. It cannot be sculpted or recorded. Time continues
+ * from path to path. A live session begins at 0 with the newest frame, and so does the first path after it. Options may
+ * be null. */
 PP_API pp_status pp_session_open_frames(pp_cloud cloud, const pp_frames_options* frames,
                                         const pp_session_options* options, pp_session* session);
 
 typedef struct pp_frame_arrays {
   uint32_t size;
   uint32_t reserved;
-  uint64_t count;    /* points, 1 and more */
-  double t_s;        /* that they are true for, in the time of the session's ticks; after that of the frame before */
+  uint64_t count; /* points, at least 1 */
+  /* Time for which the positions are valid, in the time of the session's ticks; later than that of the frame before. */
+  double t_s;
   pp_rows positions; /* x y z, PP_FLOAT32 or PP_FLOAT64, file coordinates of the cloud */
-  pp_rows normals;   /* as these; made unit length; needed */
-  pp_rows
-      velocities; /* model units per second, with which points go on for 50 ms; none: they stand still between frames */
+  pp_rows normals;   /* same types; are normalized; required */
+  /* Model units per second, with which positions are extrapolated for up to 50 ms; if not given, the points are at
+   * rest between frames. */
+  pp_rows velocities;
 } pp_frame_arrays;
 PP_OPTIONS(frame_arrays)
-/* Copies the arrays. From that time on the points are felt there. From any thread, beside any other call. */
+/* Adds a frame, whose arrays are copied; the points are felt there from its time on. May be called from any thread, at
+ * the same time as any other call. PP_ERROR_STATE if too many frames are pending. */
 PP_API pp_status pp_session_push_frame(pp_session session, const pp_frame_arrays* frame);
 
 typedef struct pp_stream_options {
   uint32_t size;
-  uint32_t loop; /* 1: after the last frame it begins again */
-  uint32_t fuse; /* 1: frames become one map; 0: the newest one is the cloud */
+  uint32_t loop; /* 1: restarts after the last frame */
+  uint32_t fuse; /* 1: frames are fused into one map; 0: the newest frame is the cloud */
   uint32_t reserved;
-  double speed;           /* seconds of the recording in one of the session's */
+  double speed;           /* seconds of the recording per second of the session */
   double depth_scale;     /* depth values per metre; 0: as the folder says */
   const char* intrinsics; /* a JSON file; null: as the folder says */
 } pp_stream_options;
 PP_OPTIONS(stream_options)
-/* A recorded depth camera: a folder as the TUM benchmark or Redwood lay it out, whose points are in metres. Each frame
- * is felt once its time has come, and none is left out; a session begins with the first one, and a live session does.
- * It cannot be sculpted. Options may be null. */
+/* Opens a session of a recorded depth camera: a folder in the layout of the TUM benchmark or of Redwood, with points in
+ * metres. Each frame is felt once its time has come, and no frame is skipped. A session, and each live session, begins
+ * with the first frame. It cannot be sculpted. Options may be null. */
 PP_API pp_status pp_session_open_stream(const char* folder, const pp_stream_options* stream,
                                         const pp_session_options* options, pp_session* session);
 

@@ -1,6 +1,6 @@
-// palpate: feel, see and sculpt point clouds in real time. The C interface (palpate.h, which says the units, threads
-// and the meaning of every option) with lifetimes and exceptions; C++17, header-only, so that it is compiled into your
-// program and only the C interface crosses to the library.
+// palpate: feel, see and sculpt point clouds in real time. The C interface with lifetimes and exceptions, for C++17;
+// palpate.h documents units, threads and all options. Header-only: it is compiled into the program, and only the C
+// interface is called across the library boundary.
 #ifndef PALPATE_HPP
 #define PALPATE_HPP
 
@@ -14,15 +14,15 @@
 
 namespace pp {
 
-/// What a call could not do, in palpate's words.
+/// A failed call: its status, a description, and the file and line that it is about.
 class Error : public std::runtime_error {
  public:
   Error(pp_status status, const char* text, const char* file, std::uint64_t line)
       : std::runtime_error(text), status_(status), file_(file), line_(line) {}
 
   pp_status status() const { return status_; }
-  const std::string& file() const { return file_; }  ///< empty where it was about none
-  std::uint64_t line() const { return line_; }       ///< 0 where none is known
+  const std::string& file() const { return file_; }  ///< empty if it is about no file
+  std::uint64_t line() const { return line_; }       ///< 0 if unknown
 
  private:
   pp_status status_;
@@ -30,27 +30,27 @@ class Error : public std::runtime_error {
   std::uint64_t line_;
 };
 
-/// Throws Error with the words of the last failure of this thread.
+/// Throws Error with the last failure of this thread, unless `status` is PP_OK.
 inline void check(pp_status status) {
   if (status != PP_OK) throw Error(status, pp_last_error(), pp_last_error_file(), pp_last_error_line());
 }
 
 inline std::string version() { return pp_version(); }
 
-/// Numbers of points in memory, three a row, which follow one another.
+/// Contiguous rows of three numbers, one for each point.
 inline pp_rows rows(const float* data) { return {data, PP_FLOAT32, 0, 0}; }
 inline pp_rows rows(const double* data) { return {data, PP_FLOAT64, 0, 0}; }
 inline pp_rows rows(const std::uint8_t* data) { return {data, PP_UINT8, 0, 0}; }
 inline pp_rows rows(const std::uint16_t* data) { return {data, PP_UINT16, 0, 0}; }
 
-/// A way of `count` places x y z, model units: one for each tick. The numbers stay yours.
+/// A path of `count` positions x y z, model units: one for each tick. The numbers are not copied.
 inline pp_path path(const double* places, std::uint64_t count) {
   pp_path path = pp_default_path();
   path.data = places;
   path.rows = count;
   return path;
 }
-/// The same with seconds first.
+/// A path of `count` rows t x y z, seconds first.
 inline pp_path timedPath(const double* rows, std::uint64_t count) {
   pp_path timed = path(rows, count);
   timed.columns = 4;
@@ -59,7 +59,7 @@ inline pp_path timedPath(const double* rows, std::uint64_t count) {
 
 namespace detail {
 
-/// A handle that is closed when it goes. Move-only.
+/// A handle that is closed on destruction. Move-only.
 template <class Handle, pp_status (*kClose)(Handle)>
 class Owned {
  public:
@@ -77,7 +77,7 @@ class Owned {
   /// For calls of the C interface.
   Handle handle() const { return handle_; }
   bool isOpen() const { return handle_.id != 0; }
-  /// Before it goes; without effect where it is closed already.
+  /// Closes the handle early; has no effect if it is already closed.
   void close() {
     if (isOpen()) kClose(std::exchange(handle_, Handle{}));
   }
@@ -88,29 +88,31 @@ class Owned {
 
 }  // namespace detail
 
-/// Points with normals and colours, never changed once they are made.
+/// Points with normals and colours; immutable.
 class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
  public:
   using Owned::Owned;
   explicit Cloud(const pp_cloud_arrays& arrays) : Owned(created(arrays)) {}
-  /// Of any format that palpate knows. Throws Error with file and line.
+  /// Reads a file of any supported format. Throws Error with file and line.
   static Cloud read(const std::string& file, const pp_read_options& options = pp_default_read_options()) {
     pp_cloud cloud{};
     check(pp_cloud_read(file.c_str(), &options, &cloud));
     return Cloud(cloud);
   }
 
+  /// Writes a file in the format of its extension (pp_cloud_write()).
   void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
     check(pp_cloud_write(handle(), file.c_str(), &options));
   }
-  /// Where the points lie, as long as this is open; nothing is copied.
+  /// Read-only view, valid while this is open; nothing is copied.
   pp_points view() const {
     pp_points points{};
     check(pp_cloud_view(handle(), &points));
     return points;
   }
+  /// Number of points.
   std::uint64_t size() const { return view().count; }
-  /// x y z of each point in file coordinates, copied.
+  /// Copies x y z of each point, in file coordinates.
   std::vector<double> places() const {
     std::vector<double> places(3 * size());
     check(pp_cloud_copy_places(handle(), places.data(), size()));
@@ -125,25 +127,27 @@ class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
   }
 };
 
-/// Triangles around points.
+/// A mesh of points; immutable.
 class Mesh : public detail::Owned<pp_mesh, pp_mesh_close> {
  public:
   using Owned::Owned;
+  /// Read-only view, valid while this is open; nothing is copied.
   pp_triangles view() const {
     pp_triangles triangles{};
     check(pp_mesh_view(handle(), &triangles));
     return triangles;
   }
+  /// Writes a file in the format of its extension (pp_mesh_write()).
   void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
     check(pp_mesh_write(handle(), file.c_str(), &options));
   }
 };
 
-/// Points that move, as they were at a time; never changed.
+/// Moving points at one time; immutable.
 class Frame : public detail::Owned<pp_frame, pp_frame_close> {
  public:
   using Owned::Owned;
-  /// Where the points lie, as long as this is open; nothing is copied.
+  /// Read-only view, valid while this is open; nothing is copied.
   pp_moving_points view() const {
     pp_moving_points points{};
     check(pp_frame_view(handle(), &points));
@@ -151,17 +155,17 @@ class Frame : public detail::Owned<pp_frame, pp_frame_close> {
   }
 };
 
-/// A session log, read and never changed.
+/// A session log in memory; immutable.
 class Log : public detail::Owned<pp_log, pp_log_close> {
  public:
   using Owned::Owned;
-  /// Of one that is damaged or cut off all that is whole.
+  /// Reads a log. Of one that is damaged or cut off, all complete parts are read.
   static Log read(const std::string& file) {
     pp_log log{};
     check(pp_log_read(file.c_str(), &log));
     return Log(log);
   }
-  /// Its ticks and edits, as long as this is open; nothing is copied.
+  /// Read-only view of its ticks and edits, valid while this is open; nothing is copied.
   pp_log_content view() const {
     pp_log_content content{};
     check(pp_log_view(handle(), &content));
@@ -169,7 +173,7 @@ class Log : public detail::Owned<pp_log, pp_log_close> {
   }
 };
 
-/// Runs a recorded session again, and says whether it came out the same.
+/// Replays a recorded session and compares it with the log (pp_log_replay()).
 inline pp_replay_result replay(const std::string& file,
                                const pp_replay_options& options = pp_default_replay_options()) {
   pp_replay_result result = pp_default_replay_result();
@@ -177,19 +181,21 @@ inline pp_replay_result replay(const std::string& file,
   return result;
 }
 
-/// Matter that moves by itself, and that no hand touches. For one thread at a time.
+/// A scene of moving matter without hands. Only one thread may use it at a time.
 class Matter : public detail::Owned<pp_matter, pp_matter_close> {
  public:
   using Owned::Owned;
-  /// A scene by its name, or in a file (pp_session_open_matter()).
+  /// Opens a scene by its name, or from a file (pp_session_open_matter()).
   explicit Matter(const std::string& scene, const pp_matter_options& options = pp_default_matter_options()) {
     pp_matter matter{};
     check(pp_matter_open(scene.c_str(), &options, &matter));
     *this = Matter(matter);
   }
-  /// So many milliseconds further. Throws Error with PP_ERROR_SIMULATION where it fails on the way.
+  /// Advances by `steps` milliseconds. Throws Error with PP_ERROR_SIMULATION if the scene fails meanwhile.
   void step(std::uint64_t steps = 1) { check(pp_matter_step(handle(), steps)); }
+  /// Restarts the scene, with the parameters that were set.
   void reset() { check(pp_matter_reset(handle())); }
+  /// Copies the present particles, or the surface of a soft body, in mm.
   Frame frame() const {
     pp_frame frame{};
     check(pp_matter_frame(handle(), &frame));
@@ -202,9 +208,11 @@ class Matter : public detail::Owned<pp_matter, pp_matter_close> {
     for (std::uint64_t i = 0; i < count; ++i) check(pp_matter_get_parameter(handle(), i, &all[i]));
     return all;
   }
+  /// From the next step on. Throws Error, without effect, for an unknown name or a value out of bounds.
   void setParameter(const std::string& name, double value) {
     check(pp_matter_set_parameter(handle(), name.c_str(), value));
   }
+  /// Computes the state, from all particles.
   pp_matter_state state() const {
     pp_matter_state state = pp_default_matter_state();
     check(pp_matter_get_state(handle(), &state));
@@ -212,7 +220,7 @@ class Matter : public detail::Owned<pp_matter, pp_matter_close> {
   }
 };
 
-/// The sessions that are served on a network (pp_network_survey()).
+/// Sessions served on a network (pp_network_survey()); at most 256.
 inline std::vector<pp_seen_session> surveyNetwork(const pp_network& network = pp_default_network(),
                                                   double seconds = 2) {
   std::vector<pp_seen_session> sessions(256);
@@ -222,7 +230,7 @@ inline std::vector<pp_seen_session> surveyNetwork(const pp_network& network = pp
   return sessions;
 }
 
-/// A cloud that others join, for as long as this is open (pp_serve()). For any number of threads.
+/// Serves a cloud while this is open (pp_serve()). Any number of threads may use it.
 class Server : public detail::Owned<pp_server, pp_server_close> {
  public:
   using Owned::Owned;
@@ -236,7 +244,7 @@ class Server : public detail::Owned<pp_server, pp_server_close> {
     check(pp_server_get_info(handle(), &info));
     return info;
   }
-  /// The points as they are.
+  /// Copies the present points.
   Cloud cloud() const {
     pp_cloud cloud{};
     check(pp_server_cloud(handle(), &cloud));
@@ -248,38 +256,39 @@ class Server : public detail::Owned<pp_server, pp_server_close> {
 class Session : public detail::Owned<pp_session, pp_session_close> {
  public:
   using Owned::Owned;
+  /// Opens a cloud (pp_session_open()).
   explicit Session(const Cloud& cloud, const pp_session_options& options = pp_default_session_options())
       : Owned(made(cloud, options)) {}
 
-  /// Of a scene of matter that moves by itself (pp_session_open_matter()).
+  /// Opens a scene of moving matter (pp_session_open_matter()).
   static Session ofMatter(const std::string& scene, const pp_session_options& options = pp_default_session_options()) {
     pp_session session{};
     check(pp_session_open_matter(scene.c_str(), &options, &session));
     return Session(session);
   }
 
-  /// Of points that come frame by frame (pp_session_open_frames()).
+  /// Opens a cloud whose frames the program provides (pp_session_open_frames()).
   static Session ofFrames(const Cloud& cloud, const pp_frames_options& frames = pp_default_frames_options(),
                           const pp_session_options& options = pp_default_session_options()) {
     pp_session session{};
     check(pp_session_open_frames(cloud.handle(), &frames, &options, &session));
     return Session(session);
   }
-  /// Of a recorded depth camera (pp_session_open_stream()).
+  /// Opens a recorded depth camera (pp_session_open_stream()).
   static Session ofStream(const std::string& folder, const pp_stream_options& stream = pp_default_stream_options(),
                           const pp_session_options& options = pp_default_session_options()) {
     pp_session session{};
     check(pp_session_open_stream(folder.c_str(), &stream, &options, &session));
     return Session(session);
   }
-  /// A session that another program serves, by its name (pp_session_join()).
+  /// Joins a session that another program serves, by its name (pp_session_join()).
   static Session joined(const std::string& name, const pp_join_options& join = pp_default_join_options(),
                         const pp_session_options& options = pp_default_session_options()) {
     pp_session session{};
     check(pp_session_join(name.c_str(), &join, &options, &session));
     return Session(session);
   }
-  /// From any thread.
+  /// Adds a frame (pp_session_push_frame()). May be called from any thread.
   void pushFrame(const pp_frame_arrays& frame) { check(pp_session_push_frame(handle(), &frame)); }
 
   pp_session_info info() const {
@@ -296,22 +305,23 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     ticks.resize(count);
     return ticks;
   }
-  /// One tick of a servo loop of your own.
+  /// One tick of a servo loop of the program.
   pp_contact touch(const pp_pose& pose) {
     pp_contact contact;
     check(pp_touch(handle(), &pose, &contact));
     return contact;
   }
-  /// The same for all hands at once. `turns`: of their tools, w x y z each; null: none is turned.
+  /// One tick for all hands. `turns`: rotations of their tools, w x y z each; null: no rotation.
   std::vector<pp_contact> touch(const std::vector<pp_pose>& poses, const double* turns = nullptr) {
     std::vector<pp_contact> contacts(poses.size());
     check(pp_touch_hands(handle(), poses.data(), turns, static_cast<std::uint32_t>(poses.size()), contacts.data(),
                          nullptr));
     return contacts;
   }
+  /// Notifies the session that all hands were lifted (pp_touch_lift()).
   void lift() { check(pp_touch_lift(handle())); }
-  /// Each hand follows its path; the first one sculpts where `brush` is not null. Rows of all hands at a tick, and then
-  /// those at the next one.
+  /// Each hand follows its path; the first one sculpts if `brush` is not null. Returns the rows of all hands in one
+  /// tick, then those of the next tick.
   std::vector<pp_tick> touchHands(const std::vector<pp_path>& paths, const pp_brush* brush = nullptr) {
     std::vector<const pp_path*> given;
     std::uint64_t most = 0;
@@ -328,8 +338,10 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     return ticks;
   }
 
+  /// Sets, or removes, the brush of touch() and of live hands (pp_session_set_brush()).
   void setBrush(const pp_brush& brush) { check(pp_session_set_brush(handle(), &brush)); }
   void setNoBrush() { check(pp_session_set_brush(handle(), nullptr)); }
+  /// Changes surface and force; not the support radius (pp_session_set_feel()).
   void setFeel(const pp_feel& feel) { check(pp_session_set_feel(handle(), &feel)); }
   /// Follows the path with a brush.
   std::vector<pp_tick> stroke(const pp_path& path, const pp_brush& brush = pp_default_brush()) {
@@ -339,7 +351,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     ticks.resize(count);
     return ticks;
   }
-  /// How many strokes there were to take back, or to do again.
+  /// Undoes or redoes strokes, and returns their number.
   std::uint64_t undo(std::uint64_t strokes = 1) {
     std::uint64_t done = 0;
     check(pp_session_undo(handle(), strokes, &done));
@@ -350,32 +362,36 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_session_redo(handle(), strokes, &done));
     return done;
   }
+  /// Takes in pending edits; call it some thirty times a second (pp_session_follow()).
   void follow() { check(pp_session_follow(handle())); }
+  /// Copies the present points.
   Cloud cloud() {
     pp_cloud cloud{};
     check(pp_session_cloud(handle(), &cloud));
     return Cloud(cloud);
   }
 
-  /// Rows from the top, RGBA.
+  /// Draws the present points: rows from the top, RGBA.
   std::vector<std::uint8_t> render(const pp_picture_options& options = pp_default_picture_options()) {
     std::vector<std::uint8_t> rgba(std::size_t{4} * options.width * options.height);
     check(pp_session_render(handle(), &options, rgba.data(), rgba.size()));
     return rgba;
   }
+  /// Meshes the present points by marching cubes (pp_session_mesh()).
   Mesh mesh(const pp_mesh_options& options = pp_default_mesh_options()) {
     pp_mesh mesh{};
     check(pp_session_mesh(handle(), &options, &mesh));
     return Mesh(mesh);
   }
 
-  // Of a session that was joined.
+  // For joined sessions.
+  /// State of the exchange with the other programs.
   pp_sharing sharing() const {
     pp_sharing sharing = pp_default_sharing();
     check(pp_session_get_sharing(handle(), &sharing));
     return sharing;
   }
-  /// The others' hands.
+  /// Hands of the other programs; at most 256.
   std::vector<pp_other_hand> others() const {
     std::vector<pp_other_hand> hands(256);
     std::uint64_t count = 0;
@@ -383,7 +399,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     if (count < hands.size()) hands.resize(count);
     return hands;
   }
-  /// From where the others' pictures are seen.
+  /// Cameras of the other programs' pictures; at most 256.
   std::vector<pp_other_camera> cameras() const {
     std::vector<pp_other_camera> cameras(256);
     std::uint64_t count = 0;
@@ -391,22 +407,26 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     if (count < cameras.size()) cameras.resize(count);
     return cameras;
   }
+  /// Shows a camera to the others, or no camera any more (pp_session_show_camera()).
   void showCamera(const pp_camera_place& camera) { check(pp_session_show_camera(handle(), &camera)); }
   void hideCamera() { check(pp_session_show_camera(handle(), nullptr)); }
-  /// Asks the server, and waits at most so long until this session has the server's points (pp_session_settle()).
+  /// Waits at most `seconds` until this session has the server's points (pp_session_settle()). True if it has.
   bool settle(double seconds = 10) {
     std::uint32_t same = 0;
     check(pp_session_settle(handle(), seconds, &same));
     return same != 0;
   }
 
-  // Of matter that moves by itself.
+  // For scenes of matter.
+  /// Copies the present points (pp_session_frame()).
   Frame frame() const {
     pp_frame frame{};
     check(pp_session_frame(handle(), &frame));
     return Frame(frame);
   }
+  /// Pauses the scene, or continues it.
   void hold(bool on = true) { check(pp_session_hold(handle(), on ? 1 : 0)); }
+  /// Restarts the scene with the next tick.
   void reset() { check(pp_session_reset(handle())); }
   std::vector<pp_parameter> parameters() const {
     std::uint64_t count = 0;
@@ -415,6 +435,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     for (std::uint64_t i = 0; i < count; ++i) check(pp_session_get_parameter(handle(), i, &all[i]));
     return all;
   }
+  /// From the next step on. Throws Error, without effect, for an unknown name or a value out of bounds.
   void setParameter(const std::string& name, double value) {
     check(pp_session_set_parameter(handle(), name.c_str(), value));
   }
@@ -424,11 +445,12 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     return motion;
   }
 
-  /// The next path, or the next live session, goes into a session log (pp_session_record()).
+  /// Records the next path, or the next live session, to a session log (pp_session_record()).
   void record(const std::string& file) { check(pp_session_record(handle(), file.c_str())); }
 
+  /// Starts ticks against the wall clock, on a thread of palpate (pp_live_start()).
   void startLive(const pp_live_options& options) { check(pp_live_start(handle(), &options)); }
-  /// The rows of ticks since the last call, `most` of them at most: one for each hand.
+  /// Ticks since the last call, at most `most` rows: one row for each hand in each tick.
   std::vector<pp_tick> takeTicks(std::size_t most = 4096) {
     std::vector<pp_tick> ticks(most);
     std::uint64_t count = 0;
@@ -441,7 +463,9 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_live_get_state(handle(), &state));
     return state;
   }
+  /// Switches the force off, or on again with a ramp. May be called from any thread.
   void setForces(bool on) { check(pp_live_set_forces(handle(), on ? 1 : 0)); }
+  /// Stops after the tick in progress; ticks not read yet can still be read.
   void stopLive() { check(pp_live_stop(handle())); }
 
  private:

@@ -1,37 +1,38 @@
-/* palpate's C interface: a Vulkan device that a program has made, and lends. palpate.h includes this; no header of
- * Vulkan's is needed for it. */
+/* palpate's C interface: a Vulkan device that the program has created and lends to palpate. palpate.h includes this; it
+ * requires no Vulkan header. */
 #ifndef PALPATE_VULKAN_H
 #define PALPATE_VULKAN_H
 #ifndef PALPATE_H
 #error "include <palpate/palpate.h>, which has this"
 #endif
 
-/* A queue that is lent. It must be able to compute. */
+/* A lent queue. It must support compute. */
 typedef struct pp_vulkan_queue {
-  void* handle; /* VkQueue; null: there is none */
+  void* handle; /* VkQueue; null: none */
   uint32_t family;
   uint32_t reserved;
 } pp_vulkan_queue;
 
-/* What a program has made, and what it made it with, which Vulkan tells nobody afterwards. All of it outlives what is
- * opened on it and is left as it is; the chain of features is read while that is opened, and no longer. One program has
- * one loader: get_instance_proc_addr is the same in all calls. The device needs bufferDeviceAddress, scalarBlockLayout,
- * synchronization2 and computeFullSubgroups; what is missing is named in the error. */
+/* A device of the program, and the parameters of its creation, which Vulkan cannot report afterwards. Everything must
+ * outlive the sessions and scenes opened on it and is left unchanged; the chain of features is read only while one is
+ * opened. get_instance_proc_addr must be the same in all calls of a program. The device requires bufferDeviceAddress,
+ * scalarBlockLayout, synchronization2 and computeFullSubgroups; an error names what is missing. */
 typedef struct pp_vulkan_device {
   uint32_t size;
-  uint32_t api_version;         /* VkApplicationInfo::apiVersion that the instance was made for; 1.3 or later */
+  uint32_t api_version;         /* VkApplicationInfo::apiVersion of the instance; 1.3 or later */
   void* get_instance_proc_addr; /* PFN_vkGetInstanceProcAddr */
   void* instance;               /* VkInstance */
   void* physical_device;        /* VkPhysicalDevice */
   void* device;                 /* VkDevice */
-  const void* features;         /* VkPhysicalDeviceFeatures2 as VkDeviceCreateInfo had it, with its chain */
-  pp_vulkan_queue throughput;   /* with graphics, where pictures are to be drawn by hardware */
-  pp_vulkan_queue latency;      /* none: that of throughput */
-  pp_vulkan_queue background;   /* none: that of throughput */
-  uint32_t validated;           /* 1: a validation layer watches the instance */
+  const void* features;         /* VkPhysicalDeviceFeatures2 given to VkDeviceCreateInfo, with its chain */
+  pp_vulkan_queue throughput;   /* with graphics, if pictures are to be drawn by hardware */
+  pp_vulkan_queue latency;      /* none: the queue `throughput` */
+  pp_vulkan_queue background;   /* none: the queue `throughput` */
+  uint32_t validated;           /* 1: the instance has a validation layer */
   uint32_t debug_utils;         /* 1: the instance has VK_EXT_debug_utils: objects and passes get names */
-  /* Called around every submission to a queue, by the thread that submits, for as long as vkQueueSubmit2 takes: the
-   * program holds the same lock where it uses the queue itself. Both or neither; null where it never does. */
+  /* Called around every submission to a queue, by the submitting thread, for the duration of vkQueueSubmit2: the
+   * program must hold the same lock while it uses the queue. Set both or neither; null if the program never uses the
+   * queue. */
   void (*lock)(void* user, void* queue);
   void (*unlock)(void* user, void* queue);
   void* lock_user;
