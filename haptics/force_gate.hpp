@@ -38,7 +38,7 @@ struct GateCounts {
 /// - then a share that ramps up; the share fades while the data are stale or the information about the surface is old;
 ///   once it is zero, it waits as after a long error;
 /// - never more than the device's peak and what its motors bear.
-/// A device without a hand starts with the gate open: a script's first force surprises nobody.
+/// A device without a hand starts with the gate open: the first force of a script can be sudden.
 class ForceGate {
  public:
   /// `period_s`: nominal time between two ticks.

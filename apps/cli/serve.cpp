@@ -91,7 +91,7 @@ void serve(Context& context, const ServeOptions& options) {
   options.ros.check();
   checkRosHearing(options.network, options.model.file, options.stream.live);
   if (options.readOnly && (!options.journalFile.empty() || !options.saveFile.empty()))
-    throw UsageError("--read-only: nobody sculpts it; leave --journal and --save out");
+    throw UsageError("--read-only: the model is not sculpted; leave --journal and --save out");
   checkOutput(options.saveFile, Output::points);
   checkOutput(options.journalFile, Output::only);
   sayWhatIsLost(options.saveFile, context.log());

@@ -47,7 +47,7 @@ void QuestionPipeline::record(std::uint32_t parity, const shared::CloudView& clo
 void QuestionPipeline::recordForgetting(std::span<const ProbeRange> hands) {
   forgets_.clear();
   for (const ProbeRange& hand : hands) {
-    auto& list = forgets_.emplace_back(std::make_unique<CommandList>(device_, device_.latencyQueue(), "begin anew"));
+    auto& list = forgets_.emplace_back(std::make_unique<CommandList>(device_, device_.latencyQueue(), "restart"));
     list->begin();
     list->fill(contact_.state(), 0, std::uint64_t{hand.count} * sizeof(shared::ContactState),
                std::uint64_t{hand.first} * sizeof(shared::ContactState));

@@ -36,7 +36,7 @@ struct DeviceLimits {
   double mostStiffness_N_per_mm = std::numeric_limits<double>::infinity();
   int forceDelay_ticks = 0;  ///< whole ticks between write() and the effect of the force, 0 to 3
   /// A hand, or a model of one, feels the force and yields to it. False for a script that moves regardless of it:
-  /// nobody has to be protected at the start of a session, and there is no closed loop that could become unstable.
+  /// no person has to be protected at the start of a session, and there is no closed loop that could become unstable.
   bool handHeld = true;
   int buttons = 0;  ///< number of them: kSculptButton sculpts, kClutchButton draws the clutch
 };

@@ -402,7 +402,7 @@ TEST_CASE("bench splat compares discs and marching cubes with the same truth, in
     CHECK(cost["bytes"] > 0);
     CHECK(cost["made_ms"]["n"] == (quality["raster"] == "compute" ? 0 : repeat));
   }
-  for (const char* title : {"splat and mesh", "mesh made, ms", "fps, made anew", "holes"})
+  for (const char* title : {"splat and mesh", "mesh made, ms", "fps, remeshed", "holes"})
     CHECK(outcome.text.find(title) != std::string::npos);
   CHECK(palpate("bench splat --mesh 0").code == 2);
 }

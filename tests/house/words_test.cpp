@@ -74,6 +74,26 @@ bool isSource(const fs::path& file) {
   return endings.contains(file.extension().string());
 }
 
+// Words of a dialect that comments, messages and documents were once written in.
+constexpr std::array<std::string_view, 6> kDialect{"whoever", "whosoever", "nobody", "somebody", "anew", "afresh"};
+
+// The words of a text that are in the dialect, each with its line.
+std::vector<std::string> dialectIn(std::string_view text) {
+  std::vector<std::string> found;
+  std::size_t line = 1;
+  for (std::size_t i = 0; i < text.size();) {
+    if (!isWordPart(text[i])) {
+      line += text[i++] == '\n' ? 1 : 0;
+      continue;
+    }
+    std::string word;
+    for (; i < text.size() && isWordPart(text[i]); ++i)
+      word += static_cast<char>(std::tolower(static_cast<unsigned char>(text[i])));
+    if (std::ranges::find(kDialect, word) != kDialect.end()) found.push_back(std::to_string(line) + ": " + word);
+  }
+  return found;
+}
+
 }  // namespace
 
 TEST_CASE("no identifier contains a word that was replaced by a technical term") {
@@ -95,6 +115,29 @@ TEST_CASE("no identifier contains a word that was replaced by a technical term")
     }
   }
   CHECK(identifiers > 10'000);
+}
+
+TEST_CASE("comments, messages and documents are plain English") {
+  const fs::path top = sourceFolder();
+  if (!fs::exists(top / "engine")) {
+    MESSAGE("skipped: the sources are not at " << top.string());
+    return;
+  }
+  std::size_t files = 0;
+  for (const char* folder : {".github", "engine", "haptics", "shaders", "apps", "third_party"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(top / folder)) {
+      const std::string ending = entry.path().extension().string();
+      if (!entry.is_regular_file() || !(isSource(entry.path()) || ending == ".md" || ending == ".py")) continue;
+      std::ifstream in(entry.path());
+      const std::string text{std::istreambuf_iterator<char>(in), {}};
+      ++files;
+      for (const std::string& word : dialectIn(text))
+        FAIL_CHECK(fs::relative(entry.path(), top).string() << ":" << word);
+    }
+  }
+  CHECK(files > 900);
+  CHECK(dialectIn("// Nobody\n// knows it anew\nint renewed, nobody_s;") ==
+        std::vector<std::string>{"1: nobody", "2: anew"});
 }
 
 TEST_CASE("a replaced word is found in an identifier, but not in a comment, a string or a longer word") {
