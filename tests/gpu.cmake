@@ -14,6 +14,10 @@ if(TARGET palpate_library)
   palpate_tests(library_gpu LINKS ${library_links} third_party::volk)
 endif()
 
+if(WIN32)
+  return()  # tests/windows_session.sh runs the program there
+endif()
+
 # A layer that loses the GPU at a given call, or limits it; next to the test programs.
 add_library(palpate_lost_gpu MODULE lost_gpu/layer.cpp lost_gpu/made_up_gpu.cpp)
 target_include_directories(palpate_lost_gpu PRIVATE ${PROJECT_SOURCE_DIR})
@@ -31,9 +35,6 @@ endif()
 if(NOT TARGET palpate)
   message(STATUS "Without the program (PALPATE_APPS=OFF): its tests are not built")
   return()
-endif()
-if(WIN32)
-  return()  # tests/windows_session.sh runs the program there
 endif()
 set(room_label program)
 if(NOT TARGET tests_sharing)

@@ -2,6 +2,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <span>
 
 #include "apps/view/panels.hpp"
 #include "engine/cloud/length_text.hpp"
@@ -16,7 +17,7 @@ std::string measureLine(const ViewStatus& status) {
 }
 
 // The number of newest errors that leave most of the picture free, at least one.
-std::size_t errorsThatFit(const std::vector<std::string>& errors, float wrap) {
+std::size_t errorsThatFit(std::span<const std::string> errors, float wrap) {
   constexpr float kShare = 0.25f;  // of the display's height
   float height = 0;
   std::size_t count = 0;

@@ -46,7 +46,7 @@ TEST_CASE("a PNG contains the picture pixel by pixel, and is identical every tim
     writeImage(folder / "b.png", image);
     CHECK(bytesOf(folder / "a.png") == bytesOf(folder / "b.png"));
     int w = 0, h = 0, channels = 0;
-    unsigned char* pixels = stbi_load((folder / "a.png").c_str(), &w, &h, &channels, 4);
+    unsigned char* pixels = stbi_load((folder / "a.png").string().c_str(), &w, &h, &channels, 4);
     REQUIRE(pixels);
     CHECK(w == static_cast<int>(width));
     CHECK(h == static_cast<int>(height));
@@ -65,7 +65,7 @@ TEST_CASE("a name that ends in .jpg or .jpeg gives a JPEG of the same picture") 
     writeImage(folder / name, image);
     CHECK(bytesOf(folder / name).starts_with("\xff\xd8\xff"));
     int w = 0, h = 0, channels = 0;
-    unsigned char* pixels = stbi_load((folder / name).c_str(), &w, &h, &channels, 4);
+    unsigned char* pixels = stbi_load((folder / name).string().c_str(), &w, &h, &channels, 4);
     REQUIRE(pixels);
     CHECK(w == 200);
     CHECK(h == 150);

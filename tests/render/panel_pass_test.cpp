@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <random>
 
 #include "engine/gpu/transfer.hpp"
@@ -164,7 +165,7 @@ TEST_CASE_FIXTURE(GpuFixture, "two triangles that share an edge leave no gap and
   const Vec2 center(32.5f, 32.5f);
   constexpr int kParts = 16;
   const auto corner = [&](int i) {
-    const double angle = 2 * M_PI * (i % kParts) / kParts;
+    const double angle = 2 * std::numbers::pi * (i % kParts) / kParts;
     return Vec2(center.x + std::round(100 * std::cos(angle)), center.y + std::round(100 * std::sin(angle)));
   };
   for (int i = 0; i < kParts; ++i) {
