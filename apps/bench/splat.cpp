@@ -227,8 +227,8 @@ void printWays(std::FILE* out, const std::vector<SplatQuality>& qualities, const
   fmt::print(out, "\nsplat and mesh, {} x {}, samples of a pixel: {}; against truth with one\n", size.x, size.y,
              samples);
   fmt::print(out, "{:<14}{:<10}{:<12}{:>8}{:>10}{:>20}{:>20}{:>8}{:>16}{:>8}{:>8}{:>12}{:>22}{:>22}\n", "shape",
-             "cloud", "way", "smooth", "points", "mesh made, ms", "picture, ms", "fps", "fps, remeshed", "MiB",
-             "holes", "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
+             "cloud", "way", "smooth", "points", "mesh made, ms", "picture, ms", "fps", "fps, remeshed", "MiB", "holes",
+             "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
   for (const SplatQuality& q : qualities)
     fmt::print(out, "{:<14}{:<10}{:<12}{:>8}{:>10}{:>20}{:>20}{:>8.0f}{:>16.0f}{:>8.0f}{:>8}{:>12.2f}{:>22.3f}{:>22}\n",
                q.shape, q.condition, q.raster, q.smooth_px, q.points,

@@ -34,16 +34,14 @@ TEST_CASE("a cloud of no points is said to have 0 points, and nothing is written
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()) == 1);
 }
 
-TEST_CASE("a folder of no kind that is read is refused with the kinds, what each needs, and what in it can be read") {
+TEST_CASE("info on an unknown folder names the known kinds of folders and what in it can be read") {
   const ScratchFolder folder;
   const auto refused = [&](const std::string& what) {
     const Outcome outcome = palpate("info " + folder.path().string());
     CHECK(outcome.code == 1);
     CHECK_MESSAGE(says(outcome.text, what), outcome.text);
   };
-  refused(
-      "is a folder of no kind that is read: a COLMAP folder has points3D.bin or points3D.txt, a TUM folder "
-      "depth.txt, a Redwood folder a folder depth, and here none of them is; name a file in it\n");
+  refused("is not a folder of COLMAP (points3D.bin or .txt), TUM (depth.txt) or Redwood (depth/); name a file in it\n");
   std::ofstream(folder / "notes.doc") << "x";
   std::ofstream(folder / "scan.ply") << "ply\n";
   refused("name one of " + (folder / "scan.ply").string() + "\n");

@@ -220,7 +220,7 @@ TEST_CASE("the window draws a model upright, turns it upside down on demand, and
   const auto painted = played->state("painted.json");
   REQUIRE(painted["edits"].get<int>() > 0);
   CHECK(painted["color"] == "rgb");
-  CHECK(says(played->outcome.text, "which show what is painted"));
+  CHECK(says(played->outcome.text, "so that the paint is visible"));
 }
 
 }  // namespace palpate::look_test

@@ -143,7 +143,7 @@ TEST_CASE("incompatible hands, poses and paths are refused, and the session stay
   std::vector<pp_tick> ticks(400);
   std::uint64_t count = 0;
   CHECK(pp_session_touch(two.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("the session has 2"));
+  CHECK(lastErrorSays("2 hands"));
   const pp_path* const paths[]{&path, &path, &path};
   CHECK(pp_session_touch_hands(two.session, paths, 3, nullptr, ticks.data(), nullptr, 400, &count) ==
         PP_ERROR_ARGUMENT);
@@ -178,7 +178,7 @@ TEST_CASE("live hands have one row each in every tick, at the same times") {
   options.path = &first;
   options.rate_Hz = 500;
   CHECK(pp_live_start(two.session, &options) == PP_ERROR_ARGUMENT);  // the second path is missing
-  CHECK(lastErrorSays("2 hands"));
+  CHECK(lastErrorSays("the session has 2"));
   other.path = &second;
   options.next = &other;
   other.rate_Hz = 250;

@@ -139,7 +139,8 @@ TEST_CASE("a soft scene that cannot be simulated is refused with the field's nam
   CHECK(begins(with([](MatterScene& s) { s.substeps = 1; }), "substeps: is 1; this scene needs"));
   CHECK(begins(with([](MatterScene& s) { s.pinned_mm = {DVec3(0, 5, 0), DVec3(9, 4, 9)}; }), "pinned_mm: begins at 5"));
   CHECK(begins(with([](MatterScene& s) { s.shape = SoftShape::ball, s.fill_mm.y = 8; }), "fill_mm: is 8"));
-  CHECK(begins(with([](MatterScene& s) { s.shape = SoftShape::ball, s.model = "a.ply"; }), "shape: cannot be combined"));
+  CHECK(
+      begins(with([](MatterScene& s) { s.shape = SoftShape::ball, s.model = "a.ply"; }), "shape: cannot be combined"));
 }
 
 }  // namespace palpate::soft_world_test
