@@ -207,7 +207,8 @@ NpyFile openNpz(const std::filesystem::path& path, Log* log) {
       continue;
     }
     file.bytes.push_back(unpackZip(path, archive, member));
-    const std::filesystem::path within = path.string() + "(" + member.name + ")";
+    const std::string name = inQuotes(member.name);  // its bytes may be no valid text, which a path must be on Windows
+    const std::filesystem::path within = path.string() + "(" + name.substr(1, name.size() - 2) + ")";
     arrays.push_back({member.name.substr(0, member.name.size() - 4), readNpyArray(within, file.bytes.back(), 0)});
   }
   nameByOrder(arrays);

@@ -98,7 +98,7 @@ TEST_CASE("points are not written as STL or 3DGS, a mesh not as 3DGS, and a devi
   CHECK(cloudFormats().toWrite("a.las", Written::points).name == "LAS");
   CHECK(cloudFormats().endingsWritten(Written::points) ==
         ".ply, .las, .laz, .pcd, .npy, .npz, .xyz, .asc, .txt, .csv, .pts");
-  CHECK(cloudFormats().toWrite("/dev/null").name == "PLY");
+  if (std::filesystem::exists("/dev/null")) CHECK(cloudFormats().toWrite("/dev/null").name == "PLY");  // not on Windows
 }
 
 TEST_CASE("every format that is written is read back, point by point") {
