@@ -99,7 +99,7 @@ TEST_CASE("the contents of a COLMAP folder are read without its points, and a cl
   CHECK(nameBeside(folder.path() / "") == folder.path().string() + "-sculpted.ply");
   CHECK(cloudFormats().toRead(folder.path()).name == "COLMAP");
   const ScratchFolder empty;
-  CHECK_THROWS_WITH_AS(readCloud(empty.path()), doctest::Contains("is a folder"), FileError);
+  CHECK_THROWS_WITH_AS(readCloud(empty.path()), doctest::Contains("is not a folder of COLMAP"), FileError);
 }
 
 TEST_CASE("a cloud from COLMAP is written as PLY with all its attributes and its up direction") {
