@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/core/error.hpp"
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/text_words.hpp"
 
