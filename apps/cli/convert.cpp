@@ -12,6 +12,7 @@
 #include "engine/io/foreign_file.hpp"
 #include "engine/io/mesh_format.hpp"
 #include "engine/io/saving.hpp"
+#include "haptics/session/bounds.hpp"
 
 namespace palpate {
 
@@ -173,7 +174,7 @@ void addConvert(Options& app, Context& context, Command& command) {
   sub.add("--intrinsics", options->intrinsics, "intrinsics of the depth camera, JSON (default: those of the folder)")
       .typeName("FILE");
   sub.add("--depth-scale", options->depthScale, "depth values per metre (default: that of the folder)")
-      .check(between(1e-3, 1e6));
+      .check(between(bounds::kMinDepthScale, bounds::kMaxDepthScale));
   sub.addFlag("--drop-unreliable", options->dropsUnreliable,
               "COLMAP: drop unreliable points, as touch does without --all-points");
   addScaleOptions(sub, options->scale);

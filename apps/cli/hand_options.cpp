@@ -41,7 +41,7 @@ void addHandOptions(Options& sub, HandChoices& options) {
   sub.add("--hand-stiffness", options.handStiffness_N_per_mm, "sim: stiffness of the hand, N/mm (default 0.4)")
       .check(between(bounds::kMinStiffness_N_per_mm, bounds::kMaxStiffness_N_per_mm));
   sub.add("--hand-damping", options.handDamping_N_s_per_mm, "sim: damping of the hand, N s/mm (default 0.002)")
-      .check(between(1e-9, bounds::kMaxDamping_N_s_per_mm));
+      .check(between(bounds::kMinDamping_N_s_per_mm, bounds::kMaxDamping_N_s_per_mm));
   sub.add("--passivity", options.passivity,
           "when the surface gives more energy than it took: on (brake), observe (only count) or off "
           "(default: on for a device or sim, off for a path)")
