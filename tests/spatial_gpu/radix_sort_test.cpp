@@ -84,7 +84,7 @@ std::vector<std::uint32_t> randomWords(std::size_t count, std::uint32_t seed) {
 }  // namespace
 
 TEST_CASE_FIXTURE(RadixSortFixture, "pairs of any count are sorted stably") {
-  if (!mayLookBack()) MESSAGE("look-back is skipped: workgroups of this driver cannot wait for each other");
+  if (!mayLookBack()) MESSAGE("skipped: look-back, because workgroups of this driver cannot wait for each other");
   // Around the sizes of subgroups, workgroups, the tiles of both sorts and those of the look-back histogram.
   for (const std::size_t count :
        {0,    1,    2,    7,    8,    9,    31,   32,   33,   255,    256,    257,    2047,
