@@ -8,7 +8,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/point_tree.hpp"
-#include "engine/core/touch_backend.hpp"
+#include "engine/touch/touch_backend.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {

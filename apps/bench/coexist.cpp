@@ -13,6 +13,7 @@
 #include "engine/edit/edit_log.hpp"
 #include "engine/render/frame.hpp"
 #include "engine/spatial/hash_update.hpp"
+#include "engine/touch/gpu_points.hpp"
 #include "haptics/tick_pacer.hpp"
 
 namespace palpate {
@@ -71,16 +72,16 @@ class Sight {
         backend_(backend),
         sculpts_(sculpts),
         drawn_(device, model.cloud,
-               {.spare = spareFor(backend.editScope(), model), .spacing = model.spacing, .edited = sculpts}),
+               {.spare = spareFor(backend.report().scope, model), .spacing = model.spacing, .edited = sculpts}),
         frame_(device, size.width, size.height, size.supersample),
         camera_(Camera::fitting(model.cloud, static_cast<double>(size.width) / size.height, 45,
                                 framingOf(model, model.upright.up))),
         list_(device, device.throughputQueue(), "frame") {
-    EditLog* const log = backend.editLogOn(device);
+    EditLog* const log = backend.gpuPoints() ? backend.gpuPoints()->editLogOn(device) : nullptr;
     if (sculpts && log)
       reader_.emplace(*log);
     else if (sculpts)
-      backend.keepEdits();
+      backend.edits()->keep();
     draw();  // pipelines are created at their first use
     first_ = frame_.readColor();
   }
@@ -138,7 +139,7 @@ class Sight {
       statesSeen_ += drawn_.catchUp(*reader_);
     } else {
       batch_.clear();
-      backend_.takeEdits(batch_);
+      backend_.edits()->take(batch_);
       statesSeen_ += drawn_.catchUp(batch_.points);
     }
     drawn_.closeSurface();
@@ -219,10 +220,10 @@ Coexistence touchIn(const CoexistScene& scene, const Situation& situation, const
   found.realtimePriority = result.realtimePriority;
   found.lateP999_us = result.late_us.quantile_us(0.999);
   found.lateMost_us = result.late_us.max_us();
-  found.edits = backend.editTimes_us().size();
-  const TouchShortfalls& shortfalls = backend.shortfalls();
+  found.edits = backend.report().editTimes_us.size();
+  const TouchShortfalls& shortfalls = backend.report().shortfalls;
   found.leftOut = shortfalls.editsLogFull + shortfalls.editsTooSlow + shortfalls.editsHeldUp;
-  found.statesMade = backend.editCosts().states;
+  found.statesMade = backend.report().costs.states;
   if (situation.sculpts) found.brushRadius_mm = scene.stroke.brush.radius_mm;
   if (sight) found.sight = sight->pace();
   return found;

@@ -51,33 +51,45 @@ class EditObserver final : public OneHandQuery {
   const std::vector<ObservedTick>& ticks() const { return ticks_; }
 
   Contact answerTo(const Pose& pose, double budget_us) noexcept override {
-    const bool ready = hand_.sculpts(), compacting = backend_.isCompacting();
-    const std::uint64_t before = backend_.compactions();
+    isReady_ = hand_.sculpts();
     const Contact contact = backend_.query(pose, budget_us);
     hand_.felt(contact);
-    ObservedTick noted{.sculpts = ready && contact.touching,
-                       .compacts = compacting || backend_.isCompacting() || backend_.compactions() > before,
-                       .builds = backend_.indexWork().built,
-                       .compactions = backend_.compactions()};
-    const auto& times = backend_.editTimes_us();
+    isTouching_ = contact.touching;
+    return contact;
+  }
+  // Notes the tick here, so that no report delays its force.
+  void prepare() noexcept override {
+    const BackendReport after = backend_.report();
+    note(after);
+    backend_.prepare();
+    const BackendReport next = backend_.report();
+    wasCompacting_ = next.isCompacting;
+    compactions_ = next.compactions;
+  }
+
+ private:
+  void note(const BackendReport& report) {
+    ObservedTick noted{.sculpts = isReady_ && isTouching_,
+                       .compacts = wasCompacting_ || report.isCompacting || report.compactions > compactions_,
+                       .builds = report.index.built,
+                       .compactions = report.compactions};
+    const std::span<const double> times = report.editTimes_us;
     if (seen_ < times.size()) {
-      const EditCosts costs = backend_.editCosts();
-      noted.touched = costs.lastTouched;
+      noted.touched = report.costs.lastTouched;
       for (; seen_ < times.size(); ++seen_, ++noted.edits) {
         noted.edit_us += times[seen_];
-        if (seen_ < costs.requests_us.size()) noted.requests_us += costs.requests_us[seen_];
+        if (seen_ < report.costs.requests_us.size()) noted.requests_us += report.costs.requests_us[seen_];
       }
     }
     if (ticks_.size() < ticks_.capacity()) ticks_.push_back(noted);
-    return contact;
   }
-  void prepare() noexcept override { backend_.prepare(); }
 
- private:
   TouchBackend& backend_;
   SculptingHand& hand_;
   std::vector<ObservedTick> ticks_;
   std::size_t seen_ = 0;
+  bool isReady_ = false, isTouching_ = false, wasCompacting_ = false;
+  std::uint64_t compactions_ = 0;
 };
 
 // Ends the session after the number of measured edits that the options ask for; in virtual time.
@@ -165,7 +177,7 @@ void summarizeTicks(EditCost& cost, const std::vector<ObservedTick>& noted, cons
 
 EditMemory memoryOf(const Session& session) {
   const GpuMemory plain = predictGpuMemory(session.model().cloud.size(), false);
-  return {.edited = session.backend().memory(), .plain = plain.liveCloud + plain.index};
+  return {.edited = session.backend().report().memory, .plain = plain.liveCloud + plain.index};
 }
 
 // Shared by all measurements on one model.
@@ -212,14 +224,14 @@ EditCost sculpt(const EditScene& scene, const EditBenchOptions& options, const S
       {&open, 1}, {.stop = &stop.enough(), .observer = [&](const TraceRow&) { stop.ticked(); }, .query = &observer});
   session.finish();
   summarizeTicks(cost, observer.ticks(), result.trace());
-  const TouchShortfalls& shortfalls = session.backend().shortfalls();
+  const TouchShortfalls& shortfalls = session.backend().report().shortfalls;
   if (cost.edits < (realtime ? 1 : kFewest)) {
     if (realtime) refusePace(result.trace(), shortfalls, rate_Hz);
     throw Error("{}: {} of {} ticks edited; the stylus found no surface that a brush of {:.3g} mm changes",
                 cost.subject, cost.edits, result.trace().rows.size(), cost.brushRadius_mm);
   }
   cost.landings = hand.landings();
-  cost.longestCompactionEnd_us = session.backend().editCosts().longestCompactionEnd_us;
+  cost.longestCompactionEnd_us = session.backend().report().costs.longestCompactionEnd_us;
   cost.memory = memoryOf(session);
   if (cost.stroke) {
     cost.stroke->missedTicks = result.trace().missedTicks;

@@ -4,7 +4,7 @@
 
 #include "apps/cli/context.hpp"
 #include "engine/core/statistics.hpp"
-#include "engine/core/touch_backend.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 

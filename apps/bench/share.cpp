@@ -72,7 +72,7 @@ class SharedHand {
   void finish() { session_.finish(); }
   /// Own edits that were dropped and others' edits that were postponed because an edit took too long.
   std::uint64_t editsTooSlow() const {
-    const TouchShortfalls& shortfalls = session_.backend().shortfalls();
+    const TouchShortfalls& shortfalls = session_.backend().report().shortfalls;
     return shortfalls.editsTooSlow + shortfalls.offersTooSlow;
   }
 

@@ -37,7 +37,7 @@ StepTimes measureAt(TouchBackend& backend, const std::vector<DVec3>& approach, c
   });
   backend.finish();
   // One edit for each measured tick; earlier ones belong to the approach.
-  const auto& edits = backend.editTimes_us();
+  const auto& edits = backend.report().editTimes_us;
   const auto measured = static_cast<std::ptrdiff_t>(std::min(wall.size(), edits.size()));
   return {summarize(gpu), summarize(wall), summarize({edits.end() - measured, edits.end()})};
 }

@@ -230,8 +230,8 @@ EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const Bac
   Session session = startSession(context, subject.model, sessionConfig(backend, push));
   TouchBackend& edited = session.backend();
   const Trace after = play(edited, hips, law, [&](const Trace& trace) {
-    if (edited.editTimes_us().size() > result.edits) lastEdited = trace.rows.size() - 1;
-    result.edits = edited.editTimes_us().size();
+    if (edited.report().editTimes_us.size() > result.edits) lastEdited = trace.rows.size() - 1;
+    result.edits = edited.report().editTimes_us.size();
   });
   edited.readBack(sculpted.cloud);
   Session fresh = startSession(context, sculpted, sessionConfig(backend));

@@ -112,20 +112,20 @@ FollowerMaker sightFor(Context& context, const TouchCommandOptions& options, Dra
 TouchReport reportOf(Session& session, const ServoResult& result, const SculptedCloud& end) {
   const Model& model = session.model();
   const SessionConfig& config = session.config();
-  const TouchBackend& backend = session.backend();
-  const auto bridged = backend.bridgeTimes_us();
+  TouchBackend& touch = session.backend();
+  const BackendReport backend = touch.report();
   TouchReport report{.points = model.cloud.size(),
                      .backend = config.backend.name,
-                     .machine = backend.machine(),
+                     .machine = backend.machine,
                      .method = session.method(),
-                     .build_us = backend.buildTime_us(),
+                     .build_us = backend.build_us,
                      .trace = summarize(result.trace()),
                      .servo = servoReport(result),
-                     .edit_us = summarize(backend.editTimes_us()),
-                     .bridge_us = summarize({bridged.begin(), bridged.end()}),
-                     .shortfalls = backend.shortfalls(),
-                     .compactions = backend.compactions(),
-                     .index = backend.indexWork(),
+                     .edit_us = summarize({backend.editTimes_us.begin(), backend.editTimes_us.end()}),
+                     .bridge_us = summarize({backend.bridgeTimes_us.begin(), backend.bridgeTimes_us.end()}),
+                     .shortfalls = backend.shortfalls,
+                     .compactions = backend.compactions,
+                     .index = backend.index,
                      .movedPoints = end.edited,
                      .realtimePriority = result.realtimePriority,
                      .pacedByDevice = result.pacedByDevice,
@@ -133,12 +133,12 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .interrupted = StopBySignal::requested(),
                      .edits = config.brush.has_value() && !config.matter,
                      .radius_mm = model.scale.toMm(session.surface().radius),
-                     .cell_mm = model.scale.toMm(backend.cell()),
+                     .cell_mm = model.scale.toMm(backend.cell),
                      .spacing_mm = model.scale.toMm(model.spacing),
                      .noise_spacings = model.noise,
                      .mm_per_unit = model.scale.mm_per_unit,
                      .longestSide = boundsOf(model.cloud).longestSide(),
-                     .toolPoints = backend.points(0).size()};
+                     .toolPoints = touch.points(0).size()};
   report.frames = session.playCounts();
   if (const SharedPresence* const presence = session.presence()) {
     report.cameras = presence->cameras().size();
@@ -160,13 +160,12 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
         .duration_s = durationOf(result.trace()),
         .holds = session.simulation()->surfaceHolds(),
         .ports = session.simulation()->portEnergies()};
-  if (const ShapeStrokes* const shape = backend.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
+  if (const ShapeStrokes* const shape = touch.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // Not for tools with many points, whose proxy is a mean; not in real time for a motion, whose frames are older than
   // the poses; not for streams, of which only the first frame is known here; not for matter, which has no surface.
-  if (backend.points(0).empty() && !model.far && !config.stream && !config.matter &&
-      !(config.motion && config.realtime))
+  if (touch.points(0).empty() && !model.far && !config.stream && !config.matter && !(config.motion && config.realtime))
     report.error =
-        contactError(result.trace(), model, session.surface(), backend.firstEditTime_s(), rigidMotion(config, model));
+        contactError(result.trace(), model, session.surface(), backend.firstEdit_s, rigidMotion(config, model));
   return report;
 }
 
@@ -319,7 +318,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
     session.checkFollower();
     drawEnd(context, options, session, sight, changes ? end.cloud : session.model().cloud, result.trace());
   });
-  if (options.backend.timePasses) printPasses(context.tables(), session.backend().passes());
+  if (options.backend.timePasses) printPasses(context.tables(), session.backend().report().passes);
   printReport(context.tables(), report);
   outputs.write([&] { context.writeJson(toJson(report)); });
   if (result.deviceFailed) outputs.failed(result.fault);

@@ -26,11 +26,14 @@ std::span<const Contact> CudaTouch::ask(std::span<const Pose> poses, double budg
 void CudaTouch::finish() { state_->finish(); }
 std::size_t CudaTouch::readBack(PointCloud& cloud) const { return state_->readBack(cloud); }
 
-std::string CudaTouch::machine() const { return state_->machine; }
-double CudaTouch::buildTime_us() const { return state_->buildTime_us; }
-const std::vector<double>& CudaTouch::editTimes_us() const { return state_->editTimes_us; }
-std::optional<double> CudaTouch::firstEditTime_s() const { return state_->firstEditTime_s; }
-const TouchShortfalls& CudaTouch::shortfalls() const { return state_->shortfalls; }
-double CudaTouch::cell() const { return state_->cell; }
+BackendReport CudaTouch::report() const {
+  return {.machine = state_->machine,
+          .cell = state_->cell,
+          .build_us = state_->buildTime_us,
+          .editTimes_us = state_->editTimes_us,
+          .firstEdit_s = state_->firstEditTime_s,
+          .shortfalls = state_->shortfalls,
+          .index = {.built = state_->editTimes_us.size()}};
+}
 
 }  // namespace palpate

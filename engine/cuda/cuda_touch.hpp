@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "engine/core/touch_backend.hpp"
+#include "engine/touch/touch_backend.hpp"
 #include "shaders/shared/hash_grid.h"
 
 namespace palpate {
@@ -50,14 +50,8 @@ class CudaTouch final : public TouchBackend {
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
 
-  std::string machine() const override;
-  double buildTime_us() const override;
-  const std::vector<double>& editTimes_us() const override;
   /// The index is rebuilt for each edit.
-  IndexWork indexWork() const override { return {.built = editTimes_us().size()}; }
-  std::optional<double> firstEditTime_s() const override;
-  const TouchShortfalls& shortfalls() const override;
-  double cell() const override;
+  BackendReport report() const override;
 
  private:
   class State;

@@ -10,15 +10,15 @@
 namespace palpate {
 
 BrickTouch::BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surface, const BrickTouchOptions& options)
-    : source_(source),
-      surface_(std::move(surface)),
+    : TouchDecorator(std::move(surface)),
+      source_(source),
       options_(options),
-      hands_(surface_->hands()),
+      hands_(inner().hands()),
       answers_(hands_.size()),
       sculptor_(source, options.radius / options.widening, options.origin) {
   if (options.brush) setBrush(options.brush);
   for (std::size_t i = 0; i < hands_.size(); ++i)
-    hands_[i].points.assign(surface_->points(i).begin(), surface_->points(i).end());
+    hands_[i].points.assign(inner().points(i).begin(), inner().points(i).end());
 }
 
 namespace {
@@ -66,7 +66,7 @@ bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double pati
     reach.high += (kAtFirst - kMayGo) * options_.radius;
   }
   if (!source_.await(asked_, first, patience_s)) return false;
-  surface_->ask(poses, 0);  // brings the frame with these points
+  inner().ask(poses, 0);  // brings the frame with these points
   for (std::size_t i = 0; i < hips.size(); ++i) resetHand(i);
   return true;
 }
@@ -76,7 +76,7 @@ std::span<const Contact> BrickTouch::ask(std::span<const Pose> poses, double bud
   if (areFinite) tell(poses.front().time_s, poses);
   const bool waits = budget_us <= 0 && areFinite;
   inVain_ = inVain_ || (waits && !source_.await(asked_, options_.patience_s));
-  const std::span<const Contact> felt = surface_->ask(poses, budget_us);
+  const std::span<const Contact> felt = inner().ask(poses, budget_us);
   const std::uint64_t before = without_.load(std::memory_order_relaxed);
   for (std::size_t i = 0; i < hands_.size(); ++i) answer(i, poses[i], felt[i], waits && inVain_);
   // A tick at which two hands lack points counts once.
@@ -88,7 +88,7 @@ std::span<const Contact> BrickTouch::ask(std::span<const Pose> poses, double bud
 
 // A tool of many points has no brush here: the answer to its hand is not the contact of its HIP alone.
 void BrickTouch::sculpt(const Pose& pose, bool realtime) noexcept {
-  const auto points = surface_->pointsTime();
+  const auto points = framesTime();
   if (failure_ || !points || !hands_.front().points.empty()) return;
   try {
     sculptor_.editIfYielding(answers_.front(), pose, points->true_s, realtime);
@@ -106,8 +106,8 @@ void BrickTouch::answer(std::size_t hand, const Pose& pose, const Contact& felt,
     reach.high = glm::max(reach.high, felt.proxy - options_.origin + around);
   }
   answers_[hand] = felt;
-  std::ranges::copy(surface_->points(hand), own.points.begin());
-  const auto points = surface_->pointsTime();
+  std::ranges::copy(inner().points(hand), own.points.begin());
+  const auto points = framesTime();
   if (!felt.valid || (points && source_.covers(points->true_s, reach.low, reach.high))) {
     own.hip = pose.hip;
     own.proxy = felt.touching ? std::optional(felt.proxy) : std::nullopt;
@@ -120,14 +120,14 @@ void BrickTouch::answer(std::size_t hand, const Pose& pose, const Contact& felt,
 }
 
 void BrickTouch::resetHand(std::size_t hand) noexcept {
-  surface_->resetHand(hand);
+  inner().resetHand(hand);
   hands_[hand].hip.reset();
   hands_[hand].proxy.reset();
   if (hand == 0) sculptor_.lift();
 }
 
 void BrickTouch::finish() {
-  surface_->finish();
+  inner().finish();
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   sculptor_.finish();
   if (inVain_)
@@ -136,7 +136,7 @@ void BrickTouch::finish() {
 }
 
 std::size_t BrickTouch::readBack(PointCloud& cloud) const {
-  const std::size_t placed = surface_->readBack(cloud);
+  const std::size_t placed = inner().readBack(cloud);
   return source_.moves() ? placed : sculptor_.points();
 }
 
@@ -151,10 +151,14 @@ void BrickTouch::setBrush(const std::optional<BrushOptions>& brush) {
   sculptor_.setBrush(brush);
 }
 
-const TouchShortfalls& BrickTouch::shortfalls() const {
-  shortfalls_ = surface_->shortfalls();
-  shortfalls_.editsTooSlow += sculptor_.statistics().shortfalls.editsTooSlow;
-  return shortfalls_;
+BackendReport BrickTouch::report() const {
+  BackendReport report = inner().report();
+  const TouchStatistics& edits = sculptor_.statistics();
+  report.editTimes_us = edits.editTimes_us;
+  report.firstEdit_s = edits.firstEditTime_s;
+  report.costs = {.requests_us = {}, .states = sculptor_.states()};
+  report.shortfalls.editsTooSlow += edits.shortfalls.editsTooSlow;
+  return report;
 }
 
 }  // namespace palpate

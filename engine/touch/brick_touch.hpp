@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/touch_backend.hpp"
 #include "engine/motion/brick_source.hpp"
 #include "engine/touch/brick_sculptor.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 
@@ -28,7 +28,7 @@ struct BrickTouchOptions {
 /// nothing, its tick counts as one without data, and the hand is reset when points are known again. Against the clock
 /// no tick waits; in virtual time each tick waits for its points, so that it is answered as if the whole cloud were
 /// loaded.
-class BrickTouch final : public TouchBackend {
+class BrickTouch final : public TouchDecorator {
  public:
   /// `surface` feels the points of `source`, which must outlive it.
   BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surface, const BrickTouchOptions& options);
@@ -38,41 +38,17 @@ class BrickTouch final : public TouchBackend {
   /// Before the first tick: waits up to `patience_s` for the points around these hands. Returns whether they are known.
   bool awaitAt(double time_s, std::span<const DVec3> hips, double patience_s);
 
-  std::size_t hands() const noexcept override { return surface_->hands(); }
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
-  void prepare() noexcept override { surface_->prepare(); }
-  void setRealtime(bool realtime) override { surface_->setRealtime(realtime); }
   std::span<const PointContact> points(std::size_t hand) const noexcept override { return hands_[hand].points; }
   void resetHand(std::size_t hand) noexcept override;
   /// Throws Error if virtual time ran into its timeout.
   void finish() override;
   /// Reads back only the loaded points; returns the number of all points that a hand here has changed.
   std::size_t readBack(PointCloud& cloud) const override;
-  bool takeFrame(CloudFrame& frame) override { return surface_->takeFrame(frame); }
-  FramePipeline* framesOn(const Device& sight) override { return surface_->framesOn(sight); }
-  std::optional<PointsTime> pointsTime() const noexcept override { return surface_->pointsTime(); }
-
-  bool keepsEdits() const override { return true; }
-  void keepEdits() override {}
-  void takeEdits(EditBatch&) override {}
-  EditScope editScope() const override { return surface_->editScope(); }
   /// Throws UsageError if the points cannot be sculpted.
   void setBrush(const std::optional<BrushOptions>& brush) override;
-  void setContact(SurfaceKind surface, double friction, std::string_view method) override {
-    surface_->setContact(surface, friction, method);
-  }
-
-  std::string machine() const override { return surface_->machine(); }
-  double buildTime_us() const override { return surface_->buildTime_us(); }
-  const std::vector<double>& editTimes_us() const override { return sculptor_.statistics().editTimes_us; }
-  std::span<const double> bridgeTimes_us() const override { return surface_->bridgeTimes_us(); }
-  std::optional<double> firstEditTime_s() const override { return sculptor_.statistics().firstEditTime_s; }
-  EditCosts editCosts() const override { return {.requests_us = {}, .states = sculptor_.states()}; }
-  const TouchShortfalls& shortfalls() const override;
-  IndexWork indexWork() const override { return surface_->indexWork(); }
-  BackendMemory memory() const override { return surface_->memory(); }
-  std::vector<PassRecord> passes() const override { return surface_->passes(); }
-  double cell() const override { return surface_->cell(); }
+  EditStream* edits() noexcept override { return nullptr; }
+  BackendReport report() const override;
 
  private:
   struct Hand {
@@ -85,13 +61,11 @@ class BrickTouch final : public TouchBackend {
   void sculpt(const Pose& pose, bool realtime) noexcept;
 
   BrickSource& source_;
-  std::unique_ptr<TouchBackend> surface_;
   BrickTouchOptions options_;
   std::vector<Hand> hands_;
   std::vector<Contact> answers_;
   HandReaches asked_;
   BrickSculptor sculptor_;
-  mutable TouchShortfalls shortfalls_;  // result of the last shortfalls()
   bool inVain_ = false;
   std::exception_ptr failure_;
   std::atomic<std::uint64_t> ticks_ = 0, without_ = 0;

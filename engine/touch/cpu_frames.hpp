@@ -7,12 +7,13 @@
 #include "engine/motion/cloud_source.hpp"
 #include "engine/motion/frame_exchange.hpp"
 #include "engine/spatial/sorted_grid.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 
 /// The frames of a source with their index, for touch on the CPU: one half is felt while the next frame is made in the
 /// other half.
-class CpuFrames {
+class CpuFrames final : public FrameStream {
  public:
   /// Starts with the frame of time 0. `source` must outlive it.
   CpuFrames(CloudSource& source, const HashGrid& grid, unsigned threads);
@@ -24,8 +25,8 @@ class CpuFrames {
   void goOn(double time_s);
   /// Completes the frame in progress, which is felt from now on.
   void finish();
-  /// As TouchBackend::takeFrame().
-  bool take(CloudFrame& frame);
+  bool take(CloudFrame& frame) override;
+  std::optional<PointsTime> time() const noexcept override { return frame().time(); }
 
   const SortedGrid& grid() const { return halves_[front_].grid; }
   const CloudFrame& frame() const { return halves_[front_].frame; }

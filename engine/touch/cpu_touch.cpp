@@ -163,7 +163,7 @@ void CpuTouch::forget(CpuHand& hand) {
 }
 
 void CpuTouch::setBrush(const std::optional<BrushOptions>& brush) {
-  if (!edits_.hasThread()) throw Error("{}: points can only be changed where they can be edited", machine());
+  if (!edits_.hasThread()) throw Error("{}: points can only be changed where they can be edited", report().machine);
   finish();
   edits_.setBrush(brush);
 }
@@ -220,15 +220,24 @@ std::size_t CpuTouch::readBack(PointCloud& cloud) const {
   return changed;
 }
 
-EditScope CpuTouch::editScope() const {
+EditScope CpuTouch::scope() const {
   if (!options_.source) return {};
   return {.paints = false,
           .newPoints = static_cast<std::uint32_t>(options_.source->size() - sculpture_.points().size())};
 }
 
-std::string CpuTouch::machine() const {
+BackendReport CpuTouch::report() const {
+  const TouchStatistics& edits = edits_.statistics();
   const std::size_t threads = sculpture_.threads();
-  return fmt::format("{}, {} thread{}", processorName(), threads, threads == 1 ? "" : "s");
+  return {.machine = fmt::format("{}, {} thread{}", processorName(), threads, threads == 1 ? "" : "s"),
+          .cell = 1.0 / static_cast<double>(sculpture_.grid().grid().inverseCell),
+          .scope = scope(),
+          .build_us = sculpture_.buildTime_us(),
+          .editTimes_us = edits.editTimes_us,
+          .firstEdit_s = edits.firstEditTime_s,
+          .costs = {.requests_us = {}, .states = edits_.answered()},
+          .shortfalls = edits.shortfalls,
+          .index = {.built = sculpture_.rebuilds() + (frames_ ? frames_->count() : 0)}};
 }
 
 }  // namespace palpate

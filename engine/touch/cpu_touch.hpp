@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "engine/contact/proxy_tracker.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "engine/edit/cpu_sculpture.hpp"
 #include "engine/touch/cpu_edits.hpp"
 #include "engine/touch/cpu_frames.hpp"
 #include "engine/touch/probe_group.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 
@@ -34,7 +34,7 @@ struct CpuTouchOptions {
 /// surface is evaluated wherever the proxy moves, directly from the index. When the surface yields, a separate thread
 /// edits the points and rebuilds the index; only the next tick's query waits for it. The points of a tool are evaluated
 /// one after another, each with its own proxy; so are further hands.
-class CpuTouch final : public TouchBackend, private SurfaceField {
+class CpuTouch final : public TouchBackend, private EditStream, private SurfaceField {
  public:
   /// Copies the needed data of `cloud`, which must have normals, and builds the index.
   CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options);
@@ -50,41 +50,33 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   void resetHand(std::size_t hand) noexcept override;
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
-  bool takeFrame(CloudFrame& frame) override { return frames_ && frames_->take(frame); }
-  std::optional<PointsTime> pointsTime() const noexcept override {
-    return frames_ ? std::optional(frames_->frame().time()) : std::nullopt;
-  }
-  EditScope editScope() const override;
-
-  bool keepsEdits() const override { return true; }
-  void keepEdits() override { edits_.queue().keep(); }
-  void takeEdits(EditBatch& batch) override { edits_.queue().take(batch); }
-  void change(std::span<const PointChange> changes) override;
-  bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
-    return edits_.offered().give(changes, changesFollowed);
-  }
-  std::size_t mostOffered() const override { return edits_.offered().most(); }
+  EditStream* edits() noexcept override { return this; }
+  FrameStream* frames() noexcept override { return frames_ ? &*frames_ : nullptr; }
   /// Density is kept if the first brush kept it.
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
-  std::uint64_t editsAnswered() const override { return edits_.answered(); }
-
-  /// The processor, and the number of threads that build and edit; one thread answers.
-  std::string machine() const override;
-  double buildTime_us() const override { return sculpture_.buildTime_us(); }
-  const std::vector<double>& editTimes_us() const override { return edits_.statistics().editTimes_us; }
-  std::optional<double> firstEditTime_s() const override { return edits_.statistics().firstEditTime_s; }
-  const TouchShortfalls& shortfalls() const override { return edits_.statistics().shortfalls; }
-  /// The index is rebuilt for each edit that moves points, and for each frame. Call between edits.
-  IndexWork indexWork() const override { return {.built = sculpture_.rebuilds() + (frames_ ? frames_->count() : 0)}; }
-  EditCosts editCosts() const override { return {.states = editsAnswered()}; }
-  double cell() const override { return 1.0 / static_cast<double>(sculpture_.grid().grid().inverseCell); }
+  /// Its machine: the processor, and the number of threads that build and edit; one thread answers. The index is
+  /// rebuilt for each edit that moves points, and for each frame.
+  BackendReport report() const override;
 
  private:
   struct CpuHand {
     ProbeGroup probes;
     std::vector<ProxyTracker> trackers;  // one per probe
   };
+  // The stream of its edits.
+  void keep() override { edits_.queue().keep(); }
+  void take(EditBatch& batch) override { edits_.queue().take(batch); }
+  EditProgress progress() const noexcept override {
+    return {.states = edits_.answered(), .dropped = edits_.statistics().shortfalls.droppedEdits()};
+  }
+  void change(std::span<const PointChange> changes) override;
+  bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
+    return edits_.offered().give(changes, changesFollowed);
+  }
+  std::size_t mostOffered() const override { return edits_.offered().most(); }
+
+  EditScope scope() const;
   SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
   DVec3 velocity(const DVec3& x, const DVec3& facing) const override;
   template <class Visit>

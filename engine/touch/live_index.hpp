@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "engine/core/clock.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "engine/spatial/hash_compaction.hpp"
 #include "engine/spatial/spatial_hash.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 

@@ -83,7 +83,7 @@ std::span<const Contact> MatterTouch::ask(std::span<const Pose> poses, double bu
   return answers_;
 }
 
-std::optional<PointsTime> MatterTouch::pointsTime() const noexcept {
+std::optional<PointsTime> MatterTouch::time() const noexcept {
   if (!known_s_) return std::nullopt;
   return PointsTime{.true_s = *known_s_};
 }
@@ -152,7 +152,7 @@ std::size_t MatterTouch::bring(std::span<const Vec3> places, PointCloud& cloud) 
   return cloud.size();
 }
 
-bool MatterTouch::takeFrame(CloudFrame& frame) {
+bool MatterTouch::take(CloudFrame& frame) {
   {
     const std::lock_guard lock(paceGuard_);
     if (!thread_) steps_.showPresent();

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/touch_backend.hpp"
 #include "engine/matter/matter_surface.hpp"
 #include "engine/touch/matter_steps.hpp"
 #include "engine/touch/matter_thread.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 
@@ -18,7 +18,7 @@ inline constexpr double kMatterUnit_m = 1e-3;
 struct MatterTouchOptions {
   std::size_t hands = 1;  ///< equals the number of tools of the simulation
   unsigned threads = 0;   ///< threads for pictures; 0: one per core
-  bool realtime = false;  ///< initial value of setRealtime(): the simulation runs on a thread of its own, and no tick
+  bool realtime = false;  ///< initial value of begin(): the simulation runs on a thread of its own, and no tick
                           ///< waits for it past its budget
   std::string machine;    ///< name of the machine that simulates
   /// The set of particles varies, so each frame includes their colours.
@@ -29,7 +29,7 @@ struct MatterTouchOptions {
 /// time it advances to the time of the poses, so that the same poses give the same bytes. Against the clock it follows
 /// them: without an answer in time the hand feels the last one with the stiffness of its ball's spring, fading with the
 /// answer's age. After a failure no answer is valid until a reset. It cannot be sculpted.
-class MatterTouch final : public TouchBackend {
+class MatterTouch final : public TouchBackend, private FrameStream {
  public:
   /// The scene must have a tool.
   MatterTouch(std::unique_ptr<MatterSimulation> simulation, const MatterTouchOptions& options);
@@ -37,34 +37,26 @@ class MatterTouch final : public TouchBackend {
   std::size_t hands() const noexcept override { return answers_.size(); }
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
   void resetHand(std::size_t hand) noexcept override { ++putDown_[hand]; }
-  void setRealtime(bool realtime) override;
+  void begin(bool realtime, std::span<const HandSpring>) override { setRealtime(realtime); }
   /// Throws Error if the simulation has failed.
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
-  /// In virtual time only for the thread that queries; it gets the particles in the state after the last answer.
-  bool takeFrame(CloudFrame& frame) override;
-  /// Only for matter simulated on another machine.
-  std::optional<PointsTime> pointsTime() const noexcept override;
-  SimulationControl* simulation() override { return &steps_; }
-
-  bool keepsEdits() const override { return true; }
-  void keepEdits() override {}
-  void takeEdits(EditBatch&) override {}
-  EditScope editScope() const override {
-    return {.edits = false, .paints = false, .newPoints = varies_ ? kMaxVarying : 0};
-  }
+  FrameStream* frames() noexcept override { return this; }
+  SimulationControl* simulation() noexcept override { return &steps_; }
   void setBrush(const std::optional<BrushOptions>& brush) override;
-
-  std::string machine() const override { return machine_; }
-  double buildTime_us() const override { return buildTime_us_; }
-  const std::vector<double>& editTimes_us() const override { return noTimes_; }
-  std::optional<double> firstEditTime_s() const override { return std::nullopt; }
-  const TouchShortfalls& shortfalls() const override { return shortfalls_; }
-  IndexWork indexWork() const override { return {}; }
-  double cell() const override { return 0; }
+  BackendReport report() const override {
+    return {.machine = machine_,
+            .scope = {.edits = false, .paints = false, .newPoints = varies_ ? kMaxVarying : 0},
+            .build_us = build_us_};
+  }
 
  private:
   static constexpr std::uint32_t kMaxVarying = 1 << 18;
+  void setRealtime(bool realtime);
+  // In virtual time only for the thread that queries; it gets the particles in the state after the last answer.
+  bool take(CloudFrame& frame) override;
+  // Known only for matter simulated on another machine.
+  std::optional<PointsTime> time() const noexcept override;
   void color(CloudFrame& frame) const;
   std::size_t bring(std::span<const Vec3> places, PointCloud& cloud) const;
   Contact contactOf(const MatterAnswer& answer, std::size_t hand, const Pose& pose) const noexcept;
@@ -73,12 +65,10 @@ class MatterTouch final : public TouchBackend {
   bool varies_;
   std::optional<double> known_s_;
   std::string machine_;
-  double buildTime_us_ = 0;
+  double build_us_ = 0;
   MatterSteps steps_;
   std::vector<Contact> answers_;
   std::array<std::uint32_t, kMaxHands> putDown_{};
-  std::vector<double> noTimes_;
-  TouchShortfalls shortfalls_;
   mutable MatterSurface surface_;  // used by the thread that shows it
   MatterView view_;
   struct Still {

@@ -11,11 +11,11 @@
 #include "engine/core/latest_value.hpp"
 #include "engine/core/shape_strokes.hpp"
 #include "engine/core/tool_shape.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "engine/matter/matter_simulation.hpp"
 #include "engine/motion/cloud_source.hpp"
 #include "engine/touch/contact_keeper.hpp"
 #include "engine/touch/stepped_control.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 

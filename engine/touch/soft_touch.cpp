@@ -21,8 +21,8 @@ constexpr double kForVelocity_s = 2e-3;  // interval for the velocity of a hand
 
 SoftTouch::SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBackend> surface,
                      const SoftTouchOptions& options)
-    : source_(std::move(source)),
-      surface_(std::move(surface)),
+    : HeldSoftSource{std::move(source)},
+      TouchDecorator(std::move(surface)),
       bodyMachine_(options.bodyMachine),
       answers_(options.tools.size()) {
   question_.friction = options.friction;
@@ -36,10 +36,11 @@ SoftTouch::SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBa
                       .keepers = std::vector<ContactKeeper>(touches),
                       .contacts = std::vector<Contact>(touches)});
   }
-  PALPATE_CHECK_EQ(hands_.size(), surface_->hands());
+  PALPATE_CHECK_EQ(hands_.size(), inner().hands());
 }
 
-void SoftTouch::setSprings(std::span<const HandSpring> springs) {
+void SoftTouch::begin(bool realtime, std::span<const HandSpring> springs) {
+  source_->setLeavesOut(realtime);
   PALPATE_CHECK_EQ(springs.size(), hands_.size());
   for (std::size_t i = 0; i < hands_.size(); ++i) hands_[i].spring = springs[i];
 }
@@ -48,8 +49,8 @@ std::span<const Contact> SoftTouch::ask(std::span<const Pose> poses, double budg
   poses_.assign(poses.begin(), poses.end());
   lookAtScene(poses.front().time_s, false);
   if (std::ranges::all_of(poses, [](const Pose& pose) { return isFinite(pose.hip); })) tell(poses);
-  const std::span<const Contact> answers = surface_->ask(poses, budget_us);
-  const double pointsTime_s = surface_->pointsTime().value_or(PointsTime{}).true_s;
+  const std::span<const Contact> answers = inner().ask(poses, budget_us);
+  const double pointsTime_s = framesTime().value_or(PointsTime{}).true_s;
   lookAtScene(poses.front().time_s, std::abs(poses.front().time_s - pointsTime_s) < kNoAge_s);
   keep(poses, answers);
   remember(poses, answers);
@@ -98,7 +99,7 @@ void SoftTouch::keep(std::span<const Pose> poses, std::span<const Contact> answe
   std::size_t touch = 0;
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     Hand& hand = hands_[i];
-    const std::span<const PointContact> points = surface_->points(i);
+    const std::span<const PointContact> points = inner().points(i);
     ContactKeeper::Tick tick{.hip = poses[i].hip,
                              .time_s = poses[i].time_s,
                              .friction = question_.friction,
@@ -128,7 +129,7 @@ Contact SoftTouch::keptBy(ContactKeeper& keeper, const Contact& felt, const Pres
 void SoftTouch::remember(std::span<const Pose> poses, std::span<const Contact> answers) {
   const double now_s = poses.front().time_s;
   question_.feltAt_s = now_s;
-  question_.pointsTime_s = surface_->pointsTime().value_or(PointsTime{}).true_s;
+  question_.pointsTime_s = framesTime().value_or(PointsTime{}).true_s;
   question_.goesOn = question_.goesOn || now_s > question_.pointsTime_s + kNoAge_s;
   const std::size_t place = ticks_++ % kRemembered;
   times_s_[place] = now_s;
@@ -175,7 +176,7 @@ DVec3 SoftTouch::strayed(const Hand& hand, const Pose& pose, double age_s) const
   const double from_s = pose.time_s - age_s;
   const DVec3 there = hipAt(hand, from_s);
   const DVec3 velocity = (there - hipAt(hand, from_s - kForVelocity_s)) / kForVelocity_s;
-  const PointsTime points = *surface_->pointsTime();
+  const PointsTime points = *framesTime();
   return pose.hip - (there + std::min(age_s, points.goOn_s) * velocity);
 }
 
@@ -188,7 +189,7 @@ Contact SoftTouch::givenWay(Contact contact, const DVec3& strayed, double share)
 }
 
 void SoftTouch::answer(std::span<const Pose> poses, std::span<const Contact> answers) {
-  const auto points = surface_->pointsTime();
+  const auto points = framesTime();
   const bool failed = !source_->failure().empty();
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     Hand& hand = hands_[i];
@@ -196,7 +197,7 @@ void SoftTouch::answer(std::span<const Pose> poses, std::span<const Contact> ans
     const double yields = hand.spring.stiffness_N_per_unit * source_->compliance(i);
     const DVec3 away = age_s > kNoAge_s ? strayed(hand, poses[i], age_s) : DVec3(0);
     const auto given = [&](const Contact& contact) { return givenWay(contact, away, yields / (1 + yields)); };
-    const std::span<const PointContact> felt = surface_->points(i);
+    const std::span<const PointContact> felt = inner().points(i);
     answers_[i] = given(felt.empty() ? hand.contacts.front() : answers[i]);
     for (std::size_t k = 0; k < felt.size(); ++k) {
       hand.points[k] = felt[k];
@@ -209,7 +210,7 @@ void SoftTouch::answer(std::span<const Pose> poses, std::span<const Contact> ans
 }
 
 void SoftTouch::resetHand(std::size_t hand) noexcept {
-  surface_->resetHand(hand);
+  inner().resetHand(hand);
   for (ContactKeeper& keeper : hands_[hand].keepers) keeper.forget();
   for (std::uint32_t k = 0; k < question_.count; ++k)
     if (question_.touches[k].hand == hand) question_.touches[k].touching = false;
@@ -217,7 +218,7 @@ void SoftTouch::resetHand(std::size_t hand) noexcept {
 }
 
 void SoftTouch::finish() {
-  surface_->finish();
+  inner().finish();
   source_->endStroke();
   if (const std::string failure = source_->failure(); !failure.empty())
     throw Error("the simulation {}; restart it with more substeps or a slower hand", failure);
@@ -231,12 +232,20 @@ void SoftTouch::setBrush(const std::optional<BrushOptions>& brush) {
 
 // Updates the felt surface to the new shape, for readers before the next tick.
 bool SoftTouch::turned(bool done) {
-  if (done && !poses_.empty()) surface_->ask(poses_, 0);
+  if (done && !poses_.empty()) inner().ask(poses_, 0);
   return done;
 }
 
+BackendReport SoftTouch::report() const {
+  BackendReport report = inner().report();
+  if (!bodyMachine_.empty()) report.machine += "; the body on " + bodyMachine_;
+  report.scope = {.edits = false, .paints = false, .newPoints = 0};
+  report.firstEdit_s.reset();
+  return report;
+}
+
 void SoftTouch::setContact(SurfaceKind surface, double friction, std::string_view method) {
-  surface_->setContact(surface, friction, method);
+  inner().setContact(surface, friction, method);
   question_.friction = friction;
 }
 

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "engine/core/shape_strokes.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "engine/touch/contact_keeper.hpp"
 #include "engine/touch/probe_group.hpp"
 #include "engine/touch/soft_source.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 
@@ -21,53 +21,34 @@ struct SoftTouchOptions {
   std::string bodyMachine;                                   ///< machine that moves the body, if different
 };
 
+/// Base of SoftTouch, so that its back end is destroyed before the source that it feels.
+struct HeldSoftSource {
+  std::unique_ptr<SoftSource> source_;
+};
+
 /// Wraps the back end that feels the points of a SoftSource: it sends the source the hands' contacts and positions, so
 /// that the body is pressed by the spring and damper that each hand feels. If an answer's points are older than the
 /// tick, as against the clock, they are where they would have moved had the hand continued straight; the surface
 /// yields, according to its compliance, to the hand's depth beyond that. A brush changes the rest shape of the body
 /// (soft_brush.hpp), which no journal of points records: strokes are undone as changes of the shape.
-class SoftTouch final : public TouchBackend, private ShapeStrokes {
+class SoftTouch final : private HeldSoftSource, public TouchDecorator, private ShapeStrokes {
  public:
   /// `surface` feels the points of `source`, as its own source.
   SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBackend> surface, const SoftTouchOptions& options);
 
-  std::size_t hands() const noexcept override { return surface_->hands(); }
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
-  void prepare() noexcept override { surface_->prepare(); }
   std::span<const PointContact> points(std::size_t hand) const noexcept override { return hands_[hand].points; }
   void resetHand(std::size_t hand) noexcept override;
+  void begin(bool realtime, std::span<const HandSpring> springs) override;
   /// Also throws Error if the simulation has failed.
   void finish() override;
-  std::size_t readBack(PointCloud& cloud) const override { return surface_->readBack(cloud); }
-  bool takeFrame(CloudFrame& frame) override { return surface_->takeFrame(frame); }
-  FramePipeline* framesOn(const Device& sight) override { return surface_->framesOn(sight); }
-  SimulationControl* simulation() override { return source_.get(); }
-  void setRealtime(bool realtime) override { source_->setLeavesOut(realtime); }
-  ShapeStrokes* shapeStrokes() override { return this; }
-  const ShapeStrokes* shapeStrokes() const override { return this; }
-  std::optional<PointsTime> pointsTime() const noexcept override { return surface_->pointsTime(); }
-  void setSprings(std::span<const HandSpring> springs) override;
-
-  bool keepsEdits() const override { return true; }
-  void keepEdits() override {}
-  void takeEdits(EditBatch&) override {}
-  EditScope editScope() const override { return {.edits = false, .paints = false, .newPoints = 0}; }
+  void setContact(SurfaceKind surface, double friction, std::string_view method) override;
   /// Throws UsageError for a brush that does not change the shape of a soft body.
   void setBrush(const std::optional<BrushOptions>& brush) override;
-  void setContact(SurfaceKind surface, double friction, std::string_view method) override;
-
-  std::string machine() const override {
-    return bodyMachine_.empty() ? surface_->machine() : surface_->machine() + "; the body on " + bodyMachine_;
-  }
-  double buildTime_us() const override { return surface_->buildTime_us(); }
-  const std::vector<double>& editTimes_us() const override { return surface_->editTimes_us(); }
-  std::span<const double> bridgeTimes_us() const override { return surface_->bridgeTimes_us(); }
-  std::optional<double> firstEditTime_s() const override { return std::nullopt; }
-  const TouchShortfalls& shortfalls() const override { return surface_->shortfalls(); }
-  IndexWork indexWork() const override { return surface_->indexWork(); }
-  BackendMemory memory() const override { return surface_->memory(); }
-  std::vector<PassRecord> passes() const override { return surface_->passes(); }
-  double cell() const override { return surface_->cell(); }
+  EditStream* edits() noexcept override { return nullptr; }
+  SimulationControl* simulation() noexcept override { return source_.get(); }
+  ShapeStrokes* shapeStrokes() noexcept override { return this; }
+  BackendReport report() const override;
 
  private:
   static constexpr std::size_t kRemembered = 64;  // number of ticks
@@ -97,8 +78,6 @@ class SoftTouch final : public TouchBackend, private ShapeStrokes {
   DVec3 hipAt(const Hand& hand, double time_s) const;
   Contact givenWay(Contact contact, const DVec3& strayed, double share) const;
 
-  std::unique_ptr<SoftSource> source_;
-  std::unique_ptr<TouchBackend> surface_;  // destroyed before the source that it feels
   std::string bodyMachine_;
   std::vector<Hand> hands_;
   std::vector<Contact> answers_;

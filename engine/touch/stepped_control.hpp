@@ -9,8 +9,8 @@
 #include <string>
 
 #include "engine/core/simulation_control.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "engine/matter/matter_simulation.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 

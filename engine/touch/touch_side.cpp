@@ -189,7 +189,7 @@ void TouchSide::setContact(SurfaceKind surface, double friction, std::string_vie
 }
 
 void TouchSide::setBrush(const std::optional<BrushOptions>& brush) {
-  if (!edits_) throw Error("{}: points can only be changed where they can be edited", machine());
+  if (!edits_) throw Error("{}: points can only be changed where they can be edited", device_.name());
   finish();
   edits_->setBrush(brush);
 }
@@ -437,7 +437,7 @@ void TouchSide::finish() {
 }
 
 void TouchSide::change(std::span<const PointChange> changes) {
-  if (!edits_) throw Error("{}: points can only be changed where they can be edited", machine());
+  if (!edits_) throw Error("{}: points can only be changed where they can be edited", device_.name());
   finish();
   edits_->change(changes);
   record_.answered = record_.log.published();
@@ -449,13 +449,30 @@ std::size_t TouchSide::readBack(PointCloud& cloud) const {
   return edits_ ? edits_->readBack(cloud) : 0;
 }
 
-EditScope TouchSide::editScope() const {
+BackendReport TouchSide::report() const {
+  return {.machine = device_.name(),
+          .cell = 1.0 / static_cast<double>(index_.hash().grid().inverseCell),
+          .scope = scope(),
+          .build_us = index_.buildTime_us(),
+          .editTimes_us = statistics_.editTimes_us,
+          .firstEdit_s = statistics_.firstEditTime_s,
+          .costs = costs(),
+          .bridgeTimes_us = bridge_->answerTimes_us(),
+          .shortfalls = statistics_.shortfalls,
+          .index = index_.work(),
+          .compactions = index_.compactions().completed,
+          .isCompacting = index_.isCompacting(),
+          .memory = memory(),
+          .passes = passes()};
+}
+
+EditScope TouchSide::scope() const {
   return {.edits = edits_ || frames_.move(),
           .paints = edits_ && (options_.paintable || edits_->pass().brush().kind == BrushKind::paint),
           .newPoints = live().slots() - live().count()};
 }
 
-EditCosts TouchSide::editCosts() const {
+EditCosts TouchSide::costs() const {
   EditCosts costs{.requests_us = statistics_.requestTimes_us,
                   .states = record_.log.published(),
                   .longestCompactionEnd_us = index_.compactions().longestEnd_us};

@@ -5,15 +5,16 @@
 #include <vector>
 
 #include "engine/contact/contact_step.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "engine/edit/edit_fetch.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/touch/edit_pipeline.hpp"
+#include "engine/touch/gpu_points.hpp"
 #include "engine/touch/live_index.hpp"
 #include "engine/touch/patch_bridge.hpp"
 #include "engine/touch/probe_group.hpp"
 #include "engine/touch/question_pipeline.hpp"
+#include "engine/touch/touch_backend.hpp"
 #include "engine/touch/touch_frames.hpp"
 #include "engine/touch/touch_options.hpp"
 #include "engine/touch/touch_statistics.hpp"
@@ -34,7 +35,7 @@ namespace palpate {
 /// dispatch answers all probes. While the answer is late, the patch answers for the points that it covers, each with a
 /// proxy that continues from the GPU's; the other points keep their last tangent plane (heldContact). Further hands are
 /// more probes of the same dispatch; the patch is around the first hand, and the others keep their planes.
-class TouchSide final : public TouchBackend {
+class TouchSide final : public TouchBackend, private EditStream, private GpuPoints {
  public:
   /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before any upload if the cloud
   /// cannot fit.
@@ -52,27 +53,12 @@ class TouchSide final : public TouchBackend {
   /// Also publishes the last edit to the log.
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
-  bool takeFrame(CloudFrame& frame) override { return frames_.take(frame); }
-  std::optional<PointsTime> pointsTime() const noexcept override {
-    return frames_.move() ? std::optional(frames_.pointsTime()) : std::nullopt;
-  }
-  FramePipeline* framesOn(const Device& sight) override { return &sight == &device_ ? frames_.pipeline() : nullptr; }
-
-  bool keepsEdits() const override { return true; }
-  void keepEdits() override { record_.fetch.emplace(device_, record_.log); }
-  void takeEdits(EditBatch& batch) override { record_.fetch->take(batch); }
-  void change(std::span<const PointChange> changes) override;
-  bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
-    return edits_ && edits_->offered().give(changes, changesFollowed);
-  }
-  std::size_t mostOffered() const override { return edits_ ? edits_->offered().most() : 0; }
+  EditStream* edits() noexcept override { return this; }
+  FrameStream* frames() noexcept override { return frames_.move() ? &frames_ : nullptr; }
+  GpuPoints* gpuPoints() noexcept override { return this; }
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
-  std::uint64_t editsAnswered() const override { return record_.answered; }
-
-  EditScope editScope() const override;
-  EditLog* editLogOn(const Device& sight) override { return &sight == &device_ ? &record_.log : nullptr; }
-  std::optional<EditRoom> editRoom() const override { return EditRoom{record_.log.room(), record_.log.capacity()}; }
+  BackendReport report() const override;
 
   Device& device() const { return device_; }
   EditLog& editLog() { return record_.log; }
@@ -80,24 +66,11 @@ class TouchSide final : public TouchBackend {
   const SpatialHash& hash() const { return index_.hash(); }
   const ContactStep& contact() const { return questions_.contact(); }
   /// Null if points are not edited.
-  const EditPass* edits() const { return edits_ ? &edits_->pass() : nullptr; }
-  std::string machine() const override { return device_.name(); }
-  double buildTime_us() const override { return index_.buildTime_us(); }
-  const std::vector<double>& editTimes_us() const override { return statistics_.editTimes_us; }
-  std::optional<double> firstEditTime_s() const override { return statistics_.firstEditTime_s; }
-  const TouchShortfalls& shortfalls() const override { return statistics_.shortfalls; }
+  const EditPass* editPass() const { return edits_ ? &edits_->pass() : nullptr; }
   /// Whether questions are submitted ahead of their poses.
   bool asksAhead() const { return questions_.asksAhead(); }
   /// Number of questions answered that way.
   std::uint64_t answeredAhead() const { return questions_.answeredAhead(); }
-  std::span<const double> bridgeTimes_us() const override { return bridge_->answerTimes_us(); }
-  std::uint64_t compactions() const override { return index_.compactions().completed; }
-  IndexWork indexWork() const override { return index_.work(); }
-  bool isCompacting() const override { return index_.isCompacting(); }
-  EditCosts editCosts() const override;
-  BackendMemory memory() const override;
-  double cell() const override { return 1.0 / static_cast<double>(index_.hash().grid().inverseCell); }
-  std::vector<PassRecord> passes() const override;
 
  private:
   // Bridged state of a tool point: the patch's contacts since the GPU's answer.
@@ -117,6 +90,26 @@ class TouchSide final : public TouchBackend {
     std::uint64_t answered = 0;      // log entries published at the last answer
   };
 
+  // The stream of its edits.
+  void keep() override { record_.fetch.emplace(device_, record_.log); }
+  void take(EditBatch& batch) override { record_.fetch->take(batch); }
+  std::optional<EditRoom> room() const override { return EditRoom{record_.log.room(), record_.log.capacity()}; }
+  EditProgress progress() const noexcept override {
+    return {.states = record_.answered, .dropped = statistics_.shortfalls.droppedEdits()};
+  }
+  void change(std::span<const PointChange> changes) override;
+  bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
+    return edits_ && edits_->offered().give(changes, changesFollowed);
+  }
+  std::size_t mostOffered() const override { return edits_ ? edits_->offered().most() : 0; }
+  // Its points on the GPU.
+  EditLog* editLogOn(const Device& sight) override { return &sight == &device_ ? &record_.log : nullptr; }
+  FramePipeline* framesOn(const Device& sight) override { return &sight == &device_ ? frames_.pipeline() : nullptr; }
+
+  EditScope scope() const;
+  EditCosts costs() const;
+  BackendMemory memory() const;
+  std::vector<PassRecord> passes() const;
   std::vector<GpuHand> makeHands() const;
   ContactOptions contactOptions() const;
   void makeBridge();

@@ -14,7 +14,8 @@ std::size_t OpenSession::standing() const { return model_->standing ? model_->st
 
 bool OpenSession::takeFrame() {
   CloudFrame taken;
-  if (!session_->backend().takeFrame(taken)) return false;
+  FrameStream* const frames = session_->backend().frames();
+  if (!frames || !frames->take(taken)) return false;
   auto frame = std::make_shared<FrameObject>();
   frame->cloud.origin = model_->cloud.origin;
   frame->cloud.positions = std::move(taken.positions);

@@ -399,7 +399,7 @@ pp_session_info OpenSession::info() const {
   }
   info.edits = edits_;
   putText(config_.backend.name, info.backend);
-  putText(session_->backend().machine(), info.machine);
+  putText(session_->machine(), info.machine);
   return info;
 }
 

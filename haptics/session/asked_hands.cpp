@@ -26,8 +26,7 @@ AskedHands::AskedHands(Session& session, const AskedHandsOptions& options)
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const DeviceLimits limits{.peakForce_N = kNone, .continuousForce_N = kNone, .handHeld = false};
   if (session.known()) gates_.assign(laws_.size(), ForceGate(limits, 1 / session.config().rate_Hz));
-  backend.setRealtime(budget_us_ > 0);
-  backend.setSprings(std::vector<HandSpring>(laws_.size(), springOf(law)));
+  backend.begin(budget_us_ > 0, std::vector<HandSpring>(laws_.size(), springOf(law)));
   for (std::size_t i = 0; i < laws_.size(); ++i) backend.resetHand(i);
   if (budget_us_ == 0) takesEdits_ = session.relay().begin(session.config().rate_Hz, false);
 }

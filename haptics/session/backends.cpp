@@ -119,7 +119,6 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
                                                    .friction = request.config.surface.friction,
                                                    .brush = request.brush,
                                                    .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
-  touch->setRealtime(request.config.realtime);
   return touch;
 }
 

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "engine/core/processor.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "engine/core/touch_capabilities.hpp"
 #include "engine/matter/matter_simulation.hpp"
 #include "engine/motion/cloud_source.hpp"
 #include "engine/motion/fused_stream.hpp"
+#include "engine/touch/touch_backend.hpp"
 #include "haptics/session/model.hpp"
 
 namespace palpate {

@@ -3,21 +3,26 @@
 #include <algorithm>
 
 #include "engine/touch/frame_pipeline.hpp"
+#include "engine/touch/gpu_points.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 
 DrawnFollower::DrawnFollower(Device& sight, const Model& model, TouchBackend& backend)
-    : backend_(backend), sameGpu_(backend.framesOn(sight)) {
+    : frameStream_(backend.frames()) {
   // Minimum room for new points if their number is unlimited.
   constexpr std::size_t kMinNew = 1 << 16;
-  const EditScope scope = backend.editScope();
+  const EditScope scope = backend.report().scope;
   const auto most = static_cast<std::uint32_t>(std::max(kMinNew, model.cloud.size()));
   drawn_.emplace(sight, model.cloud,
                  DrawnOptions{.spare = scope.newPoints.value_or(most),
                               .painted = scope.paints,
                               .spacing = model.spacingOfDiscs(),
                               .edited = scope.edits});
-  if (EditLog* const log = backend.editLogOn(sight)) reader_.emplace(*log);
+  GpuPoints* const points = backend.gpuPoints();
+  if (!points) return;
+  sameGpu_ = points->framesOn(sight);
+  if (EditLog* const log = points->editLogOn(sight)) reader_.emplace(*log);
 }
 
 void DrawnFollower::followFrames() {
@@ -27,7 +32,7 @@ void DrawnFollower::followFrames() {
     return;
   }
   CloudFrame frame;
-  if (!backend_.takeFrame(frame)) return;
+  if (!frameStream_ || !frameStream_->take(frame)) return;
   drawn_->place(frame);
   ++frames_;
 }

@@ -12,6 +12,7 @@
 namespace palpate {
 
 class FramePipeline;
+class FrameStream;
 
 class DrawnFollower final : public EditFollower {
  public:
@@ -27,8 +28,8 @@ class DrawnFollower final : public EditFollower {
  private:
   void followFrames();
 
-  TouchBackend& backend_;
-  FramePipeline* sameGpu_;  // of a back end on the same GPU
+  FrameStream* frameStream_;          // null: no source moves the points
+  FramePipeline* sameGpu_ = nullptr;  // of a back end on the same GPU
   std::optional<DrawnCloud> drawn_;
   std::optional<EditLog::Reader> reader_;  // of a back end on the same GPU
   std::uint64_t frames_ = 0;

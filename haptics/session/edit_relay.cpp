@@ -13,12 +13,12 @@ constexpr double kBetweenChecks_s = 1.0 / 240;  // of checking whether the back 
 
 }  // namespace
 
-EditRelay::EditRelay(const PointCloud& cloud, TouchBackend& backend, const RelayOptions& options)
-    : points_(cloud.size()), backend_(backend), options_(options) {
+EditRelay::EditRelay(const PointCloud& cloud, EditStream* edits, const RelayOptions& options)
+    : points_(cloud.size()), edits_(edits), options_(options) {
   std::erase(options_.followers, nullptr);
   if (!options.journal) return;
   journal_.emplace(cloud, options.undo_bytes);
-  backend.keepEdits();
+  if (edits_) edits_->keep();
 }
 
 TickObserver EditRelay::begin(double rate_Hz, bool realtime) {
@@ -43,12 +43,12 @@ TickObserver EditRelay::begin(double rate_Hz, bool realtime) {
 }
 
 bool EditRelay::isNearlyFull() const {
-  const auto room = backend_.editRoom();
+  const auto room = edits_ ? edits_->room() : std::nullopt;
   return room && room->free < 2 * std::uint64_t{points_};
 }
 
 bool EditRelay::isHalfFull() const {
-  const auto room = backend_.editRoom();
+  const auto room = edits_ ? edits_->room() : std::nullopt;
   return room && room->free < room->capacity / 2;
 }
 
@@ -64,7 +64,7 @@ void EditRelay::observe(const TraceRow& row) {
 
 void EditRelay::catchUp() {
   batch_.clear();
-  if (journal_) backend_.takeEdits(batch_);
+  if (journal_ && edits_) edits_->take(batch_);
   for (EditFollower*& follower : options_.followers) {
     try {
       follower->catchUp(batch_);
@@ -89,8 +89,8 @@ void EditRelay::finish() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
-UndoneStrokes undoStrokes(TouchBackend& backend, Journal& journal, const std::function<void()>& catchUp,
-                          std::size_t undo, std::size_t redo) {
+UndoneStrokes undoStrokes(EditStream& edits, Journal& journal, const std::function<void()>& catchUp, std::size_t undo,
+                          std::size_t redo) {
   UndoneStrokes strokes;
   using Turn = std::vector<PointChange> (Journal::*)();
   const auto apply = [&](std::size_t available, Turn turn, Turn opposite) {
@@ -98,7 +98,7 @@ UndoneStrokes undoStrokes(TouchBackend& backend, Journal& journal, const std::fu
     const std::vector<PointChange> changes = (journal.*turn)();
     if (changes.empty()) return true;  // others have changed all of it since
     try {
-      backend.change(changes);
+      edits.change(changes);
       catchUp();
     } catch (...) {
       (journal.*opposite)();

@@ -6,7 +6,8 @@
 #include <thread>
 
 #include "engine/core/edit_follower.hpp"
-#include "engine/core/touch_backend.hpp"
+#include "engine/core/edit_stream.hpp"
+#include "engine/core/shape_strokes.hpp"
 #include "engine/edit/journal.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/session_writer.hpp"
@@ -21,13 +22,13 @@ struct RelayOptions {
   SessionWriter* log = nullptr;  ///< receives the edits, if there is a journal; flushed in virtual time
 };
 
-/// Takes edits from a back end and passes them on: between ticks in virtual time, and against the clock on a thread of
-/// its own, some times a second. That thread delays nothing; in virtual time no edit is dropped because the relay is
+/// Takes the edits of a back end and passes them on: between ticks in virtual time, and against the clock on a thread
+/// of its own, some times a second. That thread delays nothing; in virtual time no edit is dropped because the relay is
 /// behind. Failures do not stop the hand: finish() throws those of the thread, checkFollower() those of a follower.
 class EditRelay {
  public:
-  /// Before the first query. All arguments must outlive this object.
-  EditRelay(const PointCloud& cloud, TouchBackend& backend, const RelayOptions& options);
+  /// `edits`: null where the points are never edited. Before the first query. All arguments must outlive this object.
+  EditRelay(const PointCloud& cloud, EditStream* edits, const RelayOptions& options);
 
   /// Begins. The observer is for virtual time; it is empty against the clock, or if there are no followers.
   TickObserver begin(double rate_Hz, bool realtime);
@@ -54,7 +55,7 @@ class EditRelay {
   bool isHalfFull() const;
 
   std::size_t points_;
-  TouchBackend& backend_;
+  EditStream* edits_;
   RelayOptions options_;
   std::optional<Journal> journal_;
   EditBatch batch_;
@@ -72,10 +73,10 @@ struct UndoneStrokes {
   std::uint64_t tooLarge = 0;  ///< of them, those larger than the whole budget
 };
 /// Undoes up to `undo` strokes and redoes up to `redo` of them, between strokes. `catchUp` lets the journal take the
-/// back end's edits; it must have taken all of them before. If the back end throws, the journal stays as after the last
+/// edits; it must have taken all of them before. If a change fails, the journal stays as after the last
 /// successful change.
-UndoneStrokes undoStrokes(TouchBackend& backend, Journal& journal, const std::function<void()>& catchUp,
-                          std::size_t undo, std::size_t redo);
+UndoneStrokes undoStrokes(EditStream& edits, Journal& journal, const std::function<void()>& catchUp, std::size_t undo,
+                          std::size_t redo);
 /// The same for strokes that have changed a shape.
 UndoneStrokes undoStrokes(ShapeStrokes& shape, std::size_t undo, std::size_t redo);
 

@@ -88,7 +88,7 @@ void LiveSession::goOnWith(const LeftStrokes& left) {
     const PointState from = id < before.size() ? before[id] : PointState{.id = id | PointState::kGone, .parent = id};
     if (!(from == state)) changes.push_back({from, state});
   }
-  session_.backend().change(changes);
+  session_.backend().edits()->change(changes);
   takeIn();
 }
 
@@ -260,7 +260,7 @@ bool LiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
     ShapeStrokes* const shape = session_.backend().shapeStrokes();
     const UndoneStrokes strokes = shape ? palpate::undoStrokes(*shape, undo, redo)
                                         : palpate::undoStrokes(
-                                              session_.backend(), *journal_, [&] { takeIn(); }, undo, redo);
+                                              *session_.backend().edits(), *journal_, [&] { takeIn(); }, undo, redo);
     return strokes.undone + strokes.redone > 0;
   });
 }

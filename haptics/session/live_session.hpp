@@ -52,7 +52,7 @@ class LiveSession {
   double longestSide() const { return bounds_.longestSide(); }
   /// Throws the failure of the follower of the edits, if it failed.
   void checkFollower() const { session_.checkFollower(); }
-  std::string machine() const { return session_.backend().machine(); }
+  const std::string& machine() const { return session_.machine(); }
 
   /// Called once per frame: takes in the ticks and the edits of the servo thread. Returns what failed since the last
   /// call; the session ends with a failure.

@@ -18,7 +18,7 @@ void ServoThread::run(Session& session, const std::vector<OpenHand>& hands, cons
                                                    .law = options.law});
     deviceFailed_ = result.deviceFailed;
     if (result.deviceFailed) fault_ = result.fault;
-    if (result.queryLost) fault_ = session.backend().machine() + " was lost; earlier results are kept";
+    if (result.queryLost) fault_ = session.machine() + " was lost; earlier results are kept";
   } catch (const std::exception& error) {
     fault_ = error.what();
   }

@@ -190,15 +190,16 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       source_(fusion_ && kind_.capabilities().fusesFrames ? nullptr : makeSource(config_, *model_, stream_, fusion_)),
       isMoved_(parts.source != nullptr),
       backend_(makeBackend(config_, *model_, surface_, parts, isMoved_ ? parts.source : source_.get(), fusion_)),
+      machine_(backend_->report().machine),
       follower_(parts.follower ? parts.follower(*model_, *backend_) : nullptr),
       shared_(takePart()),
       sharedPatience_s_(parts.sharedPatience_s),
       log_(parts.log),
       bricks_(dynamic_cast<BrickTouch*>(backend_.get())),
-      relay_(model_->cloud, *backend_,
+      relay_(model_->cloud, backend_->edits(),
              {.followers = {shared_.get(), follower_.get()},
               .rate_Hz = shared_ ? kSharedRelay_Hz : kRelay_Hz,
-              .journal = (parts.journal || shared_) && backend_->keepsEdits(),
+              .journal = (parts.journal || shared_) && kind_.capabilities().keepsEdits,
               .undo_bytes = parts.undo_bytes}) {
   if (shared_ && !config_.brush) backend_->setBrush(std::nullopt);
   // No file tells a replay the scale, so the configuration must.
@@ -215,7 +216,7 @@ std::unique_ptr<SharedFollower> Session::takePart() {
     if (config_.join && config_.brush && !model_->far) throw Error("{}", fixedBecause(config_, *model_));
     return nullptr;
   }
-  if (backend_->mostOffered() == 0)
+  if (!backend_->edits() || backend_->edits()->mostOffered() == 0)
     throw Error(
         "{}: '{}' is sculpted by others, which {} cannot follow; use another back end, or serve the model with "
         "--read-only",
@@ -344,12 +345,12 @@ void Session::record(const std::string& file, const OpenHand& hand, RecordingFau
                                                   RecordedSession{.config = config,
                                                                   .points = model_->cloud.size(),
                                                                   .checksum = checksumOf(*model_),
-                                                                  .machine = backend_->machine(),
+                                                                  .machine = machine_,
                                                                   .palpate = PALPATE_VERSION,
                                                                   .limits = hand.device->limits(),
                                                                   .map = hand.map,
                                                                   .passivity = hand.passivity},
-                                                  *backend_, std::move(onFault));
+                                                  backend_->edits(), std::move(onFault));
   relay_.setLog(&recording_->writer());
 }
 
@@ -371,7 +372,7 @@ double Session::durationOf(std::span<const OpenHand> hands) const {
 }
 
 // The spring that each hand feels, within the limits of its device.
-void Session::setSprings(std::span<const OpenHand> hands) {
+std::vector<HandSpring> Session::springs(std::span<const OpenHand> hands) const {
   std::vector<HandSpring> springs;
   for (const OpenHand& hand : hands) {
     ForceLaw law(config_.force, model_->scale);
@@ -379,7 +380,7 @@ void Session::setSprings(std::span<const OpenHand> hands) {
     law.limitTo(limits.peakForce_N, limits.mostStiffness_N_per_mm);
     springs.push_back(springOf(law));
   }
-  backend_->setSprings(springs);
+  return springs;
 }
 
 // Waits for the points at the beginning of each script. For a held device the first position is not known in advance.
@@ -400,11 +401,10 @@ const InformationAge* Session::known() const {
 }
 
 ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& options) {
-  setSprings(hands);
   const bool realtime = config_.realtime || options.realtime;
   if (bricks_ && model_->far->source().moves() && !realtime)
     throw Error("'{}' moves in real time; join it with --realtime", config_.model.file);
-  backend_->setRealtime(realtime);
+  backend_->begin(realtime, springs(hands));
   std::vector<SessionHand> touching;
   for (const OpenHand& hand : hands)
     touching.push_back({.device = *hand.device,
@@ -463,7 +463,7 @@ UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
   require(Action::undo, "undo");
   if (!journal()) throw Error("a session without a journal has no strokes to undo");
   return undoStrokes(
-      *backend_, *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);
+      *backend_->edits(), *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);
 }
 
 SculptedCloud Session::sculpted() const {

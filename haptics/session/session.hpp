@@ -86,8 +86,9 @@ class Session {
   Abilities abilities() const;
   /// Throws Error "WHAT: the refusal" where the model or the back end refuses the action.
   void require(Action action, std::string_view what) const;
-  TouchBackend& backend() { return *backend_; }
-  const TouchBackend& backend() const { return *backend_; }
+  TouchBackend& backend() const { return *backend_; }
+  /// Name of the answering machine. Thread-safe.
+  const std::string& machine() const { return machine_; }
   /// Throws the failure of the follower, which has not followed since; call it once everything else is saved.
   void checkFollower() const { relay_.checkFollower(); }
   /// Pauses and resumes the frames of a depth camera; between runs, after finish(). Null if no frames are played.
@@ -163,7 +164,7 @@ class Session {
   double durationOf(std::span<const OpenHand> hands) const;
 
  private:
-  void setSprings(std::span<const OpenHand> hands);
+  std::vector<HandSpring> springs(std::span<const OpenHand> hands) const;
   std::unique_ptr<SharedFollower> takePart();
   bool settleFar(double patience_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
@@ -177,6 +178,7 @@ class Session {
   std::unique_ptr<CloudSource> source_;   // if the back end does not move the points itself
   bool isMoved_;                          // by SessionParts::source
   std::unique_ptr<TouchBackend> backend_;
+  std::string machine_;
   std::unique_ptr<EditFollower> follower_;
   std::unique_ptr<SharedFollower> shared_;
   double sharedPatience_s_;

@@ -118,19 +118,18 @@ void requireEditsOf(const std::filesystem::path& log, std::size_t points, const 
 }
 
 void TickTap::ticked(const TraceRow& row, const DeviceState& device) noexcept {
-  const TouchShortfalls& shortfalls = backend_.shortfalls();
-  const std::uint64_t leftOut = shortfalls.editsLogFull + shortfalls.editsTooSlow + shortfalls.editsHeldUp;
-  const bool leavesOut = std::exchange(leftOut_, leftOut) != leftOut;
+  const EditProgress edits = edits_ ? edits_->progress() : EditProgress{};
+  const bool drops = std::exchange(dropped_, edits.dropped) != edits.dropped;
   sink_({.time_s = row.time_s,
          .device = device.position,
          .turn = device.turn,
          .proxy = row.proxy,
          .force_N = row.force_N,
-         .edits = backend_.editsAnswered(),
+         .edits = edits.states,
          .neighbours = row.neighbours,
          .flags = (row.contact ? LoggedTick::kContact : 0u) | (row.fresh ? LoggedTick::kFresh : 0u) |
                   (row.valid ? LoggedTick::kValid : 0u) | (row.putDown ? LoggedTick::kPutDown : 0u) |
-                  (device.rendersForce ? 0u : LoggedTick::kForceless) | (leavesOut ? LoggedTick::kEditLeftOut : 0u) |
+                  (device.rendersForce ? 0u : LoggedTick::kForceless) | (drops ? LoggedTick::kEditLeftOut : 0u) |
                   LoggedTick::flagsOf(device.buttons)});
 }
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/core/touch_backend.hpp"
+#include "engine/core/edit_stream.hpp"
 #include "haptics/devices/haptic_device.hpp"
 #include "haptics/passivity.hpp"
 #include "haptics/servo_loop.hpp"
@@ -39,15 +39,15 @@ void requireEditsOf(const std::filesystem::path& log, std::size_t points, const 
 /// Passes on each tick in the form of a session log, with the back end's part of it.
 class TickTap final : public TickRecorder {
  public:
-  /// `sink` runs on the servo thread, as part of the tick.
-  TickTap(const TouchBackend& backend, std::function<void(const LoggedTick&)> sink)
-      : backend_(backend), sink_(std::move(sink)) {}
+  /// `edits`: those of the points; null: there are none. `sink` runs on the servo thread, as part of the tick.
+  TickTap(const EditStream* edits, std::function<void(const LoggedTick&)> sink)
+      : edits_(edits), sink_(std::move(sink)) {}
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
 
  private:
-  const TouchBackend& backend_;
+  const EditStream* edits_;
   std::function<void(const LoggedTick&)> sink_;
-  std::uint64_t leftOut_ = 0;
+  std::uint64_t dropped_ = 0;
 };
 
 }  // namespace palpate

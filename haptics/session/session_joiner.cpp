@@ -1,6 +1,7 @@
 #include "haptics/session/session_joiner.hpp"
 
 #include "engine/cloud/length_unit.hpp"
+#include "engine/touch/touch_backend.hpp"
 #include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/shared_edits.hpp"
@@ -49,7 +50,11 @@ SessionJoiner sessionJoiner(const Joining& how) {
       log.say("{}: served read-only; it is felt even while the network is interrupted", name);
     if (joined.sculptable)
       model.share = [session = joined.session, &log](const PointCloud& cloud, TouchBackend& backend) {
-        return shareEdits({.session = session, .cloud = cloud, .backend = backend, .log = &log});
+        return shareEdits({.session = session,
+                           .cloud = cloud,
+                           .edits = *backend.edits(),
+                           .cell = backend.report().cell,
+                           .log = &log});
       };
     return model;
   };

@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-SessionRecording::SessionRecording(const std::string& file, const RecordedSession& session, const TouchBackend& backend,
+SessionRecording::SessionRecording(const std::string& file, const RecordedSession& session, const EditStream* edits,
                                    RecordingFault onFault)
     : rate_Hz_(session.config.rate_Hz),
       writer_(file, headerText(session),
@@ -14,7 +14,7 @@ SessionRecording::SessionRecording(const std::string& file, const RecordedSessio
                 const std::scoped_lock hold(lock_);
                 fault_ = what;
               }),
-      tap_(backend, [this](const LoggedTick& tick) { add(tick); }) {}
+      tap_(edits, [this](const LoggedTick& tick) { add(tick); }) {}
 
 void SessionRecording::add(const LoggedTick& tick) {
   if (!begin_s_) return writer_.add(tick);

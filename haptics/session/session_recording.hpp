@@ -17,8 +17,8 @@ using RecordingFault = std::function<void(const std::string&)>;
 class SessionRecording final : public TickRecorder {
  public:
   /// `onFault` is called on the log's thread; if it is empty, takeFault() returns the fault. Throws FileError if the
-  /// file cannot be created. `backend` must outlive this object.
-  SessionRecording(const std::string& file, const RecordedSession& session, const TouchBackend& backend,
+  /// file cannot be created. `edits` (TickTap) must outlive this object.
+  SessionRecording(const std::string& file, const RecordedSession& session, const EditStream* edits,
                    RecordingFault onFault = {});
 
   /// Sets the time of the first tick, which is 0 in the log; later ticks are counted from there. Before the first tick.

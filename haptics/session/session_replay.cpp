@@ -89,7 +89,7 @@ SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
        .log = &parts.log,
        .follower = [&](const Model&, TouchBackend&) { return std::make_unique<EditCollector>(again.edits); }});
   ReplayDevice device(record.ticks, recorded.session.limits);
-  TickTap tap(session.backend(), [&](const LoggedTick& tick) { again.ticks.push_back(tick); });
+  TickTap tap(session.backend().edits(), [&](const LoggedTick& tick) { again.ticks.push_back(tick); });
   const OpenHand hand{.device = &device,
                       .map = recorded.session.map,
                       .duration_s = record.ticks.back().time_s,

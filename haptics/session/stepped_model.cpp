@@ -31,8 +31,7 @@ std::unique_ptr<TouchBackend> matterOf(SessionConfig config, const Model& model,
                                   .threads = parts.threads,
                                   .source = nullptr,
                                   .fusion = std::nullopt});
-  body->setSprings(std::vector<HandSpring>(kMaxHands, springOf(ForceLaw(config.force, model.scale))));
-  body->setRealtime(true);
+  body->begin(true, std::vector<HandSpring>(kMaxHands, springOf(ForceLaw(config.force, model.scale))));
   return body;
 }
 
@@ -69,7 +68,7 @@ bool SteppedModel::step(double time_s, std::span<const SeenHand> hands, CloudFra
     move(time_s, hands);
     constexpr double kRounding_s = 1e-4;
     if (shown_s_ && time_s < *shown_s_ + 1 / kFrames_Hz - kRounding_s) return false;
-    if (!matter_->takeFrame(frame)) return false;
+    if (!matter_->frames()->take(frame)) return false;
     leaveParticles(frame);
   } else {
     if (shown_s_ && !source_->hasNewer(time_s, frameTime_s_)) return false;

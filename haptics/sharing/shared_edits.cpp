@@ -37,17 +37,18 @@ class SharedEdits final : public SharedFollower {
   explicit SharedEdits(const SharedParts& parts)
       : session_(*parts.session),
         keep_(parts.session),
-        backend_(parts.backend),
+        edits_(parts.edits),
+        cell_(parts.cell),
         origin_(parts.cloud.origin),
         log_(parts.log),
-        exchange_(statesOf(parts.cloud), parts.backend.mostOffered()),
+        exchange_(statesOf(parts.cloud), parts.edits.mostOffered()),
         strokes_(session_),
         resumes_(session_.participant, session_.topics.resumes, reliableQos(false)),
         probe_(session_),
         notices_(session_.participant, session_.topics),
         wakeUp_(session_.participant),
         wait_(std::in_place, session_.participant) {
-    PALPATE_CHECK_LT(0U, parts.backend.mostOffered());
+    PALPATE_CHECK_LT(0U, parts.edits.mostOffered());
     std::uint8_t own[16];
     set(own, session_.client);
     results_ = Reader<Result>(session_.participant, session_.topics.results, reliableQos(false, partitionOf(own)));
@@ -229,14 +230,14 @@ class SharedEdits final : public SharedFollower {
       isOfferNear_ = std::ranges::any_of(changes, [&](const PointChange& each) { return isNear(each); });
     // Set before the change takes effect, and until it is known to have.
     if (isOfferNear_ && exchange_.isOffering()) known_.changed();
-    if (!changes.empty() && backend_.offer(changes, exchange_.changesFollowed())) exchange_.offered();
+    if (!changes.empty() && edits_.offer(changes, exchange_.changesFollowed())) exchange_.offered();
   }
 
   // Whether a hand may feel that change where it touches.
   bool isNear(const PointChange& change) const {
     const std::optional<HandPlaces> hands = hands_.load();
     if (!hands) return true;
-    const double reach = kNear * backend_.cell();
+    const double reach = kNear * cell_;
     const auto isWithin = [&](const Vec3& position) {
       return std::any_of(hands->hands.begin(), hands->hands.begin() + hands->count, [&](const HandPlace& hand) {
         return glm::distance(origin_ + DVec3(position), hand.proxy) < reach;
@@ -288,7 +289,8 @@ class SharedEdits final : public SharedFollower {
 
   const JoinedSession& session_;
   const std::shared_ptr<const JoinedSession> keep_;
-  TouchBackend& backend_;
+  EditStream& edits_;
+  double cell_;
   DVec3 origin_;
   Log* log_;
   LatestValue<HandPlaces> hands_;

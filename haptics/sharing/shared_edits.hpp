@@ -5,8 +5,8 @@
 #include <string>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/edit_stream.hpp"
 #include "engine/core/log.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "haptics/shared_follower.hpp"
 
 namespace palpate {
@@ -17,7 +17,8 @@ class JoinedSession;
 struct SharedParts {
   std::shared_ptr<const JoinedSession> session;
   const PointCloud& cloud;  ///< as joined
-  TouchBackend& backend;    ///< of `cloud`, without resampling; its brush may be removed again; it logs edits
+  EditStream& edits;        ///< of `cloud`, without resampling
+  double cell = 0;          ///< edge of a cell of its index, model units
   Log* log = nullptr;       ///< logs silence and its end
 };
 

@@ -172,7 +172,7 @@ TEST_CASE("a hundred thousand coincident points can be touched with CUDA") {
     CHECK_FALSE(answers[0].touching);
     CHECK(answers[1].touching);
     CHECK(answers[1].proxy.z == near(3, 1e-5));
-    CHECK((touch.shortfalls().thinnedTicks == 0) == (method == CudaMethod::brute));
+    CHECK((touch.report().shortfalls.thinnedTicks == 0) == (method == CudaMethod::brute));
   }
 }
 
@@ -199,9 +199,9 @@ TEST_CASE("CUDA reports the name of the GPU and the times of build and ticks") {
   for (const CudaMethod method : allCudaMethods()) {
     CAPTURE(nameOf(method));
     CudaTouch touch(scene.cloud, cudaOptions(scene.cloud, scene.radius, method));
-    CHECK(touch.machine().ends_with(", CUDA"));
-    CHECK(touch.buildTime_us() > 0);
-    CHECK(touch.cell() == near(scene.radius, 1e-6));
+    CHECK(touch.report().machine.ends_with(", CUDA"));
+    CHECK(touch.report().build_us > 0);
+    CHECK(touch.report().cell == near(scene.radius, 1e-6));
     const auto answers = answersTo(touch, path);
     CHECK(answers.back().gpu_us > 0);
     CHECK(answers.back().gpu_us < 1e6);

@@ -157,9 +157,9 @@ TEST_CASE("sculpting with CUDA gives the same cloud, bit by bit, with every buck
     CudaTouch touch(scene.cloud, options);
     const auto answers = answersTo(touch, path);
     CHECK(answers.back().touching);
-    CHECK(touch.firstEditTime_s().value_or(1) < 0.4);
-    CHECK(touch.editTimes_us().size() > 100);
-    for (const double time_us : touch.editTimes_us()) CHECK(time_us > 0);
+    CHECK(touch.report().firstEdit_s.value_or(1) < 0.4);
+    CHECK(touch.report().editTimes_us.size() > 100);
+    for (const double time_us : touch.report().editTimes_us) CHECK(time_us > 0);
     PointCloud sculpted = scene.cloud;
     CHECK(touch.readBack(sculpted) > 100);
     if (!expected) expected = sculpted;

@@ -36,7 +36,7 @@ const Arrows& allowedArrows() {
         "engine/cloud", "engine/core", "shaders"}},
       {"engine/mesh",
        {"engine/contact", "engine/spatial", "engine/gpu", "engine/io", "engine/cloud", "engine/core", "shaders"}},
-      {"engine/cuda", {"engine/cloud", "engine/core", "shaders"}},
+      {"engine/cuda", {"engine/touch/touch_backend.hpp", "engine/cloud", "engine/core", "shaders"}},
       {"engine/render",
        {"engine/edit/edit_log.hpp", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"haptics", {"engine/core", "engine/cloud"}},
@@ -52,8 +52,9 @@ const Arrows& allowedArrows() {
       {"shaders", {"engine/core/vec.hpp"}},
       {"apps",
        {"engine/core", "engine/cloud", "engine/io", "engine/gpu", "engine/spatial", "engine/contact", "engine/edit",
-        "engine/motion", "engine/matter", "engine/touch/memory.hpp", "engine/mesh", "engine/render",
-        "engine/cuda/cuda_measure.hpp", "haptics", "haptics/session", "haptics/sharing", "shaders"}},
+        "engine/motion", "engine/matter", "engine/touch/memory.hpp", "engine/touch/touch_backend.hpp",
+        "engine/touch/gpu_points.hpp", "engine/mesh", "engine/render", "engine/cuda/cuda_measure.hpp", "haptics",
+        "haptics/session", "haptics/sharing", "shaders"}},
   };
   return arrows;
 }

@@ -240,7 +240,7 @@ TEST_CASE("joined water is felt as water, shown as particles, and not felt where
   CHECK(mean_N > 0.75 * expected_N);
   CHECK(mean_N < 1.25 * expected_N);
   CloudFrame frame;
-  CHECK(session.backend().takeFrame(frame));
+  CHECK(session.backend().frames()->take(frame));
   CHECK(frame.size() > 200);
   CHECK(frame.size() <= session.model().cloud.size());
   CHECK(frame.colors.size() == frame.size());

@@ -164,7 +164,7 @@ TEST_CASE("logs that contain command-line options are replayed as recorded") {
     CHECK(session.undo(1, 0).undone == 1);
     REQUIRE(result.trace().rows.size() == before.size());
     // Only up to the first edit, since the brushes have changed since then.
-    const double edited_s = session.backend().firstEditTime_s().value();
+    const double edited_s = session.backend().report().firstEdit_s.value();
     std::size_t contacts = 0, same = 0;
     double worst_N = 0;
     for (std::size_t i = 0; i < before.size(); ++i) {

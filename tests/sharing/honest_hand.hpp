@@ -31,11 +31,12 @@ inline PointCloud flatCloud(std::size_t points) {
 }
 
 /// Applies others' changes at once, and the edits that the test requests.
-class PlainBackend final : public TouchBackend {
+class PlainEdits final : public EditStream {
  public:
-  std::span<const Contact> ask(std::span<const Pose>, double) noexcept override { return {}; }
-  void finish() override {}
-  std::size_t readBack(PointCloud&) const override { return 0; }
+  void keep() override {}
+  void take(EditBatch& batch) override { batch = edit({}); }
+  EditProgress progress() const noexcept override { return {}; }
+  void change(std::span<const PointChange>) override {}
   bool offer(std::span<const PointChange> changes, std::uint64_t) override {
     const std::scoped_lock hold(lock_);
     for (const PointChange& change : changes) batch_.points.push_back(change.to);
@@ -43,13 +44,6 @@ class PlainBackend final : public TouchBackend {
     return true;
   }
   std::size_t mostOffered() const override { return 256; }
-  std::string machine() const override { return "a test's"; }
-  double buildTime_us() const override { return 0; }
-  const std::vector<double>& editTimes_us() const override { return times_; }
-  std::optional<double> firstEditTime_s() const override { return std::nullopt; }
-  const TouchShortfalls& shortfalls() const override { return shortfalls_; }
-  IndexWork indexWork() const override { return {}; }
-  double cell() const override { return 1; }
 
   /// All edits since the last call, followed by these.
   EditBatch edit(std::span<const PointState> states) {
@@ -62,8 +56,6 @@ class PlainBackend final : public TouchBackend {
  private:
   std::mutex lock_;
   EditBatch batch_;
-  std::vector<double> times_;
-  TouchShortfalls shortfalls_;
 };
 
 /// An honest hand: moves a point every few milliseconds, and shows its position.
@@ -71,7 +63,7 @@ class HonestHand {
  public:
   explicit HonestHand(const std::string& name)
       : joined_(joinCloud(name, {.network = ownNetwork()})),
-        follower_(shareEdits({.session = joined_.session, .cloud = joined_.cloud, .backend = backend_})),
+        follower_(shareEdits({.session = joined_.session, .cloud = joined_.cloud, .edits = edits_, .cell = 1})),
         presence_(sharePresence(joined_.session, "honest", joined_.cloud)),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
@@ -96,7 +88,7 @@ class HonestHand {
       while (!stop.stop_requested()) {
         PointState state = states[dice() % states.size()];
         state.position.z = static_cast<float>(dice() % 1000);
-        follower_->catchUp(backend_.edit(sculpts_ ? std::span(&state, 1) : std::span<PointState>()));
+        follower_->catchUp(edits_.edit(sculpts_ ? std::span(&state, 1) : std::span<PointState>()));
         HandPlaces own{.count = 1};
         own.hands[0] = {.position = DVec3(1), .proxy = DVec3(1), .touching = true, .sculpts = true};
         follower_->moved(own);
@@ -109,7 +101,7 @@ class HonestHand {
   }
 
   JoinedCloud joined_;
-  PlainBackend backend_;
+  PlainEdits edits_;
   std::unique_ptr<SharedFollower> follower_;
   std::shared_ptr<SharedPresence> presence_;
   std::string fault_;

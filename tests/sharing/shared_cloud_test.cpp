@@ -134,13 +134,13 @@ TEST_CASE("a client that asks for the state is at rest only after the answer, an
   Served served(cloud, "slow to answer");
   struct Client {
     JoinedCloud joined = joinCloud("slow to answer", {.network = ownNetwork()});
-    PlainBackend backend;
+    PlainEdits edits;
     std::unique_ptr<SharedFollower> follower =
-        shareEdits({.session = joined.session, .cloud = joined.cloud, .backend = backend});
+        shareEdits({.session = joined.session, .cloud = joined.cloud, .edits = edits, .cell = 1});
     std::vector<PointState> points = statesOf(joined.cloud);
 
     void make(std::span<const PointState> states) {
-      const EditBatch batch = backend.edit(states);
+      const EditBatch batch = edits.edit(states);
       for (const PointState& state : batch.points) points[state.number()] = state;
       follower->catchUp(batch);
     }

@@ -92,7 +92,7 @@ TEST_CASE("in virtual time each brush edits the points around a hand as it edits
       CHECK(differing == 0);
       hand.touch->finish();
       whole.finish();
-      CHECK(hand.touch->editTimes_us().size() > 20);
+      CHECK(hand.touch->report().editTimes_us.size() > 20);
       PointCloud sculpted = scene.cloud;
       CHECK(whole.readBack(sculpted) > 30);
       // Every point, compared with the whole cloud.
@@ -129,9 +129,9 @@ TEST_CASE("in real time an edit waits until the last one is felt, so that a brus
   }
   hand.touch->finish();
   whole.finish();
-  const std::size_t edits = hand.touch->editTimes_us().size();
+  const std::size_t edits = hand.touch->report().editTimes_us.size();
   CHECK(edits > 20);
-  CHECK(hand.touch->firstEditTime_s().has_value());
+  CHECK(hand.touch->report().firstEdit_s.has_value());
   std::vector<PointState> made;
   hand.source.takeMade(made);
   CHECK(made.size() > 50);
@@ -152,7 +152,7 @@ TEST_CASE("in real time an edit waits until the last one is felt, so that a brus
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   hand.touch->finish();
-  CHECK(hand.touch->editTimes_us().size() <= edits + 2);  // plus one as the hand stops
+  CHECK(hand.touch->report().editTimes_us.size() <= edits + 2);  // plus one as the hand stops
 }
 
 TEST_CASE("a hand without a brush, not sculpting, or in unknown bricks leaves every point unchanged") {

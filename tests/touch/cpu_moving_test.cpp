@@ -88,8 +88,8 @@ TEST_CASE("the same path twice gives the same answers on the CPU, and the points
     PointCloud end = scene.cloud;
     CHECK(touch.readBack(end) == scene.cloud.size());
     CloudFrame frame, truth;
-    CHECK(touch.takeFrame(frame));
-    CHECK_FALSE(touch.takeFrame(frame));
+    CHECK(touch.frames()->take(frame));
+    CHECK_FALSE(touch.frames()->take(frame));
     source.makeFrame(kTick_s * 59, truth);
     CHECK(frame.positions == truth.positions);
     CHECK(frame.normals == truth.normals);
@@ -144,14 +144,14 @@ TEST_CASE("in real time frames are applied between ticks on the CPU, in order") 
     CHECK(touch.query({.time_s = latest_s, .hip = {0, 0, 50.5}}, 800).valid);
     touch.prepare();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    if (!touch.takeFrame(frame)) continue;
+    if (!touch.frames()->take(frame)) continue;
     CHECK(frame.time_s >= last_s);
     last_s = frame.time_s;
     ++frames;
   }
   CHECK(frames > 20);
   touch.finish();
-  CHECK(touch.indexWork().built >= static_cast<std::uint64_t>(frames - 1));
+  CHECK(touch.report().index.built >= static_cast<std::uint64_t>(frames - 1));
 }
 
 TEST_CASE("old frames are extrapolated to the present position of the surface on the CPU") { checkOldFrames(makeCpu); }

@@ -109,9 +109,9 @@ TEST_CASE("a yielding surface on the CPU follows the HIP until it is tau away") 
   CHECK(contacts.back().touching);
   CHECK(contacts.back().proxy.z < 46.8);  // from 50 down to 46 + tau, minus the rounding by the average
   CHECK(contacts.back().proxy.z > 46.1);
-  REQUIRE(touch.firstEditTime_s());
-  CHECK(*touch.firstEditTime_s() > 0.02);
-  CHECK(touch.editTimes_us().size() > 100);
+  REQUIRE(touch.report().firstEdit_s);
+  CHECK(*touch.report().firstEdit_s > 0.02);
+  CHECK(touch.report().editTimes_us.size() > 100);
 
   PointCloud sculpted = scene.cloud;
   const std::size_t moved = touch.readBack(sculpted);
@@ -194,14 +194,14 @@ TEST_CASE("in real time an edit beyond the budget is bridged by the last answer,
   else
     CHECK(held.proxy.z == near(fresh.proxy.z, 1e-3));
   touch.finish();
-  REQUIRE(!touch.editTimes_us().empty());
-  const bool slow = touch.editTimes_us().back() > 1e6 * kStalest_s;
-  const std::size_t edits = touch.editTimes_us().size(), leftOut = touch.shortfalls().editsTooSlow;
+  REQUIRE(!touch.report().editTimes_us.empty());
+  const bool slow = touch.report().editTimes_us.back() > 1e6 * kStalest_s;
+  const std::size_t edits = touch.report().editTimes_us.size(), leftOut = touch.report().shortfalls.editsTooSlow;
   CHECK(touch.query({.time_s = 0.003, .hip = {0, 0, 48.5}}, kNoTime_us).fresh);
   touch.finish();
   // Includes an edit of the wide brush's points that were still pending.
-  CHECK(touch.editTimes_us().size() >= edits + (slow ? 0 : 1));
-  CHECK(touch.shortfalls().editsTooSlow == leftOut + (slow ? 1 : 0));
+  CHECK(touch.report().editTimes_us.size() >= edits + (slow ? 0 : 1));
+  CHECK(touch.report().shortfalls.editsTooSlow == leftOut + (slow ? 1 : 0));
 }
 
 TEST_CASE(

@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "engine/cloud/spacing.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "engine/motion/fused_stream.hpp"
+#include "engine/touch/touch_backend.hpp"
 #include "shaders/shared/contact.h"
 #include "tests/motion/depth_scene.hpp"
 #include "tests/near.hpp"
@@ -104,7 +104,7 @@ inline void checkFusedTouch(const MakeFusedTouch& make, double tick_s = 1e-3) {
     if (!onSphere) CHECK(free == 0);
     touch.backend->finish();
     CloudFrame seen;
-    CHECK(touch.backend->takeFrame(seen));
+    CHECK(touch.backend->frames()->take(seen));
     CHECK(seen.time_s == near(TableStream::kPeriod_s * (TableStream::kFrames - 1), 1e-6));
     std::size_t left = 0;
     for (const Vec3& place : seen.positions) left += place.z > 0.01f;

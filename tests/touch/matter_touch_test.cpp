@@ -193,17 +193,17 @@ TEST_CASE("in virtual time a frame contains each particle once, at its position 
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene);
   CloudFrame frame;
-  CHECK_FALSE(touch.takeFrame(frame));  // nothing has moved yet
+  CHECK_FALSE(touch.frames()->take(frame));  // nothing has moved yet
   for (const int ticks : {1, 40, 3}) {
     CAPTURE(ticks);
     double time_s = frame.time_s;
     for (int k = 0; k < ticks; ++k) touch.query(dive(time_s += 1e-3), 0);
-    REQUIRE(touch.takeFrame(frame));
+    REQUIRE(touch.frames()->take(frame));
     CHECK(frame.time_s == near(time_s, 1e-6));
     const PointCloud cloud = pointsOf(touch, scene);
     CHECK(frame.positions == cloud.positions);
     CHECK(frame.velocities.size() == cloud.size());
-    CHECK_FALSE(touch.takeFrame(frame));
+    CHECK_FALSE(touch.frames()->take(frame));
   }
 }
 
@@ -212,14 +212,14 @@ TEST_CASE("a simulation switches between virtual and real time on request, and c
   MatterTouch touch = touched(scene, {.threads = 2});
   played(touch, 1000, 0.1);
   const PointCloud before = pointsOf(touch, scene);
-  touch.setRealtime(true);
-  touch.setRealtime(true);
+  touch.begin(true, {});
+  touch.begin(true, {});
   CHECK(pointsOf(touch, scene).positions == before.positions);
   for (int k = 101; k < 120; ++k) touch.query(dive(1e-3 * k), 100'000);
   touch.query(dive(0.4), 100'000);  // far behind the clock: it skips the missed time
   touch.finish();
   CHECK(touch.simulation()->leftOut_s() > 0.2);
-  touch.setRealtime(false);
+  touch.begin(false, {});
   const double leftOut_s = touch.simulation()->leftOut_s();
   touch.query(dive(0.5), 0);
   CHECK(touch.simulation()->leftOut_s() == leftOut_s);  // now it simulates all the time
@@ -268,12 +268,12 @@ TEST_CASE("frames show each particle once at its position, with normals that fac
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene);
   CloudFrame frame;
-  CHECK_FALSE(touch.takeFrame(frame));
+  CHECK_FALSE(touch.frames()->take(frame));
   touch.query(dive(0), 0);
-  REQUIRE(touch.takeFrame(frame));
-  CHECK_FALSE(touch.takeFrame(frame));
+  REQUIRE(touch.frames()->take(frame));
+  CHECK_FALSE(touch.frames()->take(frame));
   touch.query(dive(0.001), 0);
-  REQUIRE(touch.takeFrame(frame));
+  REQUIRE(touch.frames()->take(frame));
   CHECK(frame.time_s == 0.001);
   const PointCloud cloud = pointsOf(touch, scene);
   REQUIRE(frame.size() == cloud.size());
@@ -339,8 +339,8 @@ TEST_CASE("a brush for water is refused, and no brush is accepted") {
   MatterTouch touch = touched(tank());
   CHECK_THROWS_WITH_AS(touch.setBrush(BrushOptions{}), doctest::Contains("cannot be sculpted"), UsageError);
   CHECK_NOTHROW(touch.setBrush(std::nullopt));
-  CHECK(touch.keepsEdits());
-  CHECK_FALSE(touch.editScope().edits);
+  CHECK(touch.edits() == nullptr);
+  CHECK_FALSE(touch.report().scope.edits);
 }
 
 }  // namespace palpate::matter_touch_test

@@ -13,9 +13,9 @@
 
 #include "engine/contact/proxy_tracker.hpp"
 #include "engine/core/error.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "engine/motion/moving_cloud.hpp"
 #include "engine/motion/moving_shape.hpp"
+#include "engine/touch/touch_backend.hpp"
 #include "tests/scenes.hpp"
 #include "tests/touch/tick.hpp"
 
@@ -160,18 +160,18 @@ inline bool sameAnswer(const Contact& a, const Contact& b) {
 /// released.
 inline void checkNoTickWaits(auto& touch, HeldSource& source) {
   CloudFrame frame;
-  CHECK(touch.takeFrame(frame));
+  CHECK(touch.frames()->take(frame));
   for (int i = 1; i <= 20; ++i) {
     const Contact contact = touch.query({.time_s = kTick_s * i, .hip = {0, 0, 50.5}}, 1e6);
     CHECK(contact.fresh);
     CHECK_FALSE(contact.touching);
     touch.prepare();
-    CHECK_FALSE(touch.takeFrame(frame));
+    CHECK_FALSE(touch.frames()->take(frame));
     if (i == 1) source.waitUntilAsked();
   }
   source.letGo();
   touch.finish();
-  CHECK(touch.takeFrame(frame));
+  CHECK(touch.frames()->take(frame));
   CHECK(frame.time_s == kTick_s);
   CHECK(touch.query({.time_s = 0.021, .hip = {0, 0, 50.5}}, 1e6).touching);
 }
@@ -323,7 +323,7 @@ inline void checkHoles(const MakeTouch& make) {
   CHECK(other == 0);
   some->finish();
   CloudFrame seen;
-  CHECK(some->takeFrame(seen));
+  CHECK(some->frames()->take(seen));
   CHECK(seen.positions == part.positions);
   CHECK(seen.ids == part.ids);
   CHECK(seen.colors == part.colors);

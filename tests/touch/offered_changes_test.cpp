@@ -41,19 +41,19 @@ TEST_CASE("in real time a hand can sculpt although edits of others are offered b
   }
   touch.finish();
   others.checkEnd();
-  CHECK(touch.editTimes_us().size() > 5);  // the brush's edits
+  CHECK(touch.report().editTimes_us.size() > 5);  // the brush's edits
   CHECK(others.reports() > 20);
 }
 
 TEST_CASE("edits cannot be offered to a cloud without a brush, or with one that maintains density") {
   const Scene scene = makeScene("sphere", 500);
   CpuTouch still(scene.cloud, {.radius = scene.radius});
-  CHECK(still.mostOffered() == 0);
+  CHECK(still.edits()->mostOffered() == 0);
   BrushOptions dense = kPush;
   dense.keepsDensity = true;
   CpuTouch kept(scene.cloud, {.radius = scene.radius, .brush = dense});
-  CHECK(kept.mostOffered() == 0);
-  CHECK_FALSE(kept.offer({}, 0));
+  CHECK(kept.edits()->mostOffered() == 0);
+  CHECK_FALSE(kept.edits()->offer({}, 0));
 }
 
 TEST_CASE("edits of others are felt, in real time too, while another thread offers them") {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/core/touch_backend.hpp"
 #include "engine/edit/journal.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 
@@ -18,13 +18,13 @@ class Offering {
  public:
   Offering(TouchBackend& touch, const PointCloud& cloud, std::uint32_t seed)
       : touch_(touch), cloud_(cloud), journal_(cloud, 1 << 26), shown_(statesOf(cloud)), dice_(seed) {
-    touch.keepEdits();
+    touch.edits()->keep();
   }
 
   /// Receives the edits and checks them against the offer.
   void follow() {
     EditBatch batch;
-    touch_.takeEdits(batch);
+    touch_.edits()->take(batch);
     std::size_t begin = 0;
     for (const EditMark& mark : batch.marks) {
       const std::span states = std::span(batch.points).subspan(begin, mark.at - begin);
@@ -56,7 +56,7 @@ class Offering {
     return offerThese(changes);
   }
   bool offerThese(std::vector<PointChange> changes) {
-    if (!touch_.offer(changes, changes_)) return false;
+    if (!touch_.edits()->offer(changes, changes_)) return false;
     offered_ = std::move(changes);
     isOffered_ = true;
     ++offers_;
@@ -107,7 +107,7 @@ class Offering {
 
 /// Strokes on the top of a sphere of 50 about the origin, while others change points elsewhere, or there as well.
 inline void checkOffersAmidStrokes(TouchBackend& touch, const PointCloud& cloud, bool everywhere, std::uint32_t seed) {
-  REQUIRE(touch.mostOffered() >= 64);
+  REQUIRE(touch.edits()->mostOffered() >= 64);
   Offering others(touch, cloud, seed);
   constexpr int kTicks = 60, kStrokes = 3;
   std::size_t elsewhere = 0, takenElsewhere = 0;
@@ -165,7 +165,7 @@ inline void checkOffersThatAreLate(TouchBackend& touch, const PointCloud& cloud)
   gone.from.position += Vec3(-30, 0, 7);
   gone.to.id |= PointState::kGone;
   REQUIRE(others.offerThese({moved(0, 5), wrong, gone, moved(3, -5)}));
-  CHECK_FALSE(touch.offer({}, 0));  // one at a time
+  CHECK_FALSE(touch.edits()->offer({}, 0));  // one at a time
   rest();
   CHECK(others.reports() == 1);
   CHECK(others.lastTaken() == 2);
@@ -182,7 +182,7 @@ inline void checkOffersThatAreLate(TouchBackend& touch, const PointCloud& cloud)
   CHECK(state(7).gone());
   // Restored by another change meanwhile: the offer must not duplicate the point.
   std::swap(away.from, away.to);
-  touch.change(std::vector{away});
+  touch.edits()->change(std::vector{away});
   REQUIRE(others.offerThese({away}));
   rest();
   CHECK(others.reports() == 3);
@@ -194,7 +194,7 @@ inline void checkOffersThatAreLate(TouchBackend& touch, const PointCloud& cloud)
   touch.finish();
   others.checkEnd();
   // An offer above the maximum is rejected.
-  CHECK_FALSE(touch.offer(std::vector<PointChange>(touch.mostOffered() + 1, moved(9, 1)), 1));
+  CHECK_FALSE(touch.edits()->offer(std::vector<PointChange>(touch.edits()->mostOffered() + 1, moved(9, 1)), 1));
 }
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "engine/cloud/point_cloud.hpp"
-#include "engine/core/touch_backend.hpp"
+#include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
 

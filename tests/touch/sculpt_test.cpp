@@ -204,10 +204,10 @@ TEST_CASE("the same strokes give the same cloud bit by bit with any number of th
 TEST_CASE("the edits of the log, applied to the file's points, give the sculpted cloud") {
   const Scene scene = makeScene("sphere", 15'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = brush(BrushKind::carve)});
-  touch.keepEdits();
+  touch.edits()->keep();
   const Played crater = play(touch, scene.cloud, along({{0, 0, 50.5}, {0, 0, 43}, {8, 0, 43}}, 100, 20));
   EditBatch batch;
-  touch.takeEdits(batch);
+  touch.edits()->take(batch);
   std::vector<PointState> points = statesOf(scene.cloud);
   for (const PointState& point : batch.points) {
     if (point.number() >= points.size()) points.resize(point.number() + 1);

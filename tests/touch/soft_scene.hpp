@@ -61,7 +61,7 @@ class SoftScene {
     source_ = source.get();
     auto surface = make(cloud_, *source, radius_, options.touch);
     touch_ = std::make_unique<SoftTouch>(std::move(source), std::move(surface), options.touch);
-    touch_->setSprings(std::vector<HandSpring>(options.touch.tools.size(), options.spring));
+    touch_->begin(options.realtime, std::vector<HandSpring>(options.touch.tools.size(), options.spring));
   }
 
   SoftTouch& touch() { return *touch_; }

@@ -268,7 +268,7 @@ TEST_CASE("a hand that is not a number gets no answer, and a failed body gives n
   for (const BrushKind kind : {BrushKind::carve, BrushKind::paint})
     CHECK_THROWS_WITH_AS(block.touch().setBrush(BrushOptions{.kind = kind, .radius = 10}),
                          doctest::Contains("cannot change the shape"), UsageError);
-  CHECK_FALSE(block.touch().editScope().edits);
+  CHECK_FALSE(block.touch().report().scope.edits);
 }
 
 TEST_CASE("for points older than the tick the surface yields with the body's compliance") {

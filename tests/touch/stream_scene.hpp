@@ -10,9 +10,9 @@
 #include <memory>
 #include <vector>
 
-#include "engine/core/touch_backend.hpp"
 #include "engine/motion/depth_points.hpp"
 #include "engine/motion/depth_source.hpp"
+#include "engine/touch/touch_backend.hpp"
 #include "tests/motion/depth_scene.hpp"
 #include "tests/motion/plane_stream.hpp"
 #include "tests/near.hpp"

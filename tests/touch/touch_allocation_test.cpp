@@ -38,7 +38,7 @@ TEST_CASE("no tick on the CPU allocates memory on the querying thread, with or w
   counting = false;
   CHECK(allocations == 0);
   touch.finish();
-  if (options.brush) CHECK(touch.editTimes_us().size() > 10);
+  if (options.brush) CHECK(touch.report().editTimes_us.size() > 10);
 
   counting = true;
   int* volatile kept = new int(7);  // volatile, so that no compiler removes it

@@ -137,7 +137,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a question pending ahead does not block finis
   PointState to = touch.live().points().front();
   const PointState from = to;
   to.position += Vec3(0, 0, 1);
-  touch.change(std::vector<PointChange>{{from, to}});
+  touch.edits()->change(std::vector<PointChange>{{from, to}});
   touch.prepare();
   CHECK(touch.query(poseAt(1), 0).valid);
   PointCloud cloud = scene.cloud;

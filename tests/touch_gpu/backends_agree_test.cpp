@@ -43,8 +43,8 @@ class BackendsFixture : public GpuFixture {
     }
     gpu.finish();
     cpu.finish();
-    CHECK(gpu.firstEditTime_s() == cpu.firstEditTime_s());
-    CHECK(gpu.editTimes_us().size() == cpu.editTimes_us().size());
+    CHECK(gpu.report().firstEdit_s == cpu.report().firstEdit_s);
+    CHECK(gpu.report().editTimes_us.size() == cpu.report().editTimes_us.size());
     outcome.movedOnGpu = gpu.readBack(outcome.onGpu);
     outcome.movedOnCpu = cpu.readBack(outcome.onCpu);
     return outcome;

@@ -73,16 +73,16 @@ Stroke sculpt(Device& device, const Scene& scene, std::uint32_t spare, double bu
   }
   touch.finish();
   CHECK(device.allocatedBytes() == bytes);
-  CHECK(touch.shortfalls().editsRebuilt == 0);
-  CHECK(touch.shortfalls().editsTooSlow == 0);
-  CHECK(touch.editTimes_us().size() > static_cast<std::size_t>(ticks) / 3);
+  CHECK(touch.report().shortfalls.editsRebuilt == 0);
+  CHECK(touch.report().shortfalls.editsTooSlow == 0);
+  CHECK(touch.report().editTimes_us.size() > static_cast<std::size_t>(ticks) / 3);
   CHECK(faults(device, touch) == 0);
   touch.readBack(stroke.cloud);
-  stroke.compactions = touch.compactions();
-  stroke.editsHeldUp = touch.shortfalls().editsHeldUp;
-  CHECK((touch.editCosts().longestCompactionEnd_us > 0) == (stroke.compactions > 0));
+  stroke.compactions = touch.report().compactions;
+  stroke.editsHeldUp = touch.report().shortfalls.editsHeldUp;
+  CHECK((touch.report().costs.longestCompactionEnd_us > 0) == (stroke.compactions > 0));
   if (stroke.compactions > 0)
-    MESSAGE(stroke.compactions << " compactions, the longest end " << touch.editCosts().longestCompactionEnd_us
+    MESSAGE(stroke.compactions << " compactions, the longest end " << touch.report().costs.longestCompactionEnd_us
                                << " us");
   return stroke;
 }
@@ -149,7 +149,7 @@ TEST_CASE_FIXTURE(GpuFixture, "an index rebuild, by a change or an edit, replace
     while (tick < 3'000 && !done()) play(strokeAt(tick++));
     REQUIRE(done());
   };
-  sculptUntil([&] { return touch.compactions() > 0 && touch.isCompacting(); });
+  sculptUntil([&] { return touch.report().compactions > 0 && touch.report().isCompacting; });
 
   // One bucket receives more points than an update sorts.
   std::vector<PointChange> changes;
@@ -160,24 +160,24 @@ TEST_CASE_FIXTURE(GpuFixture, "an index rebuild, by a change or an edit, replace
     to.position = Vec3(60, 60, 60);
     changes.push_back({point, to});
   }
-  CHECK(touch.isCompacting());
-  touch.change(changes);
-  CHECK_FALSE(touch.isCompacting());
+  CHECK(touch.report().isCompacting);
+  touch.edits()->change(changes);
+  CHECK_FALSE(touch.report().isCompacting);
   CHECK(faults(device, touch) == 0);
 
-  sculptUntil([&] { return touch.isCompacting(); });
-  const std::uint64_t before = touch.compactions();
+  sculptUntil([&] { return touch.report().isCompacting; });
+  const std::uint64_t before = touch.report().compactions;
   bool givenUp = false;
   touch.resetHand(0);
-  for (int i = 0; i < 40 && touch.compactions() == before && !givenUp; ++i) {
+  for (int i = 0; i < 40 && touch.report().compactions == before && !givenUp; ++i) {
     play({.time_s = kApart_s * tick++, .hip = {0, 0, -50.6 + 0.2 * i}});
-    givenUp = !touch.isCompacting() && touch.compactions() == before;
+    givenUp = !touch.report().isCompacting && touch.report().compactions == before;
   }
   CHECK(givenUp);
   touch.finish();
   CHECK(faults(device, touch) == 0);
-  const std::uint64_t then = touch.compactions();
-  sculptUntil([&] { return touch.compactions() > then; });
+  const std::uint64_t then = touch.report().compactions;
+  sculptUntil([&] { return touch.report().compactions > then; });
   touch.finish();
   CHECK(faults(device, touch) == 0);
 }

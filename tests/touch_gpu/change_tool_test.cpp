@@ -44,7 +44,7 @@ struct Told {
   EditBatch batch;
   void take(TouchBackend& touch) {
     batch.clear();
-    touch.takeEdits(batch);
+    touch.edits()->take(batch);
     journal.follow(batch);
   }
 };
@@ -57,7 +57,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "each brush works after a change of brush, and
     CAPTURE(gpu);
     const auto touch = backend(device, scene, gpu);
     Told told(scene);
-    touch->keepEdits();
+    touch->edits()->keep();
     press(*touch, {0, 0, 1}, 3);
     touch->setBrush(brush(BrushKind::paint, 10));
     press(*touch, {0, 1, 0}, 2);
@@ -90,7 +90,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "each brush works after a change of brush, and
     CHECK(red > 20);
 
     for (int stroke = 0; stroke < 4; ++stroke) {
-      touch->change(told.journal.undo());
+      touch->edits()->change(told.journal.undo());
       told.take(*touch);
     }
     CHECK(changedPoints(scene.cloud, told.journal.points()) == 0);
@@ -106,7 +106,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a larger tool reaches further than the one before
     const auto touch = backend(device, scene, gpu);
     touch->setBrush(brush(BrushKind::inflate, 3));
     Told told(scene);
-    touch->keepEdits();
+    touch->edits()->keep();
     const auto reach = [&](const DVec3& direction) {
       press(*touch, direction, 2);
       touch->finish();

@@ -151,7 +151,7 @@ TEST_CASE_FIXTURE(GpuFixture, "four hands with tools run under validation, with 
     if (i == 20)
       for (std::size_t hand = 1; hand < kHands; ++hand) touch.resetHand(hand);
   }
-  CHECK(touch.firstEditTime_s());
+  CHECK(touch.report().firstEdit_s);
   touch.finish();
 }
 

@@ -48,7 +48,7 @@ TEST_CASE_FIXTURE(GpuFixture, "an oscillating sphere under a hand at rest is fel
     CHECK(error.rms < 0.03);
     CHECK(error.wronglyFree == 0);
     CHECK(error.wronglyTouching == 0);
-    CHECK(touch.indexWork().built >= 100);
+    CHECK(touch.report().index.built >= 100);
   }
 }
 
@@ -97,11 +97,11 @@ TEST_CASE_FIXTURE(GpuFixture, "both back ends agree on a rotating cloud, and end
   CloudFrame frame, truth;
   source.makeFrame(kTick_s * 79, truth);
   CHECK(end.positions == truth.positions);
-  CHECK(touch.takeFrame(frame));
+  CHECK(touch.frames()->take(frame));
   CHECK(frame.time_s == truth.time_s);
   CHECK(frame.positions == truth.positions);
   CHECK(frame.normals == truth.normals);
-  CHECK_FALSE(touch.takeFrame(frame));
+  CHECK_FALSE(touch.frames()->take(frame));
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "the same path twice gives the same answers, and the cloud keeps its ids") {
@@ -194,7 +194,7 @@ TEST_CASE_FIXTURE(GpuFixture, "in real time frames are applied between ticks, in
     CHECK(contact.valid);
     fresh += contact.fresh;
     touch.prepare();
-    if (!touch.takeFrame(frame)) continue;
+    if (!touch.frames()->take(frame)) continue;
     CHECK(frame.time_s >= last_s);
     last_s = frame.time_s;
     ++frames;
@@ -202,7 +202,7 @@ TEST_CASE_FIXTURE(GpuFixture, "in real time frames are applied between ticks, in
   CHECK(frames > 5);
   CHECK(fresh > 3);
   touch.finish();
-  touch.takeFrame(frame);
+  touch.frames()->take(frame);
   CloudFrame truth;
   source.makeFrame(frame.time_s, truth);
   CHECK(frame.positions == truth.positions);
@@ -218,7 +218,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "with more frames than ticks, no frame is felt
   for (int i = 1; i <= 200 || (newer <= 5 && since.elapsed_s() < 60); ++i) {
     CHECK(touch.query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, 200'000).valid);
     touch.prepare();
-    const double now_s = touch.pointsTime()->true_s;
+    const double now_s = touch.frames()->time()->true_s;
     CHECK(now_s >= last_s);
     newer += now_s > last_s;
     last_s = now_s;

@@ -43,7 +43,7 @@ TEST_CASE_FIXTURE(GpuFixture, "an offer of very many points rebuilds the index i
     others.follow();
   };
   // The largest offer, all at one position: its bucket outgrows the reserve.
-  const std::size_t most = std::min<std::size_t>(touch.mostOffered(), 2'000);
+  const std::size_t most = std::min<std::size_t>(touch.edits()->mostOffered(), 2'000);
   for (const Vec3 place : {Vec3(0, 0, 0), Vec3(3, -40, 11), Vec3(0, 0, 0)}) {
     std::vector<PointChange> heap;
     for (const PointState& point : others.shown().first(most)) {
@@ -75,7 +75,7 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU offers from another thread are carried
       }
     });
     // The budget suits a software driver.
-    for (int i = 0; i < 300 || taken < 200 || !touch.firstEditTime_s(); ++i) {
+    for (int i = 0; i < 300 || taken < 200 || !touch.report().firstEdit_s; ++i) {
       REQUIRE(i < 20'000);
       const double time_s = 1e-2 * i;
       touch.query({.time_s = time_s, .hip = {0, 0, 51 - 0.01 * (i % 200)}}, 10'000);

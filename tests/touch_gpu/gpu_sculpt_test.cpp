@@ -117,11 +117,11 @@ TEST_CASE_FIXTURE(GpuFixture, "without free ids for new points the surface still
   CHECK(played.cloud.size() > scene.cloud.size() + 10);
   std::size_t edits = 0;
   for (int k = 0; k < 60; ++k) {
-    edits = touch.editTimes_us().size();
+    edits = touch.report().editTimes_us.size();
     touch.query({.time_s = 1 + kTick_s * k, .hip = {3, 0, 82}}, 0);
   }
-  CHECK(touch.editTimes_us().size() == edits);
-  CHECK_FALSE(touch.edits()->unsettled());
+  CHECK(touch.report().editTimes_us.size() == edits);
+  CHECK_FALSE(touch.editPass()->unsettled());
 }
 
 }  // namespace palpate::gpu_sculpt_test

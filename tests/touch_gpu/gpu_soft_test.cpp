@@ -263,7 +263,7 @@ TEST_CASE_FIXTURE(SoftFixture, "in real time a body on a GPU is pressed beside q
     const Pose pose{.time_s = time_s, .hip = {50, 22 - down, 50}};
     const Contact contact = block.touch().query(pose, 800);
     block.touch().prepare();
-    const double felt_s = block.touch().pointsTime().value_or(PointsTime{}).true_s;
+    const double felt_s = block.touch().frames()->time().value_or(PointsTime{}).true_s;
     simulated_s = std::max(simulated_s, felt_s - control.leftOut_s());
     CHECK(contact.valid);
     if (contact.fresh) answered_mm += 1;

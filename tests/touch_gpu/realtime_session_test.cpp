@@ -25,7 +25,7 @@ TEST_CASE("in real time every tick has a valid answer, fresh or bridged, at 1 an
     const auto& rows = result.trace().rows;
     const auto fresh = static_cast<std::size_t>(std::ranges::count_if(rows, &TraceRow::fresh));
     CHECK(std::ranges::all_of(rows, &TraceRow::valid));
-    CHECK(touch.bridgeTimes_us().size() == rows.size() - fresh);
+    CHECK(touch.report().bridgeTimes_us.size() == rows.size() - fresh);
     CHECK(summarize(result.trace()).freshFraction == within(static_cast<double>(fresh) / rows.size(), 1e-9));
     CHECK(rows.size() + result.trace().missedTicks == loop.plannedTicks());
     touch.finish();

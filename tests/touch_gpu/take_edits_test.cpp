@@ -24,22 +24,22 @@ std::vector<Contact> press(TouchBackend& touch, int strokes, Journal* journal = 
     const double time_s = 1e-3 * i + 0.5 * (i / kTicks);  // far enough apart to be strokes
     contacts.push_back(touch.query({.time_s = time_s, .hip = {6.0 * (i / kTicks), 0, 51 - depth}}, 0));
     if (!journal) continue;
-    touch.takeEdits(batch);
+    touch.edits()->take(batch);
     journal->follow(batch);
     batch.clear();
   }
   touch.finish();
   if (journal) {
-    touch.takeEdits(batch);
+    touch.edits()->take(batch);
     journal->follow(batch);
   }
   return contacts;
 }
 
 void apply(TouchBackend& touch, Journal& journal, std::span<const PointChange> changes) {
-  touch.change(changes);
+  touch.edits()->change(changes);
   EditBatch batch;
-  touch.takeEdits(batch);
+  touch.edits()->take(batch);
   CHECK(batch.marks.size() == (changes.empty() ? 0 : 1));
   for (const EditMark& mark : batch.marks) CHECK(mark.kind == EditMark::Kind::change);
   journal.follow(batch);
@@ -50,12 +50,12 @@ bool same(const PointCloud& a, const PointCloud& b) {
 }
 
 void checkFollowed(TouchBackend& touch, const PointCloud& cloud) {
-  touch.keepEdits();
+  touch.edits()->keep();
   Journal journal(cloud, 1 << 26);
   press(touch, 3, &journal);
   CHECK(journal.strokes() == 3);
   CHECK_FALSE(journal.inStroke());
-  CHECK(touch.editsAnswered() > 300);
+  CHECK(touch.edits()->progress().states > 300);
   PointCloud ended = cloud;
   const std::size_t changed = touch.readBack(ended);
   CHECK(changed > 50);
@@ -65,7 +65,7 @@ void checkFollowed(TouchBackend& touch, const PointCloud& cloud) {
 
 // Two strokes, undone and redone; finally the cloud is as loaded.
 void checkTakenBack(TouchBackend& touch, const PointCloud& cloud) {
-  touch.keepEdits();
+  touch.edits()->keep();
   Journal journal(cloud, 1 << 26);
   press(touch, 2, &journal);
   PointCloud sculpted = cloud;
@@ -107,14 +107,14 @@ TEST_CASE_FIXTURE(GpuFixture, "points removed by a brush are reported, with an u
       CAPTURE(index == IndexFollow::rebuild);
       const BrushOptions carve{.kind = BrushKind::carve, .tau = 0.3, .radius = brushRadius, .strength = 1};
       TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = carve, .index = index});
-      touch.keepEdits();
+      touch.edits()->keep();
       Journal journal(scene.cloud, 1 << 26);
       // Steps long enough that points are deep inside the brush.
       const int ticks = brushRadius > 100 ? 16 : 6;
       for (int i = 0; i < ticks; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 53 - 3.0 * i}}, 0);
       touch.finish();
       EditBatch batch;
-      touch.takeEdits(batch);
+      touch.edits()->take(batch);
       journal.follow(batch);
       std::size_t gone = 0;
       for (const PointState& state : journal.points()) gone += (state.id & PointState::kGone) != 0;
@@ -175,7 +175,7 @@ TEST_CASE("points removed by a change are no longer felt on the CPU, and new one
   std::uint32_t next = static_cast<std::uint32_t>(states.size());
   for (PointChange& change : changes)
     if (change.to.number() >= states.size()) change.to.id = next++;
-  touch.change(changes);
+  touch.edits()->change(changes);
   CHECK_FALSE(feels(50));
   CHECK(feels(60));
   PointCloud edited = scene.cloud;
@@ -184,7 +184,7 @@ TEST_CASE("points removed by a change are no longer felt on the CPU, and new one
   for (PointChange& change : changes) std::swap(change.from, change.to);
   for (PointChange& change : changes)
     if (change.to.number() >= states.size()) change.to.id = change.from.number() | PointState::kGone;
-  touch.change(changes);
+  touch.edits()->change(changes);
   CHECK(feels(50));
   CHECK_FALSE(feels(60));
   edited = scene.cloud;
@@ -195,19 +195,19 @@ TEST_CASE("points removed by a change are no longer felt on the CPU, and new one
 TEST_CASE("a change ends the stroke in progress, on the CPU in real time too, with a reader on another thread") {
   const Scene scene = makeScene("sphere", 5'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
-  touch.keepEdits();
+  touch.edits()->keep();
   EditBatch all;
   {
     std::jthread follower([&](const std::stop_token& stop) {
-      while (!stop.stop_requested()) touch.takeEdits(all);
+      while (!stop.stop_requested()) touch.edits()->take(all);
     });
     for (int i = 0; i < 200; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 51 - 0.02 * i}}, i % 4 ? 300 : 0);
     const PointState first = statesOf(scene.cloud)[0];
-    touch.change(std::vector<PointChange>{{first, first}});
+    touch.edits()->change(std::vector<PointChange>{{first, first}});
     for (int i = 0; i < 50; ++i) touch.query({.time_s = 0.2 + 1e-3 * i, .hip = {0, 0, 46}}, i % 4 ? 300 : 0);
     touch.finish();
   }
-  touch.takeEdits(all);
+  touch.edits()->take(all);
   REQUIRE(all.marks.size() == 3);
   CHECK(all.marks[0].kind == EditMark::Kind::stroke);
   CHECK(all.marks[1] == EditMark{all.marks[0].at + 1, EditMark::Kind::change});

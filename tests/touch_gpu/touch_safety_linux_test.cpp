@@ -188,13 +188,13 @@ TEST_CASE("the touch side can be destroyed after the GPU is lost during backgrou
       return touch.query({.time_s = kApart_s * tick, .hip = r * way}, budget_us);
     };
     constexpr double kEver_us = 1e7, kSoon_us = 1e3;
-    while (tick < 1000 && !touch.isCompacting()) CHECK(press(kEver_us).valid);
-    REQUIRE(touch.isCompacting());
+    while (tick < 1000 && !touch.report().isCompacting) CHECK(press(kEver_us).valid);
+    REQUIRE(touch.report().isCompacting);
     takeGpu(atSubmit);
     bool lost = false;
     while (tick < 2000 && !lost) lost = press(kSoon_us).lost;
     CHECK(lost);
-    CHECK(touch.isCompacting());
+    CHECK(touch.report().isCompacting);
   }
 }
 

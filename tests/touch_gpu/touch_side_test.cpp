@@ -101,7 +101,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that falls behind costs edits, never
   const EditLog::Reader reader(touch.editLog());
   press(touch, 20, 80);
   touch.finish();
-  CHECK(touch.shortfalls().editsLogFull > 0);
+  CHECK(touch.report().shortfalls.editsLogFull > 0);
   CHECK(reader.unread().size() > scene.cloud.size());
   CHECK(reader.unread().size() <= touch.editLog().capacity());
 }
@@ -117,7 +117,7 @@ TEST_CASE_FIXTURE(GpuFixture, "no edit is made while a reader has fallen behind,
   }
   press(touch, 3, 20);
   touch.finish();
-  const auto leftOut = touch.shortfalls().editsLogFull;
+  const auto leftOut = touch.report().shortfalls.editsLogFull;
   CHECK(leftOut > 5);
   PointCloud cloud = scene.cloud;
   CHECK(touch.readBack(cloud) == 0);
@@ -127,7 +127,7 @@ TEST_CASE_FIXTURE(GpuFixture, "no edit is made while a reader has fallen behind,
   reader.takeMarks(unread.begin, unread.end, marks);
   press(touch, 3, 20, &reader);
   touch.finish();
-  CHECK(touch.shortfalls().editsLogFull == leftOut);
+  CHECK(touch.report().shortfalls.editsLogFull == leftOut);
   CHECK(touch.readBack(cloud) > 5);
 }
 
@@ -137,7 +137,7 @@ TEST_CASE_FIXTURE(GpuFixture, "with a reader that keeps up no edit is dropped") 
   EditLog::Reader reader(touch.editLog());
   press(touch, 3, 60, &reader);
   touch.finish();
-  CHECK(touch.shortfalls().editsLogFull == 0);
+  CHECK(touch.report().shortfalls.editsLogFull == 0);
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "a static cloud never moves, and its tick is one pass") {
@@ -147,7 +147,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a static cloud never moves, and its tick is one p
   touch.finish();
   PointCloud after = scene.cloud;
   CHECK(touch.readBack(after) == 0);
-  CHECK(touch.passes().size() == 1);
+  CHECK(touch.report().passes.size() == 1);
 }
 
 TEST_CASE("late answers are bridged by the patch, which follows the hand over the surface as the GPU would") {
@@ -190,7 +190,7 @@ TEST_CASE("late answers are bridged by the patch, which follows the hand over th
   CHECK(touched > 20);
   CHECK(touched < 70);
   CHECK(worst < 1e-3);
-  CHECK(touch.bridgeTimes_us().size() == bridged);
+  CHECK(touch.report().bridgeTimes_us.size() == bridged);
 
   // The GPU continues from the CPU's proxy.
   now.time_s += 1e-3;
@@ -240,7 +240,7 @@ TEST_CASE("the patch follows edits") {
     felt = touch.query(pose, 1e7);
     REQUIRE(felt.fresh);
   }
-  REQUIRE(touch.editTimes_us().size() > 3);
+  REQUIRE(touch.report().editTimes_us.size() > 3);
   REQUIRE(felt.touching);
   CHECK(felt.proxy.z < 49.7);  // dented: it was at 49.96
   const Busy busy(device, 100);
@@ -258,13 +258,13 @@ TEST_CASE_FIXTURE(GpuFixture, "a cloud denser than a tick's limit is subsampled,
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
   for (int i = 0; i < 8; ++i) CHECK(touch.query({.hip = {0, 0, 60.0 - 2 * i}}, 0).valid);
   touch.finish();
-  CHECK(touch.shortfalls().thinnedTicks > 0);
+  CHECK(touch.report().shortfalls.thinnedTicks > 0);
 
   const Scene normal = makeScene("sphere", 100'000);
   TouchSide usual(device, normal.cloud, {.radius = normal.radius});
   press(usual, 2, 20);
-  CHECK(usual.shortfalls().thinnedTicks == 0);
-  CHECK(usual.shortfalls().truncatedTicks == 0);
+  CHECK(usual.report().shortfalls.thinnedTicks == 0);
+  CHECK(usual.report().shortfalls.truncatedTicks == 0);
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "the predicted memory is the allocated memory, within a twentieth" * kMoreInFull) {

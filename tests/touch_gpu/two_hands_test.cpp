@@ -104,7 +104,7 @@ TEST_CASE_FIXTURE(GpuFixture, "two hands run under validation, with edits and a 
   }
   CHECK(answers[1].touching);
   CHECK(answers[1].proxy.x == near(50, 3e-3));
-  CHECK(touch->firstEditTime_s());
+  CHECK(touch->report().firstEdit_s);
   touch->resetHand(1);
   answers = ask(*touch, 1, {0, 0, 47}, {47, 0, 0});
   CHECK(answers[0].touching);
@@ -145,7 +145,7 @@ TEST_CASE_FIXTURE(HandsFixture, "the second hand feels the edits of the first, w
       REQUIRE(answers[1].valid);
       REQUIRE(answers[1].touching == (i > 4));
       last = answers[1].proxy.z;
-      const auto edited_s = touch->firstEditTime_s();
+      const auto edited_s = touch->report().firstEdit_s;
       if (i >= 35 && (!edited_s || *edited_s == time_s)) atRest = last;
       if (edited_s && std::abs(time_s - *edited_s - kTick_s) < 1e-9) afterEdit = last;
     }
@@ -257,7 +257,7 @@ TEST_CASE_FIXTURE(HandsFixture,
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius, .friction = kFriction, .tools = std::vector<ToolShape>(2), .ahead = true});
   CHECK(touch.asksAhead());
-  CHECK(touch.passes().size() == 1);  // one dispatch for both
+  CHECK(touch.report().passes.size() == 1);  // one dispatch for both
   const auto press = [&] {
     Contact second;
     for (double r = 53; r > 48; r -= 0.2) second = ask(touch, 0, {0, 0, r}, {r, 0, 0})[1];

@@ -36,7 +36,7 @@ TEST_CASE_FIXTURE(GpuFixture,
   sculpting = false;
   sight.join();
   followed += drawn.catchUp(reader);
-  CHECK(touch.shortfalls().editsLogFull == 0);
+  CHECK(touch.report().shortfalls.editsLogFull == 0);
 
   const auto positions = download<Vec4>(device, drawn.positions(), drawn.count());
   const auto normals = download<Vec4>(device, drawn.normals(), drawn.count());

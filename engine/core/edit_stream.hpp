@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "engine/core/edit_batch.hpp"
+
+namespace palpate {
+
+/// Number of point states that can still be queued for the followers of the edits, and the total capacity.
+struct EditRoom {
+  std::uint64_t free = 0, capacity = 0;
+};
+
+/// How far the edits are, so that answers and edits can be ordered.
+struct EditProgress {
+  /// Number of states that take() has reported or will report from before the last answer (kept or not).
+  std::uint64_t states = 0;
+  std::uint64_t dropped = 0;  ///< edits that were not made (TouchShortfalls)
+};
+
+/// The edits of a cloud, in order, for their followers: a journal, a session log, other machines. All changes of the
+/// points by other means than a brush go through it, too.
+class EditStream {
+ public:
+  virtual ~EditStream() = default;
+
+  /// From now on edits are kept for take(). Before the first query.
+  virtual void keep() = 0;
+  /// Appends all edits since the last call, in order. For one thread, which may differ from the thread that queries and
+  /// does not delay it. If the back end's throughput queue is used too: for the thread that uses that queue.
+  virtual void take(EditBatch& batch) = 0;
+  /// Free space of the edit log, if edits are dropped when it is full; empty if it is unlimited. For any thread.
+  virtual std::optional<EditRoom> room() const { return std::nullopt; }
+  /// Allocates nothing. For the thread that queries.
+  virtual EditProgress progress() const noexcept = 0;
+  /// Ends the stroke in progress, if any, and sets points exactly to `to` of `changes`: moved, removed, restored or
+  /// new, each of them once. Complete on return; take() reports it with a mark of its own. For the thread that queries,
+  /// between queries. Throws Error where points cannot be edited.
+  virtual void change(std::span<const PointChange> changes) = 0;
+  /// Offers changes made elsewhere, at most mostOffered(), each point once. They are carried out between later answers,
+  /// and no answer waits for them: a point that is not in its change's `from` state stays as it is. They do not end a
+  /// stroke. take() reports their result once, with a mark of its own (EditMark::Kind::received). `changesFollowed`:
+  /// number of change() marks that the caller has taken; if there are more, the offer is dropped. False while the last
+  /// offer has not been reported. For one thread, which may differ from the thread that queries.
+  virtual bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) = 0;
+  /// 0: nothing can be offered, as where points are inserted and removed to keep the surface whole.
+  virtual std::size_t mostOffered() const = 0;
+};
+
+}  // namespace palpate
