@@ -9,6 +9,7 @@
 
 /** @defgroup frames Frames of the program, and of depth cameras
  * @{ */
+
 /** How pp_session_open_frames() opens a session. */
 typedef struct pp_frames_options {
   uint32_t size;         /**< bytes of this struct */
@@ -58,6 +59,7 @@ PP_OPTIONS(stream_options)
  * begins with the first frame. It cannot be sculpted. Options may be null. */
 PP_API pp_status pp_session_open_stream(const char* folder, const pp_stream_options* stream,
                                         const pp_session_options* options, pp_session* session);
+
 /** @} */
 
 #endif

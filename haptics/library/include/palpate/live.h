@@ -6,7 +6,7 @@
 #error "include <palpate/palpate.h>, which has this"
 #endif
 
-/** @defgroup live Live: palpate's own servo thread, with a haptic device
+/** @defgroup live Live sessions: palpate's own servo thread, with a haptic device
  * @{ */
 
 /** Device, path, rate and force law of a live hand. */
@@ -26,8 +26,8 @@ typedef struct pp_live_options {
 } pp_live_options;
 PP_OPTIONS(live_options)
 /** Starts ticks against the wall clock, on a thread of palpate. Until pp_live_stop() the session accepts only calls
- * that look at it. Options may be null. PP_ERROR_ARGUMENT
- * for an unknown device, PP_ERROR_FAILED if a device or its driver cannot be opened. */
+ * that look at it. Options may be null. PP_ERROR_ARGUMENT for an unknown device, PP_ERROR_FAILED if a device or its
+ * driver cannot be opened. */
 PP_API pp_status pp_live_start(pp_session session, const pp_live_options* options);
 /** Copies the ticks since the last call, up to `capacity`, and takes in the edits. With several hands `capacity` and
  * `count` are numbers of rows, as for pp_session_touch_hands(), of whole ticks. Ticks not read for half a minute at 1
@@ -51,6 +51,7 @@ PP_API pp_status pp_live_set_forces(pp_session session, uint32_t on);
 /** Stops the live session after the tick in progress; the device has no force afterwards. Ticks not read yet can still
  * be read. */
 PP_API pp_status pp_live_stop(pp_session session);
+
 /** @} */
 
 #endif

@@ -9,6 +9,7 @@
 
 /** @defgroup logs Session logs
  * @{ */
+
 /** Writes the next path of the session, or its next live session, to `file`, up to its end. A log begins with the
  * points as they were opened and names the file from which they can be loaded. It holds one hand, without a force law
  * of the program. Errors while writing are reported to the session's log function, and the call that ends the log gives
@@ -111,6 +112,7 @@ PP_OPTIONS(replay_result)
 /** Replays a recorded session in virtual time and compares it with the log. Returns PP_OK even if it differs: see the
  * result. PP_ERROR_FILE if the model is not the recorded one. */
 PP_API pp_status pp_log_replay(const char* file, const pp_replay_options* options, pp_replay_result* result);
+
 /** @} */
 
 #endif

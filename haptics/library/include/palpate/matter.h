@@ -8,6 +8,7 @@
 
 /** @defgroup matter Matter: water, sand and soft bodies
  * @{ */
+
 /** A parameter of a scene that can be changed while the scene moves. */
 typedef struct pp_parameter {
   char name[32];  /**< as in JSON scenes */
@@ -123,6 +124,7 @@ typedef struct pp_matter_state {
 PP_OPTIONS(matter_state)
 /** Computes the state, from all particles. */
 PP_API pp_status pp_matter_get_state(pp_matter matter, pp_matter_state* state);
+
 /** @} */
 
 #endif

@@ -113,6 +113,7 @@ typedef struct pp_watch {
   void (*progress)(void* user, const char* what, double share); /**< share of the task `what` that is done, 0 to 1 */
   void* user;                                                   /**< passed to both */
 } pp_watch;
+
 /** @} */
 
 /** @defgroup clouds Clouds: points with normals and colours, immutable
@@ -213,6 +214,7 @@ PP_API pp_status pp_cloud_attribute_count(pp_cloud cloud, uint64_t* count);
 PP_API pp_status pp_cloud_get_attribute(pp_cloud cloud, uint64_t index, pp_attribute* attribute);
 /** Closes the handle and invalidates its views; sessions of the cloud are not affected. */
 PP_API pp_status pp_cloud_close(pp_cloud cloud);
+
 /** @} */
 
 /** @defgroup gpus GPUs
@@ -223,6 +225,7 @@ PP_API pp_status pp_gpu_count(uint32_t* count);
 /** Copies the name of a GPU, by its index from 0, with its terminator, cut off to `capacity` bytes. PP_ERROR_ARGUMENT
  * if the index is out of range. */
 PP_API pp_status pp_gpu_name(uint32_t index, char* name, uint64_t capacity);
+
 /** @} */
 
 #include <palpate/vulkan.h>
@@ -442,6 +445,7 @@ PP_API pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t*
 PP_API pp_status pp_session_follow(pp_session session);
 /** Copies the present points into a new cloud. */
 PP_API pp_status pp_session_cloud(pp_session session, pp_cloud* cloud);
+
 /** @} */
 
 #include <palpate/frames.h>

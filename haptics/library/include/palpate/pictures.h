@@ -8,6 +8,7 @@
 
 /** @defgroup pictures Pictures and meshes
  * @{ */
+
 /** Camera and colours of a picture. */
 typedef struct pp_picture_options {
   uint32_t size;           /**< bytes of this struct */
@@ -66,6 +67,7 @@ PP_API pp_status pp_mesh_view(pp_mesh mesh, pp_triangles* triangles);
 PP_API pp_status pp_mesh_write(pp_mesh mesh, const char* file, const pp_write_options* options);
 /** Closes the handle and invalidates its views. */
 PP_API pp_status pp_mesh_close(pp_mesh mesh);
+
 /** @} */
 
 #endif

@@ -9,6 +9,7 @@
 
 /** @defgroup sharing Shared sessions
  * @{ */
+
 /** 1 if this library was built with DDS, else 0. */
 PP_API uint32_t pp_can_share(void);
 
@@ -201,6 +202,7 @@ PP_API pp_status pp_server_get_info(pp_server server, pp_server_info* info);
 PP_API pp_status pp_server_cloud(pp_server server, pp_cloud* cloud);
 /** Stops serving. Programs that have joined keep their points, but receive nothing any more. */
 PP_API pp_status pp_server_close(pp_server server);
+
 /** @} */
 
 #endif

@@ -9,6 +9,7 @@
 
 /** @defgroup vulkan A Vulkan device of the program
  * @{ */
+
 /** A lent queue. It must support compute. */
 typedef struct pp_vulkan_queue {
   void* handle;      /**< VkQueue; null: none */
@@ -41,6 +42,7 @@ typedef struct pp_vulkan_device {
   void* lock_user;                         /**< passed to `lock` and `unlock` */
 } pp_vulkan_device;
 PP_OPTIONS(vulkan_device)
+
 /** @} */
 
 #endif
