@@ -20,7 +20,7 @@ typedef struct pp_frames_options {
 PP_OPTIONS(frames_options)
 /** Opens a session of a cloud that is at rest until the first frame. It cannot be sculpted or recorded. Time continues
  * from path to path. A live session begins at 0 with the newest frame, and so does the first path after it. Options may
- * be null. */
+ * be null. PP_ERROR_ARGUMENT if most_points is less than the points of the cloud; otherwise as pp_session_open(). */
 PP_API pp_status pp_session_open_frames(pp_cloud cloud, const pp_frames_options* frames,
                                         const pp_session_options* options, pp_session* session);
 
@@ -40,7 +40,9 @@ typedef struct pp_frame_arrays {
 } pp_frame_arrays;
 PP_OPTIONS(frame_arrays)
 /** Adds a frame, whose arrays are copied; the points are felt there from its time on. May be called from any thread, at
- * the same time as any other call. PP_ERROR_STATE if too many frames are pending. */
+ * the same time as any other call. PP_ERROR_STATE if too many frames are pending. PP_ERROR_ARGUMENT if the normals are
+ * missing, if a number is not finite, if there are too many points, or if the time is not later than that of the frame
+ * before. */
 PP_API pp_status pp_session_push_frame(pp_session session, const pp_frame_arrays* frame);
 
 /** How pp_session_open_stream() plays a recorded depth camera. */
@@ -56,7 +58,8 @@ typedef struct pp_stream_options {
 PP_OPTIONS(stream_options)
 /** Opens a session of a recorded depth camera: a folder in the layout of the TUM benchmark or of Redwood, with points
  * in metres. Each frame is felt once its time has come, and no frame is skipped. A session, and each live session,
- * begins with the first frame. It cannot be sculpted. Options may be null. */
+ * begins with the first frame. It cannot be sculpted. Options may be null. PP_ERROR_FILE if the folder has another
+ * layout, or its lists are invalid. */
 PP_API pp_status pp_session_open_stream(const char* folder, const pp_stream_options* stream,
                                         const pp_session_options* options, pp_session* session);
 

@@ -37,7 +37,7 @@ PP_API pp_status pp_frame_view(pp_frame frame, pp_moving_points* points);
 PP_API pp_status pp_frame_close(pp_frame frame);
 
 /** Present points of a session of matter or of frames. While the session is live, waits up to 50 ms for a newer frame.
- */
+ * PP_ERROR_STATE if the points of the session do not move. */
 PP_API pp_status pp_session_frame(pp_session session, pp_frame* frame);
 /** Pauses the scene while `on` is 1: it stands still, and no hand feels it. */
 PP_API pp_status pp_session_hold(pp_session session, uint32_t on);
@@ -86,7 +86,8 @@ typedef struct pp_matter_options {
 } pp_matter_options;
 PP_OPTIONS(matter_options)
 /** Opens a scene, named as for pp_session_open_matter(). The same scene gives the same bytes on the same machine, with
- * any number of threads. Options may be null. */
+ * any number of threads. Options may be null. PP_ERROR_ARGUMENT for an unknown scene, PP_ERROR_GPU as for
+ * pp_session_open(). */
 PP_API pp_status pp_matter_open(const char* scene, const pp_matter_options* options, pp_matter* matter);
 /** Closes the scene; its frames remain valid. */
 PP_API pp_status pp_matter_close(pp_matter matter);

@@ -338,13 +338,15 @@ typedef struct pp_session_options {
 } pp_session_options;
 PP_OPTIONS(session_options)
 /** Opens a session and builds its index; normals are estimated if the cloud has none. Options may be null.
- * PP_ERROR_ARGUMENT for an option out of bounds, PP_ERROR_GPU if no GPU has that name or it lacks a feature. */
+ * PP_ERROR_ARGUMENT for a cloud without points or an option out of bounds, PP_ERROR_GPU if no GPU has that name or it
+ * lacks a feature, PP_ERROR_FAILED if the force law cannot be loaded. */
 PP_API pp_status pp_session_open(pp_cloud cloud, const pp_session_options* options, pp_session* session);
 /** Opens a session of a scene of moving matter, in millimetres: "water", "sand", "jelly" or another built-in scene,
  * "FILE in water", "FILE in sand" or "soft FILE" with a closed cloud or mesh, or a JSON file. Each hand holds a ball in
  * water and sand, and presses on the surface of a soft body, whose shape a brush changes. By path, its time advances by
  * the duration of each path and continues with the next one; with a budget, and live, it follows the clock. The scene
- * restarts when the time of the ticks goes back, and when a live session begins or has ended. Options may be null. */
+ * restarts when the time of the ticks goes back, and when a live session begins or has ended. Options may be null.
+ * PP_ERROR_ARGUMENT for an unknown scene; otherwise as for pp_session_open(). */
 PP_API pp_status pp_session_open_matter(const char* scene, const pp_session_options* options, pp_session* session);
 /** Closes the session, and ends its live session. */
 PP_API pp_status pp_session_close(pp_session session);
@@ -398,7 +400,8 @@ PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* c
 /** One tick for all hands of a session: `poses`, `contacts`, `turns` and `torques_mNm` have an entry for each of the
  * `hands` hands. The time of the first pose is used for all. `turns`: rotation of each hand's tool, unit quaternions w
  * x y z; null: no rotation. `torques_mNm`: torques about the HIP, of tools and of balls in matter, 3 for each hand;
- * null: not wanted. */
+ * null: not wanted. PP_ERROR_ARGUMENT unless each hand of the session has a pose and each rotation is a unit
+ * quaternion, PP_ERROR_STATE while the session is live. */
 PP_API pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* turns, uint32_t hands,
                                 pp_contact* contacts, double* torques_mNm);
 /** Notifies the session that all hands were lifted: the next poses begin new contacts elsewhere. */
@@ -418,24 +421,26 @@ typedef struct pp_brush {
 } pp_brush;
 PP_OPTIONS(brush)
 /** Sets the brush of pp_touch() and of a live hand from now on; null: they only feel. The first brush of a session
- * rebuilds the index, so that points can be inserted and removed. */
+ * rebuilds the index, so that points can be inserted and removed. PP_ERROR_ARGUMENT, with the reason, if the model does
+ * not allow that brush, or if a setting is out of bounds. */
 PP_API pp_status pp_session_set_brush(pp_session session, const pp_brush* brush);
 /** Changes surface and force. `radius_mm` must be 0 or as the session was opened, or else the call returns
  * PP_ERROR_ARGUMENT. */
 PP_API pp_status pp_session_set_feel(pp_session session, const pp_feel* feel);
 /** pp_session_touch() with a brush for this path only. A stroke consists of all edits in one contact, with gaps of up
- * to 0.3 s. */
+ * to 0.3 s. Errors as for pp_session_touch() and pp_session_set_brush(). */
 PP_API pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
                                    uint64_t capacity, uint64_t* count);
 /** pp_session_touch() or pp_session_stroke() for all hands of a session: `paths` has a path for each of the `hands`
  * hands, and a hand stays where its path ends. `capacity` and `count` are numbers of rows: those of all hands in one
  * tick, in order, then those of the next tick. `brush`: of the first hand; null: it only feels. `torques_mNm`: torques
- * of tools about the HIP, 3 for each row; null: not wanted. */
+ * of tools about the HIP, 3 for each row; null: not wanted. PP_ERROR_ARGUMENT unless each hand of the session has a
+ * path; otherwise as for pp_session_stroke(). */
 PP_API pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths, uint32_t hands,
                                         const pp_brush* brush, pp_tick* ticks, double* torques_mNm, uint64_t capacity,
                                         uint64_t* count);
 /** Undoes the last strokes; each point is restored to the last bit. `done`: number of strokes undone, fewer than
- * `strokes` if there are no more; may be null. */
+ * `strokes` if there are no more; may be null. PP_ERROR_ARGUMENT, with the reason, if the model does not allow it. */
 PP_API pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done);
 /** Redoes the strokes undone last, as pp_session_undo() undoes them. */
 PP_API pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done);

@@ -29,7 +29,9 @@ typedef struct pp_picture_options {
 } pp_picture_options;
 PP_OPTIONS(picture_options)
 /** Draws the present points into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` is the size of the buffer.
- * Uses the GPU that answers; a session on the CPU uses the best GPU available. Options may be null. */
+ * Uses the GPU that answers; a session on the CPU uses the best GPU available. Options may be null. PP_ERROR_ARGUMENT
+ * if the buffer is too small, PP_ERROR_GPU if there is no GPU, PP_ERROR_UNSUPPORTED if palpate was built without
+ * Vulkan. */
 PP_API pp_status pp_session_render(pp_session session, const pp_picture_options* options, uint8_t* rgba,
                                    uint64_t bytes);
 /** Writes such a picture as .png or .jpg. PP_ERROR_FILE if it cannot be written, PP_ERROR_UNSUPPORTED if palpate was
@@ -50,7 +52,8 @@ typedef struct pp_mesh_options {
 } pp_mesh_options;
 PP_OPTIONS(mesh_options)
 /** Meshes the present points by marching cubes, on the GPU that pp_session_render() uses. Options may be null.
- * PP_ERROR_FAILED if the points show no surface: they are farther apart than the support radius. */
+ * PP_ERROR_FAILED if the points show no surface: they are farther apart than the support radius. PP_ERROR_GPU
+ * and PP_ERROR_UNSUPPORTED as for pp_session_render(). */
 PP_API pp_status pp_session_mesh(pp_session session, const pp_mesh_options* options, pp_mesh* mesh);
 
 /** View of a mesh. */

@@ -51,7 +51,7 @@ typedef struct pp_seen_session {
 } pp_seen_session;
 /** Lists the sessions that are served on a network. Listens for `seconds` (0 to 600), then pings the sessions found,
  * which takes half a second, and up to two more if pings are lost. Copies the first `capacity` of them; `count` is
- * their total number. `network` may be null. */
+ * their total number. `network` may be null. PP_ERROR_NETWORK if the network cannot be used. */
 PP_API pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_session* sessions,
                                    uint64_t capacity, uint64_t* count);
 
@@ -177,7 +177,8 @@ typedef struct pp_serve_options {
 PP_OPTIONS(serve_options)
 /** Serves the cloud on a thread of its own until the server is closed, under a name of 1 to 200 bytes that no other
  * session of the network has. Normals are estimated if the cloud has none. Options may be null. The call takes a
- * second, in which it listens for another session of that name. */
+ * second, in which it listens for another session of that name. PP_ERROR_NETWORK if the name is taken or the network
+ * cannot be used, PP_ERROR_FILE if the journal cannot be written. */
 PP_API pp_status pp_serve(pp_cloud cloud, const char* name, const pp_serve_options* options, pp_server* server);
 
 /** State of a served cloud. */
