@@ -38,6 +38,8 @@ packages=(
   python3-numpy              # arrays of the Python module
   python3-pytest             # tests of the Python module
   mypy                       # type checks of the Python module
+  python3-sphinx             # reference of the Python module
+  doxygen                    # reference of the C and C++ headers
   cyclonedds-dev             # DDS: sessions shared by several machines
   cyclonedds-tools           # idlc, which compiles the network messages
   libssl-dev                 # keys of encrypted sessions

@@ -119,8 +119,8 @@ void bindMatter(py::module_& module) {
           [](PyMatter& self, std::uint64_t steps) { self.with([&](pp::Matter& matter) { matter.step(steps); }); },
           py::arg("steps") = 1,
           "step(steps=1)\n\n"
-          "Advances the scene by this number of milliseconds. Raises Error with the status \"simulation\" if\n"
-          "it diverges: it stays at that time until reset().")
+          "Advances the scene by this number of steps, each of a millisecond. Raises Error with the status\n"
+          "\"simulation\" if it diverges: it stays at that time until reset().")
       .def(
           "reset", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.reset(); }); },
           "reset()\n\n"
@@ -139,8 +139,8 @@ void bindMatter(py::module_& module) {
           },
           py::arg("name"), py::arg("value"),
           "set(name, value)\n\n"
-          "Sets a parameter from the next step on. Raises UsageError, without effect, if it is unknown or\n"
-          "out of bounds.")
+          "Sets the parameter with this name to the value, in its unit, from the next step on. Raises\n"
+          "UsageError, without effect, if it is unknown or out of bounds.")
       .def("_parameters",
            [](PyMatter& self) { return told(self.with([](pp::Matter& matter) { return matter.parameters(); })); })
       .def(
@@ -178,7 +178,9 @@ void bindSessionsMatter(py::class_<PySession>& session) {
           },
           py::arg("name"), py::arg("value"),
           "set(name, value)\n\n"
-          "Sets a parameter of a scene of matter from the next step on, also while it is live.")
+          "Sets the parameter with this name of a scene of matter to the value, in its unit, from the next\n"
+          "step on, also while it is live. Raises UsageError, without effect, if it is unknown or out of\n"
+          "bounds.")
       .def("_parameters",
            [](PySession& self) { return told(self.with([](pp::Session& open) { return open.parameters(); })); })
       .def("_motion", [](PySession& self) {

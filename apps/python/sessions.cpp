@@ -29,7 +29,7 @@ void bindTouch(py::class_<PySession>& session) {
            "the scene diverges.")
       .def("stroke", &PySession::stroke, py::arg("path"), py::arg("kind"),
            "stroke(path, kind, **brush) -> structured array\n\n"
-           "As touch(), with a brush for this path: push, carve, inflate, smooth, grab, paint or flatten.\n"
+           "As touch(), with a brush for this path. kind: push, carve, inflate, smooth, grab, paint or flatten.\n"
            "Settings of the brush: radius_mm and tau_mm (depth of the hand from which the surface yields),\n"
            "mm in the hand, or radius and tau, in model units; beta (push: share of the distance to its\n"
            "target that a point moves in one tick, 0 to 1), strength (share of the full effect in one tick,\n"
@@ -45,7 +45,7 @@ void bindTouch(py::class_<PySession>& session) {
           },
           py::arg("kind"),
           "set_brush(kind, **brush)\n\n"
-          "Sets the brush of a live hand from now on, as for stroke(); None: the hand only feels.")
+          "Sets the brush of a live hand from now on, as for stroke(); kind None: the hand only feels.")
       .def(
           "undo",
           [](PySession& self, std::uint64_t strokes) {
@@ -86,9 +86,9 @@ void bindTouch(py::class_<PySession>& session) {
           },
           py::arg("file"),
           "record(file)\n\n"
-          "Records the next path, or the next live session, up to its end, to a session log (read_log(),\n"
-          "replay()). A log begins with the points as they were opened, and holds one hand without its own\n"
-          "force law.")
+          "Records the next path, or the next live session, up to its end, to this file, a session log\n"
+          "(read_log(), replay()). A log begins with the points as they were opened, and holds one hand\n"
+          "without its own force law.")
       .def("_live_start", &PySession::startLive, py::arg("device"), py::arg("rate"), py::arg("builtin"),
            py::arg("path"), py::arg("law"), py::arg("allow_python"), py::arg("others"))
       .def("_live_raise", &PySession::raiseOfLaw)

@@ -49,3 +49,46 @@ def test_every_public_name_has_a_docstring(name):
     ("LawInput.penetration_mm", "mm")])
 def test_units_and_shapes_are_said(name, unit):
     assert re.search(unit, text_of(NAMES[name])), text_of(NAMES[name])
+
+
+def keywords_of(thing: object) -> list[str]:
+    """Its keywords; for **brush those of a brush. The compiled part gives them in the first line of its docstrings."""
+    usage = re.match(r"\w+(\(.*\))", text_of(thing).partition("\n")[0])
+    if usage:
+        names = re.findall(r"[(,] ?(\*{0,2}[a-z]\w*)", usage[1])
+    else:
+        try:
+            parameters = inspect.signature(thing).parameters.values()
+        except ValueError:
+            return []  # a compiled class that calls return
+        names = [f"{'**' * (each.kind is each.VAR_KEYWORD)}{each.name}" for each in parameters]
+    settings = pp._palpate._brush_settings()
+    return [each for name in names if name != "self" for each in (settings if name == "**brush" else [name])]
+
+
+def prose_of(name: str, thing: object) -> str:
+    """The docstring without its usage line, and those that it refers to, as in "as for stroke()"."""
+    text = re.sub(r"^\w+\(.*", "", text_of(thing))
+    owner = name.rpartition(".")[0]
+    for referred in re.findall(r"(?:as for|as|As) (\w+)\(\)", text):
+        known = NAMES.get(f"{owner}.{referred}") or NAMES.get(referred)
+        text += text_of(known) if known is not thing else ""
+    return text
+
+
+@pytest.mark.parametrize("name", [
+    name for name, thing in NAMES.items()
+    if callable(thing) and not (inspect.isclass(thing) and issubclass(thing, (pp.Error, pp.Live)))])
+def test_every_keyword_is_described(name):
+    text = prose_of(name, NAMES[name])
+    assert [each for each in keywords_of(NAMES[name]) if not re.search(rf"\b{each}\b", text)] == []
+
+
+def test_a_keyword_without_a_description_is_found():
+    def press(depth_mm: float, rate_Hz: float) -> None:
+        """Presses. depth_mm: how far."""
+
+    assert keywords_of(press) == ["depth_mm", "rate_Hz"]
+    assert "rate_Hz" not in prose_of("press", press)
+    assert set(keywords_of(pp.Session.stroke)) > {"path", "kind", "radius_mm", "strength"}
+    assert "strength" in prose_of("Session.push", pp.Session.push)

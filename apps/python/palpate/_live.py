@@ -21,7 +21,7 @@ _alive: weakref.WeakSet[Live] = weakref.WeakSet()
 
 
 class Live:
-    """A session that runs against the clock, until stop() or the end of its `with`."""
+    """A session that runs against the clock, as Session.live() returns it, until stop() or the end of its `with`."""
 
     def __init__(
         self, session: Session, on_ticks: Callable[[NDArray[Any]], object] | None, interval_s: float

@@ -41,12 +41,15 @@ class Replay:
         identical: all ticks, and all points at the end, are the same within the tolerance; to the last bit if it is 0.
         ticks: ticks of the log.
         compared: ticks compared; fewer than all if the session cannot be replayed exactly, for the reason in `because`.
-        force_ticks: ticks whose forces differ, by at most `largest_force_N`.
+        force_ticks: ticks whose forces differ.
+        largest_force_N: maximum difference of a force, N.
         edit_ticks: ticks between which the edits differ.
         points: points that differ at the end; None if they were not compared.
         first_difference_s: time of the first difference, s; None without one.
         recorded_edits_agree: whether the log's edits give the points at its end; None if the log has no end.
-        machine, recorded_on: machine of the replay, and of the recording.
+        because: reason why not all ticks were compared; "" if they were.
+        machine: machine of the replay.
+        recorded_on: machine of the recording.
     """
 
     identical: bool

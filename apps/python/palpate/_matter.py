@@ -12,7 +12,15 @@ if TYPE_CHECKING:
 
 
 class Parameter(NamedTuple):
-    """A parameter of a scene, which can be changed while the scene moves."""
+    """A parameter of a scene, which can be changed while the scene moves.
+
+    Attributes:
+        value: present value, in `unit`.
+        low: minimum of the value.
+        high: maximum of the value.
+        unit: "": dimensionless.
+        label: for display.
+    """
 
     value: float
     low: float
@@ -22,8 +30,12 @@ class Parameter(NamedTuple):
 
 
 class PortEnergy(NamedTuple):
-    """Energy that a hand has put into a scene since it began, less what it got back, J, now and its minimum. The hand
-    is passive if the minimum is never below 0.
+    """Energy that a hand has put into a scene since it began, less what it got back. The hand is passive if the minimum
+    is never below 0.
+
+    Attributes:
+        now_J: present energy, J.
+        least_J: its minimum so far, J.
     """
 
     now_J: float
@@ -65,7 +77,9 @@ class Matter(_palpate._Matter):
         return f"<palpate.Matter {self._scene!r}>"
 
     def simulate(self, seconds: float) -> None:
-        """Advances the scene by this time, rounded to milliseconds, as step() does."""
+        """Advances the scene by so many seconds, rounded to milliseconds, as step() does. Raises UsageError unless they
+        are from 0 to 1e9.
+        """
         if not 0 <= seconds < 1e9:
             raise UsageError(f"seconds: {seconds} is not a number from 0 to 1e9")
         self.step(round(seconds * 1000))

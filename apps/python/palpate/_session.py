@@ -27,8 +27,12 @@ _joined: weakref.WeakSet[Session] = weakref.WeakSet()
 
 @dataclass(frozen=True)
 class Hand:
-    """A hand of a live session after the first: its device, and the path that it follows if there is no device
-    (Session.live()).
+    """A hand of a live session after the first, for Session.live().
+
+    Attributes:
+        device: as for live(); None: path.
+        path: for the device path: an array as for touch(), followed once.
+        builtin: for sim and path: "press", "slide", "scan" or "orbit".
     """
 
     device: str | None = None
@@ -52,23 +56,27 @@ class Session(_palpate._Session):
             else the longest side becomes 100 mm, which is reported in remarks. 1 for a scan in mm that is felt at its
             own size.
         surface: surface that the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).
-        radius_mm: support radius, in the hand; None: from the spacing of the points.
+        radius_mm: support radius, mm in the hand; None: from the spacing of the points.
         friction: coefficient of sliding friction of the proxy; 0: none.
-        stiffness_N_per_mm, damping_N_s_per_mm, max_force_N: of the force.
+        stiffness_N_per_mm: of the spring from the hand to the proxy, N/mm.
+        damping_N_s_per_mm: of the damper on its change, N s/mm.
+        max_force_N: limit of the magnitude, N.
         rate_Hz: ticks per second.
         estimate_normals: even if the cloud has normals.
         threads: threads of the CPU; 0: one per core.
-        undo_memory_MiB: memory of strokes that can be undone.
+        undo_memory_MiB: memory of strokes that can be undone, MiB; beyond it the oldest are discarded.
         hands: number of simultaneous hands, 1 to 8; the first one sculpts, the others feel.
         tool: tool of the first hand: "point", or many points that share the stiffness: "pad" (a fingertip), "ball",
             "spatula".
-        tool_points, tool_size_mm: of a pad, ball or spatula: number of points, 1 to 64; diameter or length.
+        tool_points: number of points of a pad, ball or spatula, 1 to 64.
+        tool_size_mm: diameter of a pad or ball, length of a spatula, mm.
         tool_axis: direction of the face of a pad or spatula, in the model's axes.
         moving: the points move, frame by frame (add_frame()); they are at rest until the first frame.
         keeps_points: for moving points: each point has the same row in all frames.
         most_points: for moving points: maximum number of points of a frame; 0: that of the cloud.
-        speed, loop, fuse: for a recorded depth camera: seconds of the recording per second of the session; whether it
-            restarts after the last frame; whether its frames are fused into one map.
+        speed: for a recorded depth camera: seconds of the recording per second of the session.
+        loop: for a recorded depth camera: restarts after the last frame.
+        fuse: for a recorded depth camera: its frames are fused into one map.
         law: a compiled force law of the first hand instead of spring and damper: "libmine.so:law", or a numba cfunc.
             With allow_python a Python function, which is called with a LawInput in each tick of contact.
         allow_python: accepts a Python function. It costs a tick some 30 us while no other thread holds Python's lock,
@@ -188,12 +196,14 @@ class Session(_palpate._Session):
         Args:
             device: openhaptics[:NAME], dhd[:NUMBER], hid[:WHICH], sim, replay:FILE or path; None: path.
             rate: ticks per second; 0: the session's.
-            on_ticks: called with blocks of ticks (tick_dtype), on a thread of its own, every `interval_s` seconds; with
-                several hands their shape is (ticks, hands).
+            on_ticks: called with blocks of ticks (tick_dtype), on a thread of its own; with several hands their shape
+                is (ticks, hands).
             path: for the device path: an array as for touch(), followed once.
             builtin: for sim and path: "press", "slide", "scan" or "orbit".
-            law, allow_python: instead of the session's, with the same meaning.
+            law: instead of the session's, with the same meaning.
+            allow_python: instead of the session's, with the same meaning.
             others: the hands after the first.
+            interval_s: time between two calls of on_ticks, s.
 
         A scene of matter restarts. wait() and stop() raise Error if it diverges, and if this hand's part in a joined
         session has ended permanently.
@@ -215,17 +225,17 @@ class Session(_palpate._Session):
 
     @property
     def mm_per_unit(self) -> float:
-        """Millimetres per model unit."""
+        """Millimetres in the hand per model unit."""
         return float(self._info()["mm_per_unit"])
 
     @property
     def spacing_mm(self) -> float:
-        """Mean distance of neighbouring points."""
+        """Mean distance of neighbouring points, mm in the hand."""
         return float(self._info()["spacing_mm"])
 
     @property
     def radius_mm(self) -> float:
-        """Support radius."""
+        """Support radius, mm in the hand."""
         return float(self._info()["radius_mm"])
 
     @property

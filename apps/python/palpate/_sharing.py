@@ -72,12 +72,15 @@ class SeenSession(NamedTuple):
     """A served session.
 
     Attributes:
-        name, host, model: name of the session, its server's machine, and its server's description of the points.
+        name: name of the session.
+        host: machine of its server.
+        model: its server's description of the points.
         points: number of points.
-        round_trip_ms: median of the answered pings; None if none was answered.
+        round_trip_ms: median of the answered pings, ms; None if none was answered.
         version: version of the network protocol.
         fits: same version as this palpate, so that it can be joined.
-        pings, answered: number of pings, and of their answers.
+        pings: number of pings.
+        answered: number of answered pings.
     """
 
     name: str
@@ -99,7 +102,8 @@ class OtherHand(NamedTuple):
         number: the same on all machines, while it takes part.
         position: position of what it touches with, x y z, model units.
         proxy: the proxy of that on the surface, x y z, model units.
-        touching, sculpts: whether it touches, and sculpts.
+        touching: whether it touches the surface.
+        sculpts: whether it has a brush.
         age_s: s since it was heard, at most 2.
     """
 
@@ -116,7 +120,8 @@ class OtherCamera(NamedTuple):
     """Last known camera of another program's picture in a joined session.
 
     Attributes:
-        name, number: of its hand, as in OtherHand.
+        name: name of its hand.
+        number: number of its hand, as in OtherHand.
         position: x y z, model units.
         orientation: unit quaternion x y z w of the axes to the right of the picture, down in it and in the direction of
             view.
@@ -139,14 +144,20 @@ class Sharing:
     """State of the exchange with the other programs of a joined session.
 
     Attributes:
-        name, host, model: name of the session, its server's machine, and its server's description of the points.
+        name: name of the session.
+        host: machine of its server.
+        model: its server's description of the points.
         sculptable: False: served read-only; after joining nothing is exchanged, and all counts are 0.
         heard: False: the server has been silent for so long that there is no force, until it is heard again.
-        silent_s, longest_silent_s: time since the server was last heard, s, and its maximum so far.
-        round_trip_ms: median of the last pings; None if none was answered yet.
-        pings, answered: number of pings, and of their answers.
-        sent, received: states of points that this hand has made, and those of others that took effect here.
-        resent, resumed: pieces of strokes that were sent again, and requests for missing edits.
+        silent_s: time since the server was last heard, s.
+        longest_silent_s: maximum of silent_s so far.
+        round_trip_ms: median of the last pings, ms; None if none was answered yet.
+        pings: number of pings.
+        answered: number of answered pings.
+        sent: states of points that this hand has made.
+        received: states of points that others have made and that took effect here.
+        resent: pieces of strokes that were sent again.
+        resumed: number of requests for missing edits, including the first.
         delivered: the server has taken all edits of this hand.
         at_rest: and all edits of others are in effect here.
         same: at rest, and the points are the server's, bit by bit.
@@ -176,8 +187,8 @@ class Sharing:
 
 
 class Server(_palpate._Server):
-    """A served cloud (serve()), until close() or the end of its `with`. Runs on a thread of its own, independent of
-    Python; any number of threads may call it.
+    """A served cloud, as for serve(), until close() or the end of its `with`. Runs on a thread of its own, independent
+    of Python; any number of threads may call it.
     """
 
     def __init__(

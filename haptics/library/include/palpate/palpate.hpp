@@ -1,6 +1,7 @@
-// palpate: feel, see and sculpt point clouds in real time. The C interface with lifetimes and exceptions, for C++17;
-// palpate.h documents units, threads and all options. Header-only: it is compiled into the program, and only the C
-// interface is called across the library boundary.
+/// @file
+/// palpate: feel, see and sculpt point clouds in real time. The C interface with lifetimes and exceptions, for C++17;
+/// palpate.h documents units, threads and all options. Every call throws Error if that of the C interface fails.
+/// Header-only: it is compiled into the program, and only the C interface is called across the library boundary.
 #ifndef PALPATE_HPP
 #define PALPATE_HPP
 
@@ -12,17 +13,19 @@
 #include <utility>
 #include <vector>
 
+/// palpate's C interface with lifetimes and exceptions.
 namespace pp {
 
 /// A failed call: its status, a description, and the file and line that it is about.
 class Error : public std::runtime_error {
  public:
+  /// The text is what what() returns; null is not allowed.
   Error(pp_status status, const char* text, const char* file, std::uint64_t line)
       : std::runtime_error(text), status_(status), file_(file), line_(line) {}
 
-  pp_status status() const { return status_; }
+  pp_status status() const { return status_; }       ///< kind of the failure; never PP_OK
   const std::string& file() const { return file_; }  ///< empty if it is about no file
-  std::uint64_t line() const { return line_; }       ///< 0 if unknown
+  std::uint64_t line() const { return line_; }       ///< from 1; 0 if unknown
 
  private:
   pp_status status_;
@@ -35,12 +38,16 @@ inline void check(pp_status status) {
   if (status != PP_OK) throw Error(status, pp_last_error(), pp_last_error_file(), pp_last_error_line());
 }
 
+/// Version of the library at run time, such as "0.1.0".
 inline std::string version() { return pp_version(); }
 
-/// Contiguous rows of three numbers, one for each point.
+/// Contiguous rows of three numbers, one for each point. The numbers are not copied.
 inline pp_rows rows(const float* data) { return {data, PP_FLOAT32, 0, 0}; }
+/// The same for double.
 inline pp_rows rows(const double* data) { return {data, PP_FLOAT64, 0, 0}; }
+/// The same for colours of 0 to 255.
 inline pp_rows rows(const std::uint8_t* data) { return {data, PP_UINT8, 0, 0}; }
+/// The same for colours of 0 to 65535.
 inline pp_rows rows(const std::uint16_t* data) { return {data, PP_UINT16, 0, 0}; }
 
 /// A path of `count` positions x y z, model units: one for each tick. The numbers are not copied.
@@ -57,25 +64,30 @@ inline pp_path timedPath(const double* rows, std::uint64_t count) {
   return timed;
 }
 
+/// What the classes below have in common.
 namespace detail {
 
 /// A handle that is closed on destruction. Move-only.
 template <class Handle, pp_status (*kClose)(Handle)>
 class Owned {
  public:
-  Owned() = default;
+  Owned() = default;  ///< closed
+  /// Owns a handle of the C interface.
   explicit Owned(Handle handle) : handle_(handle) {}
+  /// Leaves the other one closed.
   Owned(Owned&& other) noexcept : handle_(std::exchange(other.handle_, Handle{})) {}
+  /// Exchanges the handles.
   Owned& operator=(Owned&& other) noexcept {
     std::swap(handle_, other.handle_);
     return *this;
   }
-  ~Owned() { close(); }
+  ~Owned() { close(); }  ///< Closes the handle.
   Owned(const Owned&) = delete;
   Owned& operator=(const Owned&) = delete;
 
   /// For calls of the C interface.
   Handle handle() const { return handle_; }
+  /// False after close(), and of an object that was moved from.
   bool isOpen() const { return handle_.id != 0; }
   /// Closes the handle early; has no effect if it is already closed.
   void close() {
@@ -92,6 +104,7 @@ class Owned {
 class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
  public:
   using Owned::Owned;
+  /// Copies arrays of the program (pp_cloud_create()).
   explicit Cloud(const pp_cloud_arrays& arrays) : Owned(created(arrays)) {}
   /// Reads a file of any supported format. Throws Error with file and line.
   static Cloud read(const std::string& file, const pp_read_options& options = pp_default_read_options()) {
@@ -201,6 +214,7 @@ class Matter : public detail::Owned<pp_matter, pp_matter_close> {
     check(pp_matter_frame(handle(), &frame));
     return Frame(frame);
   }
+  /// Parameters of the scene, which setParameter() changes.
   std::vector<pp_parameter> parameters() const {
     std::uint64_t count = 0;
     check(pp_matter_parameter_count(handle(), &count));
@@ -234,11 +248,13 @@ inline std::vector<pp_seen_session> surveyNetwork(const pp_network& network = pp
 class Server : public detail::Owned<pp_server, pp_server_close> {
  public:
   using Owned::Owned;
+  /// Serves the cloud under this name, which no other session of the network has.
   Server(const Cloud& cloud, const std::string& name, const pp_serve_options& options = pp_default_serve_options()) {
     pp_server server{};
     check(pp_serve(cloud.handle(), name.c_str(), &options, &server));
     *this = Server(server);
   }
+  /// Present state of the server.
   pp_server_info info() const {
     pp_server_info info = pp_default_server_info();
     check(pp_server_get_info(handle(), &info));
@@ -291,6 +307,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   /// Adds a frame (pp_session_push_frame()). May be called from any thread.
   void pushFrame(const pp_frame_arrays& frame) { check(pp_session_push_frame(handle(), &frame)); }
 
+  /// Present state of the session.
   pp_session_info info() const {
     pp_session_info info = pp_default_session_info();
     check(pp_session_get_info(handle(), &info));
@@ -338,8 +355,9 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     return ticks;
   }
 
-  /// Sets, or removes, the brush of touch() and of live hands (pp_session_set_brush()).
+  /// Sets the brush of touch() and of live hands (pp_session_set_brush()).
   void setBrush(const pp_brush& brush) { check(pp_session_set_brush(handle(), &brush)); }
+  /// Removes that brush.
   void setNoBrush() { check(pp_session_set_brush(handle(), nullptr)); }
   /// Changes surface and force; not the support radius (pp_session_set_feel()).
   void setFeel(const pp_feel& feel) { check(pp_session_set_feel(handle(), &feel)); }
@@ -351,12 +369,13 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     ticks.resize(count);
     return ticks;
   }
-  /// Undoes or redoes strokes, and returns their number.
+  /// Undoes the last strokes, and returns their number.
   std::uint64_t undo(std::uint64_t strokes = 1) {
     std::uint64_t done = 0;
     check(pp_session_undo(handle(), strokes, &done));
     return done;
   }
+  /// Redoes the strokes undone last, and returns their number.
   std::uint64_t redo(std::uint64_t strokes = 1) {
     std::uint64_t done = 0;
     check(pp_session_redo(handle(), strokes, &done));
@@ -407,8 +426,9 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     if (count < cameras.size()) cameras.resize(count);
     return cameras;
   }
-  /// Shows a camera to the others, or no camera any more (pp_session_show_camera()).
+  /// Shows a camera to the others (pp_session_show_camera()).
   void showCamera(const pp_camera_place& camera) { check(pp_session_show_camera(handle(), &camera)); }
+  /// Stops showing it.
   void hideCamera() { check(pp_session_show_camera(handle(), nullptr)); }
   /// Waits at most `seconds` until this session has the server's points (pp_session_settle()). True if it has.
   bool settle(double seconds = 10) {
@@ -428,6 +448,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   void hold(bool on = true) { check(pp_session_hold(handle(), on ? 1 : 0)); }
   /// Restarts the scene with the next tick.
   void reset() { check(pp_session_reset(handle())); }
+  /// Parameters of the scene, which setParameter() changes.
   std::vector<pp_parameter> parameters() const {
     std::uint64_t count = 0;
     check(pp_session_parameter_count(handle(), &count));
@@ -439,6 +460,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   void setParameter(const std::string& name, double value) {
     check(pp_session_set_parameter(handle(), name.c_str(), value));
   }
+  /// State of the scene's motion (pp_session_get_motion()).
   pp_motion motion() const {
     pp_motion motion = pp_default_motion();
     check(pp_session_get_motion(handle(), &motion));
@@ -458,6 +480,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     ticks.resize(count);
     return ticks;
   }
+  /// State of the present or last live session (pp_live_get_state()).
   pp_live_state liveState() const {
     pp_live_state state = pp_default_live_state();
     check(pp_live_get_state(handle(), &state));

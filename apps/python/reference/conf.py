@@ -1,0 +1,64 @@
+"""The Python reference, by Sphinx, from the docstrings of the built module. A warning is an error: an unknown name, a
+docstring that is not valid reStructuredText, a public name that index.rst lacks.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import palpate
+from sphinx.ext.napoleon import Config, GoogleDocstring
+from sphinx.util import logging
+
+project = author = "palpate"
+release = palpate.__version__
+extensions = ["sphinx.ext.autodoc"]
+html_theme = "alabaster"
+html_theme_options = {"description": "The Python module"}
+html_copy_source = False
+default_role = "code"
+python_use_unqualified_type_names = True
+nitpicky = True
+autodoc_member_order = "bysource"
+autodoc_default_options = {
+    "members": True,
+    "inherited-members": "object,tuple,pybind11_object,BaseException,AttributeError",
+}
+
+# Names of other projects, and what the docstrings of the compiled part return, in words.
+nitpick_ignore_regex = [("py:class", r"(numpy|collections\.abc|os)\..*|NDArray|(structured )?array|list of str")]
+
+
+def read_sections(app: Any, what: str, name: str, thing: object, options: Any, lines: list[str]) -> None:
+    """Reads Args and Attributes. Not of properties, whose text before a colon is no type."""
+    if what in ("class", "exception", "function", "method"):
+        sections = GoogleDocstring(list(lines), Config(napoleon_use_ivar=True), app, what, name, thing, options)
+        lines[:] = sections.lines()
+
+
+def skip_field(app: Any, what: str, name: str, thing: object, skip: bool, options: Any) -> bool | None:
+    """Leaves out the docstrings that Python gives the fields of a named tuple; those of the class describe them."""
+    return True if (getattr(thing, "__doc__", None) or "").startswith("Alias for field number") else None
+
+
+def public_name(app: Any, env: Any, node: Any, text: Any) -> Any:
+    """Resolves names of private modules, such as palpate._session.Session, to the public ones."""
+    name = node["reftarget"].rpartition(".")[2].lstrip("_")
+    if name not in palpate.__all__:
+        return None
+    return env.get_domain("py").resolve_xref(env, node["refdoc"], app.builder, "obj", f"palpate.{name}", node, text)
+
+
+def require_all_names(app: Any, env: Any) -> None:
+    """Warns of public names that the reference lacks."""
+    described = env.get_domain("py").objects
+    for name in palpate.__all__:
+        if f"palpate.{name}" not in described:
+            logging.getLogger(__name__).warning("palpate.%s is missing in index.rst", name)
+
+
+def setup(app: Any) -> None:
+    app.connect("autodoc-process-docstring", read_sections)
+    app.connect("autodoc-skip-member", skip_field)
+    app.connect("missing-reference", public_name)
+    app.connect("env-check-consistency", require_all_names)

@@ -1,0 +1,58 @@
+/** @file
+ * palpate's C interface: palpate's own servo thread, with a haptic device. palpate.h includes this. */
+#ifndef PALPATE_LIVE_H
+#define PALPATE_LIVE_H
+#ifndef PALPATE_H
+#error "include <palpate/palpate.h>, which has this"
+#endif
+
+/** @defgroup live Live sessions: palpate's own servo thread, with a haptic device
+ * @{ */
+
+/** Device, path, rate and force law of a live hand. */
+typedef struct pp_live_options {
+  uint32_t size;           /**< bytes of this struct */
+  uint32_t reserved;       /**< not used */
+  const char* device;      /**< openhaptics[:NAME] dhd[:NUMBER] hid[:WHICH] sim replay:FILE path; null: path */
+  const char* builtin;     /**< for sim and path: "press", "slide", "scan" or "orbit", instead of `path` */
+  const pp_path* path;     /**< for path: followed against the clock, after which the hand stays; copied */
+  double rate_Hz;          /**< ticks per second; 0: the session's */
+  pp_force_law law;        /**< null: the session's */
+  void* law_user;          /**< passed to `law` */
+  const char* law_library; /**< null: the session's */
+  /** Next hand, if the session has several: its device, builtin, path, and its own `next`. Only the first hand has a
+   * rate and a force law. The ticks run at the first hand's pace, even with a device whose driver would call them. */
+  const struct pp_live_options* next;
+} pp_live_options;
+PP_OPTIONS(live_options)
+/** Starts ticks against the wall clock, on a thread of palpate. Until pp_live_stop() the session accepts only calls
+ * that look at it. Options may be null. PP_ERROR_ARGUMENT for an unknown device, PP_ERROR_FAILED if a device or its
+ * driver cannot be opened. */
+PP_API pp_status pp_live_start(pp_session session, const pp_live_options* options);
+/** Copies the ticks since the last call, up to `capacity`, and takes in the edits. With several hands `capacity` and
+ * `count` are numbers of rows, as for pp_session_touch_hands(), of whole ticks. Ticks not read for half a minute at 1
+ * kHz are dropped. If the live session has ended because of a fault, returns PP_ERROR_DEVICE or PP_ERROR_GPU once no
+ * ticks are left. Returns PP_ERROR_NETWORK, with the ticks, as pp_session_follow() does. PP_ERROR_STATE if the session
+ * was never live. */
+PP_API pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count);
+
+/** State of a live session. */
+typedef struct pp_live_state {
+  uint32_t size;    /**< bytes of this struct */
+  uint32_t running; /**< 0: it has ended, or was never started */
+  uint64_t ticks;   /**< ticks of this live session read so far */
+  uint64_t missed;  /**< ticks missed, because their time had passed, before the last one read */
+} pp_live_state;
+PP_OPTIONS(live_state)
+/** State of the present or last live session. */
+PP_API pp_status pp_live_get_state(pp_session session, pp_live_state* state);
+/** Switches the force off while `on` is 0; when it is 1 again, the force ramps up. May be called from any thread, at
+ * the same time as any other call. */
+PP_API pp_status pp_live_set_forces(pp_session session, uint32_t on);
+/** Stops the live session after the tick in progress; the device has no force afterwards. Ticks not read yet can still
+ * be read. */
+PP_API pp_status pp_live_stop(pp_session session);
+
+/** @} */
+
+#endif
