@@ -223,11 +223,11 @@ class Play {
   }
   std::size_t finish() {
     session_.finish();
-    return session_.relay().batch().points.size();
+    return session_.lastEdits().points.size();
   }
   std::size_t drain() {
-    session_.relay().catchUp();
-    return session_.relay().batch().points.size();
+    session_.catchUp();
+    return session_.lastEdits().points.size();
   }
 
   Session& session_;

@@ -100,13 +100,13 @@ void chooseBackend(const Context& context, BackendOptions& options) {
 }
 
 /// Maker of the drawn cloud that follows the session, if the answering GPU also draws it. It sets `made`.
-FollowerMaker sightFor(Context& context, const TouchCommandOptions& options, DrawnFollower*& made) {
+std::vector<FollowerMaker> sightFor(Context& context, const TouchCommandOptions& options, DrawnFollower*& made) {
   if (options.pictureFile.empty() || options.backend.backend != "vulkan") return {};
-  return [&](const Model& model, TouchBackend& backend) {
+  return {[&](const Model& model, TouchBackend& backend) {
     auto follower = std::make_unique<DrawnFollower>(context.device(), model, backend);
     made = follower.get();
     return follower;
-  };
+  }};
 }
 
 TouchReport reportOf(Session& session, const ServoResult& result, const SculptedCloud& end) {
@@ -246,7 +246,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
                    .journal = keeps || !options.logFile.empty(),
                    .undo_bytes = undoBytes(config.undo),
                    .log = &context.log(),
-                   .follower = sightFor(context, options, sight)});
+                   .followers = sightFor(context, options, sight)});
   if (!options.logFile.empty())
     session.record(options.logFile, hands.front(),
                    [&context](const std::string& what) { context.log().say("{}", what); });
@@ -281,7 +281,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
       session.settleShared(kSharedPatience_s);
     }
   } catch (const Error& error) {
-    session.relay().stop();
+    session.abandonEdits();
     saveAndThrow(error, session, options.saveFile);
   }
   SessionRecording* const recording = session.recording();

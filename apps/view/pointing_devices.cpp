@@ -22,7 +22,7 @@ constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
 
 }  // namespace
 
-PointingDevices::PointingDevices(Window& window, const LiveOptions& held, bool listens)
+PointingDevices::PointingDevices(Window& window, const InteractiveOptions& held, bool listens)
     : window_(window), device_(held.device), deviceName_(held.deviceFacts.model) {
   if (listens && !device_) spaceMouse_.emplace();
 }

@@ -31,7 +31,7 @@ struct Pointed {
 class PointingDevices {
  public:
   /// A haptic device, if held, is the stylus. `listens`: use a 3D mouse, if one exists and no device is held.
-  PointingDevices(Window& window, const LiveOptions& held, bool listens);
+  PointingDevices(Window& window, const InteractiveOptions& held, bool listens);
 
   const std::string& deviceName() const { return deviceName_; }  ///< empty: no device is held
   const DVec2& cursor_px() const { return cursor_px_; }

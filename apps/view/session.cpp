@@ -53,17 +53,16 @@ SessionConfig configOf(const WindowOptions& options, const BrushSettings& brush,
 
 WindowSession::WindowSession(Context& context, Device& sight, Model model, const WindowOptions& options,
                              const BrushSettings& brush, const FeelSettings& feel)
-    : LiveSession(configOf(options, brush, feel), std::move(model),
-                  {.backend = context.backends().named(options.config.backend.name),
-                   .threads = context.threads(),
-                   .undo_bytes = options.undo_bytes,
-                   .follower =
-                       [this, &sight](const Model& touched, TouchBackend& backend) {
-                         auto drawn = std::make_unique<DrawnFollower>(sight, touched, backend);
-                         follower = drawn.get();
-                         return drawn;
-                       }},
-                  options.live),
+    : InteractiveSession(configOf(options, brush, feel), std::move(model),
+                         {.backend = context.backends().named(options.config.backend.name),
+                          .threads = context.threads(),
+                          .undo_bytes = options.undo_bytes,
+                          .followers = {[this, &sight](const Model& touched, TouchBackend& backend) {
+                            auto drawn = std::make_unique<DrawnFollower>(sight, touched, backend);
+                            follower = drawn.get();
+                            return drawn;
+                          }}},
+                         options.live),
       brush_(brush),
       feel_(feel) {}
 
@@ -98,7 +97,7 @@ void WindowSession::setBrushSettings(const BrushSettings& brush) {
 void WindowSession::setFeel(const FeelSettings& feel) {
   if (feel == feel_ || !isTouching()) return;
   feel_ = feel;
-  LiveSession::setFeel(surfaceOf(config().surface, feel), forceOf(feel), methodOf(backendName(), feel));
+  InteractiveSession::setFeel(surfaceOf(config().surface, feel), forceOf(feel), methodOf(backendName(), feel));
 }
 
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include "apps/cli/sharing_options.hpp"
 #include "engine/contact/query_method.hpp"
 #include "haptics/session/drawn_follower.hpp"
-#include "haptics/session/live_session.hpp"
+#include "haptics/session/interactive_session.hpp"
 
 namespace palpate {
 
@@ -42,7 +42,7 @@ struct WindowOptions {
   std::string hand;          ///< name of the hand in the joined session; empty: the machine's name
   StreamConfig stream;       ///< of models that are depth cameras
   std::uint64_t undo_bytes = 1ull << 30;
-  LiveOptions live;
+  InteractiveOptions live;
 };
 
 /// Pointer to the drawn copy of a session's points; a base class, as it is set while the session is constructed.
@@ -51,7 +51,7 @@ struct DrawnSlot {
 };
 
 /// A model in the window.
-class WindowSession final : private DrawnSlot, public LiveSession {
+class WindowSession final : private DrawnSlot, public InteractiveSession {
  public:
   /// Builds everything on the GPUs. `sight`: device that draws the picture. Throws Error.
   WindowSession(Context& context, Device& sight, Model model, const WindowOptions& options, const BrushSettings& brush,

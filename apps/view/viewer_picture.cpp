@@ -61,7 +61,7 @@ void Viewer::draw(double dt_s) {
     session->drawn().closeSurface();
     shown_.fit(screen_.size_px(), settings_.view);
     shown_.keepFound(pointing_.isPressing());
-    layers.servoCore = session->servoCore();
+    layers.servoCore = session->live()->core();
     layers.model = &shown_.picture();
     layers.drawModel = [&](CommandList& list) {
       viewpoint_.setDepthRange(session->bounds());

@@ -83,25 +83,25 @@ void LiveHands::start() {
   std::vector<OpenHand> hands;
   for (const HandSource& source : hands_) hands.push_back(source.hand());
   const CustomForce own = law_.custom();
-  thread_.emplace(with_.session, hands,
-                  ServoThread::Options{.forcesOn = &with_.forcesOn, .law = own ? own : with_.law, .rate_Hz = rate_Hz_});
+  with_.session.start(std::move(hands),
+                      {.rate_Hz = rate_Hz_, .forcesOn = &with_.forcesOn, .law = own ? own : with_.law});
+  started_ = true;
 }
 
 void LiveHands::stop() {
-  stopped_ = true;
-  if (thread_) thread_->stop();
+  if (started_) with_.session.stop();
 }
 
 std::uint64_t LiveHands::take(pp_tick* ticks, std::uint64_t capacity) {
   if (next_ == waiting_.size()) {
-    const bool ended = thread_->hasEnded();  // queried before the last ticks are read
+    LiveRun& run = *with_.session.live();
+    const bool ended = run.hasEnded();  // queried before the last ticks are read
     waiting_.clear();
     next_ = 0;
-    thread_->take(waiting_);
-    if (waiting_.empty() && ended && !stopped_) {
-      const std::string why = thread_->fault().empty() ? "the servo thread has ended" : thread_->fault();
-      if (thread_->deviceFailed()) throw DeviceError("{}", why);
-      throw GpuError("{}", why);
+    run.take(waiting_);
+    if (waiting_.empty() && ended && !run.fault().empty()) {
+      if (run.deviceFailed()) throw DeviceError("{}", run.fault());
+      throw GpuError("{}", run.fault());
     }
   }
   const std::size_t hands = hands_.size();

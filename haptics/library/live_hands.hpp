@@ -9,7 +9,7 @@
 
 #include "haptics/library/force_function.hpp"
 #include "haptics/session/hand_source.hpp"
-#include "haptics/session/servo_thread.hpp"
+#include "haptics/session/session.hpp"
 
 namespace palpate::library {
 
@@ -25,13 +25,16 @@ class LiveHands {
   };
   /// Opens the devices, one for each hand of the session, without starting ticks. Throws Error.
   LiveHands(const pp_live_options& options, const Surroundings& with);
+  ~LiveHands() { stop(); }
+  LiveHands(const LiveHands&) = delete;
+  LiveHands& operator=(const LiveHands&) = delete;
 
   double rate_Hz() const { return rate_Hz_; }
   bool hasLaw() const { return hasLaw_; }
   OpenHand first() const { return hands_.front().hand(); }
-  /// Starts the servo thread.
+  /// Starts the session's servo thread.
   void start();
-  bool isRunning() const { return thread_ && !thread_->hasEnded(); }
+  bool isRunning() const { return started_ && with_.session.isLive(); }
   void stop();
   /// Reads rows of whole ticks, up to `capacity`, and returns their number. Throws DeviceError or GpuError if the
   /// thread has ended because of a fault and no ticks are left.
@@ -48,8 +51,7 @@ class LiveHands {
   std::size_t next_ = 0;
   std::uint64_t ticks_ = 0, missed_ = 0;
   std::optional<double> lastTime_s_;
-  bool stopped_ = false, hasLaw_ = false;
-  std::optional<ServoThread> thread_;  // destroyed first
+  bool started_ = false, hasLaw_ = false;
 };
 
 }  // namespace palpate::library

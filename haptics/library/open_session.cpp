@@ -125,7 +125,7 @@ bool OpenSession::settleShared(double seconds) {
   joined();
   endAsking();
   session_->backend().finish();
-  session_->relay().finish();
+  session_->catchUp();
   checkShared();
   const bool isSame = session_->settleShared(seconds, Session::Settling::all);
   checkShared();
@@ -173,23 +173,21 @@ void OpenSession::make(SessionConfig config, bool journal, bool editable) {
                    .sharedPatience_s = joined_ ? joined_->patience_s() : kSharedPatience_s,
                    .log = &remarks_.sink(),
                    .source = frames_.get(),
-                   .follower = [this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }});
+                   .followers = {[this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }}});
   if (editable) session_->setBrush(std::nullopt);
   editable_ = editable || session_->shared() || session_->far();  // else a brush is refused with a reason
 }
 
 void OpenSession::endAsking() {
   if (isLive()) throw StateError("the session is live; stop it first");
-  if (!asked_) return;
-  asked_->check();
-  asked_.reset();
+  session_->endPulling();
 }
 
 void OpenSession::settle() {
   endAsking();
   if (hasFailed()) {
-    if (session_->recording()) session_->releaseRecording();  // its end is unknown
-    return session_->relay().finish();                        // only a reset is possible
+    if (session_->recording()) session_->abandonRecording();  // its end is unknown
+    return session_->catchUp();                               // only a reset is possible
   }
   session_->finish();
   endRecording();
@@ -267,7 +265,7 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
   ServoResult result = session_->run(
       hands, {.begin_s = next_s_, .observer = watch_->isTold() ? tells : TickObserver(), .law = law_.custom()});
   if (moves() && !result.trace().rows.empty()) next_s_ = result.trace().rows.back().time_s + 1 / config_.rate_Hz;
-  if (hasFailed()) session_->releaseRecording();  // its end is unknown
+  if (hasFailed()) session_->abandonRecording();  // its end is unknown
   hips_.clear();
   for (const HandResult& hand : result.hands)
     if (moves() && !hand.trace.rows.empty()) hips_.push_back(hand.trace.rows.back().hip);
@@ -355,30 +353,28 @@ void OpenSession::stopLive() {
     frames_->restart();            // the next path begins at 0
   }
   if (!session_->recording()) return takeIn();
-  if (hasFailed()) session_->releaseRecording();
+  if (hasFailed()) session_->abandonRecording();
   session_->finish();
   endRecording();
 }
 
-std::span<const AskedTick> OpenSession::touch(std::span<const Pose> poses) {
+std::span<const PulledTick> OpenSession::touch(std::span<const Pose> poses) {
   if (poses.size() != hands())
     throw UsageError("hands: {} poses were given to a session of {} hands", poses.size(), hands());
-  if (!asked_) {
+  if (!session_->isPulled()) {
     if (isLive()) throw StateError("the session is live; stop it first");
     checkShared();
-    asked_.emplace(*session_, AskedHandsOptions{.budget_us = budget_us_, .law = law_.custom()});
+    session_->pull({.budget_us = budget_us_, .law = law_.custom()});
   }
   reset_.store(false, std::memory_order_relaxed);
   hips_.clear();
   next_s_ = moves() ? poses.front().time_s + 1 / config_.rate_Hz : 0;
-  return asked_->tick(poses);
+  return session_->tick(poses);
 }
 
-void OpenSession::lift() {
-  if (asked_) asked_->lift();
-}
+void OpenSession::lift() { session_->lift(); }
 
-void OpenSession::takeIn() { session_->relay().catchUp(); }
+void OpenSession::takeIn() { session_->catchUp(); }
 
 pp_session_info OpenSession::info() const {
   pp_session_info info = usual<pp_session_info>();
@@ -389,14 +385,9 @@ pp_session_info OpenSession::info() const {
   info.spacing_mm = scale.toMm(model_->spacing);
   info.radius_mm = scale.toMm(session_->surface().radius);
   info.rate_Hz = session_->config().rate_Hz;
-  const ShapeStrokes* const shape = session_->backend().shapeStrokes();
-  if (shape) {
-    info.undoable = shape->counts().undoable;
-    info.redoable = shape->counts().redoable;
-  } else if (const Journal* journal = session_->journal()) {
-    info.undoable = journal->undoable();
-    info.redoable = journal->redoable();
-  }
+  const StrokeCounts strokes = session_->strokes();
+  info.undoable = strokes.undoable;
+  info.redoable = strokes.redoable;
   info.edits = edits_;
   putText(config_.backend.name, info.backend);
   putText(session_->machine(), info.machine);

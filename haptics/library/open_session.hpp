@@ -17,7 +17,6 @@
 #include "haptics/library/objects.hpp"
 #include "haptics/library/pushed_frames.hpp"
 #include "haptics/library/remarks.hpp"
-#include "haptics/session/asked_hands.hpp"
 #include "haptics/session/session.hpp"
 
 namespace palpate::library {
@@ -73,7 +72,7 @@ class OpenSession {
 
   // Touch.
   /// One tick, with a pose for each hand. Throws UsageError for another number of poses.
-  std::span<const AskedTick> touch(std::span<const Pose> poses);
+  std::span<const PulledTick> touch(std::span<const Pose> poses);
   void lift();
 
   // Look.
@@ -162,7 +161,6 @@ class OpenSession {
   std::shared_ptr<const FrameObject> frame_;  // newest frame
   std::unique_ptr<PushedFrames> frames_;      // if the program provides frames
   std::unique_ptr<Session> session_;
-  std::optional<AskedHands> asked_;
   std::optional<LiveHands> live_;  // destroyed first
 };
 

@@ -152,7 +152,7 @@ pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double*
       asked[i] = poseFrom(poses[i], turns ? turns + 4 * i : nullptr);
       asked[i].time_s = asked[0].time_s;
     }
-    const std::span<const AskedTick> ticks = open.touch({asked.data(), hands});
+    const std::span<const PulledTick> ticks = open.touch({asked.data(), hands});
     for (std::size_t i = 0; i < hands; ++i) {
       contacts[i] = contactOf(ticks[i].contact, asked[i].hip, ticks[i].force_N, open.model().scale.mm_per_unit);
       for (int k = 0; torques_mNm && k < 3; ++k)

@@ -15,7 +15,6 @@ constexpr double kBetweenChecks_s = 1.0 / 240;  // of checking whether the back 
 
 EditRelay::EditRelay(const PointCloud& cloud, EditStream* edits, const RelayOptions& options)
     : points_(cloud.size()), edits_(edits), options_(options) {
-  std::erase(options_.followers, nullptr);
   if (!options.journal) return;
   journal_.emplace(cloud, options.undo_bytes);
   if (edits_) edits_->keep();
@@ -65,6 +64,10 @@ void EditRelay::observe(const TraceRow& row) {
 void EditRelay::catchUp() {
   batch_.clear();
   if (journal_ && edits_) edits_->take(batch_);
+  if (!batch_.empty()) {
+    if (options_.log) options_.log->add(batch_);
+    journal_->follow(batch_);
+  }
   for (EditFollower*& follower : options_.followers) {
     try {
       follower->catchUp(batch_);
@@ -74,9 +77,6 @@ void EditRelay::catchUp() {
     }
   }
   std::erase(options_.followers, nullptr);
-  if (batch_.empty()) return;
-  if (options_.log) options_.log->add(batch_);
-  journal_->follow(batch_);
 }
 
 void EditRelay::checkFollower() const {

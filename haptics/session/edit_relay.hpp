@@ -15,7 +15,7 @@
 namespace palpate {
 
 struct RelayOptions {
-  std::vector<EditFollower*> followers;  ///< null entries are ignored
+  std::vector<EditFollower*> followers;  ///< take the edits after the journal
   double rate_Hz = 30;                   ///< how often edits are taken against the clock
   bool journal = false;
   std::uint64_t undo_bytes = 0;  ///< the journal's budget for strokes

@@ -2,20 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <thread>
 #include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/core/clock.hpp"
 #include "engine/core/job_stop.hpp"
-#include "engine/core/parallel.hpp"
 #include "engine/matter/matter_parameters.hpp"
-#include "engine/matter/matter_pond.hpp"
-#include "engine/matter/matter_rules.hpp"
 #include "engine/motion/brick_source.hpp"
-#include "engine/touch/brick_matter.hpp"
-#include "engine/touch/matter_touch.hpp"
+#include "haptics/session/session_setup.hpp"
 #include "haptics/session/stream_model.hpp"
 
 namespace palpate {
@@ -24,109 +17,6 @@ namespace {
 
 constexpr double kRelay_Hz = 30;         // of taking edits against the clock
 constexpr double kSharedRelay_Hz = 400;  // and if others wait for them
-constexpr double kOthersBusy_s = 1;      // maximum wait for others who still edit, once this hand's edits are accepted
-
-SessionConfig checked(SessionConfig config, const BackendKind& kind) {
-  validate(config);
-  kind.check(config);
-  return config;
-}
-
-// Why the model cannot be sculpted; empty: it can.
-std::string fixedBecause(const SessionConfig& config, const Model& model) {
-  const Abilities can(modelKindOf(config, model));
-  if (can.allow(Action::sculpt)) return {};
-  return fmt::format("{}: {}", config.model.file, can.refusal(Action::sculpt));
-}
-
-std::optional<BrushOptions> brushOf(const SessionConfig& config, const Model& model) {
-  if (!config.brush) return std::nullopt;
-  return brushOptions(*config.brush, model.scale);
-}
-
-// Matter that another program simulates: the particles around the hands are simulated here, on the CPU.
-std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model& model, const SessionParts& parts) {
-  if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
-  const MatterScene& scene = *model.farMatter;
-  const std::size_t hands = std::max<std::size_t>(1, config.hands.size());
-  BrickSource& source = model.far->source();
-  // Some thousand particles, two or more steps per millisecond: threads that wait for one another need a core each.
-  constexpr unsigned kMaxThreads = 4;
-  const unsigned threads = std::clamp(threadCount(parts.threads) / kMaxThreads, 1U, kMaxThreads);
-  constexpr std::uint64_t kMemory_bytes = std::uint64_t{1} << 32;  // limit for a scene from another program
-  auto pond = std::make_unique<MatterPond>(
-      scene, MatterOptions{.threads = threads, .tools = hands, .memory_bytes = kMemory_bytes, .model = model.standing},
-      newsOf(source));
-  auto felt =
-      std::make_unique<MatterTouch>(std::move(pond), MatterTouchOptions{.hands = hands,
-                                                                        .threads = parts.threads,
-                                                                        .realtime = true,
-                                                                        .machine = cpuBackend()->machine(threads),
-                                                                        .varies = true});
-  // Reach of the weights.
-  const double support = kSupport_spacings * particleSpacing_mm(scene);
-  return std::make_unique<BrickTouch>(source, std::move(felt),
-                                      BrickTouchOptions{.radius = support,
-                                                        .tool = scene.tool.radius_mm,
-                                                        .origin = model.cloud.origin,
-                                                        .brush = brushOf(config, model),
-                                                        .fixed = fixedBecause(config, model)});
-}
-
-// A cloud that another program has: only its points around the hands are here and felt.
-std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const Model& model,
-                                             const SurfaceOptions& surface, const SessionParts& parts) {
-  if (!parts.backend.capabilities().followsMotion)
-    throw ConfigError("backend.name", "{} requires all points in this program; take vulkan or cpu",
-                      config.backend.name);
-  if (model.farMatter) return makePond(config, model, parts);
-  std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
-  double reach = 0;
-  for (const ToolPoint& point : tools.front().points) reach = std::max(reach, glm::length(point.place));
-  tools.resize(std::max<std::size_t>(1, config.hands.size()));
-  BrickSource& source = model.far->source();
-  auto felt = parts.backend.make({.model = model,
-                                  .config = config,
-                                  .surface = surface,
-                                  .brush = std::nullopt,
-                                  .tools = std::move(tools),
-                                  .threads = parts.threads,
-                                  .source = &source,
-                                  .fusion = std::nullopt});
-  return std::make_unique<BrickTouch>(source, std::move(felt),
-                                      BrickTouchOptions{.radius = surface.radius,
-                                                        .widening = surface.widening,
-                                                        .tool = reach,
-                                                        .origin = model.cloud.origin,
-                                                        .brush = brushOf(config, model),
-                                                        .fixed = fixedBecause(config, model)});
-}
-
-std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Model& model,
-                                          const SurfaceOptions& surface, const SessionParts& parts, CloudSource* source,
-                                          const std::optional<FusedStream>& fusion) {
-  if (model.far) return makeFarBackend(config, model, surface, parts);
-  std::optional<BrushOptions> brush = brushOf(config, model);
-  // Edits of others require editable points, even if this hand has no brush.
-  if (model.share && !brush) brush = brushOptions({.keepsDensity = false}, model.scale);
-  // Only the first hand has the tool.
-  std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
-  tools.resize(std::max<std::size_t>(1, config.hands.size()));
-  // Allocates for any later brush, which may keep the density.
-  std::optional<BrushOptions> widest = brush;
-  if (widest && !model.share) widest->keepsDensity = true;
-  auto backend = parts.backend.make({.model = model,
-                                     .config = config,
-                                     .surface = surface,
-                                     .brush = widest,
-                                     .paintable = parts.paintable || model.share,
-                                     .tools = std::move(tools),
-                                     .threads = parts.threads,
-                                     .source = source,
-                                     .fusion = source ? std::nullopt : fusion});
-  if (brush && widest->keepsDensity != brush->keepsDensity) backend->setBrush(brush);
-  return backend;
-}
 
 /// Notifies all recorders in this order; any may be null.
 class Recorders final : public TickRecorder {
@@ -145,40 +35,7 @@ class Recorders final : public TickRecorder {
   std::array<TickRecorder*, 3> all_;
 };
 
-/// Reports the positions of the hands: to the presence, which shows them to others, and to the shared follower, which
-/// applies the changes of others gently where a hand touches.
-class ToldHands final : public TickRecorder {
- public:
-  /// Either pointer may be null. `hands`: their number. `sculpts`: the first one has a brush.
-  ToldHands(SharedFollower* shared, SharedPresence* presence, std::size_t hands, bool sculpts)
-      : shared_(shared), presence_(presence), sculpts_(sculpts) {
-    places_.count = static_cast<std::uint32_t>(hands);
-  }
-  void tickedToo(std::size_t hand, const TraceRow& row) noexcept override { places_.hands[hand] = placeOf(row); }
-  void ticked(const TraceRow& row, const DeviceState&) noexcept override {
-    places_.hands[0] = placeOf(row);
-    places_.hands[0].sculpts = sculpts_;
-    if (shared_) shared_->moved(places_);
-    if (presence_) presence_->moved(places_);
-  }
-
- private:
-  static HandPlace placeOf(const TraceRow& row) {
-    return {.position = row.hip, .proxy = row.proxy, .touching = row.contact};
-  }
-  SharedFollower* shared_;
-  SharedPresence* presence_;
-  bool sculpts_;
-  HandPlaces places_;
-};
-
 }  // namespace
-
-HandSpring springOf(const ForceLaw& law) {
-  return {.stiffness_N_per_unit = law.options().stiffness_N_per_mm * law.scale().mm_per_unit,
-          .damping_N_s_per_unit = law.options().damping_N_s_per_mm * law.scale().mm_per_unit,
-          .most_N = law.options().maxForce_N};
-}
 
 Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const SessionParts& parts)
     : kind_(parts.backend),
@@ -189,19 +46,17 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       fusion_(fusedStream(config_, model_, stream_, parts.threads, parts.log)),
       source_(fusion_ && kind_.capabilities().fusesFrames ? nullptr : makeSource(config_, *model_, stream_, fusion_)),
       isMoved_(parts.source != nullptr),
-      backend_(makeBackend(config_, *model_, surface_, parts, isMoved_ ? parts.source : source_.get(), fusion_)),
+      backend_(makeTouch(parts)),
       machine_(backend_->report().machine),
-      follower_(parts.follower ? parts.follower(*model_, *backend_) : nullptr),
+      followers_(make(parts.followers)),
       shared_(takePart()),
       sharedPatience_s_(parts.sharedPatience_s),
       log_(parts.log),
-      bricks_(dynamic_cast<BrickTouch*>(backend_.get())),
       relay_(model_->cloud, backend_->edits(),
-             {.followers = {shared_.get(), follower_.get()},
+             {.followers = followers(),
               .rate_Hz = shared_ ? kSharedRelay_Hz : kRelay_Hz,
               .journal = (parts.journal || shared_) && kind_.capabilities().keepsEdits,
               .undo_bytes = parts.undo_bytes}) {
-  if (shared_ && !config_.brush) backend_->setBrush(std::nullopt);
   // No file tells a replay the scale, so the configuration must.
   if (config_.join) config_.model.mm_per_unit = model_->scale.mm_per_unit;
 }
@@ -209,7 +64,36 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
 Session::Session(SessionConfig config, Model model, const SessionParts& parts)
     : Session(std::move(config), std::make_shared<const Model>(std::move(model)), parts) {}
 
-Session::~Session() { relay_.stop(); }
+Session::~Session() {
+  stop();
+  relay_.stop();
+}
+
+std::unique_ptr<TouchBackend> Session::makeTouch(const SessionParts& parts) {
+  MadeBackend made = makeBackend({.kind = kind_,
+                                  .config = config_,
+                                  .model = *model_,
+                                  .surface = surface_,
+                                  .threads = parts.threads,
+                                  .paintable = parts.paintable,
+                                  .source = isMoved_ ? parts.source : source_.get(),
+                                  .fusion = fusion_});
+  bricks_ = made.bricks;
+  return std::move(made.touch);
+}
+
+std::vector<std::unique_ptr<EditFollower>> Session::make(const std::vector<FollowerMaker>& makers) const {
+  std::vector<std::unique_ptr<EditFollower>> made;
+  for (const FollowerMaker& each : makers) made.push_back(each(*model_, *backend_));
+  return made;
+}
+
+std::vector<EditFollower*> Session::followers() const {
+  std::vector<EditFollower*> all;
+  if (shared_) all.push_back(shared_.get());
+  for (const auto& each : followers_) all.push_back(each.get());
+  return all;
+}
 
 std::unique_ptr<SharedFollower> Session::takePart() {
   if (!model_->share) {
@@ -222,73 +106,6 @@ std::unique_ptr<SharedFollower> Session::takePart() {
         "--read-only",
         config_.backend.name, config_.model.file, config_.backend.name);
   return model_->share(model_->cloud, *backend_);
-}
-
-// Points around the hands alone: waits until the server has accepted their edits.
-bool Session::settleFar(double patience_s) {
-  backend_->finish();  // the edit in progress
-  const Stopwatch since;
-  while (!model_->far->counts().delivered && !isStopWanted() && since.elapsed_s() < patience_s) {
-    model_->far->check();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return model_->far->counts().delivered;
-}
-
-bool Session::settleShared(double patience_s, Settling until) {
-  if (model_->far) return settleFar(patience_s);
-  if (!shared_) return true;
-  const Stopwatch since;
-  relay_.catchUp();
-  // The last message may be older than this call: another hand's strokes may be with the server and not yet here.
-  if (until == Settling::all) shared_->askServer();
-  SharedCounts counts = shared_->counts();
-  const auto isSettled = [&] { return counts.atRest && counts.same; };
-  const std::uint64_t inEffectBefore = counts.inEffect;
-  const auto goesOnWithoutUs = [&] {
-    return until == Settling::known && counts.delivered && counts.inEffect > inEffectBefore &&
-           since.elapsed_s() > kOthersBusy_s;
-  };
-  const auto isOver = [&] { return isSettled() || !counts.fault.empty() || goesOnWithoutUs(); };
-  std::vector<Pose> far(backend_->hands());
-  // Hands that touch nothing: the changes of others are applied between their answers.
-  const Bounds box = boundsOf(model_->cloud);
-  constexpr double kFar = 1e3;  // longest sides
-  const DVec3 nowhere = model_->cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
-  for (Pose& pose : far) pose = {.time_s = last_s_, .hip = nowhere, .sculpts = false};
-  bool hasAsked = false;
-  const auto goesOn = [&] { return !isOver() && !isStopWanted() && since.elapsed_s() < patience_s; };
-  do {
-    for (; goesOn(); counts = shared_->counts()) {
-      backend_->ask(far, 0);
-      hasAsked = true;
-      relay_.catchUp();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    backend_->finish();
-    relay_.catchUp();
-    counts = shared_->counts();  // with the changes that took effect meanwhile
-  } while (goesOn());
-  if (hasAsked)
-    for (std::size_t hand = 0; hand < far.size(); ++hand) backend_->resetHand(hand);
-  return isSettled();
-}
-
-bool Session::deliver(double patience_s, double unheard_s) {
-  if (!shared_ && !model_->far) return true;
-  backend_->finish();
-  relay_.catchUp();
-  const auto isDelivered = [&] { return shared_ ? shared_->counts().delivered : model_->far->counts().delivered; };
-  const auto isHeard = [&] { return known()->isTrue() && known()->share() > 0; };
-  for (const Stopwatch since; !isDelivered();) {
-    if (isStopWanted() || since.elapsed_s() >= patience_s || (since.elapsed_s() >= unheard_s && !isHeard())) {
-      if (log_)
-        log_->say("'{}': the server has not confirmed all strokes of this hand, which may be lost", config_.model.file);
-      return false;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
 }
 
 std::optional<PlayCounts> Session::playCounts() const {
@@ -314,8 +131,10 @@ void Session::setBrush(const std::optional<BrushConfig>& brush) {
   next = checked(std::move(next), kind_);
   std::optional<BrushOptions> options;
   if (brush) options = brushOptions(*brush, model_->scale);
-  backend_->setBrush(options);
-  config_ = std::move(next);
+  between([&] {
+    backend_->setBrush(options);
+    config_ = std::move(next);
+  });
 }
 
 void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method) {
@@ -324,9 +143,11 @@ void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, c
   next.force = force;
   next.backend.method = method;
   next = checked(std::move(next), kind_);
-  if (next.surface != config_.surface || next.backend != config_.backend)
-    backend_->setContact(next.surface.kind, next.surface.friction, kind_.methodOf(next.backend));
-  config_ = std::move(next);
+  between([&] {
+    if (next.surface != config_.surface || next.backend != config_.backend)
+      backend_->setContact(next.surface.kind, next.surface.friction, kind_.methodOf(next.backend));
+    config_ = std::move(next);
+  });
 }
 
 void Session::setParameter(std::string_view name, double value) {
@@ -355,8 +176,11 @@ void Session::record(const std::string& file, const OpenHand& hand, RecordingFau
 }
 
 std::unique_ptr<SessionRecording> Session::releaseRecording() {
-  relay_.setLog(nullptr);
-  return std::exchange(recording_, nullptr);
+  if (!recording_) return nullptr;
+  return between([&] {
+    relay_.setLog(nullptr);
+    return std::exchange(recording_, nullptr);
+  });
 }
 
 void Session::endRecording() {
@@ -412,8 +236,8 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                         .options = {.map = hand.map, .passivity = hand.passivity}});
   if (!touching.empty()) touching.front().law.setCustom(options.law);
   const double rate_Hz = options.rate_Hz > 0 ? options.rate_Hz : config_.rate_Hz;
-  ToldHands told(shared_.get(), presence(), touching.size(), config_.brush.has_value());
-  Recorders recorders({recording_.get(), options.recorder, &told});
+  HandPublisher publisher(shared_.get(), presence(), touching.size(), config_.brush.has_value());
+  Recorders recorders({recording_.get(), options.recorder, &publisher});
   if (!options.endless) settleShared(sharedPatience_s_);  // takes in the edits made before this hand joined
   if (bricks_) awaitPoints(hands, options);
   const JobStopScope whole(JobStopScope::whole());  // no tick is cut short
@@ -442,6 +266,55 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
   return result;
 }
 
+void Session::start(std::vector<OpenHand> hands, const LiveRunOptions& options) {
+  LiveRunOptions live = options;
+  if (live.rate_Hz <= 0) live.rate_Hz = config_.rate_Hz;
+  live_.emplace(std::move(hands), live,
+                [this](std::span<const OpenHand> touching, const LiveRunOptions& how, const std::atomic<bool>& stop,
+                       TickRecorder& recorder) {
+                  ServoResult result = run(touching, {.begin_s = how.begin_s,
+                                                      .rate_Hz = how.rate_Hz,
+                                                      .endless = true,
+                                                      .clock = how.clock.get(),
+                                                      .stop = &stop,
+                                                      .forcesOn = how.forcesOn,
+                                                      .recorder = &recorder,
+                                                      .realtime = true,
+                                                      .law = how.law});
+                  if (result.queryLost) result.fault = machine_ + " was lost; earlier results are kept";
+                  return result;
+                });
+}
+
+void Session::stop() {
+  if (live_) live_->pause();
+}
+
+bool Session::park() {
+  if (!live_ || !live_->pause()) return false;
+  if (!live_->fault().empty()) return false;
+  backend_->finish();
+  relay_.catchUp();
+  return true;
+}
+
+void Session::pull(const PullOptions& options) {
+  pulled_.emplace(
+      PulledParts{.backend = *backend_,
+                  .config = config_,
+                  .scale = model_->scale,
+                  .known = known(),
+                  .others = {shared(), presence(), backend_->hands(), config_.brush.has_value()},
+                  .takesEdits = options.budget_us == 0 ? relay_.begin(config_.rate_Hz, false) : TickObserver()},
+      options);
+}
+
+void Session::endPulling() {
+  if (!pulled_) return;
+  pulled_->check();
+  pulled_.reset();
+}
+
 void Session::finish() {
   if (model_->far) model_->far->check();
   backend_->finish();
@@ -459,11 +332,24 @@ void Session::require(Action action, std::string_view what) const {
 }
 
 UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
-  if (ShapeStrokes* const shape = backend_->shapeStrokes()) return undoStrokes(*shape, strokes, redo);
   require(Action::undo, "undo");
-  if (!journal()) throw Error("a session without a journal has no strokes to undo");
-  return undoStrokes(
-      *backend_->edits(), *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);
+  return between([&] {
+    if (ShapeStrokes* const shape = backend_->shapeStrokes()) return undoStrokes(*shape, strokes, redo);
+    if (!journal()) throw Error("a session without a journal has no strokes to undo");
+    return undoStrokes(
+        *backend_->edits(), *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);
+  });
+}
+
+StrokeCounts Session::strokes() const {
+  if (const ShapeStrokes* const shape = backend_->shapeStrokes()) return shape->counts();
+  const Journal* const kept = journal();
+  if (!kept) return {};
+  return {.strokes = kept->strokes(),
+          .dropped = kept->dropped(),
+          .undoable = kept->undoable(),
+          .redoable = kept->redoable(),
+          .version = kept->version()};
 }
 
 SculptedCloud Session::sculpted() const {

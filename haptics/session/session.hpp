@@ -6,6 +6,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "engine/touch/brick_touch.hpp"
 #include "haptics/servo_loop.hpp"
@@ -13,7 +15,9 @@
 #include "haptics/session/backends.hpp"
 #include "haptics/session/edit_relay.hpp"
 #include "haptics/session/hand_source.hpp"
+#include "haptics/session/live_run.hpp"
 #include "haptics/session/moving_model.hpp"
+#include "haptics/session/pulled_hands.hpp"
 #include "haptics/session/session_recording.hpp"
 
 namespace palpate {
@@ -40,7 +44,7 @@ struct SessionParts {
   Log* log = nullptr;
   /// Moves the points, if the configuration does not; must outlive the session. Null: nothing moves them.
   CloudSource* source = nullptr;
-  FollowerMaker follower;  ///< empty: only the journal and the log follow
+  std::vector<FollowerMaker> followers;  ///< beside the journal and the log
 };
 
 /// Options of a run beside the configuration. All pointees must outlive it.
@@ -64,10 +68,12 @@ struct SculptedCloud {
   std::size_t edited = 0;  ///< points that are moved, recoloured, removed or new, compared with the file
 };
 
-/// The spring by which a hand with this law presses on a surface that yields.
-HandSpring springOf(const ForceLaw& law);
-
-/// For one thread at a time; in real time, the thread that calls run() is the servo thread.
+/// A model that hands touch: *run* along paths, in virtual time or against the clock; *live*, on a servo thread of its
+/// own without end; or *pulled*, tick by tick, by the host program. Commands (brush, surface, undo, frames, recording)
+/// take effect between two ticks: a live session is paused for them, its hands are without force for a moment, and it
+/// goes on one tick later.
+///
+/// For one thread at a time, which also takes the edits, unless stated otherwise.
 class Session {
  public:
   /// Builds the index. `model` has points and normals; sessions may share it. Throws Error, ConfigError.
@@ -77,39 +83,141 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  // What it is made of.
+
   const SessionConfig& config() const { return config_; }
   const Model& model() const { return *model_; }
   /// As it is felt, model units.
   const SurfaceOptions& surface() const { return surface_; }
   std::string method() const { return kind_.methodOf(config_.backend); }
+  /// Name of the answering machine. Thread-safe.
+  const std::string& machine() const { return machine_; }
   /// The actions that the model allows, and the reason for each refusal.
   Abilities abilities() const;
   /// Throws Error "WHAT: the refusal" where the model or the back end refuses the action.
   void require(Action action, std::string_view what) const;
   TouchBackend& backend() const { return *backend_; }
-  /// Name of the answering machine. Thread-safe.
-  const std::string& machine() const { return machine_; }
-  /// Throws the failure of the follower, which has not followed since; call it once everything else is saved.
+  /// Controls the simulation of the model; null if it is not simulated. Thread-safe.
+  SimulationControl* simulation() const { return backend_->simulation(); }
+  /// Null if no journal is kept.
+  Journal* journal() { return relay_.journal(); }
+  const Journal* journal() const { return relay_.journal(); }
+
+  // Run: along paths.
+
+  /// Plays the hands, the first of which may sculpt. In virtual time edits are taken between ticks; against the clock a
+  /// thread of its own takes them. Throws UsageError for incompatible hands.
+  ServoResult run(std::span<const OpenHand> hands, const RunOptions& options);
+  /// Waits for the last edit and lets all followers take the edits; if others sculpt, too, also until the edits are in
+  /// effect everywhere, at most SessionParts::sharedPatience_s. Throws errors of earlier queries.
+  void finish();
+  /// Lets the followers take the edits so far. Throws what taking them throws.
+  void catchUp() { relay_.catchUp(); }
+  /// Ends the thread that takes the edits; the journal stays as it is, edits may be missing.
+  void abandonEdits() { relay_.stop(); }
+  /// Edits taken last, if there is a journal.
+  const EditBatch& lastEdits() const { return relay_.batch(); }
+  /// Throws the failure of a follower, which has not followed since; call it once everything else is saved.
   void checkFollower() const { relay_.checkFollower(); }
-  /// Pauses and resumes the frames of a depth camera; between runs, after finish(). Null if no frames are played.
-  DepthPlayer* player() { return stream_ ? stream_->player.get() : nullptr; }
-  /// Counts of the frames of a depth camera, if the model is one. Thread-safe, but not during releaseStream().
+  /// Duration of the longest path of the hands, unless the configuration gives one, s.
+  double durationOf(std::span<const OpenHand> hands) const;
+
+  // Live: on a servo thread of its own.
+
+  /// Begins. All hands must outlive the live session. Ticks of an earlier one that were not taken are dropped.
+  void start(std::vector<OpenHand> hands, const LiveRunOptions& options);
+  /// Ends: waits for the tick in progress; the devices have no force then. Its ticks can still be taken.
+  void stop();
+  /// Not stopped, and not ended by a fault. Thread-safe, except during start().
+  bool isLive() const { return live_ && !live_->hasEnded(); }
+  /// The live session: its ticks, and why it has ended. Null before the first.
+  LiveRun* live() { return live_ ? &*live_ : nullptr; }
+  const LiveRun* live() const { return live_ ? &*live_ : nullptr; }
+  /// Pauses a live session between two ticks and takes its edits, so that another session may use the same GPU queues
+  /// and devices. False if none was running.
+  bool park();
+  /// After park().
+  void goOn() { live_->goOn(); }
+  /// Calls `act` between two ticks, with all edits taken.
+  template <class Act>
+  auto between(Act&& act) {
+    struct Paused {
+      Session& session;
+      bool wasLive = session.park();
+      ~Paused() {
+        if (wasLive) session.goOn();
+      }
+    } const paused{*this};
+    return act();
+  }
+
+  // Pulled: tick by tick.
+
+  /// Begins: tick() answers from now on. Throws as TouchBackend::begin() does.
+  void pull(const PullOptions& options);
+  bool isPulled() const { return pulled_.has_value(); }
+  /// Takes a pose for each hand, all of the same time; the result is valid until the next call. Allocates nothing
+  /// unless points are edited. On any fault the force is zero and the contact invalid.
+  std::span<const PulledTick> tick(std::span<const Pose> poses) noexcept { return pulled_->tick(poses); }
+  /// Lifts all hands; the next poses put them down elsewhere.
+  void lift() noexcept {
+    if (pulled_) pulled_->lift();
+  }
+  /// Ends. Throws the failure of taking edits, if there was one.
+  void endPulling();
+
+  // Commands.
+
+  /// Replaces or removes the brush.
+  void setBrush(const std::optional<BrushConfig>& brush);
+  /// Replaces the surface, the force and the method of the neighbour search.
+  void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
+  /// Sets a parameter of the simulation, as SimulationControl::set() does. Throws Error also if nothing is simulated.
+  void setParameter(std::string_view name, double value);
+  /// After finish(), or live: undoes and redoes strokes of the points, or of the rest shape of a soft body. Throws if
+  /// the back end fails; the journal then matches the points.
+  UndoneStrokes undo(std::size_t strokes, std::size_t redo);
+  /// Strokes of the points, or of that shape; zeros without a journal.
+  StrokeCounts strokes() const;
+  /// The present points: from the journal, if there is one and nothing moves, else from the back end, between ticks.
+  SculptedCloud sculpted() const;
+
+  /// Begins a session log, with the rate and the clock of `run`, before that run. `hand`: the first one. `onFault` is
+  /// called at once, on the log's thread, with what cannot be written; without it SessionRecording::takeFault() returns
+  /// that. Throws FileError, and Error if no journal is kept.
+  void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {}, const RunOptions& run = {});
+  SessionRecording* recording() const { return recording_.get(); }
+  /// Ends the log and records how the session ended. Throws FileError if not everything could be written, unless
+  /// SessionRecording::takeFault() has said so.
+  void endRecording();
+  /// Ends the log without recording an end, as if the session had been interrupted.
+  void abandonRecording() { releaseRecording(); }
+
+  // The frames of a depth camera, if the model is one.
+
+  /// Pauses and resumes the frames; between ticks, after finish(). Null if no frames are played.
+  DepthPlayer* player() const { return stream_ ? stream_->player.get() : nullptr; }
+  /// Counts of the frames. Thread-safe, but not during releaseStream().
   std::optional<PlayCounts> playCounts() const;
   /// View of the newest of those frames, if it has a pose. Threads as for playCounts().
   std::optional<PlayedView> playedView() const;
   /// Pauses a depth camera at its present frame, at that time, and hands it on: the points stand still then. A session
   /// that has it as its Model::stream continues behind that frame, with a map that begins with its own cloud, once
-  /// player() plays. Between runs. Null if no frames are played. Throws errors of earlier queries.
+  /// player() plays. Between ticks. Null if no frames are played. Throws errors of earlier queries.
   std::shared_ptr<PlayedStream> releaseStream(double time_s);
-  /// Exchange with others who feel and sculpt the model; null if it is not shared.
-  SharedFollower* shared() { return shared_.get(); }
-  const SharedFollower* shared() const { return shared_.get(); }
+
+  // Others who feel and sculpt the model.
+
+  /// Exchange of edits with them; null if the model is not shared.
+  SharedFollower* shared() const { return shared_.get(); }
   /// Hands and cameras of the others and of this program; null if the model was not joined.
   SharedPresence* presence() const { return model_->presence.get(); }
   /// Fetches the points around the hands, if another program has all of them, and the ticks that lacked some; null and
   /// zero if all points are here.
   FarCloud* far() const { return model_->far.get(); }
   UnknownTicks unknownTicks() const { return bricks_ ? bricks_->counts() : UnknownTicks{}; }
+  /// Age of the information about the surface, if another program has it; else null.
+  const InformationAge* known() const;
   /// `known`: judges by the last message received from the server. If others edit for more than a second, it suffices
   /// that the server has accepted this hand's edits and that theirs so far are in effect here. `all`: asks the server,
   /// so that everything it had accepted before this call is in effect here.
@@ -121,51 +229,14 @@ class Session {
   /// Before a session ends, between runs: waits until the server has accepted all edits of this program, at most
   /// `patience_s`, and at most `unheard_s` while the server is silent. Returns whether it has; if not, logs it.
   bool deliver(double patience_s = kSharedPatience_s, double unheard_s = kUnheard_s);
-  /// Null if no journal is kept.
-  Journal* journal() { return relay_.journal(); }
-  EditRelay& relay() { return relay_; }
-
-  /// Replaces or removes the brush. Between runs.
-  void setBrush(const std::optional<BrushConfig>& brush);
-  /// Replaces the surface, the force and the method of the neighbour search. Between runs.
-  void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
-
-  /// Controls the simulation of the model; null if it is not simulated.
-  SimulationControl* simulation() const { return backend_->simulation(); }
-  /// Sets a parameter of the simulation, as SimulationControl::set() does. Throws Error also if nothing is simulated.
-  void setParameter(std::string_view name, double value);
-
-  /// Begins a session log, with the rate and the clock of `run`, before that run. `hand`: the first one. `onFault` is
-  /// called at once, on the log's thread, with what cannot be written; without it SessionRecording::takeFault() returns
-  /// that. Throws FileError, and Error if no journal is kept.
-  void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {}, const RunOptions& run = {});
-  SessionRecording* recording() const { return recording_.get(); }
-  /// Ends the log and records how the session ended. Throws FileError if not everything could be written.
-  void endRecording();
-  /// Releases the log without recording an end, as if the session had been interrupted.
-  std::unique_ptr<SessionRecording> releaseRecording();
-
-  /// Plays the hands, the first of which may sculpt. In virtual time edits are taken between ticks; against the clock a
-  /// thread of its own takes them. Throws UsageError for incompatible hands.
-  ServoResult run(std::span<const OpenHand> hands, const RunOptions& options);
-  /// Waits for the last edit and lets all followers take the edits; if others sculpt, too, also until the edits are in
-  /// effect everywhere, at most SessionParts::sharedPatience_s. Throws errors of earlier queries.
-  void finish();
-  /// After finish(), or between runs: undoes and redoes strokes of the points, or of the rest shape of a soft body.
-  /// Throws if the back end fails; the journal then matches the points.
-  UndoneStrokes undo(std::size_t strokes, std::size_t redo);
-  /// The present points: from the journal, if there is one and nothing moves, else from the back end.
-  SculptedCloud sculpted() const;
-
-  /// Age of the information about the surface, if another program has it; else null.
-  const InformationAge* known() const;
-
-  /// Duration of the longest path of the hands, unless the configuration gives one, s.
-  double durationOf(std::span<const OpenHand> hands) const;
 
  private:
+  std::unique_ptr<TouchBackend> makeTouch(const SessionParts& parts);
+  std::vector<std::unique_ptr<EditFollower>> make(const std::vector<FollowerMaker>& makers) const;
+  std::vector<EditFollower*> followers() const;
   std::vector<HandSpring> springs(std::span<const OpenHand> hands) const;
   std::unique_ptr<SharedFollower> takePart();
+  std::unique_ptr<SessionRecording> releaseRecording();
   bool settleFar(double patience_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
 
@@ -177,16 +248,18 @@ class Session {
   std::optional<FusedStream> fusion_;     // if they are fused
   std::unique_ptr<CloudSource> source_;   // if the back end does not move the points itself
   bool isMoved_;                          // by SessionParts::source
+  BrickTouch* bricks_ = nullptr;          // the back end, if only the points around the hands are here
   std::unique_ptr<TouchBackend> backend_;
   std::string machine_;
-  std::unique_ptr<EditFollower> follower_;
+  std::vector<std::unique_ptr<EditFollower>> followers_;
   std::unique_ptr<SharedFollower> shared_;
   double sharedPatience_s_;
   Log* log_;
-  BrickTouch* bricks_;  // the back end, if only the points around the hands are here
   EditRelay relay_;
   std::unique_ptr<SessionRecording> recording_;
-  double last_s_ = 0;  // time of the last tick
+  double last_s_ = 0;  // time of the last tick of a run
+  std::optional<PulledHands> pulled_;
+  std::optional<LiveRun> live_;  // destroyed first
 };
 
 }  // namespace palpate

@@ -25,7 +25,17 @@ void SessionRecording::add(const LoggedTick& tick) {
 
 std::optional<std::string> SessionRecording::takeFault() {
   const std::scoped_lock hold(lock_);
+  isFaultTaken_ = isFaultTaken_ || fault_;
   return std::exchange(fault_, std::nullopt);
+}
+
+void SessionRecording::finish(std::uint64_t pointsChecksum) {
+  try {
+    writer_.finish(pointsChecksum);
+  } catch (const FileError&) {
+    const std::scoped_lock hold(lock_);
+    if (!isFaultTaken_) throw;
+  }
 }
 
 }  // namespace palpate

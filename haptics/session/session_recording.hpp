@@ -28,8 +28,9 @@ class SessionRecording final : public TickRecorder {
   SessionWriter& writer() { return writer_; }
   /// Returns once what could not be written. Thread-safe.
   std::optional<std::string> takeFault();
-  /// Records how the session ended. Throws FileError if not everything could be written.
-  void finish(std::uint64_t pointsChecksum) { writer_.finish(pointsChecksum); }
+  /// Records how the session ended. Throws FileError if not everything could be written, unless takeFault() has said
+  /// so.
+  void finish(std::uint64_t pointsChecksum);
 
  private:
   void add(const LoggedTick& tick);
@@ -38,6 +39,7 @@ class SessionRecording final : public TickRecorder {
   std::optional<double> begin_s_;
   std::mutex lock_;  // protects fault_
   std::optional<std::string> fault_;
+  bool isFaultTaken_ = false;
   SessionWriter writer_;
   TickTap tap_;
 };

@@ -87,7 +87,7 @@ SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
        .journal = true,
        .undo_bytes = undoBytes(config.undo),
        .log = &parts.log,
-       .follower = [&](const Model&, TouchBackend&) { return std::make_unique<EditCollector>(again.edits); }});
+       .followers = {[&](const Model&, TouchBackend&) { return std::make_unique<EditCollector>(again.edits); }}});
   ReplayDevice device(record.ticks, recorded.session.limits);
   TickTap tap(session.backend().edits(), [&](const LoggedTick& tick) { again.ticks.push_back(tick); });
   const OpenHand hand{.device = &device,

@@ -17,22 +17,11 @@ constexpr double kBudget_us = 1000;        // maximum wait for an answer
 constexpr double kBetweenPlaces_s = 0.02;  // time constant with which a hand follows its reported positions
 constexpr double kFastest_mm_s = 2000;     // maximum speed of a hand
 
-// Matter with the maximum number of hands.
-std::unique_ptr<TouchBackend> matterOf(SessionConfig config, const Model& model, const SteppedModel::Parts& parts) {
+// The session of matter: with the maximum number of hands.
+SessionConfig withAllHands(SessionConfig config) {
   config.hands.assign(kMaxHands, HandConfig{});
   config.realtime = true;
-  validate(config);
-  parts.backend.check(config);
-  auto body = parts.backend.make({.model = model,
-                                  .config = config,
-                                  .surface = parts.backend.surface(model, config.surface),
-                                  .brush = std::nullopt,
-                                  .tools = std::vector<ToolShape>(kMaxHands),
-                                  .threads = parts.threads,
-                                  .source = nullptr,
-                                  .fusion = std::nullopt});
-  body->begin(true, std::vector<HandSpring>(kMaxHands, springOf(ForceLaw(config.force, model.scale))));
-  return body;
+  return config;
 }
 
 }  // namespace
@@ -47,7 +36,8 @@ SteppedModel::SteppedModel(const SessionConfig& config, std::shared_ptr<const Mo
     source_ = makeSource(config, *model_, stream_, fusion_);
     return;
   }
-  matter_ = matterOf(config, *model_, parts);
+  matter_.emplace(withAllHands(config), model_, SessionParts{.backend = parts.backend, .threads = parts.threads});
+  matter_->pull({.budget_us = kBudget_us});
   particles_ = model_->cloud.size() - (model_->standing ? model_->standing->points().size() : 0);
   fastest_ = model_->scale.toUnits(kFastest_mm_s);
   for (Slot& slot : slots_) slot.hip = nowhere();
@@ -68,7 +58,7 @@ bool SteppedModel::step(double time_s, std::span<const SeenHand> hands, CloudFra
     move(time_s, hands);
     constexpr double kRounding_s = 1e-4;
     if (shown_s_ && time_s < *shown_s_ + 1 / kFrames_Hz - kRounding_s) return false;
-    if (!matter_->frames()->take(frame)) return false;
+    if (!matter_->backend().frames()->take(frame)) return false;
     leaveParticles(frame);
   } else {
     if (shown_s_ && !source_->hasNewer(time_s, frameTime_s_)) return false;
@@ -94,13 +84,13 @@ void SteppedModel::seat(std::span<const SeenHand> hands, double since_s) {
     const bool isPutDown = isNew || glm::distance(slot->hip, hand.place.position) > fastest_ * kBetweenPlaces_s;
     const double share = isPutDown ? 1 : 1 - std::exp(-since_s / kBetweenPlaces_s);
     slot->hip = glm::mix(slot->hip, hand.place.position, share);
-    if (isPutDown) matter_->resetHand(static_cast<std::size_t>(slot - slots_.begin()));
+    if (isPutDown) matter_->backend().resetHand(static_cast<std::size_t>(slot - slots_.begin()));
     slot->number = hand.number;
   }
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     if (slots_[i].seen || !slots_[i].number) continue;
     slots_[i] = {.number = std::nullopt, .hip = nowhere()};
-    matter_->resetHand(i);
+    matter_->backend().resetHand(i);
   }
 }
 
@@ -109,8 +99,7 @@ void SteppedModel::move(double time_s, std::span<const SeenHand> hands) {
   last_s_ = time_s;
   std::array<Pose, kMaxHands> poses;
   for (std::size_t i = 0; i < slots_.size(); ++i) poses[i] = {.time_s = time_s, .hip = slots_[i].hip, .sculpts = false};
-  if (const auto answers = matter_->ask(poses, kBudget_us); answers.front().lost) matter_->finish();
-  matter_->prepare();
+  if (matter_->tick(poses).front().contact.lost) matter_->backend().finish();
   restart();
 }
 

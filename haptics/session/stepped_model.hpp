@@ -10,6 +10,7 @@
 #include "engine/core/clock.hpp"
 #include "haptics/session/backends.hpp"
 #include "haptics/session/moving_model.hpp"
+#include "haptics/session/session.hpp"
 
 namespace palpate {
 
@@ -54,7 +55,7 @@ class SteppedModel {
   std::shared_ptr<PlayedStream> stream_;
   std::optional<FusedStream> fusion_;
   std::unique_ptr<CloudSource> source_;  // if hands have no influence
-  std::unique_ptr<TouchBackend> matter_;
+  std::optional<Session> matter_;        // if they do: it is pulled
   Log* log_;
   std::size_t particles_ = 0;  // number of moving points, which are the first
   double fastest_ = 0;         // maximum speed of a hand, model units per second

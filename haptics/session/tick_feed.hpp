@@ -48,8 +48,6 @@ class TickHistory {
   explicit TickHistory(double period_s) : period_s_(period_s) {}
 
   void add(const std::vector<TraceRow>& rows);
-  /// The next row is not counted as the successor of the last one.
-  void interrupt() { follows_ = false; }
 
   const std::deque<TraceRow>& rows() const { return rows_; }
   std::uint64_t ticks() const { return ticks_; }

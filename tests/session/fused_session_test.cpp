@@ -91,7 +91,7 @@ TEST_CASE("a held stream passes from one session to the next together with the e
   live.stream = other.releaseStream(0.12);
   config.duration_s = 0;
   const auto clock = std::make_shared<SteppedClock>();
-  LiveSession window(config, live, {.backend = *cpu, .threads = 1}, {.clock = clock});
+  InteractiveSession window(config, live, {.backend = *cpu, .threads = 1}, {.clock = clock});
   double until_s = 0.1;
   window.tickUntil(until_s);
   CHECK(window.playCounts()->played == 13);
@@ -116,8 +116,8 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   config.stream->fuse = config.realtime = true;
   config.duration_s = 0;
   const auto clock = std::make_shared<SteppedClock>();
-  auto playing = std::make_unique<LiveSession>(config, load(config), SessionParts{.backend = *cpu, .threads = 1},
-                                               LiveOptions{.clock = clock});
+  auto playing = std::make_unique<InteractiveSession>(config, load(config), SessionParts{.backend = *cpu, .threads = 1},
+                                                      InteractiveOptions{.clock = clock});
   CHECK_FALSE(playing->holdsFrames());
   CHECK_FALSE(playing->isHeldStill());
   double until_s = 0;
@@ -133,8 +133,8 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   still.stream.reset();
   still.brush = BrushConfig{.kind = BrushKind::carve, .radius_mm = 30};
   const auto second = std::make_shared<SteppedClock>();
-  auto sculpting = std::make_unique<LiveSession>(still, std::move(held), SessionParts{.backend = *cpu, .threads = 1},
-                                                 LiveOptions{.clock = second});
+  auto sculpting = std::make_unique<InteractiveSession>(
+      still, std::move(held), SessionParts{.backend = *cpu, .threads = 1}, InteractiveOptions{.clock = second});
   CHECK(sculpting->isHeldStill());
   CHECK_FALSE(sculpting->holdFrames().has_value());
   CHECK_THROWS_WITH_AS(sculpting->record((folder / "log").string()), doctest::Contains("save the points"), Error);
@@ -152,7 +152,7 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   CHECK(carved.cloud.positions != before);
 
   const auto third = std::make_shared<SteppedClock>();
-  LiveSession goingOn(config, carved, {.backend = *cpu, .threads = 1}, {.clock = third});
+  InteractiveSession goingOn(config, carved, {.backend = *cpu, .threads = 1}, {.clock = third});
   CHECK(goingOn.holdsFrames());
   goingOn.tickUntil(0.05);
   CHECK(goingOn.playCounts()->played == played);
@@ -232,7 +232,7 @@ TEST_CASE("a live fused camera continues after the frame that was the model, unt
   config.duration_s = 0;
   const auto cpu = cpuBackend();
   const auto clock = std::make_shared<SteppedClock>();
-  LiveSession session(config, model, {.backend = *cpu, .threads = 1}, {.clock = clock});
+  InteractiveSession session(config, model, {.backend = *cpu, .threads = 1}, {.clock = clock});
   double until_s = 0.2;
   session.tickUntil(until_s);
   CHECK(session.playCounts()->played == 1);

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "engine/motion/moving_shape.hpp"
-#include "haptics/session/live_session.hpp"
+#include "haptics/session/interactive_session.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
 
@@ -164,7 +164,7 @@ TEST_CASE("in an endless real-time session a model moves under a stylus at rest 
   SessionConfig config = moving({.amplitude_mm = 2, .frequency_Hz = 10});
   config.duration_s = 0;
   const auto clock = std::make_shared<SteppedClock>();
-  LiveSession session(config, sphereModel(), {.backend = *cpu, .threads = 1}, {.clock = clock});
+  InteractiveSession session(config, sphereModel(), {.backend = *cpu, .threads = 1}, {.clock = clock});
   CHECK_THROWS_AS(session.setBrush(BrushConfig{}), ConfigError);
   session.aim({0, 0, 50.2});
   CHECK_FALSE(session.tickUntil(0.4));

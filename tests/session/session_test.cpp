@@ -78,9 +78,9 @@ TEST_CASE("carving reaches journal and follower alike, and undo restores the poi
   EditBatch followed;
   Session session(
       carving(), sphereModel(),
-      {.backend = *cpu, .journal = true, .undo_bytes = 1 << 24, .follower = [&](const Model&, TouchBackend&) {
-         return std::make_unique<Collector>(followed);
-       }});
+      {.backend = *cpu, .journal = true, .undo_bytes = 1 << 24, .followers = {[&](const Model&, TouchBackend&) {
+                                                                  return std::make_unique<Collector>(followed);
+                                                                }}});
   runAlone(session, strokeFrom({0, 0, 1}, 2));
   session.finish();
   CHECK(session.sculpted().edited > 20);

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "engine/core/clock.hpp"
-#include "haptics/session/asked_hands.hpp"
 #include "tests/near.hpp"
 #include "tests/session/session_scene.hpp"
 
@@ -82,18 +81,18 @@ SessionConfig joined() { return {.model = {.file = "shared"}, .backend = {.name 
 /// Ticks of 1 ms at a distance from the sphere's centre; returns the last force, N.
 class Puller {
  public:
-  explicit Puller(Session& session) : hands_(session, {}) {}
+  explicit Puller(Session& session) : session_(session) { session_.pull({}); }
   double at(double distance, int ticks) {
     double force_N = 0;
     for (int i = 0; i < ticks; ++i) {
       const Pose pose{.time_s = 1e-3 * tick_++, .hip = DVec3(0, 0, distance)};
-      force_N = glm::length(hands_.tick({&pose, 1}).front().force_N);
+      force_N = glm::length(session_.tick({&pose, 1}).front().force_N);
     }
     return force_N;
   }
 
  private:
-  AskedHands hands_;
+  Session& session_;
   int tick_ = 0;
 };
 
@@ -153,11 +152,11 @@ TEST_CASE("the others receive all hands of a session that cannot sculpt, by path
   };
   areTold();
   told->places = {};
-  AskedHands asked(session, {});
+  session.pull({});
   for (int i = 0; i < 50; ++i) {
     const std::array<Pose, 2> poses{Pose{.time_s = 1 + 1e-3 * i, .hip = {0, 0, 52 - 0.1 * std::min(i, 30)}},
                                     Pose{.time_s = 1 + 1e-3 * i, .hip = {60, 0, 0}}};
-    asked.tick(poses);
+    session.tick(poses);
   }
   CHECK(told->moves == 151);
   areTold();

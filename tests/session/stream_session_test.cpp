@@ -225,7 +225,7 @@ TEST_CASE("frames of a recording are held, stepped and resumed under a hand") {
   config.duration_s = 0;
   const auto cpu = cpuBackend();
   const auto clock = std::make_shared<SteppedClock>();
-  LiveSession session(config, load(config), {.backend = *cpu, .threads = 1}, {.clock = clock});
+  InteractiveSession session(config, load(config), {.backend = *cpu, .threads = 1}, {.clock = clock});
   session.aim({0, 0, kRest_m - 1e-3 * kHand_mm});
   CHECK(session.holdFrames() == true);
   session.tickUntil(1);
@@ -242,7 +242,8 @@ TEST_CASE("frames of a recording are held, stepped and resumed under a hand") {
   CHECK(session.holdFrames() == false);
   for (int guard = 0; guard < 50 && isTouched(); ++guard) session.tickUntil(until_s += 0.1);
   CHECK_FALSE(isTouched());  // in the last frame the wall is back at its old position
-  LiveSession still({.model = {}, .backend = {.name = "cpu"}}, sphereModel(), {.backend = *cpu, .threads = 1}, {});
+  InteractiveSession still({.model = {}, .backend = {.name = "cpu"}}, sphereModel(), {.backend = *cpu, .threads = 1},
+                           {});
   CHECK_FALSE(still.holdFrames().has_value());
   still.stepFrame();
 }
@@ -260,7 +261,7 @@ TEST_CASE("a live camera is felt at its newest frame, from the model's frame on"
   config.duration_s = 0;
   const auto cpu = cpuBackend();
   const auto clock = std::make_shared<SteppedClock>();
-  LiveSession session(config, model, {.backend = *cpu, .threads = 1}, {.clock = clock});
+  InteractiveSession session(config, model, {.backend = *cpu, .threads = 1}, {.clock = clock});
   CHECK_THROWS_WITH_AS(session.record((folder / "log").string()),
                        doctest::Contains("live frames cannot be played again"), Error);
   CHECK_THROWS_AS(Session(config, model, {.backend = *cpu, .threads = 1}), Error);  // the stream is in use

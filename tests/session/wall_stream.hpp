@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "haptics/session/live_session.hpp"
+#include "haptics/session/interactive_session.hpp"
 #include "tests/motion/depth_stream.hpp"
 #include "tests/rgbd_writer.hpp"
 #include "tests/scratch_folder.hpp"

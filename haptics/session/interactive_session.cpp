@@ -1,0 +1,314 @@
+#include "haptics/session/interactive_session.hpp"
+
+#include <algorithm>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/io/saving.hpp"
+#include "engine/motion/depth_player.hpp"
+#include "haptics/devices/replay_device.hpp"
+#include "haptics/session/devices.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kParked = 3;  // distance of a lifted stylus from the middle of the model, in longest sides
+
+WorkspaceMap mapFor(const Model& model, const Bounds& bounds) {
+  return {.scale = model.scale.toUnits(1), .offset = model.cloud.origin + bounds.center()};
+}
+
+DVec3 parkingPlace(const Model& model, const Bounds& bounds) {
+  return model.cloud.origin + bounds.center() + DVec3(0, kParked * std::max(bounds.longestSide(), 1e-3), 0);
+}
+
+bool canBeSculpted(const SessionConfig& config, const Model& model) {
+  return Abilities(modelKindOf(config, model)).allow(Action::sculpt);
+}
+
+// A model at rest is built with a brush, so that later brushes are possible. A soft body accepts one at any time.
+SessionConfig withBrush(SessionConfig config, const Model& model) {
+  config.realtime = true;
+  if (config.join && !canBeSculpted(config, model)) config.brush.reset();
+  if (!canBeSculpted(config, model) || config.matter) return config;
+  BrushConfig brush = config.brush.value_or(BrushConfig{.keepsDensity = !config.join});
+  brush.kind = BrushKind::push;
+  config.brush = brush;
+  return config;
+}
+
+Model withPoints(Model model, const std::string& file) {
+  requirePoints(model, file);
+  return model;
+}
+
+}  // namespace
+
+void requirePoints(const Model& model, const std::string& file) {
+  if (model.cloud.empty()) throw FileError(file, "contains no points; there is nothing to touch");
+}
+
+/// Gives the session its edits.
+class InteractiveSession::Follower final : public EditFollower {
+ public:
+  explicit Follower(InteractiveSession& session) : session_(session) {}
+  void catchUp(const EditBatch& batch) override { session_.take(batch); }
+
+ private:
+  InteractiveSession& session_;
+};
+
+InteractiveSession::InteractiveSession(const SessionConfig& config, Model model, SessionParts parts,
+                                       const InteractiveOptions& options)
+    : Session{withBrush(config, model), withPoints(std::move(model), config.model.file),
+              [&] {
+                parts.journal = parts.paintable = true;
+                parts.followers.emplace_back(
+                    [this](const Model&, TouchBackend&) { return std::make_unique<Follower>(*this); });
+                return parts;
+              }()},
+      options_(options),
+      bounds_(boundsOf(this->model().cloud)),
+      stylus_(mapFor(this->model(), bounds_), parkingPlace(this->model(), bounds_)),
+      map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model(), bounds_)),
+      history_(1 / config.rate_Hz) {
+  if (player()) held_ = player()->isPaused();
+  if (!config.matter && canBeSculpted(config, this->model()) &&
+      (!config.brush || config.brush->kind != BrushKind::push))
+    Session::setBrush(config.brush);
+  if (!options.unsavedIn.empty()) keepUnsaved(config);
+  if (options.left) goOnWith(*options.left);
+  start({hand()}, {.clock = options.clock, .forcesOn = &forcesOn_});
+}
+
+// Only for files: a model from another source cannot be read again.
+void InteractiveSession::keepUnsaved(const SessionConfig& config) {
+  if (modelKindOf(config, model()) != ModelKind::cloud || isRosModel(file())) return;
+  unsaved_.emplace(options_.unsavedIn, model());
+  unsaved_->describe({.config = config, .machine = machine(), .palpate = PALPATE_VERSION});
+}
+
+void InteractiveSession::goOnWith(const LeftStrokes& left) {
+  followAgain(*Session::journal(), left.edits);
+  if (unsaved_) unsaved_->adopt(left);
+  const std::vector<PointState> before = statesOf(model().cloud);
+  std::vector<PointChange> changes;
+  for (const PointState& state : journal().points()) {
+    const std::uint32_t id = state.number();
+    const PointState from = id < before.size() ? before[id] : PointState{.id = id | PointState::kGone, .parent = id};
+    if (!(from == state)) changes.push_back({from, state});
+  }
+  backend().edits()->change(changes);
+  catchUp();
+}
+
+InteractiveSession::~InteractiveSession() {
+  stop();
+  if (saving_.running.valid()) saving_.running.wait();
+  try {
+    if (!failed_) deliver();
+  } catch (const std::exception&) {  // nothing to report: the session is over
+  }
+}
+
+OpenHand InteractiveSession::hand() {
+  if (playing_) return {.device = playing_->device.get(), .map = playing_->map};
+  if (options_.device) return {.device = options_.device.get(), .map = map_};
+  return {.device = &stylus_, .map = map_};
+}
+
+void InteractiveSession::take(const EditBatch& batch) {
+  batch_.points.insert(batch_.points.end(), batch.points.begin(), batch.points.end());
+  edits_ += batch.points.size();
+  if (unsaved_) unsaved_->follow(batch, journal(), isChanged());
+}
+
+void InteractiveSession::takeIn() {
+  rows_.clear();
+  if (live()) live()->take(rows_);
+  history_.add(rows_);
+  catchUp();
+}
+
+std::optional<std::string> InteractiveSession::follow() {
+  if (failed_) return std::nullopt;
+  std::string failure;
+  try {
+    const bool hasEnded = live()->hasEnded();
+    takeIn();
+    const auto& rows = history_.rows();
+    if (playing_ && !rows.empty() && rows.back().time_s > playing_->end_s) endPlaying();
+    if (hasEnded) failure = live()->fault();
+  } catch (const std::exception& error) {
+    failure = error.what();
+  }
+  if (failure.empty()) return std::nullopt;
+  failed_ = true;
+  stop();
+  return failure;
+}
+
+std::optional<std::string> InteractiveSession::tickUntil(double clock_s) {
+  // Short steps: the back end stores the edits of a limited number of ticks until they are taken.
+  constexpr double kTaken_s = 0.005;
+  std::optional<std::string> failure;
+  while (!failed_ && !failure && clock_s_ < clock_s) {
+    clock_s_ = std::min(clock_s_ + kTaken_s, clock_s);
+    options_.clock->goOnTo(clock_s_);
+    failure = follow();
+  }
+  return failure;
+}
+
+void InteractiveSession::setBrush(const std::optional<BrushConfig>& brush) {
+  if (brush == config().brush || failed_) return;
+  if (config().join) require(Action::sculpt, file());
+  endRecording();
+  Session::setBrush(brush);
+}
+
+void InteractiveSession::setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method) {
+  if (failed_) return;
+  if (surface == config().surface && force == config().force && method == config().backend.method) return;
+  endRecording();
+  Session::setFeel(surface, force, method);
+}
+
+void InteractiveSession::setParameter(std::string_view name, double value) {
+  if (failed_) return;
+  endRecording();
+  Session::setParameter(name, value);
+}
+
+bool InteractiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
+  if (failed_) return false;
+  require(Action::undo, "undo");
+  endRecording();
+  const UndoneStrokes strokes = Session::undo(undo, redo);
+  return strokes.undone + strokes.redone > 0;
+}
+
+std::optional<bool> InteractiveSession::holdFrames() {
+  DepthPlayer* const frames = player();
+  if (!frames) return std::nullopt;
+  between([&] { frames->isPaused() ? frames->play(live()->next_s()) : frames->pause(live()->next_s()); });
+  return held_ = frames->isPaused();
+}
+
+void InteractiveSession::stepFrame() {
+  if (DepthPlayer* const frames = player()) between([&] { frames->step(); });
+}
+
+Model InteractiveSession::handOn() {
+  if (failed_) throw Error("{}: the session has ended; its points can be saved", file());
+  endRecording();
+  return between([&] {
+    const Model& had = model();
+    std::shared_ptr<PlayedStream> stream = Session::releaseStream(live()->next_s());
+    if (!stream && isHeldStill()) stream = std::make_shared<PlayedStream>(std::exchange(*had.stream, {}));
+    // Scale and spacing stay, so that the surface feels the same.
+    return Model{.cloud = sculpted().cloud,
+                 .scale = had.scale,
+                 .spacing = had.spacing,
+                 .wideSpacing = had.wideSpacing,
+                 .noise = had.noise,
+                 .upright = had.upright,
+                 .shown = had.shown,
+                 .stream = std::move(stream),
+                 .cameras = had.cameras};
+  });
+}
+
+std::shared_ptr<PlayedStream> InteractiveSession::releaseStream() {
+  if (!player()) return nullptr;
+  return between([&] { return Session::releaseStream(live()->next_s()); });
+}
+
+void InteractiveSession::save(const std::string& file) {
+  if (isSaving()) throw Error("{}: the last save is still being written", file);
+  // The journal does not contain the points of a model that moves.
+  std::optional<PointCloud> present;
+  const auto look = [&] {
+    if (config().moves()) present = sculpted().cloud;
+  };
+  failed_ ? look() : between(look);
+  saving_.version = strokes().version;
+  std::vector<PointState> points(journal().points().begin(), journal().points().end());
+  saving_.running =
+      std::async(std::launch::async, [this, file, points = std::move(points), present = std::move(present)] {
+        try {
+          std::error_code isNone;
+          if (unsaved_ && std::filesystem::equivalent(file, this->file(), isNone)) unsaved_->keepModel();
+          const std::filesystem::path kept = saveKeeping(file, present ? *present : editedCloud(model().cloud, points));
+          return Saved{file, kept.string(), {}};
+        } catch (const std::exception& error) {
+          return Saved{file, {}, error.what()};
+        }
+      });
+}
+
+std::optional<InteractiveSession::Saved> InteractiveSession::takeSaved() {
+  if (!saving_.running.valid() || saving_.running.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return std::nullopt;
+  const Saved saved = saving_.running.get();
+  if (saved.failure.empty()) saving_.saved = saving_.version;
+  if (unsaved_ && !isChanged()) unsaved_->saved();
+  return saved;
+}
+
+void InteractiveSession::setDocument(const std::string& file) {
+  if (unsaved_) unsaved_->setDocument(file);
+}
+
+void InteractiveSession::leaveStrokes() {
+  if (unsaved_) unsaved_->remove();
+}
+
+std::optional<std::string> InteractiveSession::takeUnsavedFault() {
+  return unsaved_ ? unsaved_->takeFault() : std::nullopt;
+}
+
+void InteractiveSession::record(const std::string& log) {
+  if (edits() > 0)
+    throw Error("{}: a recording begins with the model as its file has it; save it and open the saved file first", log);
+  endRecording();
+  between([&] {
+    Session::record(log, hand());
+    // A replay begins with a stylus that has had no contact yet.
+    backend().resetHand(0);
+    recording()->beginAt(live()->next_s());
+  });
+}
+
+std::optional<std::string> InteractiveSession::takeRecordingFault() {
+  return isRecording() ? recording()->takeFault() : std::nullopt;
+}
+
+std::vector<std::string> InteractiveSession::play(const std::string& log) {
+  SessionRecord record = readSessionLog(log);
+  const RecordedSession recorded = parseHeader(log, record.text);
+  if (record.ticks.empty()) throw FileError(log, "contains no complete tick; there is nothing to play");
+  std::vector<std::string> lacks = whatIsMissing(record);
+  endRecording();
+  between([&] {
+    backend().resetHand(0);
+    for (LoggedTick& tick : record.ticks) tick.time_s += live()->next_s();
+    const double end_s = record.ticks.back().time_s;
+    playing_ = Playing{.device = std::make_unique<ReplayDevice>(std::move(record.ticks), recorded.limits),
+                       .map = recorded.map,
+                       .end_s = end_s};
+    live()->setHands({hand()});
+  });
+  return lacks;
+}
+
+void InteractiveSession::endPlaying() {
+  if (!playing_) return;
+  between([&] {
+    backend().resetHand(0);
+    playing_.reset();
+    live()->setHands({hand()});
+  });
+}
+
+}  // namespace palpate

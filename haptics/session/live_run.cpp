@@ -1,0 +1,51 @@
+#include "haptics/session/live_run.hpp"
+
+#include <utility>
+
+namespace palpate {
+
+LiveRun::LiveRun(std::vector<OpenHand> hands, LiveRunOptions options, Play play)
+    : hands_(std::move(hands)), options_(std::move(options)), play_(std::move(play)), feed_(hands_.size()) {
+  goOn();
+}
+
+void LiveRun::goOn() {
+  stop_ = false;
+  ended_ = false;
+  if (options_.clock) options_.clock->hold();
+  thread_ = std::jthread([this, options = options_] { run(options); });
+}
+
+void LiveRun::run(const LiveRunOptions& options) {
+  try {
+    const ServoResult result = play_(hands_, options, stop_, feed_);
+    deviceFailed_ = result.deviceFailed;
+    fault_ = result.fault;
+  } catch (const std::exception& error) {
+    fault_ = error.what();
+  }
+  if (fault_.empty() && !stop_) fault_ = "the servo thread has ended";
+  ended_ = true;
+  if (options.clock) options.clock->leave();
+}
+
+// Releases the clock once only: another session may already use it.
+bool LiveRun::pause() {
+  if (!thread_.joinable()) return false;
+  stop_ = true;
+  if (options_.clock) options_.clock->letGo();
+  thread_.join();
+  feed_.take(before_);
+  if (!before_.empty()) options_.begin_s = before_.back().time_s + 1 / options_.rate_Hz;
+  return true;
+}
+
+void LiveRun::take(std::vector<TraceRow>& rows) {
+  rows.insert(rows.end(), before_.begin(), before_.end());
+  before_.clear();
+  const std::size_t fresh = rows.size();
+  feed_.take(rows);
+  if (rows.size() > fresh) options_.begin_s = rows.back().time_s + 1 / options_.rate_Hz;
+}
+
+}  // namespace palpate

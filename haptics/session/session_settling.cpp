@@ -1,0 +1,84 @@
+// How a session exchanges its edits with others who sculpt the model.
+#include <chrono>
+#include <thread>
+
+#include "engine/core/clock.hpp"
+#include "engine/core/job_stop.hpp"
+#include "haptics/session/session.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kOthersBusy_s = 1;  // maximum wait for others who still edit, once this hand's edits are accepted
+
+}  // namespace
+
+// Points around the hands alone: waits until the server has accepted their edits.
+bool Session::settleFar(double patience_s) {
+  backend_->finish();  // the edit in progress
+  const Stopwatch since;
+  while (!model_->far->counts().delivered && !isStopWanted() && since.elapsed_s() < patience_s) {
+    model_->far->check();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return model_->far->counts().delivered;
+}
+
+bool Session::settleShared(double patience_s, Settling until) {
+  if (model_->far) return settleFar(patience_s);
+  if (!shared_) return true;
+  const Stopwatch since;
+  relay_.catchUp();
+  // The last message may be older than this call: another hand's strokes may be with the server and not yet here.
+  if (until == Settling::all) shared_->askServer();
+  SharedCounts counts = shared_->counts();
+  const auto isSettled = [&] { return counts.atRest && counts.same; };
+  const std::uint64_t inEffectBefore = counts.inEffect;
+  const auto goesOnWithoutUs = [&] {
+    return until == Settling::known && counts.delivered && counts.inEffect > inEffectBefore &&
+           since.elapsed_s() > kOthersBusy_s;
+  };
+  const auto isOver = [&] { return isSettled() || !counts.fault.empty() || goesOnWithoutUs(); };
+  std::vector<Pose> far(backend_->hands());
+  // Hands that touch nothing: the changes of others are applied between their answers.
+  const Bounds box = boundsOf(model_->cloud);
+  constexpr double kFar = 1e3;  // longest sides
+  const DVec3 nowhere = model_->cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
+  for (Pose& pose : far) pose = {.time_s = last_s_, .hip = nowhere, .sculpts = false};
+  bool hasAsked = false;
+  const auto goesOn = [&] { return !isOver() && !isStopWanted() && since.elapsed_s() < patience_s; };
+  do {
+    for (; goesOn(); counts = shared_->counts()) {
+      backend_->ask(far, 0);
+      hasAsked = true;
+      relay_.catchUp();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    backend_->finish();
+    relay_.catchUp();
+    counts = shared_->counts();  // with the changes that took effect meanwhile
+  } while (goesOn());
+  if (hasAsked)
+    for (std::size_t hand = 0; hand < far.size(); ++hand) backend_->resetHand(hand);
+  return isSettled();
+}
+
+bool Session::deliver(double patience_s, double unheard_s) {
+  if (!shared_ && !model_->far) return true;
+  backend_->finish();
+  relay_.catchUp();
+  const auto isDelivered = [&] { return shared_ ? shared_->counts().delivered : model_->far->counts().delivered; };
+  const auto isHeard = [&] { return known()->isTrue() && known()->share() > 0; };
+  for (const Stopwatch since; !isDelivered();) {
+    if (isStopWanted() || since.elapsed_s() >= patience_s || (since.elapsed_s() >= unheard_s && !isHeard())) {
+      if (log_)
+        log_->say("'{}': the server has not confirmed all strokes of this hand, which may be lost", config_.model.file);
+      return false;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+}  // namespace palpate
