@@ -120,7 +120,8 @@ FeltStream feel(Context& context, const FeltScene& scene, const std::string& sit
   Model model{.cloud = scene.map, .scale = {1000}, .spacing = scene.spacing_m, .wideSpacing = scene.spacing_m};
   if (situation != "still") {
     config.stream = StreamConfig{.live = true, .fuse = situation == "fused"};
-    model.stream = playedStream(std::make_shared<PacedFrames>(scene.camera, scene.frames), {.exact = false});
+    model.source =
+        CameraPoints{playedStream(std::make_shared<PacedFrames>(scene.camera, scene.frames), {.exact = false})};
   }
   if (situation == "latest") {  // the latest frame has as many points as the camera has pixels
     model.cloud.positions.resize(std::min<std::size_t>(scene.frames.front().depth_m.size(), model.cloud.size()));

@@ -151,7 +151,7 @@ void infoOfSoftBody(Context& context, const std::string& name, const MatterScene
   SessionConfig config{.model = {.file = name}};
   config.matter = scene;
   const Model model = loadModel(config, {.log = context.log(), .threads = context.threads()});
-  const SoftLattice& lattice = model.soft->solid.lattice;
+  const SoftLattice& lattice = model.as<SoftPoints>()->body->solid.lattice;
   const double mass_kg = scene.density_kg_m3 * lattice.volume_m3();
   const auto& box = scene.box_mm;
   std::FILE* out = context.tables();

@@ -33,7 +33,7 @@ double usualGap(std::span<const CameraFrustum> cameras) {
 // The drawn box contains all discs of the points in the container.
 Bounds drawnContainer(const Model& model) {
   const double disc = discRadiusOf(model);
-  return {model.container->min - disc, model.container->max + disc};
+  return {model.container()->min - disc, model.container()->max + disc};
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, con
 
 PointCloud placesWithLines(const Model& model, bool cameras) {
   constexpr double kFarOff = 10;  // longest sides from the middle
-  const Bounds box = model.container ? drawnContainer(model) : model.shownBounds();
+  const Bounds box = model.container() ? drawnContainer(model) : model.shownBounds();
   PointCloud places;
   places.origin = model.cloud.origin;
   for (unsigned corner = 0; corner < 8; ++corner)
@@ -79,7 +79,7 @@ PointCloud placesWithLines(const Model& model, bool cameras) {
 }
 
 void addContainer(std::vector<SpaceLine>& lines, const Model& model) {
-  if (!model.container) return;
+  if (!model.container()) return;
   const auto corner = [&, box = drawnContainer(model)](unsigned number) {
     const auto& [min, max] = box;
     return DVec3(number & 1 ? max.x : min.x, number & 2 ? max.y : min.y, number & 4 ? max.z : min.z);

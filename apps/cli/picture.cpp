@@ -155,7 +155,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
     context.log().say("{}: up is {}: {}", file, nameOf(upright.up), upright.why);
   Framing framing = framingOf(model, upright.up);
   // With lines beside the points, the picture shows all their positions.
-  const bool showsLines = !model.cloud.empty() && (model.container || (options.cameras && !model.cameras.empty()));
+  const bool showsLines = !model.cloud.empty() && (model.container() || (options.cameras && !model.cameras.empty()));
   if (showsLines) framing.shown.reset();
   const Camera camera = Camera::parse(
       options.camera, showsLines ? placesWithLines(model, options.cameras) : model.cloud, aspect, framing);

@@ -67,7 +67,7 @@ FarFacts factsOf(const Model& model, const std::optional<MatterScene>& matter) {
   MatterScene scene = *matter;
   scene.model = std::filesystem::path(scene.model).filename().string();  // clients must not learn its folder
   facts.matter = sceneText(scene);
-  if (model.standing) facts.standing = model.standing->points().size();
+  if (model.standing()) facts.standing = model.standing()->points().size();
   return facts;
 }
 

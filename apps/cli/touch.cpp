@@ -144,9 +144,9 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
     report.cameras = presence->cameras().size();
     report.others = presence->hands();
   }
-  if (model.far) {
-    report.points = model.extent->points;
-    report.far = FarReport{.counts = model.far->counts(), .ticks = session.unknownTicks()};
+  if (model.far()) {
+    report.points = model.extent()->points;
+    report.far = FarReport{.counts = model.far()->counts(), .ticks = session.unknownTicks()};
   }
   if (config.matter)
     report.matter = MatterReport{
@@ -163,7 +163,8 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
   if (const ShapeStrokes* const shape = touch.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // Not for tools with many points, whose proxy is a mean; not in real time for a motion, whose frames are older than
   // the poses; not for streams, of which only the first frame is known here; not for matter, which has no surface.
-  if (touch.points(0).empty() && !model.far && !config.stream && !config.matter && !(config.motion && config.realtime))
+  if (touch.points(0).empty() && !model.far() && !config.stream && !config.matter &&
+      !(config.motion && config.realtime))
     report.error =
         contactError(result.trace(), model, session.surface(), backend.firstEdit_s, rigidMotion(config, model));
   return report;
@@ -177,7 +178,7 @@ void drawEnd(Context& context, const TouchCommandOptions& options, const Session
   const Model& model = session.model();
   HeldTool tool;
   if (session.config().brush) tool.brush = brushOptions(*session.config().brush, model.scale);
-  tool.ballRadius = model.ballRadius;
+  tool.ballRadius = model.ballRadius();
   // Points of a back end that is not followed are drawn once, in their final state.
   std::optional<DrawnCloud> ended;
   if (!followed) ended.emplace(context.device(), cloud, DrawnOptions{.spacing = model.spacingOfDiscs()});
@@ -216,7 +217,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
                                    .fetch = rosFetcher(options.join.network),
                                    .watch = rosWatcher(options.join.network, context.threads())});
   start.ended("model");
-  if (model.cloud.empty() && !model.far)
+  if (model.cloud.empty() && !model.far())
     throw FileError(options.model.file, "contains no points; there is nothing to touch");
   const Abilities can(modelKindOf(config, model));
   if (!options.saveFile.empty()) can.require(Action::save, "--save");

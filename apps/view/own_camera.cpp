@@ -28,7 +28,7 @@ void OwnCamera::follow(const WindowSession& session, const Camera& camera, const
   const CameraPlace place = placeOf(camera, model.cloud.origin, double(size_px.x) / double(size_px.y));
   // A view that is not a valid camera, e.g. with infinite coordinates, is not published.
   if (!isCamera(place)) return;
-  if (model.presence && !isHidden_) model.presence->show(place);
+  if (model.presence() && !isHidden_) model.presence()->show(place);
   if (!ros_) return;
   try {
     ros_->show(place, model.scale.mm_per_unit);

@@ -72,7 +72,7 @@ DrawnCloud& WindowSession::drawn() {
 }
 
 HeldTool WindowSession::heldTool() const {
-  HeldTool tool{.ballRadius = model().ballRadius};
+  HeldTool tool{.ballRadius = model().ballRadius()};
   if (const auto brush = brushOf(brush_, config()); brush && (config().brush || !config().matter))
     tool.brush = brushOptions(*brush, model().scale);
   return tool;

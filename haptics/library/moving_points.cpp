@@ -10,7 +10,7 @@
 
 namespace palpate::library {
 
-std::size_t OpenSession::standing() const { return model_->standing ? model_->standing->points().size() : 0; }
+std::size_t OpenSession::standing() const { return model_->standing() ? model_->standing()->points().size() : 0; }
 
 bool OpenSession::takeFrame() {
   CloudFrame taken;

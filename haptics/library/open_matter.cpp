@@ -50,8 +50,8 @@ OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options
   config.matter = scene;
   planOf(scene, backend_->matterMemory_bytes());
   model_ = loadModel(config, {.log = remarks.sink(), .threads = options.threads});
-  MatterOptions matter{.threads = options.threads, .model = model_.standing};
-  matter.soft = model_.soft;
+  MatterOptions matter{.threads = options.threads, .model = model_.fluid() ? model_.fluid()->standing : nullptr};
+  if (const SoftPoints* const soft = model_.as<SoftPoints>()) matter.soft = soft->body;
   world_ = backend_->simulate(scene, matter);
 }
 

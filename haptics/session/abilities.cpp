@@ -78,10 +78,10 @@ ModelKind modelKindOf(const SessionConfig& config) {
 
 ModelKind modelKindOf(const SessionConfig& config, const Model& model, bool movedByProgram) {
   if (movedByProgram) return ModelKind::programFrames;
-  if (model.far && model.far->source().moves()) return ModelKind::nearMoving;
-  if (model.far) return model.far->isSculptable() ? ModelKind::near : ModelKind::nearReadOnly;
-  if (config.join) return model.share ? ModelKind::shared : ModelKind::readOnly;
-  if (model.stream && !config.stream) return ModelKind::pausedFrames;
+  if (model.far() && model.far()->source().moves()) return ModelKind::nearMoving;
+  if (model.far()) return model.far()->isSculptable() ? ModelKind::near : ModelKind::nearReadOnly;
+  if (config.join) return model.share() ? ModelKind::shared : ModelKind::readOnly;
+  if (model.stream() && !config.stream) return ModelKind::pausedFrames;
   return modelKindOf(config);
 }
 

@@ -83,7 +83,8 @@ std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& req
   if (request.config.matter->matter == Matter::soft) return softTouch(request);
   const std::size_t hands = request.tools.size();
   return std::make_unique<MatterTouch>(
-      simulate(*request.config.matter, {.threads = request.threads, .tools = hands, .model = request.model.standing}),
+      simulate(*request.config.matter,
+               {.threads = request.threads, .tools = hands, .model = request.model.fluid()->standing}),
       MatterTouchOptions{.hands = hands,
                          .threads = request.threads,
                          .realtime = request.config.realtime,
@@ -94,7 +95,7 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
   // Maximum number of steps per frame in real time: more would only delay the answers further.
   constexpr std::uint32_t kMaxAtOnce = 4;
   MatterOptions options{.threads = request.threads};
-  options.soft = request.model.soft;
+  options.soft = request.model.as<SoftPoints>()->body;
   double reach = 0;
   for (const ToolPoint& point : request.tools.front().points) reach = std::max(reach, glm::length(point.place));
   // If this back end cannot simulate the body, the CPU moves its points.

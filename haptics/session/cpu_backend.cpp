@@ -38,7 +38,7 @@ class CpuBackend final : public BackendKind {
                                                                            .brush = request.brush,
                                                                            .threads = request.threads,
                                                                            .source = request.source,
-                                                                           .extent = request.model.extent});
+                                                                           .extent = request.model.extent()});
   }
 };
 

@@ -22,7 +22,7 @@ Framing framingOf(const Model& model, UpAxis up) {
 }
 
 double discRadiusOf(const Model& model) {
-  if (model.discRadius > 0) return model.discRadius;
+  if (model.discRadius() > 0) return model.discRadius();
   return model.spacing > 0 || model.cloud.empty() ? 0 : kLone;
 }
 

@@ -20,9 +20,9 @@ Path pathFor(const HandConfig& config, const Model& model) {
   constexpr std::string_view kBuiltin = "builtin:";
   if (!config.path.starts_with(kBuiltin)) return readPathCsv(config.path);
   const std::string name = config.path.substr(kBuiltin.size());
-  if (model.ballRadius > 0)
+  if (model.ballRadius() > 0)
     return builtinPathInMatter(
-        name, {.fill = boundsOf(model.cloud), .up = directionOf(model.upright.up), .ballRadius = model.ballRadius},
+        name, {.fill = boundsOf(model.cloud), .up = directionOf(model.upright.up), .ballRadius = model.ballRadius()},
         model.scale, config.penetration_mm);
   return builtinPath(name, model.cloud, model.scale, config.penetration_mm);
 }

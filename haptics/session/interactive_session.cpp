@@ -205,17 +205,19 @@ Model InteractiveSession::handOn() {
   return between([&] {
     const Model& had = model();
     std::shared_ptr<PlayedStream> stream = Session::releaseStream(live()->next_s());
-    if (!stream && isHeldStill()) stream = std::make_shared<PlayedStream>(std::exchange(*had.stream, {}));
+    if (!stream && isHeldStill()) stream = std::make_shared<PlayedStream>(std::exchange(*had.stream(), {}));
     // Scale and spacing stay, so that the surface feels the same.
-    return Model{.cloud = sculpted().cloud,
-                 .scale = had.scale,
-                 .spacing = had.spacing,
-                 .wideSpacing = had.wideSpacing,
-                 .noise = had.noise,
-                 .upright = had.upright,
-                 .shown = had.shown,
-                 .stream = std::move(stream),
-                 .cameras = had.cameras};
+    Model next{.cloud = sculpted().cloud,
+               .scale = had.scale,
+               .spacing = had.spacing,
+               .wideSpacing = had.wideSpacing,
+               .noise = had.noise,
+               .upright = had.upright,
+               .shown = had.shown,
+               .cameras = had.cameras,
+               .source = {}};
+    if (stream) next.source = CameraPoints{.stream = std::move(stream)};
+    return next;
   });
 }
 

@@ -100,31 +100,37 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
 
 namespace {
 
+Bounds boxOf(const MatterScene& scene) { return {.min = DVec3(0), .max = scene.box_mm}; }
+
 // A scene's units are millimetres, also for the hand unless configured otherwise.
 void placeInScene(Model& model, const MatterScene& scene) {
   sayScale(model.cloud.storedAs.comments, 1);
   model.upright = findUp(model.cloud);
-  model.container = model.shown = Bounds{.min = DVec3(0), .max = scene.box_mm};
+  model.shown = boxOf(scene);
 }
 
 // Particles fill a body: their distances do not describe a surface.
-void drawAsMatter(Model& model, const MatterScene& scene) {
+FluidPoints drawnAsFluid(Model& model, const MatterScene& scene) {
   constexpr double kDisc_spacings = 0.85;  // two thirds would close a lattice at rest
   model.spacing = model.wideSpacing = particleSpacing_mm(scene);
   model.noise = 0;
-  model.discRadius = kDisc_spacings * model.spacing;
-  model.ballRadius = scene.tool.radius_mm;
+  return {.container = boxOf(scene),
+          .discRadius = kDisc_spacings * model.spacing,
+          .ballRadius = scene.tool.radius_mm,
+          .standing = nullptr};
 }
 
 // The initial state of a scene of water or sand.
 Model matterModel(const SessionConfig& config, const ModelLoading& loading) {
   Model model;
   planOf(*config.matter);  // before a file is read
-  model.standing = standingModel(*config.matter, loading);
-  model.cloud = cloudOf(*config.matter, model.standing.get(), loading.threads);
+  std::shared_ptr<const MatterModel> standing = standingModel(*config.matter, loading);
+  model.cloud = cloudOf(*config.matter, standing.get(), loading.threads);
   placeInScene(model, *config.matter);
   measure(model, config.model, loading.threads);
-  drawAsMatter(model, *config.matter);
+  FluidPoints fluid = drawnAsFluid(model, *config.matter);
+  fluid.standing = std::move(standing);
+  model.source = std::move(fluid);
   return model;
 }
 
@@ -138,10 +144,11 @@ Model softModel(const SessionConfig& config, const ModelLoading& loading) {
   }
   const Stopwatch watch;
   Model model;
-  model.soft = softModelOf(scene, std::move(scan), loading.threads);
-  loading.log.say("{}: {} points are filled with {} nodes: {:.0f} ms", config.model.file, model.soft->points.size(),
-                  model.soft->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
-  model.cloud = cloudOf(*model.soft, scene);
+  const auto body = softModelOf(scene, std::move(scan), loading.threads);
+  loading.log.say("{}: {} points are filled with {} nodes: {:.0f} ms", config.model.file, body->points.size(),
+                  body->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
+  model.cloud = cloudOf(*body, scene);
+  model.source = SoftPoints{.container = boxOf(scene), .body = body};
   placeInScene(model, scene);
   measure(model, config.model, loading.threads);
   return model;
@@ -149,15 +156,15 @@ Model softModel(const SessionConfig& config, const ModelLoading& loading) {
 
 // Matter that another program simulates: takes the scene from its text, and the standing body from the points of its
 // surface.
-void takeFarMatter(Model& model, const FarFacts& facts, const ModelLoading& loading) {
+void takeFarMatter(Model& model, FarPoints& far, const FarFacts& facts, const ModelLoading& loading) {
   MatterScene scene = parseScene(facts.matter);
   if (scene.matter == Matter::soft)
     throw Error("matter: the served scene is a soft body, which must be served as a surface");
   if (facts.standing == 0) scene.model.clear();
   if (facts.standing > model.cloud.size()) throw Error("matter: points of the standing body are missing");
-  model.farMatter = scene;
-  model.container = model.shown = Bounds{.min = DVec3(0), .max = scene.box_mm};
-  drawAsMatter(model, scene);
+  far.scene = scene;
+  model.shown = boxOf(scene);
+  far.fluid = drawnAsFluid(model, scene);
   if (facts.standing == 0) return;
   PointCloud standing;
   const auto takeLast = [&](const auto& from, auto& to) {
@@ -165,7 +172,7 @@ void takeFarMatter(Model& model, const FarFacts& facts, const ModelLoading& load
   };
   takeLast(model.cloud.positions, standing.positions);
   takeLast(model.cloud.normals, standing.normals);
-  model.standing = std::make_shared<const MatterModel>(std::move(standing), scene, loading.threads);
+  far.fluid.standing = std::make_shared<const MatterModel>(std::move(standing), scene, loading.threads);
 }
 
 // The server tells all properties that follow from points that are not here.
@@ -178,14 +185,32 @@ Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading
   model.noise = facts.noise;
   model.upright = {.up = facts.up, .why = "as the server says"};
   model.shown = facts.extent.bounds;
-  model.extent = facts.extent;
-  model.far = std::move(joined.far);
-  model.presence = std::move(joined.presence);
-  if (!facts.matter.empty()) takeFarMatter(model, facts, loading);
+  FarPoints far{.cloud = std::move(joined.far),
+                .extent = facts.extent,
+                .presence = std::move(joined.presence),
+                .scene = std::nullopt,
+                .fluid = {}};
+  if (!facts.matter.empty()) takeFarMatter(model, far, facts, loading);
+  model.source = std::move(far);
   return model;
 }
 
 }  // namespace
+
+const FluidPoints* Model::fluid() const {
+  if (const FarPoints* const far = as<FarPoints>()) return far->scene ? &far->fluid : nullptr;
+  return as<FluidPoints>();
+}
+
+const Bounds* Model::container() const {
+  if (const SoftPoints* const soft = as<SoftPoints>()) return &soft->container;
+  return fluid() ? &fluid()->container : nullptr;
+}
+
+SharedPresence* Model::presence() const {
+  if (const FarPoints* const far = as<FarPoints>()) return far->presence.get();
+  return as<JoinedPoints>() ? as<JoinedPoints>()->presence.get() : nullptr;
+}
 
 std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const ModelLoading& loading) {
   if (scene.model.empty()) return nullptr;
@@ -207,15 +232,14 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
     JoinedModel joined = loading.join(config.model.file, *config.join, loading.log);
     if (joined.far) return farModel(std::move(joined), config.model, loading);
     Model model = modelOf(std::move(joined.cloud), config.model, loading);
-    model.share = std::move(joined.share);
-    model.presence = std::move(joined.presence);
+    model.source = JoinedPoints{.share = std::move(joined.share), .presence = std::move(joined.presence)};
     return model;
   }
   if (!config.stream) return loadModel(config.model, loading);
   FirstFrame first = readFirstFrame(config, loading);
   Model model;
   model.cloud = std::move(first.cloud);
-  model.stream = std::move(first.stream);
+  model.source = CameraPoints{.stream = std::move(first.stream)};
   if (first.camera) model.cameras = {*first.camera};
   model.upright = findUp(model.cloud);
   model.shown = coreBoundsOf(model.cloud);

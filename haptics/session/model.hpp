@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -30,38 +31,82 @@ class TouchBackend;
 /// Joins the editing of a shared session: from the points as they were joined, and their back end.
 using SharedMaker = std::function<std::unique_ptr<SharedFollower>(const PointCloud& cloud, TouchBackend& backend)>;
 
+/// Points at rest: of a file, or of a program.
+struct StillPoints {};
+
+/// A frame of a depth camera, or a map into which its frames have been fused.
+struct CameraPoints {
+  /// Continues behind the points: of a live camera, of a map, or released by another session
+  /// (Session::releaseStream()). The first session takes it. Null: a recording that each session plays from its
+  /// beginning.
+  std::shared_ptr<PlayedStream> stream;
+};
+
+/// Water or sand, as a point for each particle; model units.
+struct FluidPoints {
+  Bounds container;       ///< a box that holds the points
+  double discRadius = 0;  ///< of all discs in a picture, as particles fill a body
+  double ballRadius = 0;  ///< of the ball that a hand holds
+  /// The body that stands in it; its points are the last of the cloud. Null: there is none.
+  std::shared_ptr<const MatterModel> standing;
+};
+
+/// A soft body at rest, whose points are the cloud.
+struct SoftPoints {
+  Bounds container;
+  std::shared_ptr<const SoftModel> body;
+};
+
+/// All points of a session that another program serves.
+struct JoinedPoints {
+  SharedMaker share;                         ///< empty: they cannot be sculpted
+  std::shared_ptr<SharedPresence> presence;  ///< of all participants; null: without
+};
+
+/// The same, but only the points around the hands are here; the cloud is a sample of all, which is not felt.
+struct FarPoints {
+  std::shared_ptr<FarCloud> cloud;  ///< fetches them
+  PointExtent extent;               ///< of all of them
+  std::shared_ptr<SharedPresence> presence;
+  std::optional<MatterScene> scene;  ///< whose particles they are; empty: they are of a surface
+  FluidPoints fluid;                 ///< with a scene
+};
+
 struct Model {
   PointCloud cloud;
   ModelScale scale;
-  double spacing = 0;      ///< model units
-  double wideSpacing = 0;  ///< of the sparse parts (SpacingRange), model units
-  double noise = 0;        ///< of the positions, off their surface (SpacingRange), spacings
-  /// Radius of all discs in a picture, model units, as for particles that fill a body; 0: each disc is as wide as the
-  /// surface around it requires.
-  double discRadius = 0;
-  std::optional<Bounds> container;  ///< a box that holds the points, as it does water; model units
-  double ballRadius = 0;            ///< of the ball that a hand holds in such points, model units; 0: no ball
-  /// The soft body at rest, whose points are the cloud; null: the model is not a soft body.
-  std::shared_ptr<const SoftModel> soft;
-  /// The body that stands in water or sand; its points are the last of the cloud. Null: there is none.
-  std::shared_ptr<const MatterModel> standing;
-  Upright upright;  ///< estimated from the shape
-  /// The part that a picture shows (coreBoundsOf()); empty: all.
-  std::optional<Bounds> shown;
-  /// Stream that continues behind the cloud: of a live camera, of a map into which frames have been fused, or released
-  /// by another session (Session::releaseStream()). The first session takes it. Null: the model is a file, or a
-  /// recording that each session plays from its beginning.
-  std::shared_ptr<PlayedStream> stream;
-  SharedMaker share;  ///< if others sculpt it, too; empty: it is not shared
-  /// Fetches the points around the hands, if another program has all of them: the cloud is then a sample of all points,
-  /// which is not felt. Null: all points are here.
-  std::shared_ptr<FarCloud> far;
-  std::optional<MatterScene> farMatter;      ///< whose particles those points are; empty: they are of a surface
-  std::optional<PointExtent> extent;         ///< of all of them
-  std::shared_ptr<SharedPresence> presence;  ///< of all participants; null: it was not joined
-  std::vector<CameraFrustum> cameras;        ///< that took pictures of it, in file coordinates, if known
+  double spacing = 0;                  ///< model units
+  double wideSpacing = 0;              ///< of the sparse parts (SpacingRange), model units
+  double noise = 0;                    ///< of the positions, off their surface (SpacingRange), spacings
+  Upright upright;                     ///< estimated from the shape
+  std::optional<Bounds> shown;         ///< the part that a picture shows (coreBoundsOf()); empty: all
+  std::vector<CameraFrustum> cameras;  ///< that took pictures of it, in file coordinates, if known
+  std::variant<StillPoints, CameraPoints, FluidPoints, SoftPoints, JoinedPoints, FarPoints> source;
+
+  /// Null if the points come from elsewhere.
+  template <class Source>
+  const Source* as() const {
+    return std::get_if<Source>(&source);
+  }
+  /// Water or sand, simulated here or in the program that serves it; null: the points are of a surface.
+  const FluidPoints* fluid() const;
+  const MatterModel* standing() const { return fluid() ? fluid()->standing.get() : nullptr; }
+  const Bounds* container() const;
+  /// Empty if the model was not joined, or cannot be sculpted.
+  SharedMaker share() const { return as<JoinedPoints>() ? as<JoinedPoints>()->share : SharedMaker(); }
+  SharedPresence* presence() const;
+  PlayedStream* stream() const { return as<CameraPoints>() ? as<CameraPoints>()->stream.get() : nullptr; }
+  FarCloud* far() const { return as<FarPoints>() ? as<FarPoints>()->cloud.get() : nullptr; }
+  /// Of all points; empty: of those that are here.
+  std::optional<PointExtent> extent() const {
+    return as<FarPoints>() ? std::optional(as<FarPoints>()->extent) : std::nullopt;
+  }
+  /// Radius of all discs in a picture, model units; 0: each disc is as wide as the surface around it requires.
+  double discRadius() const { return fluid() ? fluid()->discRadius : 0; }
+  /// Of the ball that a hand holds in water and sand, model units; 0: no ball.
+  double ballRadius() const { return fluid() ? fluid()->ballRadius : 0; }
   /// Spacing from which disc radii are computed, model units; 0: they are not.
-  double spacingOfDiscs() const { return discRadius > 0 ? 0 : spacing; }
+  double spacingOfDiscs() const { return discRadius() > 0 ? 0 : spacing; }
   Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
 };
 

@@ -96,8 +96,9 @@ std::vector<EditFollower*> Session::followers() const {
 }
 
 std::unique_ptr<SharedFollower> Session::takePart() {
-  if (!model_->share) {
-    if (config_.join && config_.brush && !model_->far) throw Error("{}", fixedBecause(config_, *model_));
+  const SharedMaker share = model_->share();
+  if (!share) {
+    if (config_.join && config_.brush && !model_->far()) throw Error("{}", fixedBecause(config_, *model_));
     return nullptr;
   }
   if (!backend_->edits() || backend_->edits()->mostOffered() == 0)
@@ -105,7 +106,7 @@ std::unique_ptr<SharedFollower> Session::takePart() {
         "{}: '{}' is sculpted by others, which {} cannot follow; use another back end, or serve the model with "
         "--read-only",
         config_.backend.name, config_.model.file, config_.backend.name);
-  return model_->share(model_->cloud, *backend_);
+  return share(model_->cloud, *backend_);
 }
 
 std::optional<PlayCounts> Session::playCounts() const {
@@ -216,17 +217,17 @@ void Session::awaitPoints(std::span<const OpenHand> hands, const RunOptions& opt
   }
   constexpr double kBefore_s = 1e-6;  // before the first tick
   bricks_->awaitAt(options.begin_s - kBefore_s, hips, sharedPatience_s_);
-  model_->far->check();
+  model_->far()->check();
 }
 
 const InformationAge* Session::known() const {
   if (shared_) return &shared_->known();
-  return model_->far ? &model_->far->known() : nullptr;
+  return model_->far() ? &model_->far()->known() : nullptr;
 }
 
 ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& options) {
   const bool realtime = config_.realtime || options.realtime;
-  if (bricks_ && model_->far->source().moves() && !realtime)
+  if (bricks_ && model_->far()->source().moves() && !realtime)
     throw Error("'{}' moves in real time; join it with --realtime", config_.model.file);
   backend_->begin(realtime, springs(hands));
   std::vector<SessionHand> touching;
@@ -316,7 +317,7 @@ void Session::endPulling() {
 }
 
 void Session::finish() {
-  if (model_->far) model_->far->check();
+  if (model_->far()) model_->far()->check();
   backend_->finish();
   relay_.finish();
   settleShared(sharedPatience_s_);

@@ -211,10 +211,10 @@ class Session {
   /// Exchange of edits with them; null if the model is not shared.
   SharedFollower* shared() const { return shared_.get(); }
   /// Hands and cameras of the others and of this program; null if the model was not joined.
-  SharedPresence* presence() const { return model_->presence.get(); }
+  SharedPresence* presence() const { return model_->presence(); }
   /// Fetches the points around the hands, if another program has all of them, and the ticks that lacked some; null and
   /// zero if all points are here.
-  FarCloud* far() const { return model_->far.get(); }
+  FarCloud* far() const { return model_->far(); }
   UnknownTicks unknownTicks() const { return bricks_ ? bricks_->counts() : UnknownTicks{}; }
   /// Age of the information about the surface, if another program has it; else null.
   const InformationAge* known() const;

@@ -18,15 +18,15 @@ constexpr double kOthersBusy_s = 1;  // maximum wait for others who still edit, 
 bool Session::settleFar(double patience_s) {
   backend_->finish();  // the edit in progress
   const Stopwatch since;
-  while (!model_->far->counts().delivered && !isStopWanted() && since.elapsed_s() < patience_s) {
-    model_->far->check();
+  while (!model_->far()->counts().delivered && !isStopWanted() && since.elapsed_s() < patience_s) {
+    model_->far()->check();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  return model_->far->counts().delivered;
+  return model_->far()->counts().delivered;
 }
 
 bool Session::settleShared(double patience_s, Settling until) {
-  if (model_->far) return settleFar(patience_s);
+  if (model_->far()) return settleFar(patience_s);
   if (!shared_) return true;
   const Stopwatch since;
   relay_.catchUp();
@@ -65,10 +65,10 @@ bool Session::settleShared(double patience_s, Settling until) {
 }
 
 bool Session::deliver(double patience_s, double unheard_s) {
-  if (!shared_ && !model_->far) return true;
+  if (!shared_ && !model_->far()) return true;
   backend_->finish();
   relay_.catchUp();
-  const auto isDelivered = [&] { return shared_ ? shared_->counts().delivered : model_->far->counts().delivered; };
+  const auto isDelivered = [&] { return shared_ ? shared_->counts().delivered : model_->far()->counts().delivered; };
   const auto isHeard = [&] { return known()->isTrue() && known()->share() > 0; };
   for (const Stopwatch since; !isDelivered();) {
     if (isStopWanted() || since.elapsed_s() >= patience_s || (since.elapsed_s() >= unheard_s && !isHeard())) {

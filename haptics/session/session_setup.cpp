@@ -32,15 +32,17 @@ std::unique_ptr<BrickTouch> makePond(const BackendSetup& setup) {
   const SessionConfig& config = setup.config;
   const Model& model = setup.model;
   if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
-  const MatterScene& scene = *model.farMatter;
+  const MatterScene& scene = *model.as<FarPoints>()->scene;
   const std::size_t hands = std::max<std::size_t>(1, config.hands.size());
-  BrickSource& source = model.far->source();
+  BrickSource& source = model.far()->source();
   // Some thousand particles, two or more steps per millisecond: threads that wait for one another need a core each.
   constexpr unsigned kMaxThreads = 4;
   const unsigned threads = std::clamp(threadCount(setup.threads) / kMaxThreads, 1U, kMaxThreads);
   constexpr std::uint64_t kMemory_bytes = std::uint64_t{1} << 32;  // limit for a scene from another program
   auto pond = std::make_unique<MatterPond>(
-      scene, MatterOptions{.threads = threads, .tools = hands, .memory_bytes = kMemory_bytes, .model = model.standing},
+      scene,
+      MatterOptions{
+          .threads = threads, .tools = hands, .memory_bytes = kMemory_bytes, .model = model.fluid()->standing},
       newsOf(source));
   auto felt =
       std::make_unique<MatterTouch>(std::move(pond), MatterTouchOptions{.hands = hands,
@@ -66,7 +68,7 @@ std::unique_ptr<BrickTouch> makeFarBackend(const BackendSetup& setup) {
   std::vector<ToolShape> tools = toolsOf(config, model);
   double reach = 0;
   for (const ToolPoint& point : tools.front().points) reach = std::max(reach, glm::length(point.place));
-  BrickSource& source = model.far->source();
+  BrickSource& source = model.far()->source();
   auto felt = setup.kind.make({.model = model,
                                .config = config,
                                .surface = surface,
@@ -101,31 +103,32 @@ std::string fixedBecause(const SessionConfig& config, const Model& model) {
 MadeBackend makeBackend(const BackendSetup& setup) {
   const SessionConfig& config = setup.config;
   const Model& model = setup.model;
-  if (model.far) {
+  if (const FarPoints* const far = model.as<FarPoints>()) {
     if (!setup.kind.capabilities().followsMotion)
       throw ConfigError("backend.name", "{} requires all points in this program; take vulkan or cpu",
                         config.backend.name);
-    std::unique_ptr<BrickTouch> touch = model.farMatter ? makePond(setup) : makeFarBackend(setup);
+    std::unique_ptr<BrickTouch> touch = far->scene ? makePond(setup) : makeFarBackend(setup);
     BrickTouch* const bricks = touch.get();
     return {.touch = std::move(touch), .bricks = bricks};
   }
   std::optional<BrushOptions> brush = brushOf(config, model);
+  const bool isShared = static_cast<bool>(model.share());
   // Edits of others require editable points, even if this hand has no brush.
-  if (model.share && !brush) brush = brushOptions({.keepsDensity = false}, model.scale);
+  if (isShared && !brush) brush = brushOptions({.keepsDensity = false}, model.scale);
   // Allocates for any later brush, which may keep the density.
   std::optional<BrushOptions> widest = brush;
-  if (widest && !model.share) widest->keepsDensity = true;
+  if (widest && !isShared) widest->keepsDensity = true;
   auto touch = setup.kind.make({.model = model,
                                 .config = config,
                                 .surface = setup.surface,
                                 .brush = widest,
-                                .paintable = setup.paintable || model.share,
+                                .paintable = setup.paintable || isShared,
                                 .tools = toolsOf(config, model),
                                 .threads = setup.threads,
                                 .source = setup.source,
                                 .fusion = setup.source ? std::nullopt : setup.fusion});
   if (brush && widest->keepsDensity != brush->keepsDensity) touch->setBrush(brush);
-  if (model.share && !config.brush) touch->setBrush(std::nullopt);
+  if (isShared && !config.brush) touch->setBrush(std::nullopt);
   return {.touch = std::move(touch)};
 }
 

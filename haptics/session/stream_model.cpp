@@ -136,18 +136,18 @@ FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loadi
 std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Model& model) {
   if (!config.stream) return nullptr;
   const StreamConfig& stream = *config.stream;
-  if (model.stream && model.stream->player) {
-    auto taken = std::make_shared<PlayedStream>(std::exchange(*model.stream, {}));
+  PlayedStream* const behind = model.stream();
+  if (behind && behind->player) {
+    auto taken = std::make_shared<PlayedStream>(std::exchange(*behind, {}));
     taken->player->beginHere();
     return taken;
   }
-  if (stream.live || (model.stream && !model.stream->behind))
-    throw Error("{}: is played by another session", config.model.file);
+  if (stream.live || (behind && !behind->behind)) throw Error("{}: is played by another session", config.model.file);
   const PlayOptions options{.speed = stream.speed, .loop = stream.loop, .exact = !config.realtime};
   auto opened = playedStream(openFolder(config, nullptr).stream, options);
-  if (!model.stream) return opened;
-  opened->player->beginBehind(*model.stream->behind);
-  opened->seenFrom = model.stream->seenFrom;
+  if (!behind) return opened;
+  opened->player->beginBehind(*behind->behind);
+  opened->seenFrom = behind->seenFrom;
   return opened;
 }
 

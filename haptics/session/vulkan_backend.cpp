@@ -61,7 +61,7 @@ class VulkanBackend final : public BackendKind {
                        .tools = request.tools,
                        .brush = request.brush,
                        .source = request.source,
-                       .extent = request.model.extent,
+                       .extent = request.model.extent(),
                        .fusion = request.fusion,
                        .paintable = request.paintable,
                        .index = config.index.follow,

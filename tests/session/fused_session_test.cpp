@@ -55,8 +55,8 @@ TEST_CASE("a held stream passes from one session to the next together with the e
   session.finish();
   CHECK(session.playCounts()->played == 8);
   Model next = session.model();
-  next.stream = session.releaseStream(0.08);
-  REQUIRE(next.stream != nullptr);
+  next.source = CameraPoints{session.releaseStream(0.08)};
+  REQUIRE(next.stream() != nullptr);
   CHECK(session.player() == nullptr);
   CHECK_FALSE(session.playCounts().has_value());
   CHECK(session.releaseStream(0.08) == nullptr);
@@ -88,7 +88,7 @@ TEST_CASE("a held stream passes from one session to the next together with the e
   // The same in real time.
   Model live = other.model();
   live.cloud = end;
-  live.stream = other.releaseStream(0.12);
+  live.source = CameraPoints{other.releaseStream(0.12)};
   config.duration_s = 0;
   const auto clock = std::make_shared<SteppedClock>();
   InteractiveSession window(config, live, {.backend = *cpu, .threads = 1}, {.clock = clock});
@@ -124,10 +124,10 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   for (int guard = 0; guard < 100 && playing->playCounts()->played < 4; ++guard) playing->tickUntil(until_s += 0.02);
   Model held = playing->handOn();
   playing.reset();
-  REQUIRE(held.stream != nullptr);
+  REQUIRE(held.stream() != nullptr);
   const std::vector<Vec3> before = held.cloud.positions;
   CHECK(before.size() > 1000);
-  const std::uint64_t played = held.stream->player->counts().played;
+  const std::uint64_t played = held.stream()->player->counts().played;
 
   SessionConfig still = config;
   still.stream.reset();
@@ -148,7 +148,7 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   CHECK(sculpting->isChanged());
   Model carved = sculpting->handOn();
   sculpting.reset();
-  REQUIRE(carved.stream != nullptr);
+  REQUIRE(carved.stream() != nullptr);
   CHECK(carved.cloud.positions != before);
 
   const auto third = std::make_shared<SteppedClock>();
@@ -224,9 +224,9 @@ TEST_CASE("a live fused camera continues after the frame that was the model, unt
   config.stream->fuse = true;
   Model model = load(config);
   const CameraPose pose{};
-  model.stream =
-      playedStream(stream, {.exact = false}, DepthFrame{.number = 0, .depth_m = wall(kRest_m), .pose = pose});
-  model.stream->seenFrom = pose;
+  model.source = CameraPoints{
+      playedStream(stream, {.exact = false}, DepthFrame{.number = 0, .depth_m = wall(kRest_m), .pose = pose})};
+  model.stream()->seenFrom = pose;
   config.model.file = "-";
   config.stream->live = config.realtime = true;
   config.duration_s = 0;

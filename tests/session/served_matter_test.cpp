@@ -133,8 +133,8 @@ TEST_CASE("a body that stands in water is not part of the frames") {
   scene.model = "builtin:sphere";
   scene.model_mm = DVec3(50);
   Served served(scene);
-  REQUIRE(served.model().standing);
-  const std::size_t standing = served.model().standing->points().size();
+  REQUIRE(served.model().standing());
+  const std::size_t standing = served.model().standing()->points().size();
   REQUIRE(standing > 1000);
   CHECK(served.until(60, {}, [&](const CloudFrame& frame) {
     CHECK(frame.size() == served.model().cloud.size() - standing);
@@ -213,9 +213,9 @@ TEST_CASE("joined water is felt as water, shown as particles, and not felt where
   config.join = JoinConfig{};
   config.realtime = true;
   Session session(config, joinedPool(sceneText(pool())), {.backend = *cpu, .threads = 1});
-  CHECK(session.model().discRadius > 0);
-  CHECK(session.model().ballRadius == 20);
-  REQUIRE(session.model().container);
+  CHECK(session.model().discRadius() > 0);
+  CHECK(session.model().ballRadius() == 20);
+  REQUIRE(session.model().container());
   const double scale = session.model().scale.mm_per_unit;
   const DVec3 hip(40, 35, 40), away(40, 35, 5000);
   const double expected_N = 1000 * 9.81 * 4 * 3.14159265 / 3 * 8e-6;

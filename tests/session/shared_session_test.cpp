@@ -72,7 +72,8 @@ class Told final : public SharedPresence {
 
 Model sharedSphere(Others::State& others) {
   Model model = sphereModel();
-  model.share = [&](const PointCloud&, TouchBackend&) { return std::make_unique<Others>(others); };
+  model.source = JoinedPoints{
+      .share = [&](const PointCloud&, TouchBackend&) { return std::make_unique<Others>(others); }, .presence = nullptr};
   return model;
 }
 
@@ -128,7 +129,7 @@ TEST_CASE("the others receive all hands of a session that cannot sculpt, by path
   const auto told = std::make_shared<Told>();
   const auto cpu = cpuBackend();
   Model model = sphereModel();
-  model.presence = told;
+  model.source = JoinedPoints{.share = {}, .presence = told};
   SessionConfig config = joined();
   config.hands.resize(2);
   config.duration_s = 0.1;

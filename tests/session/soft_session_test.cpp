@@ -157,7 +157,7 @@ TEST_CASE("a scan is filled, felt and dented like a shape, and an open scan is r
   const Model model = modelOf(config);
   CHECK(model.cloud.size() == 6'000);
   CHECK(boundsOf(model.cloud).longestSide() == near(40, 0.01));
-  REQUIRE(model.soft);
+  REQUIRE(model.as<SoftPoints>());
   Session session(config, model, {.backend = *cpu, .threads = 1});
   const ServoResult result = runAlone(session, Path({{0, {50, 43, 50}}, {0.3, {50, 36, 50}}}));
   CHECK(result.trace().rows.back().contact);
@@ -174,8 +174,8 @@ TEST_CASE("the built-in scenes of soft bodies can be touched") {
     config.matter = matterSceneNamed(name);
     const Model model = modelOf(config);
     CHECK(model.cloud.hasNormals());
-    CHECK(model.ballRadius == 0);
-    CHECK(model.soft->solid.lattice.nodes() > 1'000);
+    CHECK(model.ballRadius() == 0);
+    CHECK(model.as<SoftPoints>()->body->solid.lattice.nodes() > 1'000);
     CHECK(boundsOf(model.cloud).longestSide() > 70);
   }
 }

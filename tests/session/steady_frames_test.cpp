@@ -27,8 +27,8 @@ Model planeModel(const SeenPlane& seen, bool fused) {
     DepthPoints().make(stream.camera(), frame, DVec3(0), points);
     placeAt(points, model.cloud);
   }
-  model.stream = playedStream(std::make_shared<PlaneStream>(seen));
-  if (fused) model.stream->player->nextDue(0);
+  model.source = CameraPoints{playedStream(std::make_shared<PlaneStream>(seen))};
+  if (fused) model.stream()->player->nextDue(0);
   return model;
 }
 

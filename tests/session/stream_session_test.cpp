@@ -33,7 +33,7 @@ TEST_CASE("the first frame of a recording is the model, in metres and with its u
   CHECK(model.cloud.storedAs.comments ==
         std::vector<std::string>{"comment units: m", "comment up: -y", "comment mm_per_unit: 1000"});
   CHECK(model.spacing == near(0.005, 0.05));
-  CHECK(model.stream == nullptr);
+  CHECK(model.stream() == nullptr);
 
   const ScratchFolder colored;
   writeRedwood(colored.path());
@@ -254,7 +254,7 @@ TEST_CASE("a live camera is felt at its newest frame, from the model's frame on"
   const ScratchFolder folder;
   writeWall(folder.path());
   Model model = load(playing(folder.path()));
-  model.stream = playedStream(stream, {.exact = false}, first);
+  model.source = CameraPoints{playedStream(stream, {.exact = false}, first)};
   SessionConfig config = playing("-");
   config.stream->live = true;
   config.realtime = true;
