@@ -1,4 +1,5 @@
-// The rooms and their allowed dependencies: compares every include with the table below.
+// The rooms and their allowed dependencies: compares every include, and every declaration of a type that another room
+// defines, with the table below.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -90,6 +91,41 @@ std::vector<std::string> includesOf(const fs::path& file) {
   return found;
 }
 
+// A line such as "class Device;" or "struct Vec {": the name of the type, and whether it is defined there. Only types
+// outside classes and functions.
+struct TypeLine {
+  std::string name;
+  bool isDefined = false;
+};
+std::optional<TypeLine> typeOf(const std::string& line) {
+  std::istringstream words(line);
+  std::string kind, name;
+  words >> kind;
+  if (line.starts_with(' ') || (kind != "class" && kind != "struct" && kind != "enum")) return std::nullopt;
+  words >> name;
+  if (name == "class") words >> name;
+  const auto end = name.find_first_of(";:{");
+  const bool isDefined = line.find('{') != std::string::npos;
+  if (!isDefined && !line.ends_with(';')) return std::nullopt;
+  return TypeLine{.name = name.substr(0, end), .isDefined = isDefined};
+}
+
+std::vector<TypeLine> typesOf(const fs::path& file) {
+  std::vector<TypeLine> found;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);)
+    if (auto type = typeOf(line)) found.push_back(std::move(*type));
+  return found;
+}
+
+// Why `file` may not declare a type that is defined in one of these headers; nothing if it may.
+std::optional<std::string> complaint(const std::string& file, const std::string& type,
+                                     const std::set<std::string>& headers) {
+  for (const std::string& header : headers)
+    if (!complaint(file, header)) return std::nullopt;
+  return file + " declares " + type + " of " + *headers.begin() + ": its room may not know that room";
+}
+
 bool isSource(const fs::path& file) {
   static const std::set<std::string> endings{".cpp", ".hpp", ".h", ".cu", ".cuh", ".comp", ".glsl", ".vert", ".frag"};
   return endings.contains(file.extension().string());
@@ -119,6 +155,35 @@ TEST_CASE("every include follows an allowed dependency between rooms") {
   CHECK(includes > 100);
 }
 
+TEST_CASE("every declared type of another room follows an allowed dependency") {
+  const fs::path top = sourceFolder();
+  if (!fs::exists(top / "engine")) {
+    MESSAGE("skipped: the sources are not at " << top.string());
+    return;
+  }
+  std::map<std::string, std::set<std::string>> definedIn;
+  std::vector<std::pair<std::string, std::string>> declared;  // file, type
+  for (const char* folder : {"engine", "haptics", "apps"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(top / folder)) {
+      if (entry.path().extension() != ".hpp") continue;
+      const std::string file = fs::relative(entry.path(), top).generic_string();
+      for (const TypeLine& type : typesOf(entry.path())) {
+        if (type.isDefined) definedIn[type.name].insert(file);
+        if (!type.isDefined) declared.emplace_back(file, type.name);
+      }
+    }
+  }
+  std::size_t known = 0;
+  for (const auto& [file, type] : declared) {
+    const auto headers = definedIn.find(type);
+    if (headers == definedIn.end()) continue;  // defined in a source file, or elsewhere
+    ++known;
+    const auto wrong = complaint(file, type, headers->second);
+    CHECK_MESSAGE(!wrong, wrong.value_or(""));
+  }
+  CHECK(known > 50);
+}
+
 TEST_CASE("the dependencies between rooms have no cycle") {
   // Depth-first, with the rooms on the path.
   std::set<std::string> done;
@@ -135,7 +200,7 @@ TEST_CASE("the dependencies between rooms have no cycle") {
   for (const auto& [room, unused] : allowedArrows()) visit(visit, room, {});
 }
 
-TEST_CASE("a forbidden include is detected") {
+TEST_CASE("a forbidden include and a forbidden declaration are detected") {
   CHECK(complaint("haptics/servo_loop.cpp", "engine/gpu/device.hpp"));
   CHECK(complaint("engine/core/log.cpp", "engine/cloud/point_cloud.hpp"));
   CHECK(complaint("engine/cloud/point_cloud.hpp", "engine/io/ply_header.hpp"));
@@ -143,6 +208,12 @@ TEST_CASE("a forbidden include is detected") {
   CHECK(complaint("engine/gpu/device.cpp", "device.hpp"));
   CHECK_FALSE(complaint("engine/render/frame.cpp", "engine/edit/edit_log.hpp"));
   CHECK(complaint("apps/cli/touch.cpp", "engine/touch/touch_side.hpp"));
+  CHECK(typeOf("class Device;")->name == "Device");
+  CHECK(typeOf("enum class Kind : std::uint32_t;")->name == "Kind");
+  CHECK(typeOf("struct Pose {")->isDefined);
+  CHECK_FALSE(typeOf("  class Inner;"));
+  CHECK(complaint("engine/core/log.hpp", "Device", {"engine/gpu/device.hpp"}));
+  CHECK_FALSE(complaint("engine/touch/touch_side.hpp", "Device", {"engine/gpu/device.hpp"}));
   CHECK_FALSE(complaint("haptics/session/vulkan_backend.cpp", "engine/touch/touch_side.hpp"));
 }
 
