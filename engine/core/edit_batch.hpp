@@ -11,9 +11,9 @@ namespace palpate {
 struct EditMark {
   enum class Kind : std::uint8_t {
     stroke,   ///< all edits of a brush from the first in a contact until the contact was lost
-    change,   ///< one call of TouchBackend::change(), not a stroke
+    change,   ///< one call of EditStream::change(), not a stroke
     part,     ///< edits so far of a stroke that continues after received changes
-    received  ///< one call of TouchBackend::offer(), neither a stroke nor the end of one
+    received  ///< one call of EditStream::offer(), neither a stroke nor the end of one
   };
   std::uint64_t at = 0;  ///< number of states before it, in its batch
   Kind kind = Kind::stroke;

@@ -31,7 +31,7 @@ class OfferedChanges {
   // For the thread that answers; changes() and changesFollowed() only while an offer is pending.
   bool isThere() const { return isThere_.load(std::memory_order_acquire); }
   std::span<const PointChange> changes() const { return changes_; }
-  /// Number of TouchBackend::change() calls that the offering thread knew of.
+  /// Number of EditStream::change() calls that the offering thread knew of.
   std::uint64_t changesFollowed() const { return changesFollowed_; }
   /// The offer was carried out or dropped.
   void done() { isThere_.store(false, std::memory_order_release); }

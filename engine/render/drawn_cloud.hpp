@@ -30,7 +30,7 @@ class DrawnCloud {
 
   /// Applies all unread entries in order on the throughput queue, waits, and consumes them; returns their number.
   std::uint64_t catchUp(EditLog::Reader& reader);
-  /// The same with states from the host (TouchBackend::takeEdits()), first to last: for a cloud touched on another GPU,
+  /// The same with states from the host (EditStream::take()), first to last: for a cloud touched on another GPU,
   /// or on the CPU. Ignores states of points beyond count(). The first call may throw OutOfGpuMemory.
   std::uint64_t catchUp(std::span<const PointState> states);
   /// If all points move: takes the points of a live cloud on the same GPU, in any order, or of a frame on the host, on

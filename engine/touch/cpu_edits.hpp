@@ -33,7 +33,7 @@ class CpuEdits {
   void lift() { stroke_.lift(); }
   /// Starts an edit if the stroke acts or the last edit left work. True: it has started.
   bool editIfYielding(double time_s, bool realtime);
-  /// Starts to apply the offered changes (TouchBackend::offer()), if any, for a pose of this time.
+  /// Starts to apply the offered changes (EditStream::offer()), if any, for a pose of this time.
   bool takeUpOffer(double time_s, bool realtime);
   /// Whether the last edit was an offer, not a brush edit. While nothing is in progress.
   bool lastWasOffer() const { return work_.isOffer; }
@@ -43,13 +43,13 @@ class CpuEdits {
   void wait() const;
   /// The hand has stopped: completes the remaining path of the stroke and ends it.
   void finish();
-  /// As TouchBackend::change(), at `time_s`, while nothing is in progress.
+  /// As EditStream::change(), at `time_s`, while nothing is in progress.
   void change(std::span<const PointChange> changes, double time_s);
 
   EditQueue& queue() { return queue_; }
   OfferedChanges& offered() { return offered_; }
   const OfferedChanges& offered() const { return offered_; }
-  /// TouchBackend::editsAnswered.
+  /// EditStream::progress.
   std::uint64_t answered() const { return answered_; }
   const TouchStatistics& statistics() const { return statistics_; }
 

@@ -53,7 +53,7 @@ class EditPipeline {
   /// Submits an edit if the stroke acts or the last edit left work, and nothing prevents it. In virtual time the edit
   /// is complete on return. True: points have moved, or will.
   bool editIfYielding(double time_s, bool realtime);
-  /// Submits the offered changes (TouchBackend::offer()), if any, for a pose of this time; only while no edit is in
+  /// Submits the offered changes (EditStream::offer()), if any, for a pose of this time; only while no edit is in
   /// progress and all earlier entries are published. In virtual time they are complete and published on return. True:
   /// points have moved, or will.
   bool takeUpOffer(double time_s, bool realtime);
@@ -66,7 +66,7 @@ class EditPipeline {
   void collect(const Stopwatch* sinceAsked);
   /// The hand has stopped: completes the remaining path of the stroke and ends it. Publishes all edits.
   void finish();
-  /// As TouchBackend::change(). Waits.
+  /// As EditStream::change(). Waits.
   void change(std::span<const PointChange> changes);
   /// As TouchBackend::readBack().
   std::size_t readBack(PointCloud& cloud) const;

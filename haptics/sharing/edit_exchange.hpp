@@ -37,13 +37,13 @@ struct Resume {
 /// is until the server has it. In the end every copy has each point as it was changed last.
 class EditExchange {
  public:
-  /// `points`: by id, as joined. `mostOffered`: TouchBackend::mostOffered().
+  /// `points`: by id, as joined. `mostOffered`: EditStream::mostOffered().
   EditExchange(std::vector<PointState> points, std::size_t mostOffered);
 
   // The hand's side.
-  /// Edits of the points, in order (TouchBackend::takeEdits()).
+  /// Edits of the points, in order (EditStream::take()).
   void follow(const EditBatch& batch);
-  /// Edits of others, for TouchBackend::offer(); empty until the last offer is reported.
+  /// Edits of others, for EditStream::offer(); empty until the last offer is reported.
   std::span<const PointChange> nextOffer();
   /// Passed with the offer.
   std::uint64_t changesFollowed() const { return changesFollowed_; }
