@@ -4,7 +4,7 @@ if(NOT WIN32)
   # The files of the host's rooms, for the test that they do not include Vulkan.
   set(host_sources "")
   foreach(room core cloud matter io motion spatial_host contact_host edit_host touch_host mesh_host haptics session
-               sharing session_sharing)
+               sharing)
     get_target_property(sources palpate_${room} SOURCES)
     get_target_property(folder palpate_${room} SOURCE_DIR)
     foreach(source ${sources})

@@ -6,8 +6,8 @@
 #include "apps/cli/parse_list.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "haptics/session/bounds.hpp"
-#include "haptics/session/session_joiner.hpp"
 #include "haptics/sharing/ros.hpp"
+#include "haptics/sharing/session_joiner.hpp"
 
 namespace palpate {
 

@@ -6,7 +6,7 @@
 #include "engine/mesh/mesh_plan.hpp"
 #include "haptics/session/picture_request.hpp"
 #include "haptics/session/session_config.hpp"
-#include "haptics/session/session_joiner.hpp"
+#include "haptics/sharing/session_joiner.hpp"
 
 namespace palpate::library {
 

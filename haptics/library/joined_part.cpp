@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/job_stop.hpp"
 #include "haptics/library/options.hpp"
 #include "haptics/session/bounds.hpp"
 

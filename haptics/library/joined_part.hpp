@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "haptics/session/session.hpp"
-#include "haptics/session/session_joiner.hpp"
 #include "haptics/sharing/network.hpp"
+#include "haptics/sharing/session_joiner.hpp"
 
 namespace palpate::library {
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/motion/brick_source.hpp"
 #include "haptics/session/model.hpp"
 
 namespace palpate {
@@ -78,7 +77,7 @@ ModelKind modelKindOf(const SessionConfig& config) {
 
 ModelKind modelKindOf(const SessionConfig& config, const Model& model, bool movedByProgram) {
   if (movedByProgram) return ModelKind::programFrames;
-  if (model.far() && model.far()->source().moves()) return ModelKind::nearMoving;
+  if (model.far() && model.far()->moves()) return ModelKind::nearMoving;
   if (model.far()) return model.far()->isSculptable() ? ModelKind::near : ModelKind::nearReadOnly;
   if (config.join) return model.share() ? ModelKind::shared : ModelKind::readOnly;
   if (model.stream() && !config.stream) return ModelKind::pausedFrames;

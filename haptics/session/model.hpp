@@ -17,7 +17,7 @@
 #include "engine/core/log.hpp"
 #include "engine/core/units.hpp"
 #include "engine/motion/fused_stream.hpp"
-#include "haptics/far_cloud.hpp"
+#include "haptics/session/far_cloud.hpp"
 #include "haptics/session/session_config.hpp"
 #include "haptics/shared_follower.hpp"
 #include "haptics/shared_presence.hpp"

@@ -7,7 +7,6 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/job_stop.hpp"
 #include "engine/matter/matter_parameters.hpp"
-#include "engine/motion/brick_source.hpp"
 #include "haptics/session/session_setup.hpp"
 #include "haptics/session/stream_model.hpp"
 
@@ -78,7 +77,7 @@ std::unique_ptr<TouchBackend> Session::makeTouch(const SessionParts& parts) {
                                   .paintable = parts.paintable,
                                   .source = isMoved_ ? parts.source : source_.get(),
                                   .fusion = fusion_});
-  bricks_ = made.bricks;
+  farTouch_ = made.far;
   return std::move(made.touch);
 }
 
@@ -216,7 +215,7 @@ void Session::awaitPoints(std::span<const OpenHand> hands, const RunOptions& opt
     hips.push_back(hand.map.toModel(hand.device->read(options.begin_s).position));
   }
   constexpr double kBefore_s = 1e-6;  // before the first tick
-  bricks_->awaitAt(options.begin_s - kBefore_s, hips, sharedPatience_s_);
+  farTouch_->awaitAt(options.begin_s - kBefore_s, hips, sharedPatience_s_);
   model_->far()->check();
 }
 
@@ -227,7 +226,7 @@ const InformationAge* Session::known() const {
 
 ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& options) {
   const bool realtime = config_.realtime || options.realtime;
-  if (bricks_ && model_->far()->source().moves() && !realtime)
+  if (model_->far() && model_->far()->moves() && !realtime)
     throw Error("'{}' moves in real time; join it with --realtime", config_.model.file);
   backend_->begin(realtime, springs(hands));
   std::vector<SessionHand> touching;
@@ -240,7 +239,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
   HandPublisher publisher(shared_.get(), presence(), touching.size(), config_.brush.has_value());
   Recorders recorders({recording_.get(), options.recorder, &publisher});
   if (!options.endless) settleShared(sharedPatience_s_);  // takes in the edits made before this hand joined
-  if (bricks_) awaitPoints(hands, options);
+  if (farTouch_) awaitPoints(hands, options);
   const JobStopScope whole(JobStopScope::whole());  // no tick is cut short
   ServoLoop loop(options.query ? *options.query : *backend_, touching,
                  {.rate_Hz = rate_Hz,

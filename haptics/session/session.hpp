@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/touch/brick_touch.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/session/abilities.hpp"
 #include "haptics/session/backends.hpp"
 #include "haptics/session/edit_relay.hpp"
+#include "haptics/session/far_touch.hpp"
 #include "haptics/session/hand_source.hpp"
 #include "haptics/session/live_run.hpp"
 #include "haptics/session/moving_model.hpp"
@@ -215,7 +215,7 @@ class Session {
   /// Fetches the points around the hands, if another program has all of them, and the ticks that lacked some; null and
   /// zero if all points are here.
   FarCloud* far() const { return model_->far(); }
-  UnknownTicks unknownTicks() const { return bricks_ ? bricks_->counts() : UnknownTicks{}; }
+  UnknownTicks unknownTicks() const { return farTouch_ ? farTouch_->counts() : UnknownTicks{}; }
   /// Age of the information about the surface, if another program has it; else null.
   const InformationAge* known() const;
   /// `known`: judges by the last message received from the server. If others edit for more than a second, it suffices
@@ -248,7 +248,7 @@ class Session {
   std::optional<FusedStream> fusion_;     // if they are fused
   std::unique_ptr<CloudSource> source_;   // if the back end does not move the points itself
   bool isMoved_;                          // by SessionParts::source
-  BrickTouch* bricks_ = nullptr;          // the back end, if only the points around the hands are here
+  FarTouch* farTouch_ = nullptr;          // the back end, if only the points around the hands are here
   std::unique_ptr<TouchBackend> backend_;
   std::string machine_;
   std::vector<std::unique_ptr<EditFollower>> followers_;

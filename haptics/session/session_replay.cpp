@@ -5,6 +5,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/job_stop.hpp"
 #include "engine/edit/journal.hpp"
 #include "haptics/devices/replay_device.hpp"
 #include "haptics/session/session.hpp"

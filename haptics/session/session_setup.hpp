@@ -4,9 +4,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "engine/touch/brick_touch.hpp"
 #include "haptics/session/backends.hpp"
+#include "haptics/session/far_touch.hpp"
 
 namespace palpate {
 
@@ -15,6 +16,11 @@ SessionConfig checked(SessionConfig config, const BackendKind& kind);
 
 /// Why the model cannot be sculpted, with its name; empty: it can.
 std::string fixedBecause(const SessionConfig& config, const Model& model);
+
+/// The configured brush of the first hand, model units.
+std::optional<BrushOptions> brushOf(const SessionConfig& config, const Model& model);
+/// The tool of each hand, model units. Only the first one has the configured tool.
+std::vector<ToolShape> toolsOf(const SessionConfig& config, const Model& model);
 
 struct BackendSetup {
   const BackendKind& kind;
@@ -30,7 +36,7 @@ struct BackendSetup {
 /// A back end that was made.
 struct MadeBackend {
   std::unique_ptr<TouchBackend> touch;
-  BrickTouch* bricks = nullptr;  ///< the same, if only the points around the hands are here
+  FarTouch* far = nullptr;  ///< the same, if only the points around the hands are here
 };
 
 /// Throws Error, ConfigError.

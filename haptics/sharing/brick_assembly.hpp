@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/brick_source.hpp"
 #include "haptics/sharing/messages.hpp"
 
 namespace palpate::sharing {

@@ -10,7 +10,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/log.hpp"
-#include "haptics/far_cloud.hpp"
+#include "haptics/session/far_cloud.hpp"
 #include "haptics/sharing/brick_ledger.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/shared_points.hpp"

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "engine/core/clock.hpp"
-#include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/brick_assembly.hpp"
 #include "haptics/sharing/hand_balls.hpp"
 #include "haptics/sharing/joined_session.hpp"
@@ -51,7 +50,7 @@ class FastestWay {
   std::optional<double> now_, before_;
 };
 
-class FarLink final : public FarCloud {
+class FarLink final : public BrickCloud {
  public:
   explicit FarLink(const FarParts& parts)
       : parts_(parts),
@@ -77,8 +76,9 @@ class FarLink final : public FarCloud {
   }
 
   BrickSource& source() override { return source_; }
+  bool moves() const override { return parts_.facts.moves; }
   const InformationAge& known() const override { return known_; }
-  bool isSculptable() const override { return parts_.notice.sculptable && !parts_.facts.moves; }
+  bool isSculptable() const override { return parts_.notice.sculptable && !moves(); }
 
   FarCounts counts() const override {
     const std::scoped_lock hold(lock_);
@@ -169,7 +169,7 @@ class FarLink final : public FarCloud {
         stuck_ = 0;
       }
       const bool isChanged = source_.apply(std::move(*update));
-      if (isChanged && !parts_.facts.moves) known_.changed();
+      if (isChanged && !moves()) known_.changed();
       spoilt_ = 0;
       ++counts_.updates;
       counts_.mostKnown = std::max(counts_.mostKnown, source_.known().points);
@@ -344,7 +344,7 @@ class FarLink final : public FarCloud {
 
 }  // namespace
 
-std::unique_ptr<FarCloud> openFarCloud(const FarParts& parts) { return std::make_unique<FarLink>(parts); }
+std::unique_ptr<BrickCloud> openFarCloud(const FarParts& parts) { return std::make_unique<FarLink>(parts); }
 
 std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_s, const StopSign& stop) {
   const Topic<Facts> topic = factsOf(session.participant, session.session);

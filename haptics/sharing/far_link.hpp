@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "engine/core/log.hpp"
-#include "haptics/far_cloud.hpp"
+#include "haptics/sharing/brick_cloud.hpp"
 #include "haptics/sharing/session_notices.hpp"
 
 namespace palpate {
@@ -17,7 +17,7 @@ struct FarParts {
   FarFacts facts;
   Log* log = nullptr;  ///< logs silence and its end; must outlive the cloud
 };
-std::unique_ptr<FarCloud> openFarCloud(const FarParts& parts);
+std::unique_ptr<BrickCloud> openFarCloud(const FarParts& parts);
 
 /// Facts that the session's server announces; nothing if they are not received within `patience_s`. Throws NetworkError
 /// if they describe no valid cloud.

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/brick_ledger.hpp"
+#include "haptics/sharing/brick_source.hpp"
 
 namespace palpate::sharing {
 

@@ -38,7 +38,7 @@ struct NetworkConfig {
   bool operator==(const NetworkConfig&) const = default;
 };
 
-/// False if palpate was built without DDS: everything here then throws NetworkError.
+/// False if palpate was built without PALPATE_NETWORK: everything here then throws NetworkError.
 bool canShare();
 
 /// Who can access what on such a network, as a sentence. Throws FileError for faulty keys.

@@ -7,7 +7,7 @@ namespace {
 [[noreturn]] void refuseKeys() {
   throw Error(
       "this palpate was built without encryption of sessions; install cyclonedds-dev, libssl-dev and libpugixml-dev, "
-      "and build it again");
+      "and build it again with -DPALPATE_NETWORK=ON");
 }
 
 }  // namespace

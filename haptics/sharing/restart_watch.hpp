@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/core/clock.hpp"
-#include "haptics/far_cloud.hpp"
+#include "haptics/session/far_cloud.hpp"
 #include "haptics/sharing/messages.hpp"
 
 namespace palpate::sharing {

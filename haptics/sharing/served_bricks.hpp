@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/core/point_state.hpp"
-#include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/brick_source.hpp"
 
 namespace palpate::sharing {
 

@@ -14,7 +14,7 @@
 #include "engine/core/cloud_frame.hpp"
 #include "engine/core/log.hpp"
 #include "engine/core/point_state.hpp"
-#include "haptics/far_cloud.hpp"
+#include "haptics/session/far_cloud.hpp"
 #include "haptics/shared_presence.hpp"
 #include "haptics/sharing/network.hpp"
 
@@ -80,6 +80,7 @@ class CloudServer {
   std::unique_ptr<Link> link_;
 };
 
+class BrickCloud;
 class JoinedSession;
 
 struct JoinedCloud {
@@ -89,7 +90,7 @@ struct JoinedCloud {
   bool sculptable = false;
   std::shared_ptr<const JoinedSession> session;
   /// If only the points around the hands are streamed: `cloud` is then a subsample of a few thousand points.
-  std::shared_ptr<FarCloud> far;
+  std::shared_ptr<BrickCloud> far;
   std::optional<FarFacts> facts;  ///< of all points; set with `far`
 };
 

@@ -80,7 +80,7 @@ TEST_CASE("bench share measures the time until another hand feels a press" * kCl
   const ScratchFolder folder;
   const std::string domain = " --domain " + std::to_string(ownDomain());
   if (palpate("doctor --network" + domain).code != 0) {
-    MESSAGE("skipped: this palpate was built without DDS");
+    MESSAGE("skipped: this palpate was built without PALPATE_NETWORK");
     return;
   }
   const std::string json = (folder / "s.json").string();

@@ -1,5 +1,5 @@
 // Sessions with keys, through the program: holders join, others find nothing, and no message can be read on the wire.
-// Not for a build without DDS.
+// Not for a build without PALPATE_NETWORK.
 #include <cstring>
 
 #include "engine/io/cloud_formats.hpp"
@@ -19,7 +19,7 @@ bool isBuilt(const ScratchFolder& folder) {
   const Outcome network = palpate("doctor --network" + domain()),
                 keys = palpate("keys " + (folder / "try").string() + " --name a");
   if (network.code == 0 && keys.code == 0) return true;
-  MESSAGE("skipped: this palpate was built without DDS or without its encryption: " << network.text << keys.text);
+  MESSAGE("skipped: this palpate was built without PALPATE_NETWORK or its encryption: " << network.text << keys.text);
   return false;
 }
 

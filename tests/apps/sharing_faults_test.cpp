@@ -1,5 +1,5 @@
 // Faults in shared sessions, through the program: hands and servers that are killed or hang, programs of other
-// versions, names that two servers claim. Not for a build without DDS.
+// versions, names that two servers claim. Not for a build without PALPATE_NETWORK.
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>

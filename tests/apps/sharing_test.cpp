@@ -1,4 +1,4 @@
-// A model that one program serves and others join, through the program. Not for a build without DDS.
+// A model that one program serves and others join, through the program. Not for a build without PALPATE_NETWORK.
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -23,7 +23,7 @@ std::string domain() { return " --domain " + std::to_string(ownDomain()); }
 
 bool isBuilt() {
   if (palpate("doctor --network" + domain()).code == 0) return true;
-  MESSAGE("skipped: this palpate was built without DDS");
+  MESSAGE("skipped: this palpate was built without PALPATE_NETWORK");
   return false;
 }
 

@@ -20,7 +20,7 @@ inline pp_network ownNetwork() {
 
 inline bool isBuilt() {
   if (pp_can_share()) return true;
-  MESSAGE("skipped: this palpate was built without DDS");
+  MESSAGE("skipped: this palpate was built without PALPATE_NETWORK");
   return false;
 }
 

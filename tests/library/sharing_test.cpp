@@ -57,14 +57,14 @@ pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<d
 
 }  // namespace
 
-TEST_CASE("a library without DDS shares nothing, and reports that") {
+TEST_CASE("a library built without PALPATE_NETWORK shares nothing, and reports that") {
   if (pp_can_share()) return;
   const BallCloud ball;
   pp_server server{};
   pp_session session{};
   std::uint64_t count = 0;
   CHECK(pp_serve(ball.cloud, "a", nullptr, &server) == PP_ERROR_UNSUPPORTED);
-  CHECK(lastErrorSays("built without DDS"));
+  CHECK(lastErrorSays("built without PALPATE_NETWORK"));
   CHECK(pp_session_join("a", nullptr, nullptr, &session) == PP_ERROR_UNSUPPORTED);
   CHECK(pp_network_survey(nullptr, 0, nullptr, 0, &count) == PP_ERROR_UNSUPPORTED);
 }

@@ -68,7 +68,7 @@ def test_the_example_of_scenes_logs_frames_and_tools_runs(ball, tmp_path, monkey
         seen[name].close()
 
 
-@pytest.mark.skipif(not pp.can_share(), reason="this palpate was built without DDS")
+@pytest.mark.skipif(not pp.can_share(), reason="this palpate was built without PALPATE_NETWORK")
 def test_the_example_of_shared_sessions_runs(ball, tmp_path, monkeypatch):
     source = README.read_text().split("\n\nlan = ", 1)[1].split("\n```", 1)[0]
     source = "lan = " + source

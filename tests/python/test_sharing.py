@@ -18,7 +18,7 @@ import pytest
 from conftest import RADIUS, ball_arrays, own_domain, press_path
 
 NETWORK = pp.Network(domain=own_domain())  # on this machine only, in a domain that no other test uses
-needs_dds = pytest.mark.skipif(not pp.can_share(), reason="this palpate was built without DDS")
+needs_dds = pytest.mark.skipif(not pp.can_share(), reason="this palpate was built without PALPATE_NETWORK")
 
 
 def checksum(cloud: pp.Cloud) -> str:
@@ -349,10 +349,10 @@ def test_the_program_sculpts_what_python_serves(served, tmp_path):
     assert checksum(served.cloud()) != before
 
 
-@pytest.mark.skipif(pp.can_share(), reason="this palpate was built with DDS")
-def test_without_dds_all_of_it_refuses_in_a_sentence(ball):
+@pytest.mark.skipif(pp.can_share(), reason="this palpate was built with PALPATE_NETWORK")
+def test_without_the_network_annex_all_of_it_refuses_in_a_sentence(ball):
     for wrong in (lambda: pp.serve(ball, "a"), lambda: pp.sessions(), lambda: pp.Session(pp.Join("a"), gpu="cpu")):
-        with pytest.raises(pp.Error, match="built without DDS") as caught:
+        with pytest.raises(pp.Error, match="built without PALPATE_NETWORK") as caught:
             wrong()
         assert caught.value.status == "unsupported"
 

@@ -13,7 +13,7 @@
 #include <optional>
 #include <set>
 
-#include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/brick_cloud.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "tests/labels.hpp"
 #include "tests/scratch_folder.hpp"

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "engine/core/clock.hpp"
-#include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/brick_cloud.hpp"
 #include "haptics/sharing/far_link.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "tests/labels.hpp"

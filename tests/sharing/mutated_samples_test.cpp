@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-#include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/brick_cloud.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/ros_intake.hpp"

@@ -1,6 +1,6 @@
 /** @file
  * palpate's C interface: sessions shared by several programs, here or on other machines, over DDS. palpate.h includes
- * this. In a library built without DDS all of it gives PP_ERROR_UNSUPPORTED. */
+ * this. In a library built without PALPATE_NETWORK all of it gives PP_ERROR_UNSUPPORTED. */
 #ifndef PALPATE_SHARING_H
 #define PALPATE_SHARING_H
 #ifndef PALPATE_H

@@ -14,8 +14,8 @@
 
 #include "engine/core/contact_query.hpp"
 #include "engine/core/latest_value.hpp"
-#include "engine/motion/brick_overlay.hpp"
 #include "engine/motion/cloud_source.hpp"
+#include "haptics/sharing/brick_overlay.hpp"
 
 namespace palpate {
 
@@ -26,11 +26,6 @@ struct BrickUpdate {
   std::vector<BrickKey> dropped;  ///< no longer known
   std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;  ///< new contents
   std::vector<std::uint32_t> settled;  ///< points edited here whose edits this update contains
-};
-
-/// Number of ticks, and of those at which the surface may depend on unknown points.
-struct UnknownTicks {
-  std::uint64_t ticks = 0, without = 0;
 };
 
 /// A monotonic clock, for times that are compared across threads.

@@ -1,5 +1,5 @@
 // Local edits over received bricks, against a model that keeps each point separately.
-#include "engine/motion/brick_overlay.hpp"
+#include "haptics/sharing/brick_overlay.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <optional>
 #include <random>
 
-#include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/brick_source.hpp"
 
 namespace palpate::brick_overlay_test {
 

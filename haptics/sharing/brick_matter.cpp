@@ -1,4 +1,4 @@
-#include "engine/touch/brick_matter.hpp"
+#include "haptics/sharing/brick_matter.hpp"
 
 #include <algorithm>
 #include <memory>

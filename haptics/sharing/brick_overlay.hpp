@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/core/point_state.hpp"
-#include "engine/motion/brick_grid.hpp"
+#include "haptics/sharing/brick_grid.hpp"
 
 namespace palpate {
 

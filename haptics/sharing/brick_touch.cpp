@@ -1,4 +1,4 @@
-#include "engine/touch/brick_touch.hpp"
+#include "haptics/sharing/brick_touch.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -10,7 +10,7 @@
 namespace palpate {
 
 BrickTouch::BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surface, const BrickTouchOptions& options)
-    : TouchDecorator(std::move(surface)),
+    : FarTouch(std::move(surface)),
       source_(source),
       options_(options),
       hands_(inner().hands()),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +13,8 @@
 
 namespace palpate {
 
-class BrickSource;
+class FarTouch;
+struct BackendSetup;
 
 /// Properties of all its points, as its server has measured them. Model units.
 struct FarFacts {
@@ -50,12 +52,20 @@ struct FarCounts {
   std::optional<double> roundTrip_ms;
 };
 
+/// Number of ticks, and of those at which the surface may depend on unknown points.
+struct UnknownTicks {
+  std::uint64_t ticks = 0, without = 0;
+};
+
 /// Fetches the points around the hands, on threads of its own, during its lifetime.
 class FarCloud {
  public:
   virtual ~FarCloud() = default;
-  /// Source through which they are requested and felt.
-  virtual BrickSource& source() = 0;
+  /// The back end that requests and feels them, for one session at a time; this must outlive it. Throws Error,
+  /// ConfigError.
+  virtual std::unique_ptr<FarTouch> makeTouch(const BackendSetup& setup) = 0;
+  /// The points are sent again and again, in real time.
+  virtual bool moves() const = 0;
   /// Age of the information, which limits the force.
   virtual const InformationAge& known() const = 0;
   virtual FarCounts counts() const = 0;

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/motion/brick_source.hpp"
-#include "engine/touch/brick_sculptor.hpp"
-#include "engine/touch/touch_backend.hpp"
+#include "haptics/session/far_touch.hpp"
+#include "haptics/sharing/brick_sculptor.hpp"
+#include "haptics/sharing/brick_source.hpp"
 
 namespace palpate {
 
@@ -28,15 +28,13 @@ struct BrickTouchOptions {
 /// nothing, its tick counts as one without data, and the hand is reset when points are known again. Against the clock
 /// no tick waits; in virtual time each tick waits for its points, so that it is answered as if the whole cloud were
 /// loaded.
-class BrickTouch final : public TouchDecorator {
+class BrickTouch final : public FarTouch {
  public:
   /// `surface` feels the points of `source`, which must outlive it.
   BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surface, const BrickTouchOptions& options);
 
-  /// For any thread.
-  UnknownTicks counts() const noexcept { return {.ticks = ticks_.load(), .without = without_.load()}; }
-  /// Before the first tick: waits up to `patience_s` for the points around these hands. Returns whether they are known.
-  bool awaitAt(double time_s, std::span<const DVec3> hips, double patience_s);
+  UnknownTicks counts() const noexcept override { return {.ticks = ticks_.load(), .without = without_.load()}; }
+  bool awaitAt(double time_s, std::span<const DVec3> hips, double patience_s) override;
 
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
   std::span<const PointContact> points(std::size_t hand) const noexcept override { return hands_[hand].points; }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/matter/known_matter.hpp"
-#include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/brick_source.hpp"
 
 namespace palpate {
 

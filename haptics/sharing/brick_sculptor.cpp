@@ -1,4 +1,4 @@
-#include "engine/touch/brick_sculptor.hpp"
+#include "haptics/sharing/brick_sculptor.hpp"
 
 #include <utility>
 

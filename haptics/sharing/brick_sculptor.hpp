@@ -9,9 +9,9 @@
 #include "engine/core/background_task.hpp"
 #include "engine/core/contact_query.hpp"
 #include "engine/edit/cpu_sculpture.hpp"
-#include "engine/motion/brick_source.hpp"
 #include "engine/touch/edit_pace.hpp"
 #include "engine/touch/touch_statistics.hpp"
+#include "haptics/sharing/brick_source.hpp"
 
 namespace palpate {
 

@@ -1,5 +1,5 @@
 // Sculpting on the CPU with only the bricks around a hand: the same as with the whole cloud.
-#include "engine/touch/brick_sculptor.hpp"
+#include "haptics/sharing/brick_sculptor.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,8 +8,8 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/error.hpp"
-#include "engine/touch/brick_touch.hpp"
 #include "engine/touch/cpu_touch.hpp"
+#include "haptics/sharing/brick_touch.hpp"
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"

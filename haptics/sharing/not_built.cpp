@@ -1,5 +1,7 @@
+// Replaces the room if palpate is built without PALPATE_NETWORK, or where Cyclone DDS is missing.
 #include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/ros.hpp"
+#include "haptics/sharing/session_joiner.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/shared_edits.hpp"
 
@@ -8,7 +10,9 @@ namespace palpate {
 namespace {
 
 [[noreturn]] void refuse() {
-  throw NetworkError("this palpate was built without DDS, and cannot share; install cyclonedds-dev and build it again");
+  throw NetworkError(
+      "this palpate was built without PALPATE_NETWORK, and cannot share; install cyclonedds-dev and cyclonedds-tools, "
+      "and build it again with -DPALPATE_NETWORK=ON");
 }
 
 }  // namespace
@@ -31,6 +35,10 @@ std::shared_ptr<SharedPresence> sharePresence(std::shared_ptr<const JoinedSessio
   refuse();
 }
 
+SessionJoiner sessionJoiner(const Joining&) {
+  return [](const std::string&, const JoinConfig&, Log&) -> JoinedModel { refuse(); };
+}
+SessionJoiner pointsJoiner(const Joining& how) { return sessionJoiner(how); }
 JoinedCloud joinCloud(const std::string&, const JoinOptions&) { refuse(); }
 
 void requireRosName(const std::string&) { refuse(); }

@@ -1,4 +1,4 @@
-#include "engine/motion/brick_overlay.hpp"
+#include "haptics/sharing/brick_overlay.hpp"
 
 #include <algorithm>
 #include <utility>

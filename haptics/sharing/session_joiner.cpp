@@ -1,7 +1,8 @@
-#include "haptics/session/session_joiner.hpp"
+#include "haptics/sharing/session_joiner.hpp"
 
 #include "engine/cloud/length_unit.hpp"
 #include "engine/touch/touch_backend.hpp"
+#include "haptics/sharing/brick_cloud.hpp"
 #include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/shared_edits.hpp"

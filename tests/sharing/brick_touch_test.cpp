@@ -1,5 +1,5 @@
 // A cloud on the CPU with only the bricks around a hand: felt bit by bit as the whole cloud, or not at all.
-#include "engine/touch/brick_touch.hpp"
+#include "haptics/sharing/brick_touch.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/brick_source.hpp"
 
 #include <algorithm>
 #include <chrono>
