@@ -56,7 +56,7 @@ class SurfaceGapFinder {
   };
 
   Place onSurface(DVec3 x, const DVec3& facing) const {
-    SurfaceSample sample;
+    SurfaceSample sample{};
     for (int step = 0; step < 4; ++step) {
       sample = surface_.surface(x, facing);
       if (!sample.defined) return {};
