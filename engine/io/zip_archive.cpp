@@ -100,10 +100,10 @@ class ZipReader {
   std::span<const std::byte> archive_;
 };
 
-constexpr std::uint64_t kMaxPerByte = 1032;                                // deflate's maximum ratio
-constexpr std::uint64_t kMaxAtOnce = std::numeric_limits<int>::max() - 2;  // bytes, packed or not
+constexpr std::uint64_t kMaxPerDeflatedByte = 1032;                          // deflate's maximum ratio
+constexpr std::uint64_t kMaxInflated = std::numeric_limits<int>::max() - 2;  // bytes, packed or not
 
-/// Whether `packed` begins with raw deflate data that fill `bytes` exactly. Both have at most kMaxAtOnce bytes.
+/// Whether `packed` begins with raw deflate data that fill `bytes` exactly. Both have at most kMaxInflated bytes.
 bool inflatesTo(std::span<std::byte> bytes, std::span<const std::byte> packed) {
   constexpr int kRaw = -15;  // no header, the largest window
   std::byte beyond{};        // zlib wants a place even for no bytes
@@ -139,9 +139,9 @@ std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<co
     if (member.bytes != member.packed) throw damaged("is said to be of two sizes");
     bytes.assign(packed.begin(), packed.end());
   } else {
-    if (member.bytes > kMaxAtOnce || member.packed > kMaxAtOnce)
+    if (member.bytes > kMaxInflated || member.packed > kMaxInflated)
       throw damaged("is packed and larger than 2 GiB, which is not read");
-    if (member.bytes / kMaxPerByte > member.packed) throw damaged("cannot be as long as it is said to be");
+    if (member.bytes / kMaxPerDeflatedByte > member.packed) throw damaged("cannot be as long as it is said to be");
     bytes.resize(member.bytes);
     if (!inflatesTo(bytes, packed)) throw damaged("is damaged: it cannot be unpacked");
   }
@@ -169,9 +169,9 @@ std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<c
   if (at >= end) fail(packed.size(), "ends within its header");
   const auto checksum = loadScalar<std::uint32_t>(packed.data() + end),
              size = loadScalar<std::uint32_t>(packed.data() + end + 4);
-  if (size > kMaxAtOnce || packed.size() > kMaxAtOnce)
+  if (size > kMaxInflated || packed.size() > kMaxInflated)
     fail(end + 4, "is larger than 2 GiB, which is not unpacked here");
-  if (size / kMaxPerByte > packed.size()) fail(end + 4, "cannot be as long as it is said to be");
+  if (size / kMaxPerDeflatedByte > packed.size()) fail(end + 4, "cannot be as long as it is said to be");
   std::vector<std::byte> bytes(size);
   if (!inflatesTo(bytes, packed.subspan(at, end - at))) fail(at, "is damaged: it cannot be unpacked");
   if (zipChecksum(bytes) != checksum) fail(end, "is damaged: its checksum is another one");
