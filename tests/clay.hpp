@@ -66,13 +66,13 @@ inline ClayResult judgeClay(const Scene& scene, const ClayGesture& gesture, Poin
   for (std::size_t i = 0; i < result.cloud.size(); ++i) {
     const DVec3 place(result.cloud.positions[i]);
     near.clear();
-    before.within(place, 1e-4, near);
+    before.near(place, 1e-4, near);
     if (!near.empty()) continue;
     ++result.changed;
     result.deepest = std::max(result.deepest, -height(place));
     result.highest = std::max(result.highest, height(place));
     near.clear();
-    tree.within(place, 0.5 * scene.spacing, near);
+    tree.near(place, 0.5 * scene.spacing, near);
     second += std::ranges::any_of(near, [&](std::uint32_t k) {
       return glm::dot(DVec3(result.cloud.normals[k]), DVec3(result.cloud.normals[i])) < -0.3;
     });
@@ -83,7 +83,7 @@ inline ClayResult judgeClay(const Scene& scene, const ClayGesture& gesture, Poin
     double deepest = -1e9;
     for (double down = -3; down < gesture.depth + 3; down += 0.5 * scene.spacing) {
       near.clear();
-      tree.within(on.position - down * on.normal, 1.2 * scene.spacing, near);
+      tree.near(on.position - down * on.normal, 1.2 * scene.spacing, near);
       for (const std::uint32_t i : near)
         deepest = std::max(deepest, -glm::dot(DVec3(result.cloud.positions[i]) - on.position, on.normal));
     }

@@ -5,7 +5,8 @@ set(made ${CMAKE_BINARY_DIR}/debian)
 
 # The documentation of every package, with the notices of compiled-in and linked libraries from their Debian packages.
 set(notices "")
-foreach(package libglm-dev nlohmann-json3-dev libnanoflann-dev libstb-dev libvulkan-volk-dev libvulkan-dev libcli11-dev
+foreach(package libglm-dev nlohmann-json3-dev libnanoflann-dev libstb-dev zlib1g-dev libvulkan-volk-dev
+                libvulkan-dev libcli11-dev
                 libimgui-dev libfmt-dev libhidapi-dev libglfw3-dev libpugixml-dev pybind11-dev
                 cyclonedds-dev libssl-dev)
   if(EXISTS /usr/share/doc/${package}/copyright)

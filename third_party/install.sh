@@ -30,6 +30,7 @@ packages=(
   fonts-dejavu-core          # font of the window
   fonts-droid-fallback       # Chinese, Japanese and Korean letters in the window
   libstb-dev                 # PNG writing and reading
+  zlib1g-dev                 # ZIP and gzip
   libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
   libpugixml-dev             # the XML of E57
   libhidapi-dev              # 3D mice and gamepads (its back end over the kernel's nodes: libhidapi-hidraw0)

@@ -9,7 +9,7 @@ cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 
 place=$PWD/build/windows-libraries
 prefix=$place/prefix
-sources=(fmtlib glfw3 hidapi imgui)  # Debian's source packages of the libraries
+sources=(fmtlib glfw3 hidapi imgui zlib)  # Debian's source packages of the libraries
 # Header-only libraries: equal on every system, copied from the packages that install.sh installs.
 headers=(libglm-dev nlohmann-json3-dev libcli11-dev doctest-dev libnanoflann-dev libstb-dev libvulkan-dev
          libvulkan-volk-dev)
@@ -57,6 +57,20 @@ build_imgui() {
   cp "$folder"/*.h "$prefix/include/imgui/"
 }
 
+# Debian's sources lack the files for Windows, which only a shared library needs.
+build_zlib() {
+  local folder file
+  folder=$(echo "$place"/sources/zlib-[0-9]*/)
+  mkdir -p "$place/build/zlib" "$prefix/include" "$prefix/lib"
+  cp "$folder/zlib.h" "$prefix/include/"
+  cp "$folder/zconf.h.in" "$prefix/include/zconf.h"
+  for file in adler32 crc32 inffast inflate inftrees zutil; do
+    x86_64-w64-mingw32-gcc-posix -O2 -I "$prefix/include" -c "$folder/$file.c" -o "$place/build/zlib/$file.o"
+  done
+  rm -f "$prefix/lib/libz.a"
+  x86_64-w64-mingw32-ar rcs "$prefix/lib/libz.a" "$place"/build/zlib/*.o
+}
+
 # A separate include folder: the system's would add the headers of Linux.
 copy_headers() {
   local file
@@ -89,6 +103,7 @@ build_libraries() {
   cmake_library glfw3 -DGLFW_BUILD_DOCS=OFF -DGLFW_BUILD_TESTS=OFF -DGLFW_BUILD_EXAMPLES=OFF
   cmake_library hidapi -DHIDAPI_BUILD_HIDTEST=OFF
   build_imgui
+  build_zlib
   copy_licences
   touch "$place/done"
 }

@@ -3,9 +3,8 @@
 
 #include "apps/bench/cub_times.hpp"
 #include "apps/bench/times.hpp"
+#include "engine/cloud/point_tree.hpp"
 #include "engine/gpu/command_list.hpp"
-#include "engine/spatial/cpu_hash.hpp"
-#include "engine/spatial/kd_tree_search.hpp"
 #include "engine/spatial/look_back_sort.hpp"
 #include "engine/spatial/multimap_hash.hpp"
 #include "engine/spatial/sorted_grid.hpp"
@@ -17,14 +16,15 @@ namespace {
 
 // The cloud before a tick's rebuild: in the order of the last build, with some points moved by one cell.
 PointCloud inLastOrder(const PointCloud& cloud, const HashGrid& grid, double movedShare) {
-  const CpuHash hash(cloud.positions, grid);
+  SortedGrid sorted(grid);
+  sorted.build(cloud.positions);
   PointCloud ordered;
   ordered.origin = cloud.origin;
   ordered.positions.reserve(cloud.size());
   ordered.normals.reserve(cloud.size());
-  for (const std::uint32_t i : hash.order()) {
-    ordered.positions.push_back(cloud.positions[i]);
-    ordered.normals.push_back(cloud.normals[i]);
+  for (const SortedGrid::Placed& point : sorted.placed()) {
+    ordered.positions.push_back(point.position);
+    ordered.normals.push_back(cloud.normals[point.number]);
   }
   const auto movers = static_cast<std::size_t>(movedShare * static_cast<double>(cloud.size()));
   for (std::size_t k = 0; k < movers; ++k) ordered.positions[k * cloud.size() / movers].x += 1 / grid.inverseCell;
@@ -117,7 +117,7 @@ void benchBuild(Context& context, const Subject& subject, const TimeBenchOptions
   if (options.wants("cpu")) {
     MultimapHash multimap(grid);
     SortedGrid sorted(grid, context.threads());
-    KdTreeSearch tree;
+    PointTree tree;
     for (NeighbourSearch* search : std::initializer_list<NeighbourSearch*>{&multimap, &sorted, &tree}) {
       for (const Input& input : inputs)
         add("cpu", search->name(), input.name, {}, measureCpu(*search, input.cloud, options));

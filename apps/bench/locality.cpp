@@ -128,7 +128,7 @@ class FoundAxes {
   DVec3 axisAt(const HipPlace& place) {
     if (last_ && glm::distance(last_->first, place.on) < kSamePlace * radius_) return last_->second;
     found_.clear();
-    tree_.within(place.on, radius_, found_);
+    tree_.near(place.on, radius_, found_);
     DVec3 sum(0);
     for (const std::uint32_t i : found_) {
       const DVec3 normal(cloud_.normals[i]), offset = (DVec3(cloud_.positions[i]) - place.on) / radius_;

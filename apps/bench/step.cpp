@@ -2,7 +2,7 @@
 #include <thread>
 
 #include "apps/bench/times.hpp"
-#include "engine/spatial/kd_tree_search.hpp"
+#include "engine/cloud/point_tree.hpp"
 #include "engine/spatial/multimap_hash.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 #include "haptics/builtin_path.hpp"
@@ -147,7 +147,7 @@ void benchQuery(Context& context, const Subject& subject, const TimeBenchOptions
   const HashGrid grid = gridFor(context, subject.model, options.backend);
   MultimapHash multimap(grid);
   SortedGrid sorted(grid, context.threads());
-  KdTreeSearch tree;
+  PointTree tree;
   for (NeighbourSearch* search : std::initializer_list<NeighbourSearch*>{&multimap, &sorted, &tree}) {
     search->build(subject.model.cloud.positions);
     std::vector<double> times;

@@ -62,7 +62,7 @@ std::uint32_t EditAftermath::ancestorOf(std::uint32_t i) const {
 
 double EditAftermath::nearestOfSheet(std::uint32_t i, double most) const {
   std::vector<std::uint32_t> found;
-  tree_->within(position(i), most, found);
+  tree_->near(position(i), most, found);
   double nearest = most;
   for (const std::uint32_t k : found)
     if (there_[k] != i && glm::dot(normal(there_[k]), normal(i)) > 0)

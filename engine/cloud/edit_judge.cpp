@@ -87,7 +87,7 @@ void judgeShape(const EditAftermath& aftermath, EditJudge& judge, const BrushPat
     verdict.deepest = std::max(verdict.deepest, -height);
     verdict.highest = std::max(verdict.highest, height);
     near.clear();
-    tree.within(place, 0.5 * judge.spacingAt(place, aftermath.facing(i)), near);
+    tree.near(place, 0.5 * judge.spacingAt(place, aftermath.facing(i)), near);
     verdict.doubled += std::ranges::any_of(
         near, [&](std::uint32_t k) { return glm::dot(aftermath.normal(changed[k]), aftermath.normal(i)) < -kSided; });
   }
@@ -197,7 +197,7 @@ double EditJudge::heightFrom(const DVec3& place, std::uint32_t ancestor, double 
   for (std::size_t next = 0; next < sheet.size(); ++next) {
     const std::uint32_t from = sheet[next];
     found.clear();
-    tree_.within(position(from), std::min(support, kStep * spacingOf(from)), found);
+    tree_.near(position(from), std::min(support, kStep * spacingOf(from)), found);
     for (const std::uint32_t i : found) {
       const bool goesOn =
           glm::dot(normal(i), normal(from)) > 0 && glm::distance(position(i), position(ancestor)) < kKin * support;

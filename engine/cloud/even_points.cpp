@@ -88,9 +88,7 @@ class GriddedPoints {
       return Entry{mortonCode(mortonCell(points[i], side_)), static_cast<std::uint32_t>(i)};
     });
     sortByMorton(order_, threads, [](const Entry& entry) { return entry.code; });
-    begins_ = parallelRuns(order_.size(), threads, [&](std::size_t k) { return order_[k].code == order_[k - 1].code; });
-    const auto codeOf = [&](std::size_t cell) { return order_[begins_[cell]].code; };
-    cells_ = MortonCells(parallelMake(begins_.size() - 1, threads, codeOf), threads);
+    cells_ = MortonCells(order_.size(), threads, [&](std::size_t k) { return order_[k].code; });
     points_ = parallelMake(order_.size(), threads, [&](std::size_t k) {
       return OrientedPoint{points[order_[k].point], normals[order_[k].point]};
     });
@@ -123,9 +121,10 @@ class GriddedPoints {
         near.clear();
         const Around around = cellsAround(cell);
         for (std::size_t c = 0; c < around.count; ++c)
-          for (std::size_t k = begins_[around.cells[c]]; k < begins_[around.cells[c] + 1]; ++k) near.add(points_[k]);
+          for (std::size_t k = cells_.begin(around.cells[c]); k < cells_.end(around.cells[c]); ++k)
+            near.add(points_[k]);
         // A point's own normal is included, and all are on its side, so the sum is not zero.
-        for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k)
+        for (std::size_t k = cells_.begin(cell); k < cells_.end(cell); ++k)
           smooth[order_[k].point] = glm::normalize(near.normalsNear(points_[k], distance_));
       }
     });
@@ -156,7 +155,7 @@ class GriddedPoints {
     parallelBlocks(cells_.count(), kEvenCellsAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t cell = begin; cell < end; ++cell) {
         const Around around = cellsAround(cell);
-        for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) use(k, around);
+        for (std::size_t k = cells_.begin(cell); k < cells_.end(cell); ++k) use(k, around);
       }
     });
   }
@@ -166,7 +165,7 @@ class GriddedPoints {
   void forNear(std::size_t point, const Around& around, Use&& use) const {
     const Vec3 place = points_[point].place;
     for (std::size_t c = 0; c < around.count; ++c)
-      for (std::size_t k = begins_[around.cells[c]]; k < begins_[around.cells[c] + 1]; ++k) {
+      for (std::size_t k = cells_.begin(around.cells[c]); k < cells_.end(around.cells[c]); ++k) {
         const Vec3 way = points_[k].place - place;
         if (glm::dot(way, way) < distance_ * distance_ && use(k)) return;
       }
@@ -176,15 +175,15 @@ class GriddedPoints {
     kept.clear();
     const Around around = cellsAround(cell);
     for (std::size_t c = 0; c < around.count; ++c) {
-      const auto first = keptOnes_.begin() + static_cast<std::ptrdiff_t>(begins_[around.cells[c]]);
+      const auto first = keptOnes_.begin() + static_cast<std::ptrdiff_t>(cells_.begin(around.cells[c]));
       kept.insert(kept.end(), first, first + keptCounts_[around.cells[c]]);
     }
     const std::size_t before = kept.size();
-    for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) {
+    for (std::size_t k = cells_.begin(cell); k < cells_.end(cell); ++k) {
       kept_[k] = isFree(points_[k], kept);
       if (kept_[k]) kept.push_back(points_[k]);
     }
-    std::copy(kept.begin() + static_cast<std::ptrdiff_t>(before), kept.end(), &keptOnes_[begins_[cell]]);
+    std::copy(kept.begin() + static_cast<std::ptrdiff_t>(before), kept.end(), &keptOnes_[cells_.begin(cell)]);
     keptCounts_[cell] = static_cast<std::uint32_t>(kept.size() - before);
   }
 
@@ -218,7 +217,6 @@ class GriddedPoints {
   unsigned threads_;
   BareVector<Entry> order_;           // sorted by cell
   BareVector<OrientedPoint> points_;  // in that order
-  BareVector<std::size_t> begins_;    // first point of each cell, and the end of the last
   MortonCells cells_;
   BareVector<std::uint8_t> kept_;         // in the order of the cells
   BareVector<OrientedPoint> keptOnes_;    // kept points of each cell, starting at the cell's first index

@@ -141,15 +141,11 @@ void SeedCells::sortDiscs(std::span<const GaussianDisc> discs, unsigned threads)
     const std::size_t first = ends[g];
     const int level = static_cast<int>(entries[first].level);
     const auto codeOf = [&](std::size_t k) { return entries[first + k].code >> (3 * level); };
-    Grid& grid =
-        grids_.emplace_back(Grid{.level = level, .firstDisc = first, .cells = {}, .begins = {}, .regions = {}});
-    grid.begins = parallelRuns(ends[g + 1] - first, threads, [&](std::size_t k) { return codeOf(k) == codeOf(k - 1); });
-    grid.cells = MortonCells(
-        parallelMake(grid.begins.size() - 1, threads, [&](std::size_t cell) { return codeOf(grid.begins[cell]); }),
-        threads);
-    grid.regions = parallelMake(grid.begins.size() - 1, threads, [&](std::size_t cell) {
+    Grid& grid = grids_.emplace_back(Grid{
+        .level = level, .firstDisc = first, .cells = MortonCells(ends[g + 1] - first, threads, codeOf), .regions = {}});
+    grid.regions = parallelMake(grid.cells.count(), threads, [&](std::size_t cell) {
       GaussianRegion region;
-      for (std::size_t k = first + grid.begins[cell]; k < first + grid.begins[cell + 1]; ++k)
+      for (std::size_t k = first + grid.cells.begin(cell); k < first + grid.cells.end(cell); ++k)
         region.widen(regionOf(felt_[k]));
       return region;
     });
@@ -169,7 +165,7 @@ void SeedCells::collectAround(std::size_t cell, std::vector<FeltGaussian>& felt)
   for (const Grid& grid : grids_)
     grid.cells.forEachAround(voxel >> grid.level, [&](std::uint32_t near) {
       if (!grid.regions[near].meets(region)) return;
-      for (std::size_t k = grid.firstDisc + grid.begins[near]; k < grid.firstDisc + grid.begins[near + 1]; ++k)
+      for (std::size_t k = grid.firstDisc + grid.cells.begin(near); k < grid.firstDisc + grid.cells.end(near); ++k)
         if (regionOf(felt_[k]).meets(region)) felt.push_back(felt_[k]);
     });
 }

@@ -66,8 +66,7 @@ class SeedCells {
   struct Grid {
     int level;
     std::size_t firstDisc;
-    MortonCells cells;
-    BareVector<std::size_t> begins;      // first disc of each cell, relative to firstDisc, and the end of the last
+    MortonCells cells;                   // discs are counted from firstDisc
     BareVector<GaussianRegion> regions;  // of each cell: where its discs have an effect
   };
   int finestLevel(std::span<const GaussianDisc> discs, unsigned threads) const;

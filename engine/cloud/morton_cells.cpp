@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
-#include <utility>
 
 #include "engine/core/check.hpp"
-#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
-MortonCells::MortonCells(BareVector<std::uint64_t> codes, unsigned threads) : codes_(std::move(codes)) {
+void MortonCells::fillTable(unsigned threads) {
   PALPATE_CHECK_LT(codes_.size(), std::size_t{std::numeric_limits<std::uint32_t>::max()});
   const auto begins =
       parallelRuns(codes_.size(), threads, [&](std::size_t i) { return codes_[i] >> 3 == codes_[i - 1] >> 3; });

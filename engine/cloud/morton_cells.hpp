@@ -1,4 +1,4 @@
-// Occupied cells of a cubic grid, found by their Morton codes.
+// A cubic grid without bounds: values sorted by cell, and the occupied cells around a position.
 #pragma once
 
 #include <array>
@@ -7,21 +7,30 @@
 #include <cstdint>
 
 #include "engine/cloud/morton.hpp"
-#include "engine/core/bare_vector.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
-/// A hash table with open addressing over cells that do not change. Its entries are cubes of eight cells, which are
-/// consecutive in the order of the codes, so that the surroundings of a cell take eight look-ups instead of 27. Safe to
-/// query from any thread.
+/// The cells of values that are sorted by the Morton codes of their cells (morton_sort.hpp), and a hash table with open
+/// addressing that finds them. Its entries are cubes of eight cells, which are consecutive in the order of the codes,
+/// so that the surroundings of a cell take eight look-ups instead of 27. Safe to query from any thread.
 class MortonCells {
  public:
   MortonCells() = default;
-  /// Each code once, ascending, fewer than 2^32 of them. `threads`: 0: one per core.
-  MortonCells(BareVector<std::uint64_t> codes, unsigned threads);
+  /// codeOf(k): the ascending codes of `count` values, fewer than 2^32; called from several threads. `threads`: 0: one
+  /// per core.
+  template <class CodeOf>
+  MortonCells(std::size_t count, unsigned threads, CodeOf&& codeOf)
+      : begins_(parallelRuns(count, threads, [&](std::size_t k) { return codeOf(k) == codeOf(k - 1); })),
+        codes_(parallelMake(begins_.size() - 1, threads, [&](std::size_t cell) { return codeOf(begins_[cell]); })) {
+    fillTable(threads);
+  }
 
   std::size_t count() const { return codes_.size(); }
   std::uint64_t code(std::size_t cell) const { return codes_[cell]; }
+  /// The values of a cell: the first one, and one past the last.
+  std::size_t begin(std::size_t cell) const { return begins_[cell]; }
+  std::size_t end(std::size_t cell) const { return begins_[cell + 1]; }
 
   /// Calls use(number) for each occupied cell among the one with these coordinates and the 26 around it.
   template <class Use>
@@ -68,6 +77,9 @@ class MortonCells {
     return nullptr;
   }
 
+  void fillTable(unsigned threads);
+
+  BareVector<std::size_t> begins_{0};
   BareVector<std::uint64_t> codes_;
   BareVector<Cube> cubes_{Cube{kNone, 0, 0}};  // size is a power of two; never full
 };

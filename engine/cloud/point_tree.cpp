@@ -55,12 +55,19 @@ struct PointTree::Index {
   Tree tree;
 };
 
-PointTree::PointTree(std::span<const Vec3> points) {
-  PALPATE_CHECK_LT(points.size(), std::size_t{1} << 32);
-  index_ = std::make_unique<Index>(points);
-}
+PointTree::PointTree(std::span<const Vec3> points) { PointTree::build(points); }
 
 PointTree::~PointTree() = default;
+
+void PointTree::build(std::span<const Vec3> positions) {
+  PALPATE_CHECK_LT(positions.size(), std::size_t{1} << 32);
+  index_.reset();  // first, so that only one exists at a time
+  index_ = std::make_unique<Index>(positions);
+}
+
+void PointTree::move(std::span<const PointMove> moves) {
+  if (!moves.empty()) build(index_->view.points);
+}
 
 std::size_t PointTree::nearest(const Vec3& p, std::span<std::uint32_t> indices,
                                std::span<double> squaredDistances) const {
@@ -70,7 +77,7 @@ std::size_t PointTree::nearest(const Vec3& p, std::span<std::uint32_t> indices,
   return index_->tree.knnSearch(&place.x, indices.size(), indices.data(), squaredDistances.data());
 }
 
-void PointTree::within(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const {
+void PointTree::near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const {
   Ball ball(radius, found);
   index_->tree.findNeighbors(ball, &center.x, {});
 }

@@ -6,6 +6,8 @@
 #include <glm/common.hpp>
 #include <span>
 
+#include "engine/core/bucket_sort.hpp"
+
 namespace palpate {
 
 namespace {
@@ -52,58 +54,53 @@ Bounds windowOf(const PointCloud& cloud, const std::vector<std::uint32_t>& sampl
   return window;
 }
 
-/// Points sorted by the numbers of their cells.
+/// Points sorted by cells of a box, with an empty layer of cells around it: x varies fastest, then y. `sample` ascends.
 class Cells {
  public:
   Cells(const PointCloud& cloud, const std::vector<std::uint32_t>& sample, const Bounds& window, double side)
-      : window_(window), side_(side) {
-    for (const std::uint32_t i : sample) {
-      const DVec3 p(cloud.positions[i]);
-      if (window.contains(p)) entries_.push_back({keyOf(p), i});
-    }
-    std::ranges::sort(entries_);
-    for (std::size_t i = 0; i < entries_.size(); ++i)
-      if (i == 0 || entries_[i].key != entries_[i - 1].key) begins_.push_back(i);
+      : window_(window),
+        side_(side),
+        cells_(IVec3(glm::floor((window.max - window.min) / side)) + 3),
+        sort_(static_cast<std::uint32_t>(cells_.x) * static_cast<std::uint32_t>(cells_.y) *
+              static_cast<std::uint32_t>(cells_.z)) {
+    const auto numberAt = [&](std::size_t k) {
+      const DVec3 p(cloud.positions[sample[k]]);
+      return window.contains(p) ? numberOf(p) : kNoBucket;
+    };
+    WorkerTeam alone(1);
+    sort_.sort(sample.size(), alone, numberAt, [&](std::size_t k, std::uint32_t& point) { point = sample[k]; });
+    for (std::uint32_t cell = 0; cell + 1 < sort_.starts().size(); ++cell)
+      if (sort_.starts()[cell] < sort_.starts()[cell + 1]) occupied_.push_back(cell);
   }
 
-  std::size_t count() const { return begins_.size(); }
-  struct Entry {
-    std::uint64_t key;
-    std::uint32_t point;
-    auto operator<=>(const Entry&) const = default;
-  };
-  std::span<const Entry> of(std::size_t cell) const {
-    const std::size_t end = cell + 1 < begins_.size() ? begins_[cell + 1] : entries_.size();
-    return std::span(entries_).subspan(begins_[cell], end - begins_[cell]);
+  std::size_t count() const { return occupied_.size(); }
+  std::span<const std::uint32_t> of(std::size_t k) const {
+    const std::uint32_t cell = occupied_[k];
+    return sort_.items().subspan(sort_.starts()[cell], sort_.starts()[cell + 1] - sort_.starts()[cell]);
   }
   /// Number of points in the cell and in the cells around it.
-  std::size_t companyOf(std::size_t cell) const {
-    const std::uint64_t key = entries_[begins_[cell]].key;
+  std::size_t companyOf(std::size_t k) const {
     std::size_t company = 0;
-    for (std::uint64_t dz = 0; dz < 3; ++dz)
-      for (std::uint64_t dy = 0; dy < 3; ++dy)  // three cells in a row of x have consecutive keys
-        company += inRow(key + ((dz << 42) + (dy << 21)) - ((1ull << 42) + (1ull << 21)));
+    for (int z = -1; z <= 1; ++z)
+      for (int y = -1; y <= 1; ++y) {  // three cells in a row
+        const int row = static_cast<int>(occupied_[k]) + (z * cells_.y + y) * cells_.x;
+        company +=
+            sort_.starts()[static_cast<std::size_t>(row + 2)] - sort_.starts()[static_cast<std::size_t>(row - 1)];
+      }
     return company;
   }
 
  private:
-  std::uint64_t keyOf(const DVec3& p) const {
-    const DVec3 cell = glm::floor((p - window_.min) / side_) + 1.0;  // so that the first cell has a predecessor
-    return static_cast<std::uint64_t>(cell.z) << 42 | static_cast<std::uint64_t>(cell.y) << 21 |
-           static_cast<std::uint64_t>(cell.x);
-  }
-  std::size_t inRow(std::uint64_t middle) const {
-    const auto keyed = [](const Entry& entry) { return entry.key; };
-    const auto first = std::ranges::lower_bound(entries_, middle - 1, {}, keyed);
-    auto last = first;
-    while (last != entries_.end() && last->key <= middle + 1) ++last;
-    return static_cast<std::size_t>(last - first);
+  std::uint32_t numberOf(const DVec3& p) const {
+    const IVec3 cell = IVec3(glm::floor((p - window_.min) / side_)) + 1;
+    return static_cast<std::uint32_t>((cell.z * cells_.y + cell.y) * cells_.x + cell.x);
   }
 
   Bounds window_;
   double side_;
-  std::vector<Entry> entries_;
-  std::vector<std::size_t> begins_;
+  IVec3 cells_;
+  BucketSort<std::uint32_t> sort_;
+  std::vector<std::uint32_t> occupied_;
 };
 
 /// The points of cells with at least the share `least` of the usual number of points around.
@@ -116,7 +113,7 @@ std::vector<std::uint32_t> inCompany(const Cells& cells, double least) {
   std::vector<std::uint32_t> kept;
   for (std::size_t i = 0; i < cells.count(); ++i) {
     if (static_cast<double>(company[i]) < least * static_cast<double>(*middle)) continue;
-    for (const Cells::Entry& entry : cells.of(i)) kept.push_back(entry.point);
+    kept.insert(kept.end(), cells.of(i).begin(), cells.of(i).end());
   }
   return kept;
 }
@@ -129,7 +126,9 @@ std::vector<std::uint32_t> withoutOutliers(const PointCloud& cloud, const std::v
   // The window is longer than its contents.
   const double side = window.longestSide() / (1 + 2 * kBeyond) / across;
   if (sample.size() < kEnoughToTell || !(side > 0)) return sample;
-  return inCompany(Cells(cloud, sample, window, side), kCompany);
+  std::vector<std::uint32_t> kept = inCompany(Cells(cloud, sample, window, side), kCompany);
+  std::ranges::sort(kept);
+  return kept;
 }
 
 Bounds boxOf(const PointCloud& cloud, const std::vector<std::uint32_t>& points) {
@@ -157,9 +156,9 @@ VoxelSample voxelSampleOf(const PointCloud& cloud) {
   std::vector<std::uint32_t> all;
   for (std::uint32_t i = 0; i < cells.count(); ++i) {
     DVec3 place(0), normal(0);
-    for (const Cells::Entry& entry : cells.of(i)) {
-      place += DVec3(cloud.positions[entry.point]);
-      if (cloud.hasNormals()) normal += DVec3(cloud.normals[entry.point]);
+    for (const std::uint32_t point : cells.of(i)) {
+      place += DVec3(cloud.positions[point]);
+      if (cloud.hasNormals()) normal += DVec3(cloud.normals[point]);
     }
     places.positions.emplace_back(place / static_cast<double>(cells.of(i).size()));
     const double length = glm::length(normal);

@@ -5,12 +5,16 @@ namespace palpate {
 ContactReference::ContactReference(const PointCloud& cloud, const SurfaceOptions& options, double friction)
     : cloud_(cloud),
       options_(options),
-      hash_(cloud.positions, makeHashGrid(Vec3(0), options.radius, cloud.size())),
-      tracker_(options.radius, friction) {}
+      grid_(makeHashGrid(Vec3(0), options.radius, cloud.size()), 1),
+      tracker_(options.radius, friction) {
+  grid_.build(cloud.positions);
+}
 
 SurfaceSample ContactReference::surface(const DVec3& x, const DVec3& facing) const {
   return surfaceOf(options_, facing, [&](double radius, auto&& visit) {
-    hash_.forEachNear(x, radius, [&](std::uint32_t i) { visit(DVec3(cloud_.positions[i]) - x, cloud_.normals[i]); });
+    grid_.forEachNear(x, radius, [&](const SortedGrid::Placed& point) {
+      visit(DVec3(point.position) - x, cloud_.normals[point.number]);
+    });
   });
 }
 

@@ -3,7 +3,7 @@
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/contact/proxy_tracker.hpp"
 #include "engine/core/contact_query.hpp"
-#include "engine/spatial/cpu_hash.hpp"
+#include "engine/spatial/sorted_grid.hpp"
 
 namespace palpate {
 
@@ -22,7 +22,7 @@ class ContactReference final : public OneHandQuery, public SurfaceField {
  private:
   const PointCloud& cloud_;
   SurfaceOptions options_;
-  CpuHash hash_;
+  SortedGrid grid_;
   ProxyTracker tracker_;
 };
 

@@ -35,7 +35,7 @@ inline PointsMotion pointsMotion(double now_s, const PointsTime& points, double 
   return {.age_s = until_s - points.true_s, .sinceLast_s = std::max(0.0, until_s - since_s)};
 }
 
-/// The tracking of shaders/contact/contact_step.comp from tick to tick, over any surface: contact begins where the
+/// The tracking of shaders/shared/proxy.h from tick to tick, over any surface: contact begins where the
 /// HIP's path crosses the surface, and the proxy tracks the tangent plane (Salisbury and Tarr 1997), held or dragged by
 /// friction (Ruspini, Kolarov, Khatib 1997). A sheet is felt at the face that the HIP came from; a HIP that starts
 /// within reach behind a surface is not caught until it has been in front. If points move, a tick is computed in the
@@ -86,9 +86,7 @@ class ProxyTracker {
 
  private:
   void step(const SurfaceField& field, const DVec3& hip);
-  void walkFreely(const SurfaceField& field, const DVec3& hip);
-  void track(const SurfaceField& field, const DVec3& hip, bool touched);
-  SurfaceSample feel(const SurfaceField& field, const DVec3& x);
+  SurfaceSample feel(const SurfaceField& field, const DVec3& x, bool fromBehind);
 
   double radius_, friction_;
   bool started_ = false;
@@ -98,7 +96,7 @@ class ProxyTracker {
   DVec3 facing_{0};         // normal of the surface felt last, at the points' time
   DVec3 lastHip_{0};
   DVec3 proxy_{0};
-  SurfaceSample surface_;
+  SurfaceSample surface_{};
   DVec3 velocity_{0};
   double time_s_ = 0;  // of the last tick
 };

@@ -10,12 +10,7 @@ SurfaceSample SurfaceSums::sample() const {
   const DVec3 offsets(sums_.offsets), normals(sums_.normals);
   const double spread = (sums_.products.x - glm::dot(offsets, offsets) / weights) / weights;
   const double turn = (sums_.products.y - glm::dot(offsets, normals) / weights) / weights;
-  const auto surface = shared::surfaceFrom(sums_, spread, turn, radius_, static_cast<shared::uint>(kind_));
-  return {.defined = surface.defined,
-          .distance = surface.distance,
-          .normal = surface.normal,
-          .neighbours = surface.neighbours,
-          .ends = surface.ends};
+  return shared::surfaceFrom(sums_, spread, turn, radius_, static_cast<shared::uint>(kind_));
 }
 
 // Position noise leaves a ripple of 1.05 noise / (R / spacing) spacings: the sum of the squared weights is 0.222 (R /

@@ -12,13 +12,7 @@
 namespace palpate {
 
 /// The surface at a position.
-struct SurfaceSample {
-  bool defined = false;
-  double distance = 0;  ///< signed, model units, positive outside
-  DVec3 normal{0};      ///< unit
-  std::uint32_t neighbours = 0;
-  bool ends = false;  ///< it is undefined beyond its border
-};
+using SurfaceSample = shared::SurfaceOf<double>;
 
 struct SurfaceOptions {
   double radius = 0;  ///< support radius, model units; the maximum
@@ -98,7 +92,7 @@ SurfaceSample surfaceOf(const SurfaceOptions& options, const DVec3& facing, ForE
     });
     radius = shared::wideWhereFlat(radius, wide, weights > 0 ? glm::length(normals) / weights : 0);
   }
-  SurfaceSample sample;
+  SurfaceSample sample{};
   for (std::uint32_t pass = 0; pass < surfacePasses(options.kind); ++pass) {
     const SurfaceSample before = sample;
     SurfaceSums sums(options.kind, radius, facing, pass > 0 ? &before : nullptr);

@@ -19,35 +19,38 @@ class ContactStep {
     const Before before = stateBefore(*args_.state, pose_.hip);
     // At the same position as other kernels' gathers, so that all methods get the same bits.
     if (!patch_.gathered()) patch_.gatherAround(firstPlace(before, args_.radius), patchReach(args_.radius));
-    touching_ = before.touching;
-    sticking_ = before.sticking;
-    face_ = before.face;
+    const uint substeps = substepsOn(wayOf(before, args_.radius));
+    const bool traced = before.started && wayOf(before, args_.radius) <= float(kMaxSubsteps);
     facing_ = before.facing;
-    proxy_ = before.proxy;
-    if (!touching_) walkFreely(before);
-    if (!touching_) return;
-    track(before.touching);
-    if (touching_) return;
-    proxy_ = vec3(0.0f);
-    surface_ = feel(proxy_);
+    tick_ = tickFrom(before.touching, before.sticking, before.face, facing_, before.lastHip, before.proxy, vec3(0.0f),
+                     args_.radius, args_.friction);
+    do {
+      if (tick_.purpose == kWalks) tick_.at = freePlace(before, tick_.substep, substeps);
+      surface_ = feel(tick_.at);
+    } while (goesOn(tick_, surface_, vec3(0.0f), args_.radius, args_.friction, substeps, traced, false));
   }
 
   /// Thread 0 writes the state for the next tick and the answer for the host.
   __device__ void write() const {
     if (threadIdx.x != 0) return;
-    const uint touching = !touching_ ? kFree : sticking_ ? kSticking : kSliding;
-    ContactSample sample{.spring = proxy_,
+    const uint touching = !tick_.touching ? kFree : tick_.sticking ? kSticking : kSliding;
+    const vec3 proxy = tick_.touching ? tick_.proxy : vec3(0.0f);
+    ContactSample sample{.spring = proxy,
                          .touching = touching,
                          .normal = surface_.normal,
                          .neighbours = surface_.neighbours,
                          .tick = pose_.tick,
-                         .trackingSteps = trackingSteps_,
+                         .trackingSteps = tick_.trackingSteps,
                          .logHead = 0,
-                         .flags = (patch_.thinned() ? kSampleThinned : 0) | face_ << kSampleFaceShift};
+                         .flags = (patch_.thinned() ? kSampleThinned : 0) | tick_.face << kSampleFaceShift};
     sample.seal = sealOf(sample);
     args_.answer->sample = sample;
-    *args_.state = {
-        .lastHip = pose_.hip, .touching = touching, .spring = proxy_, .face = face_, .facing = facing_, .started = 1};
+    *args_.state = {.lastHip = pose_.hip,
+                    .touching = touching,
+                    .spring = proxy,
+                    .face = tick_.face,
+                    .facing = facing_,
+                    .started = 1};
   }
 
  private:
@@ -60,69 +63,19 @@ class ContactStep {
     if (!surface.defined && facing_ != vec3(0.0f))
       surface = surfaceAt(patch_, x - patch_.centre(), args_.radius, vec3(0.0f));
     facing_ = surface.normal;
-    if (touching_ && face_ == kFaceBehind) {
+    if (tick_.touching && tick_.face == kFaceBehind) {
       surface.normal = -surface.normal;
       surface.distance = -surface.distance;
     }
     return surface;
   }
 
-  // Steps along the segment of the HIP's motion and touches where it crosses the surface.
-  __device__ void walkFreely(const Before& before) {
-    const float way = wayOf(before, args_.radius);
-    const uint steps = substepsOn(way);
-    const bool traced = before.started && way <= float(kMaxSubsteps);
-    vec3 last = before.lastHip;
-    for (uint s = 1; s <= steps && !touching_; ++s) {
-      const vec3 x = freePlace(before, s, steps);
-      surface_ = feel(x);
-      const bool inFront = surface_.distance > 0.0f;
-      if (surface_.defined && crosses(face_, inFront)) {
-        touching_ = true;
-        sticking_ = true;
-        proxy_ = last;
-      } else {
-        face_ = faceAfter(face_, surface_.defined, surface_.ends, inFront, traced);
-      }
-      last = x;
-    }
-  }
-
-  // Projects the proxy onto the surface and follows the HIP in the tangent plane until it rests. `touched`: also
-  // touching in the last tick, which evaluated the surface at the proxy.
-  __device__ void track(bool touched) {
-    const float longest = kLongestStep * args_.radius;
-    const float arrived = kConvergence * args_.radius;
-    vec3 firstSlide(0.0f);
-    if (touched && facing_ != vec3(0.0f))
-      firstSlide = slideAlong(face_ == kFaceBehind ? -facing_ : facing_, proxy_, args_.friction, sticking_);
-    auto tracking = trackingFrom(firstSlide, sticking_, arrived);
-    if (tracking.slid) proxy_ += shortened(firstSlide, longest);
-    surface_ = feel(proxy_);
-    for (; trackingSteps_ < kMaxTrackingSteps && surface_.defined; ++trackingSteps_) {
-      const auto step = nextStep(tracking, proxy_, surface_.normal, surface_.distance, args_.friction);
-      if (step.size < arrived) break;
-      proxy_ += takeStep(tracking, step, longest);
-      if (step.size < kLastStep * args_.radius) break;
-      surface_ = feel(proxy_);
-    }
-    sticking_ = !tracking.slid;
-    if (!surface_.defined) {
-      touching_ = false;
-      face_ = kFaceInside;  // lost inside: not caught again when leaving
-    } else if (dot(proxy_, surface_.normal) < 0.0f) {
-      touching_ = false;
-    }
-  }
-
   const StepArgs& args_;
   ContactPose pose_;
   Patch patch_;
   Surface surface_{};
-  vec3 proxy_{0.0f}, facing_{0.0f};
-  bool touching_ = false, sticking_ = false;
-  uint face_ = kFaceUnknown;
-  uint trackingSteps_ = 0;
+  vec3 facing_{0.0f};
+  ProxyTickOf<float> tick_{};
 };
 
 }  // namespace palpate::cu

@@ -9,6 +9,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/io/chunked_file.hpp"
+#include "engine/io/zip_archive.hpp"
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
@@ -60,22 +61,6 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
   return value;
 }
 
-/// CRC of PNG (ISO 15948, annex D).
-std::uint32_t crcOf(std::span<const std::byte> bytes) {
-  static const auto table = [] {
-    std::array<std::uint32_t, 256> made{};
-    for (std::uint32_t n = 0; n < made.size(); ++n) {
-      std::uint32_t c = n;
-      for (int bit = 0; bit < 8; ++bit) c = (c & 1) != 0 ? 0xedb88320u ^ (c >> 1) : c >> 1;
-      made[n] = c;
-    }
-    return made;
-  }();
-  std::uint32_t crc = ~0u;
-  for (const std::byte byte : bytes) crc = table[(crc ^ std::to_integer<std::uint32_t>(byte)) & 0xff] ^ (crc >> 8);
-  return ~crc;
-}
-
 /// The decoder does not verify checksums, and a flipped bit would be a wrong depth that is felt.
 void requireWholePng(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   constexpr std::size_t kFrame = 12;  // length, name and checksum of a chunk
@@ -84,7 +69,7 @@ void requireWholePng(const std::filesystem::path& file, std::span<const std::byt
     const std::uint64_t length = rest.size() < kFrame ? 0 : bigEndian(rest);
     if (rest.size() < kFrame + length) break;
     const std::span<const std::byte> chunk = rest.subspan(4, 4 + length);
-    if (crcOf(chunk) != bigEndian(rest.subspan(8 + length)))
+    if (zipChecksum(chunk) != bigEndian(rest.subspan(8 + length)))
       throw FileError::atByte(file, at, "is damaged: the checksum of what stands here does not fit it");
     if (textOf(chunk.first(4)) == "IEND") return;
     at += kFrame + length;

@@ -1,22 +1,14 @@
 #include "engine/io/zip_archive.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
-#include <optional>
+#include <new>
+
+#include <zlib.h>
 
 #include "engine/cloud/scalar_type.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/in_quotes.hpp"
-
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_ONLY_PNG
-#define STBI_NO_STDIO
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#include <stb/stb_image.h>
-#pragma GCC diagnostic pop
 
 namespace palpate {
 
@@ -108,21 +100,28 @@ class ZipReader {
   std::span<const std::byte> archive_;
 };
 
+constexpr std::uint64_t kMaxPerDeflatedByte = 1032;                          // deflate's maximum ratio
+constexpr std::uint64_t kMaxInflated = std::numeric_limits<int>::max() - 2;  // bytes, packed or not
+
+/// Whether `packed` begins with raw deflate data that fill `bytes` exactly. Both have at most kMaxInflated bytes.
+bool inflatesTo(std::span<std::byte> bytes, std::span<const std::byte> packed) {
+  constexpr int kRaw = -15;  // no header, the largest window
+  std::byte beyond{};        // zlib wants a place even for no bytes
+  z_stream stream{};
+  stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(packed.data()));  // only read
+  stream.avail_in = static_cast<uInt>(packed.size());
+  stream.next_out = reinterpret_cast<Bytef*>(bytes.empty() ? &beyond : bytes.data());
+  stream.avail_out = static_cast<uInt>(bytes.size());
+  if (inflateInit2(&stream, kRaw) != Z_OK) throw std::bad_alloc();
+  const bool ends = inflate(&stream, Z_FINISH) == Z_STREAM_END;
+  inflateEnd(&stream);
+  return ends && stream.avail_out == 0;
+}
+
 }  // namespace
 
 std::uint32_t zipChecksum(std::span<const std::byte> bytes) {
-  static const auto kTable = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t k = 0; k < 256; ++k) {
-      std::uint32_t value = k;
-      for (int bit = 0; bit < 8; ++bit) value = value & 1 ? value >> 1 ^ 0xedb88320u : value >> 1;
-      table[k] = value;
-    }
-    return table;
-  }();
-  std::uint32_t sum = 0xffffffff;
-  for (const std::byte byte : bytes) sum = kTable[(sum ^ std::to_integer<std::uint32_t>(byte)) & 0xff] ^ sum >> 8;
-  return ~sum;
+  return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<const std::byte> archive) {
@@ -131,8 +130,6 @@ std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<c
 
 std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive,
                                  const ZipMember& member) {
-  constexpr std::uint64_t kMaxPerByte = 1032,
-                          kMax = std::numeric_limits<int>::max() - 2;  // deflate's maximum ratio; maximum size at once
   const auto packed = archive.subspan(member.at, member.packed);
   const auto damaged = [&](std::string_view what) {
     return FileError::atByte(file, member.at, fmt::format("{} {}", inQuotes(member.name), what));
@@ -142,17 +139,11 @@ std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<co
     if (member.bytes != member.packed) throw damaged("is said to be of two sizes");
     bytes.assign(packed.begin(), packed.end());
   } else {
-    if (member.bytes > kMax || member.packed > kMax)
+    if (member.bytes > kMaxInflated || member.packed > kMaxInflated)
       throw damaged("is packed and larger than 2 GiB, which is not read");
-    if (member.bytes / kMaxPerByte > member.packed) throw damaged("cannot be as long as it is said to be");
+    if (member.bytes / kMaxPerDeflatedByte > member.packed) throw damaged("cannot be as long as it is said to be");
     bytes.resize(member.bytes);
-    // The decoder reads two bytes beyond the last code, where an archive has its list of members.
-    const auto beyond =
-        archive.subspan(member.at, std::min<std::uint64_t>(member.packed + 2, archive.size() - member.at));
-    const int got =
-        stbi_zlib_decode_noheader_buffer(reinterpret_cast<char*>(bytes.data()), static_cast<int>(bytes.size()),
-                                         reinterpret_cast<const char*>(beyond.data()), static_cast<int>(beyond.size()));
-    if (got < 0 || static_cast<std::uint64_t>(got) != member.bytes) throw damaged("is damaged: it cannot be unpacked");
+    if (!inflatesTo(bytes, packed)) throw damaged("is damaged: it cannot be unpacked");
   }
   if (zipChecksum(bytes) != member.checksum) throw damaged("is damaged: its checksum is another one");
   return bytes;
@@ -160,7 +151,6 @@ std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<co
 
 std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<const std::byte> packed) {
   constexpr std::size_t kHead = 10, kTail = 8;
-  constexpr std::uint64_t kMaxPerByte = 1032, kMax = std::numeric_limits<int>::max() - 2;
   constexpr unsigned kChecked = 2, kExtra = 4, kNamed = 8, kRemarked = 16;
   const auto fail = [&](std::size_t at, std::string_view what) { throw FileError::atByte(file, at, what); };
   const auto byte = [&](std::size_t k) { return std::to_integer<unsigned>(packed[k]); };
@@ -179,13 +169,11 @@ std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<c
   if (at >= end) fail(packed.size(), "ends within its header");
   const auto checksum = loadScalar<std::uint32_t>(packed.data() + end),
              size = loadScalar<std::uint32_t>(packed.data() + end + 4);
-  if (size > kMax || packed.size() > kMax) fail(end + 4, "is larger than 2 GiB, which is not unpacked here");
-  if (size / kMaxPerByte > packed.size()) fail(end + 4, "cannot be as long as it is said to be");
+  if (size > kMaxInflated || packed.size() > kMaxInflated)
+    fail(end + 4, "is larger than 2 GiB, which is not unpacked here");
+  if (size / kMaxPerDeflatedByte > packed.size()) fail(end + 4, "cannot be as long as it is said to be");
   std::vector<std::byte> bytes(size);
-  const int got = stbi_zlib_decode_noheader_buffer(reinterpret_cast<char*>(bytes.data()), static_cast<int>(size),
-                                                   reinterpret_cast<const char*>(packed.data() + at),
-                                                   static_cast<int>(packed.size() - at));
-  if (got < 0 || static_cast<std::uint32_t>(got) != size) fail(at, "is damaged: it cannot be unpacked");
+  if (!inflatesTo(bytes, packed.subspan(at, end - at))) fail(at, "is damaged: it cannot be unpacked");
   if (zipChecksum(bytes) != checksum) fail(end, "is damaged: its checksum is another one");
   return bytes;
 }

@@ -17,7 +17,7 @@ struct ZipMember {
   bool deflated = false;
 };
 
-/// CRC-32 as used in archives.
+/// CRC-32 as used in archives and in PNG.
 std::uint32_t zipChecksum(std::span<const std::byte> bytes);
 
 /// `archive`: all its bytes. Throws FileError with the byte.

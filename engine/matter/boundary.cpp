@@ -64,9 +64,9 @@ BoundaryBody::BoundaryBody(std::span<const BoundaryPoint> points, float support,
     places.emplace_back(point.place + middle_, point.volume);
     extent_ = std::max(extent_, glm::length(point.place));
   }
-  std::vector<std::uint32_t> order;
-  grid_.sort(places, order);
-  for (const std::uint32_t k : order) points_.push_back(places[k]);
+  WorkerTeam alone(1);
+  grid_.sort(places, alone);
+  for (const std::uint32_t k : grid_.order()) points_.push_back(places[k]);
 }
 
 BoundaryBody ballBody(const MatterScene& scene, const MatterPlan& plan) {

@@ -14,24 +14,17 @@ shared::MatterCells cellsOf(const MatterBox& box, float reach) {
   return cells;
 }
 
-CellGrid::CellGrid(const shared::MatterCells& cells) : cells_(cells) {
+CellGrid::CellGrid(const shared::MatterCells& cells)
+    : cells_(cells), sort_(static_cast<std::uint32_t>(countOf(cells))) {
   for (std::uint32_t image = 0; image < shared::kImages; ++image) shifts_[image] = shared::shiftOf(cells, image);
-  first_.resize(countOf(cells) + 1);
 }
 
-void CellGrid::sort(std::span<const Vec4> places, std::vector<std::uint32_t>& order) {
-  std::ranges::fill(first_, 0);
-  cellAt_.resize(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    cellAt_[i] = numberOf(cells_, cellOf(cells_, Vec3(places[i])));
-    ++first_[cellAt_[i] + 1];
-  }
-  for (std::size_t cell = 1; cell < first_.size(); ++cell) first_[cell] += first_[cell - 1];
-  order.resize(places.size());
-  // Each cell's begin advances to its end, which is the next cell's begin.
-  for (std::size_t i = 0; i < places.size(); ++i) order[first_[cellAt_[i]]++] = static_cast<std::uint32_t>(i);
-  std::copy_backward(first_.begin(), first_.end() - 1, first_.end());
-  first_.front() = 0;
+void CellGrid::sort(std::span<const Vec4> places, WorkerTeam& team) {
+  const auto numberAt = [cells = cells_, places](std::size_t i) {
+    return numberOf(cells, cellOf(cells, Vec3(places[i])));
+  };
+  sort_.sort(places.size(), team, numberAt,
+             [](std::size_t i, std::uint32_t& item) { item = static_cast<std::uint32_t>(i); });
 }
 
 }  // namespace palpate

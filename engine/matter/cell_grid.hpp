@@ -1,11 +1,11 @@
-// Cells of a box, and particles sorted by cell: a counting sort, so that neighbours in space are near in memory.
+// Cells of a box, and particles sorted by cell, so that neighbours in space are near in memory.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "engine/core/bucket_sort.hpp"
 #include "engine/core/vec.hpp"
 #include "shaders/shared/matter_cells.h"
 
@@ -26,9 +26,11 @@ class CellGrid {
  public:
   explicit CellGrid(const shared::MatterCells& cells);
 
-  /// Fills `order` with the indices of `places`, sorted by cell (x fastest, then y), stable within a cell. Positions
-  /// outside the box, or not finite, belong to a cell at its border.
-  void sort(std::span<const Vec4> places, std::vector<std::uint32_t>& order);
+  /// Sorts the indices of `places` by cell (x fastest, then y), stable within a cell. Positions outside the box, or not
+  /// finite, belong to a cell at its border.
+  void sort(std::span<const Vec4> places, WorkerTeam& team);
+  /// The indices in that order.
+  std::span<const std::uint32_t> order() const { return sort_.items(); }
 
   /// Calls run(begin, end, image) for ranges in the order of sort() that contain everything within the reach of
   /// `place`, and more. Positions of a range are shifted by shiftOf(image).
@@ -39,13 +41,12 @@ class CellGrid {
   /// Shift of the periodic image of a neighbour, m.
   Vec3 shiftOf(std::uint32_t image) const { return shifts_[image]; }
   /// Index of each cell's first position in the order, and the total count at the end.
-  std::span<const std::uint32_t> firsts() const { return first_; }
+  std::span<const std::uint32_t> firsts() const { return sort_.starts(); }
 
  private:
   shared::MatterCells cells_;
   std::array<Vec3, shared::kImages> shifts_{};
-  std::vector<std::uint32_t> first_;
-  std::vector<std::uint32_t> cellAt_;  // cell of each position
+  BucketSort<std::uint32_t> sort_;
 };
 
 template <class Run>
@@ -58,7 +59,7 @@ void CellGrid::forEachRun(const Vec3& place, Run&& run) const {
     };
     const shared::CellAlong y = along(1, row % shared::kRowsWide), z = along(2, row / shared::kRowsWide);
     if (y.image == shared::kNoImage || z.image == shared::kNoImage) continue;
-    const std::uint32_t* const first = first_.data() + numberOf(cells_, {0, y.cell, z.cell});
+    const std::uint32_t* const first = firsts().data() + numberOf(cells_, {0, y.cell, z.cell});
     for (std::uint32_t image = 0; image < shared::kNoImage; ++image) {
       const shared::CellRun x = shared::runAlong(cell.x, cells_.cells.x, isPeriodic(cells_, 0), image);
       if (x.begin < x.end) run(first[x.begin], first[x.end], image + 3 * y.image + 9 * z.image);

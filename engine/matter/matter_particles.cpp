@@ -12,7 +12,7 @@ namespace {
 
 // Permutes `values`; `scratch` keeps its memory.
 template <class T>
-void permute(std::vector<T>& values, const std::vector<std::uint32_t>& order, std::vector<T>& scratch) {
+void permute(std::vector<T>& values, std::span<const std::uint32_t> order, std::vector<T>& scratch) {
   scratch.resize(values.size());
   for (std::size_t k = 0; k < order.size(); ++k) scratch[k] = values[order[k]];
   values.swap(scratch);
@@ -61,11 +61,11 @@ bool MatterParticles::sortAndList(WorkerTeam& team) {
     positions_[i] += place - Vec3(places_[i]);
     places_[i] = Vec4(place, 0);
   }
-  grid_.sort(places_, order_);
-  permute(places_, order_, sortedPlaces_);
-  permute(ids_, order_, sortedIds_);
-  permute(positions_, order_, sortedPositions_);
-  permute(velocities_, order_, nextVelocities_);
+  grid_.sort(places_, team);
+  permute(places_, grid_.order(), sortedPlaces_);
+  permute(ids_, grid_.order(), sortedIds_);
+  permute(positions_, grid_.order(), sortedPositions_);
+  permute(velocities_, grid_.order(), nextVelocities_);
   listedAt_.assign(size(), Vec3(0));
   for (std::size_t i = 0; i < size(); ++i) listedAt_[i] = Vec3(places_[i]);
   return lists_.build(grid_, places_, team);

@@ -93,7 +93,7 @@ class MatterParticles {
   std::vector<Vec4> velocities_, nextVelocities_;
   std::vector<Vec4> places_, sortedPlaces_, pressed_;
   std::vector<Vec3> listedAt_;  // positions when the lists were built; empty: not built
-  std::vector<std::uint32_t> ids_, sortedIds_, order_;
+  std::vector<std::uint32_t> ids_, sortedIds_;
   std::vector<float> farthest2_;  // by block: maximum squared displacement since, m^2
 };
 

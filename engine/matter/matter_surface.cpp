@@ -25,14 +25,15 @@ MatterSurface::MatterSurface(const MatterBox& box, double spacing_m, unsigned th
 void MatterSurface::normalsOf(std::span<const Vec3> places, const Vec3& up, std::vector<Vec3>& normals) {
   places_.resize(places.size());
   for (std::size_t i = 0; i < places.size(); ++i) places_[i] = Vec4(places[i], 0);
-  grid_.sort(places_, order_);
+  grid_.sort(places_, team_);
+  const std::span<const std::uint32_t> order = grid_.order();
   sorted_.resize(places.size());
-  for (std::size_t k = 0; k < order_.size(); ++k) sorted_[k] = places_[order_[k]];
+  for (std::size_t k = 0; k < order.size(); ++k) sorted_[k] = places_[order[k]];
   normals.resize(places.size());
   team_.forEach(blocksOf(places.size()), [&](std::size_t block) {
     const std::size_t begin = block * kSlotsOfBlock, end = std::min(begin + kSlotsOfBlock, places.size());
     for (std::size_t k = begin; k < end; ++k) {
-      normals[order_[k]] = normalAt(k, up);
+      normals[order[k]] = normalAt(k, up);
     }
   });
 }

@@ -27,7 +27,6 @@ class MatterSurface {
   CellGrid grid_;
   WorkerTeam team_;
   std::vector<Vec4> places_, sorted_;
-  std::vector<std::uint32_t> order_;
 };
 
 }  // namespace palpate

@@ -49,9 +49,9 @@ class TakenPlaces {
     std::vector<Vec4> places;
     places.reserve(members.size());
     for (const PondMember& member : members) places.emplace_back(member.place, 0);
-    std::vector<std::uint32_t> order;
-    grid_.sort(places, order);
-    for (const std::uint32_t k : order) sorted_.push_back(Vec3(places[k]));
+    WorkerTeam alone(1);
+    grid_.sort(places, alone);
+    for (const std::uint32_t k : grid_.order()) sorted_.push_back(Vec3(places[k]));
   }
   bool isFree(const Vec3& place) const {
     bool free = true;

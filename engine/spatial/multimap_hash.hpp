@@ -2,8 +2,8 @@
 
 #include <unordered_map>
 
+#include "engine/cloud/neighbour_search.hpp"
 #include "engine/spatial/hash_grid.hpp"
-#include "engine/spatial/neighbour_search.hpp"
 
 namespace palpate {
 

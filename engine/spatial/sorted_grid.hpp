@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <array>
 
-#include "engine/core/bare_vector.hpp"
-#include "engine/core/worker_team.hpp"
+#include "engine/cloud/neighbour_search.hpp"
+#include "engine/core/bucket_sort.hpp"
 #include "engine/spatial/hash_grid.hpp"
-#include "engine/spatial/neighbour_search.hpp"
 
 namespace palpate {
 
-/// The GPU's hashed grid on the CPU, optimised for speed: points sorted by bucket in two counting passes on several
-/// threads, so that a bucket's points are contiguous. The order is CpuHash's with any number of threads; a rebuild for
-/// the same number of points does not allocate.
+/// The GPU's hashed grid on the CPU: the same buckets with the same points in the same order, with any number of
+/// threads. A rebuild for at most as many points as before does not allocate.
 class SortedGrid final : public NeighbourSearch {
  public:
   /// A point in bucket order; its number is its index in the positions.
@@ -30,37 +28,23 @@ class SortedGrid final : public NeighbourSearch {
   void move(std::span<const PointMove> moves) override;
   void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const override;
   std::string_view name() const override { return "sorted grid"; }
-  std::size_t bytes() const override;
+  std::size_t bytes() const override { return sort_.bytes(); }
 
   const HashGrid& grid() const { return grid_; }
   std::size_t threads() const { return team_.size(); }
   /// The threads that build, available for other work between builds.
   WorkerTeam& team() { return team_; }
   /// All included points in bucket order, stable.
-  std::span<const Placed> placed() const { return placed_; }
+  std::span<const Placed> placed() const { return sort_.items(); }
+  /// First and one-past-last index in placed() of a bucket.
+  UVec2 range(std::uint32_t bucket) const { return {sort_.starts()[bucket], sort_.starts()[bucket + 1]}; }
 
   /// Calls visit(Placed) for every point strictly nearer than `radius` to `center`, once.
   template <class Visit>
   void forEachNear(const DVec3& center, double radius, Visit&& visit) const;
 
  private:
-  // Low bits of the bucket of a point that is sorted only by the high ones so far.
-  using LowBits = std::uint16_t;
-  // The range of points that one thread reads, and its next output index for each group of buckets.
-  struct Part {
-    std::size_t begin = 0, end = 0;
-    std::vector<std::uint32_t> next;
-  };
-  void countGroups(Part& part);
-  void placeParts();
-  void scatterToGroups(Part& part);
-  void sortGroup(std::size_t group);
-
-  // The range in placed_ of a cell's bucket: first and one-past-last index.
-  UVec2 bucketRange(const IVec3& cell) const {
-    const std::uint32_t bucket = bucketOf(grid_, cell);
-    return {starts_[bucket], starts_[bucket + 1]};
-  }
+  UVec2 bucketRange(const IVec3& cell) const { return range(bucketOf(grid_, cell)); }
   static constexpr std::uint32_t kFewCells = 64;
   template <class Visit>
   void visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const;
@@ -70,33 +54,25 @@ class SortedGrid final : public NeighbourSearch {
 
   HashGrid grid_;
   WorkerTeam team_;
-  std::uint32_t lowBits_, groups_;
-  bool isThere(std::size_t point) const { return there_.empty() || there_[point]; }
-
   std::span<const Vec3> positions_;
   std::span<const std::uint8_t> there_;
-  std::vector<Part> parts_;
-  BareVector<std::uint32_t> keys_;      // bucket of every point
-  std::vector<std::uint32_t> grouped_;  // first point of every group of buckets
-  BareVector<Placed> halfway_;
-  BareVector<LowBits> halfwayLow_;
-  BareVector<Placed> placed_;
-  std::vector<std::uint32_t> starts_;  // first point of every bucket
+  BucketSort<Placed> sort_;
 };
 
 template <class Visit>
 void SortedGrid::visitNear(UVec2 range, const DVec3& center, double squared, Visit&& visit) const {
   constexpr std::uint32_t kBatch = 64;
+  const std::span<const Placed> points = placed();
   std::array<std::uint32_t, kBatch> hits;
   for (std::uint32_t place = range.x; place < range.y;) {
     const std::uint32_t batchEnd = place + std::min(range.y - place, kBatch);
     std::uint32_t count = 0;
     for (; place < batchEnd; ++place) {
-      const DVec3 d = DVec3(placed_[place].position) - center;
+      const DVec3 d = DVec3(points[place].position) - center;
       hits[count] = place;
       count += glm::dot(d, d) < squared;
     }
-    for (std::uint32_t i = 0; i < count; ++i) visit(placed_[hits[i]]);
+    for (std::uint32_t i = 0; i < count; ++i) visit(points[hits[i]]);
   }
 }
 
@@ -106,14 +82,14 @@ void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) 
   const double squared = radius * radius;
   if (box.cells() <= kFewCells) {
     visitFewCells(box, center, squared, visit);
-  } else if (box.cells() < static_cast<double>(placed_.size())) {
+  } else if (box.cells() < static_cast<double>(placed().size())) {
     box.forEach([&](const IVec3& cell) {
       visitNear(bucketRange(cell), center, squared, [&](const Placed& point) {
         if (cellOf(grid_, point.position) == cell) visit(point);
       });
     });
   } else {  // a pass over all points is cheaper
-    visitNear({0, static_cast<std::uint32_t>(placed_.size())}, center, squared, visit);
+    visitNear({0, static_cast<std::uint32_t>(placed().size())}, center, squared, visit);
   }
 }
 
@@ -127,8 +103,8 @@ void SortedGrid::visitFewCells(const CellBox& box, const DVec3& center, double s
     const UVec2 range = bucketRange(cell);
     if (range.x == range.y || std::find(ranges.begin(), ranges.begin() + count, range) != ranges.begin() + count)
       return;
-    __builtin_prefetch(&placed_[range.x]);
-    __builtin_prefetch(&placed_[range.y - 1]);
+    __builtin_prefetch(&placed()[range.x]);
+    __builtin_prefetch(&placed()[range.y - 1]);
     ranges[count++] = range;
   });
   for (std::size_t i = 0; i < count; ++i) visitNear(ranges[i], center, squared, visit);

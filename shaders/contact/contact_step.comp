@@ -18,14 +18,8 @@ layout(constant_id = 4) const bool kManyProbes = false;
 // The probe's number: a tool with several has one workgroup for each, and these are independent.
 uint probeIndex() { return kManyProbes ? gl_WorkGroupID.x : 0; }
 
-bool touching, sticking;
-uint face;
+ProxyTick tick;
 vec3 facing;
-
-// Purposes of a step when it evaluates the surface.
-const uint kWalks = 0;   // free, along the HIP's motion, until it crosses the surface
-const uint kTracks = 1;  // touching, from tangent plane to tangent plane
-const uint kLeaves = 2;  // no longer touching, at the HIP
 
 bool patchReaches(vec3 x) { return patchGathered && distance(x, patchCentre) <= kPatchSlack * args.radius; }
 
@@ -39,7 +33,7 @@ Surface feel(vec3 x) {
     facing = vec3(0.0);
   }
   facing = surface.normal;
-  if (touching && face == kFaceBehind) {
+  if (tick.touching && tick.face == kFaceBehind) {
     surface.normal = -surface.normal;
     surface.distance = -surface.distance;
   }
@@ -58,28 +52,6 @@ bool takeFirstPatch(Probe probe) {
   return true;
 }
 
-// A hand in contact felt the surface at the proxy: its first slide follows that surface, without another evaluation.
-Tracking takeFirstSlide(inout vec3 proxy) {
-  vec3 slide = vec3(0.0);
-  if (touching && facing != vec3(0.0))
-    slide = slideAlong(face == kFaceBehind ? -facing : facing, proxy, kFriction, sticking);
-  Tracking tracking = trackingFrom(slide, sticking, kConvergence * args.radius);
-  if (tracking.slid) proxy += shortened(slide, kLongestStep * args.radius);
-  return tracking;
-}
-
-// Touching: takes the step that the surface at the proxy requires. False if the proxy rests.
-bool takesStep(inout Tracking tracking, inout vec3 proxy, Surface surface, inout uint steps, inout bool truncated) {
-  if (steps == kMaxTrackingSteps || !surface.defined) return false;
-  const float arrived = kConvergence * args.radius;
-  const TrackingStep step = nextStep(tracking, proxy, surface.normal, surface.distance, kFriction);
-  truncated = step.size >= arrived && workDone > kContactWorkBudget;
-  if (truncated || step.size < arrived) return false;
-  proxy += takeStep(tracking, step, kLongestStep * args.radius);
-  ++steps;
-  return step.size >= kLastStep * args.radius;
-}
-
 void main() {
   const uint i = probeIndex();
   if (args.pose.at[i].pose.tick == 0) return;  // its question has not arrived
@@ -90,88 +62,57 @@ void main() {
     patchVelocity = probe.velocity;
   }
   if (!takeFirstPatch(probe)) return;
-  touching = probe.touching;
-  sticking = probe.sticking;
-  face = probe.face;
   facing = probe.facing;
-  vec3 proxy = probe.proxy;
+  tick = tickFrom(probe.touching, probe.sticking, probe.face, facing, probe.lastHip, probe.proxy, vec3(0.0),
+                  args.radius, kFriction);
   Surface surface = Surface(false, 0.0, vec3(0.0), 0, false);
-  bool truncated = false;
-  uint trackingSteps = 0;
 
-  Tracking tracking = takeFirstSlide(proxy);
-  uint purpose = touching ? kTracks : kWalks;
-  uint substep = 1;
-  vec3 before = probe.lastHip;
-  vec3 x = touching ? proxy : placeOnWay(probe, substep);
   // One loop for all purposes: shader compilers inline every call, and the patch and its surface are most of the
   // program.
-  while (true) {
+  do {
+    if (tick.purpose == kWalks) tick.at = placeOnWay(probe, tick.substep);
     bool spent = workDone > kContactWorkBudget;
-    bool fetched = false;  // a patch around x was gathered: a NaN is out of reach of every patch, also of its own
-    while (!fetched && !patchReaches(x)) {
+    bool fetched = false;  // a patch around the place was gathered: a NaN is out of reach of every patch, also its own
+    while (!fetched && !patchReaches(tick.at)) {
       fetched = patchGathered;
-      gatherPatch(args.spill, probe.hip, fetched ? x : firstPlace(probe), patchReach(args.radius), args.mostCells);
+      gatherPatch(args.spill, probe.hip, fetched ? tick.at : firstPlace(probe), patchReach(args.radius),
+                  args.mostCells);
       if (!fetched) spent = workDone > kContactWorkBudget;
     }
-    if (purpose == kWalks && spent) {
-      truncated = true;
-      face = kFaceInside;
+    if (tick.purpose == kWalks && spent) {
+      tick.truncated = true;
+      tick.face = kFaceInside;
       break;
     }
-    surface = feel(x);
-    if (purpose == kLeaves) break;
-    if (purpose == kWalks) {
-      ++workDone;
-      const bool inFront = surface.distance > 0.0;
-      if (surface.defined && crosses(face, inFront)) {
-        purpose = kTracks;
-        touching = true;
-        sticking = true;
-        tracking = trackingFrom(vec3(0.0), sticking, kConvergence * args.radius);
-        x = proxy = before;
-        continue;
-      }
-      face = faceAfter(face, surface.defined, surface.ends, inFront, probe.traced);
-      if (substep == probe.substeps) break;
-      before = x;
-      x = placeOnWay(probe, ++substep);
-      continue;
-    }
-    if (takesStep(tracking, proxy, surface, trackingSteps, truncated)) {
-      x = proxy;
-      continue;
-    }
-    sticking = !tracking.slid;
-    if (surface.defined && dot(proxy, surface.normal) >= 0.0) break;
-    if (!surface.defined) face = kFaceInside;  // lost inside: not caught again on the way out
-    purpose = kLeaves;
-    touching = false;
-    x = proxy = vec3(0.0);
-  }
+    surface = feel(tick.at);
+    if (tick.purpose == kWalks) ++workDone;
+  } while (goesOn(tick, surface, vec3(0.0), args.radius, kFriction, probe.substeps, probe.traced,
+                  workDone > kContactWorkBudget));
+  const vec3 proxy = tick.touching ? tick.proxy : vec3(0.0);
+  const uint touching = !tick.touching ? kFree : tick.sticking ? kSticking : kSliding;
 
   vec3 velocity = vec3(0.0);
   if (kPointsMove && surface.defined)
-    velocity = velocityAt(args.spill, args.velocities, x - patchCentre, args.radius, facing);
+    velocity = velocityAt(args.spill, args.velocities, tick.at - patchCentre, args.radius, facing);
   if (gl_LocalInvocationIndex != 0) return;
-  args.state.at[i].touching = !touching ? kFree : sticking ? kSticking : kSliding;
+  args.state.at[i].touching = touching;
   args.state.at[i].facing = facing;
   args.state.at[i].lastHip = args.pose.at[i].pose.hip;
-  args.state.at[i].face = face;
+  args.state.at[i].face = tick.face;
   args.state.at[i].started = 1;
   args.state.at[i].motion = -probe.lastHip;
   args.state.at[i].spring = proxy;
   if (kPointsMove) args.state.at[i].velocity = velocity;
   ContactSample answer;
   answer.spring = proxy;
-  answer.touching = !touching ? kFree : sticking ? kSticking : kSliding;
+  answer.touching = touching;
   answer.normal = surface.normal;
   answer.neighbours = surface.neighbours;
   answer.tick = args.pose.at[i].pose.tick;
-  answer.trackingSteps = trackingSteps;
+  answer.trackingSteps = tick.trackingSteps;
   answer.logHead = args.logHead.at[0];
-  answer.flags = (truncated ? kSampleTruncated : 0) | (patchThinned ? kSampleThinned : 0);
-  answer.flags |= face << kSampleFaceShift;
+  answer.flags = (tick.truncated ? kSampleTruncated : 0) | (patchThinned ? kSampleThinned : 0);
+  answer.flags |= tick.face << kSampleFaceShift;
   answer.velocity = velocity;
   args.result.at[i].spring = answer.spring;
   args.result.at[i].touching = answer.touching;

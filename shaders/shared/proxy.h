@@ -1,10 +1,12 @@
 // The proxy from tick to tick: contact begins where the HIP's motion crosses the surface, and the proxy tracks the
 // tangent plane (Salisbury and Tarr 1997), held or dragged by friction (Ruspini, Kolarov, Khatib 1997). All positions
-// are relative to the HIP. The loops over sub-steps and tracking steps are in shaders/contact/contact_step.comp,
-// engine/contact/proxy_tracker.cpp (double precision) and engine/cuda/contact_step.cuh.
+// are relative to the HIP, or, with the HIP, to the cloud's origin. shaders/contact/contact_step.comp,
+// engine/contact/proxy_tracker.cpp (double precision) and engine/cuda/contact_step.cuh evaluate the surface wherever a
+// tick asks for it.
 #ifndef PALPATE_SHARED_PROXY_H
 #define PALPATE_SHARED_PROXY_H
 #include "shaders/shared/contact.h"
+#include "shaders/shared/surface.h"
 
 PALPATE_SHARED_BEGIN
 
@@ -93,6 +95,98 @@ PALPATE_FORMULA PALPATE_VEC3 takeStep(PALPATE_INOUT(PALPATE_OF(Tracking)) tracki
     tracking.sticking = false;
   }
   return shortened(step.lift, longest) + shortened(tracking.relaxation * step.slide, longest);
+}
+
+// What a tick evaluates the surface for.
+const uint kWalks = 0;   // free, along the HIP's motion, until it crosses the surface
+const uint kTracks = 1;  // touching, from tangent plane to tangent plane
+const uint kLeaves = 2;  // no longer touching, at the HIP
+
+// The proxy in the course of a tick.
+PALPATE_STRUCT(ProxyTick) {
+  PALPATE_VEC3 at;      // where the surface is evaluated; while the proxy walks, the caller's place of this sub-step
+  PALPATE_VEC3 before;  // the place of the last sub-step
+  PALPATE_VEC3 proxy;
+  PALPATE_OF(Tracking) tracking;
+  uint purpose;
+  uint substep;  // from 1 on
+  uint trackingSteps;
+  uint face;  // kFace...; while touching, the face that is felt
+  bool touching;
+  bool sticking;   // the proxy did not slide in the last tick
+  bool truncated;  // not converged when the work budget was spent
+};
+
+// Begins a tick. `touching`, `sticking`, `face`, `proxy`: as the last tick left them; `facing`: normal of the surface
+// felt then, or zero. A hand in contact has felt the surface at the proxy: its first slide follows that surface,
+// without another evaluation.
+PALPATE_FORMULA PALPATE_OF(ProxyTick)
+    tickFrom(bool touching, bool sticking, uint face, PALPATE_VEC3 facing, PALPATE_VEC3 lastHip, PALPATE_VEC3 proxy,
+             PALPATE_VEC3 hip, Real radius, Real friction) {
+  PALPATE_VEC3 slide = PALPATE_VEC3(Real(0.0));
+  if (touching && facing != PALPATE_VEC3(Real(0.0)))
+    slide = slideAlong(face == kFaceBehind ? -facing : facing, proxy - hip, friction, sticking);
+  PALPATE_OF(ProxyTick) tick;
+  tick.tracking = trackingFrom(slide, sticking, Real(kConvergence) * radius);
+  tick.proxy = tick.tracking.slid ? proxy + shortened(slide, Real(kLongestStep) * radius) : proxy;
+  tick.at = tick.proxy;
+  tick.before = lastHip;
+  tick.purpose = touching ? kTracks : kWalks;
+  tick.substep = 1;
+  tick.trackingSteps = 0;
+  tick.face = face;
+  tick.touching = touching;
+  tick.sticking = sticking;
+  tick.truncated = false;
+  return tick;
+}
+
+// Touching: takes the step that the surface at the proxy requires. False if the proxy rests.
+PALPATE_FORMULA bool takesStep(PALPATE_INOUT(PALPATE_OF(ProxyTick)) tick, PALPATE_OF(Surface) surface, PALPATE_VEC3 hip,
+                               Real radius, Real friction, bool spent) {
+  if (tick.trackingSteps == kMaxTrackingSteps || !surface.defined) return false;
+  const Real arrived = Real(kConvergence) * radius;
+  const PALPATE_OF(TrackingStep) step =
+      nextStep(tick.tracking, tick.proxy - hip, surface.normal, surface.distance, friction);
+  tick.truncated = step.size >= arrived && spent;
+  if (tick.truncated || step.size < arrived) return false;
+  tick.proxy += takeStep(tick.tracking, step, Real(kLongestStep) * radius);
+  ++tick.trackingSteps;
+  return step.size >= Real(kLastStep) * radius;
+}
+
+// Goes on from the surface at `tick.at`, whose outside is the felt face. False if the tick ends there. `substeps`:
+// substepsOn() the path; `traced`: they cover it; `spent`: the work budget is.
+PALPATE_FORMULA bool goesOn(PALPATE_INOUT(PALPATE_OF(ProxyTick)) tick, PALPATE_OF(Surface) surface, PALPATE_VEC3 hip,
+                            Real radius, Real friction, uint substeps, bool traced, bool spent) {
+  if (tick.purpose == kLeaves) return false;
+  if (tick.purpose == kWalks) {
+    const bool inFront = surface.distance > Real(0.0);
+    if (surface.defined && crosses(tick.face, inFront)) {
+      tick.purpose = kTracks;
+      tick.touching = true;
+      tick.sticking = true;
+      tick.tracking = trackingFrom(PALPATE_VEC3(Real(0.0)), true, Real(kConvergence) * radius);
+      tick.proxy = tick.before;
+      tick.at = tick.proxy;
+      return true;
+    }
+    tick.face = faceAfter(tick.face, surface.defined, surface.ends, inFront, traced);
+    tick.before = tick.at;
+    return ++tick.substep <= substeps;
+  }
+  if (takesStep(tick, surface, hip, radius, friction, spent)) {
+    tick.at = tick.proxy;
+    return true;
+  }
+  tick.sticking = !tick.tracking.slid;
+  if (surface.defined && dot(tick.proxy - hip, surface.normal) >= Real(0.0)) return false;
+  if (!surface.defined) tick.face = kFaceInside;  // lost inside: not caught again on the way out
+  tick.purpose = kLeaves;
+  tick.touching = false;
+  tick.proxy = hip;
+  tick.at = hip;
+  return true;
 }
 
 PALPATE_SHARED_END

@@ -57,17 +57,23 @@ TEST_CASE("sorting by the distinguishing bits equals sorting by all, however far
     }
 }
 
-TEST_CASE("all occupied cells around a cell are found once, with any number of threads") {
+TEST_CASE("each cell has its values, and all occupied cells around a cell are found once, with any number of threads") {
   for (const std::int32_t reach : kReaches)
     for (const std::size_t count : {0u, 1u, 2u, 1023u, 1025u, 20'000u}) {
       CAPTURE(reach);
       CAPTURE(count);
-      const BareVector<std::uint64_t> some = someCodes(count, reach);
+      BareVector<std::uint64_t> some = someCodes(count, reach);
+      std::ranges::sort(some);
       const std::set<std::uint64_t> each(some.begin(), some.end());
       for (const unsigned threads : {1u, 4u}) {
-        const MortonCells cells(BareVector<std::uint64_t>(each.begin(), each.end()), threads);
+        const MortonCells cells(some.size(), threads, [&](std::size_t k) { return some[k]; });
         REQUIRE(cells.count() == each.size());
         bool same = true;
+        for (std::size_t cell = 0, k = 0; cell < cells.count(); ++cell) {
+          same = same && cells.begin(cell) == k;
+          while (k < some.size() && some[k] == cells.code(cell)) ++k;
+          same = same && cells.end(cell) == k;
+        }
         // Around occupied cells, and next to them.
         for (std::uint64_t cell = 0; cell < std::min<std::size_t>(cells.count(), 3000); ++cell)
           for (const std::int32_t aside : {0, 1}) {

@@ -34,7 +34,7 @@ PointCloud cloudAt(std::vector<Vec3> positions) {
 // The normal of one point by the same method: NormalFit over the support radius.
 Vec3 fittedInDouble(const PointTree& tree, std::span<const Vec3> positions, const Vec3& at, double radius) {
   std::vector<std::uint32_t> around;
-  tree.within(DVec3(at), radius, around);
+  tree.near(DVec3(at), radius, around);
   NormalFit fit(radius);
   for (const std::uint32_t j : around) fit.add(DVec3(positions[j]) - DVec3(at));
   return Vec3(fit.normal(DVec3(0)).normal);
@@ -146,7 +146,7 @@ TEST_CASE_FIXTURE(GpuFixture,
       if (found == own || i % 5) continue;
       ++changed;
       std::vector<std::uint32_t> around;
-      tree.within(at, planes[i].w, around);
+      tree.near(at, planes[i].w, around);
       double flattest = fits[i].x;
       for (const std::uint32_t j : around) flattest = std::min(flattest, double{fits[j].x});
       double most = 0;

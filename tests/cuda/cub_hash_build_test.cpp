@@ -3,7 +3,7 @@
 #include <bit>
 
 #include "engine/cuda/live_copy.hpp"
-#include "engine/spatial/cpu_hash.hpp"
+#include "engine/spatial/sorted_grid.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
 
 namespace palpate::cub_hash_build_test {
@@ -26,14 +26,14 @@ std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float e
   return positions;
 }
 
-void checkHalf(const cu::Stream& stream, cu::LiveCopy& live, const cu::CubBuild& build, const CpuHash& reference,
+void checkHalf(const cu::Stream& stream, cu::LiveCopy& live, const cu::CubBuild& build, const SortedGrid& reference,
                const PointCloud& cloud) {
   const cu::CloudHalf& half = live.half(live.parity());
   const auto positions = half.positions.download(stream);
   const auto normals = half.normals.download(stream);
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    const std::uint32_t id = reference.order()[i];
+    const std::uint32_t id = reference.placed()[i].number;
     wrong += std::bit_cast<std::uint32_t>(positions[i].w) != id || Vec3(positions[i]) != cloud.positions[id] ||
              Vec3(normals[i]) != cloud.normals[id];
   }
@@ -50,7 +50,8 @@ void checkHalf(const cu::Stream& stream, cu::LiveCopy& live, const cu::CubBuild&
 
 // Order, ranges and attributes equal those of the CPU after a first build, a second one, and one from a graph.
 void checkBuild(const PointCloud& cloud, const HashGrid& grid) {
-  const CpuHash reference(cloud.positions, grid);
+  SortedGrid reference(grid, 1);
+  reference.build(cloud.positions);
   const cu::Stream stream;
   cu::LiveCopy live(cloud, stream);
   cu::CubBuild build(grid, live.count());

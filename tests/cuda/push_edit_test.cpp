@@ -5,7 +5,7 @@
 #include "engine/cuda/live_copy.hpp"
 #include "engine/edit/normal_fit.hpp"
 #include "engine/edit/placed_brush.hpp"
-#include "engine/spatial/cpu_hash.hpp"
+#include "engine/spatial/sorted_grid.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
 #include "tests/edit/tool_at.hpp"
 
@@ -81,7 +81,8 @@ TEST_CASE("after a CUDA push, moved points have the normals of the new shape, on
       push(scene.cloud, 46.0 * outward, 4.0 * outward, {.tau = 0.1, .beta = 1, .radius = 12}, scene.radius);
   std::vector<Vec3> positions;
   for (const Vec4& position : moved.positions) positions.emplace_back(position);
-  const CpuHash hash(positions, makeHashGrid(Vec3(0), scene.radius, positions.size()));
+  SortedGrid grid(makeHashGrid(Vec3(0), scene.radius, positions.size()), 1);
+  grid.build(positions);
   double worst_deg = 0;
   std::size_t count = 0, clear = 0, turned = 0, notUnit = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -90,7 +91,8 @@ TEST_CASE("after a CUDA push, moved points have the normals of the new shape, on
     const DVec3 old(scene.cloud.normals[i]), normal{Vec3(moved.normals[i])};
     NormalFit fit(scene.radius);
     const DVec3 center(positions[i]);
-    hash.forEachNear(center, scene.radius, [&](std::uint32_t j) { fit.add(DVec3(positions[j]) - center); });
+    grid.forEachNear(center, scene.radius,
+                     [&](const SortedGrid::Placed& point) { fit.add(DVec3(point.position) - center); });
     const NormalFit::Result expected = fit.normal(old);
     turned += glm::dot(normal, old) < -1e-5;
     notUnit += std::abs(glm::length(normal) - 1) > 1e-5;

@@ -188,7 +188,7 @@ Left carve(const Solid& solid, const std::vector<Cut>& cuts, double speed = 100,
   std::vector<std::uint32_t> near;
   for (const DVec3& p : truth) {
     near.clear();
-    tree.within(p, 1.3 * kSpacing, near);
+    tree.near(p, 1.3 * kSpacing, near);
     uncovered += near.empty();
   }
   left.uncovered = static_cast<double>(uncovered) / static_cast<double>(std::max<std::size_t>(truth.size(), 1));

@@ -21,8 +21,10 @@ class SurfaceGapFinder {
   SurfaceGapFinder(const PointCloud& cloud, double radius, double spacing)
       : cloud_(cloud),
         surface_(cloud, radius),
-        hash_(cloud.positions, makeHashGrid(Vec3(0), 2 * spacing, cloud.size())),
-        spacing_(spacing) {}
+        grid_(makeHashGrid(Vec3(0), 2 * spacing, cloud.size()), 1),
+        spacing_(spacing) {
+    grid_.build(cloud.positions);
+  }
 
   template <class Counts>
   SurfaceGaps find(Counts&& counts) const {
@@ -54,7 +56,7 @@ class SurfaceGapFinder {
   };
 
   Place onSurface(DVec3 x, const DVec3& facing) const {
-    SurfaceSample sample;
+    SurfaceSample sample{};
     for (int step = 0; step < 4; ++step) {
       sample = surface_.surface(x, facing);
       if (!sample.defined) return {};
@@ -66,7 +68,8 @@ class SurfaceGapFinder {
   // Distance to the nearest point that faces the same way as `facing` (any, for zero), in spacings.
   double nearest(const DVec3& x, const DVec3& facing, std::uint32_t but) const {
     double best = kReach;
-    hash_.forEachNear(x, kReach * spacing_, [&](std::uint32_t j) {
+    grid_.forEachNear(x, kReach * spacing_, [&](const SortedGrid::Placed& point) {
+      const std::uint32_t j = point.number;
       if (j != but && (facing == DVec3(0) || glm::dot(facing, DVec3(cloud_.normals[j])) > 0))
         best = std::min(best, glm::distance(x, DVec3(cloud_.positions[j])) / spacing_);
     });
@@ -78,9 +81,9 @@ class SurfaceGapFinder {
     constexpr double kWidestAngle = 2.2;
     const Frame3 frame = frameAround(normal);
     std::vector<double> angles;
-    hash_.forEachNear(x, 3.5 * spacing_, [&](std::uint32_t j) {
-      const DVec3 d = DVec3(cloud_.positions[j]) - x;
-      if (glm::dot(DVec3(cloud_.normals[j]), normal) > 0.3 && std::abs(glm::dot(d, normal)) < spacing_)
+    grid_.forEachNear(x, 3.5 * spacing_, [&](const SortedGrid::Placed& point) {
+      const DVec3 d = DVec3(point.position) - x;
+      if (glm::dot(DVec3(cloud_.normals[point.number]), normal) > 0.3 && std::abs(glm::dot(d, normal)) < spacing_)
         angles.push_back(std::atan2(glm::dot(d, frame.v), glm::dot(d, frame.u)));
     });
     if (angles.size() < 3) return false;
@@ -92,7 +95,7 @@ class SurfaceGapFinder {
 
   const PointCloud& cloud_;
   ContactReference surface_;
-  CpuHash hash_;
+  SortedGrid grid_;
   double spacing_;
 };
 

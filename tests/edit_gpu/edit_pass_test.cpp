@@ -7,7 +7,7 @@
 #include "engine/edit/normal_fit.hpp"
 #include "engine/edit/placed_brush.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/spatial/cpu_hash.hpp"
+#include "engine/spatial/sorted_grid.hpp"
 #include "shaders/shared/edit.h"
 #include "tests/edit_gpu/edited_scene.hpp"
 #include "tests/gpu_fixture.hpp"
@@ -114,14 +114,16 @@ TEST_CASE_FIXTURE(EditFixture, "moved points have the normals of the new shape, 
       push(scene.cloud, 46.0 * outward, 4.0 * outward, {.tau = 0.1, .beta = 1, .radius = 12}, scene.radius);
   std::vector<Vec3> positions;
   for (const Vec4& position : moved.positions) positions.emplace_back(position);
-  const CpuHash hash(positions, makeHashGrid(Vec3(0), scene.radius, positions.size()));
+  SortedGrid grid(makeHashGrid(Vec3(0), scene.radius, positions.size()), 1);
+  grid.build(positions);
   double worst_deg = 0;
   std::size_t clear = 0;
   for (const auto& entry : moved.entries) {
     const DVec3 old(scene.cloud.normals[entry.id]);
     const DVec3 place(entry.position);
     NormalFit fit(scene.radius);
-    hash.forEachNear(place, scene.radius, [&](std::uint32_t i) { fit.add(DVec3(positions[i]) - place); });
+    grid.forEachNear(place, scene.radius,
+                     [&](const SortedGrid::Placed& point) { fit.add(DVec3(point.position) - place); });
     const NormalFit::Result expected = fit.normal(old);
     CHECK(glm::dot(DVec3(entry.normal), old) > -1e-5);
     if (expected.flatness < 0.5 && glm::dot(expected.normal, old) > 0.01) {

@@ -8,7 +8,7 @@
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/spatial/cpu_hash.hpp"
+#include "engine/spatial/sorted_grid.hpp"
 #include "engine/spatial/spatial_hash.hpp"
 #include "shaders/test_shaders.hpp"
 #include "tests/gpu/add_one.h"
@@ -50,11 +50,13 @@ void checkHash(Device& device) {
   LiveCloud live(device, cloud);
   SpatialHash hash(device, grid, live.count());
   hash.build(live);
-  const CpuHash reference(cloud.positions, grid);
+  SortedGrid reference(grid, 1);
+  reference.build(cloud.positions);
   const std::vector<PointState> points = live.points();
   REQUIRE(points.size() == cloud.size());
   std::size_t others = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) others += points[i].position != cloud.positions[reference.order()[i]];
+  for (std::size_t i = 0; i < points.size(); ++i)
+    others += points[i].position != cloud.positions[reference.placed()[i].number];
   CHECK(others == 0);
 }
 

@@ -122,6 +122,27 @@ TEST_CASE("packed splats that are truncated, or promise too many, are refused") 
   CHECK(refusalOf("a.ply", compressed.substr(0, compressed.size() - 10)).find("too short") != std::string::npos);
 }
 
+TEST_CASE("damaged gzip data are refused for what is wrong with them") {
+  const std::string good = spzBall(2);
+  CHECK(refusalOf("a.spz", good) == "read");
+  std::string flipped = good, longer = good, bomb = good, unended = good;
+  flipped[good.size() / 2] ^= 1;
+  CHECK(refusalOf("a.spz", flipped).find("checksum") != std::string::npos);
+  ++longer[good.size() - 4];
+  CHECK(refusalOf("a.spz", longer).find("cannot be unpacked") != std::string::npos);
+  bomb[good.size() - 1] = '\x7e';
+  CHECK(refusalOf("a.spz", bomb).find("cannot be as long as it is said to be") != std::string::npos);
+  bomb[good.size() - 1] = '\x80';
+  CHECK(refusalOf("a.spz", bomb).find("larger than 2 GiB") != std::string::npos);
+  unended[10] &= ~1;  // not the last block
+  CHECK(refusalOf("a.spz", unended).find("cannot be unpacked") != std::string::npos);
+  std::string named = good.substr(0, 10) + std::string("a.bin\0", 6) + good.substr(10);
+  named[3] = 8;
+  CHECK(refusalOf("a.spz", named) == "read");
+  CHECK(refusalOf("a.spz", named.substr(0, 14) + std::string(8, 'x')).find("ends within its header") !=
+        std::string::npos);
+}
+
 TEST_CASE("Gaussians whose numbers are not finite, or whose rotation is zero, are left out and counted") {
   constexpr std::array<std::pair<std::size_t, double>, 3> kBad{{{0, NAN}, {11, -INFINITY}, {10, NAN}}};
   for (const auto& [column, value] : kBad) {

@@ -21,10 +21,9 @@ TEST_CASE("neighbour lists contain exactly the particles within reach, also acro
     for (Vec4& place : places)
       for (int axis = 0; axis < 3; ++axis) place[axis] = share(random) * box.size[axis];
     CellGrid grid(cellsOf(box, kReach));
-    std::vector<std::uint32_t> order;
-    grid.sort(places, order);
-    for (const std::uint32_t k : order) sorted.push_back(places[k]);
     WorkerTeam team(2);
+    grid.sort(places, team);
+    for (const std::uint32_t k : grid.order()) sorted.push_back(places[k]);
     NeighbourLists lists(kReach);
     REQUIRE(lists.build(grid, sorted, team));
     std::size_t pairs = 0;

@@ -39,7 +39,7 @@ class FieldReference {
     if (plan_.surface == MeshSurface::density) return densityAt(x);
     const auto kind = static_cast<SurfaceKind>(plan_.surface);
     const std::uint32_t passes = kind == SurfaceKind::sharp ? shared::kSharpPasses : 1;
-    SurfaceSample sample;
+    SurfaceSample sample{};
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
       SurfaceSums sums(kind, radius(), DVec3(0), pass > 0 ? &sample : nullptr);
       grid_.forEachNear(x, radius(), [&](const SortedGrid::Placed& point) {

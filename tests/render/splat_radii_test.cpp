@@ -61,7 +61,7 @@ std::size_t bare(std::string_view shape, const PointCloud& cloud, const std::vec
   for (std::size_t k = 0; k < kPlaces; ++k) {
     const SurfacePoint at = place({randomUnit(5, 2 * k), randomUnit(5, 2 * k + 1)});
     found.clear();
-    tree.within(at.position, within, found);
+    tree.near(at.position, within, found);
     bare += std::ranges::none_of(found, [&](std::uint32_t i) {
       return glm::distance(DVec3(cloud.positions[i]), at.position) <= static_cast<double>(radii[i]) &&
              glm::dot(DVec3(cloud.normals[i]), at.normal) > 0.5;

@@ -53,7 +53,7 @@ std::vector<RadiusRange> referenceSplatRadii(const PointCloud& cloud, double spa
   std::vector<std::uint32_t> found;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     found.clear();
-    tree.within(DVec3(cloud.positions[i]), 2 * widest, found);
+    tree.near(DVec3(cloud.positions[i]), 2 * widest, found);
     RadiusRange range{std::numeric_limits<double>::infinity(), 0};
     // Both thresholds, within single precision.
     for (const double slack : {-1e-5, 0.0, 1e-5}) {

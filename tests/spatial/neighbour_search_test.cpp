@@ -1,14 +1,14 @@
 // One test body for every search structure: it finds what brute force finds.
-#include "engine/spatial/neighbour_search.hpp"
+#include "engine/cloud/neighbour_search.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <random>
 
-#include "engine/spatial/cpu_hash.hpp"
-#include "engine/spatial/kd_tree_search.hpp"
+#include "engine/cloud/point_tree.hpp"
 #include "engine/spatial/multimap_hash.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 
@@ -23,7 +23,7 @@ std::vector<std::unique_ptr<NeighbourSearch>> everyStructure(const HashGrid& gri
   all.push_back(std::make_unique<MultimapHash>(grid));
   all.push_back(std::make_unique<SortedGrid>(grid, 1));
   all.push_back(std::make_unique<SortedGrid>(grid, 3));
-  all.push_back(std::make_unique<KdTreeSearch>());
+  all.push_back(std::make_unique<PointTree>());
   return all;
 }
 
@@ -141,19 +141,28 @@ TEST_CASE("neighbour search finds points after repeated moves and after a rebuil
   }
 }
 
-TEST_CASE("the sorted grid has the order of the CPU hash with any number of threads") {
+TEST_CASE("the sorted grid has the points of each bucket in their order, with any number of threads") {
   for (const std::size_t count : {0, 1, 255, 257, 8192, 65'537, 300'007}) {
     const auto positions = randomPositions(count, Vec3(0), 50);
     for (const BucketKey key : {BucketKey::teschner, BucketKey::morton}) {
       const HashGrid grid = makeHashGrid(Vec3(-50), 1.5, count, key);
-      const CpuHash reference(positions, grid);
+      const auto bucketAt = [&](std::uint32_t i) { return bucketOf(grid, cellOf(grid, positions[i])); };
+      Numbers order(count);
+      std::iota(order.begin(), order.end(), 0u);
+      std::ranges::stable_sort(order, {}, bucketAt);
       for (const unsigned threads : {1u, 2u, 3u}) {
         SortedGrid sorted(grid, threads);
         sorted.build(positions);
         std::size_t wrong = sorted.placed().size() != count;
         for (std::size_t i = 0; i < count; ++i) {
           const auto& placed = sorted.placed()[i];
-          wrong += placed.number != reference.order()[i] || placed.position != positions[placed.number];
+          wrong += placed.number != order[i] || placed.position != positions[placed.number];
+        }
+        for (std::uint32_t bucket = 0, first = 0; bucket <= grid.bucketMask; ++bucket) {
+          const UVec2 range = sorted.range(bucket);
+          wrong += range.x != first;
+          while (first < count && bucketAt(order[first]) == bucket) ++first;
+          wrong += range.y != first;
         }
         CHECK(wrong == 0);
       }

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "engine/gpu/transfer.hpp"
-#include "engine/spatial/cpu_hash.hpp"
 #include "engine/spatial/look_back_sort.hpp"
+#include "engine/spatial/sorted_grid.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
 #include "tests/scenes.hpp"
@@ -45,8 +45,10 @@ class SpatialHashFixture : public GpuFixture {
   void checkBuild(const PointCloud& cloud, HashGrid grid) {
     for (const std::uint32_t blockBits : {0u, 3u}) {
       grid.blockBits = blockBits;
-      const CpuHash reference(cloud.positions, grid);
-      const std::vector order(reference.order().begin(), reference.order().end());
+      SortedGrid reference(grid, 1);
+      reference.build(cloud.positions);
+      std::vector<std::uint32_t> order;
+      for (const SortedGrid::Placed& point : reference.placed()) order.push_back(point.number);
       for (const SortMethod sort : sorts()) {
         CAPTURE(static_cast<int>(sort));
         LiveCloud live(device, cloud);
@@ -60,7 +62,7 @@ class SpatialHashFixture : public GpuFixture {
   }
 
  private:
-  void checkHalf(const LiveCloud& live, const SpatialHash& hash, const CpuHash& reference, const PointCloud& cloud,
+  void checkHalf(const LiveCloud& live, const SpatialHash& hash, const SortedGrid& reference, const PointCloud& cloud,
                  const std::vector<std::uint32_t>& order) {
     const auto positions = download<Vec4>(device, live.front().positions, live.count());
     const auto normals = download<Vec4>(device, live.front().normals, live.count());
@@ -141,7 +143,8 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "a look-back sort is refused if workgroups
 TEST_CASE_FIXTURE(SpatialHashFixture, "in arrival order every bucket contains the same complete points") {
   const auto cloud = cloudOf(randomPositions(65'537, Vec3(0), 50));
   const HashGrid grid = makeHashGrid(Vec3(-50), 1.5, cloud.size());
-  const CpuHash reference(cloud.positions, grid);
+  SortedGrid reference(grid, 1);
+  reference.build(cloud.positions);
   LiveCloud live(device, cloud);
   SpatialHash hash(device, grid, live.count(), SortMethod::counting, BucketOrder::arrival);
   for (int turn = 0; turn < 2; ++turn) {
@@ -158,7 +161,8 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "in arrival order every bucket contains th
         wrong += Vec3(positions[i]) != cloud.positions.at(ids.back());
       }
       std::ranges::sort(ids);
-      wrong += !std::ranges::equal(ids, reference.order().subspan(expected.x, expected.y - expected.x));
+      wrong += !std::ranges::equal(ids, reference.placed().subspan(expected.x, expected.y - expected.x), {}, {},
+                                   &SortedGrid::Placed::number);
     }
     CHECK(wrong == 0);
   }
@@ -177,23 +181,6 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "counting sort is replaced by a radix sort
   };
   CHECK(crowd(shared::kCrowdedBucket / 2) == SortMethod::counting);
   CHECK(crowd(shared::kCrowdedBucket + 1) != SortMethod::counting);
-}
-
-TEST_CASE("the CPU hash finds the neighbours of brute force, each once") {
-  // 256 buckets for some thousands of cells, thus many collisions.
-  const auto positions = randomPositions(1000, Vec3(7, -3, 2), 5);
-  const CpuHash hash(positions, makeHashGrid(Vec3(0), 0.6, positions.size()));
-  for (const double radius : {0.3, 0.6, 1.7}) {
-    for (const DVec3 center : {DVec3(7, -3, 2), DVec3(2.01, -7.9, 6.9), DVec3(100, 0, 0)}) {
-      std::vector<std::uint32_t> found;
-      hash.forEachNear(center, radius, [&](std::uint32_t i) { found.push_back(i); });
-      std::vector<std::uint32_t> expected;
-      for (std::uint32_t i = 0; i < positions.size(); ++i)
-        if (glm::distance(DVec3(positions[i]), center) < radius) expected.push_back(i);
-      std::ranges::sort(found);
-      CHECK(found == expected);
-    }
-  }
 }
 
 TEST_SUITE_END();

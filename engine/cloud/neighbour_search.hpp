@@ -1,4 +1,4 @@
-// Neighbourhood search on the CPU: the structures that the GPU's index is compared with, behind one interface.
+// Neighbourhood search on the CPU, behind one interface.
 #pragma once
 
 #include <cstddef>
