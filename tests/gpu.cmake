@@ -1,7 +1,8 @@
 # Rooms on the GPU, and the program as a whole.
 set(room_label gpu)
-palpate_shaders(test_shaders gpu/shared_layout.comp gpu/add_one.comp edit_gpu/brush_probe.comp)
-palpate_tests(gpu LINKS palpate::spatial palpate::gpu palpate::test_shaders)
+palpate_shaders(test_shaders gpu/shared_layout.comp gpu/add_one.comp gpu/spin.comp edit_gpu/brush_probe.comp)
+palpate_shaders(test_watched PREFIX watched_ FLAGS -DPALPATE_WATCHED FILES gpu/spin.comp)
+palpate_tests(gpu LINKS palpate::spatial palpate::gpu palpate::test_shaders palpate::test_watched palpate::watched)
 palpate_tests(spatial_gpu LINKS palpate::spatial)
 palpate_tests(contact_gpu LINKS palpate::touch)
 palpate_tests(matter_gpu LINKS palpate::matter_gpu WITH ${matter_truths})

@@ -15,6 +15,7 @@ set(room_label program)
 if(NOT PALPATE_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
   palpate_entry(library.consumers
                 COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/consumers/run.sh ${CMAKE_BINARY_DIR} ${python})
+  palpate_entry(library.packages COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/library/packages.sh ${PROJECT_SOURCE_DIR})
   palpate_entry(library.changes COMMAND ${python} ${CMAKE_CURRENT_SOURCE_DIR}/library/changes.py)
   palpate_entry(library.reference COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/library/reference.sh)
 endif()

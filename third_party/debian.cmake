@@ -1,4 +1,4 @@
-# `cpack --preset release`: Debian packages libpalpate0, libpalpate-dev, palpate and python3-palpate, for the Debian
+# `cpack --preset packages`: Debian packages libpalpate0, libpalpate-dev, palpate and python3-palpate, for the Debian
 # release of this machine; they depend on the libraries they are linked to.
 set(files ${CMAKE_CURRENT_LIST_DIR}/debian)
 set(made ${CMAKE_BINARY_DIR}/debian)

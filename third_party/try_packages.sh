@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs the packages of `cpack --preset release` into a bare Debian 12 and uses each of them there: the program
+# Installs the packages of `cpack --preset packages` into a bare Debian 12 and uses each of them there: the program
 # without a GPU driver and with one, Python, and programs in C and C++ that see only the installed headers. Removes the
 # packages again and looks for remaining files. Requires root; debootstrap recreates that Debian below build/ each time.
 #   third_party/try_packages.sh [FOLDER_OF_PACKAGES]
 set -euo pipefail
 cd "$(dirname "$0")/.."
-packages=$(readlink -f "${1:-build/release/packages}")
+packages=$(readlink -f "${1:-build/packages/packages}")
 debian=$PWD/build/clean_debian
 
 fail() { echo "try_packages.sh: $*" >&2; exit 1; }
@@ -13,7 +13,7 @@ say() { printf '\n== %s\n' "$*"; }
 
 [ "$(id -u)" -eq 0 ] || fail "requires root for chroot"
 command -v debootstrap > /dev/null || fail "requires debootstrap: apt-get install debootstrap"
-ls "$packages"/*.deb > /dev/null 2>&1 || fail "no packages in $packages; cpack --preset release makes them"
+ls "$packages"/*.deb > /dev/null 2>&1 || fail "no packages in $packages; cpack --preset packages makes them"
 # A mount namespace: the mounts below that Debian end with this process, however it ends.
 if [ "${PALPATE_TRIES:-}" != own ]; then
   PALPATE_TRIES=own exec unshare --mount bash "$PWD/third_party/try_packages.sh" "$packages"
@@ -71,7 +71,11 @@ inside 'python3 /examples/dent.py hump.csv dented.ply; test "$(head -c 3 dented.
 
 say "programs in C and C++"
 install '/packages/libpalpate-dev_*.deb' g++ cmake make pkg-config
-inside 'cmake -S /examples -B built -DCMAKE_BUILD_TYPE=Release > cmake.log || { cat cmake.log; exit 1; }
+inside 'library=$(gcc -print-multiarch)/libpalpate.so.0; test -e "/usr/lib/$library"
+  for file in "/usr/lib/$library" /usr/bin/palpate; do
+    readelf -d "$file" | grep BIND_NOW; nm -D "$file" | grep __stack_chk_fail; nm -D "$file" | grep -c _chk@
+  done
+  cmake -S /examples -B built -DCMAKE_BUILD_TYPE=Release > cmake.log || { cat cmake.log; exit 1; }
   cmake --build built > cmake.log || { cat cmake.log; exit 1; }
   built/press; built/dent hump.csv dented.ply; built/stir
   cc -o press /examples/press.c $(pkg-config --cflags --libs palpate) -lm; ./press'

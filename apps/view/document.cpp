@@ -208,7 +208,7 @@ void Document::install(std::unique_ptr<WindowSession> session, const std::string
   saidOfSimulation_.clear();
   const HandedOn handedOn = std::exchange(handedOn_, HandedOn::no);
   if (handedOn == HandedOn::held) messages_.say("the paused frame can be sculpted; K continues the frames");
-  if (handedOn == HandedOn::toGoOn) holdFrames();
+  if (handedOn == HandedOn::toGoOn) pause();
   if (handedOn != HandedOn::no) return;
   file_ = file;
   session_->setDocument(file_);
@@ -280,53 +280,56 @@ void Document::save() {
   saveQuestion_ = SaveQuestion{.loses = inTheWay.sentence(),
                                .beside = nameBeside(saveFile_).string(),
                                .kept = AtomicFile::nameToKeep(saveFile_).string()};
-  if (!asks_) return answer({.saveBeside = true});
+  if (!asks_) return answer(Answer::saveBeside);
   if (parts_.window.isMinimised()) parts_.window.minimise(false);
 }
 
-void Document::answer(const ViewRequests& requests) {
-  if (!left_.empty()) {
-    if (requests.goOnWithLeft) goOnWith(std::move(left_.front()));
-    if (requests.discardLeft) left_.front().folder->remove();
-    if (requests.discardLeft || requests.keepLeft) left_.erase(left_.begin());
+void Document::answer(Answer answer) {
+  const bool isOfLeft = answer == Answer::goOnWithLeft || answer == Answer::discardLeft || answer == Answer::keepLeft;
+  if (isOfLeft && !left_.empty()) {
+    if (answer == Answer::goOnWithLeft) return goOnWith(std::move(left_.front()));
+    if (answer == Answer::discardLeft) left_.front().folder->remove();
+    left_.erase(left_.begin());
   }
-  if (requests.discard && afterQuestion_) std::exchange(afterQuestion_, nullptr)();
-  if (requests.cancel) {
+  if (answer == Answer::discard && afterQuestion_) std::exchange(afterQuestion_, nullptr)();
+  if (answer == Answer::cancel) {
     afterQuestion_ = nullptr;
     saveQuestion_.reset();
     isSavingForIt_ = false;
     if (agreed_ == Agreed::asked) loader_.cancel();
   }
-  if (!(requests.saveBeside || requests.saveOver) || !saveQuestion_ || !session_) return;
-  if (requests.saveBeside) saveFile_ = saveQuestion_->beside;
-  saveQuestion_.reset();
-  messages_.tryTo([&] { saveTo(saveFile_); });
-}
-
-void Document::carryOut(const ViewRequests& requests) {
-  if (requests.saveFirst) {
+  if (answer == Answer::saveFirst && session_) {
     isSavingForIt_ = true;
     if (!session_->isSaving()) save();
   }
-  if (requests.undo) session_->undo();
-  if (requests.redo) session_->redo();
-  if (requests.save) save();
-  if (!requests.saveAs.empty()) saveTo(requests.saveAs);
-  if (!requests.record.empty()) {
-    session_->record(requests.record);
-    messages_.say("recording to " + requests.record);
+  if ((answer == Answer::saveBeside || answer == Answer::saveOver) && saveQuestion_ && session_) {
+    if (answer == Answer::saveBeside) saveFile_ = saveQuestion_->beside;
+    saveQuestion_.reset();
+    saveTo(saveFile_);
   }
-  if (requests.endRecording) session_->endRecording();
-  if (!requests.play.empty()) play(requests.play);
-  if (requests.endPlaying) session_->endPlaying();
-  if (requests.exportTicks) writeTicks();
-  if (requests.restart) restart();
-  if (requests.parameter) session_->setParameter(requests.parameter->first, requests.parameter->second);
-  if (requests.holdFrames) holdFrames();
-  if (requests.stepFrame && session_->isHeldStill())
-    messages_.say("only this frame is being sculpted; K continues the frames");
-  else if (requests.stepFrame)
-    session_->stepFrame();
+}
+
+void Document::carryOut(ModelCommand command) {
+  if (!session_) return;
+  if (command == ModelCommand::undo) session_->undo();
+  if (command == ModelCommand::redo) session_->redo();
+  if (command == ModelCommand::save) save();
+  if (command == ModelCommand::exportTicks) writeTicks();
+  if (command == ModelCommand::endRecording) session_->endRecording();
+  if (command == ModelCommand::endPlaying) session_->endPlaying();
+  if (command == ModelCommand::restart) restart();
+  if (command == ModelCommand::pause) pause();
+  if (command == ModelCommand::step) step();
+}
+
+void Document::record(const std::string& log) {
+  session_->record(log);
+  messages_.say("recording to " + log);
+}
+
+void Document::step() {
+  if (session_->isHeldStill()) return messages_.say("only this frame is being sculpted; K continues the frames");
+  session_->stepFrame();
 }
 
 void Document::restart() {
@@ -346,7 +349,7 @@ void Document::sayWhatSimulationLacks() {
   if (!failure.empty()) messages_.sayError(fmt::format("the simulation {}; N restarts it", failure));
 }
 
-void Document::holdFrames() {
+void Document::pause() {
   if (SimulationControl* const simulation = session_->simulation()) {
     simulation->hold(!simulation->isHeld());
     return messages_.say(simulation->isHeld() ? "the scene is paused" : "the scene continues");

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/view/commands.hpp"
 #include "apps/view/loader.hpp"
 #include "apps/view/recent_files.hpp"
-#include "apps/view/requests.hpp"
 #include "apps/view/settings.hpp"
 
 namespace palpate {
@@ -55,12 +55,13 @@ class Document {
 
   /// Called once per frame: reports the results of saving and recording, and the state of a camera's frames.
   void follow();
-  /// Carries out the requests that concern the model and its files. Throws their failures.
-  void carryOut(const ViewRequests& requests);
-  void answer(const ViewRequests& requests);
+  /// Does nothing without a model. Throws its failure.
+  void carryOut(ModelCommand command);
+  void answer(Answer answer);
   /// Saves the points; that file then becomes the document's file.
   void saveTo(const std::string& file);
-  /// Plays the hand of a session log.
+  /// Records the hand to a session log, or plays it.
+  void record(const std::string& log);
   void play(const std::string& log);
   /// "MODEL<what>-1.<ending>" in the working folder, or the first number without an existing file.
   std::string freeName(const std::string& what, const std::string& ending) const;
@@ -99,7 +100,8 @@ class Document {
   void findLeft();
   void goOnWith(LeftStrokes left);
   // For a camera: pauses or resumes its frames; a paused frame is sculpted once a brush is chosen.
-  void holdFrames();
+  void pause();
+  void step();
   void restart();
   void sayWhatSimulationLacks();
   void sculptHeld();

@@ -4,6 +4,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace palpate {
@@ -27,57 +28,58 @@ bool Keyboard::isShiftDown() const { return down_[GLFW_KEY_LEFT_SHIFT] || down_[
 
 bool Keyboard::isControlDown() const { return down_[GLFW_KEY_LEFT_CONTROL] || down_[GLFW_KEY_RIGHT_CONTROL]; }
 
-ViewRequests Keyboard::requestsOf(const KeyEvent& event, bool repeats, WindowSettings& settings) const {
-  if (event.key == GLFW_KEY_SPACE) {
-    if (repeats) return {};
-    return {.stylus = event.down ? StylusRequest::hold : StylusRequest::letGo};
-  }
+ViewCommands Keyboard::bound(int key) const {
+  struct Binding {
+    int key;
+    bool control;
+    std::optional<bool> shift;  // empty: with or without
+    ViewCommand command;
+  };
+  static const Binding kBindings[] = {{GLFW_KEY_Z, true, false, ModelCommand::undo},
+                                      {GLFW_KEY_Z, true, true, ModelCommand::redo},
+                                      {GLFW_KEY_Y, true, {}, ModelCommand::redo},
+                                      {GLFW_KEY_S, true, false, ModelCommand::save},
+                                      {GLFW_KEY_S, true, true, BrowseCommand{FileTask::saveAs}},
+                                      {GLFW_KEY_O, true, {}, BrowseCommand{FileTask::open}},
+                                      {GLFW_KEY_C, true, {}, WindowCommand::copyPlaces},
+                                      {GLFW_KEY_Q, true, {}, WindowCommand::quit},
+                                      {GLFW_KEY_Q, false, {}, WindowCommand::quit},
+                                      {GLFW_KEY_R, false, {}, WindowCommand::resetView},
+                                      {GLFW_KEY_P, false, {}, WindowCommand::screenshot},
+                                      {GLFW_KEY_K, false, {}, ModelCommand::pause},
+                                      {GLFW_KEY_PERIOD, false, {}, ModelCommand::step},
+                                      {GLFW_KEY_N, false, {}, ModelCommand::restart},
+                                      {GLFW_KEY_BACKSPACE, false, {}, WindowCommand::switchForces},
+                                      {GLFW_KEY_T, false, {}, StylusCommand::lockOrUnlock},
+                                      {GLFW_KEY_ESCAPE, false, {}, StylusCommand::putAway},
+                                      {GLFW_KEY_ESCAPE, false, {}, WindowCommand::closeErrors},
+                                      {GLFW_KEY_ESCAPE, false, {}, WindowCommand::forgetMeasure}};
+  ViewCommands commands;
+  for (const Binding& each : kBindings)
+    if (each.key == key && each.control == isControlDown() && each.shift.value_or(isShiftDown()) == isShiftDown())
+      commands.push_back(each.command);
+  return commands;
+}
+
+ViewCommands Keyboard::commandsOf(const KeyEvent& event, bool repeats, WindowSettings& settings) const {
+  const int key = event.key;
+  if (key == GLFW_KEY_SPACE && repeats) return {};
+  if (key == GLFW_KEY_SPACE) return {event.down ? StylusCommand::hold : StylusCommand::letGo};
   if (!event.down) return {};
-  return isControlDown() ? withControl(event.key) : alone(event.key, settings);
-}
-
-ViewRequests Keyboard::withControl(int key) const {
-  const bool shift = isShiftDown();
   const auto side = static_cast<std::size_t>(key - GLFW_KEY_1);
-  return {
-      .undo = key == GLFW_KEY_Z && !shift,
-      .redo = (key == GLFW_KEY_Z && shift) || key == GLFW_KEY_Y,
-      .save = key == GLFW_KEY_S && !shift,
-      .quit = key == GLFW_KEY_Q,
-      .side = key >= GLFW_KEY_1 && side < kModelSides.size() ? std::optional(kModelSides[side].second) : std::nullopt,
-      .copyPlaces = key == GLFW_KEY_C,
-      .browse = key == GLFW_KEY_O            ? std::optional(FileTask::open)
-                : key == GLFW_KEY_S && shift ? std::optional(FileTask::saveAs)
-                                             : std::nullopt};
+  if (isControlDown() && key >= GLFW_KEY_1 && side < kModelSides.size()) return {kModelSides[side].second};
+  if (!isControlDown()) change(key, settings);
+  if (!isControlDown() && key >= GLFW_KEY_X && key <= GLFW_KEY_Z) return {LookAlong{key - GLFW_KEY_X, isShiftDown()}};
+  return bound(key);
 }
 
-ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {
+void Keyboard::change(int key, WindowSettings& settings) {
   constexpr double kRadiusStep = 1.1;
   ViewSettings& view = settings.view;
   switch (key) {
-    case GLFW_KEY_X:
-    case GLFW_KEY_Y:
-    case GLFW_KEY_Z:
-      return {.axis = key - GLFW_KEY_X, .fromBehind = isShiftDown()};
-    case GLFW_KEY_R:
-      return {.resetView = true};
-    case GLFW_KEY_P:
-      return {.screenshot = true};
-    case GLFW_KEY_K:
-      return {.holdFrames = true};
-    case GLFW_KEY_PERIOD:
-      return {.stepFrame = true};
-    case GLFW_KEY_N:
-      return {.restart = true};
-    case GLFW_KEY_Q:
-      return {.quit = true};
-    case GLFW_KEY_BACKSPACE:
-      return {.switchForces = true};
-    case GLFW_KEY_T:
-      return {.stylus = StylusRequest::lockOrUnlock};
     case GLFW_KEY_ESCAPE:
       view.help = view.measures = false;
-      return {.closeErrors = true, .forgetMeasure = true, .stylus = StylusRequest::putAway};
+      break;
     case GLFW_KEY_H:
       view.help = !view.help;
       break;
@@ -107,7 +109,6 @@ ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {
       if (key > GLFW_KEY_1 && key <= GLFW_KEY_1 + static_cast<int>(kBrushKinds.size()))
         settings.brush.kind = kBrushKinds[static_cast<std::size_t>(key - GLFW_KEY_1 - 1)].second;
   }
-  return {};
 }
 
 }  // namespace palpate

@@ -1,10 +1,10 @@
-// Pressed keys, and the requests that they make.
+// Pressed keys, and the commands that they post.
 #pragma once
 
 #include <array>
 
+#include "apps/view/commands.hpp"
 #include "apps/view/events.hpp"
-#include "apps/view/requests.hpp"
 #include "apps/view/settings.hpp"
 
 namespace palpate {
@@ -13,14 +13,14 @@ class Keyboard {
  public:
   /// Notes the state of the key. Returns whether it is unchanged, as in a key repeat.
   bool note(const KeyEvent& event);
-  /// Requests of a key event; keys that only change a setting change it directly.
-  ViewRequests requestsOf(const KeyEvent& event, bool repeats, WindowSettings& settings) const;
+  /// Commands of a key event; keys that only change a setting change it directly.
+  ViewCommands commandsOf(const KeyEvent& event, bool repeats, WindowSettings& settings) const;
   bool isShiftDown() const;
 
  private:
   bool isControlDown() const;
-  ViewRequests withControl(int key) const;
-  ViewRequests alone(int key, WindowSettings& settings) const;
+  ViewCommands bound(int key) const;
+  static void change(int key, WindowSettings& settings);
 
   std::array<bool, 512> down_{};
 };

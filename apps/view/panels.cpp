@@ -28,6 +28,11 @@ bool Panels::noted(std::string_view name, bool result) {
   return result;
 }
 
+bool Panels::post(bool chosen, const ViewCommand& command) {
+  if (chosen) commands_.push_back(command);
+  return chosen;
+}
+
 void Panels::scrollTo(const std::string& name) { scrollTo_ = name; }
 
 std::optional<DVec2> Panels::placeOf(const std::string& name) const {
@@ -121,9 +126,8 @@ void Panels::chooseOrAuto(const char* label, const Names& names, std::optional<V
   ImGui::EndCombo();
 }
 
-ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
+ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   ViewSettings& view = settings.view;
-  ViewRequests requests;
   places_.clear();
   noteLetters(status);
   if (status.others && status.others->counts)
@@ -131,21 +135,19 @@ ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   else
     link_.clear();
   helps_ = !view.help;
-  if (view.panels) drawPanel(status, settings, requests);
+  if (view.panels) drawPanel(status, settings);
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
   drawDistance(status, view);
   if (status.heights) drawHeights(*status.heights, status.unit);
-  if (view.panels && view.plots && status.session) drawPlots(status, view, requests);
+  if (view.panels && view.plots && status.session) drawPlots(status, view);
   view.help ? drawHelp(view) : drawMessages(status, view);
-  drawErrors(status, view, requests);
-  drawQuestion(status, requests);
-  drawSaveQuestion(status, requests);
-  drawLeftQuestion(status, requests);
-  drawFiles(status, requests);
-  return requests;
+  drawErrors(status, view);
+  drawQuestions(status);
+  drawFiles(status);
+  return std::exchange(commands_, {});
 }
 
-void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings, ViewRequests& requests) {
+void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({em(kMargin_em), em(kMargin_em)});
   const float width = std::min(em(kPanel_em), display.x - em(2 * kMargin_em));
@@ -153,21 +155,21 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings, ViewR
   ImGui::Begin("palpate", nullptr,
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
   ImGui::PushItemWidth(em(8));
-  drawModel(status, requests);
+  drawModel(status);
   if (status.session) {
-    drawBrush(status, settings.brush, settings.view, requests);
+    drawBrush(status, settings.brush, settings.view);
     drawFeel(status, settings.feel, settings.forcesOn);
-    drawMatter(status, requests);
+    drawMatter(status);
     drawOthers(status);
-    drawLook(status, settings.view, requests);
-    drawMeasure(status, settings.view, requests);
-    drawSession(status, requests);
+    drawLook(status, settings.view);
+    drawMeasure(status, settings.view);
+    drawSession(status);
   }
   ImGui::PopItemWidth();
   ImGui::End();
 }
 
-void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
+void Panels::drawModel(const ViewStatus& status) {
   if (status.session) {
     ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
     help(status.model);
@@ -193,12 +195,12 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
   const bool entered = field("file.ply", open_);
   ImGui::PopItemWidth();
   ImGui::SameLine();
-  if ((button("Open##file") || entered) && open_[0]) requests.open = open_.data();
+  post((button("Open##file") || entered) && open_[0], FileCommand{FileTask::open, open_.data()});
   const auto list = [&](std::span<const std::string> files) {
     for (const std::string& file : files) {
       ImGui::PushID(file.c_str());
       const std::string name = std::filesystem::path(file).filename().string();
-      if (noted(name, ImGui::Selectable(name.c_str(), file == status.model))) requests.open = file;
+      post(noted(name, ImGui::Selectable(name.c_str(), file == status.model)), FileCommand{FileTask::open, file});
       help(file);
       ImGui::PopID();
     }
@@ -212,7 +214,7 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
   }
 }
 
-void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view, ViewRequests& requests) {
+void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view) {
   if (!header("Tool", true)) return;
   int number = 0;
   const float width = 0.25f * (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x);
@@ -249,12 +251,12 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   help("off: the stylus moves in a plane parallel to the screen, and the wheel changes its depth");
   const StrokeCounts counts = status.session->strokes();
   ImGui::BeginDisabled(counts.undoable == 0);
-  if (button("Undo", em(4))) requests.undo = true;
+  post(button("Undo", em(4)), ModelCommand::undo);
   ImGui::EndDisabled();
   help("Ctrl+Z: undoes the last stroke");
   ImGui::SameLine();
   ImGui::BeginDisabled(counts.redoable == 0);
-  if (button("Redo", em(4))) requests.redo = true;
+  post(button("Redo", em(4)), ModelCommand::redo);
   ImGui::EndDisabled();
   help("Ctrl+Shift+Z");
   ImGui::SameLine();
@@ -304,23 +306,23 @@ void Panels::drawOthers(const ViewStatus& status) {
                         counts.link.lost_percent.value_or(0));
 }
 
-void Panels::drawMatter(const ViewStatus& status, ViewRequests& requests) {
+void Panels::drawMatter(const ViewStatus& status) {
   if (status.parameters.empty() || !header("Matter", true)) return;
-  if (button(status.simulationHeld ? "Go on##matter" : "Pause##matter", em(4))) requests.holdFrames = true;
+  post(button(status.simulationHeld ? "Go on##matter" : "Pause##matter", em(4)), ModelCommand::pause);
   help("K");
   ImGui::SameLine();
-  if (button("Restart")) requests.restart = true;
+  post(button("Restart"), ModelCommand::restart);
   help("N");
   for (const SimulationParameter& parameter : status.parameters) {
     double value = parameter.value;
     const auto speed = static_cast<float>((parameter.high - parameter.low) / 1000);
     if (drag(parameter.label.c_str(), value, speed, parameter.low, parameter.high, ("%.4g " + parameter.unit).c_str()))
-      requests.parameter = {parameter.name, value};
+      commands_.emplace_back(SetParameter{parameter.name, value});
     help("takes effect at the next step; ends a recording");
   }
 }
 
-void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
+void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
   if (!header("Look")) return;
   choose("colour by", kColors, view.color);
   chooseOrAuto("up", kUpAxes, view.up, nameOf(status.upright.up));
@@ -352,34 +354,34 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
   ImGui::SameLine();
   checkbox("vsync", view.waitsForDisplay);
   help("off: frames are drawn as fast as possible, and may tear");
-  drawSides(requests);
-  if (button("Reset")) requests.resetView = true;
+  drawSides();
+  post(button("Reset"), WindowCommand::resetView);
   help("R: shows the whole model");
   for (int axis = 0; axis < 3; ++axis) {
     ImGui::SameLine();
-    if (button(std::array{"X", "Y", "Z"}[static_cast<std::size_t>(axis)])) requests.axis = axis;
+    post(button(std::array{"X", "Y", "Z"}[static_cast<std::size_t>(axis)]), LookAlong{axis, false});
     help("looks along this axis (the key of this letter; with Shift from behind)");
   }
   ImGui::SameLine();
-  if (button("Picture")) requests.screenshot = true;
+  post(button("Picture"), WindowCommand::screenshot);
   help("P: writes a picture of the model, without panels, to a file");
 }
 
-void Panels::drawSides(ViewRequests& requests) {
+void Panels::drawSides() {
   constexpr std::size_t kInRow = 4;
   const float width = 0.25f * (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x);
   for (std::size_t k = 0; k < kModelSides.size(); ++k) {
     if (k % kInRow != 0) ImGui::SameLine();
-    if (button(kModelSides[k].first.data(), width)) requests.side = kModelSides[k].second;
+    post(button(kModelSides[k].first.data(), width), kModelSides[k].second);
     help(fmt::format("Ctrl+{}: looks at this side of the model, by the up axis", k + 1));
   }
 }
 
-void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {
+void Panels::drawSession(const ViewStatus& status) {
   if (!header("Save and record")) return;
   const WindowSession& session = *status.session;
   ImGui::BeginDisabled(!session.isChanged() || session.isSaving());
-  if (button("Save")) requests.save = true;
+  post(button("Save"), ModelCommand::save);
   ImGui::EndDisabled();
   help("writes " + status.saveFile);
   ImGui::SameLine();
@@ -396,8 +398,8 @@ void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {
   const bool entered = field("other.ply", saveAs_);
   help(where);
   ImGui::SameLine();
-  if ((button(replaces ? "Replace" : "Save as") || (entered && !replaces)) && saveAs_[0])
-    requests.saveAs = saveAs_.data();
+  post((button(replaces ? "Replace" : "Save as") || (entered && !replaces)) && saveAs_[0],
+       FileCommand{FileTask::saveAs, saveAs_.data()});
   if (replaces) ImGui::TextWrapped("%s", whatIsReplaced(saveAs_.data(), status).c_str());
   if (button("Save to...")) browse(FileTask::saveAs, status);
   help("Ctrl+Shift+S");
@@ -405,20 +407,20 @@ void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {
   help(where);
   ImGui::SameLine();
   if (session.isRecording()) {
-    if (button("Stop##record")) requests.endRecording = true;
+    post(button("Stop##record"), ModelCommand::endRecording);
     help("ends the recording");
   } else {
     const bool isThereLog = isThere(log_.data());
     ImGui::BeginDisabled(isThereLog);
-    if (button("Record") && log_[0]) requests.record = log_.data();
+    post(button("Record") && log_[0], FileCommand{FileTask::record, log_.data()});
     ImGui::EndDisabled();
     help(isThereLog ? "this file exists: Play plays it" : "records the hand; Play, or palpate replay, runs it again");
   }
   ImGui::SameLine();
   if (session.isPlaying()) {
-    if (button("Stop##play")) requests.endPlaying = true;
-  } else if (button("Play") && log_[0]) {
-    requests.play = log_.data();
+    post(button("Stop##play"), ModelCommand::endPlaying);
+  } else {
+    post(button("Play") && log_[0], FileCommand{FileTask::play, log_.data()});
   }
 }
 

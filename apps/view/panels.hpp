@@ -2,15 +2,17 @@
 #pragma once
 
 #include <deque>
+#include <functional>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <span>
 
+#include "apps/view/commands.hpp"
 #include "apps/view/file_browser.hpp"
 #include "apps/view/gui.hpp"
 #include "apps/view/link_history.hpp"
 #include "apps/view/place_info.hpp"
-#include "apps/view/requests.hpp"
 #include "apps/view/settings.hpp"
 
 namespace palpate {
@@ -66,8 +68,8 @@ class Panels {
  public:
   explicit Panels(Gui& gui) : gui_(gui) {}
 
-  /// Called between Gui::begin() and Gui::end(). Changes the settings as the user sets them.
-  ViewRequests draw(const ViewStatus& status, WindowSettings& settings);
+  /// Called between Gui::begin() and Gui::end(). Changes the settings as the user sets them; returns other commands.
+  ViewCommands draw(const ViewStatus& status, WindowSettings& settings);
 
   /// Position of the control of that name in the last frame, pixels; the last one if several have the name.
   std::optional<DVec2> placeOf(const std::string& name) const;
@@ -103,40 +105,48 @@ class Panels {
   void plot(const char* what, const std::vector<float>& curve, float least, float height,
             const std::string& span) const;
   bool noted(std::string_view name, bool result);
+  // Posts the command if it is chosen; returns that.
+  bool post(bool chosen, const ViewCommand& command);
 
   void noteLetters(const ViewStatus& status);
-  void drawPanel(const ViewStatus& status, WindowSettings& settings, ViewRequests& requests);
-  void drawModel(const ViewStatus& status, ViewRequests& requests);
-  void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view, ViewRequests& requests);
+  void drawPanel(const ViewStatus& status, WindowSettings& settings);
+  void drawModel(const ViewStatus& status);
+  void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
   void drawOthers(const ViewStatus& status);
-  void drawMatter(const ViewStatus& status, ViewRequests& requests);
-  void drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
-  void drawSides(ViewRequests& requests);
-  void drawFiles(const ViewStatus& status, ViewRequests& requests);
+  void drawMatter(const ViewStatus& status);
+  void drawLook(const ViewStatus& status, ViewSettings& view);
+  void drawSides();
+  void drawFiles(const ViewStatus& status);
   bool drawEntries();
   bool drawName();
-  bool drawFilesButtons(const ViewStatus& status, bool chosen, ViewRequests& requests);
+  bool drawFilesButtons(const ViewStatus& status, bool chosen);
   void drawPlace(const PlaceInfo& info);
-  void drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
-  void drawSession(const ViewStatus& status, ViewRequests& requests);
+  void drawMeasure(const ViewStatus& status, ViewSettings& view);
+  void drawSession(const ViewStatus& status);
   void drawLink();
-  void drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
+  void drawPlots(const ViewStatus& status, ViewSettings& view);
   void drawHelp(ViewSettings& view);
   void drawMessages(const ViewStatus& status, const ViewSettings& view);
-  void drawErrors(const ViewStatus& status, const ViewSettings& view, ViewRequests& requests);
+  void drawErrors(const ViewStatus& status, const ViewSettings& view);
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const;
   void drawDistance(const ViewStatus& status, const ViewSettings& view) const;
   void drawHeights(const HeightRange& heights, LengthUnit unit) const;
-  void drawQuestion(const ViewStatus& status, ViewRequests& requests);
-  void drawSaveQuestion(const ViewStatus& status, ViewRequests& requests);
-  void drawLeftQuestion(const ViewStatus& status, ViewRequests& requests);
+  struct AnswerButton {
+    const char* name;
+    Answer answer;
+    std::optional<int> key;  // of ImGui, that chooses it, too
+  };
+  void ask(const char* title, bool asks, const std::function<bool()>& draw);
+  bool answers(std::initializer_list<AnswerButton> buttons);
+  void drawQuestions(const ViewStatus& status);
   static constexpr double kPanel_em = 18.5, kCurves_em = 18, kMargin_em = 0.6;
   static constexpr double kMessages_em = 32;  ///< minimum width for messages beside the scale
   static constexpr double kModel_em = 6;      ///< minimum width for the model
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 
   Gui& gui_;
+  ViewCommands commands_;  // posted in this frame
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{};
   bool paused_ = false;
   bool helps_ = true;  // tooltips are shown; off while the help window is open

@@ -61,7 +61,7 @@ void Panels::plot(const char* what, const std::vector<float>& curve, float least
   help(fmt::format("0 to {:.3g} at most; the last {}", largest, span));
 }
 
-void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
+void Panels::drawPlots(const ViewStatus& status, ViewSettings& view) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({display.x - em(kMargin_em), em(kMargin_em)}, ImGuiCond_Always, {1, 0});
   ImGui::SetNextWindowSize({em(kCurves_em), 0});
@@ -100,7 +100,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequest
   }
   if (button(paused_ ? "Go on" : "Pause")) paused_ = !paused_;
   ImGui::SameLine();
-  if (button("Export CSV")) requests.exportTicks = true;
+  post(button("Export CSV"), ModelCommand::exportTicks);
   help("writes the last minute of ticks to a file");
   ImGui::End();
 }
@@ -183,70 +183,57 @@ void Panels::drawHeights(const HeightRange& heights, LengthUnit unit) const {
   write(fmt::format("height, {}", nameOf(unit)), right, top - 1.5f * line);
 }
 
-void Panels::drawQuestion(const ViewStatus& status, ViewRequests& requests) {
-  const bool asks = !status.changesQuestion.empty();
-  if (asks && !ImGui::IsPopupOpen("Changes")) ImGui::OpenPopup("Changes");
+// A question over everything else. `draw` returns whether an answer was chosen.
+void Panels::ask(const char* title, bool asks, const std::function<bool()>& draw) {
+  if (asks && !ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  if (!ImGui::BeginPopupModal("Changes", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove)) return;
+  if (!ImGui::BeginPopupModal(title, nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove)) return;
   ImGui::PushTextWrapPos(std::min(em(32), 0.8f * display.x));
-  ImGui::TextUnformatted(status.changesQuestion.c_str());
+  const bool isAnswered = asks && draw();
   ImGui::PopTextWrapPos();
-  requests.saveFirst = button("Save");
-  ImGui::SameLine();
-  requests.discard = button("Do not save");
-  ImGui::SameLine();
-  requests.cancel = button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
-  if (requests.saveFirst || requests.discard || requests.cancel || !asks) ImGui::CloseCurrentPopup();
+  if (isAnswered || !asks) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
 
-void Panels::drawSaveQuestion(const ViewStatus& status, ViewRequests& requests) {
-  if (status.saveQuestion && !ImGui::IsPopupOpen("How to save")) ImGui::OpenPopup("How to save");
-  const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  if (!ImGui::BeginPopupModal("How to save", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove))
-    return;
-  const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
+bool Panels::answers(std::initializer_list<AnswerButton> buttons) {
+  bool isAnswered = false;
+  for (const AnswerButton& each : buttons) {
+    if (&each != buttons.begin()) ImGui::SameLine();
+    const bool isPressed = each.key && ImGui::IsKeyPressed(ImGui::GetKeyIndex(static_cast<ImGuiKey>(*each.key)), false);
+    isAnswered |= post(button(each.name) || isPressed, each.answer);
+  }
+  return isAnswered;
+}
+
+void Panels::drawQuestions(const ViewStatus& status) {
   const auto nameOf = [](const std::string& file) { return std::filesystem::path(file).filename().string(); };
-  if (const auto& question = status.saveQuestion) {
-    ImGui::PushTextWrapPos(std::min(em(32), 0.8f * display.x));
-    ImGui::TextWrapped("%s.", question->loses.c_str());
-    requests.saveBeside = button("Save beside") || pressed(ImGuiKey_Enter);
-    ImGui::SameLine();
-    requests.saveOver = button("Save over");
-    ImGui::SameLine();
-    requests.cancel = button("Cancel") || pressed(ImGuiKey_Escape);
-    ImGui::TextWrapped("Beside (Enter): saves a copy, %s", nameOf(question->beside).c_str());
-    ImGui::TextWrapped("Over: replaces the file; the old one is kept as %s", nameOf(question->kept).c_str());
-    ImGui::PopTextWrapPos();
-  }
-  if (requests.saveBeside || requests.saveOver || requests.cancel || !status.saveQuestion) ImGui::CloseCurrentPopup();
-  ImGui::EndPopup();
-}
-
-void Panels::drawLeftQuestion(const ViewStatus& status, ViewRequests& requests) {
-  if (status.leftQuestion && !ImGui::IsPopupOpen("Strokes")) ImGui::OpenPopup("Strokes");
-  const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  if (!ImGui::BeginPopupModal("Strokes", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove)) return;
-  const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
-  if (const auto& question = status.leftQuestion) {
-    ImGui::PushTextWrapPos(std::min(em(32), 0.8f * display.x));
+  ask("Changes", !status.changesQuestion.empty(), [&] {
+    ImGui::TextUnformatted(status.changesQuestion.c_str());
+    return answers({{"Save", Answer::saveFirst, {}},
+                    {"Do not save", Answer::discard, {}},
+                    {"Cancel", Answer::cancel, ImGuiKey_Escape}});
+  });
+  ask("How to save", status.saveQuestion.has_value(), [&] {
+    ImGui::TextWrapped("%s.", status.saveQuestion->loses.c_str());
+    const bool isAnswered = answers({{"Save beside", Answer::saveBeside, ImGuiKey_Enter},
+                                     {"Save over", Answer::saveOver, {}},
+                                     {"Cancel", Answer::cancel, ImGuiKey_Escape}});
+    ImGui::TextWrapped("Beside (Enter): saves a copy, %s", nameOf(status.saveQuestion->beside).c_str());
+    ImGui::TextWrapped("Over: replaces the file; the old one is kept as %s", nameOf(status.saveQuestion->kept).c_str());
+    return isAnswered;
+  });
+  ask("Strokes", status.leftQuestion.has_value(), [&] {
+    const LeftQuestion& question = *status.leftQuestion;
     ImGui::TextWrapped("%s was sculpted %s and not saved before the program ended (%zu stroke%s).",
-                       std::filesystem::path(question->file).filename().string().c_str(), ago(question->made).c_str(),
-                       question->strokes, question->strokes == 1 ? "" : "s");
-    requests.goOnWithLeft = button("Go on with it") || pressed(ImGuiKey_Enter);
-    ImGui::SameLine();
-    requests.discardLeft = button("Throw it away");
-    ImGui::SameLine();
-    requests.keepLeft = button("Ask again later") || pressed(ImGuiKey_Escape);
-    ImGui::TextWrapped("%s", question->file.c_str());
-    ImGui::PopTextWrapPos();
-  }
-  if (requests.goOnWithLeft || requests.discardLeft || requests.keepLeft || !status.leftQuestion)
-    ImGui::CloseCurrentPopup();
-  ImGui::EndPopup();
+                       nameOf(question.file).c_str(), ago(question.made).c_str(), question.strokes,
+                       question.strokes == 1 ? "" : "s");
+    const bool isAnswered = answers({{"Go on with it", Answer::goOnWithLeft, ImGuiKey_Enter},
+                                     {"Throw it away", Answer::discardLeft, {}},
+                                     {"Ask again later", Answer::keepLeft, ImGuiKey_Escape}});
+    ImGui::TextWrapped("%s", question.file.c_str());
+    return isAnswered;
+  });
 }
 
 }  // namespace palpate

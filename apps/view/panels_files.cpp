@@ -128,7 +128,7 @@ bool Panels::drawName() {
   return entered;
 }
 
-void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
+void Panels::drawFiles(const ViewStatus& status) {
   if (!files_) return;
   const char* const title = titleOf(files_->task);
   if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
@@ -177,7 +177,7 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
   const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
   const bool isFree = !went && !chooses && !ImGui::IsAnyItemActive();
   chosen |= isFree && (pressed(ImGuiKey_Enter) || pressed(ImGuiKey_KeyPadEnter));
-  const bool ends = drawFilesButtons(status, chosen, requests);
+  const bool ends = drawFilesButtons(status, chosen);
   if (browser.folder() != before) write(files_->folder, browser.folder().string());
   if (ends) {
     ImGui::CloseCurrentPopup();
@@ -187,7 +187,7 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
 }
 
 // `chosen`: acts as a press of the first button. Returns whether the dialogue ends.
-bool Panels::drawFilesButtons(const ViewStatus& status, bool chosen, ViewRequests& requests) {
+bool Panels::drawFilesButtons(const ViewStatus& status, bool chosen) {
   FileBrowser& browser = files_->browser;
   const bool opens = files_->task == FileTask::open, named = files_->name[0] != 0;
   const std::filesystem::path place =
@@ -212,12 +212,7 @@ bool Panels::drawFilesButtons(const ViewStatus& status, bool chosen, ViewRequest
   }
   ImGui::SameLine();
   const bool cancelled = button("Cancel##files") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
-  if (!result.empty()) {
-    (opens                              ? requests.open
-     : files_->task == FileTask::saveAs ? requests.saveAs
-                                        : requests.exportMesh) = result.string();
-  }
-  return !result.empty() || cancelled;
+  return post(!result.empty(), FileCommand{files_->task, result.string()}) || cancelled;
 }
 
 }  // namespace palpate

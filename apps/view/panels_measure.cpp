@@ -26,7 +26,7 @@ void Panels::drawPlace(const PlaceInfo& info) {
     row("stiffness", info.stiffnessOf);
 }
 
-void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
+void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view) {
   if (view.measures) ImGui::SetNextItemOpen(true);
   if (!header("Measure")) return;
   checkbox("pick two positions", view.measures);
@@ -35,7 +35,7 @@ void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view, ViewReque
     ImGui::TextUnformatted(lengthText(*status.measured, status.unit).c_str());
     const bool entered = field("true length, mm", trueLength_);
     ImGui::SameLine();
-    if ((button("Set") || entered) && trueLength_[0]) requests.trueLength = trueLength_.data();
+    post((button("Set") || entered) && trueLength_[0], SetTrueLength{trueLength_.data()});
     help(
         "opens the model again at the touch scale that gives the measured distance this length; saved files "
         "contain it (mm_per_unit)");
@@ -44,7 +44,7 @@ void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view, ViewReque
   }
   if (status.picked) {
     drawPlace(*status.picked);
-    if (button("Copy")) requests.copyPlaces = true;
+    post(button("Copy"), WindowCommand::copyPlaces);
     help("Ctrl+C: copies the picked positions, one per line");
   }
 }

@@ -83,7 +83,7 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
 }
 
 // White on red, in the area that no panel covers, until the user closes them.
-void Panels::drawErrors(const ViewStatus& status, const ViewSettings& view, ViewRequests& requests) {
+void Panels::drawErrors(const ViewStatus& status, const ViewSettings& view) {
   if (status.errors.empty()) return;
   const DVec2 free_px = freeWidth_px(view, double{ImGui::GetIO().DisplaySize.x});
   const auto left = static_cast<float>(free_px.x), right = static_cast<float>(free_px.y);
@@ -100,7 +100,7 @@ void Panels::drawErrors(const ViewStatus& status, const ViewSettings& view, View
   for (std::size_t i = status.errors.size() - shown; i < status.errors.size(); ++i)
     ImGui::TextUnformatted(status.errors[i].c_str());
   ImGui::PopTextWrapPos();
-  if (button("Close")) requests.closeErrors = true;
+  post(button("Close"), WindowCommand::closeErrors);
   ImGui::SameLine();
   const std::size_t earlier = status.errors.size() - shown;
   ImGui::TextUnformatted(earlier == 0 ? "(Esc)" : fmt::format("(Esc), and {} before", earlier).c_str());

@@ -89,7 +89,7 @@ std::optional<PushEvent> PointingDevices::takePush(Messages& messages) {
   return spaceMouse_->changed();
 }
 
-ViewRequests PointingDevices::push(const PushEvent& event, const Pointed& at) {
+ViewCommands PointingDevices::push(const PushEvent& event, const Pointed& at) {
   constexpr std::uint32_t kHold = 1, kFit = 2;
   const std::uint32_t pressed = event.buttons & ~std::exchange(push_, event).buttons;
   if (!at.session) return {};
@@ -97,13 +97,14 @@ ViewRequests PointingDevices::push(const PushEvent& event, const Pointed& at) {
     hand_.lock(!hand_.isHeld());
     hold(hand_.isLocked(), at.session);
   }
-  return {.resetView = (pressed & kFit) != 0};
+  if (pressed & kFit) return {WindowCommand::resetView};
+  return {};
 }
 
-void PointingDevices::carryOut(StylusRequest request, const Pointed& at) {
-  if (request == StylusRequest::lockOrUnlock) hand_.lock(!hand_.isLocked());
-  if (request == StylusRequest::putAway) hand_.lock(false);
-  hold(request == StylusRequest::hold || hand_.isLocked(), at.session);
+void PointingDevices::carryOut(StylusCommand command, const Pointed& at) {
+  if (command == StylusCommand::lockOrUnlock) hand_.lock(!hand_.isLocked());
+  if (command == StylusCommand::putAway) hand_.lock(false);
+  hold(command == StylusCommand::hold || hand_.isLocked(), at.session);
 }
 
 void PointingDevices::letGo(const Pointed& at) {

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "apps/view/camera_drag.hpp"
+#include "apps/view/commands.hpp"
 #include "apps/view/events.hpp"
 #include "apps/view/measure.hpp"
-#include "apps/view/requests.hpp"
 #include "apps/view/space_mouse.hpp"
 #include "apps/view/stylus_hand.hpp"
 #include "apps/view/viewpoint.hpp"
@@ -51,10 +51,10 @@ class PointingDevices {
   void turnWheel(const WheelEvent& event, const Pointed& at);
   /// The state of the 3D mouse, if it has changed since the last call.
   std::optional<PushEvent> takePush(Messages& messages);
-  /// Requests of its buttons; the cap takes effect in move().
-  ViewRequests push(const PushEvent& event, const Pointed& at);
+  /// Commands of its buttons; the cap takes effect in move().
+  ViewCommands push(const PushEvent& event, const Pointed& at);
 
-  void carryOut(StylusRequest request, const Pointed& at);
+  void carryOut(StylusCommand command, const Pointed& at);
   /// Releases stylus and drag, e.g. before another model is opened.
   void letGo(const Pointed& at);
   /// Called once per frame, `dt_s` after the last one: applies held sticks and cap, and aims the stylus at the cursor.

@@ -158,17 +158,20 @@ ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "minimise" || what == "restore") return MinimiseAction{what == "minimise"};
   if (what == "screenshot") return ScreenshotAction{written(line, imageFormatOf)};
   if (what == "state") return StateAction{line.rest("the file")};
-  if (what == "save")
-    return SaveAction{written(line, [](const std::string& file) { cloudFormats().toWrite(file, Written::points); })};
-  if (what == "record") return RecordAction{line.atEnd() ? "" : line.rest("the file")};
-  if (what == "replay") return ReplayAction{line.rest("the file")};
+  if (what == "save") {
+    const auto kind = [](const std::string& file) { cloudFormats().toWrite(file, Written::points); };
+    return ViewCommand(FileCommand{FileTask::saveAs, written(line, kind)});
+  }
+  if (what == "record" && line.atEnd()) return ViewCommand(ModelCommand::endRecording);
+  if (what == "record") return ViewCommand(FileCommand{FileTask::record, line.rest("the file")});
+  if (what == "replay") return ViewCommand(FileCommand{FileTask::play, line.rest("the file")});
   if (what == "impatient" || what == "patient") return ImpatientAction{what == "impatient"};
   if (what == "ask") return AskAction{};
   if (what == "await") return AwaitAction{line.rest("the file")};
   if (what == "click") return ClickAction{line.rest("the name")};
   if (what == "set") {
     const std::string name = line.word("the parameter");
-    return SetAction{name, line.number("its value")};
+    return ViewCommand(SetParameter{name, line.number("its value")});
   }
   if (what == "quit") return WindowEvent(CloseEvent{});
   line.fail(

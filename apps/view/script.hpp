@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "apps/view/commands.hpp"
 #include "apps/view/events.hpp"
 
 namespace palpate {
@@ -25,17 +26,6 @@ struct ScreenshotAction {
 struct StateAction {
   std::string file;
 };
-/// Saves the model to a file.
-struct SaveAction {
-  std::string file;
-};
-/// Begins a session log, or ends it if no file is named; ReplayAction plays one.
-struct RecordAction {
-  std::string file;
-};
-struct ReplayAction {
-  std::string file;
-};
 /// While on, the script continues while a model is loaded or saved; otherwise its clock is stopped meanwhile.
 struct ImpatientAction {
   bool on = true;
@@ -52,15 +42,8 @@ struct AwaitAction {
   std::string file;
 };
 
-/// Sets a parameter of a simulation.
-struct SetAction {
-  std::string name;
-  double value = 0;
-};
-
-using ScriptAction =
-    std::variant<WindowEvent, TapAction, ResizeAction, MinimiseAction, ScreenshotAction, StateAction, SaveAction,
-                 RecordAction, ReplayAction, ImpatientAction, AskAction, ClickAction, SetAction, AwaitAction>;
+using ScriptAction = std::variant<WindowEvent, ViewCommand, TapAction, ResizeAction, MinimiseAction, ScreenshotAction,
+                                  StateAction, ImpatientAction, AskAction, ClickAction, AwaitAction>;
 
 struct TimedAction {
   double time_s = 0;

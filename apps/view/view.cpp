@@ -129,6 +129,25 @@ void view(Context& context, const ViewCommandOptions& options) {
   Viewer(context, window, sight, view).run();
 }
 
+// The window itself, and the script that plays in it.
+void addWindowOptions(Options& sub, ViewCommandOptions& options) {
+  sub.add("--size", options.size, "size of the window, WIDTHxHEIGHT, pixels").showDefault();
+  sub.add("--script", options.script,
+          "play timed events, one per line: TIME_S EVENT; # comments. Events: key, mouse, button, tap, wheel, push, "
+          "click, drop, text, resize, set, minimise, restore, screenshot, state, save, record, replay, impatient, "
+          "patient, ask, await, quit (apps/view/README.md describes each)")
+      .typeName("FILE");
+  sub.addFlag("--realtime", options.realtime,
+              "run the script against the wall clock; otherwise each picture is 0.05 s of script time with "
+              "all its ticks, on any machine");
+  sub.add("--sight-gpu", options.sightGpu, "draw on another GPU: number or part of its name").typeName("N|NAME");
+  sub.add("--present", options.present,
+          "presentation: swapchain, copy (through the host to an X display that the GPU cannot present "
+          "to, e.g. a remote desktop), or auto; palpate doctor tells which one")
+      .check(oneOf({"auto", "swapchain", "copy"}))
+      .showDefault();
+}
+
 }  // namespace
 
 void addView(Options& app, Context& context, Command& command) {
@@ -144,21 +163,7 @@ void addView(Options& app, Context& context, Command& command) {
       .showDefault();
   addAllPointsOption(sub, options->allPoints);
   addLookOptions(sub, options->look);
-  sub.add("--size", options->size, "size of the window, WIDTHxHEIGHT, pixels").showDefault();
-  sub.add("--script", options->script,
-          "play timed events, one per line: TIME_S EVENT; # comments. Events: key, mouse, button, tap, wheel, push, "
-          "click, drop, text, resize, set, minimise, restore, screenshot, state, save, record, replay, impatient, "
-          "patient, ask, await, quit (apps/view/README.md describes each)")
-      .typeName("FILE");
-  sub.addFlag("--realtime", options->realtime,
-              "run the script against the wall clock; otherwise each picture is 0.05 s of script time with "
-              "all its ticks, on any machine");
-  sub.add("--sight-gpu", options->sightGpu, "draw on another GPU: number or part of its name").typeName("N|NAME");
-  sub.add("--present", options->present,
-          "presentation: swapchain, copy (through the host to an X display that the GPU cannot present "
-          "to, e.g. a remote desktop), or auto; palpate doctor tells which one")
-      .check(oneOf({"auto", "swapchain", "copy"}))
-      .showDefault();
+  addWindowOptions(sub, *options);
   sub.add("--device", options->device,
           "device that moves the stylus: mouse (or keys and a gamepad); " + heldDevicesHelp())
       .check(Check{[](const std::string& device) {

@@ -75,7 +75,7 @@ void Viewer::handle(const WindowEvent& event) {
   if (const auto* key = std::get_if<KeyEvent>(&event)) {
     const bool repeats = keyboard_.note(*key);
     if (!gui_.wantsKeys() && !document_.asks() && !panels_.areFilesOpen())
-      carryOut(keyboard_.requestsOf(*key, repeats, settings_));
+      carryOut(keyboard_.commandsOf(*key, repeats, settings_));
   }
   if (const auto* mouse = std::get_if<MouseEvent>(&event)) pointing_.moveMouse(mouse->place_px, pointed());
   if (std::holds_alternative<MouseEvent>(event) || std::holds_alternative<WheelEvent>(event)) events_.forgetSeen();
@@ -120,20 +120,15 @@ void Viewer::playScript() {
 
 void Viewer::act(const ScriptAction& action) {
   messages_.tryTo([&] {
-    WindowSession* session = document_.session();
     if (const auto* event = std::get_if<WindowEvent>(&action)) handle(*event);
     if (const auto* tap = std::get_if<TapAction>(&action)) events_.add(tap->events);
     if (const auto* resize = std::get_if<ResizeAction>(&action)) window_.resize(resize->size_px);
     if (const auto* minimise = std::get_if<MinimiseAction>(&action)) window_.minimise(minimise->on);
     if (const auto* picture = std::get_if<ScreenshotAction>(&action)) screen_.keep(picture->file, Screen::Of::window);
     if (const auto* state = std::get_if<StateAction>(&action)) writeState(state->file);
-    if (const auto* save = std::get_if<SaveAction>(&action); save && session) document_.saveTo(save->file);
-    if (const auto* record = std::get_if<RecordAction>(&action); record && session)
-      record->file.empty() ? session->endRecording() : session->record(record->file);
-    if (const auto* replay = std::get_if<ReplayAction>(&action); replay && session) document_.play(replay->file);
+    if (const auto* command = std::get_if<ViewCommand>(&action)) carryOut(*command);
     if (const auto* impatient = std::get_if<ImpatientAction>(&action)) script_.setImpatient(impatient->on);
     if (std::holds_alternative<AskAction>(action)) document_.askFromNowOn();
-    if (const auto* set = std::get_if<SetAction>(&action); set && session) session->setParameter(set->name, set->value);
     if (const auto* click = std::get_if<ClickAction>(&action)) this->click(click->name);
     if (const auto* await = std::get_if<AwaitAction>(&action)) this->await(await->file);
   });
@@ -158,30 +153,48 @@ void Viewer::await(const std::string& file) {
   if (!script_.awaitAgain()) throw Error("{} did not appear within a minute", file);
 }
 
-void Viewer::carryOut(const ViewRequests& requests) {
-  document_.answer(requests);
-  if (!requests.open.empty()) document_.open(requests.open);
-  if (requests.browse) panels_.browse(*requests.browse, status());
-  if (requests.quit) closing_ = Closing::asked;
-  if (requests.stylus) pointing_.carryOut(*requests.stylus, pointed());
-  if (requests.closeErrors) messages_.closeErrors();
-  if (requests.forgetMeasure) measure_.forget();
-  if (requests.switchForces) {
+void Viewer::carryOut(const ViewCommands& commands) {
+  for (const ViewCommand& command : commands) messages_.tryTo([&] { carryOut(command); });
+}
+
+void Viewer::carryOut(const ViewCommand& command) {
+  if (const auto* window = std::get_if<WindowCommand>(&command)) carryOut(*window);
+  if (const auto* model = std::get_if<ModelCommand>(&command)) document_.carryOut(*model);
+  if (const auto* stylus = std::get_if<StylusCommand>(&command)) pointing_.carryOut(*stylus, pointed());
+  if (const auto* answer = std::get_if<Answer>(&command)) document_.answer(*answer);
+  if (const auto* file = std::get_if<FileCommand>(&command)) carryOut(*file);
+  if (const auto* browse = std::get_if<BrowseCommand>(&command)) panels_.browse(browse->task, status());
+  WindowSession* session = document_.session();
+  if (!session) return;
+  const UpAxis up = settings_.view.upOf(session->model());
+  if (const auto* side = std::get_if<ModelSide>(&command)) viewpoint_.lookFrom(*side, up);
+  if (const auto* look = std::get_if<LookAlong>(&command)) viewpoint_.lookAlong(look->axis, !look->fromBehind, up);
+  if (const auto* set = std::get_if<SetParameter>(&command)) session->setParameter(set->name, set->value);
+  // Opens the model again at the scale that gives the measure this length.
+  if (const auto* length = std::get_if<SetTrueLength>(&command)) document_.openAtScale(measure_.scaleFor(length->text));
+}
+
+void Viewer::carryOut(WindowCommand command) {
+  if (command == WindowCommand::quit) closing_ = Closing::asked;
+  if (command == WindowCommand::closeErrors) messages_.closeErrors();
+  if (command == WindowCommand::forgetMeasure) measure_.forget();
+  if (command == WindowCommand::switchForces) {
     settings_.forcesOn = !settings_.forcesOn;
     messages_.say(settings_.forcesOn ? "forces on" : "forces off");
   }
-  const WindowSession* session = document_.session();
-  if (!session) return;
-  messages_.tryTo([&] {
-    document_.carryOut(requests);
-    if (!requests.trueLength.empty()) setTrueLength(requests.trueLength);
-    if (!requests.exportMesh.empty()) exportMesh(requests.exportMesh);
-    if (requests.screenshot) screen_.keep(document_.freeName("", "png"), Screen::Of::model);
-  });
-  if (requests.copyPlaces) copyPlaces();
-  if (requests.side) viewpoint_.lookFrom(*requests.side, settings_.view.upOf(session->model()));
-  if (requests.resetView) fitCamera();
-  if (requests.axis) viewpoint_.lookAlong(*requests.axis, !requests.fromBehind, settings_.view.upOf(session->model()));
+  if (!document_.session()) return;
+  if (command == WindowCommand::copyPlaces) copyPlaces();
+  if (command == WindowCommand::resetView) fitCamera();
+  if (command == WindowCommand::screenshot) screen_.keep(document_.freeName("", "png"), Screen::Of::model);
+}
+
+void Viewer::carryOut(const FileCommand& command) {
+  if (command.task == FileTask::open) return document_.open(command.file);
+  if (!document_.session()) return;
+  if (command.task == FileTask::saveAs) document_.saveTo(command.file);
+  if (command.task == FileTask::exportMesh) exportMesh(command.file);
+  if (command.task == FileTask::record) document_.record(command.file);
+  if (command.task == FileTask::play) document_.play(command.file);
 }
 
 void Viewer::exportMesh(const std::string& file) {
@@ -232,9 +245,6 @@ void Viewer::copyPlaces() {
   window_.setClipboard(text);
   messages_.say("copied: " + text);
 }
-
-// Opens the model again at the scale that gives the measure this length.
-void Viewer::setTrueLength(const std::string& text) { document_.openAtScale(measure_.scaleFor(text)); }
 
 void Viewer::fitCamera() {
   const DVec2 window_px = glm::max(DVec2(window_.size_px()), DVec2(1));

@@ -47,7 +47,10 @@ class Viewer {
   void act(const ScriptAction& action);
   void click(const std::string& name);
   void await(const std::string& file);
-  void carryOut(const ViewRequests& requests);
+  void carryOut(const ViewCommands& commands);
+  void carryOut(const ViewCommand& command);
+  void carryOut(WindowCommand command);
+  void carryOut(const FileCommand& command);
   void letGo();
   void welcome();
   void followSession();
@@ -58,7 +61,6 @@ class Viewer {
   void draw(double dt_s);
   void keepClear(double before_px, double now_px);
   void fitCamera();
-  void setTrueLength(const std::string& text);
   void copyPlaces();
   void exportMesh(const std::string& file);
   void findPlaceInfo();

@@ -44,9 +44,9 @@ void Viewer::draw(double dt_s) {
   if (!screen_.isVisible()) return;
 
   gui_.begin(screen_.size_px(), dt_s);
-  const ViewRequests requests = panels_.draw(status(), settings_);
+  const ViewCommands commands = panels_.draw(status(), settings_);
   const PanelShapes panels = gui_.end();
-  carryOut(requests);
+  carryOut(commands);
   applySettings();
   // From here on the resources of the last frame are overwritten.
   screen_.waitForLast();

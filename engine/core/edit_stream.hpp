@@ -38,7 +38,8 @@ class EditStream {
   virtual EditProgress progress() const noexcept = 0;
   /// Ends the stroke in progress, if any, and sets points exactly to `to` of `changes`: moved, removed, restored or
   /// new, each of them once. Complete on return; take() reports it with a mark of its own. For the thread that queries,
-  /// between queries. Throws Error where points cannot be edited.
+  /// between queries. Throws Error where points cannot be edited, or if a point is not at the position in its change:
+  /// then no point has changed, and take() reports nothing.
   virtual void change(std::span<const PointChange> changes) = 0;
   /// Offers changes made elsewhere, at most mostOffered(), each point once. They are carried out between later answers,
   /// and no answer waits for them: a point that is not in its change's `from` state stays as it is. They do not end a

@@ -30,6 +30,54 @@ std::size_t choose(const Instance& instance, const std::vector<GpuDescription>& 
   return chosen;
 }
 
+// `families` must outlive the result.
+std::vector<VkDeviceQueueCreateInfo> queueInfos(std::span<const FamilyQueues> families, bool globalPriority) {
+  static constexpr VkDeviceQueueGlobalPriorityCreateInfoKHR kHigh{
+      .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_GLOBAL_PRIORITY_CREATE_INFO_KHR,
+      .pNext = nullptr,
+      .globalPriority = VK_QUEUE_GLOBAL_PRIORITY_HIGH_KHR};
+  std::vector<VkDeviceQueueCreateInfo> queues;
+  queues.reserve(families.size());
+  for (const FamilyQueues& each : families)
+    queues.push_back({.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                      .pNext = globalPriority && each.high ? &kHigh : nullptr,
+                      .flags = 0,
+                      .queueFamilyIndex = each.family,
+                      .queueCount = static_cast<std::uint32_t>(each.priorities.size()),
+                      .pQueuePriorities = each.priorities.data()});
+  return queues;
+}
+
+/// Features in the chain of structs that Vulkan takes.
+struct FeatureChain {
+  explicit FeatureChain(bool clocks) {
+    if (clocks) v13.pNext = &clock;
+  }
+  FeatureChain(const FeatureChain&) = delete;
+  FeatureChain& operator=(const FeatureChain&) = delete;
+
+  VkPhysicalDeviceShaderClockFeaturesKHR clock{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_CLOCK_FEATURES_KHR};
+  VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
+  VkPhysicalDeviceFeatures2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
+};
+
+// Selects the features that are enabled on every GPU.
+void enable(const FeatureChain& available, Validation validation, FeatureChain& enabled) {
+  enabled.clock.shaderSubgroupClock = available.clock.shaderSubgroupClock;
+  enabled.clock.shaderDeviceClock = available.clock.shaderDeviceClock;
+  enabled.v13.synchronization2 = VK_TRUE;
+  enabled.v13.computeFullSubgroups = VK_TRUE;
+  enabled.v12.bufferDeviceAddress = VK_TRUE;
+  enabled.v12.scalarBlockLayout = VK_TRUE;
+  if (validation != Validation::full) return;
+  // GPU-assisted validation instruments the shaders and needs these features.
+  VkPhysicalDeviceFeatures& features = enabled.all.features;
+  features.fragmentStoresAndAtomics = available.all.features.fragmentStoresAndAtomics;
+  features.vertexPipelineStoresAndAtomics = available.all.features.vertexPipelineStoresAndAtomics;
+  features.shaderInt64 = available.all.features.shaderInt64;
+}
+
 }  // namespace
 
 std::vector<VkQueueFamilyProperties> queueFamiliesOf(VkPhysicalDevice device) {
@@ -126,53 +174,16 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   if (!roles) throw GpuError("{} has no compute queue; choose another GPU", name_);
   roles_ = *roles;
 
+  FeatureChain available(hasExtension(physical_, VK_KHR_SHADER_CLOCK_EXTENSION_NAME));
+  vkGetPhysicalDeviceFeatures2(physical_, &available.all);
+  takeUp(featuresIn(available.all));
+  FeatureChain enabled(hasClock_);
+  enable(available, instance_->validation(), enabled);
+  enabled.v13.dynamicRendering = enabled.all.features.largePoints = draws_;
+  enabled.v12.shaderBufferInt64Atomics = hasWideAtomics_;
+  if (hasWideAtomics_) enabled.all.features.shaderInt64 = VK_TRUE;
+
   const bool globalPriority = hasExtension(physical_, VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
-  const VkDeviceQueueGlobalPriorityCreateInfoKHR high{
-      .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_GLOBAL_PRIORITY_CREATE_INFO_KHR,
-      .pNext = nullptr,
-      .globalPriority = VK_QUEUE_GLOBAL_PRIORITY_HIGH_KHR};
-  const std::vector<FamilyQueues> wanted = queuesFor(roles_, arrangement);
-  std::vector<VkDeviceQueueCreateInfo> queues;
-  queues.reserve(wanted.size());
-  for (const FamilyQueues& each : wanted)
-    queues.push_back({.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                      .pNext = globalPriority && each.high ? &high : nullptr,
-                      .flags = 0,
-                      .queueFamilyIndex = each.family,
-                      .queueCount = static_cast<std::uint32_t>(each.priorities.size()),
-                      .pQueuePriorities = each.priorities.data()});
-
-  const bool clockExtension = hasExtension(physical_, VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
-  VkPhysicalDeviceShaderClockFeaturesKHR clock{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_CLOCK_FEATURES_KHR};
-  VkPhysicalDeviceVulkan13Features available13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
-                                               .pNext = clockExtension ? &clock : nullptr};
-  VkPhysicalDeviceVulkan12Features available12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-                                               .pNext = &available13};
-  VkPhysicalDeviceFeatures2 availables{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available12};
-  vkGetPhysicalDeviceFeatures2(physical_, &availables);
-  const VkPhysicalDeviceFeatures& available = availables.features;
-  takeUp(featuresIn(availables));
-  clock.pNext = nullptr;
-
-  VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
-                                       .pNext = hasClock_ ? &clock : nullptr};
-  v13.synchronization2 = VK_TRUE;
-  v13.dynamicRendering = draws_;
-  v13.computeFullSubgroups = VK_TRUE;
-  VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
-  v12.bufferDeviceAddress = VK_TRUE;
-  v12.scalarBlockLayout = VK_TRUE;
-  v12.shaderBufferInt64Atomics = hasWideAtomics_;
-  VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
-  features.features.largePoints = draws_;
-  features.features.shaderInt64 = hasWideAtomics_;
-  if (instance_->validation() == Validation::full) {
-    // GPU-assisted validation instruments the shaders and needs these features.
-    features.features.fragmentStoresAndAtomics = available.fragmentStoresAndAtomics;
-    features.features.vertexPipelineStoresAndAtomics = available.vertexPipelineStoresAndAtomics;
-    features.features.shaderInt64 = available.shaderInt64;
-  }
-
   std::vector<const char*> extensions;
   if (globalPriority) extensions.push_back(VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
   if (hasClock_) extensions.push_back(VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
@@ -180,8 +191,10 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
   if (hasExtension(physical_, kPortabilitySubset)) extensions.push_back(kPortabilitySubset);
   if (presents_ && canMakeSwapchains(physical_)) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+  const std::vector<FamilyQueues> families = queuesFor(roles_, arrangement);
+  std::vector<VkDeviceQueueCreateInfo> queues = queueInfos(families, globalPriority);
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                .pNext = &features,
+                                .pNext = &enabled.all,
                                 .flags = 0,
                                 .queueCreateInfoCount = static_cast<std::uint32_t>(queues.size()),
                                 .pQueueCreateInfos = queues.data(),

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/clock.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/compute_pipeline.hpp"
 
@@ -15,7 +16,8 @@ namespace palpate {
 /// must be destroyed before it. Twins make passes slower.
 class WorkgroupWatch {
  public:
-  /// `twins`: compiled with PALPATE_WATCHED (shaders/lib/index.glsl), named "watched_" plus the name of the original.
+  /// `twins`: compiled with PALPATE_WATCHED (shaders/lib/index.glsl), named "watched_" plus the name of the original;
+  /// one of them is gpu/read_clock.comp.
   WorkgroupWatch(Device& device, std::span<const ShaderCode* const> twins);
   ~WorkgroupWatch();
   WorkgroupWatch(const WorkgroupWatch&) = delete;
@@ -27,7 +29,7 @@ class WorkgroupWatch {
     std::string pass;
     double longest_us = 0;
   };
-  /// Of all completed invocations, by pass.
+  /// Of all completed invocations, by pass. Waits until the watch has lived for a tenth of a second.
   std::vector<Life> longest() const;
 
   struct Twin {
@@ -38,9 +40,17 @@ class WorkgroupWatch {
   std::optional<Twin> twinOf(const ShaderCode& code) const;
 
  private:
+  std::uint64_t readClock() const;
+  double tick_ns() const;
+
   Device& device_;
   std::span<const ShaderCode* const> twins_;
   Buffer lives_;  // a word for each twin, in ticks of the device's clock
+  Buffer ticks_;
+  ComputePipeline clock_;
+  // The clock's period is measured, since VK_KHR_shader_clock states none: timestampPeriod is that of timestamps only.
+  std::uint64_t firstTick_ = 0;
+  Stopwatch sinceFirst_;
 };
 
 }  // namespace palpate

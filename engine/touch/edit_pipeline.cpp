@@ -274,21 +274,44 @@ void EditPipeline::change(std::span<const PointChange> changes) {
   index_.mayBuild(false);
   if (log_.room() < changes.size())
     throw Error("{} changes do not fit into the edit log: its readers are too far behind", changes.size());
-  while (!changes.empty()) {
-    const std::size_t batch = std::min<std::size_t>(changes.size(), pass_.mostChanges());
-    changeBatch(changes.first(batch));
-    changes = changes.subspan(batch);
+  for (std::size_t done = 0; done < changes.size();) {
+    const auto batch = changes.subspan(done, std::min<std::size_t>(changes.size() - done, pass_.mostChanges()));
+    const std::uint32_t failed = changeBatch(batch, EditPass::Given::exactly);
+    if (failed & shared::kUpdateUnknown) {
+      revert(changes.first(done));
+      throw Error("{}: a change refers to a point that is not at the stated position; no point was changed",
+                  device_.name());
+    }
+    done += batch.size();
+    if (failed & shared::kUpdateNoSlots) {
+      revert(changes.first(done));
+      throw Error("{}: there is not enough room for the new points; no point was changed", device_.name());
+    }
   }
   changes_ += log_.publishChange(logHead());
 }
 
-void EditPipeline::changeBatch(std::span<const PointChange> changes) {
+// Takes back changes whose entries are not published, and their entries.
+void EditPipeline::revert(std::span<const PointChange> changes) {
+  const std::vector<std::uint32_t> head{static_cast<std::uint32_t>(log_.published())};
+  upload(device_, log_.headBuffer(), head);  // the entries of the reversed changes must not overwrite unread ones
+  std::vector<PointChange> back;
+  for (std::size_t done = 0; done < changes.size(); done += back.size()) {
+    const auto batch = changes.subspan(done, std::min<std::size_t>(changes.size() - done, pass_.mostChanges()));
+    back.clear();
+    for (const PointChange& change : batch) back.push_back({.from = change.to, .to = change.from});
+    changeBatch(back, EditPass::Given::offered);  // new points for which there was no room are left out
+  }
+  upload(device_, log_.headBuffer(), head);
+}
+
+std::uint32_t EditPipeline::changeBatch(std::span<const PointChange> changes, EditPass::Given given) {
   const LiveCloud& cloud = index_.cloud();
   pass_.give(changes);
   if (options_.index == IndexFollow::incremental) {
     CommandList list(device_, device_.latencyQueue(), "change");
     list.begin();
-    pass_.recordGivenIncremental(list, cloud.front(), EditPass::Given::exactly);
+    pass_.recordGivenIncremental(list, cloud.front(), given);
     list.end();
     device_.latencyQueue().run(list);
   }
@@ -296,17 +319,13 @@ void EditPipeline::changeBatch(std::span<const PointChange> changes) {
     compact();  // so that the order of points in a bucket depends only on the edits
     CommandList list(device_, device_.latencyQueue(), "change");
     list.begin();
-    pass_.recordGivenRebuild(list, cloud.front(), cloud.back(), index_.hash().sort(), EditPass::Given::exactly);
+    pass_.recordGivenRebuild(list, cloud.front(), cloud.back(), index_.hash().sort(), given);
     list.end();
     device_.latencyQueue().run(list);
     index_.built();
     if (pass_.report().failed == 0) compact();  // a bucket may have overflowed in that build
   }
-  if (pass_.report().failed & shared::kUpdateUnknown)
-    throw Error("{}: a change refers to a point that is not at the stated position; it was not applied",
-                device_.name());
-  if (pass_.report().failed & shared::kUpdateNoSlots)
-    throw Error("{}: there is not enough room for the new points", device_.name());
+  return pass_.report().failed;
 }
 
 std::size_t EditPipeline::readBack(PointCloud& cloud) const {

@@ -118,7 +118,9 @@ class EditPipeline {
   void collectOffer(const Stopwatch* sinceAsked);
   std::uint32_t logHead() const;
   void compact();
-  void changeBatch(std::span<const PointChange> changes);
+  // Returns why it failed: shared::kUpdate...
+  std::uint32_t changeBatch(std::span<const PointChange> changes, EditPass::Given given);
+  void revert(std::span<const PointChange> changes);
 
   Device& device_;
   EditOptions options_;

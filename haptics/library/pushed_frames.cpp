@@ -46,8 +46,8 @@ void PushedFrames::push(CloudFrame frame) {
                      frames_.back().size());
   if (!(frame.time_s > frames_.back().time_s))
     throw UsageError("t_s: {} s is not after the frame before it, of {} s", frame.time_s, frames_.back().time_s);
-  if (frames_.size() >= kMaxWaiting)
-    throw StateError("{} frames are pending; advance the session to their times first", frames_.size());
+  // While nothing touches, no time passes: the frame in use is the first, and the next one would be the first dropped.
+  if (frames_.size() > kMaxPending) frames_.erase(frames_.begin() + 1);
   frames_.push_back(std::move(frame));
 }
 

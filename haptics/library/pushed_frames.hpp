@@ -12,7 +12,7 @@ namespace palpate::library {
 /// Provides the newest frame whose time has come, and discards those before it. Thread-safe.
 class PushedFrames final : public CloudSource {
  public:
-  static constexpr std::size_t kMaxWaiting = 1024;
+  static constexpr std::size_t kMaxPending = 1023;
 
   /// Begins with the points of `first`, at rest. `most`: maximum number of points of a frame. `keeps`: each point has
   /// the same index in all frames.
@@ -23,8 +23,8 @@ class PushedFrames final : public CloudSource {
   void makeFrame(double time_s, CloudFrame& frame) override;
   bool hasNewer(double time_s, double than_s) override;
 
-  /// Adds a frame. Throws UsageError if requireWhole() refuses it, or if its time is not after that of the frame
-  /// before; StateError if too many frames are pending.
+  /// Adds a frame; the oldest of more than kMaxPending pending ones is dropped. Throws UsageError if requireWhole()
+  /// refuses it, or if its time is not after that of the frame before.
   void push(CloudFrame frame);
   /// Restarts time at 0, with the newest frame.
   void restart();

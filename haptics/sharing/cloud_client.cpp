@@ -238,6 +238,7 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   session->name = notice.name;
   session->host = notice.host;
   session->sculptable = notice.sculptable;
+  session->checksum = notice.checksum;
   const std::optional<FarFacts> facts = hearFacts(*session, options.patience_s, options.stop);
   if (!facts || facts->extent.points != notice.points)
     throw NetworkError("'{}' of {}: announces no facts; is it still served?", notice.name, notice.host);

@@ -26,6 +26,7 @@ class JoinedSession {
   sharing::Id session, client;
   std::string name, host;
   bool sculptable = false;
+  std::uint64_t checksum = 0;  ///< of the served points
 };
 
 /// Request to its server.

@@ -86,13 +86,14 @@ class Presence final : public SharedPresence {
     }
   }
 
-  // Follows the session of that name to a restarted server.
+  // Follows the session of that name to a restarted server, if that serves the same points.
   void findServer() {
     if (lastLooked_.elapsed_s() < kBeat_s) return;
     lastLooked_ = {};
     std::optional<Id> found;
     for (const SessionNotice& notice : notices_.known()) {
-      if (notice.name != session_->name || notice.version != kVersion) continue;
+      if (notice.name != session_->name || notice.version != kVersion || notice.checksum != session_->checksum)
+        continue;
       found = notice.session;
       if (notice.session == served_) break;
     }

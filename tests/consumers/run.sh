@@ -20,7 +20,10 @@ library=$(find "$scratch/installed" -name 'libpalpate.so.0')
 
 # Only the C interface is exported, all functions of the headers are, and the library has its soname.
 headers=("$scratch/installed/include/palpate/"*.h)
-exported=$(nm -D --defined-only "$library" | awk '$2 != "A" {print $3}' | sort)
+symbols=$(nm -D --defined-only --with-symbol-versions "$library" | awk '$2 != "A" {print $3}' | sort)
+bare=$(grep -v '@@PALPATE_0$' <<< "$symbols" || true)
+[ -z "$bare" ] || fail "exports without the version PALPATE_0: $bare"
+exported=${symbols//@@PALPATE_0/}
 strays=$(grep -v '^pp_' <<< "$exported" || true)
 [ -z "$strays" ] || fail "unexpected exports: $strays"
 declared=$(sed -n -e 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' -e 's/^PP_OPTIONS(\([a-z_]*\))$/pp_init_\1/p' \
@@ -29,6 +32,9 @@ declared=$(sed -n -e 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' -e 's/^PP_OPTIONS(
 [ "$declared" = "$exported" ] ||
   fail "headers and library differ: $(diff <(echo "$declared") <(echo "$exported") || true)"
 readelf -d "$library" | grep -q 'SONAME.*\[libpalpate.so.0\]' || fail "wrong soname"
+# The loader's tables are read-only: lazy binding would leave them writable.
+readelf -lW "$library" | grep -q GNU_RELRO || fail "no read-only relocations"
+readelf -d "$library" | grep -q BIND_NOW || fail "functions are bound lazily"
 for other in glfw imgui X11; do
   if readelf -d "$library" | grep NEEDED | grep -qi "$other"; then fail "the library needs $other"; fi
 done

@@ -214,6 +214,26 @@ TEST_CASE("each thread has the message of its own last failure") {
   CHECK(pp_last_status() == PP_ERROR_FILE);
 }
 
+TEST_CASE("the text of a failure stays readable during calls that succeed and failures of other threads") {
+  pp_cloud cloud{};
+  REQUIRE(pp_cloud_read("/nowhere/none.ply", nullptr, &cloud) == PP_ERROR_FILE);
+  const char* const text = pp_last_error();
+  const char* const file = pp_last_error_file();
+  const std::string before = text;
+  const BallArrays<float> ball(100);
+  const pp_cloud_arrays arrays = ball.arrays();
+  PP_REQUIRE_OK(pp_cloud_create(&arrays, &cloud));
+  std::thread([] {
+    for (int k = 0; k < 100; ++k) pp_cloud_read(std::string(500, 'x').c_str(), nullptr, nullptr);
+  }).join();
+  PP_CHECK_OK(pp_cloud_close(cloud));
+  CHECK(text == pp_last_error());  // the same address
+  CHECK(text == before);
+  CHECK(std::string(file) == "/nowhere/none.ply");
+  CHECK(pp_cloud_close(cloud) == PP_ERROR_HANDLE);
+  CHECK(std::string(pp_last_error()) != before);
+}
+
 TEST_CASE("the version of the header is that of the library, and each status has a name") {
   const std::string version = std::to_string(PALPATE_VERSION_MAJOR) + "." + std::to_string(PALPATE_VERSION_MINOR) +
                               "." + std::to_string(PALPATE_VERSION_PATCH);

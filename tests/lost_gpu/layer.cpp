@@ -2,8 +2,9 @@
 // from a given submission on returns VK_ERROR_DEVICE_LOST, so that the program's real code runs to the last call. The
 // submission is given by PALPATE_LOST_GPU ("submit:300", "fence:300") or by palpateLoseGpu(). Other modes keep the
 // device: "count" reports the number of submissions at the end; "display" simulates NVIDIA's driver on an X server
-// without its extension, which crashes on a query about a surface; "minimum" reduces the GPU to the minimum of Vulkan,
-// "minimum:NAME=VALUE,..." with the given exceptions (made_up_gpu.hpp).
+// without its extension, which crashes on a query about a surface; "coarse" says that a timestamp counts microseconds;
+// "minimum" reduces the GPU to the minimum of Vulkan, "minimum:NAME=VALUE,..." with the given exceptions
+// (made_up_gpu.hpp).
 //
 // Loader and layer interface: LoaderLayerInterface.md of the Vulkan loader, version 2.
 #include <vulkan/vk_layer.h>
@@ -85,9 +86,9 @@ VKAPI_ATTR VkResult VKAPI_CALL waitIdle(VkDevice device) {
   return lost ? VK_ERROR_DEVICE_LOST : result;
 }
 
-bool diesAtSurfaces() {
+bool isMode(const char* mode) {
   const char* text = std::getenv("PALPATE_LOST_GPU");
-  return text && std::strcmp(text, "display") == 0;
+  return text && std::strcmp(text, mode) == 0;
 }
 
 /// Read again for each instance.
@@ -157,6 +158,11 @@ VKAPI_ATTR void VKAPI_CALL properties(VkPhysicalDevice gpu, VkPhysicalDeviceProp
   for (auto* each = static_cast<VkBaseOutStructure*>(told->pNext); each; each = each->pNext)
     if (each->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES)
       reinterpret_cast<VkPhysicalDeviceDriverProperties*>(each)->driverID = VK_DRIVER_ID_NVIDIA_PROPRIETARY;
+}
+
+VKAPI_ATTR void VKAPI_CALL coarseProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* told) {
+  nextProperties(gpu, told);
+  told->properties.limits.timestampPeriod = 1000;
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL askedAboutSurface() {
@@ -251,7 +257,9 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instanceProc(VkInstance instance, const
   if (wanted == "vkCreateDevice") return reinterpret_cast<PFN_vkVoidFunction>(createDevice);
   if (const auto own = deviceCommand(name)) return own;
   if (const auto own = madeUp ? madeUpCommand(wanted) : nullptr) return own;
-  if (const auto own = diesAtSurfaces() ? surfaceCommand(wanted) : nullptr) return own;
+  if (const auto own = isMode("display") ? surfaceCommand(wanted) : nullptr) return own;
+  if (isMode("coarse") && wanted == "vkGetPhysicalDeviceProperties2")
+    return reinterpret_cast<PFN_vkVoidFunction>(coarseProperties);
   return nextInstanceProc ? nextInstanceProc(instance, name) : nullptr;
 }
 

@@ -24,6 +24,7 @@ class LostGpuLayer {
  public:
   /// `when`: "submit:N" or "fence:N", after N submissions of the next device; "count": never, but a program reports its
   /// number of submissions at its end; "display": never, but a query about a surface ends the program;
+  /// "coarse": never, but the period of timestamps is 1000 ns;
   /// "minimum:NAME=VALUE,...": never, but the GPU is the minimum of Vulkan (made_up_gpu.hpp); empty: by takeGpu().
   explicit LostGpuLayer(const std::string& when = {}) {
     for (const char* file : {kLibrary, "layer.json"})

@@ -267,6 +267,28 @@ TEST_CASE("all clients see all hands of the others, also with only nearby points
   }
 }
 
+TEST_CASE("hands are shown again by a restarted server of the same points, but not by one of other points") {
+  const PointCloud cloud = threePoints();
+  PointCloud others = cloud;
+  others.positions[2] = {0, 2, 0};
+  std::optional<Served> served(std::in_place, cloud, "restarted");
+  const Looking ada("restarted", "Ada"), bert("restarted", "Bert");
+  const auto seesBert = [](const Looking& looking, const Looking& moving, double x) {
+    return [&, x] {
+      moving.movesHands({handAt(x)});
+      return looking.seesHand("Bert", x);
+    };
+  };
+  REQUIRE(within(30, seesBert(ada, bert, 1)));
+  served.emplace(others, "restarted");
+  const Looking carla("restarted", "Carla");  // has the other points
+  CHECK_FALSE(within(2, seesBert(carla, bert, 2)));
+  CHECK(ada.seesHand("Bert", 2));
+  served.emplace(cloud, "restarted");
+  const Looking dora("restarted", "Dora");
+  CHECK(within(30, seesBert(dora, bert, 3)));
+}
+
 TEST_CASE("invalid, distant and surplus hands are not shown, and new ones only up to the limit") {
   const PointCloud cloud = threePoints();
   Served served(cloud, "felt by strangers");

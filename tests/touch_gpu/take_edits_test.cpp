@@ -84,6 +84,33 @@ void checkTakenBack(TouchBackend& touch, const PointCloud& cloud) {
   undoBoth();
 }
 
+// Moves all points out by a tenth, except the last, which is said to be where it is not.
+void checkRefused(TouchBackend& touch, const PointCloud& cloud) {
+  touch.edits()->keep();
+  Journal journal(cloud, 1 << 26);
+  press(touch, 1, &journal);
+  PointCloud before = cloud;
+  touch.readBack(before);
+  std::vector<PointChange> changes;
+  for (const PointState& state : journal.points()) {
+    changes.push_back({state, state});
+    changes.back().to.position *= 1.1F;
+  }
+  changes.back().from.position *= 2;
+  CHECK_THROWS_WITH_AS(touch.edits()->change(changes), doctest::Contains("no point was changed"), Error);
+  PointCloud after = cloud;
+  touch.readBack(after);
+  CHECK(same(after, before));
+  EditBatch batch;
+  touch.edits()->take(batch);
+  CHECK(batch.empty());
+  changes.back().from = journal.points().back();
+  apply(touch, journal, changes);
+  touch.readBack(after);
+  CHECK(same(editedCloud(cloud, journal.points()), after));
+  CHECK(glm::distance(after.positions[0], 1.1F * before.positions[0]) < 1e-6F);
+}
+
 }  // namespace
 
 TEST_CASE("a journal that follows the CPU back end has the cloud bit by bit, stroke by stroke") {
@@ -146,6 +173,16 @@ TEST_CASE_FIXTURE(
     const auto again = press(touch, 1), first = press(fresh, 1);
     for (std::size_t i = 0; i < first.size(); ++i)
       REQUIRE(glm::distance(again[i].proxy, first[i].proxy) < 1e-4 * scene.radius);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture,
+                  "a change of many points that is refused at its end changes no point, and nothing is reported") {
+  const Scene scene = makeScene("sphere", 20'000);
+  for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
+    CAPTURE(index == IndexFollow::rebuild);
+    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush(), .index = index});
+    checkRefused(touch, scene.cloud);
   }
 }
 

@@ -40,7 +40,8 @@ typedef struct pp_frame_arrays {
 } pp_frame_arrays;
 PP_OPTIONS(frame_arrays)
 /** Adds a frame, whose arrays are copied; the points are felt there from its time on. May be called from any thread, at
- * the same time as any other call. PP_ERROR_STATE if too many frames are pending. PP_ERROR_ARGUMENT if the normals are
+ * the same time as any other call. At most 1023 frames whose time has not come are kept: a further one replaces the
+ * oldest of them. PP_ERROR_ARGUMENT if the normals are
  * missing, if a number is not finite, if there are too many points, or if the time is not later than that of the frame
  * before. */
 PP_API pp_status pp_session_push_frame(pp_session session, const pp_frame_arrays* frame);

@@ -6,8 +6,9 @@
  * stiffness in N/mm, times in s. Axes are right-handed.
  *
  * Errors: every function that can fail returns a pp_status. pp_last_error() describes the last failure of the calling
- * thread, until another call of that thread fails. No call throws or ends the program. The outputs of a call that fails
- * are zero, unless its description says otherwise: contacts have no force and are not valid, counts and handles are 0.
+ * thread; its text is valid until another call of that thread fails. No call throws or ends the program. The outputs
+ * of a call that fails are zero, unless its description says otherwise: contacts have no force and are not valid,
+ * counts and handles are 0.
  *
  * Handles are small values that may be copied. A handle that is null, closed, or of another kind gives PP_ERROR_HANDLE.
  * The caller closes every handle it opens, in any order: a session keeps what it needs of its cloud.
@@ -90,7 +91,8 @@ PP_API const char* pp_status_name(int status);
 /** Status of the last failed call of this thread; PP_OK before the first. */
 PP_API pp_status pp_last_status(void);
 /** Description of the last failed call of this thread: what is wrong, where, and what to do; empty before the first.
- * The text remains valid until another call of the thread fails. */
+ * The text is this thread's own: it is valid until the next call of this thread that fails, or until the thread ends.
+ * Neither its calls that succeed nor any calls of other threads change it. */
 PP_API const char* pp_last_error(void);
 /** File that the last failure is about; empty if none. Valid as long as pp_last_error(). */
 PP_API const char* pp_last_error_file(void);

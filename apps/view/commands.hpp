@@ -1,0 +1,68 @@
+// Commands of the user, which keys, panels and scripts post and the window carries out in order; questions to the user.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/render/camera_motion.hpp"
+
+namespace palpate {
+
+/// Holding the stylus with mouse, gamepad or 3D mouse: while a key is down (hold, letGo), without a key (lockOrUnlock),
+/// or not at all (putAway).
+enum class StylusCommand { hold, letGo, lockOrUnlock, putAway };
+
+/// Commands to the window; the last three do nothing without a model.
+enum class WindowCommand { quit, closeErrors, switchForces, forgetMeasure, copyPlaces, resetView, screenshot };
+
+/// Commands to the open model. pause and step: the frames of a depth camera, or a simulation.
+enum class ModelCommand { undo, redo, save, exportTicks, endRecording, endPlaying, restart, pause, step };
+
+/// Answers: about unsaved changes, how to save, and about strokes of an earlier program; `cancel` is of the first two.
+enum class Answer { saveFirst, discard, cancel, saveBeside, saveOver, goOnWithLeft, discardLeft, keepLeft };
+
+/// Purpose of a file; the file dialogue is for the first three.
+enum class FileTask { open, saveAs, exportMesh, record, play };
+struct FileCommand {
+  FileTask task;
+  std::string file;
+};
+/// Opens the file dialogue.
+struct BrowseCommand {
+  FileTask task;
+};
+
+struct LookAlong {
+  int axis;
+  bool fromBehind;
+};
+/// Of a simulation.
+struct SetParameter {
+  std::string name;
+  double value;
+};
+/// True length of the measure in mm, as typed.
+struct SetTrueLength {
+  std::string text;
+};
+
+using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, Answer, FileCommand, BrowseCommand,
+                                 ModelSide, LookAlong, SetParameter, SetTrueLength>;
+using ViewCommands = std::vector<ViewCommand>;
+
+/// Whether to save beside a file or over it.
+struct SaveQuestion {
+  std::string loses;         ///< text that says what the file would lose
+  std::string beside, kept;  ///< name of a copy beside it, and the name that the original would be kept under
+};
+
+/// Whether to continue with unsaved strokes of an earlier program.
+struct LeftQuestion {
+  std::string file;
+  std::size_t strokes = 0;
+  std::filesystem::file_time_type made;
+};
+
+}  // namespace palpate
