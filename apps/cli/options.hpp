@@ -5,11 +5,14 @@
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "engine/core/setting.hpp"
 
 namespace CLI {
 class App;
@@ -22,6 +25,7 @@ namespace palpate {
 struct Check {
   std::function<std::string(const std::string&)> complaint;  ///< describes what is wrong with a text; empty: valid
   std::string description = {};                              ///< shown in the help in place of the type
+  std::string bounds = {};                                   ///< of a number, for the reference page
 };
 /// One of these words.
 Check oneOf(std::vector<std::string> words);
@@ -30,15 +34,21 @@ Check oneOf(std::initializer_list<std::uint32_t> numbers);
 Check inRange(std::uint32_t least, std::uint32_t most);
 /// A number; complaints name the bounds. Not-a-number and infinity never pass.
 Check between(double least, double most);
+Check between(const Range& range);
 /// The same for an integer.
 Check wholeBetween(double least, double most);
 /// A length in mm, or the word auto.
 Check lengthOrAuto();
 
+/// What the reference page says of an option beside its help.
+struct OptionFacts {
+  std::string bounds;
+};
+
 /// An option of Options, which must outlive it.
 class Option {
  public:
-  explicit Option(CLI::Option* option) : option_(option) {}
+  Option(CLI::Option* option, OptionFacts* facts) : option_(option), facts_(facts) {}
 
   Option required();
   Option check(const Check& check);
@@ -65,9 +75,18 @@ class Option {
   std::string text() const;
   /// The text that showDefault() shows.
   std::string defaultText() const;
+  /// Names, as in "-o,--output"; the kind of value, as in "FLOAT" or "{on,off}"; the help.
+  std::string allNames() const;
+  std::string type() const;
+  std::string help() const;
+  /// Heading under which the help lists the option; empty: hidden.
+  std::string heading() const;
+  bool isRequired() const;
+  const std::string& bounds() const { return facts_->bounds; }
 
  private:
   CLI::Option* option_;
+  OptionFacts* facts_;
 };
 
 /// The options of a command and its subcommands. The variables that receive the values must outlive it.
@@ -89,7 +108,12 @@ class Options {
   Option add(const std::string& names, std::vector<std::string>& values, const std::string& what);
   Option add(const std::string& names, std::vector<std::int64_t>& values, const std::string& what);
   Option add(const std::string& names, std::vector<std::uint32_t>& values, const std::string& what);
+  /// Passes the text to `set` once it has passed the checks. `usual` gives the default for the help.
+  Option add(const std::string& names, std::function<void(const std::string&)> set, std::function<std::string()> usual,
+             const std::string& what);
   Option addFlag(const std::string& names, bool& value, const std::string& what);
+  /// A flag that sets the variable to false.
+  Option addNegatedFlag(const std::string& names, bool& value, const std::string& what);
   /// A flag that means the first of these words; another word requires --name=word.
   Option addFlag(const std::string& name, std::string& value, const std::vector<std::string>& words,
                  const std::string& what);
@@ -109,6 +133,8 @@ class Options {
   void whenNamed(std::function<void()> callback);
 
   std::string name() const;
+  std::string description() const;
+  std::string footer() const;
   std::vector<Option> all() const;
   /// Throws std::exception if there is no option of that name.
   Option find(const std::string& name) const;
@@ -122,7 +148,10 @@ class Options {
 
  private:
   explicit Options(CLI::App& subcommand);
+  Option with(CLI::Option* option) const;
+
   std::unique_ptr<CLI::App> own_;  // of the top-level command
+  mutable std::map<const CLI::Option*, OptionFacts> facts_;
   CLI::App* app_;
   std::vector<std::unique_ptr<Options>> subcommands_;
 };
