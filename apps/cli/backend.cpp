@@ -45,7 +45,9 @@ void addBackendOptions(Options& sub, BackendOptions& options) {
   backends.insert(backends.begin(), "auto");
   addSettingFor<BackendConfig>(sub, options.backend, "name").check(oneOf(std::move(backends))).showDefault();
   addSettingFor<BackendConfig>(sub, options.method, "method")
-      .describe(fmt::format("{}{}", settingNamed<BackendConfig>("method").help, fmt::join(cudaMethods(), ", ")));
+      .describe(
+          fmt::format("{}; with cuda: {}", settingNamed<BackendConfig>("method").help, fmt::join(cudaMethods(), ", ")))
+      .offers(namesOf(kQueryMethods));
   addChoice<IndexConfig>(sub, options.index, "follow");
   addIndexOptions(sub, options);
 }

@@ -19,9 +19,10 @@ Check deviceValidator() { return {deviceComplaint, "DEVICE"}; }
 
 void addHandOptions(Options& sub, HandChoices& options) {
   addSettingFor<HandConfig>(sub, options.device, "device")
-      .describe(fmt::format("{}{}. Button 1 of a stylus sculpts, button 2 is a clutch",
+      .describe(fmt::format("{}: {}. Button 1 of a stylus sculpts, button 2 is a clutch",
                             settingNamed<HandConfig>("device").help, heldDevicesHelp()))
       .check(deviceValidator())
+      .offers({"path", "sim", "replay:", "openhaptics", "dhd", "hid"})
       .showDefault();
   addSettingFor<HandConfig>(sub, options.scheduler, "own_scheduler").check(oneOf({"device", "own"})).showDefault();
   addSetting(sub, options.hand, "fit").showDefault();

@@ -141,6 +141,17 @@ Option Option::needs(Option other) { return option_->needs(other.option_), *this
 Option Option::excludes(Option other) { return option_->excludes(other.option_), *this; }
 Option Option::under(const std::string& heading) { return option_->group(heading), *this; }
 
+Option Option::unit(std::string_view unit) {
+  facts_->unit = unit;
+  return *this;
+}
+
+Option Option::offers(std::vector<std::string> words, std::string endings) {
+  facts_->offers = std::move(words);
+  facts_->endings = std::move(endings);
+  return *this;
+}
+
 void Option::set(const std::string& text) {
   option_->clear();
   option_->add_result(text);
@@ -236,6 +247,13 @@ std::vector<Option> Options::all() const {
 }
 
 Option Options::find(const std::string& name) const { return with(app_->get_option(name)); }
+
+const OptionFacts* Options::factsOf(const CLI::Option* option) const {
+  if (const auto found = facts_.find(option); found != facts_.end()) return &found->second;
+  for (const auto& subcommand : subcommands_)
+    if (const OptionFacts* found = subcommand->factsOf(option)) return found;
+  return nullptr;
+}
 
 std::vector<const Options*> Options::named() const {
   std::vector<const Options*> named;

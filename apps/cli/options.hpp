@@ -40,9 +40,11 @@ Check wholeBetween(double least, double most);
 /// A length in mm, or the word auto.
 Check lengthOrAuto();
 
-/// What the reference page says of an option beside its help.
+/// What the reference page and completion know of an option beside its help.
 struct OptionFacts {
-  std::string bounds;
+  std::string bounds, unit;
+  std::vector<std::string> offers;  ///< words
+  std::string endings;              ///< of files beside them
 };
 
 /// An option of Options, which must outlive it.
@@ -62,6 +64,10 @@ class Option {
   Option excludes(Option other);
   /// Heading under which the help lists the option; empty: hidden.
   Option under(const std::string& heading);
+  /// For the reference page, if the help does not name it after a comma.
+  Option unit(std::string_view unit);
+  /// Words that completion offers where the help lists no choices, and the endings of files beside them.
+  Option offers(std::vector<std::string> words, std::string endings = {});
   /// Sets the value as if it were given on the command line.
   void set(const std::string& text);
 
@@ -82,7 +88,7 @@ class Option {
   /// Heading under which the help lists the option; empty: hidden.
   std::string heading() const;
   bool isRequired() const;
-  const std::string& bounds() const { return facts_->bounds; }
+  const OptionFacts& facts() const { return *facts_; }
 
  private:
   CLI::Option* option_;
@@ -139,12 +145,15 @@ class Options {
   /// Throws std::exception if there is no option of that name.
   Option find(const std::string& name) const;
   const std::vector<std::unique_ptr<Options>>& subcommands() const { return subcommands_; }
+  /// Facts of an option of this command or of a subcommand; null if there are none.
+  const OptionFacts* factsOf(const CLI::Option* option) const;
   /// The subcommands on the command line, in its order.
   std::vector<const Options*> named() const;
 
   /// Parses the words of a command line. Throws std::exception that describes the error.
   void parse(std::vector<std::string> arguments);
   CLI::App& app() { return *app_; }
+  const CLI::App& app() const { return *app_; }
 
  private:
   explicit Options(CLI::App& subcommand);

@@ -45,7 +45,7 @@ Option addSetting(Options& command, Section& section, std::string_view name) {
     } else if constexpr (std::is_same_v<Value, bool>) {
       return setting.flagNegates ? command.addNegatedFlag(flag, value, help) : command.addFlag(flag, value, help);
     } else if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::optional<std::uint32_t>>) {
-      return command.add(flag, value, help).check(boundsOf(setting));
+      return command.add(flag, value, help).check(boundsOf(setting)).unit(setting.unit);
     } else if constexpr (std::is_same_v<Value, DVec3> || std::is_same_v<Value, std::array<std::uint8_t, 3>>) {
       return command.add(
           flag, [&value, flag](const std::string& text) { readList(flag, text, value); },
@@ -73,9 +73,9 @@ Option addSettingFor(Options& command, auto& variable, std::string_view name) {
   if constexpr (std::is_same_v<std::remove_cvref_t<decltype(variable)>, bool>)
     return command.addFlag(flag, variable, help);
   else if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(variable)>>)
-    return command.add(flag, variable, help).check(boundsOf(setting));
+    return command.add(flag, variable, help).check(boundsOf(setting)).unit(setting.unit);
   else
-    return command.add(flag, variable, help);
+    return command.add(flag, variable, help).unit(setting.unit);
 }
 
 }  // namespace palpate

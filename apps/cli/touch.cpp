@@ -4,7 +4,7 @@
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/progress.hpp"
 #include "apps/cli/stop_by_signal.hpp"
-#include "apps/cli/touch_report.hpp"
+#include "apps/cli/touch_results.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/io/saving.hpp"

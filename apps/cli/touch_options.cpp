@@ -3,6 +3,7 @@
 #include "apps/cli/setting_options.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
+#include "haptics/builtin_path.hpp"
 #include "haptics/session/devices.hpp"
 #include "haptics/session/matter_scenes.hpp"
 
@@ -22,8 +23,14 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
   addSetting(sub, options.undo, "memory_MiB").showDefault();
 }
 
+std::vector<std::string> builtinPaths() {
+  std::vector<std::string> paths{"builtin:stir"};
+  for (const std::string_view name : builtinPathNames()) paths.push_back(fmt::format("builtin:{}", name));
+  return paths;
+}
+
 void addPathOptions(Options& sub, TouchCommandOptions& options) {
-  addSettingFor<HandConfig>(sub, options.path, "path").showDefault();
+  addSettingFor<HandConfig>(sub, options.path, "path").offers(builtinPaths(), ".csv").showDefault();
   addSettingFor<HandConfig>(sub, options.penetration_mm, "penetration_mm").showDefault();
   addSetting(sub, options.session, "rate_Hz").showDefault();
   addSetting(sub, options.session, "realtime");
@@ -57,6 +64,7 @@ void addSecondOptions(Options& sub, TouchCommandOptions& options) {
       .check(deviceValidator());
   sub.add("--second-path", options.secondPath,
           "path of the second hand, for --second-device path and sim; values as for --path")
+      .offers(builtinPaths(), ".csv")
       .typeName("PATH");
   sub.add("--second-trace", options.secondTraceFile, "trace of the second hand, as --trace").typeName("FILE.csv");
 }

@@ -148,9 +148,9 @@ void addView(Options& app, Context& context, Command& command) {
   addLookOptions(sub, options->look);
   sub.add("--size", options->size, "size of the window, WIDTHxHEIGHT, pixels").showDefault();
   sub.add("--script", options->script,
-          "play timed events, one per line: TIME_S EVENT; # comments. Events: key, mouse, button, tap, wheel, push, "
-          "click, drop, text, resize, set, minimise, restore, screenshot, state, save, record, replay, impatient, "
-          "patient, ask, await, quit (apps/view/README.md describes each)")
+          fmt::format("play timed events, one per line: TIME_S EVENT; # comments. Events: {} (apps/view/README.md "
+                      "describes each)",
+                      scriptEventNames()))
       .typeName("FILE");
   sub.addFlag("--realtime", options->realtime,
               "run the script against the wall clock; otherwise each picture is 0.05 s of script time with "
@@ -169,6 +169,7 @@ void addView(Options& app, Context& context, Command& command) {
                                 : "'" + device + "' is not a device; devices are mouse, " + heldDevicesHelp();
                    },
                    "DEVICE"})
+      .offers({"mouse", "openhaptics", "dhd", "hid"})
       .showDefault();
   sub.add("--scheduler", options->scheduler, "thread that runs the ticks of an OpenHaptics device, as in palpate touch")
       .check(oneOf({"device", "own"}))

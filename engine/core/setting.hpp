@@ -127,6 +127,7 @@ struct Setting {
   std::string_view help;       ///< one clause, which names the unit
   std::string_view unit = {};  ///< empty: none
   Range range = {};
+  Range slider = {};         ///< useful values, of a slider; unbounded: it has none
   bool flagNegates = false;  ///< the flag means false
   int since = 1;             ///< version of the configuration's format that has it first
 };

@@ -30,8 +30,7 @@ void requireFields(const MatterScene& scene) {
   });
   for (int k = 0; k < 3; ++k)
     if (!(scene.box_mm[k] >= scene.spacing_mm))
-      throw Error("box_mm: is {} along {}; it must be at least the spacing, {}", scene.box_mm[k], "xyz"[k],
-                  scene.spacing_mm);
+      throw Error("box_mm: is {}; it must be at least the spacing, {}", scene.box_mm[k], scene.spacing_mm);
   for (int k = 0; k < 3; ++k)
     if (!(scene.fill_mm[k] <= scene.box_mm[k]))
       throw Error("fill_mm: is {} along {}, where the box is {}", scene.fill_mm[k], "xyz"[k], scene.box_mm[k]);

@@ -91,10 +91,12 @@ TEST_CASE("an invalid scene of matter is refused with the field") {
   CHECK(says(refusal(softWith(R"("preset": "rubber")")), "there is elastic, shape-matching"));
   CHECK(says(refusal(softWith(R"("preset": "shape-matching", "young_Pa": 1000)")),
              "young_Pa: does not apply to the preset shape-matching, which is not calibrated"));
-  CHECK(says(refusal(softWith(R"("preset": "shape-matching", "viscosity_Pa_s": 1)")), "viscosity_Pa_s: does not apply"));
+  CHECK(says(refusal(softWith(R"("preset": "shape-matching", "viscosity_Pa_s": 1)")),
+             "viscosity_Pa_s: does not apply to the preset"));
   CHECK(says(refusal(softWith(R"("stiffness": 0.5)")), "stiffness: does not apply to the preset elastic"));
   CHECK(says(refusal(waterWith(R"("preset": "elastic")")), "preset: does not apply to water"));
-  CHECK(says(refusal(softWith(R"("pinned_mm": [1, 2, 3])")), "pinned_mm: is [1,2,3], not a list of 2 corners of a box"));
+  CHECK(
+      says(refusal(softWith(R"("pinned_mm": [1, 2, 3])")), "pinned_mm: is [1,2,3], not a list of 2 corners of a box"));
   CHECK(says(refusal(softWith(R"("pinned_mm": [[0, 0, 0], [1, 2]])")), "pinned_mm: is [1,2], not a list of 3 numbers"));
   CHECK(says(refusal(std::string(R"({"matter": "sand", "poisson": 0.3, )") + kMin + "}"),
              "poisson: does not apply to sand"));

@@ -16,4 +16,8 @@ export MYPYPATH=$2 PYTHONPATH=$2
 "$1" -m mypy --strict --cache-dir "$scratch/cache" "$here/mistyped.py" > refused.txt || true
 sed -n 's/^.*mistyped.py:\([0-9]*\): error.*/\1/p' refused.txt | sort -nu > found.txt
 grep -n '# wrong$' "$here/mistyped.py" | cut -d: -f1 > wanted.txt
-diff wanted.txt found.txt || { echo "types.sh: mypy refused other lines of mistyped.py than those marked:"; cat refused.txt; exit 1; }
+if ! diff wanted.txt found.txt; then
+  echo "types.sh: mypy refused other lines of mistyped.py than those marked:"
+  cat refused.txt
+  exit 1
+fi
