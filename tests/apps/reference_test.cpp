@@ -133,7 +133,7 @@ TEST_CASE("the comments of the C header state the bounds of the settings") {
     CHECK(bounds.at(found[1]) == found[2].str() + " to " + found[3].str());
     ++compared;
   }
-  CHECK(compared == 4);
+  CHECK(compared >= 4);
 }
 
 }  // namespace palpate::reference_test
