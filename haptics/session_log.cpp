@@ -120,18 +120,18 @@ class LogReader {
   std::filesystem::path file_;
   Source source_;
   SessionRecord record_;
-  std::uint32_t version_ = 0, next_ = 0;  // number of the next block
-  Before before_, sofar_;                 // counts before the current block, and counts of the complete ones
+  std::uint32_t next_ = 0;  // number of the next block
+  Before before_, sofar_;   // counts before the current block, and counts of the complete ones
 };
 
 bool LogReader::isWholeHeader(Header& header) {
   if (!source_.take(header) || header.magic != session_file::kMagic) return false;
-  if (header.version < session_file::kOldestVersion || header.version > session_file::kVersion) return false;
+  if (header.version != session_file::kVersion) return false;
   record_.text.clear();
   if (header.textBytes <= source_.left()) record_.text.resize(header.textBytes);
-  const std::uint64_t checksum = header.version > 2 ? std::exchange(header.checksum, 0) : header.checksum;
+  const std::uint64_t checksum = std::exchange(header.checksum, 0);
   Checksum sum;
-  if (header.version > 2) sum.add(std::as_bytes(std::span(&header, 1)));
+  sum.add(std::as_bytes(std::span(&header, 1)));
   const bool whole = source_.take(std::as_writable_bytes(std::span(record_.text)));
   sum.add(std::as_bytes(std::span(record_.text)));
   return whole && record_.text.size() == header.textBytes && sum.value() == checksum;
@@ -144,21 +144,19 @@ void LogReader::readHeader() {
   const bool isThere = source_.take(first) && first.magic == session_file::kMagic;
   source_.go(0);
   bool whole = isWholeHeader(header);
-  if (whole && header.version > 2) source_.go(2 * source_.at());
+  if (whole) source_.go(2 * source_.at());
   for (std::uint64_t from = 1; !whole && source_.find(magic, from); from = source_.at() + 1) {
     const std::uint64_t place = source_.at();
     whole = isWholeHeader(header);
     if (!whole) source_.go(place);
   }
-  version_ = header.version;
   if (whole) return;
   if (!isThere) throw FileError(file_, "is not a session log; record a session to get one");
-  if (first.version < session_file::kOldestVersion || first.version > session_file::kVersion)
+  if (first.version != session_file::kVersion)
     throw FileError(
-        file_,
-        fmt::format(
-            "is a session log of version {}, and this palpate reads versions {} to {}; use the palpate that wrote it",
-            first.version, session_file::kOldestVersion, session_file::kVersion));
+        file_, fmt::format("is a session log of version {}, and this palpate reads version {}; use the palpate that "
+                           "wrote it",
+                           first.version, session_file::kVersion));
   throw FileError::atByte(file_, sizeof(Header), "the header of the session log is damaged; nothing can be read");
 }
 
@@ -166,7 +164,7 @@ bool LogReader::isWholeBlock(Block& block, std::vector<Mark>& marks) {
   const std::size_t ticks = record_.ticks.size(), states = record_.edits.points.size();
   if (!source_.take(block) || block.magic != Block().magic || block.number < next_) return false;
   before_ = sofar_;
-  if (version_ > 2 && !source_.take(before_)) return false;
+  if (!source_.take(before_)) return false;
   if (before_.ticks < sofar_.ticks || before_.states < sofar_.states) return false;
   if (!source_.append(record_.ticks, block.ticks) || !source_.append(record_.edits.points, block.states) ||
       !source_.append(marks, block.marks))
@@ -174,7 +172,7 @@ bool LogReader::isWholeBlock(Block& block, std::vector<Mark>& marks) {
   const std::uint64_t checksum = std::exchange(block.checksum, 0);
   Checksum sum;
   sum.addValue(block);
-  if (version_ > 2) sum.addValue(before_);
+  sum.addValue(before_);
   addFrom(sum, record_.ticks, ticks);
   addFrom(sum, record_.edits.points, states);
   addFrom(sum, marks, 0);
@@ -190,12 +188,11 @@ bool LogReader::isWholeBlock(Block& block, std::vector<Mark>& marks) {
 
 void LogReader::noteGap(std::uint64_t begin, const Block& block) {
   if (begin == record_.wholeBytes && block.number == next_) return;
-  LogGap gap{.begin = record_.wholeBytes, .end = begin, .tick = record_.ticks.size() - block.ticks};
-  if (version_ > 2) {
-    gap.ticks = before_.ticks - sofar_.ticks;
-    gap.states = before_.states - sofar_.states;
-  }
-  record_.gaps.push_back(gap);
+  record_.gaps.push_back({.begin = record_.wholeBytes,
+                          .end = begin,
+                          .tick = record_.ticks.size() - block.ticks,
+                          .ticks = before_.ticks - sofar_.ticks,
+                          .states = before_.states - sofar_.states});
 }
 
 /// False, with the record unchanged, for a block that is torn or damaged.

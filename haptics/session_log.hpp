@@ -5,8 +5,7 @@
 // blocks. A block has some of the ticks or edits since the previous one, its number, the counts of those before it, and
 // a checksum; the last block of a complete session also says how it ended. Blocks are small, and each is found by its
 // marker and its checksum, so that damage or a failed write costs little more than itself. All numbers are
-// little-endian; all parts are multiples of four bytes. Version 2 had one header, and blocks without the counts before
-// them; it is still read.
+// little-endian; all parts are multiples of four bytes.
 #pragma once
 
 #include <array>
@@ -61,13 +60,13 @@ namespace session_file {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> kMagic{'p', 'a', 'l', 'p', 'l', 'o', 'g', '\n'};
-constexpr std::uint32_t kVersion = 3, kOldestVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
   std::uint32_t version = kVersion;
   std::uint32_t textBytes = 0;  // padded with blanks to a multiple of eight
-  std::uint64_t checksum = 0;   // of this with checksum 0, and of the text; in version 2 of the text only
+  std::uint64_t checksum = 0;   // of this with checksum 0, and of the text
 };
 static_assert(sizeof(Header) == 24);
 
@@ -87,7 +86,7 @@ struct Block {
 };
 static_assert(sizeof(Block) == 56);
 
-/// Follows the Block since version 3, and is followed by its ticks, states and marks: how many of them the session had
+/// Follows the Block, and is followed by its ticks, states and marks: how many of them the session had
 /// handed over before, whether or not they could be written.
 struct Before {
   std::uint64_t ticks = 0, states = 0;
@@ -100,7 +99,7 @@ static_assert(sizeof(Before) == 16);
 struct LogGap {
   std::uint64_t begin = 0, end = 0;  ///< bytes of the file that cannot be read; equal if none were written
   std::size_t tick = 0;              ///< number of ticks of the record before it
-  /// Missing ticks and states; nothing if the log does not say: at its end, and in version 2.
+  /// Missing ticks and states; nothing if the log does not say: at its end.
   std::optional<std::uint64_t> ticks, states;
 };
 

@@ -11,10 +11,31 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view kTraceHeader =
-    "t_s,hip_x,hip_y,hip_z,proxy_x,proxy_y,proxy_z,normal_x,normal_y,normal_z,force_x,force_y,force_z,penetration_mm,"
-    "contact,neighbours,fresh,gpu_us,step_us";
-constexpr std::string_view kTorques = ",torque_x,torque_y,torque_z";
+constexpr TraceColumn kColumns[]{
+    {"t_s", "s", "time of the session"},
+    {"hip_x", "model units", "device position"},
+    {"hip_y", "model units", "likewise"},
+    {"hip_z", "model units", "likewise"},
+    {"proxy_x", "model units", "position on the surface; the HIP if nothing is touched"},
+    {"proxy_y", "model units", "likewise"},
+    {"proxy_z", "model units", "likewise"},
+    {"normal_x", "1", "unit normal of the surface, outward; zero if none was in reach"},
+    {"normal_y", "1", "likewise"},
+    {"normal_z", "1", "likewise"},
+    {"force_x", "N", "force on the hand"},
+    {"force_y", "N", "likewise"},
+    {"force_z", "N", "likewise"},
+    {"penetration_mm", "mm", "distance from HIP to proxy; 0 if nothing is touched"},
+    {"contact", "", "1: in contact"},
+    {"neighbours", "", "points that defined the surface"},
+    {"fresh", "", "1: answer to the pose of this tick"},
+    {"gpu_us", "us", "time on the GPU; 0 in virtual time"},
+    {"step_us", "us", "time from pose read to force ready; 0 in virtual time"},
+    {"torque_x", "mN m", "torque about the HIP; only with a tool of many points and in matter"},
+    {"torque_y", "mN m", "likewise"},
+    {"torque_z", "mN m", "likewise"},
+};
+constexpr std::size_t kTorques = 3;                   // the last columns
 constexpr std::size_t kChunk = std::size_t{1} << 16;  // bytes per write to the file
 
 /// Adding zero turns -0 into 0 and changes nothing else.
@@ -37,6 +58,8 @@ void append(fmt::memory_buffer& text, const TraceRow& row, bool withTimes, bool 
 }
 
 }  // namespace
+
+std::span<const TraceColumn> traceColumns() { return kColumns; }
 
 TraceSummary summarize(const Trace& trace) {
   TraceSummary summary{.ticks = trace.rows.size(), .missedTicks = trace.missedTicks};
@@ -61,8 +84,11 @@ TraceSummary summarize(const Trace& trace) {
 void writeTraceCsv(const std::filesystem::path& file, const Trace& trace) {
   AtomicFile out(file);
   fmt::memory_buffer text;
-  for (const std::string_view part : {kTraceHeader, trace.torques ? kTorques : "", std::string_view("\n")})
-    text.append(part);
+  const auto columns = trace.torques ? traceColumns() : traceColumns().first(std::size(kColumns) - kTorques);
+  for (const TraceColumn& column : columns) {
+    text.append(column.name);
+    text.push_back(&column == &columns.back() ? '\n' : ',');
+  }
   for (const TraceRow& row : trace.rows) {
     append(text, row, !trace.virtualTime, trace.torques);
     if (text.size() < kChunk) continue;

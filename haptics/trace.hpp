@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "engine/core/statistics.hpp"
@@ -52,6 +54,13 @@ TraceSummary summarize(const Trace& trace);
 inline double durationOf(const Trace& trace) {
   return trace.rows.empty() ? 0 : trace.rows.back().time_s - trace.rows.front().time_s;
 }
+
+/// A column of a trace file.
+struct TraceColumn {
+  std::string_view name, unit, meaning;
+};
+/// All columns; the last three are those of torques.
+std::span<const TraceColumn> traceColumns();
 
 /// One row per tick, numbers in the shortest form that reads back to the same double. In virtual time gpu_us and
 /// step_us are written as 0, so that the same input gives the same bytes; their statistics are in the summary. With a

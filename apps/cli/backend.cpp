@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "apps/cli/parse_list.hpp"
+#include "apps/cli/setting_options.hpp"
 #include "engine/core/named_values.hpp"
 #include "haptics/session/cuda_backend.hpp"
 #include "haptics/session/vulkan_backend.hpp"
@@ -32,8 +33,9 @@ ToolConfig toolConfig(const BackendOptions& options) {
 }
 
 // Adds an option with several choices; the help shows the default.
-void addChoice(Options& sub, const char* name, std::string& value, std::vector<std::string> values, const char* what) {
-  sub.add(name, value, what).check(oneOf(std::move(values))).showDefault();
+template <class Section>
+void addChoice(Options& sub, std::string& value, std::string_view name, std::vector<std::string> before = {}) {
+  addSettingFor<Section>(sub, value, name).check(oneOf(choicesOf<Section>(name, std::move(before)))).showDefault();
 }
 
 }  // namespace
@@ -41,79 +43,45 @@ void addChoice(Options& sub, const char* name, std::string& value, std::vector<s
 void addBackendOptions(Options& sub, BackendOptions& options) {
   std::vector<std::string> backends = backendChoices();
   backends.insert(backends.begin(), "auto");
-  addChoice(sub, "--backend", options.backend, std::move(backends),
-            "back end: vulkan (a GPU), cpu (double precision), cuda (for comparison, where built in), or "
-            "auto (vulkan where there is a GPU other than a software driver, else cpu)");
-  sub.add("--method", options.method,
-          "neighbour search on the GPU: fused (default; search, surface and proxy in one dispatch), indirect (one "
-          "indirect dispatch for the occupied buckets), naive (one per bucket), two-step (counts first, dispatched by "
-          "the host), or brute (every point); with cuda: " +
-              fmt::format("{}", fmt::join(cudaMethods(), ", ")));
-  addChoice(sub, "--index", options.index, {"incremental", "rebuild"},
-            "how the index follows an edit: incremental (cost of the touched points; rebuilt when a "
-            "sixteenth of all is touched), or rebuild (always so on cpu and cuda)");
+  addSettingFor<BackendConfig>(sub, options.backend, "name").check(oneOf(std::move(backends))).showDefault();
+  addSettingFor<BackendConfig>(sub, options.method, "method")
+      .describe(
+          fmt::format("{}; with cuda: {}", settingNamed<BackendConfig>("method").help, fmt::join(cudaMethods(), ", ")))
+      .offers(namesOf(kQueryMethods));
+  addChoice<IndexConfig>(sub, options.index, "follow");
   addIndexOptions(sub, options);
 }
 
 void addSurfaceOptions(Options& sub, BackendOptions& options) {
-  sub.add("--surface", options.surface,
-          "implicit surface: average (default; weighted position and normal), sphere (algebraic sphere "
-          "through positions and normals), or sharp (keeps edges, three times the cost); cuda has "
-          "average only")
-      .check(oneOf(namesOf(kSurfaceKinds)));
-  sub.add("--friction", options.friction, "Coulomb friction coefficient of the proxy; 0: frictionless")
-      .check(between(0, bounds::kMaxFriction))
-      .showDefault();
+  addSettingFor<SurfaceConfig>(sub, options.surface, "kind").check(oneOf(choicesOf<SurfaceConfig>("kind")));
+  addSettingFor<SurfaceConfig>(sub, options.friction, "friction").showDefault();
   addRadiusOption(sub, options);
 }
 
 void addRadiusOption(Options& sub, BackendOptions& options) {
-  sub.add("--radius", options.radius,
-          "support radius of the surface, mm, or auto (4 local spacings; up to 8 on flat parts of noisy "
-          "clouds)")
-      .check(lengthOrAuto())
-      .showDefault();
+  addSettingFor<SurfaceConfig>(sub, options.radius, "radius_mm").check(lengthOrAuto()).showDefault();
 }
 
 void addIndexOptions(Options& sub, BackendOptions& options) {
-  addChoice(sub, "--bucket-key", options.bucketKey, {"teschner", "morton"},
-            "hash key: teschner scatters the cells, morton keeps neighbouring cells together in memory");
-  addChoice(sub, "--sort", options.sort, {"counting", "radix", "radix-lookback"},
-            "sort of the index: counting (falls back to radix for crowded buckets), radix, or "
-            "radix-lookback (requires forward progress between workgroups)");
-  sub.addFlag("--deterministic", options.deterministic,
-              "bit-identical results in every run (always so in virtual time)");
-  sub.add("--wait", options.wait,
-          "how the CPU waits for the GPU: spin, poll or block (default: depends on driver and core "
-          "count)")
-      .check(oneOf({"spin", "poll", "block"}));
-  addChoice(sub, "--ahead", options.ahead, {"auto", "on", "off"},
-            "submit each query before its pose is known, so that the GPU only waits for the pose: auto "
-            "(on for drivers known to allow it), on or off");
-  const Option cell = sub.add("--cell", options.cell_mm, "edge of a hash cell, mm (default: the support radius)")
-                          .check(between(bounds::kShortest_mm, bounds::kLongest_mm));
-  sub.add("--grid", options.grid, "hash cells along the longest side, in place of --cell")
-      .check(between(1, bounds::kMaxCells))
-      .excludes(cell);
+  addChoice<IndexConfig>(sub, options.bucketKey, "bucket_key");
+  addChoice<IndexConfig>(sub, options.sort, "sort");
+  addSettingFor<BackendConfig>(sub, options.deterministic, "deterministic");
+  addSettingFor<BackendConfig>(sub, options.wait, "wait").check(oneOf(choicesOf<BackendConfig>("wait")));
+  addChoice<BackendConfig>(sub, options.ahead, "ahead", {"auto"});
+  const Option cell = addSettingFor<IndexConfig>(sub, options.cell_mm, "cell_mm");
+  addSettingFor<IndexConfig>(sub, options.grid, "cells_along_side").excludes(cell);
 }
 
 void addToolOptions(Options& sub, BackendOptions& options) {
-  sub.add("--tool", options.tool,
-          "tool: point, or many contact points that share the stiffness: pad (a fingertip), ball, or "
-          "spatula; vulkan with the method fused, or cpu")
-      .check(oneOf(namesOf(kToolKinds)))
-      .showDefault();
-  sub.add("--tool-points", options.toolPoints,
-          fmt::format("contact points of a pad, ball or spatula (default {})", ToolConfig{}.points))
-      .check(wholeBetween(1, static_cast<double>(kMaxToolPoints)))
-      .typeName("N");
-  sub.add("--tool-size", options.toolSize_mm,
-          fmt::format("diameter of a pad or ball, length of a spatula, mm (default {})", ToolConfig{}.size_mm))
-      .check(between(bounds::kShortest_mm, bounds::kLongest_mm));
-  sub.add("--tool-axis", options.toolAxis,
-          "direction in which the face of a pad or spatula looks while the stylus is not rotated, model "
-          "axes (default 0,0,-1)")
-      .typeName("X,Y,Z");
+  const ToolConfig usual;
+  addChoice<ToolConfig>(sub, options.tool, "kind");
+  const auto withDefault = [&](Option option, const auto& value) {
+    option.describe(fmt::format("{} (default {})", option.help(), value));
+    return option;
+  };
+  withDefault(addSettingFor<ToolConfig>(sub, options.toolPoints, "points"), usual.points).typeName("N");
+  withDefault(addSettingFor<ToolConfig>(sub, options.toolSize_mm, "size_mm"), usual.size_mm);
+  addSettingFor<ToolConfig>(sub, options.toolAxis, "axis").typeName("X,Y,Z");
 }
 
 void setBackend(SessionConfig& config, const BackendOptions& options) {

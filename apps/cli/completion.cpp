@@ -2,8 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <iterator>
 
 #include "apps/cli/complaint.hpp"
+#include "engine/io/cloud_formats.hpp"
 
 namespace palpate {
 
@@ -11,8 +13,40 @@ namespace {
 
 bool isOption(const std::string& word) { return word.size() > 1 && word.starts_with("-"); }
 
-// The choices of an option, which stand between braces in the help: "TEXT:{push,carve}".
-std::vector<std::string> choicesOf(const CLI::Option& option) {
+// The endings of the files that each kind of value in the help may name; those of clouds and meshes are added below.
+constexpr std::pair<std::string_view, std::string_view> kFileTypes[]{
+    {"FILE", ""},         {"FILE...", ""},    {"FILE|-", ""},           {"SESSION", ""},
+    {"LOG", ""},          {"SCENE", ".json"}, {"FILE.csv", ".csv"},     {"FILE.json", ".json"},
+    {"FILE.pfm", ".pfm"}, {"FOLDER", "/"},    {"IMG.png", ".png .jpg"}, {"DEVICE|ros", ""}};
+
+// The endings in a list such as ".ply, .xyz, a COLMAP folder", or in ".png .jpg".
+std::vector<std::string> endingsIn(const std::string& list) {
+  std::vector<std::string> endings;
+  for (std::size_t at = 0; at < list.size();) {
+    const std::size_t end = std::min(list.find_first_of(", ", at), list.size());
+    const std::string word = list.substr(at, end - at);
+    if (word.starts_with(".") || word == "/") endings.push_back(word);
+    at = end + 1;
+  }
+  return endings;
+}
+
+// The files that a value of an option may name: none, those with some endings, or any.
+Completions filesOf(const CLI::Option& option) {
+  const std::string type = option.get_type_name(), kind = type.substr(0, type.find_first_of(":["));
+  const CloudFormats& formats = cloudFormats();
+  if (kind == "MODEL" || kind == "IN" || kind == "FILE...")
+    return {.files = true, .endings = endingsIn(formats.endingsRead() + ", .json")};
+  if (kind == "OUT.ply" || kind == "OUT") return {.files = true, .endings = endingsIn(formats.endingsWritten())};
+  if (kind == "MESH.ply") return {.files = true, .endings = endingsIn(formats.endingsWritten(Written::mesh))};
+  for (const auto& [name, endings] : kFileTypes)
+    if (kind == name) return {.files = true, .endings = endingsIn(std::string(endings))};
+  return {};
+}
+
+// The choices of an option: those that the program gives it, or those between braces in the help: "TEXT:{push,carve}".
+std::vector<std::string> choicesOf(const CLI::Option& option, const OptionFacts* facts) {
+  if (facts && !facts->offers.empty()) return facts->offers;
   const std::string type = option.get_type_name();
   const std::size_t from = type.find('{'), to = type.find('}');
   std::vector<std::string> choices;
@@ -50,10 +84,13 @@ struct Place {
       if (option->get_items_expected_max() == 1) option = nullptr;
       return;
     }
-    if (const CLI::App* next = subcommandOf(command(), word))
-      commands.push_back(next);
-    else
-      ++positionals;
+    // A command that takes several subcommands goes on after the first, as in "bench build sort".
+    for (std::size_t depth = commands.size(); depth > (commands.size() > 1 ? 1 : 0); --depth)
+      if (const CLI::App* next = subcommandOf(*commands[depth - 1], word)) {
+        commands.resize(depth);
+        return commands.push_back(next);
+      }
+    ++positionals;
   }
 
   // The next positional option; null if there is none left.
@@ -75,10 +112,13 @@ std::vector<std::string> optionNames(const Place& place) {
   return names;
 }
 
-std::vector<std::string> subcommandNames(const CLI::App& command) {
+// Names of the subcommands that may come next.
+std::vector<std::string> subcommandNames(const Place& place) {
   std::vector<std::string> names;
-  for (const CLI::App* app : command.get_subcommands({}))
-    if (!app->get_group().empty()) names.push_back(app->get_name());
+  for (std::size_t depth = place.commands.size() > 1 ? 1 : 0; depth < place.commands.size(); ++depth)
+    for (const CLI::App* app : place.commands[depth]->get_subcommands({}))
+      if (!app->get_group().empty() && std::ranges::find(place.commands, app) == place.commands.end())
+        names.push_back(app->get_name());
   return names;
 }
 
@@ -89,50 +129,70 @@ std::vector<std::string> beginningWith(const std::string& begin, std::vector<std
   return words;
 }
 
-// "--name", "=", "value" as one word.
-std::vector<std::string> joined(const std::vector<std::string>& words) {
+// "--name", "=", "value" and "builtin", ":", "press" as one word each. `tail`: length of the part of the last word that
+// the shell replaces.
+std::vector<std::string> joined(const std::vector<std::string>& words, std::size_t& tail) {
   std::vector<std::string> whole;
   bool joins = false;
+  tail = std::string::npos;
   for (const std::string& word : words) {
-    const bool isSign = word == "=" && !whole.empty() && isOption(whole.back());
-    if (joins || isSign)
+    const bool isSign = !whole.empty() && (word == ":" || (word == "=" && isOption(whole.back())));
+    if (joins || isSign) {
       whole.back() += word;
-    else
+      tail = isSign ? 0 : word.size();
+    } else {
       whole.push_back(word);
+      tail = std::string::npos;
+    }
     joins = isSign;
   }
   return whole;
 }
 
+// Completions of a value, or of the last one in a list of values.
+Completions valuesOf(const Options& program, const CLI::Option& option, const std::string& begin) {
+  const OptionFacts* facts = program.factsOf(&option);
+  Completions found = filesOf(option);
+  if (facts && !facts->endings.empty()) found = {.files = true, .endings = endingsIn(facts->endings)};
+  const std::vector<std::string> choices = choicesOf(option, facts);
+  const char separator = option.get_delimiter();
+  const std::size_t last = separator ? begin.rfind(separator) : begin.npos, from = last == begin.npos ? 0 : last + 1;
+  found.words = beginningWith(begin.substr(from), choices);
+  for (std::string& word : found.words) word.insert(0, begin.substr(0, from));
+  return found;
+}
+
 }  // namespace
 
-Completions completionsOf(const CLI::App& app, const std::vector<std::string>& words) {
-  std::vector<std::string> whole = joined(words);
-  const bool wasSplit = whole.size() < words.size() && whole.back() != words.back();
+Completions completionsOf(const Options& program, const std::vector<std::string>& words) {
+  std::size_t tail = 0;
+  std::vector<std::string> whole = joined(words, tail);
   const std::string current = whole.empty() ? std::string() : whole.back();
   if (!whole.empty()) whole.pop_back();
-  Place place{.commands = {&app}};
+  Place place{.commands = {&program.app()}};
   for (const std::string& word : whole) place.pass(word);
 
+  Completions found;
+  std::string before;  // of the value, in the current word
   if (const std::size_t sign = current.find('='); isOption(current) && sign != current.npos) {
-    const CLI::Option* option = place.find(current.substr(0, sign));
-    std::vector<std::string> values =
-        beginningWith(current.substr(sign + 1), option ? choicesOf(*option) : std::vector<std::string>());
-    const bool files = values.empty();
-    if (!wasSplit)
-      for (std::string& value : values) value.insert(0, current.substr(0, sign + 1));
-    return {.words = std::move(values), .files = files};
+    before = current.substr(0, sign + 1);
+    if (const CLI::Option* option = place.find(current.substr(0, sign)))
+      found = valuesOf(program, *option, current.substr(sign + 1));
+  } else if (isOption(current)) {
+    found.words = beginningWith(current, optionNames(place));
+  } else if (place.option) {
+    found = valuesOf(program, *place.option, current);
+  } else {
+    if (const CLI::Option* positional = place.positional()) found = valuesOf(program, *positional, current);
+    if (place.commands.size() == 1 && place.positionals == 0) found = {.files = true};  // palpate MODEL
+    std::ranges::move(beginningWith(current, subcommandNames(place)), std::back_inserter(found.words));
+    std::ranges::sort(found.words);
   }
-  if (isOption(current)) return {.words = beginningWith(current, optionNames(place)), .files = false};
-  if (place.option) {
-    const std::vector<std::string> choices = choicesOf(*place.option);
-    return {.words = beginningWith(current, choices), .files = choices.empty()};
+  for (std::string& word : found.words) {
+    word.insert(0, before);
+    if (tail != std::string::npos) word.erase(0, current.size() - tail);
   }
-  std::vector<std::string> found = subcommandNames(place.command());
-  const CLI::Option* positional = place.positional();
-  if (positional) std::ranges::move(choicesOf(*positional), std::back_inserter(found));
-  const bool files = place.commands.size() == 1 ? place.positionals == 0 : positional && choicesOf(*positional).empty();
-  return {.words = beginningWith(current, std::move(found)), .files = files};
+  return found;
 }
 
 }  // namespace palpate

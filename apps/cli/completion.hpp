@@ -4,19 +4,18 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "apps/cli/options.hpp"
 
 namespace palpate {
 
 struct Completions {
   std::vector<std::string> words;
-  bool files = true;  ///< a file name is possible, too
+  bool files = false;                     ///< a file name is possible, too
+  std::vector<std::string> endings = {};  ///< of these files, as in ".csv"; "/": folders alone; empty: any
 };
 
 /// Completions of the last of `words`, which may be incomplete. The words follow the program's name, and may be split
-/// at "=" as bash splits them.
-Completions completionsOf(const CLI::App& app, const std::vector<std::string>& words);
+/// at "=" and ":" as bash splits them.
+Completions completionsOf(const Options& program, const std::vector<std::string>& words);
 
 }  // namespace palpate

@@ -81,6 +81,7 @@ void addMake(Options& app, Context& context, Command& command);
 void addSimulate(Options& app, Context& context, Command& command);
 void addTouch(Options& app, Context& context, Command& command);
 void addReplay(Options& app, Context& context, Command& command);
+void addReference(Options& app, Context& context, Command& command);
 void addRender(Options& app, Context& context, Command& command);
 void addView(Options& app, Context& context, Command& command);
 void addConvert(Options& app, Context& context, Command& command);

@@ -4,6 +4,7 @@
 #include "apps/cli/fused_folder.hpp"
 #include "apps/cli/model.hpp"
 #include "apps/cli/output.hpp"
+#include "apps/cli/setting_options.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
@@ -22,8 +23,7 @@ struct ConvertOptions {
   std::string input, output, normals = "keep", columns;
   bool ascii = false, force = false, dropsUnreliable = false;
   ScaleOptions scale;
-  std::string intrinsics;
-  double depthScale = 0;
+  StreamConfig stream;  ///< intrinsics and depth scale
   std::int64_t samples = 0;
   std::string unit;
   NetworkOptions network;
@@ -93,8 +93,8 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
                                  .columns = columnsOf(options, from)}),
             .format = std::string(from.name)};
   }
-  FusedFolder fused =
-      readFused(context, options.input, {.intrinsics = options.intrinsics, .depthScale = options.depthScale});
+  FusedFolder fused = readFused(context, options.input,
+                                {.intrinsics = options.stream.intrinsics, .depthScale = options.stream.depthScale});
   return {
       .stored = std::move(fused.stored),
       .format = fused.kind,
@@ -171,10 +171,10 @@ void addConvert(Options& app, Context& context, Command& command) {
               "keeps the triangles",
               kUsualSamples))
       .check(wholeBetween(1, 2e9));
-  sub.add("--intrinsics", options->intrinsics, "intrinsics of the depth camera, JSON (default: those of the folder)")
+  addSetting(sub, options->stream, "intrinsics")
+      .describe("intrinsics of the depth camera, JSON (default: those of the folder)")
       .typeName("FILE");
-  sub.add("--depth-scale", options->depthScale, "depth values per metre (default: that of the folder)")
-      .check(between(bounds::kMinDepthScale, bounds::kMaxDepthScale));
+  addSetting(sub, options->stream, "depth_scale").describe("depth values per metre (default: that of the folder)");
   sub.addFlag("--drop-unreliable", options->dropsUnreliable,
               "COLMAP: drop unreliable points, as touch does without --all-points");
   addScaleOptions(sub, options->scale);

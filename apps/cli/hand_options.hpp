@@ -8,10 +8,9 @@ namespace palpate {
 
 struct HandChoices {
   std::string option = "--device";  ///< option that names the device
-  std::string device = "path", map = "fit", passivity, scheduler = "device";
-  double handStiffness_N_per_mm = 0, handDamping_N_s_per_mm = 0;  ///< 0: the simulation's default
-  double duration_s = 0;                                          ///< 0: that of the path
-  bool rumble = false;                                            ///< a gamepad rumbles at each contact
+  std::string device = "path", scheduler = "device";
+  HandConfig hand;        ///< mapping, passivity, simulated hand, rumbling
+  double duration_s = 0;  ///< 0: that of the path
 
   /// `path`: for a script or a simulated hand.
   HandConfig config(const std::string& path, double penetration_mm) const;

@@ -106,7 +106,8 @@ void info(Context& context, const std::string& file, const LookOptions& look, bo
 
 /// For a recorded depth camera.
 void infoOfFrames(Context& context, const std::string& file, const StreamOptions& options) {
-  const RgbdFolder folder(file, {.intrinsics = options.intrinsics, .depthScale = options.depthScale}, &context.log());
+  const RgbdFolder folder(file, {.intrinsics = options.stream.intrinsics, .depthScale = options.stream.depthScale},
+                          &context.log());
   const DepthCamera& camera = folder.camera();
   const auto up = folder.up();
   std::FILE* out = context.tables();

@@ -1,3 +1,5 @@
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
@@ -26,6 +28,7 @@ void addSubcommands(Options& app, Context& context, Command& command) {
   addReplay(app, context, command);
   addBench(app, context, command);
   addDoctor(app, context, command);
+  addReference(app, context, command);
 }
 
 void addFooter(const std::vector<CLI::App*>& commands) {
@@ -65,14 +68,15 @@ const Options& namedIn(const Options& options) {
 }
 
 // For the shell: what may come after the words behind "--", or the script that asks for it.
-void complete(const CLI::App& app, std::vector<std::string> words) {
+void complete(const Options& program, std::vector<std::string> words) {
   if (words.size() == 1)
     for (const auto& [shell, script] : completion_script::kAll)
       if (words.front() == shell) return fmt::print("{}", script);
   if (!words.empty() && words.front() == "--") words.erase(words.begin());
-  const Completions completions = completionsOf(app, words);
+  const Completions completions = completionsOf(program, words);
   for (const std::string& word : completions.words) fmt::print("{}\n", word);
-  if (completions.files) fmt::print("/\n");  // "/" cannot be a word
+  if (completions.files)  // "/" cannot be a word
+    fmt::print("/{}{}\n", completions.endings.empty() ? "" : " ", fmt::join(completions.endings, " "));
 }
 
 // Prints the error and returns the exit code: an interrupted run returns the code that shells expect.
@@ -101,7 +105,7 @@ int run(std::vector<std::string> arguments) {
   app.footer("palpate help COMMAND shows the options of that command, as palpate COMMAND --help does.");
 
   if (!arguments.empty() && arguments.front() == "complete") {
-    complete(app, {arguments.begin() + 1, arguments.end()});
+    complete(options, {arguments.begin() + 1, arguments.end()});
     return 0;
   }
   try {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/cli/parse_list.hpp"
+#include "apps/cli/setting_options.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "haptics/session/vulkan_backend.hpp"
@@ -21,21 +22,14 @@ void addModelOptions(Options& command, ModelOptions& options, const std::string&
   Option model = command.add("model", options.file, what).typeName("MODEL");
   if (isRequired) model.required();
   addScaleOptions(command, options.scale);
-  command
-      .add("--normals", options.normals,
-           "keep: use the normals of the file, estimate missing ones; estimate: always estimate from the "
-           "points; face: from the faces")
-      .check(oneOf({"keep", "estimate", "face"}))
+  addSettingFor<ModelConfig>(command, options.normals, "normals")
+      .check(oneOf(choicesOf<ModelConfig>("normals")))
       .showDefault();
   addAllPointsOption(command, options.allPoints);
 }
 
 void addScaleOptions(Options& command, ScaleOptions& options) {
-  command
-      .add("--mm-per-unit", options.mm_per_unit,
-           "touch scale: millimetres in the hand per model unit (default: the comment mm_per_unit of the "
-           "file, or the longest side becomes 100 mm)")
-      .check(between(bounds::kMinScale, bounds::kMaxScale));
+  addSettingFor<ModelConfig>(command, options.mm_per_unit, "mm_per_unit");
   command
       .add("--scale-from", options.from,
            "touch scale from two positions in model units and their true distance in mm: "
@@ -44,9 +38,7 @@ void addScaleOptions(Options& command, ScaleOptions& options) {
 }
 
 void addAllPointsOption(Options& command, bool& allPoints) {
-  command.addFlag("--all-points", allPoints,
-                  "COLMAP: also keep unreliable points (rays at less than 1.5 degrees, errors above 4 pixels, "
-                  "fewer than three images)");
+  addSettingFor<ModelConfig>(command, allPoints, "all_points");
 }
 
 double ScaleOptions::given() const {

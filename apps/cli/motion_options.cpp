@@ -1,45 +1,24 @@
 #include "apps/cli/motion_options.hpp"
 
-#include "apps/cli/parse_list.hpp"
-#include "haptics/session/bounds.hpp"
+#include "apps/cli/setting_options.hpp"
 
 namespace palpate {
 
 void addMotionOptions(Options& command, MotionOptions& options) {
-  std::vector<std::string> kinds{"none"};
-  for (const auto& [name, kind] : kMotionKinds) kinds.emplace_back(name);
-  command
-      .add("--motion", options.kind,
-           "rigid motion of the model: none, oscillate or drift along --motion-axis, or turn about it; a "
-           "moving model cannot be sculpted (vulkan, cpu)")
-      .check(oneOf(std::move(kinds)))
+  addSettingFor<MotionConfig>(command, options.kind, "kind")
+      .check(oneOf(choicesOf<MotionConfig>("kind", {"none"})))
       .showDefault();
-  command.add("--motion-axis", options.axis, "axis X,Y,Z in the axes of the model, of any length").showDefault();
-  command.add("--motion-amplitude", options.amplitude_mm, "oscillate: amplitude, mm")
-      .check(between(0, bounds::kLongest_mm))
-      .showDefault();
-  command.add("--motion-frequency", options.frequency_Hz, "oscillate, turn: frequency, Hz")
-      .check(between(0, bounds::kMaxRate_Hz))
-      .showDefault();
-  command.add("--motion-speed", options.speed_mm_per_s, "drift: speed, mm/s")
-      .check(between(0, bounds::kLongest_mm))
-      .showDefault();
+  addSettings(command, options.motion, {"axis", "amplitude_mm", "frequency_Hz", "speed_mm_per_s"});
 }
 
 std::optional<MotionConfig> motionConfig(const MotionOptions& options) {
-  for (const auto& [name, kind] : kMotionKinds) {
-    if (options.kind != name) continue;
-    const auto [x, y, z] = parseList<double, 3>(options.axis, ',', "--motion-axis", "X,Y,Z");
-    const DVec3 axis(x, y, z);
-    if (!isFinite(axis) || !(glm::length(axis) > 0))
-      throw UsageError("--motion-axis: {} is not a direction", options.axis);
-    return MotionConfig{.kind = kind,
-                        .axis = axis,
-                        .amplitude_mm = options.amplitude_mm,
-                        .frequency_Hz = options.frequency_Hz,
-                        .speed_mm_per_s = options.speed_mm_per_s};
-  }
-  return std::nullopt;
+  const auto kind = valueNamed(kMotionKinds, options.kind);
+  if (!kind) return std::nullopt;
+  MotionConfig motion = options.motion;
+  motion.kind = *kind;
+  if (!isFinite(motion.axis) || !(glm::length(motion.axis) > 0))
+    throw UsageError("--motion-axis: {} is not a direction", listText(motion.axis));
+  return motion;
 }
 
 }  // namespace palpate

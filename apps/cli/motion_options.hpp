@@ -10,9 +10,8 @@
 namespace palpate {
 
 struct MotionOptions {
-  std::string kind = "none", axis = "0,0,1";
-  double amplitude_mm = MotionConfig{}.amplitude_mm, frequency_Hz = MotionConfig{}.frequency_Hz,
-         speed_mm_per_s = MotionConfig{}.speed_mm_per_s;
+  std::string kind = "none";
+  MotionConfig motion;
 };
 void addMotionOptions(Options& command, MotionOptions& options);
 

@@ -30,17 +30,18 @@ bool isBetween(const std::string& text, double least, double most) {
   return value && *value >= least && *value <= most;
 }
 
-Check wanted(std::string what, std::function<bool(const std::string&)> fits, std::string description) {
+Check wanted(std::string what, std::function<bool(const std::string&)> fits, std::string description,
+             std::string bounds) {
   return {[what = std::move(what), fits = std::move(fits)](const std::string& text) {
             return fits(text) ? std::string() : fmt::format("{} is not {}", text, what);
           },
-          std::move(description)};
+          std::move(description), std::move(bounds)};
 }
 
 // For the help; empty for bounds that only exclude absurd numbers.
-std::string boundsInWords(double min, double max) {
+std::string boundsInHelp(const Range& range) {
   constexpr double kAbsurd = 1e5;
-  return max < kAbsurd ? fmt::format("{:g} to {:g}", min, max) : std::string();
+  return range.max < kAbsurd ? inWords(range) : std::string();
 }
 
 // CLI11's validators may change the text; those used here only check it.
@@ -91,14 +92,21 @@ Check oneOf(std::vector<std::string> words) {
 
 Check oneOf(std::initializer_list<std::uint32_t> numbers) { return checkOf(CLI::IsMember(numbers)); }
 
-Check inRange(std::uint32_t least, std::uint32_t most) {
-  return checkOf(CLI::Range(least, most, fmt::format("{} to {}", least, most)));
-}
+Check inRange(std::uint32_t least, std::uint32_t most) { return wholeBetween(least, most); }
 
-Check between(double least, double most) {
+Check between(double least, double most) { return between(Range{least, most}); }
+
+Check between(const Range& given) {
+  Range range = given;
+  range.orZero = false;  // the option is left out instead
   return wanted(
-      fmt::format("a number from {} to {}", least, most),
-      [least, most](const std::string& text) { return isBetween(text, least, most); }, boundsInWords(least, most));
+      range.excludesMin ? fmt::format("a number {}", inWords(range))
+                        : fmt::format("a number from {} to {}", range.min, range.max),
+      [range](const std::string& text) {
+        const auto value = finiteNumber(text);
+        return value && range.contains(*value);
+      },
+      boundsInHelp(range), inWords(range));
 }
 
 Check wholeBetween(double least, double most) {
@@ -107,26 +115,42 @@ Check wholeBetween(double least, double most) {
       [least, most](const std::string& text) {
         return isBetween(text, least, most) && text.find_first_not_of("+-0123456789") == text.npos;
       },
-      boundsInWords(least, most));
+      boundsInHelp({least, most}), inWords(Range{least, most}));
 }
 
 Check lengthOrAuto() {
-  return wanted(fmt::format("auto or a length from {} to {} mm", bounds::kShortest_mm, bounds::kLongest_mm),
-                [](const std::string& text) {
-                  return text == "auto" || isBetween(text, bounds::kShortest_mm, bounds::kLongest_mm);
-                },
-                {});
+  return wanted(
+      fmt::format("auto or a length from {} to {} mm", bounds::kShortest_mm, bounds::kLongest_mm),
+      [](const std::string& text) {
+        return text == "auto" || isBetween(text, bounds::kShortest_mm, bounds::kLongest_mm);
+      },
+      {}, fmt::format("auto, {}", inWords(Range{bounds::kShortest_mm, bounds::kLongest_mm})));
 }
 
-Option Option::required() { return Option(option_->required()); }
-Option Option::check(const Check& check) { return Option(option_->check(check.complaint, check.description)); }
-Option Option::typeName(const std::string& name) { return Option(option_->type_name(name)); }
-Option Option::describe(const std::string& what) { return Option(option_->description(what)); }
-Option Option::separatedBy(char separator) { return Option(option_->delimiter(separator)); }
-Option Option::showDefault() { return Option(option_->capture_default_str()); }
-Option Option::needs(Option other) { return Option(option_->needs(other.option_)); }
-Option Option::excludes(Option other) { return Option(option_->excludes(other.option_)); }
-Option Option::under(const std::string& heading) { return Option(option_->group(heading)); }
+Option Option::required() { return option_->required(), *this; }
+Option Option::check(const Check& check) {
+  option_->check(check.complaint, check.description);
+  if (!check.bounds.empty()) facts_->bounds = check.bounds;
+  return *this;
+}
+Option Option::typeName(const std::string& name) { return option_->type_name(name), *this; }
+Option Option::describe(const std::string& what) { return option_->description(what), *this; }
+Option Option::separatedBy(char separator) { return option_->delimiter(separator), *this; }
+Option Option::showDefault() { return option_->capture_default_str(), *this; }
+Option Option::needs(Option other) { return option_->needs(other.option_), *this; }
+Option Option::excludes(Option other) { return option_->excludes(other.option_), *this; }
+Option Option::under(const std::string& heading) { return option_->group(heading), *this; }
+
+Option Option::unit(std::string_view unit) {
+  facts_->unit = unit;
+  return *this;
+}
+
+Option Option::offers(std::vector<std::string> words, std::string endings) {
+  facts_->offers = std::move(words);
+  facts_->endings = std::move(endings);
+  return *this;
+}
 
 void Option::set(const std::string& text) {
   option_->clear();
@@ -139,46 +163,62 @@ bool Option::given() const { return option_->count() > 0; }
 bool Option::takesValue() const { return option_->get_expected_min() > 0; }
 std::string Option::text() const { return option_->results().front(); }
 std::string Option::defaultText() const { return option_->get_default_str(); }
+std::string Option::allNames() const { return option_->get_name(false, true); }
+std::string Option::type() const { return option_->get_type_name(); }
+std::string Option::help() const { return option_->get_description(); }
+std::string Option::heading() const { return option_->get_group(); }
+bool Option::isRequired() const { return option_->get_required(); }
 
 Options::Options() : Options(std::string()) {}
 Options::Options(const std::string& description) : own_(std::make_unique<CLI::App>(description)), app_(own_.get()) {}
 Options::Options(CLI::App& subcommand) : app_(&subcommand) {}
 Options::~Options() = default;
 
+Option Options::with(CLI::Option* option) const { return {option, &facts_[option]}; }
+
 Option Options::add(const std::string& names, std::string& value, const std::string& what) {
-  return Option(app_->add_option(names, value, what));
+  return with(app_->add_option(names, value, what));
 }
 Option Options::add(const std::string& names, double& value, const std::string& what) {
-  return Option(app_->add_option(names, value, what));
+  return with(app_->add_option(names, value, what));
 }
 Option Options::add(const std::string& names, std::int64_t& value, const std::string& what) {
-  return Option(app_->add_option(names, value, what));
+  return with(app_->add_option(names, value, what));
 }
 Option Options::add(const std::string& names, std::uint32_t& value, const std::string& what) {
-  return Option(app_->add_option(names, value, what));
+  return with(app_->add_option(names, value, what));
 }
 Option Options::add(const std::string& names, std::uint64_t& value, const std::string& what) {
-  return Option(app_->add_option(names, value, what));
+  return with(app_->add_option(names, value, what));
 }
 Option Options::add(const std::string& names, std::optional<std::uint32_t>& value, const std::string& what) {
-  return Option(app_->add_option(names, value, what));
+  return with(app_->add_option(names, value, what));
 }
 Option Options::add(const std::string& names, std::vector<std::string>& values, const std::string& what) {
-  return Option(app_->add_option(names, values, what));
+  return with(app_->add_option(names, values, what));
 }
 Option Options::add(const std::string& names, std::vector<std::int64_t>& values, const std::string& what) {
-  return Option(app_->add_option(names, values, what));
+  return with(app_->add_option(names, values, what));
 }
 Option Options::add(const std::string& names, std::vector<std::uint32_t>& values, const std::string& what) {
-  return Option(app_->add_option(names, values, what));
+  return with(app_->add_option(names, values, what));
+}
+Option Options::add(const std::string& names, std::function<void(const std::string&)> set,
+                    std::function<std::string()> usual, const std::string& what) {
+  CLI::Option* option = app_->add_option_function<std::string>(names, std::move(set), what);
+  return with(option->default_function(std::move(usual)));
 }
 Option Options::addFlag(const std::string& names, bool& value, const std::string& what) {
-  return Option(app_->add_flag(names, value, what));
+  return with(app_->add_flag(names, value, what));
+}
+Option Options::addNegatedFlag(const std::string& names, bool& value, const std::string& what) {
+  return with(app_->add_flag_callback(
+      names, [&value] { value = false; }, what));
 }
 
 Option Options::addFlag(const std::string& name, std::string& value, const std::vector<std::string>& words,
                         const std::string& what) {
-  return Option(app_->add_flag(name + "{" + words.front() + "}", value, what)->check(CLI::IsMember(words)));
+  return with(app_->add_flag(name + "{" + words.front() + "}", value, what)->check(CLI::IsMember(words)));
 }
 
 void Options::heading(const std::string& text) { app_->option_defaults()->group(text); }
@@ -197,14 +237,23 @@ void Options::helpShows(std::vector<std::string> names) {
 void Options::whenNamed(std::function<void()> callback) { app_->callback(std::move(callback)); }
 
 std::string Options::name() const { return app_->get_name(); }
+std::string Options::description() const { return app_->get_description(); }
+std::string Options::footer() const { return app_->get_footer(); }
 
 std::vector<Option> Options::all() const {
   std::vector<Option> options;
-  for (CLI::Option* option : app_->get_options({})) options.emplace_back(option);
+  for (CLI::Option* option : app_->get_options({})) options.push_back(with(option));
   return options;
 }
 
-Option Options::find(const std::string& name) const { return Option(app_->get_option(name)); }
+Option Options::find(const std::string& name) const { return with(app_->get_option(name)); }
+
+const OptionFacts* Options::factsOf(const CLI::Option* option) const {
+  if (const auto found = facts_.find(option); found != facts_.end()) return &found->second;
+  for (const auto& subcommand : subcommands_)
+    if (const OptionFacts* found = subcommand->factsOf(option)) return found;
+  return nullptr;
+}
 
 std::vector<const Options*> Options::named() const {
   std::vector<const Options*> named;

@@ -5,11 +5,14 @@
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "engine/core/setting.hpp"
 
 namespace CLI {
 class App;
@@ -22,6 +25,7 @@ namespace palpate {
 struct Check {
   std::function<std::string(const std::string&)> complaint;  ///< describes what is wrong with a text; empty: valid
   std::string description = {};                              ///< shown in the help in place of the type
+  std::string bounds = {};                                   ///< of a number, for the reference page
 };
 /// One of these words.
 Check oneOf(std::vector<std::string> words);
@@ -30,15 +34,23 @@ Check oneOf(std::initializer_list<std::uint32_t> numbers);
 Check inRange(std::uint32_t least, std::uint32_t most);
 /// A number; complaints name the bounds. Not-a-number and infinity never pass.
 Check between(double least, double most);
+Check between(const Range& range);
 /// The same for an integer.
 Check wholeBetween(double least, double most);
 /// A length in mm, or the word auto.
 Check lengthOrAuto();
 
+/// What the reference page and completion know of an option beside its help.
+struct OptionFacts {
+  std::string bounds, unit;
+  std::vector<std::string> offers;  ///< words
+  std::string endings;              ///< of files beside them
+};
+
 /// An option of Options, which must outlive it.
 class Option {
  public:
-  explicit Option(CLI::Option* option) : option_(option) {}
+  Option(CLI::Option* option, OptionFacts* facts) : option_(option), facts_(facts) {}
 
   Option required();
   Option check(const Check& check);
@@ -52,6 +64,10 @@ class Option {
   Option excludes(Option other);
   /// Heading under which the help lists the option; empty: hidden.
   Option under(const std::string& heading);
+  /// For the reference page, if the help does not name it after a comma.
+  Option unit(std::string_view unit);
+  /// Words that completion offers where the help lists no choices, and the endings of files beside them.
+  Option offers(std::vector<std::string> words, std::string endings = {});
   /// Sets the value as if it were given on the command line.
   void set(const std::string& text);
 
@@ -65,9 +81,18 @@ class Option {
   std::string text() const;
   /// The text that showDefault() shows.
   std::string defaultText() const;
+  /// Names, as in "-o,--output"; the kind of value, as in "FLOAT" or "{on,off}"; the help.
+  std::string allNames() const;
+  std::string type() const;
+  std::string help() const;
+  /// Heading under which the help lists the option; empty: hidden.
+  std::string heading() const;
+  bool isRequired() const;
+  const OptionFacts& facts() const { return *facts_; }
 
  private:
   CLI::Option* option_;
+  OptionFacts* facts_;
 };
 
 /// The options of a command and its subcommands. The variables that receive the values must outlive it.
@@ -89,7 +114,12 @@ class Options {
   Option add(const std::string& names, std::vector<std::string>& values, const std::string& what);
   Option add(const std::string& names, std::vector<std::int64_t>& values, const std::string& what);
   Option add(const std::string& names, std::vector<std::uint32_t>& values, const std::string& what);
+  /// Passes the text to `set` once it has passed the checks. `usual` gives the default for the help.
+  Option add(const std::string& names, std::function<void(const std::string&)> set, std::function<std::string()> usual,
+             const std::string& what);
   Option addFlag(const std::string& names, bool& value, const std::string& what);
+  /// A flag that sets the variable to false.
+  Option addNegatedFlag(const std::string& names, bool& value, const std::string& what);
   /// A flag that means the first of these words; another word requires --name=word.
   Option addFlag(const std::string& name, std::string& value, const std::vector<std::string>& words,
                  const std::string& what);
@@ -109,20 +139,28 @@ class Options {
   void whenNamed(std::function<void()> callback);
 
   std::string name() const;
+  std::string description() const;
+  std::string footer() const;
   std::vector<Option> all() const;
   /// Throws std::exception if there is no option of that name.
   Option find(const std::string& name) const;
   const std::vector<std::unique_ptr<Options>>& subcommands() const { return subcommands_; }
+  /// Facts of an option of this command or of a subcommand; null if there are none.
+  const OptionFacts* factsOf(const CLI::Option* option) const;
   /// The subcommands on the command line, in its order.
   std::vector<const Options*> named() const;
 
   /// Parses the words of a command line. Throws std::exception that describes the error.
   void parse(std::vector<std::string> arguments);
   CLI::App& app() { return *app_; }
+  const CLI::App& app() const { return *app_; }
 
  private:
   explicit Options(CLI::App& subcommand);
+  Option with(CLI::Option* option) const;
+
   std::unique_ptr<CLI::App> own_;  // of the top-level command
+  mutable std::map<const CLI::Option*, OptionFacts> facts_;
   CLI::App* app_;
   std::vector<std::unique_ptr<Options>> subcommands_;
 };

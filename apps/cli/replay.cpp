@@ -1,5 +1,6 @@
 #include "apps/cli/context.hpp"
 #include "apps/cli/output.hpp"
+#include "apps/cli/results.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/bounds.hpp"
@@ -44,42 +45,69 @@ void print(std::FILE* out, const Recorded& recorded, const ReplayOutcome* outcom
   if (found.first_s) row("first difference", fmt::format("{:.3f} s", *found.first_s));
 }
 
-Json toJson(const LogGap& gap) {
-  const auto count = [](const std::optional<std::uint64_t>& missing) {
-    return missing ? Json(*missing) : Json(nullptr);
-  };
-  return {{"begin_byte", gap.begin},
-          {"end_byte", gap.end},
-          {"ticks_before", gap.tick},
-          {"ticks", count(gap.ticks)},
-          {"edits", count(gap.states)}};
+struct Replayed {
+  const Recorded& recorded;
+  const ReplayOutcome* outcome = nullptr;  ///< null: only the edits were applied
+
+  const SessionRecord& record() const { return recorded.record; }
+};
+
+using Value = std::optional<Json>;
+
+constexpr Reported<LogGap> kGaps[]{
+    {"begin_byte", "B", "first byte that cannot be read", [](const LogGap& g) -> Value { return g.begin; }},
+    {"end_byte", "B", "byte behind the last one", [](const LogGap& g) -> Value { return g.end; }},
+    {"ticks_before", "", "ticks before the gap", [](const LogGap& g) -> Value { return g.tick; }},
+    {"ticks", "", "missing ticks; null: unknown", [](const LogGap& g) -> Value { return orNull(g.ticks); }},
+    {"edits", "", "missing edits; null: unknown", [](const LogGap& g) -> Value { return orNull(g.states); }},
+};
+
+template <class T>
+Value compared(const Replayed& r, T Differences::*member) {
+  return r.outcome ? Value(r.outcome->differences.*member) : std::nullopt;
 }
 
-Json toJson(const Recorded& recorded, const ReplayOutcome* outcome) {
-  const SessionRecord& record = recorded.record;
-  Json gaps = Json::array();
-  for (const LogGap& gap : record.gaps) gaps.push_back(toJson(gap));
-  Json json{{"ticks", record.ticks.size()},
-            {"edits", record.edits.points.size()},
-            {"points", recorded.session.points},
-            {"whole_bytes", record.wholeBytes},
-            {"file_bytes", record.fileBytes},
-            {"ended", record.end.has_value()},
-            {"gaps", std::move(gaps)},
-            {"merged_edits", record.mergedEdits},
-            {"lost_ticks", record.end ? record.end->lostTicks : 0},
-            {"ends_as_recorded", recorded.endsAsRecorded ? Json(*recorded.endsAsRecorded) : Json(nullptr)}};
-  if (!outcome) return json;
-  const Differences& found = outcome->differences;
-  json["compared_ticks"] = found.ticks;
-  json["not_compared_because"] = outcome->comparable.because;
-  json["force_ticks"] = found.forceTicks;
-  json["largest_force_N"] = found.largestForce_N;
-  json["edit_ticks"] = found.editTicks;
-  json["end_points"] = found.ends ? Json(found.points) : Json(nullptr);
-  json["first_difference_s"] = found.first_s ? Json(*found.first_s) : Json(nullptr);
-  return json;
-}
+constexpr Reported<Replayed> kReplay[]{
+    {"ticks", "", "ticks in the log", [](const Replayed& r) -> Value { return r.record().ticks.size(); }},
+    {"edits", "", "edits of points in the log",
+     [](const Replayed& r) -> Value { return r.record().edits.points.size(); }},
+    {"points", "", "points of the model", [](const Replayed& r) -> Value { return r.recorded.session.points; }},
+    {"whole_bytes", "B", "size up to the last complete block",
+     [](const Replayed& r) -> Value { return r.record().wholeBytes; }},
+    {"file_bytes", "B", "size of the file", [](const Replayed& r) -> Value { return r.record().fileBytes; }},
+    {"ended", "", "whether the log contains the end of the session",
+     [](const Replayed& r) -> Value { return r.record().end.has_value(); }},
+    {"gaps", "", "parts of the log that are missing",
+     [](const Replayed& r) -> Value {
+       Json gaps = Json::array();
+       for (const LogGap& gap : r.record().gaps) gaps.push_back(jsonBy(kGaps, gap));
+       return gaps;
+     }},
+    {"merged_edits", "", "edits superseded by later ones of the same points",
+     [](const Replayed& r) -> Value { return r.record().mergedEdits; }},
+    {"lost_ticks", "", "ticks missing, as the log's thread had fallen behind",
+     [](const Replayed& r) -> Value { return r.record().end ? r.record().end->lostTicks : 0; }},
+    {"ends_as_recorded", "", "whether the recorded edits give the recorded final points; null: unknown",
+     [](const Replayed& r) -> Value { return orNull(r.recorded.endsAsRecorded); }},
+    {"compared_ticks", "", "ticks compared", [](const Replayed& r) { return compared(r, &Differences::ticks); }},
+    {"not_compared_because", "", "why later ticks are not compared; empty: all are",
+     [](const Replayed& r) -> Value { return r.outcome ? Value(r.outcome->comparable.because) : std::nullopt; }},
+    {"force_ticks", "", "ticks with another force",
+     [](const Replayed& r) { return compared(r, &Differences::forceTicks); }},
+    {"largest_force_N", "N", "largest difference of the force",
+     [](const Replayed& r) { return compared(r, &Differences::largestForce_N); }},
+    {"edit_ticks", "", "ticks with other edits",
+     [](const Replayed& r) { return compared(r, &Differences::editTicks); }},
+    {"end_points", "", "points that differ in the end; null: not compared",
+     [](const Replayed& r) -> Value {
+       if (!r.outcome) return std::nullopt;
+       return r.outcome->differences.ends ? Json(r.outcome->differences.points) : Json(nullptr);
+     }},
+    {"first_difference_s", "s", "time of the first difference; null: none",
+     [](const Replayed& r) -> Value {
+       return r.outcome ? Value(orNull(r.outcome->differences.first_s)) : std::nullopt;
+     }},
+};
 
 void replay(Context& context, const ReplayOptions& options) {
   if (options.recover && options.saveFile.empty()) throw UsageError("--recover: needs --save OUT.ply");
@@ -105,7 +133,7 @@ void replay(Context& context, const ReplayOptions& options) {
     machine = context.backends().named(recorded.session.config.backend.name).machine(context.threads());
   }
   print(context.tables(), recorded, outcome ? &*outcome : nullptr, machine);
-  context.writeJson(toJson(recorded, outcome ? &*outcome : nullptr));
+  context.writeJson(jsonBy(kReplay, Replayed{recorded, outcome ? &*outcome : nullptr}));
   if (recorded.endsAsRecorded == false && recorded.record.gaps.empty())
     throw FileError(options.log, "its edits do not give the points that the session ended with");
   if (outcome && outcome->differences.any())
@@ -113,6 +141,11 @@ void replay(Context& context, const ReplayOptions& options) {
 }
 
 }  // namespace
+
+void listReplayResults(std::vector<ResultFacts>& all) {
+  listResults(all, "replay", "", kReplay);
+  listResults(all, "replay", "gaps[].", kGaps);
+}
 
 void addReplay(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand(

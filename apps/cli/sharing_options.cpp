@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/cli/parse_list.hpp"
+#include "apps/cli/setting_options.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/sharing/ros.hpp"
@@ -12,18 +13,10 @@
 namespace palpate {
 
 void addNetworkOptions(Options& command, NetworkOptions& options) {
-  command.add("--interface", options.interface, "network interface, by name or address (default: this machine only)")
-      .typeName("NAME|ADDRESS");
-  command.add("--peer", options.peers, "address of another machine, for networks without multicast; may be repeated")
-      .typeName("ADDRESS");
-  command.add("--domain", options.domain, "DDS domain, as in ROS 2")
-      .check(inRange(0, bounds::kLastDomain))
-      .showDefault();
-  command
-      .add("--security", options.security,
-           "folder of keys (see palpate keys): encrypts everything; only holders of keys of the same "
-           "authority can join")
-      .typeName("FOLDER");
+  addSettingFor<JoinConfig>(command, options.interface, "network").typeName("NAME|ADDRESS");
+  addSettingFor<JoinConfig>(command, options.peers, "peers").typeName("ADDRESS");
+  addSettingFor<JoinConfig>(command, options.domain, "domain").showDefault();
+  addSettingFor<JoinConfig>(command, options.security, "security").typeName("FOLDER");
 }
 
 void addRosFrameOption(Options& command, NetworkOptions& options) {
@@ -58,10 +51,7 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
     command
         .add("--as", options.hand, "name of this hand for the other participants (default: the name of this machine)")
         .typeName("NAME");
-    command.addFlag("--near", options.near,
-                    "stream only the points around the hand, for models too large to download; they can be "
-                    "sculpted, but not saved or undone. Moving models are always joined so, and cannot be "
-                    "sculpted");
+    addSettingFor<JoinConfig>(command, options.near, "near");
   }
   addNetworkOptions(command, options.network);
   addRosCameraOptions(command, options.network);

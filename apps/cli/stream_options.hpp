@@ -12,9 +12,7 @@ namespace palpate {
 
 struct StreamOptions {
   std::string live;  ///< a device, "-", or a topic of ROS; empty: none
-  std::string intrinsics;
-  double depthScale = 0, speed = 1;
-  bool loop = false;
+  StreamConfig stream;
   std::string fuse = "off";
 };
 /// --intrinsics and --depth-scale.

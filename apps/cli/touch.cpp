@@ -4,7 +4,7 @@
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/progress.hpp"
 #include "apps/cli/stop_by_signal.hpp"
-#include "apps/cli/touch_report.hpp"
+#include "apps/cli/touch_results.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/io/saving.hpp"
@@ -221,7 +221,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
     throw FileError(options.model.file, "contains no points; there is nothing to touch");
   const Abilities can(modelKindOf(config, model));
   if (!options.saveFile.empty()) can.require(Action::save, "--save");
-  if (options.undo > 0) can.require(Action::undo, "--undo");
+  if (options.undo.undo > 0) can.require(Action::undo, "--undo");
   if (!options.logFile.empty()) can.require(Action::record, "--log");
   std::optional<RosHand> ros;
   if (!options.join.ros.name.empty())
@@ -235,11 +235,11 @@ void touch(Context& context, const TouchCommandOptions& options) {
   start.ended("hands");
   if (config.brush)
     if (const std::string remark =
-            remarkOnSmallBrush(options.brushRadius_mm, model.scale.toMm(model.spacing), "--tool-radius",
+            remarkOnSmallBrush(options.brush.radius_mm, model.scale.toMm(model.spacing), "--tool-radius",
                                [](double mm) { return fmt::format("{:.3g} mm", mm); });
         !remark.empty())
       context.log().say("{}: in the hand, {}", options.model.file, remark);
-  const bool keeps = config.brush && (!options.saveFile.empty() || options.undo > 0);
+  const bool keeps = config.brush && (!options.saveFile.empty() || options.undo.undo > 0);
   DrawnFollower* sight = nullptr;
   Session session(config, std::move(model),
                   {.backend = kind,
@@ -277,8 +277,8 @@ void touch(Context& context, const TouchCommandOptions& options) {
   std::optional<UndoneStrokes> undone;
   try {
     session.finish();
-    if (options.undo > 0) {
-      undone = session.undo(options.undo, options.redo);
+    if (options.undo.undo > 0) {
+      undone = session.undo(options.undo.undo, options.undo.redo);
       session.settleShared(kSharedPatience_s);
     }
   } catch (const Error& error) {

@@ -24,14 +24,10 @@ struct TouchCommandOptions {
   std::string secondDevice, secondPath, secondTraceFile;  ///< of a second hand; empty device: none
   std::string path = "builtin:press", edit = "none";
   std::string traceFile, trajectoryFile, saveFile, pictureFile, logFile;
-  double penetration_mm = 2, rate_Hz = 1000;
-  double tau_mm = 0.5, beta = 0.1, brushRadius_mm = 6, strength = 0.5;
-  std::uint32_t falloff = 1;
-  std::string paintColor = "255,0,0";
-  bool keepPoints = false;
-  std::size_t undo = 0, redo = 0;
-  double undoMemory_MiB = 1024;
-  bool realtime = false;
+  double penetration_mm = HandConfig{}.penetration_mm;
+  SessionConfig session;  ///< rate, duration and pace
+  BrushConfig brush;
+  UndoConfig undo;
   ForceOptions force;
 };
 void addTouchOptions(Options& command, TouchCommandOptions& options);

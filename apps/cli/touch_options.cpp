@@ -1,8 +1,9 @@
 #include "apps/cli/touch.hpp"
 
-#include "apps/cli/parse_list.hpp"
+#include "apps/cli/setting_options.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
+#include "haptics/builtin_path.hpp"
 #include "haptics/session/devices.hpp"
 #include "haptics/session/matter_scenes.hpp"
 
@@ -10,74 +11,30 @@ namespace palpate {
 
 namespace {
 
-void addForceOptions(Options& sub, ForceOptions& force) {
-  sub.add("--stiffness", force.stiffness_N_per_mm, "stiffness of the contact spring, N/mm")
-      .check(between(0, bounds::kMaxStiffness_N_per_mm))
+void addEditOptions(Options& sub, TouchCommandOptions& options) {
+  addSettingFor<BrushConfig>(sub, options.edit, "kind")
+      .check(oneOf(choicesOf<BrushConfig>("kind", {"none"})))
       .showDefault();
-  sub.add("--damping", force.damping_N_s_per_mm, "damping of the contact spring, N s/mm")
-      .check(between(0, bounds::kMaxDamping_N_s_per_mm))
-      .showDefault();
-  sub.add("--max-force", force.maxForce_N, "largest force, N; changes of force are limited to 600 N/s in any case")
-      .check(between(0, bounds::kMaxForce_N))
-      .showDefault();
-  sub.add("--max-surface-power", force.maxSurfacePower_W,
-          "largest power that a moving surface may put into the hand, W")
-      .check(between(1e-6, bounds::kMaxSurfacePower_W))
-      .showDefault();
+  addSettings(sub, options.brush, {"tau_mm", "beta", "strength"});
+  addSetting(sub, options.brush, "falloff").typeName("F").showDefault();
+  addSettings(sub, options.brush, {"color", "keeps_density", "radius_mm"});
+  addSetting(sub, options.undo, "undo").typeName("N");
+  addSetting(sub, options.undo, "redo").typeName("M");
+  addSetting(sub, options.undo, "memory_MiB").showDefault();
 }
 
-void addEditOptions(Options& sub, TouchCommandOptions& options) {
-  sub.add("--edit", options.edit,
-          "brush: none, push, carve, inflate, smooth, grab, paint (see --paint-color) or flatten; cuda "
-          "has push only, a soft body neither carve nor paint")
-      .check(oneOf(namesOf(kBrushKinds, {"none"})))
-      .showDefault();
-  sub.add("--tau", options.tau_mm, "depth of the HIP behind the proxy from which on the surface yields, mm")
-      .check(between(0, bounds::kLongest_mm))
-      .showDefault();
-  sub.add("--beta", options.beta, "push: fraction of the distance to the tool that a point moves per tick")
-      .check(between(0, 1))
-      .showDefault();
-  sub.add("--strength", options.strength, "all brushes but push: fraction of their effect per tick")
-      .check(between(0, 1))
-      .showDefault();
-  sub.add("--falloff", options.falloff,
-          "inflate, smooth, flatten, grab, paint: exponent F of the falloff (1 - r^2)^F, where r is 1 "
-          "at the rim")
-      .check(wholeBetween(0, kMaxFalloff))
-      .typeName("F")
-      .showDefault();
-  sub.add("--paint-color", options.paintColor, "paint: R,G,B, 0 to 255 each").showDefault();
-  sub.addFlag("--keep-points", options.keepPoints,
-              "do not insert points where the surface is stretched, nor merge them where it is crowded "
-              "(always so with --join)");
-  sub.add("--tool-radius", options.brushRadius_mm, "radius of the brush, mm")
-      .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
-      .showDefault();
-  sub.add("--undo", options.undo,
-          "undo the last N strokes after the path; a stroke is one contact, gaps up to 0.3 s included")
-      .check(wholeBetween(0, bounds::kMaxCount))
-      .typeName("N");
-  sub.add("--redo", options.redo, "then redo M of them").check(wholeBetween(0, bounds::kMaxCount)).typeName("M");
-  sub.add("--undo-memory", options.undoMemory_MiB,
-          "memory for strokes that can be undone, MiB; the oldest are dropped first")
-      .check(between(bounds::kMinMemory_MiB, bounds::kMaxMemory_MiB))
-      .showDefault();
+std::vector<std::string> builtinPaths() {
+  std::vector<std::string> paths{"builtin:stir"};
+  for (const std::string_view name : builtinPathNames()) paths.push_back(fmt::format("builtin:{}", name));
+  return paths;
 }
 
 void addPathOptions(Options& sub, TouchCommandOptions& options) {
-  sub.add("--path", options.path,
-          "CSV with the header t_s,x,y,z (s, model units), or builtin:press, builtin:slide, "
-          "builtin:scan, builtin:orbit; in water or sand builtin:press and builtin:stir")
-      .showDefault();
-  sub.add("--penetration", options.penetration_mm, "depth of builtin:press, mm")
-      .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
-      .showDefault();
-  sub.add("--rate", options.rate_Hz, "ticks per second").check(between(1, bounds::kMaxRate_Hz)).showDefault();
-  sub.addFlag("--realtime", options.realtime,
-              "run against the wall clock (default: virtual time, as fast as possible)");
-  sub.add("--duration", options.hand.duration_s, "duration of the session, s (default: that of the path)")
-      .check(between(bounds::kShortest_s, bounds::kLongest_s));
+  addSettingFor<HandConfig>(sub, options.path, "path").offers(builtinPaths(), ".csv").showDefault();
+  addSettingFor<HandConfig>(sub, options.penetration_mm, "penetration_mm").showDefault();
+  addSetting(sub, options.session, "rate_Hz").showDefault();
+  addSetting(sub, options.session, "realtime");
+  addSettingFor<SessionConfig>(sub, options.hand.duration_s, "duration_s");
 }
 
 void addOutputOptions(Options& sub, TouchCommandOptions& options) {
@@ -97,12 +54,7 @@ void addOutputOptions(Options& sub, TouchCommandOptions& options) {
           "time, position (model units) and force (N) of each tick: comma-separated with a header in a "
           ".csv, else blank-separated without one")
       .typeName("FILE");
-  sub.addFlag("--print-tick", options.backend.timePasses,
-              "list the GPU passes of a tick with threads, bytes and GPU time, us");
-}
-
-std::array<std::uint8_t, 3> paintColor(const TouchCommandOptions& options) {
-  return parseList<std::uint8_t, 3>(options.paintColor, ',', "--paint-color", "R,G,B from 0 to 255");
+  addSettingFor<BackendConfig>(sub, options.backend.timePasses, "times_passes");
 }
 
 void addSecondOptions(Options& sub, TouchCommandOptions& options) {
@@ -112,6 +64,7 @@ void addSecondOptions(Options& sub, TouchCommandOptions& options) {
       .check(deviceValidator());
   sub.add("--second-path", options.secondPath,
           "path of the second hand, for --second-device path and sim; values as for --path")
+      .offers(builtinPaths(), ".csv")
       .typeName("PATH");
   sub.add("--second-trace", options.secondTraceFile, "trace of the second hand, as --trace").typeName("FILE.csv");
 }
@@ -124,7 +77,7 @@ void checkSecondOptions(const TouchCommandOptions& options) {
       throw UsageError("--second-trace: there is no second hand; add --second-device");
     return;
   }
-  checkHandOptions(secondHand(options.hand, device), options.realtime);
+  checkHandOptions(secondHand(options.hand, device), options.session.realtime);
   if (isHeldDevice(device) && device == options.hand.device)
     throw UsageError("--second-device: {} is in the first hand; name another one, as in openhaptics:NAME", device);
   const bool followsPath = device == "path" || device == "sim";
@@ -147,7 +100,7 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
   heading("Path");
   addPathOptions(command, options);
   heading("Contact and force");
-  addForceOptions(command, options.force);
+  addSettings(command, options.force, {"stiffness_N_per_mm", "damping_N_s_per_mm", "max_N", "max_surface_power_W"});
   addSurfaceOptions(command, options.backend);
   heading("Sculpting");
   addEditOptions(command, options);
@@ -182,15 +135,16 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
 
 void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabilities& can) {
   checkPictureOptions(options.picture);
-  checkHandOptions(options.hand, options.realtime);
+  checkHandOptions(options.hand, options.session.realtime);
   checkSecondOptions(options);
   if (options.edit == "none") {
     if (!options.saveFile.empty() && options.stream.fuse != "on" && options.join.name.empty() &&
         !matterScene(options.model.file))
       throw UsageError("--save: nothing changes with --edit none");
-    if (options.undo > 0) throw UsageError("--undo: nothing changes with --edit none");
+    if (options.undo.undo > 0) throw UsageError("--undo: nothing changes with --edit none");
   }
-  if (options.redo > 0 && options.undo == 0) throw UsageError("--redo: only what --undo took back can be done again");
+  if (options.undo.redo > 0 && options.undo.undo == 0)
+    throw UsageError("--redo: only what --undo took back can be done again");
   if (options.picture.printFrame && options.pictureFile.empty()) throw UsageError("--print-frame: needs --picture");
   if (!options.logFile.empty())
     Abilities(ModelKind::cloud, can, options.backend.backend).require(Action::record, "--log");
@@ -199,12 +153,12 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
 SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {
   SessionConfig config{.model = options.model.config(),
                        .force = options.force,
-                       .undo = {.undo = options.undo, .redo = options.redo, .memory_MiB = options.undoMemory_MiB},
+                       .undo = options.undo,
                        .hands = {options.hand.config(options.path, options.penetration_mm)},
-                       .rate_Hz = options.rate_Hz,
+                       .rate_Hz = options.session.rate_Hz,
                        .duration_s = options.hand.duration_s};
   setBackend(config, options.backend);
-  config.realtime = options.realtime;
+  config.realtime = options.session.realtime;
   config.motion = motionConfig(options.motion);
   config.join = joinConfig(options.join, config.model.file, options.stream.live);
   if (config.join) {
@@ -218,15 +172,11 @@ SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {
   if (!options.secondDevice.empty())
     config.hands.push_back(
         secondHand(options.hand, options.secondDevice).config(options.secondPath, options.penetration_mm));
-  if (const auto kind = valueNamed(kBrushKinds, options.edit))
-    config.brush = BrushConfig{.kind = *kind,
-                               .tau_mm = options.tau_mm,
-                               .beta = options.beta,
-                               .radius_mm = options.brushRadius_mm,
-                               .strength = options.strength,
-                               .falloff = options.falloff,
-                               .color = paintColor(options),
-                               .keepsDensity = !options.keepPoints && options.join.name.empty()};
+  if (const auto kind = valueNamed(kBrushKinds, options.edit)) {
+    config.brush = options.brush;
+    config.brush->kind = *kind;
+    config.brush->keepsDensity &= options.join.name.empty();
+  }
   return config;
 }
 

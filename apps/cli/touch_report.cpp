@@ -4,7 +4,6 @@
 
 #include <glm/common.hpp>
 
-#include "apps/cli/presence_json.hpp"
 #include "apps/cli/tick_times.hpp"
 #include "engine/cloud/length_text.hpp"
 #include "engine/contact/contact_reference.hpp"
@@ -65,6 +64,11 @@ ContactError contactError(const Trace& trace, const Model& model, const SurfaceO
   return error;
 }
 
+std::string_view nameOf(const IndexWork& index) {
+  if (index.followed == 0) return index.built == 0 ? "static" : "rebuild";
+  return index.built == 0 ? "incremental" : "incremental and rebuild";
+}
+
 ServoReport servoReport(const ServoResult& result) {
   return {.step_us = result.step_us,
           .late_us = result.late_us,
@@ -72,33 +76,6 @@ ServoReport servoReport(const ServoResult& result) {
           .withheld = result.counts().withheld,
           .leastEnergy_mJ = result.counts().leastEnergy_mJ};
 }
-
-namespace {
-
-// Describes the updates of the index after its first build.
-std::string_view nameOf(const IndexWork& index) {
-  if (index.followed == 0) return index.built == 0 ? "static" : "rebuild";
-  return index.built == 0 ? "incremental" : "incremental and rebuild";
-}
-
-Json toJson(const GateCounts& withheld) {
-  return {{"errors", withheld.errors},
-          {"stale_ticks", withheld.stale},
-          {"aged_ticks", withheld.aged},
-          {"hot_ticks", withheld.hot}};
-}
-
-Json toJson(const SecondHandReport& second) {
-  return {{"device", second.device},
-          {"ticks", second.trace.ticks},
-          {"contact_ticks", second.trace.contactTicks},
-          {"fresh_fraction", second.trace.freshFraction},
-          {"peak_force_N", second.trace.peakForce_N},
-          {"passivity_energy_mJ", second.counts.leastEnergy_mJ ? Json(*second.counts.leastEnergy_mJ) : Json(nullptr)},
-          {"safety", toJson(second.counts.withheld)}};
-}
-
-}  // namespace
 
 namespace {
 
@@ -113,25 +90,11 @@ std::string inWords(const std::vector<StartStage>& start) {
   return fmt::format("{:.2f} s: {}", all_s, stages);
 }
 
-Json toJson(const std::vector<StartStage>& start) {
-  Json stages = Json::object();
-  for (const StartStage& stage : start) stages[std::string(stage.name)] = stage.time_s;
-  return stages;
-}
-
 std::string inWords(const PlayCounts& frames) {
   std::string text = fmt::format("{} played, {} lost, {} dropped", frames.played, frames.lost, frames.dropped);
   if (frames.silentSince_s) text += fmt::format("; none received since {:.3f} s", *frames.silentSince_s);
   if (frames.lost > 0) text += fmt::format("; last loss: {}", frames.lastLoss);
   return text;
-}
-
-Json toJson(const PlayCounts& frames) {
-  return {{"played", frames.played},
-          {"lost", frames.lost},
-          {"dropped", frames.dropped},
-          {"last_loss", frames.lastLoss},
-          {"silent_since_s", frames.silentSince_s ? Json(*frames.silentSince_s) : Json(nullptr)}};
 }
 
 std::string inWords(const MatterReport& matter, std::size_t particles) {
@@ -162,27 +125,6 @@ std::string inWords(const SharedCounts& shared) {
   return words + (shared.same ? "; the points equal the server's" : "; the points do NOT equal the server's");
 }
 
-Json toJson(const SharedCounts& shared) {
-  return {{"sent", shared.sent},
-          {"received", shared.received},
-          {"resent", shared.resent},
-          {"copied", shared.copied},
-          {"resumed", shared.resumed},
-          {"differed", shared.differed},
-          {"longest_silence_s", shared.longestSilent_s},
-          {"age_s", shared.age_s},
-          {"oldest_s", shared.oldest_s},
-          {"force_share", shared.force},
-          {"pings", shared.link.pings},
-          {"answered", shared.link.answered},
-          {"lost", shared.link.lost},
-          {"lost_percent", shared.link.lost_percent ? Json(*shared.link.lost_percent) : Json(nullptr)},
-          {"round_trip_ms", shared.link.roundTrip_ms ? Json(*shared.link.roundTrip_ms) : Json(nullptr)},
-          {"delivered", shared.delivered},
-          {"at_rest", shared.atRest},
-          {"same", shared.same}};
-}
-
 std::string inWords(std::span<const SeenHand> hands) {
   std::string names;
   for (const SeenHand& hand : hands) names += (names.empty() ? "" : "; ") + hand.name;
@@ -205,44 +147,6 @@ std::string inWords(const FarReport& far) {
                          counts.restarts == 1 ? std::string("once") : fmt::format("{} times", counts.restarts));
   if (counts.servers > 1) words += fmt::format("; server restarts: {}", counts.servers - 1);
   return words;
-}
-
-Json toJson(const FarReport& far) {
-  const FarCounts& counts = far.counts;
-  return {{"ticks", far.ticks.ticks},
-          {"ticks_without_points", far.ticks.without},
-          {"points", counts.points},
-          {"steps", counts.updates},
-          {"samples", counts.samples},
-          {"resumed", counts.resumed},
-          {"servers", counts.servers},
-          {"restarts", counts.restarts},
-          {"bricks", counts.bricks},
-          {"known", counts.known},
-          {"most_known", counts.mostKnown},
-          {"sent", counts.sent},
-          {"resent", counts.resent},
-          {"delivered", counts.delivered},
-          {"longest_silence_s", counts.longestSilent_s},
-          {"pings", counts.pings},
-          {"answered", counts.answered},
-          {"round_trip_ms", counts.roundTrip_ms ? Json(*counts.roundTrip_ms) : Json(nullptr)}};
-}
-
-Json toJson(const MatterReport& matter) {
-  Json ports = Json::array();
-  for (const PortEnergy& port : matter.ports)
-    ports.push_back({{"energy_mJ", 1e3 * port.now_J}, {"least_energy_mJ", 1e3 * port.least_J}});
-  return {{"kind", nameOf(kMatters, matter.matter)},
-          {"substeps", matter.substeps},
-          {"gain", matter.gain},
-          {"coupling_N_mm", matter.coupling_N_mm > 0 ? Json(matter.coupling_N_mm) : Json(nullptr)},
-          {"elasticity", matter.elasticity.empty() ? Json(nullptr) : Json(matter.elasticity)},
-          {"left_out_s", matter.leftOut_s},
-          {"advances", matter.advances},
-          {"kept_ticks", matter.holds.keptTicks},
-          {"gave_way_ticks", matter.holds.gaveWayTicks},
-          {"ports", ports}};
 }
 
 }  // namespace
@@ -358,86 +262,6 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (shortfalls.truncatedTicks)
     row("unfinished ticks",
         fmt::format("{}: the proxy had not converged when the work budget was spent", shortfalls.truncatedTicks));
-}
-
-Json toJson(const TouchReport& report) {
-  const auto summary = [](const Summary& s) {
-    return Json{{"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
-  };
-  const TraceSummary& trace = report.trace;
-  Json json{
-      {"points", report.points},
-      {"ticks", trace.ticks},
-      {"contact_ticks", trace.contactTicks},
-      {"step_us", summary(trace.step_us)},
-      {"gpu_us", summary(trace.gpu_us)},
-      {"build_us", report.build_us},
-      {"start_s", toJson(report.start)},
-      {"fresh_fraction", trace.freshFraction},
-      {"peak_force_N", trace.peakForce_N},
-      {"moved_points", report.movedPoints},
-      {"backend", report.backend},
-      {"gpu", report.machine},
-      {"method", report.method},
-      {"index", nameOf(report.index)},
-      {"index_followed", report.index.followed},
-      {"index_builds", report.index.built},
-      {"contact_error_mm", report.error.ticks > report.error.undefined ? Json(report.error.worst_mm) : Json(nullptr)},
-      {"contact_error_undefined", report.error.undefined},
-      {"missed_ticks", trace.missedTicks},
-      {"tick_histogram_us", toJson(report.servo.step_us)},
-      {"late_histogram_us", toJson(report.servo.late_us)},
-      {"servo_thread", toJson(report.servo.scheduling)},
-      {"passivity_energy_mJ", report.servo.leastEnergy_mJ ? Json(*report.servo.leastEnergy_mJ) : Json(nullptr)},
-      {"safety", toJson(report.servo.withheld)},
-      {"interrupted", report.interrupted},
-      {"skipped_edits",
-       report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow + report.shortfalls.editsHeldUp},
-      {"compactions", report.compactions},
-      {"edits_built_anew", report.shortfalls.editsRebuilt},
-      {"thinned_ticks", report.shortfalls.thinnedTicks},
-      {"thinned_patches", report.shortfalls.thinnedPatches},
-      {"truncated_ticks", report.shortfalls.truncatedTicks},
-      {"matter", report.matter ? toJson(*report.matter) : Json(nullptr)},
-      {"shape_strokes", report.shape ? Json(report.shape->strokes) : Json(nullptr)},
-      {"radius_mm", report.radius_mm},
-      {"cell_mm", report.cell_mm},
-      {"spacing_mm", report.spacing_mm},
-      {"noise_spacings", report.noise_spacings},
-      {"mm_per_unit", report.mm_per_unit}};
-  if (report.toolPoints) {
-    json["tool"] = report.tool;
-    json["tool_points"] = report.toolPoints;
-    json["peak_torque_mNm"] = trace.peakTorque_mNm;
-  }
-  if (report.matter && report.matter->coupling_N_mm > 0) json["peak_torque_mNm"] = trace.peakTorque_mNm;
-  if (report.frames) json["frames"] = toJson(*report.frames);
-  if (report.ros) json["ros"] = {{"ticks", report.ros->ticks}, {"lost", report.ros->lost}};
-  if (report.shared) json["shared"] = toJson(*report.shared);
-  if (report.cameras) {
-    json["cameras"] = *report.cameras;
-    json["others"] = toJson(report.others);
-  }
-  if (report.far) json["near"] = toJson(*report.far);
-  if (report.second) json["second_hand"] = toJson(*report.second);
-  if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);
-  if (report.back)
-    json["undo"] = {{"strokes", report.back->strokes},
-                    {"undone", report.back->undone},
-                    {"redone", report.back->redone},
-                    {"forgotten", report.back->dropped},
-                    {"too_large", report.back->tooLarge}};
-  if (report.recorded)
-    json["recorded_forces"] = {
-        {"ticks", report.recorded->ticks}, {"rms_N", report.recorded->rms_N}, {"worst_N", report.recorded->worst_N}};
-  if (report.log)
-    json["log"] = {
-        {"bytes", report.log->bytes}, {"lost_ticks", report.log->lostTicks}, {"merged_edits", report.log->mergedEdits}};
-  if (report.edits) {
-    json["edit_us"] = summary(report.edit_us);
-    json["edit_ticks"] = report.edit_us.count;
-  }
-  return json;
 }
 
 }  // namespace palpate

@@ -25,6 +25,9 @@ struct ContactError {
 ContactError contactError(const Trace& trace, const Model& model, const SurfaceOptions& surface,
                           std::optional<double> firstEditTime_s, const std::optional<RigidMotion>& motion);
 
+/// Describes the updates of the index after its first build.
+std::string_view nameOf(const IndexWork& index);
+
 /// Counts of the servo loop beside the trace.
 struct ServoReport {
   TickHistogram step_us, late_us;
@@ -111,6 +114,5 @@ struct TouchReport {
 };
 
 void printReport(std::FILE* out, const TouchReport& report);
-Json toJson(const TouchReport& report);
 
 }  // namespace palpate

@@ -7,14 +7,16 @@
 #include <optional>
 #include <utility>
 
+#include "haptics/session/settings.hpp"
+
 namespace palpate {
 
 namespace {
 
 // Resizes the brush by one press of [ or ].
 void resize(double& radius_mm, double factor) {
-  constexpr double kMin_mm = 0.5, kMax_mm = 30;
-  radius_mm = std::clamp(radius_mm * factor, kMin_mm, kMax_mm);
+  const Range& range = settingNamed<BrushConfig>("radius_mm").slider;
+  radius_mm = std::clamp(radius_mm * factor, range.min, range.max);
 }
 
 }  // namespace

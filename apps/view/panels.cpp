@@ -8,6 +8,7 @@
 #include "apps/view/shown_lines.hpp"
 #include "engine/cloud/length_text.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "haptics/session/settings.hpp"
 
 namespace palpate {
 
@@ -15,6 +16,11 @@ namespace {
 
 constexpr std::array<std::pair<std::string_view, ColorBy>, 4> kColors{
     {{"colour", ColorBy::rgb}, {"normal", ColorBy::normal}, {"depth", ColorBy::depth}, {"height", ColorBy::height}}};
+
+template <class Section>
+const Range& sliderOf(std::string_view name) {
+  return settingNamed<Section>(name).slider;
+}
 
 }  // namespace
 
@@ -49,23 +55,22 @@ bool Panels::header(const char* name, bool open) {
   return noted(name, ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0));
 }
 
-bool Panels::drag(const char* name, double& value, float speed, double least, double most, const char* format) {
-  return noted(name, ImGui::DragScalar(name, ImGuiDataType_Double, &value, speed, &least, &most, format,
+bool Panels::drag(const char* name, double& value, float speed, const Range& range, const char* format) {
+  return noted(name, ImGui::DragScalar(name, ImGuiDataType_Double, &value, speed, &range.min, &range.max, format,
                                        ImGuiSliderFlags_AlwaysClamp));
 }
 
 // Field for a length in the hand, shown as the length on the model; `text` replaces the number if it is not empty.
-bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, std::pair<double, double> range_mm,
+bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, const Range& range_mm,
                         const ViewStatus& status, const char* text) {
   constexpr int kDigits = 3;
   const ModelScale& scale = status.session->model().scale;
-  const double most = scale.toUnits(range_mm.second);
-  const int decimals = std::clamp(kDigits - static_cast<int>(std::floor(std::log10(most))), 0, 15);
+  const Range range{scale.toUnits(range_mm.min), scale.toUnits(range_mm.max)};
+  const int decimals = std::clamp(kDigits - static_cast<int>(std::floor(std::log10(range.max))), 0, 15);
   const std::string format = *text ? text : fmt::format("%.{}f {}", decimals, nameOf(status.unit));
   double value = scale.toUnits(value_mm);
-  const bool changed = drag(name, value, static_cast<float>(scale.toUnits(speed_mm)), scale.toUnits(range_mm.first),
-                            most, format.c_str());
-  if (changed) value_mm = std::clamp(scale.toMm(value), range_mm.first, range_mm.second);
+  const bool changed = drag(name, value, static_cast<float>(scale.toUnits(speed_mm)), range, format.c_str());
+  if (changed) value_mm = std::clamp(scale.toMm(value), range_mm.min, range_mm.max);
   return changed;
 }
 
@@ -229,14 +234,14 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   choice("feel", std::nullopt);
   for (const auto& [name, kind] : kBrushKinds) choice(name.data(), kind);
   if (brush.kind) {
-    dragLength("radius", brush.radius_mm, 0.1, {0.5, 30}, status);
+    dragLength("radius", brush.radius_mm, 0.1, sliderOf<BrushConfig>("radius_mm"), status);
     help("[ and ]; of the brush, in the model's unit");
     if (brush.kind == BrushKind::push)
-      drag("speed", brush.beta, 0.005f, 0, 1, "%.2f");
+      drag("speed", brush.beta, 0.005f, sliderOf<BrushConfig>("beta"), "%.2f");
     else
-      drag("strength", brush.strength, 0.01f, 0, 1, "%.2f");
+      drag("strength", brush.strength, 0.01f, sliderOf<BrushConfig>("strength"), "%.2f");
     help("fraction of the effect per tick; 0: none, 1: all");
-    dragLength("yield depth", brush.tau_mm, 0.02, {0, 5}, status);
+    dragLength("yield depth", brush.tau_mm, 0.02, sliderOf<BrushConfig>("tau_mm"), status);
     help("depth of the stylus in the surface from which on the surface yields");
     if (brush.kind == BrushKind::paint) {
       float color[3];
@@ -271,12 +276,12 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
   choose("surface", kSurfaceKinds, feel.surface);
   help("average: fastest; sphere: sinks in less on curved surfaces; sharp: keeps edges");
   if (status.session->backendName() == "vulkan") choose("query", kQueryMethods, feel.method);
-  drag("stiffness", feel.stiffness_N_per_mm, 0.01f, 0, 5, "%.2f N/mm");
+  drag("stiffness", feel.stiffness_N_per_mm, 0.01f, sliderOf<ForceOptions>("stiffness_N_per_mm"), "%.2f N/mm");
   help("force per mm of depth in the surface, measured in the hand");
-  drag("damping", feel.damping_N_s_per_mm, 0.0001f, 0, 0.02, "%.4f N s/mm");
-  drag("friction", feel.friction, 0.01f, 0, 2, "%.2f");
+  drag("damping", feel.damping_N_s_per_mm, 0.0001f, sliderOf<ForceOptions>("damping_N_s_per_mm"), "%.4f N s/mm");
+  drag("friction", feel.friction, 0.01f, sliderOf<SurfaceConfig>("friction"), "%.2f");
   help("0: no friction; from 1 on the stylus hardly slides");
-  drag("maximum force", feel.maxForce_N, 0.02f, 0, kTouchPeakForce_N, "%.2f N");
+  drag("maximum force", feel.maxForce_N, 0.02f, sliderOf<ForceOptions>("max_N"), "%.2f N");
   ImGui::TextDisabled("%s", status.session->machine().c_str());
 }
 
@@ -316,7 +321,8 @@ void Panels::drawMatter(const ViewStatus& status) {
   for (const SimulationParameter& parameter : status.parameters) {
     double value = parameter.value;
     const auto speed = static_cast<float>((parameter.high - parameter.low) / 1000);
-    if (drag(parameter.label.c_str(), value, speed, parameter.low, parameter.high, ("%.4g " + parameter.unit).c_str()))
+    if (drag(parameter.label.c_str(), value, speed, {parameter.low, parameter.high},
+             ("%.4g " + parameter.unit).c_str()))
       commands_.emplace_back(SetParameter{parameter.name, value});
     help("takes effect at the next step; ends a recording");
   }

@@ -92,9 +92,9 @@ class Panels {
   bool button(const char* name, float width = 0);
   bool checkbox(const char* name, bool& on);
   bool header(const char* name, bool open = false);
-  bool dragLength(const char* name, double& value_mm, double speed_mm, std::pair<double, double> range_mm,
-                  const ViewStatus& status, const char* text = "");
-  bool drag(const char* name, double& value, float speed, double least, double most, const char* format);
+  bool dragLength(const char* name, double& value_mm, double speed_mm, const Range& range_mm, const ViewStatus& status,
+                  const char* text = "");
+  bool drag(const char* name, double& value, float speed, const Range& range, const char* format);
   template <class Names, class Value>
   bool choose(const char* name, const Names& names, Value& value);
   template <class Names, class Value>

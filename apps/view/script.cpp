@@ -16,6 +16,32 @@ namespace palpate {
 
 namespace {
 
+constexpr ScriptEvent kEvents[]{
+    {"key", "NAME [down|up]", "presses and releases a key, or several with + between them, as in ctrl+z"},
+    {"mouse", "X Y", "moves the mouse, pixels"},
+    {"button", "left|middle|right down|up", "presses or releases a button of the mouse"},
+    {"tap", "X Y | KEY", "presses and releases in one picture, at a position or a key"},
+    {"wheel", "N", "turns the wheel by N notches"},
+    {"push", "X Y Z RX RY RZ [BUTTONS]", "pushes and turns the cap of a 3D mouse, -1 to 1 each"},
+    {"click", "NAME", "clicks the control of that name in the panels"},
+    {"drop", "FILE", "drops a file on the window"},
+    {"text", "WORDS", "types a text"},
+    {"resize", "W H", "resizes the window, pixels"},
+    {"set", "NAME VALUE", "sets a parameter of a simulation"},
+    {"minimise", "", "minimises the window"},
+    {"restore", "", "restores it"},
+    {"screenshot", "FILE.png", "writes a picture of the window"},
+    {"state", "FILE.json", "writes the state of the window"},
+    {"save", "FILE.ply", "saves the edited points"},
+    {"record", "[FILE]", "records a session log; without a file: ends it"},
+    {"replay", "FILE", "plays a session log"},
+    {"impatient", "", "lets the clock go on while a model is loaded or saved"},
+    {"patient", "", "stops the clock meanwhile, as at the beginning"},
+    {"ask", "", "asks about unsaved changes from now on, as without a script"},
+    {"await", "FILE", "stops the clock until the file exists, at most a minute"},
+    {"quit", "", "closes the window"},
+};
+
 /// The words of one line, read one after the other.
 class Line {
  public:
@@ -174,14 +200,18 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     return ViewCommand(SetParameter{name, line.number("its value")});
   }
   if (what == "quit") return WindowEvent(CloseEvent{});
-  line.fail(
-      fmt::format("'{}' is not an event; events are key, mouse, button, tap, wheel, push, drop, text, resize, "
-                  "minimise, restore, screenshot, "
-                  "state, save, record, replay, impatient, patient, ask, click, set, await, quit",
-                  what));
+  line.fail(fmt::format("'{}' is not an event; events are {}", what, scriptEventNames()));
 }
 
 }  // namespace
+
+std::span<const ScriptEvent> scriptEvents() { return kEvents; }
+
+std::string scriptEventNames() {
+  std::string names;
+  for (const ScriptEvent& event : kEvents) names += (names.empty() ? "" : ", ") + std::string(event.name);
+  return names;
+}
 
 std::vector<TimedAction> readScript(const std::filesystem::path& file) {
   std::ifstream in(file);

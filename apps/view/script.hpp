@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <string_view>
 
 #include "apps/view/commands.hpp"
 #include "apps/view/events.hpp"
@@ -50,11 +52,16 @@ struct TimedAction {
   ScriptAction action;
 };
 
-/// One event a line, `#` comments: `TIME_S key NAME [down|up]` (NAME may be ctrl+z), `mouse X Y`,
-/// `button left|middle|right down|up`, `tap X Y`, `tap KEY`, `wheel N`, `drop FILE`, `text WORDS`, `resize W H`,
-/// `minimise`, `restore`, `screenshot FILE.png`, `state FILE.json`, `save FILE.ply`, `record FILE`, `record`, `replay
-/// FILE`, `impatient`, `patient`, `ask`, `click NAME`, `set NAME VALUE`, `await FILE`, `quit`. Times must not decrease.
-/// Throws FileError with the line.
+/// An event of a script: its name, arguments and effect.
+struct ScriptEvent {
+  std::string_view name, arguments, effect;
+};
+std::span<const ScriptEvent> scriptEvents();
+/// "key, mouse, ...".
+std::string scriptEventNames();
+
+/// One event of scriptEvents() a line, after its time in seconds; `#` comments. Times must not decrease. Throws
+/// FileError with the line.
 std::vector<TimedAction> readScript(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -18,8 +18,9 @@ namespace palpate {
 /// Settings that can change while touching.
 struct BrushSettings {
   std::optional<BrushKind> kind;  ///< nothing: feel only
-  double radius_mm = 6, strength = 0.5, tau_mm = 0.5, beta = 0.1;
-  std::uint32_t falloff = 1;
+  double radius_mm = BrushConfig{}.radius_mm, strength = BrushConfig{}.strength, tau_mm = BrushConfig{}.tau_mm,
+         beta = BrushConfig{}.beta;
+  std::uint32_t falloff = BrushConfig{}.falloff;
   std::array<std::uint8_t, 3> color{220, 40, 40};
 
   bool operator==(const BrushSettings&) const = default;
@@ -27,8 +28,9 @@ struct BrushSettings {
 struct FeelSettings {
   SurfaceKind surface = SurfaceKind::average;
   QueryMethod method = QueryMethod::fused;
-  double friction = 0;
-  double stiffness_N_per_mm = 0.8, damping_N_s_per_mm = 0.002, maxForce_N = kTouchPeakForce_N;
+  double friction = SurfaceConfig{}.friction;
+  double stiffness_N_per_mm = ForceOptions{}.stiffness_N_per_mm, damping_N_s_per_mm = ForceOptions{}.damping_N_s_per_mm,
+         maxForce_N = ForceOptions{}.maxForce_N;
 
   bool operator==(const FeelSettings&) const = default;
 };

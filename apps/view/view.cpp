@@ -2,6 +2,7 @@
 #include "apps/cli/backend.hpp"
 #include "apps/cli/motion_options.hpp"
 #include "apps/cli/parse_list.hpp"
+#include "apps/cli/setting_options.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "apps/cli/stream_options.hpp"
@@ -133,9 +134,9 @@ void view(Context& context, const ViewCommandOptions& options) {
 void addWindowOptions(Options& sub, ViewCommandOptions& options) {
   sub.add("--size", options.size, "size of the window, WIDTHxHEIGHT, pixels").showDefault();
   sub.add("--script", options.script,
-          "play timed events, one per line: TIME_S EVENT; # comments. Events: key, mouse, button, tap, wheel, push, "
-          "click, drop, text, resize, set, minimise, restore, screenshot, state, save, record, replay, impatient, "
-          "patient, ask, await, quit (apps/view/README.md describes each)")
+          fmt::format("play timed events, one per line: TIME_S EVENT; # comments. Events: {} (apps/view/README.md "
+                      "describes each)",
+                      scriptEventNames()))
       .typeName("FILE");
   sub.addFlag("--realtime", options.realtime,
               "run the script against the wall clock; otherwise each picture is 0.05 s of script time with "
@@ -158,8 +159,9 @@ void addView(Options& app, Context& context, Command& command) {
           modelsAndStreams() + ". The first one is opened, others can be dropped on the window")
       .typeName("MODEL");
   addScaleOptions(sub, options->scale);
-  sub.add("--normals", options->normals, "keep, estimate or face, as in palpate touch")
-      .check(oneOf({"keep", "estimate", "face"}))
+  addSettingFor<ModelConfig>(sub, options->normals, "normals")
+      .describe("keep, estimate or face, as in palpate touch")
+      .check(oneOf(choicesOf<ModelConfig>("normals")))
       .showDefault();
   addAllPointsOption(sub, options->allPoints);
   addLookOptions(sub, options->look);
@@ -172,6 +174,7 @@ void addView(Options& app, Context& context, Command& command) {
                                 : "'" + device + "' is not a device; devices are mouse, " + heldDevicesHelp();
                    },
                    "DEVICE"})
+      .offers({"mouse", "openhaptics", "dhd", "hid"})
       .showDefault();
   sub.add("--scheduler", options->scheduler, "thread that runs the ticks of an OpenHaptics device, as in palpate touch")
       .check(oneOf({"device", "own"}))
@@ -180,19 +183,21 @@ void addView(Options& app, Context& context, Command& command) {
   sub.add("--backend", options->backend, "back end: vulkan, cpu, or auto (cpu where the GPU is a software driver)")
       .check(oneOf({"auto", "vulkan", "cpu"}))
       .showDefault();
-  sub.add("--surface", options->surface, "average, sphere or sharp, as in palpate touch")
-      .check(oneOf(namesOf(kSurfaceKinds)))
+  addSettingFor<SurfaceConfig>(sub, options->surface, "kind")
+      .describe("average, sphere or sharp, as in palpate touch")
+      .check(oneOf(choicesOf<SurfaceConfig>("kind")))
       .showDefault();
-  sub.add("--edit", options->edit, "brush at the start, or none")
-      .check(oneOf(namesOf(kBrushKinds, {"none"})))
+  addSettingFor<BrushConfig>(sub, options->edit, "kind")
+      .describe("brush at the start, or none")
+      .check(oneOf(choicesOf<BrushConfig>("kind", {"none"})))
       .showDefault();
   sub.add("--lattice", options->lattice,
           "cells of the mesh (M) along the longest side; coarse meshes update sooner on a slow GPU")
       .check(oneOf({"32", "64", "128", "256", "512"}))
       .showDefault();
-  sub.add("--rate", options->rate_Hz, "ticks per second").check(between(1, bounds::kMaxRate_Hz)).showDefault();
-  sub.add("--undo-memory", options->undoMemory_MiB, "memory for strokes that can be undone, MiB")
-      .check(between(bounds::kMinMemory_MiB, bounds::kMaxMemory_MiB))
+  addSettingFor<SessionConfig>(sub, options->rate_Hz, "rate_Hz").showDefault();
+  addSettingFor<UndoConfig>(sub, options->undoMemory_MiB, "memory_MiB")
+      .describe("memory for strokes that can be undone, MiB")
       .showDefault();
   sub.heading("Shared session");
   addJoinOptions(sub, options->join, JoinAs::hand);

@@ -8,14 +8,13 @@
 #include "engine/core/named_values.hpp"
 #include "engine/matter/matter_bounds.hpp"
 #include "engine/matter/matter_rules.hpp"
+#include "engine/matter/scene_settings.hpp"
 #include "engine/matter/soft_scene.hpp"
 
 namespace palpate {
 
 namespace {
 
-constexpr double kMinSpacing_mm = 0.01, kMaxSpacing_mm = 1e4;
-constexpr double kMaxBox_mm = 1e6;
 constexpr double kMaxCells = 64e6;         // cells of the grid, whose memory grows with the box
 constexpr double kBytesOfParticle = 1600;  // including its neighbours
 constexpr double kBytesOfCell = 4;
@@ -26,24 +25,19 @@ constexpr std::uint64_t kMaxParticles = 1 << 27;  // limit of the neighbours' sl
 constexpr double kMaxWay_spacings = 0.5;
 
 void requireFields(const MatterScene& scene) {
-  requireBetween("spacing_mm", scene.spacing_mm, kMinSpacing_mm, kMaxSpacing_mm);
-  requireBetween("box_mm", scene.box_mm, scene.spacing_mm, kMaxBox_mm);
-  requireBetween("fill_mm", scene.fill_mm, 0, kMaxBox_mm);
+  forEachBounded(sceneSettings(), scene, [](const Setting<MatterScene>& setting, double value) {
+    requireBetween(setting.name, value, setting.range.min, setting.range.max);
+  });
+  for (int k = 0; k < 3; ++k)
+    if (!(scene.box_mm[k] >= scene.spacing_mm))
+      throw Error("box_mm: is {}; it must be at least the spacing, {}", scene.box_mm[k], scene.spacing_mm);
   for (int k = 0; k < 3; ++k)
     if (!(scene.fill_mm[k] <= scene.box_mm[k]))
       throw Error("fill_mm: is {} along {}, where the box is {}", scene.fill_mm[k], "xyz"[k], scene.box_mm[k]);
-  requireBetween("fill_at_mm", scene.fill_at_mm, 0, kMaxBox_mm);
   for (int k = 0; k < 3; ++k)
     if (!(scene.fill_at_mm[k] + scene.fill_mm[k] <= scene.box_mm[k] * (1 + 1e-9)))
       throw Error("fill_at_mm: puts the fill up to {:g} along {}, where the box is {:g}",
                   scene.fill_at_mm[k] + scene.fill_mm[k], "xyz"[k], scene.box_mm[k]);
-  requireBetween("density_kg_m3", scene.density_kg_m3, 1, 1e5);
-  requireBetween("viscosity_Pa_s", scene.viscosity_Pa_s, 0, 1e4);
-  requireBetween("cohesion_N_m", scene.cohesion_N_m, 0, 100);
-  requireBetween("friction", scene.friction, 0, 10);
-  requireBetween("gravity_m_s2", scene.gravity_m_s2, -1000, 1000);
-  requireBetween("gain", scene.gain, 0, 1e4);
-  requireBetween("substeps", scene.substeps, 0, kMaxSubsteps);
 }
 
 double displaced_kg(const MatterScene& scene, double radius_mm) {
@@ -52,8 +46,6 @@ double displaced_kg(const MatterScene& scene, double radius_mm) {
 
 void requireTool(const MatterScene& scene) {
   const auto& [radius, mass] = scene.tool;
-  requireBetween("tool.radius_mm", radius, 0, kMaxBox_mm);
-  requireBetween("tool.mass_kg", mass, 0, 1e6);
   if (radius == 0) return;
   if (radius < scene.spacing_mm)
     throw Error("tool.radius_mm: is {}; it must be at least the spacing, {}", radius, scene.spacing_mm);
@@ -79,7 +71,6 @@ void requireModel(const MatterScene& scene) {
       throw Error("model: is missing, but model_mm or model_at_mm is given");
     return;
   }
-  requireBetween("hole_mm", scene.hole_mm, 0, 1e6);
   if (scene.model_mm != DVec3(0)) requireBetween("model_mm", scene.model_mm, scene.spacing_mm, scene.box_mm);
   const auto [low, high] = modelBox_mm(scene);
   const DVec3 sides = high - low;

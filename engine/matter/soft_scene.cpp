@@ -15,15 +15,8 @@ constexpr double kBytesOfSoftNode = 400;  // including its cell
 constexpr double kBytesOfSoftCell = 60;   // cell of the box around the body, while it is filled
 constexpr double kMaxNodes = 1 << 27;     // limit of the corners' node numbers
 
-void requireMaterial(const MatterScene& scene) {
-  requireBetween("young_Pa", scene.young_Pa, 1, 1e9);
-  requireBetween("poisson", scene.poisson, 0, 0.49);
-  requireBetween("stiffness", scene.stiffness, 1e-4, 0.95);
-}
-
 void requireShape(const MatterScene& scene) {
   requireBetween("fill_mm", scene.fill_mm, scene.spacing_mm, scene.box_mm);
-  requireBetween("hole_mm", scene.hole_mm, 0, 1e6);
   if (!scene.model.empty() && scene.shape != SoftShape::box) throw Error("shape: cannot be combined with a model");
   if (scene.shape == SoftShape::ball &&
       !(std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}) >= 2 * scene.spacing_mm))
@@ -82,7 +75,6 @@ std::uint32_t substepsOf(const MatterScene& scene, const MatterPlan& plan, doubl
 }
 
 MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes) {
-  requireMaterial(scene);
   requireShape(scene);
   MatterPlan plan{.spacing_m = scene.spacing_mm * 1e-3};
   double cells = 1, nodes = 1;

@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "engine/mesh/mesh_plan.hpp"
+#include "haptics/library/linked_fields.hpp"
 #include "haptics/session/picture_request.hpp"
-#include "haptics/session/session_config.hpp"
 #include "haptics/sharing/session_joiner.hpp"
 
 namespace palpate::library {
@@ -33,30 +33,24 @@ Options sized() {
 
 template <>
 pp_feel usual() {
-  const ForceOptions force;
   auto feel = sized<pp_feel>();
-  feel.stiffness_N_per_mm = force.stiffness_N_per_mm;
-  feel.damping_N_s_per_mm = force.damping_N_s_per_mm;
-  feel.max_force_N = force.maxForce_N;
+  toFields(kForceFields, feel, ForceOptions{});
+  toFields(kSurfaceFields, feel, SurfaceConfig{});
   return feel;
 }
 
 template <>
 pp_tool usual() {
-  const ToolConfig tool;
   auto options = sized<pp_tool>();
-  options.points = static_cast<std::uint32_t>(tool.points);
-  options.size_mm = tool.size_mm;
-  for (int k = 0; k < 3; ++k) options.axis[k] = tool.axis[k];
+  toFields(kToolFields, options, ToolConfig{});
   return options;
 }
 
 template <>
 pp_session_options usual() {
-  const SessionConfig config;
   auto options = sized<pp_session_options>();
-  options.rate_Hz = config.rate_Hz;
-  options.undo_memory_MiB = config.undo.memory_MiB;
+  toFields(kSessionFields, options, SessionConfig{});
+  toFields(kUndoFields, options, UndoConfig{});
   options.hands = 1;
   return options;
 }
@@ -71,16 +65,8 @@ pp_path usual() {
 
 template <>
 pp_brush usual() {
-  const BrushConfig usual;
   auto brush = sized<pp_brush>();
-  brush.falloff = usual.falloff;
-  brush.tau_mm = usual.tau_mm;
-  brush.beta = usual.beta;
-  brush.radius_mm = usual.radius_mm;
-  brush.strength = usual.strength;
-  for (int k = 0; k < 3; ++k) brush.color[k] = usual.color[static_cast<std::size_t>(k)];
-  brush.color[3] = 255;
-  brush.keeps_density = usual.keepsDensity ? 1 : 0;
+  toFields(kBrushFields, brush, BrushConfig{});
   return brush;
 }
 
@@ -105,7 +91,7 @@ pp_mesh_options usual() {
 template <>
 pp_stream_options usual() {
   auto options = sized<pp_stream_options>();
-  options.speed = StreamConfig{}.speed;
+  toFields(kStreamFields, options, StreamConfig{});
   return options;
 }
 

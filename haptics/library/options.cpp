@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptics/library/linked_fields.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/tick_pacer.hpp"
 
@@ -76,11 +77,11 @@ CloudArrays arraysFrom(const pp_cloud_arrays& arrays) {
           .colors = rowsFrom(arrays.colors, true, "colors")};
 }
 
-ToolConfig toolFrom(const pp_tool& tool) {
-  return {.kind = chosen(kToolKinds, tool.kind, ToolKind::point, "tool.kind"),
-          .points = tool.points,
-          .size_mm = tool.size_mm,
-          .axis = vectorFrom(tool.axis, "tool.axis")};
+ToolConfig toolFrom(const pp_tool& given) {
+  ToolConfig tool{.kind = chosen(kToolKinds, given.kind, ToolKind::point, "tool.kind")};
+  vectorFrom(given.axis, "tool.axis");
+  fromFields(kToolFields, given, tool);
+  return tool;
 }
 
 std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name) {
@@ -104,27 +105,22 @@ std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::str
 }
 
 SurfaceConfig surfaceFrom(const pp_feel& feel) {
-  SurfaceConfig surface{.kind = chosen(kSurfaceKinds, feel.surface, SurfaceKind::average, "feel.surface"),
-                        .friction = feel.friction};
+  SurfaceConfig surface{.kind = chosen(kSurfaceKinds, feel.surface, SurfaceKind::average, "feel.surface")};
+  fromFields(kSurfaceFields, feel, surface);
   if (feel.radius_mm != 0) surface.radius_mm = feel.radius_mm;
   return surface;
 }
 
 ForceOptions forceFrom(const pp_feel& feel) {
-  return {.stiffness_N_per_mm = feel.stiffness_N_per_mm,
-          .damping_N_s_per_mm = feel.damping_N_s_per_mm,
-          .maxForce_N = feel.max_force_N};
+  ForceOptions force;
+  fromFields(kForceFields, feel, force);
+  return force;
 }
 
-BrushConfig brushFrom(const pp_brush& brush) {
-  return {.kind = chosen(kBrushKinds, brush.kind, BrushKind::push, "brush.kind"),
-          .tau_mm = brush.tau_mm,
-          .beta = brush.beta,
-          .radius_mm = brush.radius_mm,
-          .strength = brush.strength,
-          .falloff = brush.falloff,
-          .color = {brush.color[0], brush.color[1], brush.color[2]},
-          .keepsDensity = brush.keeps_density != 0};
+BrushConfig brushFrom(const pp_brush& given) {
+  BrushConfig brush{.kind = chosen(kBrushKinds, given.kind, BrushKind::push, "brush.kind")};
+  fromFields(kBrushFields, given, brush);
+  return brush;
 }
 
 PictureRequest pictureFrom(const pp_picture_options& options) {

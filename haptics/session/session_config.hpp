@@ -12,8 +12,8 @@
 
 #include "engine/contact/surface_kind.hpp"
 #include "engine/core/brush.hpp"
-#include "engine/core/error.hpp"
 #include "engine/core/index_options.hpp"
+#include "engine/core/setting.hpp"
 #include "engine/core/tool_shape.hpp"
 #include "engine/core/vec.hpp"
 #include "engine/matter/matter_scene.hpp"
@@ -22,20 +22,6 @@
 #include "haptics/passivity.hpp"
 
 namespace palpate {
-
-/// A field of a configuration is out of bounds or incompatible with another one. The text begins with the field's path,
-/// as in "brush.radius_mm".
-class ConfigError : public UsageError {
- public:
-  template <class... Args>
-  explicit ConfigError(std::string_view field, fmt::format_string<Args...> text, Args&&... args)
-      : UsageError("{}: {}", field, fmt::format(text, std::forward<Args>(args)...)), field_(field) {}
-
-  const std::string& field() const { return field_; }
-
- private:
-  std::string field_;
-};
 
 /// Source of a model's normals: the file, or estimated if it has none; always estimated from the points; or the faces.
 enum class NormalSource { keep, estimate, face };

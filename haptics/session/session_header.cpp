@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/error.hpp"
-#include "haptics/session/flag_migration.hpp"
 
 namespace palpate {
 
@@ -86,20 +84,15 @@ std::string headerText(const RecordedSession& session) {
 RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text) {
   try {
     const Json json = Json::parse(text);
-    // Earlier headers, without configuration, had the model's facts in a part of their own.
-    const bool carriesFlags = json.contains("options");
-    const Json& model = carriesFlags ? json.at("model") : json;
-    RecordedSession session{.points = model.at("points").get<std::uint64_t>(),
-                            .checksum = fromHex(model.at("checksum").get<std::string>()),
+    if (!json.contains("config"))
+      throw Error("it is of an older palpate, {}, without a configuration; run it again with that one",
+                  json.value("palpate", "of unknown version"));
+    RecordedSession session{.config = parseConfig(json.at("config").dump()),
+                            .points = json.at("points").get<std::uint64_t>(),
+                            .checksum = fromHex(json.at("checksum").get<std::string>()),
                             .document = json.value("document", ""),
                             .machine = json.at("machine").get<std::string>(),
                             .palpate = json.at("palpate").get<std::string>()};
-    if (carriesFlags) {
-      session.config = migrateFlags(json.at("options").get<std::map<std::string, std::string>>());
-      session.config.model.file = model.at("file").get<std::string>();
-    } else {
-      session.config = parseConfig(json.at("config").dump());
-    }
     readDevice(json.at("device"), session);
     return session;
   } catch (const std::exception& error) {  // from JSON or from the configuration

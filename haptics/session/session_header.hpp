@@ -29,8 +29,7 @@ struct RecordedSession {
 
 /// Text of a header.
 std::string headerText(const RecordedSession& session);
-/// Reads a header; one with command-line options, which earlier logs had in place of the configuration, is migrated.
-/// Throws FileError for a text that it does not understand.
+/// Reads a header. Throws FileError for a text that it does not understand, such as that of an older palpate.
 RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text);
 
 /// Throws FileError if the edits of a log do not belong to a model with that number of points.

@@ -173,17 +173,33 @@ TEST_CASE("a shell completes commands, options and values, also after options of
   offers("touch x.ply --edit p", "paint\npush\n");
   offers("touch --edit=gr", "--edit=grab\n");
   offers("touch --edit = gr", "grab\n");
-  offers("touch --path ''", "/\n");
+  offers("touch --path ''", "builtin:orbit\nbuiltin:press\nbuiltin:scan\nbuiltin:slide\nbuiltin:stir\n/ .csv\n");
+  offers("touch --path builtin : pr", "press\n/ .csv\n");  // as bash splits it
+  offers("touch --path builtin:pr", "builtin:press\n/ .csv\n");
+  offers("touch x.ply --trace ''", "/ .csv\n");
+  offers("touch x.ply --picture ''", "/ .png .jpg\n");
+  offers("touch x.ply --stiffness ''", "");  // a number
+  offers("touch --security ''", "/ /\n");
+  offers("--threads 2 --json - --quiet touch x.ply --device s", "sim\n");
+  offers("bench build so", "sort\n");  // several benches in one call
+  offers("bench step --backend vulkan,c", "vulkan,cpu\nvulkan,cuda\n");
+  offers("--validate=c", "--validate=core\n");
+  CHECK(says(palpate("complete -- mesh m.ply -o ''").text, ".stl"));
+  CHECK(says(palpate("complete -- convert ''").text, ".laz"));
   offers("touch x.ply --stiffne", "--stiffness\n");
   offers("-- tou", "touch\n/\n");  // as the scripts call it: a word after -- may be the name of a shell
   // The completion of bash, and the files of a folder beside commands.
   const ScratchFolder folder;
-  std::ofstream(folder / "tower.ply") << "ply\n";
+  for (const char* name : {"tower.ply", "tower.csv", "tower.pdf"}) std::ofstream(folder / name) << "ply\n";
+  std::filesystem::create_directory(folder / "folder");
   const std::string script = (sourceFolder() / "third_party/debian/palpate.bash").string();
-  const Outcome bash = run("cd " + folder.path().string() + " && bash -c 'source " + script + "; COMP_WORDS=(" +
-                           program() + " to); COMP_CWORD=1; _palpate; echo \"${COMPREPLY[@]}\"; COMP_WORDS=(" +
-                           program() + " touch --edit = ca); COMP_CWORD=4; _palpate; echo \"${COMPREPLY[@]}\"'");
-  CHECK(bash.text == "tower.ply touch\ncarve\n");
+  const Outcome bash = run("cd " + folder.path().string() +
+                           " && bash -c 'show() { echo $(printf \"%s\\n\" \"${COMPREPLY[@]}\" | sort); }; source " +
+                           script + "; COMP_WORDS=(" + program() + " to); COMP_CWORD=1; _palpate; show; COMP_WORDS=(" +
+                           program() + " touch --edit = ca); COMP_CWORD=4; _palpate; show; COMP_WORDS=(" + program() +
+                           " render to); COMP_CWORD=2; _palpate; show; COMP_WORDS=(" + program() +
+                           " touch --trace \"\"); COMP_CWORD=3; _palpate; show'");
+  CHECK(bash.text == "touch tower.csv tower.pdf tower.ply\ncarve\ntower.csv tower.ply\nfolder tower.csv\n");
 }
 
 TEST_CASE("each value that the help lists for an option is completed") {
@@ -224,7 +240,7 @@ TEST_CASE("the zsh script that the program prints completes commands, values and
   const ScratchFolder folder;
   std::ofstream(folder / "_palpate") << script;
   std::ofstream(folder / "try.zsh") << "compdef() { print compdef $@ }\ncompset() { print compset $@ }\n"
-                                       "compadd() { shift; print -l -- $@ }\n_files() { print FILES }\n"
+                                       "compadd() { shift; print -l -- $@ }\n_files() { print FILES $@ }\n"
                                        "source ./_palpate\n"
                                        "words=(" +
                                            program() +
@@ -233,9 +249,14 @@ TEST_CASE("the zsh script that the program prints completes commands, values and
                                            program() +
                                            " to); CURRENT=2; _palpate\n"
                                            "words=(" +
-                                           program() + " bench ''); CURRENT=3; _palpate | head -2\n";
+                                           program() +
+                                           " bench ''); CURRENT=3; _palpate | head -2\n"
+                                           "words=(" +
+                                           program() + " touch --trace ''); CURRENT=4; _palpate\n";
   const Outcome zsh = run("cd " + folder.path().string() + " && zsh -f try.zsh");
-  CHECK(zsh.text == "compdef _palpate palpate\n--edit=grab\ntouch\ncompset -P --*=\nFILES\nbuild\ncoexist\n");
+  CHECK(zsh.text ==
+        "compdef _palpate palpate\n--edit=grab\ntouch\ncompset -P --*=\nFILES\nbuild\ncoexist\ncompset -P --*=\nFILES "
+        "-g *(.csv)(-.)\n");
 }
 
 TEST_CASE("every numeric option has bounds, which its error names") {

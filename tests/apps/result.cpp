@@ -33,6 +33,13 @@ Result Result::operator[](std::size_t index) const { return {tree_, &valueAt(val
 
 bool Result::contains(std::string_view name) const { return valueAt(value_).contains(std::string(name)); }
 bool Result::is_null() const { return valueAt(value_).is_null(); }
+bool Result::isObject() const { return valueAt(value_).is_object(); }
+bool Result::isArray() const { return valueAt(value_).is_array(); }
+std::vector<std::string> Result::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : valueAt(value_).items()) keys.push_back(key);
+  return keys;
+}
 std::size_t Result::size() const { return valueAt(value_).size(); }
 std::string Result::dump() const { return valueAt(value_).dump(); }
 

@@ -33,6 +33,9 @@ class Result {
   Result back() const { return (*this)[size() - 1]; }
   bool contains(std::string_view name) const;
   bool is_null() const;
+  bool isObject() const;
+  bool isArray() const;
+  std::vector<std::string> keys() const;  ///< of an object
   std::size_t size() const;
   bool empty() const { return size() == 0; }
   std::string dump() const;

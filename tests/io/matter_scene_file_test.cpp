@@ -77,35 +77,37 @@ TEST_CASE("a scene of matter is read with all its fields") {
 
 TEST_CASE("an invalid scene of matter is refused with the field") {
   CHECK(refusal(waterWith(R"("gain": 1)")) == "read");
-  CHECK(says(refusal("{"), "is no JSON"));
-  CHECK(says(refusal("[]"), "is no JSON object"));
-  CHECK(says(refusal("{}"), "matter: is not there"));
-  CHECK(says(refusal(R"({"matter": "water"})"), "box_mm: is not there"));
-  CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kMin + "}"), "there are water, sand, soft"));
-  CHECK(says(refusal(waterWith(R"("colour": 1000)")), "'colour': is not known; there are matter, box_mm"));
-  CHECK(says(refusal(waterWith(R"("young_Pa": 1000)")), "young_Pa: belongs to no scene of water"));
+  CHECK(says(refusal("{"), "is not valid JSON"));
+  CHECK(says(refusal("[]"), "is not a JSON object"));
+  CHECK(says(refusal("{}"), "matter: is missing"));
+  CHECK(says(refusal(R"({"matter": "water"})"), "box_mm: is missing"));
+  CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kMin + "}"), "there is water, sand, soft"));
+  CHECK(says(refusal(waterWith(R"("colour": 1000)")), "colour: is not known here; there are matter, box_mm"));
+  CHECK(says(refusal(waterWith(R"("young_Pa": 1000)")), "young_Pa: does not apply to water"));
   CHECK(says(refusal(softWith(R"("young_Pa": "soft")")), "young_Pa: is"));
-  CHECK(says(refusal(softWith(R"("model": 3)")), "model: is '3', which is no name of a file"));
-  CHECK(says(refusal(softWith(R"("model": "")")), "which is no name of a file"));
-  CHECK(says(refusal(softWith(R"("shape": "cone")")), "there are box, ball"));
-  CHECK(says(refusal(softWith(R"("preset": "rubber")")), "there are elastic, shape-matching"));
+  CHECK(says(refusal(softWith(R"("model": 3)")), "model: is 3, not a text"));
+  CHECK(says(refusal(softWith(R"("model": "")")), "model: is empty, not the name of a file"));
+  CHECK(says(refusal(softWith(R"("shape": "cone")")), "there is box, ball"));
+  CHECK(says(refusal(softWith(R"("preset": "rubber")")), "there is elastic, shape-matching"));
   CHECK(says(refusal(softWith(R"("preset": "shape-matching", "young_Pa": 1000)")),
-             "young_Pa: belongs to no soft body of preset shape-matching, which is not calibrated"));
-  CHECK(says(refusal(softWith(R"("preset": "shape-matching", "viscosity_Pa_s": 1)")), "viscosity_Pa_s: belongs to no"));
-  CHECK(says(refusal(softWith(R"("stiffness": 0.5)")), "stiffness: belongs to no soft body of preset elastic"));
-  CHECK(says(refusal(waterWith(R"("preset": "elastic")")), "preset: belongs to no scene of water"));
-  CHECK(says(refusal(softWith(R"("pinned_mm": [1, 2, 3])")), "pinned_mm: is no list of 2 corners of a box"));
-  CHECK(says(refusal(softWith(R"("pinned_mm": [[0, 0, 0], [1, 2]])")), "pinned_mm: is no list of 3 numbers"));
+             "young_Pa: does not apply to the preset shape-matching, which is not calibrated"));
+  CHECK(says(refusal(softWith(R"("preset": "shape-matching", "viscosity_Pa_s": 1)")),
+             "viscosity_Pa_s: does not apply to the preset"));
+  CHECK(says(refusal(softWith(R"("stiffness": 0.5)")), "stiffness: does not apply to the preset elastic"));
+  CHECK(says(refusal(waterWith(R"("preset": "elastic")")), "preset: does not apply to water"));
+  CHECK(
+      says(refusal(softWith(R"("pinned_mm": [1, 2, 3])")), "pinned_mm: is [1,2,3], not a list of 2 corners of a box"));
+  CHECK(says(refusal(softWith(R"("pinned_mm": [[0, 0, 0], [1, 2]])")), "pinned_mm: is [1,2], not a list of 3 numbers"));
   CHECK(says(refusal(std::string(R"({"matter": "sand", "poisson": 0.3, )") + kMin + "}"),
-             "poisson: belongs to no scene of sand"));
-  CHECK(says(refusal(waterWith(R"("friction": 0.5)")), "friction: belongs to no scene of water"));
+             "poisson: does not apply to sand"));
+  CHECK(says(refusal(waterWith(R"("friction": 0.5)")), "friction: does not apply to water"));
   CHECK(says(refusal(waterWith(R"("gain": "much")")), "gain: is"));
   CHECK(says(refusal(waterWith(R"("gain": null)")), "gain: is"));
-  CHECK(says(refusal(waterWith(R"("gravity_m_s2": [0, 1])")), "gravity_m_s2: is no list of 3 numbers"));
+  CHECK(says(refusal(waterWith(R"("gravity_m_s2": [0, 1])")), "gravity_m_s2: is [0,1], not a list of 3 numbers"));
   CHECK(says(refusal(waterWith(R"("gravity_m_s2": [0, 1, "2"])")), "gravity_m_s2: is"));
-  CHECK(says(refusal(waterWith(R"("substeps": 1.5)")), "substeps: is 1.5; it is a whole number"));
-  CHECK(says(refusal(waterWith(R"("tool": 3)")), "tool: is no object"));
-  CHECK(says(refusal(waterWith(R"("tool": {"colour": 3})")), "tool: 'colour' is not known"));
+  CHECK(says(refusal(waterWith(R"("substeps": 1.5)")), "substeps: is 1.5, not a whole number"));
+  CHECK(says(refusal(waterWith(R"("tool": 3)")), "tool: is not an object"));
+  CHECK(says(refusal(waterWith(R"("tool": {"colour": 3})")), "tool.colour: is not known"));
   CHECK(says(refusal(waterWith(R"("tool": {"mass_kg": "3"})")), "tool.mass_kg: is"));
 }
 
@@ -128,7 +130,7 @@ TEST_CASE("an invalid scene file is refused with its name, the field and the bou
   CHECK(says(readRefusal(softWith(R"("young_Pa": -5)")), "scene.json: young_Pa: is -5;"));
   CHECK(readRefusal(softWith(R"("model": "scan.ply")")) == "read");
   CHECK(readMatterScene(file).model == (folder / "scan.ply").string());
-  CHECK(says(readRefusal(""), "scene.json: is no JSON"));
+  CHECK(says(readRefusal(""), "scene.json: is not valid JSON"));
   CHECK(says(readRefusal(std::string(2 << 20, ' ')), "scene.json: is too long"));
 }
 

@@ -11,3 +11,13 @@ cd "$scratch"
 export MYPYPATH=$2 PYTHONPATH=$2
 "$1" -m mypy --strict --cache-dir "$scratch/cache" "$2/palpate" "$here/typed.py"
 "$1" -m mypy.stubtest palpate --ignore-missing-stub --allowlist "$here/stubtest_allowlist.txt"
+
+# Misspelt words and keywords are refused, on the lines that are marked and on no other.
+"$1" -m mypy --strict --cache-dir "$scratch/cache" "$here/mistyped.py" > refused.txt || true
+sed -n 's/^.*mistyped.py:\([0-9]*\): error.*/\1/p' refused.txt | sort -nu > found.txt
+grep -n '# wrong$' "$here/mistyped.py" | cut -d: -f1 > wanted.txt
+if ! diff wanted.txt found.txt; then
+  echo "types.sh: mypy refused other lines of mistyped.py than those marked:"
+  cat refused.txt
+  exit 1
+fi

@@ -4,8 +4,6 @@
 
 #include <limits>
 
-#include "haptics/session/flag_migration.hpp"
-
 namespace palpate::session_config_test {
 
 namespace {
@@ -191,54 +189,6 @@ TEST_CASE("a value out of bounds is refused with the name of the field") {
   CHECK(with([](auto& c) { c.force.maxSurfacePower_W = kNaN; }) == "force.max_surface_power_W");
   CHECK(with([](auto& c) { c.hands[1].device.clear(); }) == "hands[1].device");
   CHECK(with([](auto& c) { c.duration_s = -1; }) == "duration_s");
-}
-
-TEST_CASE("command-line options in old logs become the configuration they meant") {
-  const SessionConfig config = migrateFlags({{"--normals", "estimate"},
-                                             {"--mm-per-unit", "2.5"},
-                                             {"--rate", "500"},
-                                             {"--realtime", "true"},
-                                             {"--stiffness", "0.6"},
-                                             {"--surface", "sphere"},
-                                             {"--radius", "4"},
-                                             {"--edit", "paint"},
-                                             {"--paint-color", "1,20,255"},
-                                             {"--tool-radius", "3"},
-                                             {"--keep-points", "true"},
-                                             {"--undo", "2"},
-                                             {"--backend", "vulkan"},
-                                             {"--method", "two-step"},
-                                             {"--index", "rebuild"},
-                                             {"--ahead", "off"},
-                                             {"--wait", "block"},
-                                             {"--tool", "pad"},
-                                             {"--tool-axis", "0,1,0.5"}});
-  SessionConfig expected{
-      .model = {.mm_per_unit = 2.5, .normals = NormalSource::estimate},
-      .backend = {.name = "vulkan", .method = "two-step", .wait = Wait::block, .ahead = false},
-      .index = {.follow = IndexFollow::rebuild},
-      .surface = {.kind = SurfaceKind::sphere, .radius_mm = 4},
-      .tool = {.kind = ToolKind::pad, .axis = {0, 1, 0.5}},
-      .brush = BrushConfig{.kind = BrushKind::paint, .radius_mm = 3, .color = {1, 20, 255}, .keepsDensity = false},
-      .undo = {.undo = 2},
-      .rate_Hz = 500,
-      .realtime = true};
-  expected.force.stiffness_N_per_mm = 0.6;
-  expected.hands.clear();
-  CHECK(config == expected);
-}
-
-TEST_CASE("brush options without a brush make no brush") {
-  CHECK_FALSE(migrateFlags({{"--edit", "none"}, {"--tau", "0.5"}, {"--beta", "0.1"}}).brush);
-  CHECK(migrateFlags({{"--radius", "auto"}, {"--ahead", "auto"}}).surface.radius_mm == std::nullopt);
-}
-
-TEST_CASE("options and values that old logs never had are refused") {
-  CHECK_THROWS_AS(migrateFlags({{"--picture", "a.png"}}), Error);
-  CHECK_THROWS_AS(migrateFlags({{"--tau", "half"}}), Error);
-  CHECK_THROWS_AS(migrateFlags({{"--surface", "blunt"}}), Error);
-  CHECK_THROWS_AS(migrateFlags({{"--paint-color", "1,2"}}), Error);
-  CHECK_THROWS_AS(migrateFlags({{"--rate", "0"}}), Error);
 }
 
 }  // namespace palpate::session_config_test

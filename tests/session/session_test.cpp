@@ -6,7 +6,6 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
-#include "tests/source_folder.hpp"
 
 namespace palpate::session_test {
 
@@ -122,61 +121,9 @@ TEST_CASE("a recorded session contains its configuration and is replayed with th
   CHECK(checksumOf(again.model().cloud.origin, again.journal()->points()) == record.end->points);
 }
 
-TEST_CASE("logs that contain command-line options are replayed as recorded") {
-  // A sphere of 2,000 points carved for half a second; the first log has version 2, the other version 3 without a
-  // configuration.
-  for (const char* name : {"version2.session", "version3.session"}) {
-    CAPTURE(name);
-    const std::filesystem::path log = sourceFolder() / "tests/session" / name;
-    if (!std::filesystem::exists(log)) {
-      MESSAGE("skipped: " << log.string() << " does not exist");
-      continue;
-    }
-    SessionRecord record = readSessionLog(log);
-    const RecordedSession recorded = parseHeader(log, record.text);
-    SessionConfig expected{
-        .model = {.file = "model.ply"},
-        .backend = {.name = "cpu"},
-        .surface = {.kind = SurfaceKind::sphere, .friction = 0.2},
-        .brush = BrushConfig{.kind = BrushKind::carve, .tau_mm = 0.2, .radius_mm = 8, .strength = 0.4},
-        .undo = {.undo = 1},
-        .rate_Hz = 200};
-    expected.hands.clear();
-    CHECK(recorded.config == expected);
-
-    Model model;
-    model.cloud = sampleShape(*makeShape("sphere", 100.0, DVec3(0)), {.count = 2'000, .seed = 1});
-    const SpacingRange spacing = spacingRange(model.cloud, 1);
-    model.spacing = spacing.mean;
-    model.wideSpacing = spacing.wide;
-    model.noise = spacing.noise;
-    model.scale = ModelScale::fitting(boundsOf(model.cloud).longestSide());
-    REQUIRE(checksumOf(model) == recorded.checksum);
-    const auto cpu = cpuBackend();
-    SessionConfig config = recorded.config;
-    config.hands = {HandConfig{}};
-    Session session(config, std::move(model), {.backend = *cpu, .journal = true, .undo_bytes = undoBytes(config.undo)});
-    const std::vector<LoggedTick> before = record.ticks;
-    ReplayDevice device(std::move(record.ticks), recorded.limits);
-    const OpenHand hand{.device = &device, .map = recorded.map, .duration_s = before.back().time_s};
-    const ServoResult result = session.run({&hand, 1}, {});
-    session.finish();
-    CHECK(session.undo(1, 0).undone == 1);
-    REQUIRE(result.trace().rows.size() == before.size());
-    // Only up to the first edit, since the brushes have changed since then.
-    const double edited_s = session.backend().report().firstEdit_s.value();
-    std::size_t contacts = 0, same = 0;
-    double worst_N = 0;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      contacts += result.trace().rows[i].contact;
-      if (before[i].time_s > edited_s) continue;
-      same += result.trace().rows[i].contact;
-      worst_N = std::max(worst_N, glm::distance(result.trace().rows[i].force_N, before[i].force_N));
-    }
-    CHECK(contacts > 50);
-    CHECK(same > 0);
-    CHECK(worst_N < 1e-9);  // another compiler may round differently
-  }
+TEST_CASE("a log of an older palpate without a configuration is refused with that palpate's version") {
+  CHECK_THROWS_WITH_AS(parseHeader("old.session", R"({"palpate": "0.0.9", "options": {"--edit": "carve"}})"),
+                       doctest::Contains("older palpate, 0.0.9"), FileError);
 }
 
 TEST_CASE("a back end is selected by name, and refuses what it cannot do before anything is built") {

@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._types import BrushKind, BuiltinPath, ColorBy, MeshSurface, SurfaceKind, ToolKind
+
 def _brush_settings() -> list[str]: ...
 def _tick_dtype() -> np.dtype[Any]: ...
 def _tool_tick_dtype() -> np.dtype[Any]: ...
@@ -150,7 +152,7 @@ class _Session:
         cloud: Cloud | str | None,
         gpu: str | None = ...,
         mm_per_unit: float | None = ...,
-        surface: str = ...,
+        surface: SurfaceKind = ...,
         radius_mm: float | None = ...,
         friction: float = ...,
         stiffness_N_per_mm: float = ...,
@@ -161,7 +163,7 @@ class _Session:
         threads: int = ...,
         undo_memory_MiB: float = ...,
         hands: int = ...,
-        tool: str = ...,
+        tool: ToolKind = ...,
         tool_points: int = ...,
         tool_size_mm: float = ...,
         tool_axis: Sequence[float] = ...,
@@ -176,9 +178,38 @@ class _Session:
         allow_python: bool = ...,
     ) -> None: ...
     def close(self) -> None: ...
-    def touch(self, path: ArrayLike | Sequence[ArrayLike], surface: str | None = ...) -> NDArray[Any]: ...
-    def stroke(self, path: ArrayLike | Sequence[ArrayLike], kind: str, **brush: Any) -> NDArray[Any]: ...
-    def set_brush(self, kind: str | None, **brush: Any) -> None: ...
+    def touch(
+        self, path: ArrayLike | Sequence[ArrayLike], surface: SurfaceKind | None = ...
+    ) -> NDArray[Any]: ...
+    def stroke(
+        self,
+        path: ArrayLike | Sequence[ArrayLike],
+        kind: BrushKind,
+        *,
+        radius_mm: float = ...,
+        tau_mm: float = ...,
+        radius: float = ...,
+        tau: float = ...,
+        beta: float = ...,
+        strength: float = ...,
+        falloff: int = ...,
+        keeps_density: bool = ...,
+        color: Sequence[int] = ...,
+    ) -> NDArray[Any]: ...
+    def set_brush(
+        self,
+        kind: BrushKind | None,
+        *,
+        radius_mm: float = ...,
+        tau_mm: float = ...,
+        radius: float = ...,
+        tau: float = ...,
+        beta: float = ...,
+        strength: float = ...,
+        falloff: int = ...,
+        keeps_density: bool = ...,
+        color: Sequence[int] = ...,
+    ) -> None: ...
     def undo(self, strokes: int = ...) -> int: ...
     def redo(self, strokes: int = ...) -> int: ...
     def cloud(self) -> Cloud: ...
@@ -189,11 +220,11 @@ class _Session:
         target: Sequence[float] | None = ...,
         up: Sequence[float] | None = ...,
         fov: float = ...,
-        color: str = ...,
+        color: ColorBy = ...,
         background: Sequence[int] | None = ...,
         samples: int = ...,
     ) -> NDArray[np.uint8]: ...
-    def mesh(self, lattice: int = ..., surface: str = ..., radius_mm: float | None = ...) -> Mesh: ...
+    def mesh(self, lattice: int = ..., surface: MeshSurface = ..., radius_mm: float | None = ...) -> Mesh: ...
     def add_frame(
         self, t_s: float, xyz: ArrayLike, normals: ArrayLike, velocities: ArrayLike | None = ...
     ) -> None: ...
@@ -229,11 +260,11 @@ class _Session:
         self,
         device: str | None,
         rate: float,
-        builtin: str | None,
+        builtin: BuiltinPath | None,
         path: ArrayLike | None,
         law: Any,
         allow_python: bool,
-        others: list[tuple[str | None, str | None, Any]],
+        others: list[tuple[str | None, BuiltinPath | None, Any]],
     ) -> None: ...
     def _live_raise(self) -> None: ...
     def _live_late(self) -> int: ...

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from ._types import BuiltinPath, SurfaceKind, ToolKind
+
 _joined: weakref.WeakSet[Session] = weakref.WeakSet()
 
 
@@ -37,7 +39,7 @@ class Hand:
 
     device: str | None = None
     path: Any = None
-    builtin: str | None = None
+    builtin: BuiltinPath | None = None
 
 
 class Session(_palpate._Session):
@@ -94,7 +96,7 @@ class Session(_palpate._Session):
         gpu: int | str | None = None,
         mm_per_unit: float | None = None,
         *,
-        surface: str = "average",
+        surface: SurfaceKind = "average",
         radius_mm: float | None = None,
         friction: float = 0,
         stiffness_N_per_mm: float = 0.8,
@@ -105,7 +107,7 @@ class Session(_palpate._Session):
         threads: int = 0,
         undo_memory_MiB: float = 1024,
         hands: int = 1,
-        tool: str = "point",
+        tool: ToolKind = "point",
         tool_points: int = 16,
         tool_size_mm: float = 10,
         tool_axis: Sequence[float] = (0, 0, -1),
@@ -185,7 +187,7 @@ class Session(_palpate._Session):
         on_ticks: Callable[[NDArray[Any]], object] | None = None,
         *,
         path: Any = None,
-        builtin: str | None = None,
+        builtin: BuiltinPath | None = None,
         law: Any = None,
         allow_python: bool = False,
         others: Sequence[Hand] = (),

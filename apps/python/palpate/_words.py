@@ -8,7 +8,7 @@ import re
 import types
 from typing import Any, Callable, NamedTuple
 
-from . import _palpate
+from . import _palpate, _types
 from ._errors import ArgumentTypeError, Error, described, missing_attribute, nearest
 
 _PYBIND = ("incompatible function arguments", "incompatible constructor arguments", "Unable to cast")
@@ -81,6 +81,9 @@ _KINDS: dict[str, tuple[str, Callable[[Any], bool]]] = {
         lambda value: _is_row(value, 3, lambda n: _is_whole(n) and 0 <= n <= 255),
     ),
 }
+
+
+_KINDS.update({name: _KINDS["str"] for name in _types.__all__})
 
 
 def _is_row(value: Any, count: int, fits: Callable[[Any], bool]) -> bool:

@@ -1,0 +1,174 @@
+// The keys of --json of the commands that write their result in place. A test compares them with what is written.
+#include "apps/cli/results.hpp"
+#include "apps/cli/touch_results.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr DescribedKey kMake[]{{"file", "", "written file"}, {"shape", "", "its shape"}, {"points", "", "its points"}};
+
+constexpr DescribedKey kRender[]{
+    {"file", "", "written picture"}, {"points", "", "points of the model"}, {"gpu", "", "GPU that drew it"}};
+
+constexpr DescribedKey kMesh[]{{"file", "", "written mesh"},
+                               {"points", "", "points of the model"},
+                               {"gpu", "", "GPU that made it"},
+                               {"lattice", "", "cells along the longest side"},
+                               {"surface", "", "meshed surface"},
+                               {"cell_mm", "mm", "edge of a cell"},
+                               {"radius_mm", "mm", "support radius"},
+                               {"vertices", "", "vertices"},
+                               {"triangles", "", "triangles"},
+                               {"edges", "", "edges"},
+                               {"border_edges", "", "edges of one triangle"},
+                               {"crowded_edges", "", "edges of more than two triangles"},
+                               {"flat_triangles", "", "triangles without area"},
+                               {"parts", "", "connected parts"},
+                               {"closed", "", "whether there is no border"},
+                               {"euler", "", "Euler's characteristic"},
+                               {"area_mm2", "mm^2", "area"},
+                               {"volume_mm3", "mm^3", "enclosed volume"},
+                               {"blocks", "", "blocks of cells at the surface"},
+                               {"gpu_bytes", "B", "memory on the GPU"},
+                               {"gpu_bytes_predicted", "B", "the same as predicted"},
+                               {"gpu_us", "us", "time on the GPU, by pass"},
+                               {"wall_us", "us", "time in all"}};
+
+constexpr DescribedKey kConvert[]{{"input", "", "read file"},
+                                  {"output", "", "written file"},
+                                  {"from", "", "format that was read"},
+                                  {"to", "", "format that was written"},
+                                  {"points", "", "points"},
+                                  {"triangles", "", "triangles"},
+                                  {"kept", "", "kept attributes"},
+                                  {"lost", "", "lost attributes"},
+                                  {"frames", "", "frames of a depth camera"},
+                                  {"fused", "", "of them, fused"},
+                                  {"unplaced", "", "of them, without a pose"},
+                                  {"lost_frames", "", "of them, unreadable"}};
+
+constexpr DescribedKey kInfo[]{{"points", "", "points"},
+                               {"format", "", "format of the file"},
+                               {"made_from", "", "what the points were made from, as a mesh; else null"},
+                               {"elements", "", "number of each element of the file"},
+                               {"lost", "", "what palpate does not read"},
+                               {"left_out", "", "points that were left out, in words; else null"},
+                               {"cameras", "", "cameras that took pictures"},
+                               {"normals", "", "whether there are normals"},
+                               {"colors", "", "whether there are colours"},
+                               {"attributes", "", "further attributes of points"},
+                               {"bounds", "file units", "lowest and highest corner"},
+                               {"unit", "", "unit of the file; null: unknown"},
+                               {"up", "", "up axis"},
+                               {"up_why", "", "reason for it"},
+                               {"heights", "file units", "lowest and highest point along up"},
+                               {"mean_spacing", "file units", "mean distance of neighbouring points"},
+                               {"noise_spacings", "spacings", "noise of the points"},
+                               {"mm_per_unit", "mm", "touch scale: millimetres in the hand per unit"},
+                               {"gpu_bytes", "B", "memory that it needs on the GPU, by part and in total"},
+                               // of a recording of a depth camera
+                               {"frames", "", "recorded frames"},
+                               {"kind", "", "kind of the recording"},
+                               {"duration_s", "s", "its duration"},
+                               {"poses", "", "frames with a pose"},
+                               {"depth_scale", "1/m", "depth values per metre"},
+                               {"camera", "px", "width, height, fx, fy, cx, cy"},
+                               // of a scene of matter
+                               {"matter", "", "kind of matter"},
+                               {"particles", "", "particles, or nodes of a soft body"},
+                               {"substeps", "", "substeps per millisecond"},
+                               {"spacing_mm", "mm", "spacing at rest"},
+                               {"box_mm", "mm", "size of the box"},
+                               {"mass_kg", "kg", "mass of all"},
+                               {"bytes", "B", "memory of the simulation"},
+                               {"gain", "1", "ratio of the felt force to the simulated one"},
+                               {"layers", "", "layers of particles along each side"},
+                               {"tool", "", "radius_mm and mass_kg of the ball in the hand"},
+                               {"preset", "", "preset of a soft body"},
+                               {"young_Pa", "Pa", "Young's modulus, or null"},
+                               {"poisson", "1", "Poisson's ratio, or null"},
+                               {"viscosity_Pa_s", "Pa s", "viscosity, or null"},
+                               {"stiffness", "1", "stiffness of shape matching, or null"}};
+
+constexpr DescribedKey kSimulate[]{{"time_s", "s", "simulated time"},
+                                   {"backend", "", "back end that simulated"},
+                                   {"particles", "", "particles"},
+                                   {"layers", "", "layers along each side; null: a soft body"},
+                                   {"substeps", "", "substeps per millisecond"},
+                                   {"step_us", "us", "time of a step of a millisecond"},
+                                   {"kinetic_J", "J", "kinetic energy"},
+                                   {"potential_J", "J", "potential energy"},
+                                   {"momentum_kg_m_s", "kg m/s", "momentum"},
+                                   {"max_compression", "1", "largest compression"},
+                                   {"front_mm", "mm", "farthest particle along x"},
+                                   {"pressure_Pa", "Pa", "pressure at --probe; else null"},
+                                   {"gain", "1", "ratio of the felt force to the simulated one"},
+                                   {"coupling_N_mm", "N/mm", "stiffness of the spring between hand and ball"},
+                                   {"model", "", "what the standing model displaces and bears; else null"}};
+
+constexpr DescribedKey kServe[]{{"name", "", "name of the session"},
+                                {"points", "", "points of the model"},
+                                {"mm_per_unit", "mm", "touch scale: millimetres in the hand per unit"},
+                                {"clients", "", "programs that fetched the points"},
+                                {"requests", "", "their requests"},
+                                {"blocks", "", "blocks of points sent"},
+                                {"pings", "", "pings answered"},
+                                {"refused", "", "requests refused"},
+                                {"sculptors", "", "hands that edited"},
+                                {"pieces", "", "pieces of strokes received"},
+                                {"states", "", "states of points received"},
+                                {"copied", "", "best-effort copies received first"},
+                                {"again", "", "pieces received more than once"},
+                                {"sent", "", "messages about edits sent"},
+                                {"near", "", "programs that streamed the points around their hand"},
+                                {"near_points", "", "points sent to them"},
+                                {"near_steps", "", "updates sent to them"},
+                                {"frames", "", "frames of a moving model"},
+                                {"edited", "", "points that edits changed"}};
+
+constexpr DescribedKey kKeys[]{{"folder", "", "folder of the keys"},
+                               {"name", "", "their holder"},
+                               {"authority", "", "authority that signed them"},
+                               {"new_authority", "", "whether it is new"},
+                               {"until", "", "last day of validity"}};
+
+constexpr DescribedKey kDoctor[]{{"gpus", "", "GPUs, with their queues, features and memory"},
+                                 {"haptics", "", "haptic libraries, devices and permissions"},
+                                 {"display", "", "how pictures reach the display"},
+                                 {"in_use", "", "GPU in use; null: none"},
+                                 {"servo", "", "ticks that this machine misses (--servo)"},
+                                 {"network", "", "sessions on the network (--network)"}};
+
+constexpr DescribedKey kTimes[]{{"machines", "", "machine of each back end"},
+                                {"records", "", "one for each measurement"},
+                                {"records[].bench", "", "build, sort, query or step"},
+                                {"records[].backend", "", "back end"},
+                                {"records[].way", "", "method and what distinguishes it"},
+                                {"records[].input", "", "order of the input"},
+                                {"records[].subject", "", "model"},
+                                {"records[].points", "", "its points"},
+                                {"records[].gpu_us", "us", "time on the GPU; null: not measured"},
+                                {"records[].wall_us", "us", "time in all; null: not measured"}};
+
+}  // namespace
+
+std::vector<ResultFacts> allResults() {
+  std::vector<ResultFacts> all;
+  listTouchResults(all);
+  listReplayResults(all);
+  listResults(all, "info", "", kInfo);
+  listResults(all, "make", "", kMake);
+  listResults(all, "convert", "", kConvert);
+  listResults(all, "render", "", kRender);
+  listResults(all, "mesh", "", kMesh);
+  listResults(all, "simulate", "", kSimulate);
+  listResults(all, "serve", "", kServe);
+  listResults(all, "keys", "", kKeys);
+  listResults(all, "doctor", "", kDoctor);
+  for (const char* bench : {"bench build", "bench sort", "bench query", "bench step"})
+    listResults(all, bench, "", kTimes);
+  return all;
+}
+
+}  // namespace palpate

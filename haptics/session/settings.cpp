@@ -1,0 +1,424 @@
+#include "haptics/session/settings.hpp"
+
+#include "engine/io/matter_scene_json.hpp"
+#include "haptics/session/bounds.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::array<std::pair<std::string_view, bool>, 2> kOnOff{{{"on", true}, {"off", false}}};
+constexpr Range kLength{bounds::kShortest_mm, bounds::kLongest_mm};
+constexpr Range kLengthOrZero{.min = bounds::kShortest_mm, .max = bounds::kLongest_mm, .orZero = true};
+
+// Columns: JSON key, member, option of the command line, help, unit, bounds.
+
+constexpr Setting<ModelConfig> kModel[]{
+    {"file", &ModelConfig::file, "", "file, folder, scene, topic or session that is the model"},
+    {"mm_per_unit",
+     &ModelConfig::mm_per_unit,
+     "--mm-per-unit",
+     "touch scale: millimetres in the hand per model unit (default: the comment mm_per_unit of the "
+     "file, or the longest side becomes 100 mm)",
+     "mm",
+     {.min = bounds::kMinScale, .max = bounds::kMaxScale, .orZero = true}},
+    {"normals", words<&ModelConfig::normals, kNormalSources>(), "--normals",
+     "keep: use the normals of the file, estimate missing ones; estimate: always estimate from the "
+     "points; face: from the faces"},
+    {"all_points", &ModelConfig::allPoints, "--all-points",
+     "COLMAP: also keep unreliable points (rays at less than 1.5 degrees, errors above 4 pixels, "
+     "fewer than three images)"},
+};
+
+constexpr Setting<BackendConfig> kBackend[]{
+    {"name", &BackendConfig::name, "--backend",
+     "back end: vulkan (a GPU), cpu (double precision), cuda (for comparison, where built in), or "
+     "auto (vulkan where there is a GPU other than a software driver, else cpu)"},
+    {"method", &BackendConfig::method, "--method",
+     "neighbour search on the GPU: fused (default; search, surface and proxy in one dispatch), "
+     "indirect (one indirect dispatch for the occupied buckets), naive (one per bucket), two-step "
+     "(counts first, dispatched by the host), or brute (every point)"},
+    {"deterministic", &BackendConfig::deterministic, "--deterministic",
+     "bit-identical results in every run (always so in virtual time)"},
+    {"wait", words<&BackendConfig::wait, kWaits>(), "--wait",
+     "how the CPU waits for the GPU: spin, poll or block (default: depends on driver and core "
+     "count)"},
+    {"ahead", words<&BackendConfig::ahead, kOnOff>(), "--ahead",
+     "submit each query before its pose is known, so that the GPU only waits for the pose: auto "
+     "(on for drivers known to allow it), on or off"},
+    {"times_passes", &BackendConfig::timesPasses, "--print-tick",
+     "list the GPU passes of a tick with threads, bytes and GPU time, us"},
+};
+
+constexpr Setting<IndexConfig> kIndex[]{
+    {"follow", words<&IndexConfig::follow, kIndexFollows>(), "--index",
+     "how the index follows an edit: incremental (cost of the touched points; rebuilt when a "
+     "sixteenth of all is touched), or rebuild (always so on cpu and cuda)"},
+    {"bucket_key", words<&IndexConfig::bucketKey, kBucketKeys>(), "--bucket-key",
+     "hash key: teschner scatters the cells, morton keeps neighbouring cells together in memory"},
+    {"sort", words<&IndexConfig::sort, kSortMethods>(), "--sort",
+     "sort of the index: counting (falls back to radix for crowded buckets), radix, or "
+     "radix-lookback (requires forward progress between workgroups)"},
+    {"cell_mm", &IndexConfig::cell_mm, "--cell", "edge of a hash cell, mm (default: the support radius)", "mm",
+     kLengthOrZero},
+    {"cells_along_side",
+     &IndexConfig::cellsAlongSide,
+     "--grid",
+     "hash cells along the longest side, in place of --cell",
+     "",
+     {.min = 1, .max = bounds::kMaxCells, .orZero = true}},
+    {"spare_slots",
+     &IndexConfig::spareSlots,
+     "--spare",
+     "free slots for new points and growing buckets, which compactions reclaim: the fewer, the "
+     "more compactions (default: a tenth of the points)",
+     "",
+     {1, 1e8}},
+};
+
+constexpr Setting<SurfaceConfig> kSurface[]{
+    {"kind", words<&SurfaceConfig::kind, kSurfaceKinds>(), "--surface",
+     "implicit surface: average (default; weighted position and normal), sphere (algebraic sphere "
+     "through positions and normals), or sharp (keeps edges, three times the cost); cuda has "
+     "average only"},
+    {"friction",
+     &SurfaceConfig::friction,
+     "--friction",
+     "Coulomb friction coefficient of the proxy; 0: frictionless",
+     "",
+     {0, bounds::kMaxFriction},
+     {0, 2}},
+    {"radius_mm", &SurfaceConfig::radius_mm, "--radius",
+     "support radius of the surface, mm, or auto (4 local spacings; up to 8 on flat parts of "
+     "noisy clouds)",
+     "mm", kLength},
+};
+
+constexpr Setting<ToolConfig> kTool[]{
+    {"kind", words<&ToolConfig::kind, kToolKinds>(), "--tool",
+     "tool: point, or many contact points that share the stiffness: pad (a fingertip), ball, or "
+     "spatula; vulkan with the method fused, or cpu"},
+    {"points",
+     &ToolConfig::points,
+     "--tool-points",
+     "contact points of a pad, ball or spatula",
+     "",
+     {1, static_cast<double>(kMaxToolPoints)}},
+    {"size_mm", &ToolConfig::size_mm, "--tool-size", "diameter of a pad or ball, length of a spatula, mm", "mm",
+     kLength},
+    {"axis", &ToolConfig::axis, "--tool-axis",
+     "direction in which the face of a pad or spatula looks while the stylus is not rotated, model "
+     "axes (default 0,0,-1)"},
+};
+
+constexpr Setting<BrushConfig> kBrush[]{
+    {"kind", words<&BrushConfig::kind, kBrushKinds>(), "--edit",
+     "brush: none, push, carve, inflate, smooth, grab, paint (see --paint-color) or flatten; cuda "
+     "has push only, a soft body neither carve nor paint"},
+    {"tau_mm",
+     &BrushConfig::tau_mm,
+     "--tau",
+     "depth of the HIP behind the proxy from which on the surface yields, mm",
+     "mm",
+     {0, bounds::kLongest_mm},
+     {0, 5}},
+    {"beta",
+     &BrushConfig::beta,
+     "--beta",
+     "push: fraction of the distance to the tool that a point moves per tick",
+     "",
+     {0, 1},
+     {0, 1}},
+    {"radius_mm", &BrushConfig::radius_mm, "--tool-radius", "radius of the brush, mm", "mm", kLength, {0.5, 30}},
+    {"strength",
+     &BrushConfig::strength,
+     "--strength",
+     "all brushes but push: fraction of their effect per tick",
+     "",
+     {0, 1},
+     {0, 1}},
+    {"falloff",
+     &BrushConfig::falloff,
+     "--falloff",
+     "inflate, smooth, flatten, grab, paint: exponent F of the falloff (1 - r^2)^F, where r is 1 "
+     "at the rim",
+     "",
+     {0, kMaxFalloff}},
+    {"color", &BrushConfig::color, "--paint-color", "paint: R,G,B, 0 to 255 each"},
+    {"keeps_density",
+     &BrushConfig::keepsDensity,
+     "--keep-points",
+     "do not insert points where the surface is stretched, nor merge them where it is crowded "
+     "(always so with --join)",
+     "",
+     {},
+     {},
+     true},
+};
+
+constexpr Setting<ForceOptions> kForce[]{
+    {"stiffness_N_per_mm",
+     &ForceOptions::stiffness_N_per_mm,
+     "--stiffness",
+     "stiffness of the contact spring, N/mm",
+     "N/mm",
+     {0, bounds::kMaxStiffness_N_per_mm},
+     {0, 5}},
+    {"damping_N_s_per_mm",
+     &ForceOptions::damping_N_s_per_mm,
+     "--damping",
+     "damping of the contact spring, N s/mm",
+     "N s/mm",
+     {0, bounds::kMaxDamping_N_s_per_mm},
+     {0, 0.02}},
+    {"max_N",
+     &ForceOptions::maxForce_N,
+     "--max-force",
+     "largest force, N; changes of force are limited to 600 N/s in any case",
+     "N",
+     {0, bounds::kMaxForce_N},
+     {0, kTouchPeakForce_N}},
+    {"max_rise_N_per_s",
+     &ForceOptions::maxRise_N_per_s,
+     "",
+     "fastest change of force, N/s; null: unlimited",
+     "N/s",
+     {.min = 0, .excludesMin = true}},
+    {"max_surface_power_W",
+     &ForceOptions::maxSurfacePower_W,
+     "--max-surface-power",
+     "largest power that a moving surface may put into the hand, W",
+     "W",
+     {.min = 0, .max = bounds::kMaxSurfacePower_W, .excludesMin = true}},
+};
+
+constexpr Setting<UndoConfig> kUndo[]{
+    {"undo",
+     &UndoConfig::undo,
+     "--undo",
+     "undo the last N strokes after the path; a stroke is one contact, gaps up to 0.3 s included",
+     "",
+     {0, bounds::kMaxCount}},
+    {"redo", &UndoConfig::redo, "--redo", "then redo M of them", "", {0, bounds::kMaxCount}},
+    {"memory_MiB",
+     &UndoConfig::memory_MiB,
+     "--undo-memory",
+     "memory for strokes that can be undone, MiB; the oldest are dropped first",
+     "MiB",
+     {bounds::kMinMemory_MiB, bounds::kMaxMemory_MiB}},
+};
+
+constexpr Setting<MotionConfig> kMotion[]{
+    {"kind", words<&MotionConfig::kind, kMotionKinds>(), "--motion",
+     "rigid motion of the model: none, oscillate or drift along --motion-axis, or turn about it; a "
+     "moving model cannot be sculpted (vulkan, cpu)"},
+    {"axis", &MotionConfig::axis, "--motion-axis", "axis X,Y,Z in the axes of the model, of any length"},
+    {"amplitude_mm",
+     &MotionConfig::amplitude_mm,
+     "--motion-amplitude",
+     "oscillate: amplitude, mm",
+     "mm",
+     {0, bounds::kLongest_mm}},
+    {"frequency_Hz",
+     &MotionConfig::frequency_Hz,
+     "--motion-frequency",
+     "oscillate, turn: frequency, Hz",
+     "Hz",
+     {0, bounds::kMaxRate_Hz}},
+    {"speed_mm_per_s",
+     &MotionConfig::speed_mm_per_s,
+     "--motion-speed",
+     "drift: speed, mm/s",
+     "mm/s",
+     {0, bounds::kLongest_mm}},
+};
+
+constexpr Setting<StreamConfig> kStream[]{
+    {"live", &StreamConfig::live, "--live",
+     "live depth camera in place of MODEL: a V4L2 device with the format Z16, ros:TOPIC "
+     "(PointCloud2, or depth Image with camera_info), or - for raw frames on standard input "
+     "(format: apps/README.md)"},
+    {"speed",
+     &StreamConfig::speed,
+     "--speed",
+     "playback speed of a recording; 1: as recorded",
+     "",
+     {bounds::kMinSpeed, bounds::kMaxSpeed}},
+    {"loop", &StreamConfig::loop, "--loop", "restart a recording after its last frame"},
+    {"fuse", &StreamConfig::fuse, "--fuse",
+     "on: fuse the frames into one map that is felt while it grows; off: feel the newest frame "
+     "only"},
+    {"depth_scale",
+     &StreamConfig::depthScale,
+     "--depth-scale",
+     "depth values per metre (default: from the intrinsics, else 5000 for TUM folders and 1000 for "
+     "others)",
+     "1/m",
+     {.min = bounds::kMinDepthScale, .max = bounds::kMaxDepthScale, .orZero = true}},
+    {"intrinsics", &StreamConfig::intrinsics, "--intrinsics",
+     "intrinsics of the depth camera as JSON: width, height, fx, fy, cx, cy (pixels) or Open3D's "
+     "intrinsic_matrix, and optionally depth_scale (default: those of the folder, or 640 x 480, "
+     "525, 525, 319.5, 239.5)"},
+};
+
+constexpr Setting<JoinConfig> kJoin[]{
+    {"network", &JoinConfig::network, "--interface",
+     "network interface, by name or address (default: this machine only)"},
+    {"peers", &JoinConfig::peers, "--peer",
+     "address of another machine, for networks without multicast; may be repeated"},
+    {"domain", &JoinConfig::domain, "--domain", "DDS domain, as in ROS 2", "", {0, bounds::kLastDomain}},
+    {"security", &JoinConfig::security, "--security",
+     "folder of keys (see palpate keys): encrypts everything; only holders of keys of the same "
+     "authority can join"},
+    {"near", &JoinConfig::near, "--near",
+     "stream only the points around the hand, for models too large to download; they can be "
+     "sculpted, but not saved or undone. Moving models are always joined so, and cannot be "
+     "sculpted"},
+};
+
+constexpr Setting<HandConfig> kHand[]{
+    {"device", &HandConfig::device, "--device",
+     "source of the poses: path (a script, not moved by forces), sim (a simulated Geomagic Touch in a compliant "
+     "hand), replay:FILE (a session log, trace or trajectory), or a device, with --realtime and --duration"},
+    {"path", &HandConfig::path, "--path",
+     "CSV with the header t_s,x,y,z (s, model units), or builtin:press, builtin:slide, "
+     "builtin:scan, builtin:orbit; in water or sand builtin:press and builtin:stir"},
+    {"penetration_mm", &HandConfig::penetration_mm, "--penetration", "depth of builtin:press, mm", "mm", kLength},
+    {"fit", words<&HandConfig::fit, kWorkspaceFits>(), "--map",
+     "fit: scale and centre the path (or the model, for a held device) into the workspace; "
+     "identity: one to one, origins together"},
+    {"passivity", words<&HandConfig::passivity, kPassivityModes>(), "--passivity",
+     "when the surface gives more energy than it took: on (brake), observe (only count) or off "
+     "(default: on for a device or sim, off for a path)"},
+    {"stiffness_N_per_mm",
+     &HandConfig::stiffness_N_per_mm,
+     "--hand-stiffness",
+     "sim: stiffness of the hand, N/mm (default 0.4)",
+     "N/mm",
+     {.min = bounds::kMinStiffness_N_per_mm, .max = bounds::kMaxStiffness_N_per_mm, .orZero = true}},
+    {"damping_N_s_per_mm",
+     &HandConfig::damping_N_s_per_mm,
+     "--hand-damping",
+     "sim: damping of the hand, N s/mm (default 0.002)",
+     "N s/mm",
+     {.min = bounds::kMinDamping_N_s_per_mm, .max = bounds::kMaxDamping_N_s_per_mm, .orZero = true}},
+    {"own_scheduler", &HandConfig::ownScheduler, "--scheduler",
+     "thread that runs the ticks of an OpenHaptics device: device (the driver) or own (palpate)"},
+    {"rumbles", &HandConfig::rumbles, "--rumble",
+     "a DualSense on a cable rumbles at each contact, whatever the device"},
+};
+
+constexpr Setting<SessionConfig> kSession[]{
+    {"rate_Hz", &SessionConfig::rate_Hz, "--rate", "ticks per second", "Hz", {1, bounds::kMaxRate_Hz}},
+    {"duration_s",
+     &SessionConfig::duration_s,
+     "--duration",
+     "duration of the session, s (default: that of the path)",
+     "s",
+     {.min = bounds::kShortest_s, .max = bounds::kLongest_s, .orZero = true}},
+    {"realtime", &SessionConfig::realtime, "--realtime",
+     "run against the wall clock (default: virtual time, as fast as possible)"},
+};
+
+// Options of the second hand, and of the number of hands.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kFlagsOfHands{
+    {{"hands", "--second-device"}, {"hands[1].device", "--second-device"}, {"hands[1].path", "--second-path"}}};
+
+}  // namespace
+
+std::span<const Setting<ModelConfig>> settingsOf(const ModelConfig*) { return kModel; }
+std::span<const Setting<BackendConfig>> settingsOf(const BackendConfig*) { return kBackend; }
+std::span<const Setting<IndexConfig>> settingsOf(const IndexConfig*) { return kIndex; }
+std::span<const Setting<SurfaceConfig>> settingsOf(const SurfaceConfig*) { return kSurface; }
+std::span<const Setting<ToolConfig>> settingsOf(const ToolConfig*) { return kTool; }
+std::span<const Setting<BrushConfig>> settingsOf(const BrushConfig*) { return kBrush; }
+std::span<const Setting<ForceOptions>> settingsOf(const ForceOptions*) { return kForce; }
+std::span<const Setting<UndoConfig>> settingsOf(const UndoConfig*) { return kUndo; }
+std::span<const Setting<MotionConfig>> settingsOf(const MotionConfig*) { return kMotion; }
+std::span<const Setting<StreamConfig>> settingsOf(const StreamConfig*) { return kStream; }
+std::span<const Setting<JoinConfig>> settingsOf(const JoinConfig*) { return kJoin; }
+std::span<const Setting<HandConfig>> settingsOf(const HandConfig*) { return kHand; }
+std::span<const Setting<SessionConfig>> settingsOf(const SessionConfig*) { return kSession; }
+
+namespace {
+
+template <class T>
+constexpr std::string_view kTypeName = "text";
+template <>
+constexpr std::string_view kTypeName<bool> = "true or false";
+template <>
+constexpr std::string_view kTypeName<double> = "number";
+template <>
+constexpr std::string_view kTypeName<std::uint32_t> = "whole number";
+template <>
+constexpr std::string_view kTypeName<std::size_t> = "whole number";
+template <>
+constexpr std::string_view kTypeName<DVec3> = "[x, y, z]";
+template <>
+constexpr std::string_view kTypeName<std::array<std::uint8_t, 3>> = "[red, green, blue]";
+template <>
+constexpr std::string_view kTypeName<std::vector<std::string>> = "texts";
+template <>
+constexpr std::string_view kTypeName<std::array<DVec3, 2>> = "two [x, y, z]";
+template <class T>
+constexpr std::string_view kTypeName<std::optional<T>> = kTypeName<T>;
+
+template <class Section>
+SettingFacts factsOf(std::string_view path, const Setting<Section>& setting, const Section& usual) {
+  SettingFacts facts{.path = pathOf(path, setting.name),
+                     .unit = std::string(setting.unit),
+                     .usual = jsonOf(setting, usual).dump(),
+                     .range = setting.range,
+                     .help = (setting.flagNegates ? "false: " : "") + std::string(setting.help),
+                     .flag = std::string(setting.flag),
+                     .since = setting.since};
+  withValue(setting, usual, [&](const auto& value) {
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, WordMember<Section>>) {
+      facts.type = "word";
+      facts.words = value.all();
+    } else {
+      facts.type = kTypeName<Value>;
+    }
+  });
+  return facts;
+}
+
+struct Listing {
+  std::vector<SettingFacts> all;
+
+  template <class Section>
+  void operator()(std::string_view path, const Section& usual, Presence = Presence::always) {
+    for (const Setting<Section>& setting : settingsOf<Section>()) all.push_back(factsOf(path, setting, usual));
+  }
+  template <class Section>
+  void operator()(std::string_view path, const std::optional<Section>&, Presence) {
+    (*this)(path, Section{});
+  }
+};
+
+}  // namespace
+
+std::vector<SettingFacts> allSettings() {
+  const SessionConfig usual;
+  Listing listing;
+  visitSections(usual, listing);
+  for (const SceneSetting& each : sceneSettings())
+    listing.all.push_back(factsOf("matter", each.setting, MatterScene{}));
+  listing("hands", HandConfig{});
+  listing("", usual);
+  return std::move(listing.all);
+}
+
+std::string flagOf(std::string_view path) {
+  for (const auto& [known, flag] : kFlagsOfHands)
+    if (path == known) return std::string(flag);
+  std::string name(path);
+  if (const std::size_t open = name.find('['), close = name.find(']'); close != name.npos && open < close)
+    name.erase(open, close + 1 - open);
+  for (const SettingFacts& setting : allSettings())
+    if (setting.path == name) return setting.flag;
+  return {};
+}
+
+}  // namespace palpate

@@ -1,0 +1,139 @@
+// The reference page, and that nothing which a user can name is missing in it.
+#include <doctest/doctest.h>
+
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "tests/apps/program.hpp"
+#include "tests/apps/result.hpp"
+#include "tests/content_of.hpp"
+#include "tests/says.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/source_folder.hpp"
+
+namespace palpate::reference_test {
+
+namespace {
+
+Result reference() {
+  const ScratchFolder folder;
+  const std::string file = (folder / "reference.json").string();
+  works("reference --json " + file);
+  return Result::parse(contentOf(file));
+}
+
+// The keys of a result as the reference names them, with those of parts that it describes key by key.
+void addKeys(const Result& json, const std::string& before, const std::set<std::string>& described,
+             std::set<std::string>& keys) {
+  for (const std::string& name : json.keys()) {
+    const std::string path = before + name;
+    keys.insert(path);
+    const Result inside = json[name];
+    const bool isDescribed = [&] {
+      const auto next = described.lower_bound(path + ".");
+      return next != described.end() && next->starts_with(path + ".");
+    }();
+    if (inside.isObject() && isDescribed) addKeys(inside, path + ".", described, keys);
+    if (inside.isArray() && described.lower_bound(path + "[].") != described.end() && !inside.empty())
+      if (inside.front().isObject() && described.lower_bound(path + "[].")->starts_with(path + "[]."))
+        addKeys(inside.front(), path + "[].", described, keys);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the reference page of the project is what the program says") {
+  const std::string page = contentOf(sourceFolder() / "apps/REFERENCE.md");
+  CHECK_MESSAGE(page == palpate("reference").text,
+                "apps/REFERENCE.md differs from the program; make it again: palpate reference > apps/REFERENCE.md");
+}
+
+TEST_CASE("each setting with an option is an option of palpate touch with the same default and bounds") {
+  const Result all = reference();
+  std::map<std::string, Result> options;
+  for (const Result& option : all["options"]) {
+    if (option["command"].get<std::string>() != "palpate touch") continue;
+    const std::string names = option["names"];
+    if (const std::size_t dashes = names.find("--"); dashes != names.npos)
+      options.emplace(names.substr(dashes), option);
+  }
+  std::size_t compared = 0;
+  for (const Result& setting : all["settings"]) {
+    const std::string flag = setting["option"], key = setting["key"];
+    if (flag.empty() || flag == "--spare") continue;  // of bench edit
+    CAPTURE(key);
+    REQUIRE(options.contains(flag));
+    const Result& option = options.at(flag);
+    const std::string bounds = option["bounds"], unit = option["unit"], settingUnit = setting["unit"];
+    const std::string inOption = bounds.starts_with("auto, ") ? bounds.substr(6) : bounds;
+    if (const std::string wanted = setting["bounds"]; !wanted.empty()) CHECK_MESSAGE(says(wanted, inOption), bounds);
+    if (!unit.empty()) CHECK(unit == settingUnit);
+    const std::string usual = option["default"], settingUsual = setting["default"].dump();
+    if (!bounds.empty() && !usual.empty() && settingUsual != "0" && settingUsual != "0.0" && settingUsual != "null")
+      CHECK(std::stod(usual) == std::stod(settingUsual));
+    ++compared;
+  }
+  CHECK(compared > 50);
+}
+
+TEST_CASE("each key that a command writes with --json is in the reference, with a meaning") {
+  const ScratchFolder folder;
+  const auto in = [&](const std::string& name) { return (folder / name).string(); };
+  std::map<std::string, std::set<std::string>> described;
+  for (const Result& result : reference()["results"]) {
+    CHECK(result["meaning"].get<std::string>().size() > 2);
+    CHECK(described[result["command"]].insert(result["key"]).second);
+  }
+  const std::string model = in("m.ply"), quick = " --backend cpu --duration 0.05 ";
+  const std::vector<std::pair<std::string, std::string>> commands{
+      {"make", "make sphere -n 500 -o " + model},
+      {"info", "info " + model},
+      {"info", "info water"},
+      {"info", "info jelly"},
+      {"convert", "convert " + model + " " + in("c.xyz")},
+      {"simulate", "simulate water --duration 0.003 --backend cpu --probe 50,20,50"},
+      {"touch", "touch " + model + quick + "--edit push --undo 1 --log " + in("l") + " --device sim --tool pad"},
+      {"touch", "touch " + model + quick + "--second-device path --second-path builtin:slide"},
+      {"touch", "touch water" + quick},
+      {"touch", "touch " + model + " --backend cpu --device replay:" + in("l")},
+      {"replay", "replay " + in("l")},
+      {"bench step", "bench step --sizes 500 --repeat 5 --backend cpu"},
+  };
+  for (const auto& [command, words] : commands) {
+    CAPTURE(words);
+    works(words + " --json " + in("result.json"));
+    std::set<std::string> keys;
+    addKeys(Result::parse(contentOf(in("result.json"))), "", described[command], keys);
+    CHECK(keys.size() > 2);
+    for (const std::string& key : keys) CHECK_MESSAGE(described[command].contains(key), key);
+  }
+}
+
+TEST_CASE("the comments of the C header state the bounds of the settings") {
+  // Bounds in a comment, as in "falloff ...; 0 to 16".
+  static const std::regex field(R"(^  \w+ (\w+); */\*.*[ ;,](\d+) to (\d+) \*/)");
+  std::map<std::string, std::string> bounds;
+  for (const Result& setting : reference()["settings"]) {
+    const std::string key = setting["key"];
+    if (key.starts_with("brush.") || key.starts_with("force.") || key.starts_with("tool."))
+      bounds[key.substr(key.find('.') + 1)] = setting["bounds"].get<std::string>();
+  }
+  std::istringstream header(contentOf(sourceFolder() / "haptics/library/include/palpate/palpate.h"));
+  std::size_t compared = 0;
+  std::string section;
+  for (std::string line; std::getline(header, line);) {
+    if (line.starts_with("typedef struct ")) section = line.substr(15, line.find(' ', 15) - 15);
+    std::smatch found;
+    if ((section != "pp_brush" && section != "pp_feel" && section != "pp_tool") ||
+        !std::regex_search(line, found, field) || !bounds.contains(found[1]))
+      continue;
+    CAPTURE(line);
+    CHECK(bounds.at(found[1]) == found[2].str() + " to " + found[3].str());
+    ++compared;
+  }
+  CHECK(compared >= 4);
+}
+
+}  // namespace palpate::reference_test

@@ -1,0 +1,94 @@
+"""The words of the type hints are those that the library accepts."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any, Callable, get_args
+
+import numpy as np
+import palpate as pp
+import pytest
+from palpate import _palpate, _types
+
+SAYS = re.compile(r"(?:choose one of|one of|there is|there are|choose) ([\w, :-]+)")
+
+
+def words_in_error(call: Callable[[], Any]) -> set[str]:
+    """The valid words, as the error about an invalid one lists them."""
+    with pytest.raises(pp.Error) as caught:
+        call()
+    said = SAYS.findall(str(caught.value))
+    assert said, str(caught.value)
+    return {word.strip().removeprefix("builtin:") for word in said[-1].split(",")}
+
+
+def test_each_hint_lists_exactly_the_words_that_the_library_accepts(ball: pp.Cloud) -> None:
+    wrong: Any = "wrong"
+    path = np.zeros((2, 3))
+    with pp.Session(ball, gpu="cpu") as session:
+        assert words_in_error(lambda: pp.Session(ball, gpu="cpu", surface=wrong)) == set(get_args(_types.SurfaceKind))
+        assert words_in_error(lambda: session.touch(path, surface=wrong)) == set(get_args(_types.SurfaceKind))
+        assert words_in_error(lambda: pp.Session(ball, gpu="cpu", tool=wrong)) == set(get_args(_types.ToolKind))
+        assert words_in_error(lambda: session.stroke(path, wrong)) == set(get_args(_types.BrushKind))
+        assert words_in_error(lambda: session.set_brush(wrong)) == set(get_args(_types.BrushKind))
+        assert words_in_error(lambda: session.mesh(surface=wrong)) == set(get_args(_types.MeshSurface))
+        assert words_in_error(lambda: session.render(color=wrong)) == set(get_args(_types.ColorBy))
+        assert words_in_error(lambda: session.live(builtin=wrong)) == set(get_args(_types.BuiltinPath)) - {"stir"}
+
+
+def table() -> dict[str, Any]:
+    """Default of each setting by its path, from the program."""
+    program = os.environ.get("PALPATE_PROGRAM")
+    if not program:
+        pytest.skip("skipped: the program is not built")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "reference.json"
+        subprocess.run([program, "reference", "--quiet", "--json", str(file)], check=True, capture_output=True)
+        return {setting["key"]: setting["default"] for setting in json.loads(file.read_text())["settings"]}
+
+
+KEYWORDS = {
+    "surface": "surface.kind",
+    "radius_mm": "surface.radius_mm",
+    "friction": "surface.friction",
+    "stiffness_N_per_mm": "force.stiffness_N_per_mm",
+    "damping_N_s_per_mm": "force.damping_N_s_per_mm",
+    "max_force_N": "force.max_N",
+    "rate_Hz": "rate_Hz",
+    "undo_memory_MiB": "undo.memory_MiB",
+    "tool": "tool.kind",
+    "tool_points": "tool.points",
+    "tool_size_mm": "tool.size_mm",
+    "tool_axis": "tool.axis",
+    "speed": "stream.speed",
+    "loop": "stream.loop",
+    "fuse": "stream.fuse",
+}
+
+
+def test_the_keywords_of_a_session_have_the_defaults_of_the_settings() -> None:
+    defaults = table()
+    parameters = inspect.signature(pp.Session.__init__).parameters
+    in_c = (_palpate._Session.__init__.__doc__ or "").replace("'", "")  # pybind11 takes these from the C interface
+    for keyword, path in KEYWORDS.items():
+        usual = defaults[path]
+        given = parameters[keyword].default
+        assert (list(given) if isinstance(given, tuple) else given) == usual, keyword
+        if isinstance(usual, float) and f" {keyword}: float = " in in_c:
+            assert float(in_c.split(f" {keyword}: float = ")[1].split(",")[0]) == usual, keyword
+
+
+def test_each_setting_of_a_brush_is_a_keyword_in_the_stub() -> None:
+    brush = {path.removeprefix("brush.") for path in table() if path.startswith("brush.")} - {"kind"}
+    assert brush <= set(_palpate._brush_settings())
+    stub = (Path(pp.__file__).parent / "_palpate.pyi").read_text()
+    for method in ("stroke", "set_brush"):
+        declared = stub.split(f"def {method}(")[1].split(") ->")[0]
+        keywords = set(re.findall(r"^ +(\w+): \w+.* = \.\.\.", declared, re.M))
+        assert keywords == set(_palpate._brush_settings()), method
