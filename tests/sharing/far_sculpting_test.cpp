@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 #include "tests/labels.hpp"
 #include "tests/scratch_folder.hpp"
