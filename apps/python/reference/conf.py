@@ -4,9 +4,10 @@ docstring that is not valid reStructuredText, a public name that index.rst lacks
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 import palpate
+import palpate._types as words
 from sphinx.ext.napoleon import Config, GoogleDocstring
 from sphinx.util import logging
 
@@ -41,24 +42,37 @@ def skip_field(app: Any, what: str, name: str, thing: object, skip: bool, option
     return True if (getattr(thing, "__doc__", None) or "").startswith("Alias for field number") else None
 
 
+def full_name(name: str) -> str:
+    """Name with its module, of a public name or a list of words."""
+    return f"palpate._types.{name}" if name in words.__all__ else f"palpate.{name}"
+
+
 def public_name(app: Any, env: Any, node: Any, text: Any) -> Any:
     """Resolves names of private modules, such as palpate._session.Session, to the public ones."""
     name = node["reftarget"].rpartition(".")[2].lstrip("_")
-    if name not in palpate.__all__:
+    if name not in palpate.__all__ and name not in words.__all__:
         return None
-    return env.get_domain("py").resolve_xref(env, node["refdoc"], app.builder, "obj", f"palpate.{name}", node, text)
+    target = full_name(name)
+    return env.get_domain("py").resolve_xref(env, node["refdoc"], app.builder, "obj", target, node, text)
+
+
+def list_words(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+    """Describes the name of a list of words by these words."""
+    if what == "data" and name.rpartition(".")[2] in words.__all__:
+        lines[:] = ["One of " + ", ".join(f"``{word}``" for word in get_args(thing)) + "."]
 
 
 def require_all_names(app: Any, env: Any) -> None:
     """Warns of public names that the reference lacks."""
     described = env.get_domain("py").objects
-    for name in palpate.__all__:
-        if f"palpate.{name}" not in described:
+    for name in [*palpate.__all__, *words.__all__]:
+        if full_name(name) not in described:
             logging.getLogger(__name__).warning("palpate.%s is missing in index.rst", name)
 
 
 def setup(app: Any) -> None:
     app.connect("autodoc-process-docstring", read_sections)
+    app.connect("autodoc-process-docstring", list_words)
     app.connect("autodoc-skip-member", skip_field)
     app.connect("missing-reference", public_name)
     app.connect("env-check-consistency", require_all_names)
