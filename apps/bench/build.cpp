@@ -7,9 +7,9 @@
 #include "engine/spatial/cpu_hash.hpp"
 #include "engine/spatial/kd_tree_search.hpp"
 #include "engine/spatial/look_back_sort.hpp"
-#include "engine/spatial/multimap_hash.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 #include "engine/spatial/spatial_hash.hpp"
+#include "engine/study/multimap_hash.hpp"
 
 namespace palpate {
 

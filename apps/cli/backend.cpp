@@ -6,8 +6,8 @@
 
 #include "apps/cli/parse_list.hpp"
 #include "engine/core/named_values.hpp"
-#include "haptics/session/cuda_backend.hpp"
 #include "haptics/session/vulkan_backend.hpp"
+#include "haptics/study/cuda_backend.hpp"
 
 namespace palpate {
 
