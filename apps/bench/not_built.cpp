@@ -8,7 +8,7 @@ namespace palpate {
 
 void addBench(Options& app, Context&, Command& command) {
   Options& sub = app.addSubcommand("bench", "measure on this machine; this palpate was built without PALPATE_STUDY");
-  sub.app().allow_extras();  // the error is the same for every bench and its options
+  sub.app().fallthrough(false)->allow_extras();  // the error is the same for every bench and its options
   sub.whenNamed([&command] {
     command = [] {
       throw UsageError(
