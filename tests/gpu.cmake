@@ -5,6 +5,9 @@ palpate_shaders(test_watched PREFIX watched_ FLAGS -DPALPATE_WATCHED FILES gpu/s
 palpate_tests(gpu LINKS palpate::spatial palpate::gpu palpate::test_shaders palpate::test_watched palpate::watched)
 palpate_tests(spatial_gpu LINKS palpate::spatial)
 palpate_tests(contact_gpu LINKS palpate::touch)
+if(PALPATE_STUDY)
+  palpate_tests(study_gpu LINKS palpate::touch)
+endif()
 palpate_tests(matter_gpu LINKS palpate::matter_gpu WITH ${matter_truths})
 palpate_tests(motion_gpu LINKS palpate::motion_gpu)
 palpate_tests(edit_gpu LINKS palpate::edit palpate::test_shaders WITH edit_gpu/edited_scene.cpp)
@@ -41,7 +44,11 @@ set(room_label program)
 if(NOT TARGET tests_sharing)
   set(without_sharing onlookers ros ros_frames ros_scanner sharing_faults)  # they receive what the program sends
 endif()
+if(NOT PALPATE_STUDY)
+  set(without_study bench[a-z_]* coexist locality)  # they run the benches
+endif()
 palpate_tests(apps LINKS palpate::haptics palpate::io palpate::sharing third_party::stb
-              WITH apps/program.cpp apps/result.cpp WITHOUT ${without_sharing})
-set_source_files_properties(apps/program.cpp PROPERTIES COMPILE_DEFINITIONS PALPATE_PROGRAM="$<TARGET_FILE:palpate>")
+              WITH apps/program.cpp apps/result.cpp WITHOUT ${without_sharing} ${without_study})
+set_source_files_properties(apps/program.cpp PROPERTIES COMPILE_DEFINITIONS
+  "PALPATE_PROGRAM=\"$<TARGET_FILE:palpate>\";PALPATE_HAS_STUDY=$<BOOL:${PALPATE_STUDY}>")
 add_dependencies(tests_apps palpate fake_drivers)

@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_RESULTS=$PWD/build/tests/cases
 
-legs=(windows searched one_thread fuzz lint links thread swiftshader layer mutations truths address arm64)
+legs=(plain windows searched one_thread fuzz lint links thread swiftshader layer mutations truths address arm64)
 build() { cmake --preset "$1" > /dev/null && cmake --build --preset "$1" --target "${@:2}"; }  # PRESET TARGETS...
 tests() {  # PRESET [CTEST OPTIONS...]: two slots per core, since some entries sleep (tests/CMakeLists.txt)
   ctest --preset "$1" -j $((2 * $(nproc) + 2)) --no-tests=error "${@:2}"
@@ -22,6 +22,7 @@ address() { build asan all_tests && tests asan; }                          # Add
 truths() { PALPATE_TESTS_ONLY=full release -L '^(host|gpu|program)$'; }    # figures that take minutes
 searched() { validate=full release -L '^gpu$'; }                           # GPU-assisted validation of every access
 one_thread() { LP_NUM_THREADS=1 LP_NATIVE_VECTOR_WIDTH=128 validate=0 release -L '^gpu$'; }  # and subgroups of four
+plain() { build plain palpate all_tests && PALPATE_TESTS_VALIDATE=core tests plain; }  # the core, without the annexes
 links() { release -L '^links$'; }                                          # links that delay, lose and reorder
 thread() { build tsan tests_haptics tests_core && tests tsan -R '^(haptics\.|core\.latest_value$)'; }
 portable() { PALPATE_TESTS_ONLY=portable release -L '^gpu$'; }

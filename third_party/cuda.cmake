@@ -1,8 +1,9 @@
-# NVIDIA's compiler, for the CUDA back end (engine/cuda) only: if it is missing, PALPATE_HAS_CUDA is off and everything
-# else is built as usual. The runtime is linked statically and opens the driver at its first use, so the program starts
-# on machines without a driver. Sanitizers and the CUDA driver require the same addresses.
+# NVIDIA's compiler, for the CUDA back end (engine/cuda) of PALPATE_STUDY only: without that option, or if the compiler
+# is missing, PALPATE_HAS_CUDA is off and everything else is built as usual. The runtime is linked statically and opens
+# the driver at its first use, so the program starts on machines without a driver. Sanitizers and the CUDA driver
+# require the same addresses.
 set(PALPATE_HAS_CUDA OFF)
-if(PALPATE_CUDA STREQUAL "ON" OR (PALPATE_CUDA STREQUAL "AUTO" AND NOT PALPATE_SANITIZE))
+if(PALPATE_STUDY AND (PALPATE_CUDA STREQUAL "ON" OR (PALPATE_CUDA STREQUAL "AUTO" AND NOT PALPATE_SANITIZE)))
   find_program(PALPATE_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin $ENV{CUDA_PATH}/bin /usr/local/cuda/bin)
   if(PALPATE_NVCC)
     set(PALPATE_HAS_CUDA ON)

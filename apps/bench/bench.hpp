@@ -103,7 +103,7 @@ void addShareBench(Options& bench, Context& context, Command& command);
 /// Reading speed of files in any format.
 void addReadBench(Options& bench, Context& context, Command& command);
 /// Changes that edits must not make, on models and on clouds as uneven as real ones: strokes of each brush, judged only
-/// by the points before and after (engine/cloud/edit_judge.hpp).
+/// by the points before and after (engine/study/edit_judge.hpp).
 void addLocalityBench(Options& bench, Context& context, Command& command);
 
 }  // namespace palpate

@@ -6,9 +6,9 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/spatial/look_back_sort.hpp"
-#include "engine/spatial/multimap_hash.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 #include "engine/spatial/spatial_hash.hpp"
+#include "engine/study/multimap_hash.hpp"
 
 namespace palpate {
 

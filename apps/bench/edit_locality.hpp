@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/cli/context.hpp"
-#include "engine/cloud/edit_judge.hpp"
+#include "engine/study/edit_judge.hpp"
 
 namespace palpate {
 

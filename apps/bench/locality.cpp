@@ -7,8 +7,8 @@
 #include "apps/bench/edit_locality.hpp"
 #include "apps/bench/sculpting_hand.hpp"
 #include "engine/cloud/spacing.hpp"
-#include "engine/cloud/uneven_clouds.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/study/uneven_clouds.hpp"
 #include "haptics/surface_walk.hpp"
 
 namespace palpate {

@@ -37,15 +37,6 @@ void visitMesh(Context& context, const Model& model, std::int64_t lattice, const
 
 }  // namespace
 
-DrawnMesh drawnMesh(const MarchingCubes& cubes, const Model& model) {
-  return {.vertices = cubes.vertices().address(),
-          .triangles = cubes.triangles().address(),
-          .triangleCount = cubes.triangleCount(),
-          .hasColors = cubes.hasColors(),
-          .bounds = boundsOf(model.cloud),
-          .cell = static_cast<double>(cubes.plan().lattice.cell)};
-}
-
 void forEachWay(Context& context, const Model& model, const WayOptions& options,
                 const std::function<void(const PictureWay&)>& visit) {
   for (const std::string& raster : options.rasters) visitDiscs(context, model, raster, visit);

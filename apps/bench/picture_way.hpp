@@ -10,9 +10,6 @@
 
 namespace palpate {
 
-/// Draws the triangles of a mesh of `model`; `cubes` must outlive it.
-DrawnMesh drawnMesh(const MarchingCubes& cubes, const Model& model);
-
 struct PictureWay {
   std::string name;                   ///< compute, hardware, or "mesh" and its lattice
   Summary made_ms;                    ///< GPU time of preparation before the first picture; no samples for discs

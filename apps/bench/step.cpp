@@ -3,8 +3,8 @@
 
 #include "apps/bench/times.hpp"
 #include "engine/cloud/point_tree.hpp"
-#include "engine/spatial/multimap_hash.hpp"
 #include "engine/spatial/sorted_grid.hpp"
+#include "engine/study/multimap_hash.hpp"
 #include "haptics/builtin_path.hpp"
 
 namespace palpate {

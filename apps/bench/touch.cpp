@@ -8,7 +8,7 @@
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/thinning.hpp"
 #include "engine/io/triangle_mesh_file.hpp"
-#include "haptics/stability.hpp"
+#include "haptics/study/stability.hpp"
 #include "haptics/touch_target.hpp"
 
 namespace palpate {

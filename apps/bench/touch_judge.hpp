@@ -2,8 +2,8 @@
 #pragma once
 
 #include "apps/cli/backend.hpp"
-#include "haptics/touch_metrics.hpp"
-#include "haptics/truth_path.hpp"
+#include "haptics/study/touch_metrics.hpp"
+#include "haptics/study/truth_path.hpp"
 
 namespace palpate {
 

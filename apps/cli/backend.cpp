@@ -7,8 +7,8 @@
 #include "apps/cli/parse_list.hpp"
 #include "apps/cli/setting_options.hpp"
 #include "engine/core/named_values.hpp"
-#include "haptics/session/cuda_backend.hpp"
 #include "haptics/session/vulkan_backend.hpp"
+#include "haptics/study/cuda_backend.hpp"
 
 namespace palpate {
 

@@ -1,7 +1,7 @@
 #include "apps/cli/context.hpp"
 
-#include "haptics/session/cuda_backend.hpp"
 #include "haptics/session/vulkan_backend.hpp"
+#include "haptics/study/cuda_backend.hpp"
 
 #include <charconv>
 

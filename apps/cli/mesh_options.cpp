@@ -40,4 +40,13 @@ MarchingCubes makeCubes(Context& context, const Model& model, const MeshPlan& pl
   return {context.device(), model.cloud, plan};
 }
 
+DrawnMesh drawnMesh(const MarchingCubes& cubes, const Model& model) {
+  return {.vertices = cubes.vertices().address(),
+          .triangles = cubes.triangles().address(),
+          .triangleCount = cubes.triangleCount(),
+          .hasColors = cubes.hasColors(),
+          .bounds = boundsOf(model.cloud),
+          .cell = static_cast<double>(cubes.plan().lattice.cell)};
+}
+
 }  // namespace palpate

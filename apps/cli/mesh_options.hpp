@@ -3,6 +3,7 @@
 
 #include "apps/cli/model.hpp"
 #include "engine/mesh/marching_cubes.hpp"
+#include "engine/render/frame.hpp"
 
 namespace palpate {
 
@@ -19,5 +20,8 @@ MeshPlan planFor(const Model& model, const MeshChoices& choices);
 /// The cloud on the GPU, ready to be meshed. Throws OutOfGpuMemory before the upload if the predicted memory is not
 /// available.
 MarchingCubes makeCubes(Context& context, const Model& model, const MeshPlan& plan);
+
+/// Draws the triangles of a mesh of `model`; `cubes` must outlive it.
+DrawnMesh drawnMesh(const MarchingCubes& cubes, const Model& model);
 
 }  // namespace palpate

@@ -1,4 +1,3 @@
-#include "apps/bench/picture_way.hpp"
 #include "apps/cli/mesh_options.hpp"
 #include "apps/cli/output.hpp"
 #include "apps/cli/picture.hpp"

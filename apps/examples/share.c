@@ -1,7 +1,7 @@
 /* A cloud that one program serves and others join and dent, each a process of its own:
  *   share serve DOMAIN       until a line is read; then prints a hash of its points
  *   share join DOMAIN X      dents the ball at X, prints a hash of its points, and ends without closing anything
- * 77: this library was built without DDS. */
+ * 77: this library was built without PALPATE_NETWORK. */
 #include <math.h>
 #include <palpate/palpate.h>
 #include <stdio.h>

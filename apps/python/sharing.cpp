@@ -227,7 +227,7 @@ void bindSharing(py::module_& module) {
   module.def(
       "can_share", [] { return pp_can_share() != 0; },
       "can_share() -> bool\n\n"
-      "True if this palpate was built with DDS. Otherwise serve(), sessions() and a Session of a Join\n"
+      "True if this palpate was built with PALPATE_NETWORK. Otherwise serve(), sessions() and a Session of a Join\n"
       "raise Error with the status \"unsupported\".");
   module.def("_survey", &survey, py::arg("network"), py::arg("seconds"));
   py::class_<PyServer>(module, "_Server")

@@ -275,7 +275,7 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
   help("Backspace");
   choose("surface", kSurfaceKinds, feel.surface);
   help("average: fastest; sphere: sinks in less on curved surfaces; sharp: keeps edges");
-  if (status.session->backendName() == "vulkan") choose("query", kQueryMethods, feel.method);
+  if (status.session->backendName() == "vulkan") choose("query", builtMethods(), feel.method);
   drag("stiffness", feel.stiffness_N_per_mm, 0.01f, sliderOf<ForceOptions>("stiffness_N_per_mm"), "%.2f N/mm");
   help("force per mm of depth in the surface, measured in the hand");
   drag("damping", feel.damping_N_s_per_mm, 0.0001f, sliderOf<ForceOptions>("damping_N_s_per_mm"), "%.4f N s/mm");

@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/contact/gather_brute.hpp"
-#include "engine/contact/gather_indirect.hpp"
-#include "engine/contact/gather_naive.hpp"
-#include "engine/contact/gather_two_step.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -20,8 +16,19 @@ constexpr double kMargin = 1.001;   // of the reach: boxAround() in shaders/lib/
 
 }  // namespace
 
+const std::vector<std::pair<std::string_view, QueryMethod>>& builtMethods() {
+  static const auto built = [] {
+    std::vector<std::pair<std::string_view, QueryMethod>> methods{{"fused", QueryMethod::fused}};
+    for (const GatherKind& kind : gatherKinds()) methods.emplace_back(nameOf(kQueryMethods, kind.method), kind.method);
+    return methods;
+  }();
+  return built;
+}
+
 QueryMethod queryMethodNamed(std::string_view name) {
-  if (const auto method = valueNamed(kQueryMethods, name)) return *method;
+  if (const auto method = valueNamed(builtMethods(), name)) return *method;
+  if (valueNamed(kQueryMethods, name))
+    throw UsageError("{} needs PALPATE_STUDY, which this palpate was built without", name);
   throw UsageError("'{}' is not a query method", name);
 }
 
@@ -41,20 +48,10 @@ std::uint32_t gatherRounds(std::uint32_t cells) {
 
 std::unique_ptr<Gather> makeGather(Device& device, QueryMethod method, const shared::HashGrid& grid, double radius,
                                    std::uint32_t points) {
-  const std::uint32_t cells = cellsPerGather(grid, radius);
-  switch (method) {
-    case QueryMethod::brute:
-      return std::make_unique<GatherBrute>(device, points, gatherRounds(cells) * shared::kPatchRoundCandidates);
-    case QueryMethod::twoStep:
-      return std::make_unique<GatherTwoStep>(device, cells);
-    case QueryMethod::naive:
-      return std::make_unique<GatherNaive>(device, cells);
-    case QueryMethod::indirect:
-      return std::make_unique<GatherIndirect>(device, cells);
-    case QueryMethod::fused:
-      break;
-  }
-  return nullptr;
+  if (method == QueryMethod::fused) return nullptr;
+  for (const GatherKind& kind : gatherKinds())
+    if (kind.method == method) return kind.make(device, grid, radius, points);
+  throw UsageError("{} needs PALPATE_STUDY, which this palpate was built without", nameOf(kQueryMethods, method));
 }
 
 Buffer makeGatheredPatch(Device& device, std::uint64_t slots) {

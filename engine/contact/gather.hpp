@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "engine/contact/query_method.hpp"
 #include "engine/gpu/command_list.hpp"
@@ -37,7 +38,16 @@ double widestReach(const shared::HashGrid& grid, std::uint32_t cellsPerSide);
 /// Number of rounds for this number of cells.
 std::uint32_t gatherRounds(std::uint32_t cells);
 
-/// The gather of a method, for a cloud of up to `points` points; null for fused.
+/// How a method makes its gather, for a cloud of up to `points` points.
+struct GatherKind {
+  QueryMethod method;
+  std::unique_ptr<Gather> (*make)(Device& device, const shared::HashGrid& grid, double radius, std::uint32_t points);
+};
+/// The methods other than fused: those of engine/study, or none if palpate is built without PALPATE_STUDY.
+std::span<const GatherKind> gatherKinds();
+
+/// The gather of a method, for a cloud of up to `points` points; null for fused. Throws UsageError for a method that
+/// this palpate was built without.
 std::unique_ptr<Gather> makeGather(Device& device, QueryMethod method, const shared::HashGrid& grid, double radius,
                                    std::uint32_t points);
 

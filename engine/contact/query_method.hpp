@@ -3,6 +3,7 @@
 #include <array>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace palpate {
 
@@ -16,7 +17,7 @@ enum class QueryMethod {
   fused,     ///< gather, surface and proxy in one dispatch
 };
 
-/// The methods by the names on the command line.
+/// The names of all methods.
 inline constexpr std::array<std::pair<std::string_view, QueryMethod>, 5> kQueryMethods{{
     {"fused", QueryMethod::fused},
     {"indirect", QueryMethod::indirect},
@@ -24,7 +25,9 @@ inline constexpr std::array<std::pair<std::string_view, QueryMethod>, 5> kQueryM
     {"two-step", QueryMethod::twoStep},
     {"brute", QueryMethod::brute},
 }};
-/// Throws UsageError for an unknown name.
+/// The methods that this palpate was built with, the default first: fused, and those of PALPATE_STUDY.
+const std::vector<std::pair<std::string_view, QueryMethod>>& builtMethods();
+/// Throws UsageError for an unknown name, and for a method that this palpate was built without.
 QueryMethod queryMethodNamed(std::string_view name);
 
 }  // namespace palpate

@@ -46,7 +46,10 @@ void checkMemory(const MatterScene& scene, std::uint64_t memory_bytes) {
 void BackendKind::check(const SessionConfig& config) const {
   const TouchCapabilities can = capabilities();
   const std::string method = methodOf(config.backend);
-  if (std::ranges::find(methods(), method) == methods().end())
+  const bool hasMethod = std::ranges::find(methods(), method) != methods().end();
+  if (!hasMethod && hasInStudy(method))
+    throw ConfigError("backend.method", "{} needs PALPATE_STUDY, which this palpate was built without", method);
+  if (!hasMethod)
     throw ConfigError("backend.method", "{} is not a method of backend.name {}, which has {}", method, name(),
                       fmt::join(methods(), ", "));
   if (!can.allSurfaces && config.surface.kind != SurfaceKind::average)

@@ -41,6 +41,8 @@ class BackendKind {
   virtual std::string_view name() const = 0;
   /// Methods of its neighbour search; the first one is the default.
   virtual const std::vector<std::string>& methods() const = 0;
+  /// Whether it has this method in a palpate built with PALPATE_STUDY.
+  virtual bool hasInStudy(std::string_view /*method*/) const { return false; }
   virtual TouchCapabilities capabilities() const { return {}; }
   /// Maximum memory of matter on its machine, bytes.
   virtual std::uint64_t matterMemory_bytes() const { return matterMemory(hostMemory_bytes()); }

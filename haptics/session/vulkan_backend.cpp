@@ -21,9 +21,10 @@ class VulkanBackend final : public BackendKind {
 
   std::string_view name() const override { return "vulkan"; }
   const std::vector<std::string>& methods() const override {
-    static const std::vector<std::string> methods = namesOf(kQueryMethods);
+    static const std::vector<std::string> methods = namesOf(builtMethods());
     return methods;
   }
+  bool hasInStudy(std::string_view method) const override { return valueNamed(kQueryMethods, method).has_value(); }
   TouchCapabilities capabilities() const override {
     return {.fusesFrames = true,
             .movesSoftBodies = true,

@@ -9,6 +9,10 @@ namespace palpate::backends_test {
 
 TEST_CASE(
     "every query method gives the same trace, byte for byte; brute, with another summation order, the same force") {
+  if (isLeftOut("two-step")) {
+    MESSAGE("skipped: this palpate was built without PALPATE_STUDY");
+    return;
+  }
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 5000 -o " + model);
@@ -114,6 +118,19 @@ TEST_CASE("a simulated Touch presses, slides and rests, the same each time, with
   CHECK(jsonOf(json)["ticks"].get<int>() + jsonOf(json)["missed_ticks"].get<int>() == 1201);
   works("touch " + model + " --backend cpu --json " + json);
   CHECK(jsonOf(json)["passivity_energy_mJ"].is_null());
+}
+
+TEST_CASE("a bench or a method that this palpate was built without is refused with the option that it needs") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string();
+  works("make sphere -n 1000 -o " + model);
+  for (const std::string& command : {std::string("bench sort --sizes 1000 --repeat 1 --backend vulkan"),
+                                     "touch " + model + " --duration 0.1 --method two-step"}) {
+    CAPTURE(command);
+    const Outcome outcome = palpate(command);
+    CHECK(outcome.code == (isLeftOut(command) ? 2 : 0));
+    CHECK((outcome.text.find("needs PALPATE_STUDY") != std::string::npos) == isLeftOut(command));
+  }
 }
 
 TEST_CASE("a missing back end and an unknown method are reported differently") {

@@ -68,6 +68,7 @@ TEST_CASE("the overview is readable, and the options of touch are grouped under 
 
 TEST_CASE("a misspelt command, option or value gets a suggestion") {
   const auto meant = [](const std::string& arguments, const std::string& complaint) {
+    if (isLeftOut(arguments)) return;
     CAPTURE(arguments);
     const Outcome outcome = palpate(arguments);
     CHECK(outcome.code == 2);
@@ -104,6 +105,7 @@ TEST_CASE("a duplicate option, or one without its value, is reported in a senten
 
 TEST_CASE("palpate help COMMAND shows what palpate COMMAND --help does") {
   for (const std::string command : {"", "touch", "bench", "bench edit"}) {
+    if (isLeftOut(command)) continue;
     const Outcome help = palpate("help " + command);
     CHECK(help.code == 0);
     CHECK(help.text == palpate(command + " --help").text);
@@ -130,6 +132,7 @@ TEST_CASE("an output with an unknown ending is refused before any work, with the
   works("make sphere -n 500 -o " + in("s.ply"));
   const std::string model = in("s.ply"), touch = "touch " + model + " --backend cpu --rate 50 ";
   const auto refused = [&](const std::string& command, const char* name, const std::string& complaint) {
+    if (isLeftOut(command)) return;
     CAPTURE(command);
     const Outcome outcome = palpate(command + in(name));
     CHECK(outcome.code == 2);
@@ -162,6 +165,7 @@ TEST_CASE("an output with an unknown ending is refused before any work, with the
 
 TEST_CASE("a shell completes commands, options and values, also after options of all commands") {
   const auto offers = [](const std::string& words, const std::string& expected) {
+    if (isLeftOut(words)) return;
     const Outcome offered = palpate("complete " + words);
     CHECK(offered.code == 0);
     CHECK_MESSAGE(offered.text == expected, words);
@@ -205,6 +209,7 @@ TEST_CASE("a shell completes commands, options and values, also after options of
 TEST_CASE("each value that the help lists for an option is completed") {
   std::size_t offered = 0;
   for (const std::string command : {"touch", "convert", "mesh", "render", "bench touch"}) {
+    if (isLeftOut(command)) continue;
     std::istringstream help(palpate(command + " --help").text);
     for (std::string line; std::getline(help, line);) {
       const std::size_t name = line.find("--"), from = line.find(":{"), to = line.find('}');
@@ -224,7 +229,7 @@ TEST_CASE("each value that the help lists for an option is completed") {
       ++offered;
     }
   }
-  CHECK(offered > 20);
+  CHECK(offered > (isLeftOut("bench") ? 15 : 20));
 }
 
 TEST_CASE("the zsh script that the program prints completes commands, values and files") {
@@ -233,8 +238,8 @@ TEST_CASE("the zsh script that the program prints completes commands, values and
   CHECK(script == contentOf(sourceFolder() / "third_party/debian/palpate.zsh"));
   CHECK(says(script, "#compdef palpate\n"));
   CHECK(says(script, " complete -- "));
-  if (run("command -v zsh").code != 0) {
-    MESSAGE("skipped: zsh is not installed");
+  if (run("command -v zsh").code != 0 || isLeftOut("bench")) {
+    MESSAGE("skipped: zsh is not installed, or this palpate has no benches");
     return;
   }
   const ScratchFolder folder;
@@ -299,6 +304,7 @@ TEST_CASE("an unsupported configuration is refused with the options that request
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 500 -o " + model);
   const auto refused = [&](const std::string& arguments, const std::string& complaint) {
+    if (isLeftOut(arguments)) return;
     CAPTURE(arguments);
     const Outcome outcome = palpate(arguments);
     CHECK(outcome.code == 2);
@@ -372,7 +378,7 @@ TEST_CASE("touch selects a hardware GPU, otherwise the CPU, unless an option req
   CHECK(backendOf("--backend auto") == own);
   CHECK(backendOf("--backend cpu") == "cpu");
   CHECK(backendOf("--backend vulkan") == "vulkan");
-  CHECK(backendOf("--method indirect") == "vulkan");
+  if (!isLeftOut("--method indirect")) CHECK(backendOf("--method indirect") == "vulkan");
   CHECK(backendOf("--method direct") == "cpu");
   CHECK(backendOf("--print-tick") == "vulkan");
   CHECK(backendOf("--gpu 0") == "vulkan");

@@ -74,6 +74,10 @@ TEST_CASE("render draws the mesh of a model") {
 }
 
 TEST_CASE("bench mesh measures each pass and an edit, and compares the mesh with shapes") {
+  if (isLeftOut("bench")) {
+    MESSAGE("skipped: this palpate was built without PALPATE_STUDY");
+    return;
+  }
   const ScratchFolder folder;
   const Outcome outcome =
       palpate("bench mesh --sizes 5000 --lattice 16 32 --repeat 2 --truth-points 5000 --shapes sphere,cube --json " +

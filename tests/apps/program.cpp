@@ -2,6 +2,7 @@
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -30,6 +31,13 @@ Outcome palpate(const std::string& arguments) { return run(program() + " " + arg
 void works(const std::string& arguments) {
   const Outcome outcome = palpate(arguments);
   REQUIRE_MESSAGE(outcome.code == 0, "palpate " << arguments << "\n" << outcome.text);
+}
+
+bool isLeftOut(const std::string& arguments) {
+  constexpr bool kHasStudy = PALPATE_HAS_STUDY;
+  if (kHasStudy) return false;
+  const auto names = [&](const char* word) { return arguments.find(word) != std::string::npos; };
+  return std::ranges::any_of(std::array{"bench", "indirect", "naive", "two-step", "brute"}, names);
 }
 
 Result jsonOf(const std::filesystem::path& file) { return Result::parse(contentOf(file)); }

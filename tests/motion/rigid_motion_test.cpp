@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "engine/motion/moving_cloud.hpp"
-#include "engine/motion/moving_shape.hpp"
+#include "tests/moving_shape.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate::rigid_motion_test {

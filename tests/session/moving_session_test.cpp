@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "engine/motion/moving_shape.hpp"
 #include "haptics/session/interactive_session.hpp"
+#include "tests/moving_shape.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
 

@@ -14,8 +14,8 @@
 #include "engine/contact/proxy_tracker.hpp"
 #include "engine/core/error.hpp"
 #include "engine/motion/moving_cloud.hpp"
-#include "engine/motion/moving_shape.hpp"
 #include "engine/touch/touch_backend.hpp"
+#include "tests/moving_shape.hpp"
 #include "tests/scenes.hpp"
 #include "tests/touch/tick.hpp"
 

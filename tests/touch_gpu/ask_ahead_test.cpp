@@ -154,8 +154,10 @@ TEST_CASE_FIXTURE(GpuFixture, "by default a device asks ahead only if the driver
     MESSAGE("skipped: without validation (PALPATE_TESTS_VALIDATE=0) the driver decides whether a question waits");
   else
     CHECK_FALSE(TouchSide(device, scene.cloud, {.radius = scene.radius}).asksAhead());
-  for (const QueryMethod method : {QueryMethod::brute, QueryMethod::indirect})
-    CHECK_FALSE(TouchSide(device, scene.cloud, {.radius = scene.radius, .method = method, .ahead = true}).asksAhead());
+  for (const auto& [name, method] : builtMethods())
+    if (method != QueryMethod::fused)
+      CHECK_FALSE(
+          TouchSide(device, scene.cloud, {.radius = scene.radius, .method = method, .ahead = true}).asksAhead());
 }
 
 }  // namespace palpate::ask_ahead_test

@@ -134,7 +134,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
   touch.setContact(SurfaceKind::sphere, 0, "fused");
   const Contact sphere = press(touch, {0, 0, 1}, 2);
   CHECK(std::abs(sphere.proxy.z - 50) < 0.01);
-  for (const auto& [name, method] : kQueryMethods) {
+  for (const auto& [name, method] : builtMethods()) {
     CAPTURE(name);
     touch.setContact(SurfaceKind::sphere, 0, name);
     CHECK(glm::distance(press(touch, {0, 0, 1}, 2).proxy, sphere.proxy) < 1e-4);

@@ -56,7 +56,7 @@ TEST_CASE_FIXTURE(GpuFixture,
                   "a source at rest gives the same answers as no source, bit by bit, for each query and sort method") {
   const Scene scene = makeScene("torus", 2'000, DVec3(100, 7, -3));
   MovingCloud source(scene.cloud, {.kind = MotionKind::turn, .centre = {3, 2, 1}});
-  for (const QueryMethod method : {QueryMethod::fused, QueryMethod::indirect})
+  for (const auto& [name, method] : builtMethods())
     for (const SortMethod sort : {SortMethod::counting, SortMethod::radix}) {
       const TouchOptions options{.radius = scene.radius, .sort = sort, .method = method};
       TouchOptions moved = options;

@@ -10,7 +10,7 @@
 /** @defgroup sharing Shared sessions
  * @{ */
 
-/** 1 if this library was built with DDS, else 0. */
+/** 1 if this library was built with PALPATE_NETWORK, else 0. */
 PP_API uint32_t pp_can_share(void);
 
 /** Called each twentieth of a second by a call that waits for other programs, on the waiting thread: other than 0 ends
