@@ -116,7 +116,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
   const BackendReport backend = touch.report();
   TouchReport report{.points = model.cloud.size(),
                      .backend = config.backend.name,
-                     .machine = backend.machine,
+                     .machine = session.machine(),
                      .method = session.method(),
                      .build_us = backend.build_us,
                      .trace = summarize(result.trace()),
@@ -319,7 +319,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
     session.checkFollower();
     drawEnd(context, options, session, sight, changes ? end.cloud : session.model().cloud, result.trace());
   });
-  if (options.backend.timePasses) printPasses(context.tables(), session.backend().report().passes);
+  if (options.backend.timePasses) printPasses(context.tables(), session.backend().passes());
   printReport(context.tables(), report);
   outputs.write([&] { context.writeJson(toJson(report)); });
   if (result.deviceFailed) outputs.failed(result.fault);

@@ -38,6 +38,8 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
   for (const ProbeGroup& group : makeProbeGroups(options.tools))
     hands_.push_back({.probes = group, .trackers = {group.probes(), ProxyTracker(options.radius, options.friction)}});
   answers_.resize(hands_.size());
+  const std::size_t threads = sculpture_.threads();
+  machine_ = fmt::format("{}, {} thread{}", processorName(), threads, threads == 1 ? "" : "s");
 }
 
 // Calls visit(offset, normal, number) for the points around a position, as they are at the time of the question in the
@@ -228,8 +230,7 @@ EditScope CpuTouch::scope() const {
 
 BackendReport CpuTouch::report() const {
   const TouchStatistics& edits = edits_.statistics();
-  const std::size_t threads = sculpture_.threads();
-  return {.machine = fmt::format("{}, {} thread{}", processorName(), threads, threads == 1 ? "" : "s"),
+  return {.machine = machine_,
           .cell = 1.0 / static_cast<double>(sculpture_.grid().grid().inverseCell),
           .scope = scope(),
           .build_us = sculpture_.buildTime_us(),

@@ -2,6 +2,7 @@
 
 #include <exception>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/contact/proxy_tracker.hpp"
@@ -90,6 +91,7 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   static void forget(CpuHand& hand);
 
   CpuTouchOptions options_;
+  std::string machine_;
   DVec3 origin_;
   CpuSculpture sculpture_;
   std::optional<CpuFrames> frames_;  // if a source moves the points

@@ -23,8 +23,9 @@ SoftTouch::SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBa
                      const SoftTouchOptions& options)
     : HeldSoftSource{std::move(source)},
       TouchDecorator(std::move(surface)),
-      bodyMachine_(options.bodyMachine),
       answers_(options.tools.size()) {
+  if (!options.bodyMachine.empty())
+    machine_ = fmt::format("{}; the body on {}", inner().report().machine, options.bodyMachine);
   question_.friction = options.friction;
   poses_.reserve(options.tools.size());
   setBrush(options.brush);
@@ -238,7 +239,7 @@ bool SoftTouch::turned(bool done) {
 
 BackendReport SoftTouch::report() const {
   BackendReport report = inner().report();
-  if (!bodyMachine_.empty()) report.machine += "; the body on " + bodyMachine_;
+  if (!machine_.empty()) report.machine = machine_;
   report.scope = {.edits = false, .paints = false, .newPoints = 0};
   report.firstEdit_s.reset();
   return report;

@@ -78,7 +78,7 @@ class SoftTouch final : private HeldSoftSource, public TouchDecorator, private S
   DVec3 hipAt(const Hand& hand, double time_s) const;
   Contact givenWay(Contact contact, const DVec3& strayed, double share) const;
 
-  std::string bodyMachine_;
+  std::string machine_;  // with the one that moves the body, if it is another
   std::vector<Hand> hands_;
   std::vector<Contact> answers_;
   std::vector<Pose> poses_;  // poses of the last question

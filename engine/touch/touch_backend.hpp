@@ -77,9 +77,9 @@ struct BackendMemory {
   std::uint64_t lists = 0;   ///< lists by which the index follows edits
 };
 
-/// A back end and its work so far. The spans are valid until its next query.
+/// A back end and its work so far. Its spans and its name are valid until the next query of the back end.
 struct BackendReport {
-  std::string machine;  ///< name of the answering machine
+  std::string_view machine;  ///< name of the answering machine
   double cell = 0;      ///< edge of a cell of the index, model units
   EditScope scope;      ///< what edits may do to its points
   double build_us = 0;  ///< time of the first build of the index
@@ -95,8 +95,6 @@ struct BackendReport {
   std::uint64_t compactions = 0;  ///< of the index, in the background
   bool isCompacting = false;
   BackendMemory memory{};
-  /// The passes of a tick in order, edit included, with their last times; empty if the back end has no passes.
-  std::vector<PassRecord> passes{};
 };
 
 /// The frames of a source that moves the points.
@@ -139,10 +137,14 @@ class TouchBackend : public ContactQuery {
   virtual ShapeStrokes* shapeStrokes() noexcept { return nullptr; }
   virtual GpuPoints* gpuPoints() noexcept { return nullptr; }
 
+  /// Allocates nothing.
   virtual BackendReport report() const = 0;
+  /// The passes of a tick in order, edit included, with their last times; empty if the back end has no passes.
+  virtual std::vector<PassRecord> passes() const { return {}; }
 };
 
-/// Wraps a back end. An override changes one thing; all else is the wrapped back end's.
+/// Wraps a back end. What is not overridden is the wrapped back end's. An override of ask() overrides points() and
+/// resetHand(), too.
 class TouchDecorator : public TouchBackend {
  public:
   explicit TouchDecorator(std::unique_ptr<TouchBackend> inner) : inner_(std::move(inner)) {}
@@ -167,6 +169,7 @@ class TouchDecorator : public TouchBackend {
   ShapeStrokes* shapeStrokes() noexcept override { return inner_->shapeStrokes(); }
   GpuPoints* gpuPoints() noexcept override { return inner_->gpuPoints(); }
   BackendReport report() const override { return inner_->report(); }
+  std::vector<PassRecord> passes() const override { return inner_->passes(); }
 
  protected:
   TouchBackend& inner() const noexcept { return *inner_; }

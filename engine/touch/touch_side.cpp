@@ -462,8 +462,7 @@ BackendReport TouchSide::report() const {
           .index = index_.work(),
           .compactions = index_.compactions().completed,
           .isCompacting = index_.isCompacting(),
-          .memory = memory(),
-          .passes = passes()};
+          .memory = memory()};
 }
 
 EditScope TouchSide::scope() const {

@@ -59,6 +59,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
   BackendReport report() const override;
+  std::vector<PassRecord> passes() const override;
 
   Device& device() const { return device_; }
   EditLog& editLog() { return record_.log; }
@@ -109,7 +110,6 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   EditScope scope() const;
   EditCosts costs() const;
   BackendMemory memory() const;
-  std::vector<PassRecord> passes() const;
   std::vector<GpuHand> makeHands() const;
   ContactOptions contactOptions() const;
   void makeBridge();

@@ -85,23 +85,23 @@ void LiveHands::start() {
   const CustomForce own = law_.custom();
   with_.session.start(std::move(hands),
                       {.rate_Hz = rate_Hz_, .forcesOn = &with_.forcesOn, .law = own ? own : with_.law});
-  started_ = true;
+  run_ = with_.session.live();
 }
 
 void LiveHands::stop() {
-  if (started_) with_.session.stop();
+  stopped_ = true;
+  if (run_) run_->pause();
 }
 
 std::uint64_t LiveHands::take(pp_tick* ticks, std::uint64_t capacity) {
   if (next_ == waiting_.size()) {
-    LiveRun& run = *with_.session.live();
-    const bool ended = run.hasEnded();  // queried before the last ticks are read
+    const bool ended = run_->hasEnded();  // queried before the last ticks are read
     waiting_.clear();
     next_ = 0;
-    run.take(waiting_);
-    if (waiting_.empty() && ended && !run.fault().empty()) {
-      if (run.deviceFailed()) throw DeviceError("{}", run.fault());
-      throw GpuError("{}", run.fault());
+    run_->take(waiting_);
+    if (waiting_.empty() && ended && !stopped_ && !run_->fault().empty()) {
+      if (run_->deviceFailed()) throw DeviceError("{}", run_->fault());
+      throw GpuError("{}", run_->fault());
     }
   }
   const std::size_t hands = hands_.size();

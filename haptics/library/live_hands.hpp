@@ -34,7 +34,7 @@ class LiveHands {
   OpenHand first() const { return hands_.front().hand(); }
   /// Starts the session's servo thread.
   void start();
-  bool isRunning() const { return started_ && with_.session.isLive(); }
+  bool isRunning() const { return run_ && !run_->hasEnded(); }
   void stop();
   /// Reads rows of whole ticks, up to `capacity`, and returns their number. Throws DeviceError or GpuError if the
   /// thread has ended because of a fault and no ticks are left.
@@ -51,7 +51,8 @@ class LiveHands {
   std::size_t next_ = 0;
   std::uint64_t ticks_ = 0, missed_ = 0;
   std::optional<double> lastTime_s_;
-  bool started_ = false, hasLaw_ = false;
+  bool stopped_ = false, hasLaw_ = false;
+  std::shared_ptr<LiveRun> run_;  // the session's, which may be replaced; destroyed first
 };
 
 }  // namespace palpate::library

@@ -52,7 +52,13 @@ void requirePoints(const Model& model, const std::string& file) {
 class InteractiveSession::Follower final : public EditFollower {
  public:
   explicit Follower(InteractiveSession& session) : session_(session) {}
-  void catchUp(const EditBatch& batch) override { session_.take(batch); }
+  void catchUp(const EditBatch& batch) override {
+    try {
+      session_.take(batch);
+    } catch (...) {  // reported by takeIn(), so that this follower goes on
+      session_.takeFailure_ = std::current_exception();
+    }
+  }
 
  private:
   InteractiveSession& session_;
@@ -128,6 +134,7 @@ void InteractiveSession::takeIn() {
   if (live()) live()->take(rows_);
   history_.add(rows_);
   catchUp();
+  if (takeFailure_) std::rethrow_exception(std::exchange(takeFailure_, nullptr));
 }
 
 std::optional<std::string> InteractiveSession::follow() {

@@ -143,6 +143,7 @@ class InteractiveSession : public Session {
   std::vector<TraceRow> rows_;
   EditBatch batch_;
   std::uint64_t edits_ = 0;
+  std::exception_ptr takeFailure_;
 
   // The recorded hand that is being played.
   struct Playing {

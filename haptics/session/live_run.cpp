@@ -10,8 +10,11 @@ LiveRun::LiveRun(std::vector<OpenHand> hands, LiveRunOptions options, Play play)
 }
 
 void LiveRun::goOn() {
+  if (thread_.joinable()) return;
   stop_ = false;
   ended_ = false;
+  fault_.clear();
+  deviceFailed_ = false;
   if (options_.clock) options_.clock->hold();
   thread_ = std::jthread([this, options = options_] { run(options); });
 }

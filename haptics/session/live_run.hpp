@@ -38,7 +38,7 @@ class LiveRun {
 
   /// Waits for the tick in progress and ends the thread; the devices have no force then. False if there was none.
   bool pause();
-  /// Starts a thread again, one tick after the last.
+  /// Starts a thread again, one tick after the last, unless one is running.
   void goOn();
   /// Of the next thread.
   void setHands(std::vector<OpenHand> hands) { hands_ = std::move(hands); }

@@ -269,33 +269,41 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
 void Session::start(std::vector<OpenHand> hands, const LiveRunOptions& options) {
   LiveRunOptions live = options;
   if (live.rate_Hz <= 0) live.rate_Hz = config_.rate_Hz;
-  live_.emplace(std::move(hands), live,
-                [this](std::span<const OpenHand> touching, const LiveRunOptions& how, const std::atomic<bool>& stop,
-                       TickRecorder& recorder) {
-                  ServoResult result = run(touching, {.begin_s = how.begin_s,
-                                                      .rate_Hz = how.rate_Hz,
-                                                      .endless = true,
-                                                      .clock = how.clock.get(),
-                                                      .stop = &stop,
-                                                      .forcesOn = how.forcesOn,
-                                                      .recorder = &recorder,
-                                                      .realtime = true,
-                                                      .law = how.law});
-                  if (result.queryLost) result.fault = machine_ + " was lost; earlier results are kept";
-                  return result;
-                });
+  live_.reset();
+  live_ = std::make_shared<LiveRun>(std::move(hands), live,
+                                    [this](std::span<const OpenHand> touching, const LiveRunOptions& how,
+                                           const std::atomic<bool>& stop, TickRecorder& recorder) {
+                                      ServoResult result = run(touching, {.begin_s = how.begin_s,
+                                                                          .rate_Hz = how.rate_Hz,
+                                                                          .endless = true,
+                                                                          .clock = how.clock.get(),
+                                                                          .stop = &stop,
+                                                                          .forcesOn = how.forcesOn,
+                                                                          .recorder = &recorder,
+                                                                          .realtime = true,
+                                                                          .law = how.law});
+                                      if (result.queryLost)
+                                        result.fault = machine_ + " was lost; earlier results are kept";
+                                      return result;
+                                    });
 }
 
 void Session::stop() {
   if (live_) live_->pause();
 }
 
-bool Session::park() {
-  if (!live_ || !live_->pause()) return false;
-  if (!live_->fault().empty()) return false;
-  backend_->finish();
+void Session::park() {
+  if (live_ && live_->pause()) takeAfterPause();
+}
+
+// After a fault of a device the back end is sound.
+void Session::takeAfterPause() {
+  if (live_->fault().empty() || live_->deviceFailed()) backend_->finish();
   relay_.catchUp();
-  return true;
+}
+
+void Session::goOn() {
+  if (live_ && live_->fault().empty()) live_->goOn();
 }
 
 void Session::pull(const PullOptions& options) {
@@ -311,8 +319,8 @@ void Session::pull(const PullOptions& options) {
 
 void Session::endPulling() {
   if (!pulled_) return;
-  pulled_->check();
-  pulled_.reset();
+  const PulledHands ended = *std::exchange(pulled_, std::nullopt);
+  ended.check();
 }
 
 void Session::finish() {

@@ -130,24 +130,25 @@ class Session {
   void stop();
   /// Not stopped, and not ended by a fault. Thread-safe, except during start().
   bool isLive() const { return live_ && !live_->hasEnded(); }
-  /// The live session: its ticks, and why it has ended. Null before the first.
-  LiveRun* live() { return live_ ? &*live_ : nullptr; }
-  const LiveRun* live() const { return live_ ? &*live_ : nullptr; }
+  /// The live session: its ticks, and why it has ended. Null before the first. Its ticks can be taken while a pointer
+  /// to it is kept, also after this session.
+  const std::shared_ptr<LiveRun>& live() const { return live_; }
   /// Pauses a live session between two ticks and takes its edits, so that another session may use the same GPU queues
-  /// and devices. False if none was running.
-  bool park();
-  /// After park().
-  void goOn() { live_->goOn(); }
+  /// and devices. It stays paused if that throws.
+  void park();
+  /// After park(): goes on, unless it has ended by a fault.
+  void goOn();
   /// Calls `act` between two ticks, with all edits taken.
   template <class Act>
   auto between(Act&& act) {
-    struct Paused {
+    struct GoingOn {
       Session& session;
-      bool wasLive = session.park();
-      ~Paused() {
-        if (wasLive) session.goOn();
+      bool wasPaused;
+      ~GoingOn() {
+        if (wasPaused) session.goOn();
       }
-    } const paused{*this};
+    } const goingOn{*this, live_ && live_->pause()};
+    if (goingOn.wasPaused) takeAfterPause();
     return act();
   }
 
@@ -158,7 +159,10 @@ class Session {
   bool isPulled() const { return pulled_.has_value(); }
   /// Takes a pose for each hand, all of the same time; the result is valid until the next call. Allocates nothing
   /// unless points are edited. On any fault the force is zero and the contact invalid.
-  std::span<const PulledTick> tick(std::span<const Pose> poses) noexcept { return pulled_->tick(poses); }
+  std::span<const PulledTick> tick(std::span<const Pose> poses) noexcept {
+    PALPATE_CHECK(pulled_);
+    return pulled_->tick(poses);
+  }
   /// Lifts all hands; the next poses put them down elsewhere.
   void lift() noexcept {
     if (pulled_) pulled_->lift();
@@ -237,6 +241,7 @@ class Session {
   std::vector<HandSpring> springs(std::span<const OpenHand> hands) const;
   std::unique_ptr<SharedFollower> takePart();
   std::unique_ptr<SessionRecording> releaseRecording();
+  void takeAfterPause();
   bool settleFar(double patience_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
 
@@ -259,7 +264,7 @@ class Session {
   std::unique_ptr<SessionRecording> recording_;
   double last_s_ = 0;  // time of the last tick of a run
   std::optional<PulledHands> pulled_;
-  std::optional<LiveRun> live_;  // destroyed first
+  std::shared_ptr<LiveRun> live_;  // destroyed first
 };
 
 }  // namespace palpate

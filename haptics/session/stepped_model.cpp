@@ -21,6 +21,8 @@ constexpr double kFastest_mm_s = 2000;     // maximum speed of a hand
 SessionConfig withAllHands(SessionConfig config) {
   config.hands.assign(kMaxHands, HandConfig{});
   config.realtime = true;
+  config.brush.reset();
+  config.tool = {};
   return config;
 }
 

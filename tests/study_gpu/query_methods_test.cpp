@@ -276,7 +276,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "each query method runs its own passes and num
     const Queue::Ticket before = ticketNow();
     Seen seen{.gpu_us = touch.query({.hip = {0, 0, 49.5}}, 0).gpu_us};
     seen.submissions = ticketNow() - before - 1;
-    for (const PassRecord& pass : touch.report().passes) {
+    for (const PassRecord& pass : touch.passes()) {
       seen.names.push_back(pass.name);
       seen.waits.push_back(pass.waits);
       seen.threads = pass.threads;
@@ -322,7 +322,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "each query method runs its own passes and num
 TEST_CASE_FIXTURE(MethodsFixture, "a fused gather is split after a large answer or over many cells") {
   const Scene scene = makeScene("sphere", 50'000);
   const auto workgroups = [](const TouchSide& touch) {
-    return touch.report().passes.front().threads / shared::kContactWorkgroup;
+    return touch.passes().front().threads / shared::kContactWorkgroup;
   };
   TouchSide wide(device, scene.cloud, {.radius = 20 * scene.spacing});
   CHECK(wide.query({.hip = {0, 0, 50.5}}, 0).neighbours > shared::kSplitNeighbours);

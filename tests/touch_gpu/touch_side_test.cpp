@@ -147,7 +147,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a static cloud never moves, and its tick is one p
   touch.finish();
   PointCloud after = scene.cloud;
   CHECK(touch.readBack(after) == 0);
-  CHECK(touch.report().passes.size() == 1);
+  CHECK(touch.passes().size() == 1);
 }
 
 TEST_CASE("late answers are bridged by the patch, which follows the hand over the surface as the GPU would") {

@@ -257,7 +257,7 @@ TEST_CASE_FIXTURE(HandsFixture,
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius, .friction = kFriction, .tools = std::vector<ToolShape>(2), .ahead = true});
   CHECK(touch.asksAhead());
-  CHECK(touch.report().passes.size() == 1);  // one dispatch for both
+  CHECK(touch.passes().size() == 1);  // one dispatch for both
   const auto press = [&] {
     Contact second;
     for (double r = 53; r > 48; r -= 0.2) second = ask(touch, 0, {0, 0, r}, {r, 0, 0})[1];
