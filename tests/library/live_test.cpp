@@ -111,6 +111,31 @@ TEST_CASE("a live hand sculpts with the brush of its session, and all strokes ca
   CHECK(placesOf(ball.session) == before);
 }
 
+TEST_CASE("a first brush after a live session builds the session again, and its ticks can still be taken") {
+  const OpenBall ball;
+  const auto press = pressPath(1);
+  const pp_path path = pathOf(press);
+  const pp_live_options options = along(path);
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));
+  takeTicks(ball.session, 20);
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+  pp_brush brush = pp_default_brush();
+  brush.radius_mm = 5;
+  PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));
+  pp_session_info info = pp_default_session_info();
+  PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
+  CHECK(info.live == 0);
+  pp_live_state state = pp_default_live_state();
+  PP_REQUIRE_OK(pp_live_get_state(ball.session, &state));
+  CHECK(state.running == 0);
+  std::uint64_t count = 1;
+  pp_tick tick{};
+  while (count > 0) PP_REQUIRE_OK(pp_live_take(ball.session, &tick, 1, &count));
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));
+  CHECK(takeTicks(ball.session, 20).size() >= 20);
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+}
+
 TEST_CASE("forces can be switched off and on, with a force law, while the hand moves") {
   Calls calls;
   const OpenBall ball;
