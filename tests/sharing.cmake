@@ -4,10 +4,7 @@ if(TARGET third_party::crypto AND TARGET third_party::pugixml)
 else()
   set(without_security security)  # this build cannot encrypt sessions
 endif()
-if(NOT TARGET palpate_matter)
-  set(without_matter joined_matter)  # nor can it simulate
-endif()
-palpate_tests(sharing LINKS palpate::sharing palpate::session ${crypto} WITHOUT ${without_security} ${without_matter})
+palpate_tests(sharing LINKS palpate::sharing palpate::session ${crypto} WITHOUT ${without_security})
 
 # A hostile program; the tests measure its effects.
 set(made ${CMAKE_CURRENT_BINARY_DIR}/generated/haptics/sharing)

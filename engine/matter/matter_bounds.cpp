@@ -10,7 +10,7 @@ void requireBetween(std::string_view field, double value, double least, double m
 }
 
 void requireBetween(std::string_view field, const DVec3& value, double least, double most) {
-  for (int k = 0; k < 3; ++k) requireBetween(field, value[k], least, most);
+  requireBetween(field, value, least, DVec3(most));
 }
 
 void requireBetween(std::string_view field, const DVec3& value, double least, const DVec3& most) {

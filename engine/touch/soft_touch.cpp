@@ -21,9 +21,7 @@ constexpr double kForVelocity_s = 2e-3;  // interval for the velocity of a hand
 
 SoftTouch::SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBackend> surface,
                      const SoftTouchOptions& options)
-    : HeldSoftSource{std::move(source)},
-      TouchDecorator(std::move(surface)),
-      answers_(options.tools.size()) {
+    : HeldSoftSource{std::move(source)}, TouchDecorator(std::move(surface)), answers_(options.tools.size()) {
   if (!options.bodyMachine.empty())
     machine_ = fmt::format("{}; the body on {}", inner().report().machine, options.bodyMachine);
   question_.friction = options.friction;

@@ -80,9 +80,9 @@ struct BackendMemory {
 /// A back end and its work so far. Its spans and its name are valid until the next query of the back end.
 struct BackendReport {
   std::string_view machine;  ///< name of the answering machine
-  double cell = 0;      ///< edge of a cell of the index, model units
-  EditScope scope;      ///< what edits may do to its points
-  double build_us = 0;  ///< time of the first build of the index
+  double cell = 0;           ///< edge of a cell of the index, model units
+  EditScope scope;           ///< what edits may do to its points
+  double build_us = 0;       ///< time of the first build of the index
   /// Time of each edit so far, until points, normals and index are complete, us, on the answering machine.
   std::span<const double> editTimes_us{};
   /// The time of the first pose whose answer led to an edit; empty while the cloud is unedited.
