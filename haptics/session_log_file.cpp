@@ -53,21 +53,36 @@ void SessionLogFile::append(const Content& content) {
   sum.addValue(before);
   for (const auto bytes : body) sum.add(bytes);
   block.checksum = sum.value();
-  std::size_t size = sizeof block + sizeof before;
-  int error = isTorn_ ? EIO : output_.write(std::as_bytes(std::span(&block, 1)));
-  if (error == 0) error = output_.write(std::as_bytes(std::span(&before, 1)));
-  for (const auto bytes : body) {
-    if (error == 0) error = output_.write(bytes);
-    size += bytes.size();
-  }
-  if (error == 0) {
-    bytes_ += size;
-    return;
-  }
+  const auto write = [&] {
+    std::size_t size = sizeof block + sizeof before;
+    int error = isTorn_ ? EIO : output_.write(std::as_bytes(std::span(&block, 1)));
+    if (error == 0) error = output_.write(std::as_bytes(std::span(&before, 1)));
+    for (const auto bytes : body) {
+      if (error == 0) error = output_.write(bytes);
+      size += bytes.size();
+    }
+    if (error == 0) {
+      bytes_ += size;
+      last_ = {.bytes = size, .ticks = block.ticks, .states = block.states};
+      return true;
+    }
+    takeBackTorn();
+    fail(error);
+    return false;
+  };
+  if (write()) return;
+  if (content.end && takeBackLast() && write()) return;
   unwrittenTicks_ += block.ticks;
   unwrittenEdits_ += block.states;
-  takeBackTorn();
-  fail(error);
+}
+
+bool SessionLogFile::takeBackLast() {
+  if (last_.bytes == 0 || isTorn_ || output_.cutTo(bytes_ - last_.bytes) != 0) return false;
+  bytes_ -= last_.bytes;
+  unwrittenTicks_ += last_.ticks;
+  unwrittenEdits_ += last_.states;
+  last_ = {};
+  return true;
 }
 
 void SessionLogFile::sync() {

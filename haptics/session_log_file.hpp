@@ -23,6 +23,7 @@ class SessionLogFile {
     std::uint64_t merged = 0;
     const SessionEnd* end = nullptr;
   };
+  /// On a full disk the end takes the place of the last block.
   void append(const Content& content);
   /// Flushes the written data to the disk.
   void sync();
@@ -36,6 +37,8 @@ class SessionLogFile {
   void fail(int error);
   // Truncates the file after the last complete write.
   void takeBackTorn();
+  // The same before the last block. False if there is none.
+  bool takeBackLast();
 
   std::filesystem::path file_;
   UnbufferedFile output_;
@@ -43,6 +46,9 @@ class SessionLogFile {
   std::uint32_t blocks_ = 0;
   session_file::Before before_;  // of the next block
   std::uint64_t bytes_ = 0;
+  struct {
+    std::uint64_t bytes = 0, ticks = 0, states = 0;
+  } last_;  // the last block that was written
   std::uint64_t unwrittenTicks_ = 0, unwrittenEdits_ = 0;
   std::string failure_;  // the first one
   bool isTorn_ = false;  // permanently: nothing can be appended

@@ -9,10 +9,6 @@ void requireBetween(std::string_view field, double value, double least, double m
     throw Error("{}: is {}; it must be from {:g} to {:g}", field, value, least, most);
 }
 
-void requireBetween(std::string_view field, const DVec3& value, double least, double most) {
-  requireBetween(field, value, least, DVec3(most));
-}
-
 void requireBetween(std::string_view field, const DVec3& value, double least, const DVec3& most) {
   for (int k = 0; k < 3; ++k)
     if (!(value[k] >= least && value[k] <= most[k]))

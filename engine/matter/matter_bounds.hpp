@@ -8,7 +8,6 @@
 namespace palpate {
 
 void requireBetween(std::string_view field, double value, double least, double most);
-void requireBetween(std::string_view field, const DVec3& value, double least, double most);
 /// The same for each axis.
 void requireBetween(std::string_view field, const DVec3& value, double least, const DVec3& most);
 

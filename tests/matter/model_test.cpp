@@ -168,10 +168,10 @@ TEST_CASE("a model that cannot stand there is refused with the field's name befo
   };
   CHECK(with([](MatterScene&) {}) == "taken");
   CHECK(with([](MatterScene& s) { s.model_mm = DVec3(0), s.model_at_mm = {}; }) == "taken");
-  CHECK(says(with([](MatterScene& s) { s.model_mm = DVec3(-1, 80, 80); }), "model_mm: is -1 along x;"));
+  CHECK(says(with([](MatterScene& s) { s.model_mm = DVec3(-1, 80, 80); }), "model_mm: is -1;"));
   CHECK(says(with([](MatterScene& s) { s.model_mm = DVec3(30); }), "model_mm: is 30 on its longest side"));
   CHECK(says(with([](MatterScene& s) { s.model_mm = DVec3(80, 80, 141); }), "model_mm: is 141 along z;"));
-  CHECK(says(with([](MatterScene& s) { s.model_mm.x = std::nan(""); }), "model_mm: is nan along x;"));
+  CHECK(says(with([](MatterScene& s) { s.model_mm.x = std::nan(""); }), "model_mm: is nan;"));
   CHECK(says(with([](MatterScene& s) { s.model_at_mm = DVec3(70, 110, 70); }), "model_at_mm: puts the model from 110"));
   CHECK(says(with([](MatterScene& s) { s.model_at_mm = DVec3(20, 0, 70); }), "model_at_mm: puts the model from -20"));
   CHECK(says(with([](MatterScene& s) { s.model_at_mm = DVec3(std::nan("")); }), "model_at_mm: puts the model"));
