@@ -45,8 +45,8 @@ void bindTouch(py::class_<PySession>& session) {
           },
           py::arg("kind"),
           "set_brush(kind, **brush)\n\n"
-          "Sets the brush of touch() and of the next live hand, as for stroke(); kind None: they only feel. Not while the "
-          "session is live.")
+          "Sets the brush of touch() and of the next live hand, as for stroke(); kind None: they only feel. Not while "
+          "the session is live.")
       .def(
           "undo",
           [](PySession& self, std::uint64_t strokes) {

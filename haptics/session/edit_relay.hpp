@@ -22,9 +22,10 @@ struct RelayOptions {
   SessionWriter* log = nullptr;  ///< receives the edits, if there is a journal; flushed in virtual time
 };
 
-/// Takes the edits of a back end and passes them on: between ticks in virtual time; against the clock on a thread of its
-/// own, some times a second, or, in a live session, on the thread that calls catchUp(). Neither delays a tick; in virtual
-/// time no edit is dropped because the relay is behind. Failures do not stop the hand: finish() throws those of the thread, checkFollower() those of a follower.
+/// Takes the edits of a back end and passes them on: between ticks in virtual time; against the clock on a thread of
+/// its own, some times a second, or, in a live session, on the thread that calls catchUp(). Neither delays a tick; in
+/// virtual time no edit is dropped because the relay is behind. Failures do not stop the hand: finish() throws those of
+/// the thread, checkFollower() those of a follower.
 class EditRelay {
  public:
   /// `edits`: null where the points are never edited. Before the first query. All arguments must outlive this object.
