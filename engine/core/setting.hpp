@@ -147,6 +147,8 @@ template <class... Ts>
 struct Overloaded : Ts... {
   using Ts::operator()...;
 };
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;  // clang 14 requires it
 
 /// Calls `use` with the member's value, or with the section and the WordMember.
 template <class Section>

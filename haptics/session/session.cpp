@@ -83,6 +83,7 @@ std::unique_ptr<TouchBackend> Session::makeTouch(const SessionParts& parts) {
 
 std::vector<std::unique_ptr<EditFollower>> Session::make(const std::vector<FollowerMaker>& makers) const {
   std::vector<std::unique_ptr<EditFollower>> made;
+  made.reserve(makers.size());
   for (const FollowerMaker& each : makers) made.push_back(each(*model_, *backend_));
   return made;
 }
