@@ -203,10 +203,10 @@ Option Options::add(const std::string& names, std::vector<std::int64_t>& values,
 Option Options::add(const std::string& names, std::vector<std::uint32_t>& values, const std::string& what) {
   return with(app_->add_option(names, values, what));
 }
-Option Options::add(const std::string& names, std::function<void(const std::string&)> set,
-                    std::function<std::string()> usual, const std::string& what) {
-  CLI::Option* option = app_->add_option_function<std::string>(names, std::move(set), what);
-  return with(option->default_function(std::move(usual)));
+Option Options::add(const std::string& names, const std::function<void(const std::string&)>& set,
+                    const std::function<std::string()>& usual, const std::string& what) {
+  CLI::Option* option = app_->add_option_function<std::string>(names, set, what);
+  return with(option->default_function(usual));
 }
 Option Options::addFlag(const std::string& names, bool& value, const std::string& what) {
   return with(app_->add_flag(names, value, what));

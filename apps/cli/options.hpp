@@ -115,8 +115,8 @@ class Options {
   Option add(const std::string& names, std::vector<std::int64_t>& values, const std::string& what);
   Option add(const std::string& names, std::vector<std::uint32_t>& values, const std::string& what);
   /// Passes the text to `set` once it has passed the checks. `usual` gives the default for the help.
-  Option add(const std::string& names, std::function<void(const std::string&)> set, std::function<std::string()> usual,
-             const std::string& what);
+  Option add(const std::string& names, const std::function<void(const std::string&)>& set,
+             const std::function<std::string()>& usual, const std::string& what);
   Option addFlag(const std::string& names, bool& value, const std::string& what);
   /// A flag that sets the variable to false.
   Option addNegatedFlag(const std::string& names, bool& value, const std::string& what);

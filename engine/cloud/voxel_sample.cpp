@@ -84,8 +84,8 @@ class Cells {
     for (int z = -1; z <= 1; ++z)
       for (int y = -1; y <= 1; ++y) {  // three cells in a row
         const int row = static_cast<int>(occupied_[k]) + (z * cells_.y + y) * cells_.x;
-        company +=
-            sort_.starts()[static_cast<std::size_t>(row + 2)] - sort_.starts()[static_cast<std::size_t>(row - 1)];
+        const auto first = static_cast<std::size_t>(row) - 1;
+        company += sort_.starts()[first + 3] - sort_.starts()[first];
       }
     return company;
   }
