@@ -74,7 +74,7 @@ bool Hand::read(double time_s) noexcept {
 }
 
 bool Hand::sculpts() const noexcept {
-  return limits_.buttons == 0 || ((state_.buttons & kSculptButton) != 0 && !clutch_.isDrawn());
+  return !hasButtons() || ((state_.buttons & kSculptButton) != 0 && !clutch_.isDrawn());
 }
 
 void Hand::feel(const Contact& answer, std::span<const PointContact> points, const Pose& pose, double dt_s,

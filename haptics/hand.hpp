@@ -54,8 +54,9 @@ class Hand {
   bool read(double time_s) noexcept;
   const DeviceState& state() const noexcept { return state_; }
   const DVec3& hip() const noexcept { return hip_; }  ///< model units
-  /// Whether it is to change what it touches.
+  /// Whether it is to change what it touches; if it has buttons, while one of them is held.
   bool sculpts() const noexcept;
+  bool hasButtons() const noexcept { return limits_.buttons > 0; }
 
   /// Computes the force of an answer, to be written. `points`: of a tool.
   void feel(const Contact& answer, std::span<const PointContact> points, const Pose& pose, double dt_s,

@@ -166,8 +166,12 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, st
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     const Hand& hand = hands_[i];
     if (hand.state().putDown) query_.resetHand(i);
-    poses_[i] = {
-        .time_s = time_s, .hip = hand.hip(), .sculpts = hand.sculpts(), .turn = hand.state().turn, .felt = hand.felt()};
+    poses_[i] = {.time_s = time_s,
+                 .hip = hand.hip(),
+                 .sculpts = hand.sculpts(),
+                 .byButton = hand.hasButtons(),
+                 .turn = hand.state().turn,
+                 .felt = hand.felt()};
   }
   const std::span<const Contact> answers = query_.ask(poses_, budget_us);
   const TickConditions conditions = conditionsNow();

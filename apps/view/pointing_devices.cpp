@@ -183,12 +183,14 @@ void PointingDevices::move(double dt_s, const ViewSettings& view, const Pointed&
 }
 
 // A stylus that sculpts aims at its press depth below the surface, along the normal, plus the displacement of its
-// spring and hand. Where the visible surface continues farther back, the stylus is lifted and put down there.
+// spring and hand. Where the visible surface continues farther back, the stylus is put down there, and the stroke
+// goes on.
 void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const Pointed& at) {
   const Model& model = at.session->model();
   const std::optional<DVec3> last = std::exchange(pressedAt_, hand_.isPressing() ? std::optional(place) : std::nullopt);
   const bool comesBack = std::exchange(wasBeside_, hand_.isBeside()) && !wasBeside_;
   const DVec3 along = glm::normalize(place - at.viewpoint.camera().eye);
+  bool isPutDown = false;
   if (last && pressedAt_) {
     const double deeper = std::abs(glm::dot(place - *last, along));
     const double aside = glm::length(place - *last - glm::dot(place - *last, along) * along);
@@ -196,7 +198,7 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
     if (!rows.empty() && rows.back().contact) felt_s_ = std::max(felt_s_, at.time_s);
     // Contact lost although the surface under the cursor is visible, e.g. in a crease: the stylus is inside the model.
     if (comesBack || deeper > kSteepest * aside + model.scale.toUnits(kStep_mm) || at.time_s - felt_s_ > kLost_s) {
-      at.session->lift();
+      isPutDown = true;
       hand_.putDownAgain();
       pressedAt_.reset();
     }
@@ -208,7 +210,10 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
   DVec3 way = model.scale.toUnits(inward_mm) * along;
   if (inward_mm > 0 && given_mm > 0)
     way = -model.scale.toUnits(inward_mm + given_mm) * normalAt(at.picked, at.viewpoint.camera(), at.size_px);
-  at.session->aim(model.cloud.origin + place + way, hand_.sculpts());
+  if (isPutDown)
+    at.session->putDown(model.cloud.origin + place + way, hand_.sculpts());
+  else
+    at.session->aim(model.cloud.origin + place + way, hand_.sculpts());
 }
 
 }  // namespace palpate

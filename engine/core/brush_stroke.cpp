@@ -38,6 +38,9 @@ constexpr double kMaxHeld = 1.9, kMaxHeldAside = 0.5;  // in brush radii: how fa
 constexpr double kMaxRaised = 0.9;  // in brush radii; more would raise points out of the brush's reach
 constexpr double kMinLength = 0.3;  // shortest mean normal that is meaningful
 constexpr double kMaxMeasured = 8192;
+// Number of edits without the brush after which no point is inserted any more: filling every gap takes far fewer, and
+// from then on each change removes a point, so that the points come to rest.
+constexpr std::uint32_t kMaxFilling = 256;
 
 // Outward direction of the surface that a hand touches. Touched from behind, it points to the hand's side.
 DVec3 outwardOf(const Contact& contact, const DVec3& spring) {
@@ -105,7 +108,7 @@ shared::BrushTool sharedTool(const BrushStroke::Tool& tool) {
           .height = static_cast<float>(tool.height),
           .stroke = tool.stroke,
           .sampling = tool.sampling,
-          .unused = 0};
+          .closes = tool.closes};
 }
 
 void SurfaceMeasure::add(const shared::MeasuredPoint& point) {
@@ -135,17 +138,17 @@ void BrushStroke::lift() {
   isLifted_ = true;
 }
 
-void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& spring, bool sculpts, double time_s) {
+void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& spring, Press press, double time_s) {
   const DVec3 motion = knowsLast_ ? hip - lastHip_ : DVec3(0);
   knowsLast_ = true;
   lastHip_ = hip;
-  const bool touches = contact.touching && sculpts;
+  const bool sculpts = press != Press::none, touches = contact.touching && sculpts;
   const bool yields = touches && glm::length(spring) > brush_.tau;
   const bool wasLifted = !touched_ && time_s - lastTouch_s_ > kGap_s;
   if (touches) lastTouch_s_ = time_s;
   touched_ = touches;
   const bool holds = brush_.kind == BrushKind::grab && open_ && sculpts;
-  if (!sculpts || (!holds && wasLifted)) open_ = false;
+  if (!sculpts || (press == Press::contact && !holds && wasLifted)) open_ = false;
   const Place place{.hip = hip, .jumps = !acts_, .outward = outwardOf(contact, spring), .found = hip + spring};
   if (yields && !isGoingOn()) begin(place);
   // Withdraws: moves towards the proxy. A hand that moves sideways does not, although the proxy trails behind it.
@@ -223,6 +226,9 @@ std::uint32_t BrushStroke::sampling() const {
 
 const BrushStroke::Tool& BrushStroke::next(double time_s) {
   tool_ = {};
+  tool_.stroke = number_;
+  idleEdits_ = acts() ? 0 : std::min(idleEdits_ + 1, kMaxFilling);
+  tool_.closes = idleEdits_ == kMaxFilling;
   if (!acts()) return tool_;
   const double since_s = edited_ ? time_s - lastEdit_s_ : kTick_s;
   lastEdit_s_ = time_s;
@@ -251,7 +257,6 @@ void BrushStroke::placeTool() {
   const double radius = brush_.radius, height = found();
   tool_.acts = 1;
   tool_.outward = outward_;
-  tool_.stroke = number_;
   tool_.sampling = sampling();
   tool_.hand = place_;
   const double hears =

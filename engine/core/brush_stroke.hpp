@@ -26,7 +26,7 @@ struct SurfaceMeasure {
 /// yield, and completes that path after the hand has left, so that the result does not depend on how many edits a
 /// machine carries out. Its axis is the normal of the surface as the stroke found it, averaged over the brush; the
 /// direction from HIP to proxy is not used, since the proxy trails in a drag. While the hand withdraws, only grab acts.
-/// A stroke is one press of the button, or one contact of a hand that always sculpts, with gaps of up to 0.3 s.
+/// A stroke is one press of the button, or one contact of a hand without a button, with gaps of up to 0.3 s.
 /// Positions are relative to the cloud's origin, in model units. Allocates nothing.
 class BrushStroke {
  public:
@@ -39,7 +39,7 @@ class BrushStroke {
   void setBrush(const BrushOptions& brush);
   /// Processes the answer to a pose with its HIP at `hip`; the contact's proxy is at hip + spring. Called in order of
   /// time.
-  void feel(const Contact& contact, const DVec3& hip, const DVec3& spring, bool sculpts, double time_s);
+  void feel(const Contact& contact, const DVec3& hip, const DVec3& spring, Press press, double time_s);
   /// Whether a part of the hand's path remains.
   bool hasWay() const { return wayCount_ > 0; }
   /// Ends the stroke: the remaining path is dropped.
@@ -85,6 +85,7 @@ class BrushStroke {
   bool open_ = false, acts_ = false, knowsLast_ = false, touched_ = false, isLifted_ = false;
   double lastTouch_s_ = 0, lastEdit_s_ = 0;
   bool edited_ = false;            // whether this stroke has edited
+  std::uint32_t idleEdits_ = 0;    // edits since the last with an effect, kMaxFilling at most
   DVec3 lastHip_{0};               // HIP of the last answer
   DVec3 outward_{0, 0, 1};         // outward normal of the surface as the stroke found it
   DVec3 foundAt_{0};               // a position on that surface

@@ -29,15 +29,25 @@ struct FeltForce {
   }
 };
 
+/// What makes a hand sculpt, and so how long a stroke lasts.
+enum class Press : std::uint8_t {
+  none,     ///< it only feels
+  contact,  ///< it sculpts what it touches: a stroke is one contact
+  button    ///< a button is held: a stroke lasts as long, also where the hand touches nothing
+};
+
 /// Position of a hand, in model units, and its time.
 struct Pose {
   double time_s = 0;
   DVec3 hip{0};  ///< haptic interface point
   /// Whether the hand sculpts what it touches, if there is a tool. Otherwise it only feels.
   bool sculpts = true;
+  bool byButton = false;   ///< a button says whether it sculpts
   DQuat turn{1, 0, 0, 0};  ///< rotation from the tool's to the model's frame; used only by tools of many points
   /// Force at the last tick. Only simulations use it, to account for the hand's work.
   FeltForce felt;
+
+  Press press() const { return !sculpts ? Press::none : byButton ? Press::button : Press::contact; }
 };
 
 /// The answer to one pose. Positions in model units.

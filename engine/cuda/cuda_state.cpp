@@ -127,7 +127,7 @@ void CudaTouch::State::takeAnswer() {
       .gpu_us = asked.timed || !method_->inStreamOrder() ? method_->time_us() : 0};
   lastPose_ = asked.pose;
   if (push_ && last_.valid)
-    stroke_.feel(last_, lastPose_.hip - origin_, DVec3(sample.spring), lastPose_.sculpts, lastPose_.time_s);
+    stroke_.feel(last_, lastPose_.hip - origin_, DVec3(sample.spring), lastPose_.press(), lastPose_.time_s);
 }
 
 Contact CudaTouch::State::held(const Pose& pose) const { return heldContact(last_, lastPose_, pose); }

@@ -104,6 +104,8 @@ void CpuSculpture::edit(const PlacedBrush& brush) {
   measure_ = {};
   takeSwallowed();
   carves_ = brush.kind() == BrushKind::carve;
+  fills_ = brush.fills();
+  claims_.begin(brush.stroke());
   pushes_.reset();
   cuts_.reset();
   if (carves_ && brush.acts() && resamples(brush)) cuts_ = brush;
@@ -275,13 +277,15 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbo
   return resampleRequest(seen(point, DVec3(0)),
                          {.neighbours = neighbours,
                           .reach = reachOf(point),
-                          .complete = complete,
+                          .fills = fills_ && complete,
                           .carves = carves_,
                           .moved = isMoved(point),
                           .pushedFrom = pushedFrom(point),
                           .found = DVec3(as.position) - place,
                           .foundNormal = DVec3(as.normal),
-                          .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity()});
+                          .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity(),
+                          .claims = &claims_,
+                          .place = place});
 }
 
 void CpuSculpture::resample() {
@@ -313,7 +317,6 @@ void CpuSculpture::resample() {
 }
 
 void CpuSculpture::insertClaimed() {
-  claims_.clear();
   const auto forEachRequest = [&](auto&& visit) {
     for (std::size_t i = 0; i < unsettled_.size(); ++i)
       if (requests_[i].inserts) visit(unsettled_[i], requests_[i]);
@@ -322,6 +325,7 @@ void CpuSculpture::insertClaimed() {
   forEachRequest([&](std::uint32_t point, const Request& request) { claims_.confirm(request.place, point); });
   forEachRequest([&](std::uint32_t point, const Request& request) {
     if (!claims_.stands(request.place, point)) return;
+    claims_.grant(request.place);
     const std::uint32_t parent = request.takesAfterOther ? request.other : point;
     const std::uint32_t added = points_.insertBetween(point, request.other, parent, request.place);
     points_.reaches[added - points_.fromFile] = request.reach;

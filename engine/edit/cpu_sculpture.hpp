@@ -80,7 +80,7 @@ class CpuSculpture {
   InsertionClaims claims_;
   double buildTime_us_ = 0;
   std::uint64_t builds_ = 0;
-  bool settled_ = true, carves_ = false;
+  bool settled_ = true, carves_ = false, fills_ = true;
   bool someWait_ = false;              // more points are unsettled than an edit processes
   std::uint32_t nextUnsettled_ = 0;    // number of the first point of the next edit
   std::optional<PlacedBrush> pushes_;  // of this tick

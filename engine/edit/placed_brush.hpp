@@ -28,6 +28,8 @@ class PlacedBrush {
   const DVec3& center() const { return tool_.middle; }
   double radius() const { return tool_.reach; }
   std::uint32_t stroke() const { return tool_.stroke; }
+  /// Whether points may be inserted in this edit.
+  bool fills() const { return tool_.closes == 0; }
   const DVec3& outward() const { return tool_.outward; }  ///< unit, the tool's axis
 
   struct Point {

@@ -15,7 +15,7 @@ constexpr std::uint64_t kWord = sizeof(std::uint32_t);
 constexpr std::uint64_t kClaimsAt = sizeof(shared::Resampling) + kWord * shared::kBirthSlots;
 
 std::uint64_t listBytes(std::uint64_t mostRequests) {
-  return kClaimsAt + (kWord + sizeof(Vec3)) * shared::kClaimSlots + sizeof(shared::PointRequest) * mostRequests;
+  return kClaimsAt + 2 * (kWord + sizeof(Vec3)) * shared::kClaimSlots + sizeof(shared::PointRequest) * mostRequests;
 }
 
 // Workgroups are as wide as the device's shared memory allows, which holds the neighbours kept by their invocations and
@@ -53,7 +53,7 @@ Resample::Resample(Device& device, const LiveCloud& live, const HashUpdate& upda
   list.begin();
   list.fill(lists_, 0, kClaimsAt);
   list.fill(lists_, live.count(), kWord, offsetof(shared::Resampling, nextId));
-  list.fill(lists_, 0xffffffffu, kWord * shared::kClaimSlots, kClaimsAt);
+  list.fill(lists_, 0xffffffffu, 2 * (kWord + sizeof(Vec3)) * shared::kClaimSlots, kClaimsAt);
   list.end();
   device.latencyQueue().run(list);
 }

@@ -154,7 +154,7 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
     request.unsettled = true;
   }
 
-  if (!view.complete) return request;
+  if (!view.fills) return request;
   const SectorView sectors = nearestInSectors(self, neighbours);
   double narrowest = kFar;
   for (std::size_t sector = 0; sector < shared::kGapSectors; ++sector) {
@@ -165,6 +165,7 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
     if (gap <= static_cast<double>(shared::kWidestGap) * spacing || !torn(self, other)) continue;
     const DVec3 place = shared::halfWay(other.offset, self.normal, other.normal);
     if (glm::length(place) > view.reach) continue;
+    if (view.claims && view.claims->wasGranted(Vec3(view.place + place))) continue;
     const double clearance = static_cast<double>(shared::kMinClearance) * spacing;
     // The new point must not crowd one with a wider target, nor one of another sheet that may turn out to be the same:
     // it would be removed again.
@@ -189,9 +190,20 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
 InsertionClaims::InsertionClaims(double spacing)
     : grid_(shared::claimGrid(static_cast<float>(spacing))),
       clearance_(shared::kMinClearance * static_cast<float>(spacing)),
-      slots_(shared::kClaimSlots) {}
+      slots_(shared::kClaimSlots),
+      granted_(shared::kClaimSlots) {}
 
-void InsertionClaims::clear() { std::ranges::fill(slots_, Slot()); }
+void InsertionClaims::begin(std::uint32_t stroke) {
+  stroke_ = stroke;
+  std::ranges::fill(slots_, Slot());
+}
+
+bool InsertionClaims::wasGranted(const Vec3& place) const {
+  const Granted& granted = granted_[slotOf(cellOf(grid_, place))];
+  return granted.stroke == stroke_ && granted.place == place;
+}
+
+void InsertionClaims::grant(const Vec3& place) { granted_[slotOf(cellOf(grid_, place))] = {place, stroke_}; }
 
 void InsertionClaims::claim(const Vec3& place, std::uint32_t number) {
   Slot& slot = slots_[slotOf(cellOf(grid_, place))];

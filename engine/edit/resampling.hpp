@@ -41,16 +41,21 @@ struct ResampleRequest {
   bool takesAfterOther = false;  ///< the other end's target is the wider one: the new point gets its parent
 };
 
+class InsertionClaims;
+
 /// The neighbourhood of the deciding point.
 struct ResampleView {
   std::span<const ResampleNeighbour> neighbours;           ///< all others within the neighbourhood radius
   double reach = std::numeric_limits<double>::infinity();  ///< maximum distance of a new point, model units
-  bool complete = true;             ///< false: not all neighbours could be examined, so no new point is requested
+  /// False: no new point is requested, since the stroke is over or not all neighbours could be examined.
+  bool fills = true;
   bool carves = false;              ///< a ball carves: points that it has moved out of the solid are removed
   bool moved = true;                ///< a brush has moved the point since it was inserted
   std::optional<DVec3> pushedFrom;  ///< unit, the axis of a tool that pushes the point in this stroke
   DVec3 found{0}, foundNormal{0};   ///< while a ball carves: as the stroke found the point, from its current position
   double thick = std::numeric_limits<double>::infinity();  ///< depth of the far sheet under it when last seen
+  const InsertionClaims* claims = nullptr;  ///< refuse a position at which a point was inserted before; null: none
+  DVec3 place{0};                           ///< of the deciding point, model units
 };
 
 /// A pushed point stops where it reaches a sheet that faces away from the tool: the far side of a plate stays as it is.
@@ -71,30 +76,42 @@ double sectorSpacing(SectorDistances distances);
 
 /// Resolves conflicting insertions: of the points that claim the same cell of the claims' grid the one with the
 /// smallest number may insert, unless the claim of a neighbouring cell has a smaller number and is nearer than the
-/// clearance. Three passes, each over all claims.
+/// clearance. Three passes, each over all claims. A position at which the same stroke has inserted a point before is
+/// refused: the point did not stay, and would be inserted and removed for ever.
 class InsertionClaims {
  public:
   /// `spacing`: the maximum target spacing, model units.
   explicit InsertionClaims(double spacing);
 
-  void clear();
+  /// Begins a tick of this stroke: drops all claims.
+  void begin(std::uint32_t stroke);
+  /// Whether a point was inserted at this position in this stroke, as far as is remembered.
+  bool wasGranted(const Vec3& place) const;
   /// `place`: position of the new point, relative to the cloud's origin; `number`: of the claiming point.
   void claim(const Vec3& place, std::uint32_t number);
   /// After all claims of a tick: the point with the smallest number stores its position.
   void confirm(const Vec3& place, std::uint32_t number);
   /// After all have confirmed: whether the claim holds.
   bool stands(const Vec3& place, std::uint32_t number) const;
+  /// Remembers an insertion until the next one whose position has the same slot.
+  void grant(const Vec3& place);
 
  private:
   struct Slot {
     std::uint32_t number = std::numeric_limits<std::uint32_t>::max();
     Vec3 place{0};
   };
+  struct Granted {
+    Vec3 place{0};
+    std::uint32_t stroke = std::numeric_limits<std::uint32_t>::max();  // none
+  };
   std::uint32_t slotOf(const IVec3& cell) const { return bucketOf(grid_, cell); }
 
   shared::HashGrid grid_;
   float clearance_;  // model units
+  std::uint32_t stroke_ = 0;
   std::vector<Slot> slots_;
+  std::vector<Granted> granted_;
 };
 
 }  // namespace palpate

@@ -40,7 +40,7 @@ void CpuEdits::setBrush(const std::optional<BrushOptions>& brush) {
 void CpuEdits::feel(const Contact& contact, const Pose& pose) {
   if (!brush_) return;
   const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
-  stroke_.feel(contact, pose.hip - origin_, spring, pose.sculpts, pose.time_s);
+  stroke_.feel(contact, pose.hip - origin_, spring, pose.press(), pose.time_s);
   if (!stroke_.isGoingOn() && sculpture_.settled()) markStroke();
 }
 
@@ -128,8 +128,7 @@ void CpuEdits::finish() {
   finishedWithin(0);
   while (stroke_.hasWay() && editIfYielding(time_s_ + 1e-3, false)) finishedWithin(0);
   stroke_.end();
-  // A wide brush leaves more unsettled points than one edit handles.
-  while (sculpture_.someWait() && editIfYielding(time_s_ + 1e-3, false)) finishedWithin(0);
+  while (!sculpture_.settled() && editIfYielding(time_s_ + 1e-3, false)) finishedWithin(0);
   markStroke();
 }
 

@@ -94,7 +94,7 @@ bool EditPipeline::updates(const CommandList& list) const {
 void EditPipeline::feel(const Contact& contact, const Pose& pose, const DVec3& origin) {
   if (!brushOn_) return;
   const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
-  stroke_.feel(contact, pose.hip - origin, spring, pose.sculpts, pose.time_s);
+  stroke_.feel(contact, pose.hip - origin, spring, pose.press(), pose.time_s);
   if (!stroke_.isGoingOn() && !pass_.unsettled()) markStroke();
 }
 
@@ -254,8 +254,7 @@ void EditPipeline::finish() {
   publish(logHead());
   while (stroke_.hasWay() && editIfYielding(last_.time_s + 1e-3, false)) publish(logHead());
   stroke_.end();
-  // Points inside the ball after its last edit are removed by one more edit.
-  if (pass_.brush().kind == BrushKind::carve && editIfYielding(last_.time_s + 1e-3, false)) publish(logHead());
+  while (pass_.unsettled() && editIfYielding(last_.time_s + 1e-3, false)) publish(logHead());
   markStroke();
 }
 

@@ -72,8 +72,8 @@ void SoftSource::sculpt(std::uint32_t steps) {
     brush_ = now.brush;
     stroke_.setBrush(brush_.value_or(BrushOptions()));
   }
-  stroke_.feel({.normal = now.normal, .touching = now.touching}, now.hip, now.spring, now.sculpts && now.brush,
-               question_.time_s);
+  stroke_.feel({.normal = now.normal, .touching = now.touching}, now.hip, now.spring,
+               now.brush ? now.press : Press::none, question_.time_s);
   if (!stroke_.isGoingOn()) endStroke();
   if (!stroke_.acts()) return;
   world_->beginSculpting();

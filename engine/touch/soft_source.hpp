@@ -37,7 +37,7 @@ struct SurfaceTouch {
 /// The first hand's brush at its contact.
 struct SurfaceBrush {
   std::optional<BrushOptions> brush;   ///< model units
-  bool sculpts = false;                ///< the hand requests sculpting
+  Press press = Press::none;           ///< whether the hand requests sculpting
   bool touching = false;               ///< the hand touches
   DVec3 hip{0}, spring{0}, normal{0};  ///< from HIP to proxy; of the surface there
 };

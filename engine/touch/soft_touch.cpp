@@ -156,7 +156,7 @@ void SoftTouch::rememberBrush(const Pose& pose, const Contact& answer) {
   brush.spring = touches ? answer.proxy - pose.hip : DVec3(0);
   brush.normal = answer.normal;
   brush.touching = touches;
-  brush.sculpts = pose.sculpts;
+  brush.press = pose.press();
 }
 
 DVec3 SoftTouch::hipAt(const Hand& hand, double time_s) const {
@@ -213,7 +213,7 @@ void SoftTouch::resetHand(std::size_t hand) noexcept {
   for (ContactKeeper& keeper : hands_[hand].keepers) keeper.forget();
   for (std::uint32_t k = 0; k < question_.count; ++k)
     if (question_.touches[k].hand == hand) question_.touches[k].touching = false;
-  if (hand == 0) question_.brush.sculpts = false;
+  if (hand == 0) question_.brush.press = Press::none;
 }
 
 void SoftTouch::finish() {

@@ -55,6 +55,11 @@ void GuidedTouch::aim(const DVec3& place, bool sculpts) noexcept {
   latest_.store(aim_);
 }
 
+void GuidedTouch::putDown(const DVec3& place, bool sculpts) noexcept {
+  aim_.lifted = true;
+  aim(place, sculpts);
+}
+
 void GuidedTouch::lift() noexcept {
   aim_.lifted = true;
   aim_.sculpts = false;

@@ -62,6 +62,7 @@ class InteractiveSession : public Session {
 
   // The guided stylus; positions in file coordinates. No effect where a person holds a device.
   void aim(const DVec3& place, bool sculpts = true) { stylus_.aim(place, sculpts); }
+  void putDown(const DVec3& place, bool sculpts) { stylus_.putDown(place, sculpts); }
   void lift() { stylus_.lift(); }
   void setForces(bool on) { forcesOn_ = on; }
   bool forcesOn() const { return forcesOn_; }

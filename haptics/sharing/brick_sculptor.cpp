@@ -46,7 +46,7 @@ void BrickSculptor::setBrush(const std::optional<BrushOptions>& brush) {
 void BrickSculptor::editIfYielding(const Contact& contact, const Pose& pose, double felt_s, bool realtime) {
   if (!brush_ || !contact.valid) return;
   const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
-  stroke_.feel(contact, pose.hip - origin_, spring, pose.sculpts, pose.time_s);
+  stroke_.feel(contact, pose.hip - origin_, spring, pose.press(), pose.time_s);
   if (!stroke_.acts() || !finishedWithin(realtime ? kPoll_us : 0)) return;
   if (source_.versionOf(felt_s) >= work_.version) start(pose.time_s, realtime);
 }

@@ -44,6 +44,10 @@ void orderBirths() {
     uint before = 0;
     for (uint other = 0; other < births; ++other) before += requesters[other] < requesters[i] ? 1 : 0;
     args.lists.births[before] = granted[i];
+    const vec3 place = args.lists.requests[granted[i]].place;
+    const uint at = claimAt(claimsFor(args.radius), place);
+    args.lists.grantedAt[at] = place;
+    args.lists.grantedIn[at] = args.tables.at[0].tool.at[0].stroke;
   }
   barrier();
   if (gl_LocalInvocationIndex != 0) return;

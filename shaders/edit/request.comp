@@ -42,7 +42,7 @@ Seen self;
 uint selfSlot;
 // Data of points, by their ids.
 uint tick, firstNew;
-bool spent;  // no ids are left: no new point is requested, or many would be requested in every tick
+bool fills;  // new points are requested: ids are left, or many would be requested in every tick
 Uints examinedOf, parentsOf;
 Floats spacings;
 Places rests;
@@ -252,6 +252,12 @@ bool torn(Sector gap) {
   return distance(gap.offset, rests.at[gap.id] - self.rest) > kTorn * max(self.spacing, targetOf(gap.id));
 }
 
+// Whether this stroke has inserted a point at exactly this position before: it did not stay.
+bool wasGranted(vec3 place) {
+  const uint at = claimAt(claimsFor(args.radius), place);
+  return args.lists.grantedIn[at] == tool.stroke && args.lists.grantedAt[at] == place;
+}
+
 // Positions of new points in the middle of wide gaps; false if there are none.
 bool placeInGaps() {
   bool any = false;
@@ -263,7 +269,8 @@ bool placeInGaps() {
       sectors[at].spacing = spacing;
       if (uintBitsToFloat(sectors[at].distance) > kWidestGap * spacing && torn(sectors[at])) {
         const vec3 middle = halfWay(sectors[at].offset, self.normal, args.cloud.normals.at[sectors[at].slot].xyz);
-        if (!nearer(middle, kMinClearance * spacing) && nearer(middle, reach)) place = middle;
+        if (!nearer(middle, kMinClearance * spacing) && nearer(middle, reach) && !wasGranted(center + middle))
+          place = middle;
       }
     }
     sectors[sectorAt(s)].offset = place;
@@ -331,7 +338,7 @@ uint nextWalk() {
     return kWalkNoMore;
   }
   if (walk == kWalkYields) leaves = !subgroupAny(firstYields);
-  if (walk <= kWalkYields) return leaves || spent || !allAreSeen || !anyWide() ? kWalkNoMore : kWalkIds;
+  if (walk <= kWalkYields) return leaves || !fills || !allAreSeen || !anyWide() ? kWalkNoMore : kWalkIds;
   if (walk == kWalkIds) return kWalkNearest;
   if (walk == kWalkNearest) return placeInGaps() ? kWalkBlocks : kWalkNoMore;
   if (walk == kWalkBlocks) return takeUpGap();
@@ -375,7 +382,7 @@ void requestFor(uint id, vec3 center, uint sector) {
 
 void requestForAll() {
   tick = args.lists.now.tick;
-  spent = args.lists.now.nextId >= args.tables.at[0].ids;
+  fills = args.lists.now.nextId < args.tables.at[0].ids && args.tables.at[0].tool.at[0].closes == 0;
   firstNew = args.tables.at[0].firstNew;
   examinedOf = args.tables.at[0].examined;
   parentsOf = args.tables.at[0].parents;

@@ -61,7 +61,7 @@ PALPATE_STRUCT(BrushTool) {
   Real height;           // inflate: displacement at the centre, model units
   uint stroke;           // number, from 1 on
   uint sampling;         // one of 2^sampling points is measured
-  uint unused;
+  uint closes;           // not 0: the brush has not acted for long; no point is inserted any more
 };
 PALPATE_SINGLE(BrushTool);
 PALPATE_SIZE(BrushTool, 96);

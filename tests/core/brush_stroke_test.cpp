@@ -25,11 +25,11 @@ class Hand {
   explicit Hand(BrushKind kind) : stroke(kSupport) { stroke.setBrush(brush(kind)); }
 
   // The proxy is `behind` the hand along x.
-  void feel(const DVec3& hip, double behind = 0, bool sculpts = true, double after_s = 1e-3) {
+  void feel(const DVec3& hip, double behind = 0, Press press = Press::contact, double after_s = 1e-3) {
     time_s += after_s;
     const bool touching = hip.z < 0;
     const DVec3 spring = touching ? DVec3(-behind, 0, -hip.z) : DVec3(0);
-    stroke.feel({.normal = kUp, .touching = touching}, hip, spring, sculpts, time_s);
+    stroke.feel({.normal = kUp, .touching = touching}, hip, spring, press, time_s);
   }
   const BrushStroke::Tool& next() { return stroke.next(time_s); }
 
@@ -141,7 +141,7 @@ TEST_CASE("a hand lifted and put down elsewhere in one stroke does not cut throu
 TEST_CASE("contact gaps of up to 0.3 s belong to one stroke; longer gaps and a released button end it") {
   Hand hand(BrushKind::push);
   const auto press = [&](double after_s) {
-    hand.feel({0, 0, -2}, 0, true, after_s);
+    hand.feel({0, 0, -2}, 0, Press::contact, after_s);
     hand.next();
     hand.feel({0, 0, 1});
   };
@@ -151,9 +151,9 @@ TEST_CASE("contact gaps of up to 0.3 s belong to one stroke; longer gaps and a r
   CHECK(hand.stroke.number() == 1);
   press(0.35);
   CHECK(hand.stroke.number() == 2);
-  hand.feel({0, 0, -2}, 0, true);
+  hand.feel({0, 0, -2}, 0);
   hand.next();
-  hand.feel({0, 0, -2}, 0, false);
+  hand.feel({0, 0, -2}, 0, Press::none);
   CHECK_FALSE(hand.stroke.isGoingOn());
   press(1e-3);
   CHECK(hand.stroke.number() == 3);
@@ -163,17 +163,48 @@ TEST_CASE("contact gaps of up to 0.3 s belong to one stroke; longer gaps and a r
   CHECK(hand.stroke.number() == 3);
 }
 
+TEST_CASE("one press of a button is one stroke, however long the hand touches nothing") {
+  Hand hand(BrushKind::push);
+  for (const double after_s : {1e-3, 0.25, 2.0}) {
+    hand.feel({0, 0, -2}, 0, Press::button, after_s);
+    hand.next();
+    hand.feel({0, 0, 1}, 0, Press::button);
+    CHECK(hand.stroke.number() == 1);
+  }
+  CHECK(hand.stroke.isGoingOn());
+  hand.feel({0, 0, 1}, 0, Press::none);
+  while (hand.stroke.hasWay()) hand.next();
+  CHECK_FALSE(hand.stroke.isGoingOn());
+  hand.feel({0, 0, -2}, 0, Press::button);
+  CHECK(hand.stroke.number() == 2);
+}
+
+TEST_CASE("points are inserted while a stroke goes on and for a while after it, not for ever") {
+  Hand hand(BrushKind::push);
+  const auto fills = [&] { return hand.next().closes == 0; };
+  hand.feel({0, 0, -2});
+  CHECK(fills());
+  hand.feel({0, 0, -2}, 0, Press::none);
+  while (hand.stroke.hasWay()) CHECK(fills());
+  int edits = 0;
+  while (fills() && edits < 10'000) ++edits;
+  CHECK(edits > 100);
+  CHECK(edits < 1000);
+  hand.feel({0, 0, -2});
+  CHECK(fills());
+}
+
 TEST_CASE("a late edit has the effect of all ticks since the last one") {
   Hand hand(BrushKind::push);
   hand.feel({0, 0, -2});
   CHECK(hand.next().share == near(0.1, 1e-12));
-  hand.feel({0, 0, -2}, 0, true, 3e-3);
+  hand.feel({0, 0, -2}, 0, Press::contact, 3e-3);
   CHECK(hand.next().share == near(1 - 0.9 * 0.9 * 0.9, 1e-12));
   Hand inflate(BrushKind::inflate);
   inflate.feel({0, 0, -2});
   CHECK(inflate.next().share == near(0.5, 1e-12));
   CHECK(inflate.stroke.tool().height == near(2 - kTau, 1e-12));
-  inflate.feel({0, 0, -2}, 0, true, 4e-3);
+  inflate.feel({0, 0, -2}, 0, Press::contact, 4e-3);
   CHECK(inflate.next().share == near(2, 1e-12));
 }
 
@@ -188,7 +219,7 @@ TEST_CASE("grab keeps its points as the hand pulls, at most two radii outwards a
   CHECK(tool.motion.z > 1.8 * kRadius);
   CHECK(tool.motion.x == near(0.5 * kRadius, 1e-9));
   CHECK(tool.reach <= 2.5 * kRadius);
-  hand.feel({0, 0, 20}, 0, false);
+  hand.feel({0, 0, 20}, 0, Press::none);
   CHECK_FALSE(hand.stroke.acts());
 }
 

@@ -136,7 +136,7 @@ class Carving {
     time_s_ += 1e-3;
     if (++tick_ % every_ != 0) return;
     const DVec3 spring(0, 0, std::max(0.0, -hip.z));
-    stroke_.feel({.normal = {0, 0, 1}, .touching = hip.z < 0}, hip, spring, true, time_s_);
+    stroke_.feel({.normal = {0, 0, 1}, .touching = hip.z < 0}, hip, spring, Press::contact, time_s_);
     edit();
   }
   void edit() {

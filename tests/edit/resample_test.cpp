@@ -206,7 +206,7 @@ TEST_CASE("of all claims near a position the one with the smallest number wins, 
       {{0.1f, 0.1f, 0}, 5}, {{0.5f, 0.1f, 0}, 3}, {{0.8f, 0.1f, 0}, 7}, {{1.3f, 0.1f, 0}, 9}, {{9, 0, 0}, 8}};
   InsertionClaims claims(1);
   for (int round = 0; round < 2; ++round) {
-    claims.clear();
+    claims.begin(1);
     for (const auto& [place, number] : wanted) claims.claim(place, number);
     for (const auto& [place, number] : wanted) claims.confirm(place, number);
     const auto stands = [&](std::size_t i) { return claims.stands(wanted[i].first, wanted[i].second); };
@@ -216,10 +216,32 @@ TEST_CASE("of all claims near a position the one with the smallest number wins, 
     CHECK_FALSE(stands(3));  // in the cell of the third
     CHECK(stands(4));
   }
-  claims.clear();
+  claims.begin(1);
   claims.claim(wanted[0].first, 5);
   claims.confirm(wanted[0].first, 5);
   CHECK(claims.stands(wanted[0].first, 5));
+}
+
+TEST_CASE(
+    "where a stroke has inserted a point that did not stay it does not insert one again, but the next stroke does") {
+  const std::vector<ResampleNeighbour> gap = ring(2);
+  const DVec3 place(30, -7, 2);
+  InsertionClaims claims(1);
+  const auto request = [&] {
+    return resampleRequest(pointAt(DVec3(0), 0), {.neighbours = gap, .claims = &claims, .place = place});
+  };
+  claims.begin(1);
+  REQUIRE(request().inserts);
+  const Vec3 at(place + request().offset);
+  claims.grant(Vec3(place));  // another position
+  CHECK(request().inserts);
+  claims.grant(at);
+  CHECK_FALSE(request().inserts);
+  CHECK_FALSE(request().unsettled);
+  claims.begin(1);
+  CHECK_FALSE(request().inserts);
+  claims.begin(2);
+  CHECK(request().inserts);
 }
 
 TEST_CASE("uneven clouds and clouds with holes stay as loaded, however often they are examined") {
@@ -273,7 +295,7 @@ TEST_CASE("no point is requested beyond its reach, or if the list of neighbours 
   const ResampleNeighbour self = pointAt(DVec3(0), 1);
   CHECK(resampleRequest(self, {.neighbours = gap, .reach = 0.91}).inserts);
   CHECK_FALSE(resampleRequest(self, {.neighbours = gap, .reach = 0.89}).inserts);
-  CHECK_FALSE(resampleRequest(self, {.neighbours = gap, .complete = false}).inserts);
+  CHECK_FALSE(resampleRequest(self, {.neighbours = gap, .fills = false}).inserts);
 }
 
 TEST_CASE("no point is added where it would crowd one with a wider target, or one of possibly the same sheet") {

@@ -11,8 +11,8 @@ inline BrushStroke::Tool toolAt(const BrushOptions& options, double support, con
   BrushStroke stroke(support);
   stroke.setBrush(options);
   const Contact contact{.touching = true};
-  stroke.feel(contact, hip - motion, spring, true, 0);
-  if (motion != DVec3(0)) stroke.feel(contact, hip, spring, true, 1e-3);
+  stroke.feel(contact, hip - motion, spring, Press::contact, 0);
+  if (motion != DVec3(0)) stroke.feel(contact, hip, spring, Press::contact, 1e-3);
   return stroke.next(1e-3);
 }
 

@@ -144,7 +144,7 @@ TEST_CASE("an edited tick moves each point as the brush specifies, at most a qua
   const double longestMove = static_cast<double>(shared::kLongestMove) * scene.radius;
   BrushStroke stroke(scene.radius);
   stroke.setBrush(options);
-  stroke.feel(contact, hip, contact.proxy - hip, true, 0);
+  stroke.feel(contact, hip, contact.proxy - hip, Press::contact, 0);
   const PlacedBrush brush(options, scene.radius, stroke.next(0));
   std::size_t wrong = 0;
   double furthest = 0;
