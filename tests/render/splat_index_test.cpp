@@ -273,20 +273,16 @@ TEST_CASE_FIXTURE(SplatIndexFixture, "after a brush over everything, or with no 
 }
 
 TEST_CASE_FIXTURE(SplatIndexFixture,
-                  "crowds, of equal distances, too, keep their discs as far as nothing near changes") {
-  // A lattice has many equally near points; more points than a search visits are around its middle; and a bucket
-  // contains more points than are visited of one.
+                  "crowds, also of equally near points, have the discs of the whole cloud after edits") {
+  // A lattice has many equally near points, and around its middle there are more points than a search visits.
   PointCloud cloud;
   for (int x = -8; x <= 8; ++x)
     for (int y = -8; y <= 8; ++y)
       for (int z = 0; z < 3; ++z) cloud.positions.emplace_back(x, y, z);
   std::mt19937 random(5);
   std::uniform_real_distribution<float> share(-1, 1);
-  for (int i = 0; i < 2'200; ++i) cloud.positions.emplace_back(0.4f * share(random), 5 + 0.4f * share(random), 1.5f);
-  SUBCASE("a crowd of which all are visited") {}
-  SUBCASE("a crowd of which not all are visited") {
-    for (int i = 0; i < 2'000; ++i) cloud.positions.emplace_back(0.4f * share(random), 5 + 0.4f * share(random), 1.5f);
-  }
+  for (std::uint32_t i = 0; i < shared::kSplatMostVisits + 50; ++i)
+    cloud.positions.emplace_back(0.4f * share(random), 5 + 0.4f * share(random), 1.5f);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     cloud.normals.push_back(i % 3 == 0 ? Vec3(0, 0, 1) : glm::normalize(Vec3(0, 1, i % 2 == 0 ? 1 : -1)));
   DrawnCloud drawn(device, cloud, {.spare = 60, .spacing = 1, .edited = true});
@@ -295,6 +291,35 @@ TEST_CASE_FIXTURE(SplatIndexFixture,
     truth.stroke(random, tick == 0 ? 0.1f : 2);
     checkFollows(drawn, truth);
   }
+}
+
+TEST_CASE_FIXTURE(SplatIndexFixture, "discs follow a far crowd that shares their bucket") {
+  const PointCloud sphere = shapeCloud("sphere", 1'200);
+  const double spacing = meanSpacing(sphere);
+  // The crowd is first in the file: of a bucket with too many points, those behind it are not visited.
+  std::uint32_t crowd = 0, spare = 0;
+  SUBCASE("points without normals, and a crowd that comes") { spare = 60; }
+  SUBCASE("a crowd that leaves room for others in its bucket") { crowd = shared::kSplatMostInBucket + 5; }
+  const std::uint32_t places = crowd + static_cast<std::uint32_t>(sphere.size()) + spare;
+  const HashGrid grid =
+      makeHashGrid(Vec3(boundsOf(sphere).min), static_cast<double>(shared::kSplatFirstSearch) * spacing, places);
+  const IVec3 shares = cellOf(grid, sphere.positions[600]);
+  IVec3 far = shares + IVec3(500, 0, 0);
+  while (bucketOf(grid, far) != bucketOf(grid, shares)) ++far.x;
+  REQUIRE(far.x < shared::kSplatFarCell);
+  const Vec3 place = grid.origin + (Vec3(far) + 0.5f) / grid.inverseCell;
+  REQUIRE(cellOf(grid, place) == far);
+  PointCloud cloud;
+  cloud.positions.assign(crowd, place);
+  cloud.normals.assign(crowd, Vec3(0, 0, 1));
+  cloud.positions.insert(cloud.positions.end(), sphere.positions.begin(), sphere.positions.end());
+  for (const Vec3& normal : sphere.normals) cloud.normals.push_back(crowd > 0 ? normal : Vec3(0));
+  DrawnCloud drawn(device, cloud, {.spare = spare, .spacing = spacing, .edited = true});
+  REQUIRE(drawn.radii()->index().grid().bucketMask == grid.bucketMask);
+  EditedCloud truth(cloud, spare);
+  for (std::uint32_t id = 0; id < crowd / 20; ++id) truth.set(id, place, Vec3(0, 0, 1), false);
+  for (std::uint32_t k = 0; k < spare; ++k) truth.set(places - spare + k, place, Vec3(0), true);
+  checkFollows(drawn, truth);
 }
 
 TEST_SUITE_END();
