@@ -12,7 +12,7 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
     : device_(device),
       hash_(hash),
       live_(live),
-      update_(device, hash, live),
+      update_(device, device.latencyQueue(), hash, {.points = live.count(), .slots = live.slots()}),
       moves_(device, update_, hash.grid(), brush, radius),
       given_(device, update_),
       sequel_(device, update_, log, radius),

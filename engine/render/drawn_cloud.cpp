@@ -76,7 +76,7 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
   list_.end();
   device.throughputQueue().run(list_);
   if (!(spacing_ > 0)) return;
-  radii_.emplace(device, bounds_, count_, spacing_);
+  radii_.emplace(device, bounds_, count_, spacing_, options.edited);
   radii_->measure(points_, clips_);
   largestRadius_ = radii_->largest();
   if (!options.edited) radii_.reset();
@@ -123,11 +123,14 @@ void DrawnCloud::apply(const Entries& entries) {
                                  .marks = radii_ ? 1u : 0u,
                                  .changed = radii_ ? radii_->changed() : 0,
                                  .grid = radii_ ? radii_->grid() : HashGrid{}};
+  const bool follows = radii_ && radii_->index().isCurrent();
   list_.begin();
   list_.dispatch(claim_, entries.count, args);
+  if (follows) radii_->index().recordFollow(list_, args);
   list_.dispatch(apply_, entries.count, args);
   list_.end();
   device_.throughputQueue().run(list_);
+  if (follows) radii_->index().readFollowed();
   isStale_ = true;
   knowsMeasured_ = false;
 }
@@ -149,6 +152,7 @@ void DrawnCloud::place(const LiveCloud::Half& live, std::uint32_t slots, bool co
                                .grid = radii_ ? radii_->grid() : HashGrid{},
                                .keepsWithin = static_cast<float>(shared::kKeepsDiscWithin * spacing_),
                                .unused = 0};
+  if (radii_) radii_->index().lose();
   list_.begin();
   // Discs never measured, or measured elsewhere, are measured now.
   if (measured_ && !std::exchange(knowsMeasured_, true)) list_.fill(*measured_, shared::kEmptySlot, measured_->bytes());

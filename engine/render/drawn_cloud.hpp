@@ -58,6 +58,8 @@ class DrawnCloud {
   /// Mean spacing from the options, and the largest radius of a disc, model units; 0 without discs.
   double spacing() const { return spacing_; }
   double largestRadius() const { return largestRadius_; }
+  /// Null unless discs are measured again after edits.
+  const SplatRadii* radii() const { return radii_ ? &*radii_ : nullptr; }
   std::uint64_t bytes() const;
 
  private:

@@ -24,28 +24,26 @@ double widestBorder(const Bounds& bounds, double spacing) {
 
 }  // namespace
 
-SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing)
+SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing, bool edited)
     : device_(device),
       places_(places),
       spacing_(spacing),
       widest_(widestBorder(bounds, spacing)),
-      hash_(device, makeHashGrid(Vec3(bounds.min), static_cast<double>(shared::kSplatFirstSearch) * spacing, places),
-            places, kDefaultSort, BucketOrder::stable, Slots::spare, &device.throughputQueue()),
-      ordered_{Buffer::of<Vec4>(device, places, Memory::device, "hashed positions"),
-               Buffer::of<Vec4>(device, places, Memory::device, "hashed normals"), 0},
+      index_(device, makeHashGrid(Vec3(bounds.min), static_cast<double>(shared::kSplatFirstSearch) * spacing, places),
+             places, edited),
       pass_(device, shader_code::render_splat_radius,
             {.pushBytes = sizeof(shared::SplatRadiusArgs), .sliceThreads = kSliceThreads}),
       changedPass_(device, shader_code::render_splat_changed, {.pushBytes = sizeof(shared::SplatChangedArgs)}),
       reaches_(Buffer::of<std::uint32_t>(device, places, Memory::device, "splat reaches")),
-      changed_(Buffer::of<std::uint32_t>(device, (std::uint64_t{hash_.grid().bucketMask} + 32) / 32, Memory::device,
+      changed_(Buffer::of<std::uint32_t>(device, (std::uint64_t{grid().bucketMask} + 32) / 32, Memory::device,
                                          "changed buckets")),
-      largest_(Buffer::of<std::uint32_t>(device, 1, Memory::device, "largest splat")),
-      largestRead_(Buffer::of<std::uint32_t>(device, 1, Memory::readback, "read largest splat")),
+      largest_(Buffer::of<UVec2>(device, 1, Memory::device, "largest splat")),
+      largestRead_(Buffer::of<UVec2>(device, 1, Memory::readback, "read largest splat")),
       changedSlots_(Buffer::of<std::uint32_t>(device, places, Memory::device, "changed splats")),
       count_(Buffer::of<std::uint32_t>(device, 1, Memory::device, "number of changed splats")),
       countRead_(Buffer::of<std::uint32_t>(device, 1, Memory::readback, "read number of changed splats")),
       list_(device, device.throughputQueue(), "splat radii") {
-  largestRead_.mapped<std::uint32_t>()[0] = 0;
+  largestRead_.mapped<UVec2>()[0] = UVec2(0);
   list_.begin();
   list_.fill(reaches_, 0, reaches_.bytes());
   list_.fill(changed_, 0, changed_.bytes());
@@ -54,39 +52,59 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
   device.throughputQueue().run(list_);
 }
 
-void SplatRadii::index(const LiveCloud::Half& points, const std::function<void(CommandList&)>& then) {
-  SortMethod sort;
-  do {  // again if a bucket was crowded, since the order of its points may then be arbitrary
-    sort = hash_.sort();
-    list_.begin();
-    hash_.recordBuild(list_, points, ordered_, places_, sort);
-    then(list_);
-    list_.end();
-    device_.throughputQueue().run(list_);
-  } while (sort != hash_.sort());
-}
-
 void SplatRadii::measure(const LiveCloud::Half& points, const Buffer& clips) {
-  index(points, [](CommandList&) {});
+  index_.build(points, [](CommandList&) {});
+  ++work_.builds;
   measure(points, clips, places_, false);
 }
 
 void SplatRadii::measureChanged(const LiveCloud::Half& points, const Buffer& clips) {
-  const shared::SplatChangedArgs args{.cloud = hash_.view(ordered_, places_),
+  const std::optional<std::uint32_t> near = listNear();
+  measure(points, clips, near ? *near : listAmongAll(points), true);
+}
+
+std::optional<std::uint32_t> SplatRadii::listNear() {
+  if (!index_.isCurrent() || !index_.changedCells()) return std::nullopt;
+  list_.begin();
+  list_.fill(count_, 0, count_.bytes());
+  index_.recordNear(list_, {.reaches = reaches_.address(),
+                            .largest = largest_.address(),
+                            .list = changedSlots_.address(),
+                            .count = count_.address()});
+  list_.copy(count_, countRead_, count_.bytes());
+  list_.end();
+  device_.throughputQueue().run(list_);
+  if (!index_.changedCells()) return std::nullopt;
+  return countRead_.mapped<const std::uint32_t>()[0];
+}
+
+void SplatRadii::recordAmongAll(CommandList& list) const {
+  const shared::SplatChangedArgs args{.cloud = index_.view(),
                                       .reaches = reaches_.address(),
                                       .changed = changed_.address(),
                                       .list = changedSlots_.address(),
                                       .count = count_.address()};
-  index(points, [&](CommandList& list) {
-    list.fill(count_, 0, count_.bytes());
-    list.dispatch(changedPass_, places_, args);
-    list.copy(count_, countRead_, count_.bytes());
-  });
-  measure(points, clips, countRead_.mapped<const std::uint32_t>()[0], true);
+  list.fill(count_, 0, count_.bytes());
+  list.dispatch(changedPass_, args.cloud.slots, args);
+  list.copy(count_, countRead_, count_.bytes());
+}
+
+std::uint32_t SplatRadii::listAmongAll(const LiveCloud::Half& points) {
+  ++work_.searches;
+  if (index_.isCurrent()) {
+    list_.begin();
+    recordAmongAll(list_);
+    list_.end();
+    device_.throughputQueue().run(list_);
+  } else {
+    index_.build(points, [&](CommandList& list) { recordAmongAll(list); });
+    ++work_.builds;
+  }
+  return countRead_.mapped<const std::uint32_t>()[0];
 }
 
 void SplatRadii::measure(const LiveCloud::Half& points, const Buffer& clips, std::uint32_t count, bool onlyListed) {
-  const shared::SplatRadiusArgs args{.cloud = hash_.view(ordered_, places_),
+  const shared::SplatRadiusArgs args{.cloud = index_.view(),
                                      .normals = points.normals.address(),
                                      .clips = clips.address(),
                                      .reaches = reaches_.address(),
@@ -99,18 +117,20 @@ void SplatRadii::measure(const LiveCloud::Half& points, const Buffer& clips, std
   list_.begin();
   list_.dispatch(pass_, std::uint64_t{count} * device_.subgroupSize(), args);
   list_.fill(changed_, 0, changed_.bytes());
+  index_.recordForget(list_);
   list_.copy(largest_, largestRead_, largest_.bytes());
   list_.end();
   device_.throughputQueue().run(list_);
+  index_.forget();
+  work_.measured += count;
 }
 
 double SplatRadii::largest() const {
-  return static_cast<double>(std::bit_cast<float>(largestRead_.mapped<const std::uint32_t>()[0]));
+  return static_cast<double>(std::bit_cast<float>(largestRead_.mapped<const UVec2>()[0].x));
 }
 
 std::uint64_t SplatRadii::bytes() const {
-  return hash_.bytes() + ordered_.positions.bytes() + ordered_.normals.bytes() + reaches_.bytes() + changed_.bytes() +
-         changedSlots_.bytes();
+  return index_.bytes() + reaches_.bytes() + changed_.bytes() + changedSlots_.bytes();
 }
 
 }  // namespace palpate

@@ -1,49 +1,61 @@
 #pragma once
 
-#include <functional>
-
 #include "engine/gpu/command_list.hpp"
-#include "engine/spatial/spatial_hash.hpp"
+#include "engine/render/splat_index.hpp"
 #include "shaders/shared/splat_radius.h"
 
 namespace palpate {
 
-/// Measures the radius that each point's disc needs to close the surface around it (shaders/shared/splat_radius.h),
-/// with a spatial hash of the sight side, since the drawn cloud is in the order of the file. Works on the throughput
-/// queue and waits.
+/// What discs have cost since the cloud was loaded.
+struct DiscWork {
+  std::uint64_t builds = 0;    ///< of the whole index
+  std::uint64_t searches = 0;  ///< among all points for discs to be measured
+  std::uint64_t measured = 0;  ///< discs
+};
+
+/// Measures the radius that each point's disc needs to close the surface around it (shaders/shared/splat_radius.h).
+/// Works on the throughput queue and waits.
 class SplatRadii {
  public:
   /// `places`: maximum number of points; `spacing`: mean, model units, positive. Borders farther than a tenth of the
-  /// box are ignored.
-  SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing);
+  /// box are ignored. `edited`: with the memory to follow edits.
+  SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing, bool edited = false);
 
   /// Writes the radius of every point (model units) into the w of its normal, and how its disc is clipped into `clips`,
   /// a word for each index. `points`: in the order of their ids, with ids in the w of their positions.
   void measure(const LiveCloud::Half& points, const Buffer& clips);
-  /// The same only for points with changes near them since the last call; the result equals that of measure().
+  /// The same only for points with changes near them since the last call; the result equals that of measure(). At a
+  /// cost of the changed points, if the index has followed them.
   void measureChanged(const LiveCloud::Half& points, const Buffer& clips);
 
-  const HashGrid& grid() const { return hash_.grid(); }
+  SplatIndex& index() { return index_; }
+  const SplatIndex& index() const { return index_; }
+  const HashGrid& grid() const { return index_.grid(); }
   /// One bit per bucket of the grid, set when a point in it is added, removed, moved or rotated.
   DeviceAddress changed() const { return changed_.address(); }
   /// Largest radius ever measured, model units.
   double largest() const;
+  const DiscWork& work() const { return work_; }
   std::uint64_t bytes() const;
 
  private:
-  // Builds the hash, and records `then` in the same list.
-  void index(const LiveCloud::Half& points, const std::function<void(CommandList&)>& then);
+  // List the points to be measured again, and return their number: by their distance from changed cells, empty if that
+  // is not enough, or by the buckets that they have visited, among all points.
+  std::optional<std::uint32_t> listNear();
+  std::uint32_t listAmongAll(const LiveCloud::Half& points);
+  void recordAmongAll(CommandList& list) const;
   void measure(const LiveCloud::Half& points, const Buffer& clips, std::uint32_t count, bool onlyListed);
 
   Device& device_;
   std::uint32_t places_;
   double spacing_, widest_;
-  SpatialHash hash_;
-  LiveCloud::Half ordered_;  // the points in hash order
+  SplatIndex index_;
   ComputePipeline pass_, changedPass_;
-  Buffer reaches_, changed_, largest_, largestRead_;
+  Buffer reaches_, changed_;
+  Buffer largest_, largestRead_;             // largest radius and reach
   Buffer changedSlots_, count_, countRead_;  // points that are measured again
   CommandList list_;
+  DiscWork work_;
 };
 
 }  // namespace palpate

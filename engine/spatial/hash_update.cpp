@@ -27,6 +27,12 @@ PipelineOptions pipeline(std::uint32_t pushBytes, const CountedDispatch& dispatc
   return {.workgroupSize = shared::kUpdateWorkgroup, .pushBytes = pushBytes, .constants = {dispatch.countsGroups()}};
 }
 
+PipelineOptions applyPipeline(const CountedDispatch& dispatch, UpdateOrder order) {
+  PipelineOptions options = pipeline(sizeof(shared::HashUpdateArgs), dispatch);
+  options.constants.push_back(order == UpdateOrder::ids ? 1 : 0);
+  return options;
+}
+
 // Length of the list of dirty buckets, which contains each once.
 std::uint32_t dirtyListFor(std::uint64_t moves, std::uint64_t buckets) {
   return static_cast<std::uint32_t>(std::min(kDirtyPerMove * moves, buckets));
@@ -47,11 +53,11 @@ std::uint32_t HashUpdate::defaultMoves(std::uint64_t points) {
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(points / kMovesShare, kMinMoves, shared::kMarkMove));
 }
 
-HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud& live)
-    : mostMoves_(defaultMoves(live.count())),
+HashUpdate::HashUpdate(Device& device, Queue& queue, const SpatialHash& hash, const HashUpdateOptions& options)
+    : mostMoves_(defaultMoves(options.points)),
       mostDirty_(dirtyListFor(mostMoves_, std::uint64_t{hash.grid().bucketMask} + 1)),
       dispatch_(device),
-      apply_(device, shader_code::spatial_update_apply, pipeline(sizeof(shared::HashUpdateArgs), dispatch_)),
+      apply_(device, shader_code::spatial_update_apply, applyPipeline(dispatch_, options.order)),
       commit_(device, shader_code::spatial_update_commit, pipeline(sizeof(shared::HashUpdateArgs), dispatch_)),
       recount_(device, shader_code::spatial_update_recount, pipeline(sizeof(shared::HashRecountArgs), dispatch_)),
       template_(Buffer::of<shared::HashUpdate>(device, 1, Memory::device, "empty update")),
@@ -63,7 +69,7 @@ HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud&
           deviceWords(device, (kBucketsPerMove + kWordsPerArrival) * std::uint64_t{mostMoves_}, "touched buckets")),
       fitted_(Buffer::of<Vec4>(device, mostMoves_, Memory::device, "fitted normals")),
       changed_(deviceWords(device, mostMoves_, "changed slots")),
-      bySlot_(deviceWords(device, live.slots(), "moves of slots")),
+      bySlot_(deviceWords(device, options.slots, "moves of slots")),
       dirty_(deviceWords(device, dirtyWords(mostMoves_, hash.grid()), "dirty buckets")),
       capacities_{deviceWords(device, hash.grid().bucketMask + 1, "bucket capacities"),
                   deviceWords(device, hash.grid().bucketMask + 1, "bucket capacities")} {
@@ -72,18 +78,18 @@ HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud&
                                  .movedGroups = none,
                                  .applyGroups = none,
                                  .changedGroups = UVec3(1),
-                                 .head = live.count(),
-                                 .points = live.count()};
-  upload(device, template_, std::vector{begin});
-  upload(device, counters_, std::vector{begin});
+                                 .head = options.points,
+                                 .points = options.points};
+  upload(device, queue, template_, std::vector{begin});
+  upload(device, queue, counters_, std::vector{begin});
   report_.mapped<shared::HashUpdate>()[0] = begin;
-  CommandList clear(device, device.latencyQueue(), "clear update");
+  CommandList clear(device, queue, "clear update");
   clear.begin();
   clear.fill(marks_, 0, marks_.bytes());
   clear.fill(dirty_, 0, dirty_.bytes());
   for (const Buffer& capacities : capacities_) clear.fill(capacities, 0, capacities.bytes());
   clear.end();
-  device.latencyQueue().run(clear);
+  queue.run(clear);
 }
 
 shared::HashUpdateArgs HashUpdate::args(const shared::CloudView& cloud, std::uint32_t parity) const {
@@ -116,7 +122,7 @@ void HashUpdate::recordCommit(CommandList& list, const shared::CloudView& cloud)
 void HashUpdate::recordRecount(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                                DeviceAddress changed) const {
   list.fill(capacities_[parity], 0, capacities_[parity].bytes());
-  list.dispatch(recount_, cloud.slots,
+  list.dispatch(recount_, changed ? cloud.slots : 1,
                 shared::HashRecountArgs{.cloud = cloud, .update = counters_.address(), .changed = changed});
 }
 

@@ -9,16 +9,27 @@
 
 namespace palpate {
 
+/// The order of points within a bucket after an update. `arrival`: remaining points first, then added ones by their
+/// ids. `ids`: as a stable build of points in the order of their ids leaves them; changed slots are then not listed.
+enum class UpdateOrder { arrival, ids };
+
+struct HashUpdateOptions {
+  std::uint32_t points = 0;  ///< of the cloud as loaded
+  std::uint32_t slots = 0;
+  UpdateOrder order = UpdateOrder::arrival;
+};
+
 /// Updates a SpatialHash after an edit of k points, at a cost that depends on k alone. The editing pass fills the list
 /// of moves between recordBegin() and recordApply(), which carries out all of them or none.
 ///
 /// A bucket keeps its points in consecutive slots, as a build leaves them; if it outgrows them it moves to the end of
 /// the cloud's slots, which needs spare ones. The order of points within a bucket depends on the edits alone, not on
-/// the GPU's timing: remaining points first, then added ones, by their ids.
+/// the GPU's timing.
 class HashUpdate {
  public:
-  /// `live`: as `hash` will build it first, without gaps.
-  HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud& live);
+  /// For the live cloud as `hash` will build it first, without gaps. `queue`: on which its lists are cleared
+  /// immediately.
+  HashUpdate(Device& device, Queue& queue, const SpatialHash& hash, const HashUpdateOptions& options);
 
   /// Spare slots for a cloud of `points` points, and the maximum number of moves in one update of it.
   static std::uint32_t spareSlots(std::uint64_t points);
@@ -31,7 +42,7 @@ class HashUpdate {
   /// Writes the moves to the points' current slots, before a rebuild: the index of this half becomes invalid.
   void recordCommit(CommandList& list, const shared::CloudView& cloud) const;
   /// After a rebuild that has written `cloud`: lists the changed slots and the free slots. `changed`: room for a word
-  /// for every slot.
+  /// for every slot; 0: changed slots are not listed.
   void recordRecount(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                      DeviceAddress changed) const;
 

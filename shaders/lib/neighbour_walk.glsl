@@ -1,5 +1,6 @@
 // Walk of one subgroup through the points of the cells around a position: each invocation looks up one cell, and then
-// all share the points of those cells evenly.
+// all share the points of those cells evenly. The including file defines kWalkNormals, and kWalkedInBucket: of a bucket
+// with more points than this only the first are visited.
 #ifndef PALPATE_LIB_NEIGHBOUR_WALK_GLSL
 #define PALPATE_LIB_NEIGHBOUR_WALK_GLSL
 
@@ -12,6 +13,7 @@
 
 // Cost of one round of the walk, in units of its budget: one point for each invocation of the subgroup.
 const uint kNeighbourRoundWork = 4;
+const uint kWalkUnlimited = 0xffffffffu;
 // The budget for this many points, or as many empty cells.
 uint walkBudget(uint points) { return kNeighbourRoundWork * points / gl_SubgroupSize; }
 // Points of the last step: slot; xyz and bits of the id; whether it is a neighbour.
@@ -25,6 +27,7 @@ uvec3 walkSize;
 uint walkCells;     // total
 uint walkNextCell;  // those before it have been looked up
 uint walkWork;
+bool walkIsCut;  // a bucket that this invocation looked up has more points than kWalkedInBucket
 // Of the cells that were looked up last: points before this invocation's cell; its first slot minus that; points in all
 // of them; points visited.
 uint walkStart, walkSlotAtZero, walkTotal, walkTaken;
@@ -43,14 +46,20 @@ uint ownerOf(uint start, uint k) {
   return owner;
 }
 
-void beginWalk(vec3 center, float radius) {
-  walkLow = cellOf(args.cloud.grid, center - radius);
-  walkSize = uvec3(cellOf(args.cloud.grid, center + radius) - walkLow + 1);
+// Over the cells from `low` to `high`.
+void beginWalkOver(ivec3 low, ivec3 high) {
+  walkLow = low;
+  walkSize = uvec3(high - low + 1);
   walkCells = walkSize.x * walkSize.y * walkSize.z;
   walkNextCell = 0;
   walkWork = 0;
+  walkIsCut = false;
   walkTotal = 0;
   walkTaken = 0;
+}
+
+void beginWalk(vec3 center, float radius) {
+  beginWalkOver(cellOf(args.cloud.grid, center - radius), cellOf(args.cloud.grid, center + radius));
 }
 
 void lookUpCells() {
@@ -59,7 +68,8 @@ void lookUpCells() {
   const ivec3 cell = walkLow + ivec3(c - row * walkSize.x, row - layer * walkSize.y, layer);
   uvec2 range = uvec2(0);
   if (c < walkCells) range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cell)];
-  const uint count = range.y - range.x;
+  const uint count = min(range.y - range.x, kWalkedInBucket);
+  walkIsCut = walkIsCut || count < range.y - range.x;
   walkStart = subgroupExclusiveAdd(count);
   walkSlotAtZero = range.x - walkStart;
   walkTotal = subgroupShuffle(walkStart + count, gl_SubgroupSize - 1);

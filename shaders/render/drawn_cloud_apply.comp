@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Catching up with the edit log, pass 2 of 2: writes each point's last entry, and clears its mark for the next range.
+// Catching up with the edit log, the last pass: writes each point's last entry, and clears its mark for the next range.
 // An earlier entry of the same point may read the mark before or after that; in neither case does it find its own
 // number.
 #include "shaders/lib/index.glsl"

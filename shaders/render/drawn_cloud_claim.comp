@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Catching up with the edit log, pass 1 of 2: finds each point's last entry, since a point may occur several times in a
+// Catching up with the edit log, the first pass: finds each point's last entry, since a point may occur several times in a
 // range and invocations run in no order.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/drawn_cloud.h"

@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_ballot : require
 // Lists the points whose discs have to be measured again: those whose search visited a changed bucket.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/splat_radius.h"
 
 layout(push_constant, scalar) uniform Push { SplatChangedArgs args; };
+#include "shaders/render/disc_list.glsl"
 
 bool changedWithin(vec3 center, float radius) {
   const ivec3 low = cellOf(args.cloud.grid, center - radius), high = cellOf(args.cloud.grid, center + radius);
@@ -24,13 +24,7 @@ void main() {
   if (slot < args.cloud.slots) {
     const vec4 point = args.cloud.positions.at[slot];
     const uint id = floatBitsToUint(point.w);
-    if (id != kEmptySlot) listed = changedWithin(point.xyz, uintBitsToFloat(args.reaches.at[id]));
+    if (id != kEmptySlot) listed = changedWithin(point.xyz, uintBitsToFloat(args.reaches.at[id] & ~kSplatListed));
   }
-  const uvec4 ballot = subgroupBallot(listed);
-  const uint here = subgroupBallotBitCount(ballot);
-  if (here == 0) return;
-  uint first = 0;
-  if (subgroupElect()) first = atomicAdd(args.count.at[0], here);
-  first = subgroupBroadcastFirst(first);
-  if (listed) args.list.at[first + subgroupBallotExclusiveBitCount(ballot)] = slot;
+  listDisc(listed, slot);
 }

@@ -1,17 +1,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
 // The radius of each point's disc (defined in shaders/shared/splat_radius.h). One subgroup for each point: in hash
 // order those of a workgroup visit the same cells. In double precision: tests/render/splat_radius_reference.cpp.
+// The result depends on the points in the cells around this one alone, in the order of their ids, and not on what else
+// is in their buckets: an edit changes only discs near it.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/frame.h"
 #include "shaders/shared/splat_radius.h"
 
 layout(push_constant, scalar) uniform Push { SplatRadiusArgs args; };
-#include "shaders/lib/neighbours.glsl"
-
-// Small subgroups see fewer points for the same work: the budget is raised to what subgroups of 8 see.
-uint workBudget() { return max(kSplatWorkBudget, walkBudget(kSplatFewestExamined)); }
+const bool kWalkNormals = true;
+const uint kWalkedInBucket = kSplatMostInBucket;
+#include "shaders/lib/neighbour_walk.glsl"
 
 // cos and sin of 0, 30, ... 150 degrees; the other six directions are their opposites.
 const vec3 kCosA = vec3(1, 0.866025404, 0.5), kSinA = vec3(0, 0.5, 0.866025404);
@@ -20,7 +22,7 @@ const vec3 kCosB = vec3(0, -0.5, -0.866025404), kSinB = vec3(1, 0.866025404, 0.5
 vec3 selfNormal, axisU, axisV;
 bool hasPlane;
 float seen;  // radius of the last search
-uint workSpent;
+uint visits;  // points visited so far
 // One over the distance to the nearest border, in each direction; 0 if there is none.
 vec3 aheadA, aheadB, behindA, behindB;
 uint neighbours;
@@ -28,6 +30,7 @@ bool besideEdge;  // a point of another side was visited
 bool clips;       // purpose of the visits
 float clipCloseness;
 vec2 clipDirection;
+uint clipId;
 
 bool ofOtherSide(vec3 other) {
   const float cosine = dot(other, selfNormal);
@@ -35,16 +38,17 @@ bool ofOtherSide(vec3 other) {
 }
 
 // Where the plane of a point on the other side intersects that of this disc, unless the edge is concave.
-void meetOtherSide(vec3 d, vec3 other) {
+void meetOtherSide(uint id, vec3 d, vec3 other) {
   const float above = dot(other, d);
   if (!ofOtherSide(other) || above <= 0) return;
   const vec2 across = vec2(dot(other, axisU), dot(other, axisV));
   const vec2 direction = normalize(across);
   const float ownCell = 0.5 * dot(vec2(dot(d, axisU), dot(d, axisV)), direction);
   const float closeness = 1 / max(above / length(across), ownCell);
-  if (closeness <= clipCloseness) return;
+  if (closeness < clipCloseness || closeness == clipCloseness && id > clipId) return;
   clipCloseness = closeness;
   clipDirection = direction;
+  clipId = id;
 }
 
 vec3 countedFrom(float least, vec3 closeness) {
@@ -54,7 +58,7 @@ vec3 countedFrom(float least, vec3 closeness) {
 void visitNeighbour(uint id, vec3 other, vec3 d) {
   const float squared = dot(d, d);
   if (clips) {
-    if (squared > 0) meetOtherSide(d, other);
+    if (squared > 0) meetOtherSide(id, d, other);
     return;
   }
   if (squared == 0 || squared < seen * seen) return;
@@ -73,11 +77,26 @@ void visitNeighbour(uint id, vec3 other, vec3 d) {
   behindB = max(behindB, countedFrom(least, -second));
 }
 
+// Visits all points nearer than `radius`, each once, or the first `most` of them in the order of the cells and of the
+// ids. Returns their number. The whole subgroup calls it together.
+uint visitNeighbours(vec3 center, float radius, uint most) {
+  uint visited = 0;
+  beginWalk(center, radius);
+  while (visited < most && walkOn(center, radius, kWalkUnlimited)) {
+    [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i) {
+      const uvec4 near = subgroupBallot(walkedNear[i]);
+      if (walkedNear[i] && visited + subgroupBallotExclusiveBitCount(near) < most)
+        visitNeighbour(floatBitsToUint(walkedPositions[i].w), walkedNormals[i], walkedPositions[i].xyz - center);
+      visited += subgroupBallotBitCount(near);
+    }
+  }
+  return min(visited, most);
+}
+
 // Visits the points nearer than `radius` that the last search has not visited. The whole subgroup calls it together.
 void search(vec3 center, float radius) {
   neighbours = 0;
-  visitNeighbours(center, radius, workBudget() - workSpent);
-  workSpent = min(workSpent + walkWork, workBudget());
+  visits += visitNeighbours(center, radius, kSplatMostVisits - visits);
   aheadA = subgroupMax(aheadA);
   aheadB = subgroupMax(aheadB);
   behindA = subgroupMax(behindA);
@@ -90,10 +109,13 @@ vec2 clipLine(vec3 center, float radius) {
   clips = true;
   clipCloseness = 0;
   clipDirection = vec2(0);
-  visitNeighbours(center, kSplatEdgeReach * radius, max(kSplatEdgeWorkBudget, walkBudget(kSplatEdgeFewestExamined)));
+  clipId = kEmptySlot;
+  visitNeighbours(center, kSplatEdgeReach * radius, kSplatMostEdgeVisits);
   const float nearest = subgroupMax(clipCloseness);
   if (nearest * radius <= 1) return vec2(0);
-  const uint owner = subgroupMin(clipCloseness == nearest ? gl_SubgroupInvocationID : gl_SubgroupSize);
+  const bool isNearest = clipCloseness == nearest;
+  const uint id = subgroupMin(isNearest ? clipId : kEmptySlot);
+  const uint owner = subgroupMin(isNearest && clipId == id ? gl_SubgroupInvocationID : gl_SubgroupSize);
   return nearest * radius * vec2(subgroupShuffle(clipDirection.x, owner), subgroupShuffle(clipDirection.y, owner));
 }
 
@@ -149,7 +171,7 @@ void main() {
   frameAround(hasPlane ? selfNormal : vec3(0, 0, 1), axisU, axisV);
   aheadA = aheadB = behindA = behindB = vec3(0);
   seen = 0;
-  workSpent = 0;
+  visits = 0;
   besideEdge = false;
   clips = false;
   const uvec2 own = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellOf(args.cloud.grid, point.xyz))];
@@ -173,7 +195,7 @@ void main() {
       radius = min(kSplatWithoutPlane * reach * sqrt(3.14159265 / float(met + 1)), 2 * radiusAlone());
       enough = met >= kSplatFewest;
     }
-    if (enough || reach >= farthest || workSpent >= workBudget()) break;
+    if (enough || reach >= farthest || visits >= kSplatMostVisits) break;
     seen = reach;
     reach = min(2 * reach, farthest);
   }
@@ -181,8 +203,9 @@ void main() {
   if (!subgroupElect()) return;
   args.normals.at[id].w = radius;
   args.clips.at[id] = packHalf2x16(min(abs(clip), vec2(6e4)) * sign(clip));
-  args.reaches.at[id] = floatBitsToUint(max(reach, kSplatEdgeReach * radius));
-  // The plain read may be stale, but the largest only grows.
-  const uint bits = floatBitsToUint(radius);
-  if (bits > args.largest.at[0]) atomicMax(args.largest.at[0], bits);
+  const uvec2 sizes = floatBitsToUint(vec2(radius, max(reach, kSplatEdgeReach * radius)));
+  args.reaches.at[id] = sizes.y;
+  // The plain reads may be stale, but the largest only grow.
+  [[unroll]] for (uint k = 0; k < 2; ++k)
+    if (sizes[k] > args.largest.at[k]) atomicMax(args.largest.at[k], sizes[k]);
 }

@@ -50,12 +50,14 @@ const float kSplatSharp = 0.8f;
 const float kSplatSharpest = -0.5f;
 // In radii: the other side of an edge counts if it has points this near.
 const float kSplatEdgeReach = 2.0f;
-// Work of all searches of a subgroup (shaders/lib/neighbour_walk.glsl), and of the search for the other side of an
-// edge. Beyond it the result uses the points visited so far: only in dense clusters of points.
-const uint kSplatWorkBudget = 1000;
-const uint kSplatEdgeWorkBudget = 800;
-// Points that either search examines at least, for any subgroup size.
-const uint kSplatFewestExamined = 2000, kSplatEdgeFewestExamined = 1600;
+// Points that all searches of a disc visit together, and the search for the other side of an edge. Beyond it the result
+// uses the points visited so far: only in dense clusters of points.
+const uint kSplatMostVisits = 2000, kSplatMostEdgeVisits = 1600;
+// Of a bucket with more points than this only the first are visited.
+const uint kSplatMostInBucket = 4096;
+
+// In `reaches`: the disc is listed to be measured again.
+const uint kSplatListed = 0x80000000u;
 
 struct SplatChangedArgs {
   CloudView cloud;                 // the points in hash order
@@ -70,9 +72,9 @@ struct SplatRadiusArgs {
   CloudView cloud;                 // the points in hash order
   PALPATE_ADDRESS(Vec4s) normals;  // by id; the radius goes into w
   PALPATE_ADDRESS(Uints) clips;    // by id: where a disc is clipped, packHalf2x16 (clipOf in shaders/render/splat.glsl)
-  PALPATE_ADDRESS(Uints) reaches;  // by id: bits of the radius of the last search, model units
+  PALPATE_ADDRESS(Uints) reaches;  // by id: bits of the radius of the last search, model units; or kSplatListed
   PALPATE_ADDRESS(Uints) list;     // slots of the points to measure, if `onlyListed` is set
-  PALPATE_ADDRESS(Uints) largest;  // bits of the largest radius
+  PALPATE_ADDRESS(Uints) largest;  // bits of the largest radius, and of the largest reach
   float spacing;                   // mean, model units
   float widest;                    // maximum border that counts, model units
   uint onlyListed;                 // 0: measures the points of all slots

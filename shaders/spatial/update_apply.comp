@@ -1,15 +1,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Index update: in every bucket with moves, remaining points get the positions of their moves, leaving points leave no
-// gap, and arriving points follow in the order of their ids, in its slots or, if it outgrows them, in new ones. One
-// subgroup for each bucket. If the update is refused it only clears the marks.
+// gap, and arriving points follow in the order of their ids, or all are kept in that order: in its slots or, if it
+// outgrows them, in new ones. One subgroup for each bucket. If the update is refused it only clears the marks.
 #extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_vote : require
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_update.glsl"
 
 layout(push_constant, scalar) uniform Push { HashUpdateArgs args; };
+
+// Not 0: buckets keep their points in the order of the ids, as a build leaves them, and changed slots are not listed.
+layout(constant_id = 2) const uint kInOrder = 0;
 
 uint moves;  // number of listed moves
 
@@ -32,6 +36,7 @@ uint newSlots(uint mark) {
 }
 
 void noteChanged(bool changed, uint slot) {
+  if (kInOrder != 0) return;
   const uint at = nextChanged(args.update, changed);
   if (changed) args.changed.at[at] = slot;
 }
@@ -104,8 +109,77 @@ uvec2 arrivalOf(uint mark, Arrivals list, out uint run) {
   return first;
 }
 
-// Inserts them from slot `to` on, by their ids; returns the number of this invocation's that are new.
-uint takeIn(uint mark, uint to) {
+// Words by slot that invocations of a subgroup write for each other.
+layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer SharedUints { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer SharedVec4s { vec4 at[]; };
+
+void subgroupShares() {
+  subgroupMemoryBarrierBuffer();
+  subgroupBarrier();
+}
+
+// Number of points with a smaller id among those in the slots `range`, which are in the order of their ids.
+uint pointsBefore(uvec2 range, uint id) {
+  SharedVec4s positions = SharedVec4s(uvec2(args.cloud.positions));
+  uint low = range.x, high = range.y;
+  while (low < high) {
+    const uint middle = (low + high) / 2;
+    if (floatBitsToUint(positions.at[middle].w) < id)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low - range.x;
+}
+
+// Number of the arriving points that go before the `point`-th of those that stay. In the words of the slots `arriving`
+// is, for each in the order of the ids, the number of points that stay before it.
+uint arrivalsBefore(uvec2 arriving, uint point) {
+  SharedUints staying = SharedUints(uvec2(args.movesOf));
+  uint low = arriving.x, high = arriving.y;
+  while (low < high) {
+    const uint middle = (low + high) / 2;
+    if (staying.at[middle] <= point)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low - arriving.x;
+}
+
+// Makes room for the arriving points among those that stay, in the slots `kept`: the last ones move first.
+void makeRoom(uvec2 kept, uvec2 arriving) {
+  for (uint end = kept.y; end > kept.x;) {
+    const uint begin = end - min(end - kept.x, gl_SubgroupSize);
+    const uint slot = begin + gl_SubgroupInvocationID;
+    vec4 position = vec4(0.0), normal = vec4(0.0);
+    uint way = 0;
+    if (slot < end) {
+      position = SharedVec4s(uvec2(args.cloud.positions)).at[slot];
+      normal = SharedVec4s(uvec2(args.cloud.normals)).at[slot];
+      way = arrivalsBefore(arriving, slot - kept.x);
+    }
+    subgroupShares();  // all have read before any writes
+    if (way > 0) {
+      args.cloud.positions.at[slot + way] = position;
+      args.cloud.normals.at[slot + way] = normal;
+    }
+    if (!subgroupAny(way > 0)) break;
+    end = begin;
+  }
+}
+
+// Writes an arriving point to its slot; returns 1 if it is new.
+uint place(uint at, uint slot) {
+  const PointMove move = args.moves.at[at];
+  args.cloud.positions.at[slot] = placeOf(move);
+  args.cloud.normals.at[slot] = normalOf(move);
+  return move.fromBucket == kNoBucket ? 1 : 0;
+}
+
+// Inserts them into the slots `kept` of the points that stay and those behind, in the order of all ids, or behind them;
+// returns the number of this invocation's that are new.
+uint takeIn(uint mark, uvec2 kept) {
   const uint arrivals = arrivalsOf(mark);
   if (arrivals == 0) return 0;
   Arrivals list = Arrivals(uvec2(args.touched));
@@ -125,13 +199,22 @@ uint takeIn(uint mark, uint to) {
       const uint count = min(gl_SubgroupSize, arrivals - others);
       for (uint lane = 0; lane < count; ++lane) rank += subgroupShuffle(otherId, lane) < mine.y ? 1 : 0;
     }
-    if (takes) {
-      const PointMove move = args.moves.at[mine.x];
-      args.cloud.positions.at[to + rank] = placeOf(move);
-      args.cloud.normals.at[to + rank] = normalOf(move);
-      added += move.fromBucket == kNoBucket ? 1 : 0;
+    if (takes && kInOrder != 0) {
+      const uint before = pointsBefore(kept, mine.y);
+      SharedUints(uvec2(args.movesOf)).at[kept.y + rank] = before;
+      args.moves.at[mine.x].before = kept.x + before + rank;
+    } else if (takes) {
+      added += place(mine.x, kept.y + rank);
     }
-    noteChanged(takes, to + rank);
+    noteChanged(takes, kept.y + rank);
+  }
+  if (kInOrder == 0) return added;
+  subgroupShares();
+  makeRoom(kept, uvec2(kept.y, kept.y + arrivals));
+  subgroupShares();
+  for (uint own = gl_SubgroupInvocationID; own < arrivals; own += gl_SubgroupSize) {
+    const uint move = own < gl_SubgroupSize ? first.x : list.at[run + own].x;
+    added += place(move, args.moves.at[move].before);
   }
   return added;
 }
@@ -150,7 +233,8 @@ void update(uint bucket) {
   const uint end = kept + arrivals;
   if (first == range.x)
     for (uint slot = end + gl_SubgroupInvocationID; slot < range.y; slot += gl_SubgroupSize) leaveEmpty(slot);
-  const uint more = subgroupAdd(takeIn(mark, kept) - gone);
+  if (kInOrder != 0) subgroupShares();
+  const uint more = subgroupAdd(takeIn(mark, uvec2(first, kept)) - gone);
   if (!subgroupElect()) return;
   if (more != 0) atomicAdd(args.update.at[0].points, more);
   if (args.update.at[0].compacting != 0) noteDirty(bucket);
