@@ -191,10 +191,14 @@ InsertionClaims::InsertionClaims(double spacing)
       clearance_(shared::kMinClearance * static_cast<float>(spacing)),
       slots_(shared::kClaimSlots) {}
 
-void InsertionClaims::clear() { std::ranges::fill(slots_, Slot()); }
+void InsertionClaims::clear() {
+  for (const std::uint32_t slot : claimed_) slots_[slot] = {};
+  claimed_.clear();
+}
 
 void InsertionClaims::claim(const Vec3& place, std::uint32_t number) {
-  Slot& slot = slots_[slotOf(cellOf(grid_, place))];
+  claimed_.push_back(slotOf(cellOf(grid_, place)));
+  Slot& slot = slots_[claimed_.back()];
   slot.number = std::min(slot.number, number);
 }
 

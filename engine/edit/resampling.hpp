@@ -77,6 +77,7 @@ class InsertionClaims {
   /// `spacing`: the maximum target spacing, model units.
   explicit InsertionClaims(double spacing);
 
+  /// At the cost of the claims since the last time.
   void clear();
   /// `place`: position of the new point, relative to the cloud's origin; `number`: of the claiming point.
   void claim(const Vec3& place, std::uint32_t number);
@@ -95,6 +96,7 @@ class InsertionClaims {
   shared::HashGrid grid_;
   float clearance_;  // model units
   std::vector<Slot> slots_;
+  std::vector<std::uint32_t> claimed_;  // slots
 };
 
 }  // namespace palpate

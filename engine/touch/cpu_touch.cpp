@@ -230,15 +230,16 @@ EditScope CpuTouch::scope() const {
 
 BackendReport CpuTouch::report() const {
   const TouchStatistics& edits = edits_.statistics();
-  return {.machine = machine_,
-          .cell = 1.0 / static_cast<double>(sculpture_.grid().grid().inverseCell),
-          .scope = scope(),
-          .build_us = sculpture_.buildTime_us(),
-          .editTimes_us = edits.editTimes_us,
-          .firstEdit_s = edits.firstEditTime_s,
-          .costs = {.requests_us = {}, .states = edits_.answered()},
-          .shortfalls = edits.shortfalls,
-          .index = {.built = sculpture_.rebuilds() + (frames_ ? frames_->count() : 0)}};
+  return {
+      .machine = machine_,
+      .cell = 1.0 / static_cast<double>(sculpture_.grid().grid().inverseCell),
+      .scope = scope(),
+      .build_us = sculpture_.buildTime_us(),
+      .editTimes_us = edits.editTimes_us,
+      .firstEdit_s = edits.firstEditTime_s,
+      .costs = {.requests_us = {}, .states = edits_.answered()},
+      .shortfalls = edits.shortfalls,
+      .index = {.followed = sculpture_.followed(), .built = sculpture_.rebuilds() + (frames_ ? frames_->count() : 0)}};
 }
 
 }  // namespace palpate
