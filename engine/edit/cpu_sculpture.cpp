@@ -144,7 +144,10 @@ void CpuSculpture::set(std::span<const PointChange> changes) {
 void CpuSculpture::followInIndex() {
   if (strayed_.empty()) return;
   const std::uint64_t builds = grid_.builds();
-  grid_.update(points_.positions, points_.there, strayed_);
+  if (options_.index == IndexFollow::rebuild)
+    grid_.build(points_.positions, points_.there);
+  else
+    grid_.update(points_.positions, points_.there, strayed_);
   followed_ += grid_.builds() == builds;
   strayed_.clear();
 }

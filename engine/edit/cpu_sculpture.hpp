@@ -12,6 +12,7 @@ struct SculptOptions {
   double radius = 0;  ///< support radius, model units
   /// Brushes that keep the density may insert points where the surface is stretched and merge them where it is crowded.
   bool keepsDensity = true;
+  IndexFollow index = IndexFollow::incremental;
   unsigned threads = 0;  ///< 0: one per core
 };
 
