@@ -175,9 +175,14 @@ void summarizeTicks(EditCost& cost, const std::vector<ObservedTick>& noted, cons
       shortfalls.editsTooSlow, rate_Hz);
 }
 
-EditMemory memoryOf(const Session& session) {
-  const GpuMemory plain = predictGpuMemory(session.model().cloud.size(), false);
-  return {.edited = session.backend().report().memory, .plain = plain.liveCloud + plain.index};
+// Of a cloud where nothing is edited. The CPU has the same points and index then.
+std::uint64_t plainBytes(const Session& session, const std::string& backend) {
+  if (backend == "vulkan") {
+    const GpuMemory plain = predictGpuMemory(session.model().cloud.size(), false);
+    return plain.liveCloud + plain.index;
+  }
+  const BackendMemory before = session.backend().report().memory;
+  return before.points + before.index;
 }
 
 // Shared by all measurements on one model.
@@ -193,25 +198,30 @@ double ticksPerSecond(const EditBenchOptions& options) {
 }
 
 EditCost sculpt(const EditScene& scene, const EditBenchOptions& options, const Stroke& stroke,
-                const std::string& index) {
+                const std::string& backend, const std::string& index) {
   const bool realtime = options.duration_s > 0;
   const double rate_Hz = ticksPerSecond(options);
   const Model& model = scene.subject.model;
   BackendOptions way = options.backend;
+  way.backend = backend;
   way.index = index;
   way.realtime = realtime;
   way.spareSlots = options.spareSlots;
-  if (!options.methods.empty()) way.method = options.methods.front();
+  const std::vector<std::string> offered = methodChoices(scene.context, backend);
+  const auto method = std::ranges::find_first_of(options.methods, offered);
+  if (method != options.methods.end()) way.method = *method;
   SessionConfig config = sessionConfig(way, stroke.brush);
   config.rate_Hz = rate_Hz;
   Session session = startSession(scene.context, model, config);
 
   EditCost cost{.subject = scene.subject.name,
+                .backend = backend,
                 .brush = options.brush,
                 .index = index,
                 .points = model.cloud.size(),
                 .brushRadius_mm = stroke.brush.radius_mm,
                 .spacing_mm = model.scale.toMm(model.spacing)};
+  cost.memory.plain = plainBytes(session, backend);
   if (realtime) cost.stroke = EditStroke{.rate_Hz = rate_Hz, .duration_s = options.duration_s};
   const std::uint64_t longest =
       (static_cast<std::uint64_t>(options.repeat) + kWarmUpEdits) * kTicksPerEdit + kTicksToLand;
@@ -232,7 +242,7 @@ EditCost sculpt(const EditScene& scene, const EditBenchOptions& options, const S
   }
   cost.landings = hand.landings();
   cost.longestCompactionEnd_us = session.backend().report().costs.longestCompactionEnd_us;
-  cost.memory = memoryOf(session);
+  cost.memory.edited = session.backend().report().memory;
   if (cost.stroke) {
     cost.stroke->missedTicks = result.trace().missedTicks;
     cost.stroke->leftOut = shortfalls.editsTooSlow + shortfalls.editsLogFull;
@@ -243,7 +253,8 @@ EditCost sculpt(const EditScene& scene, const EditBenchOptions& options, const S
 
 // The stroke that touches that many points: the best of a few short ones. The points around a spot give a first guess,
 // which is wrong where the surface bends under the brush.
-Stroke strokeFor(const EditScene& scene, const EditBenchOptions& options, std::size_t touched) {
+Stroke strokeFor(const EditScene& scene, const EditBenchOptions& options, const std::string& backend,
+                 std::size_t touched) {
   const BrushKind brush = *valueNamed(kBrushKinds, options.brush);
   EditBenchOptions trial = options;
   trial.repeat = kTrialEdits;
@@ -257,7 +268,7 @@ Stroke strokeFor(const EditScene& scene, const EditBenchOptions& options, std::s
   const auto wanted = static_cast<double>(touched);
   double count = wanted, best = wanted, leastOff = std::numeric_limits<double>::max();
   for (int k = 0; k < kTrials && leastOff > kCloseEnough; ++k) {
-    const double reached = sculpt(scene, trial, reaching(count, trial), "incremental").touched.p50;
+    const double reached = sculpt(scene, trial, reaching(count, trial), backend, "incremental").touched.p50;
     const double ratio = std::max(1.0, reached) / wanted;
     if (std::abs(std::log(ratio)) < leastOff) {
       leastOff = std::abs(std::log(ratio));
@@ -282,10 +293,12 @@ Json benchEdit(Context& context, const EditBenchOptions& options) {
         continue;
       }
       context.log().say("edit: {}, {} of {} points", subject.name, touched, points);
-      const Stroke stroke = strokeFor(scene, options, touched);
-      for (const std::string& index : options.indexes) {
-        costs.push_back(sculpt(scene, options, stroke, index));
-        costs.back().asked = touched;
+      for (const std::string& backend : options.backends) {
+        const Stroke stroke = strokeFor(scene, options, backend, touched);
+        for (const std::string& index : options.indexes) {
+          costs.push_back(sculpt(scene, options, stroke, backend, index));
+          costs.back().asked = touched;
+        }
       }
     }
   }
@@ -321,9 +334,9 @@ void addOptions(Options& bench, EditBenchOptions& options) {
       .showDefault();
   addRateOption(bench, options);
   addRepeatOptions(bench, options);
-  // Only Vulkan reports how many points an edit touched, and its times.
-  addBackendsOption(bench, options, {"vulkan"});
-  addMethodsOption(bench, options, "how neighbours are found (default: fused)");
+  // CUDA reports neither how many points an edit touched nor its times.
+  addBackendsOption(bench, options, {"vulkan", "cpu"});
+  addMethodsOption(bench, options, "how neighbours are found (default: fused; direct on cpu)");
   addRadiusOption(bench, options.backend);
   addIndexOptions(bench, options.backend);
   addPlotOption(bench, options, "plot step times against points in the model and against touched points");
@@ -337,7 +350,8 @@ void addEditBench(Options& bench, Context& context, Command& command) {
   options->backend.surface = "average";
   addOptions(sub, *options);
   sub.footer(
-      "A brush slides over the surface at 50 mm/s and sculpts at every tick. Tables of us on the GPU and from pose to "
+      "A brush slides over the surface at 50 mm/s and sculpts at every tick. Tables of us on the GPU or CPU and from "
+      "pose to "
       "force (in virtual time with the whole edit), touched points, full builds of the index, MiB of index and lists, "
       "and the memory of points, index and lists relative to the same cloud without edits; the fraction of touched "
       "points above which a full build is cheaper.\n");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "apps/bench/bench.hpp"
 
@@ -35,6 +36,7 @@ void print(std::FILE* out, const std::string& title, const std::vector<EditColum
 
 std::vector<EditColumn> commonColumns() {
   return {{"model", 18, [](const EditCost& c) { return c.subject; }},
+          {"back end", 10, [](const EditCost& c) { return c.backend; }},
           {"points", 11, [](const EditCost& c) { return fmt::format("{}", c.points); }},
           {"asked", 8, [](const EditCost& c) { return fmt::format("{}", c.asked); }},
           {"touched", 9, [](const EditCost& c) { return fmt::format("{:.0f}", c.touched.p50); }},
@@ -63,14 +65,18 @@ struct Duel {
   double logRatio() const { return std::log(update_us / build_us); }
 };
 
-std::vector<Duel> duels(const std::vector<EditCost>& costs, const std::string& subject, std::size_t points) {
+// On the model and back end of `like`.
+std::vector<Duel> duels(const std::vector<EditCost>& costs, const EditCost& like) {
+  const auto isAlike = [&](const EditCost& cost) {
+    return cost.subject == like.subject && cost.backend == like.backend && cost.points == like.points;
+  };
   std::vector<Duel> all;
   for (const EditCost& update : costs)
     for (const EditCost& build : costs)
-      if (update.subject == subject && update.points == points && build.subject == subject && build.points == points &&
-          update.asked == build.asked && update.index == "incremental" && build.index == "rebuild" &&
-          kUpdatesPerBuild * update.builds <= update.edits && update.edit_us.count > 0 && build.edit_us.count > 0)
-        all.push_back({update.touched.p50 / static_cast<double>(points), update.edit_us.p50, build.edit_us.p50});
+      if (isAlike(update) && isAlike(build) && update.asked == build.asked && update.index == "incremental" &&
+          build.index == "rebuild" && kUpdatesPerBuild * update.builds <= update.edits && update.edit_us.count > 0 &&
+          build.edit_us.count > 0)
+        all.push_back({update.touched.p50 / static_cast<double>(like.points), update.edit_us.p50, build.edit_us.p50});
   std::ranges::sort(all, {}, &Duel::share);
   return all;
 }
@@ -78,12 +84,12 @@ std::vector<Duel> duels(const std::vector<EditCost>& costs, const std::string& s
 }  // namespace
 
 std::vector<EditCrossover> crossovers(const std::vector<EditCost>& costs) {
-  std::map<std::pair<std::size_t, std::string>, EditCrossover> byModel;
+  std::map<std::tuple<std::string, std::size_t, std::string>, EditCrossover> byModel;
   for (const EditCost& cost : costs) {
-    const std::vector<Duel> all = duels(costs, cost.subject, cost.points);
+    const std::vector<Duel> all = duels(costs, cost);
     if (all.empty()) continue;
-    EditCrossover& result = byModel[{cost.points, cost.subject}];
-    result = {.subject = cost.subject, .points = cost.points, .share = all.back().share};
+    EditCrossover& result = byModel[{cost.backend, cost.points, cost.subject}];
+    result = {.subject = cost.subject, .backend = cost.backend, .points = cost.points, .share = all.back().share};
     for (std::size_t i = 0; i < all.size() && !result.found; ++i) {
       if (all[i].logRatio() < 0) continue;
       result.found = true;
@@ -101,17 +107,18 @@ std::vector<EditCrossover> crossovers(const std::vector<EditCost>& costs) {
 }
 
 std::vector<EditGrowth> growths(const std::vector<EditCost>& costs) {
-  std::map<std::pair<std::size_t, std::string>, std::pair<const EditCost*, const EditCost*>> ends;
+  std::map<std::tuple<std::string, std::size_t, std::string>, std::pair<const EditCost*, const EditCost*>> ends;
   for (const EditCost& cost : costs) {
-    auto& [least, most] = ends[{cost.asked, cost.index}];
+    auto& [least, most] = ends[{cost.backend, cost.asked, cost.index}];
     if (!least || cost.points < least->points) least = &cost;
     if (!most || cost.points > most->points) most = &cost;
   }
   std::vector<EditGrowth> results;
   for (const auto& [key, end] : ends)
     if (end.first->points < end.second->points && end.first->step_us.p50 > 0)
-      results.push_back({.index = key.second,
-                         .asked = key.first,
+      results.push_back({.backend = std::get<0>(key),
+                         .index = std::get<2>(key),
+                         .asked = std::get<1>(key),
                          .from = end.first->points,
                          .to = end.second->points,
                          .factor = end.second->step_us.p50 / end.first->step_us.p50});
@@ -123,10 +130,10 @@ void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
   if (!paced.empty()) {
     print(out, fmt::format("edited step, {}; us, median / p99.9", paced.front().brush),
           with(commonColumns(),
-               {{"query, GPU", 19, [](const EditCost& c) { return times(c.query_us); }},
-                {"edit, GPU", 19, [](const EditCost& c) { return times(c.edit_us); }},
+               {{"query", 19, [](const EditCost& c) { return times(c.query_us); }},
+                {"edit", 19, [](const EditCost& c) { return times(c.edit_us); }},
                 {"both", 19, [](const EditCost& c) { return times(c.indexed_us); }},
-                {"then requests, GPU", 19, [](const EditCost& c) { return times(c.requests_us); }},
+                {"then requests", 19, [](const EditCost& c) { return times(c.requests_us); }},
                 {"step, in all", 19, [](const EditCost& c) { return times(c.step_us); }},
                 {"edits", 7, [](const EditCost& c) { return fmt::format("{}", c.edits); }},
                 {"builds", 8, [](const EditCost& c) { return fmt::format("{}", c.builds); }},
@@ -139,11 +146,11 @@ void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
                 {"/ plain", 9, [](const EditCost& c) { return fmt::format("{:.2f}", c.memory.overPlain()); }}}),
           paced);
     for (const EditGrowth& growth : growths(paced))
-      fmt::print(out, "{}, {} asked: a step on {} points takes {:.2f} times one on {}\n", growth.index, growth.asked,
-                 growth.to, growth.factor, growth.from);
+      fmt::print(out, "{}, {}, {} asked: a step on {} points takes {:.2f} times one on {}\n", growth.backend,
+                 growth.index, growth.asked, growth.to, growth.factor, growth.from);
     for (const EditCrossover& crossover : crossovers(paced))
-      fmt::print(out, "{}, {} points: a full build is cheaper from {}{:.2g} of the points on\n", crossover.subject,
-                 crossover.points, crossover.found ? "" : "more than ", crossover.share);
+      fmt::print(out, "{}, {}, {} points: a full build is cheaper from {}{:.2g} of the points on\n", crossover.backend,
+                 crossover.subject, crossover.points, crossover.found ? "" : "more than ", crossover.share);
   }
   if (realtime.empty()) return;
   const EditStroke& stroke = *realtime.front().stroke;
@@ -172,6 +179,7 @@ void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
 
 Json toJson(const EditCost& cost) {
   Json json{{"subject", cost.subject},
+            {"backend", cost.backend},
             {"points", cost.points},
             {"brush", cost.brush},
             {"index", cost.index},
@@ -206,17 +214,15 @@ Json toJson(const EditCost& cost) {
 
 Json toJson(const EditCrossover& crossover) {
   return {{"subject", crossover.subject},
+          {"backend", crossover.backend},
           {"points", crossover.points},
           {"share", crossover.share},
           {"found", crossover.found}};
 }
 
 Json toJson(const EditGrowth& growth) {
-  return {{"index", growth.index},
-          {"asked", growth.asked},
-          {"from_points", growth.from},
-          {"to_points", growth.to},
-          {"factor", growth.factor}};
+  return {{"backend", growth.backend},  {"index", growth.index},  {"asked", growth.asked},
+          {"from_points", growth.from}, {"to_points", growth.to}, {"factor", growth.factor}};
 }
 
 }  // namespace palpate

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// Bytes on the GPU.
+/// Bytes on the answering machine.
 struct EditMemory {
   BackendMemory edited;
   std::uint64_t plain = 0;  ///< points and index of the same cloud where nothing is edited
@@ -27,14 +27,15 @@ struct EditStroke {
 };
 
 struct EditCost {
-  std::string subject, brush, index;
+  std::string subject, backend, brush, index;
   std::size_t points = 0;
   std::size_t asked = 0;  ///< points that an edit should touch
   double brushRadius_mm = 0, spacing_mm = 0;
-  Summary touched;     ///< points that edits moved, changed or removed
-  Summary query_us;    ///< on the GPU, ticks with an edit; no samples where it was not measured
-  Summary edit_us;     ///< on the GPU: brush, index, normals, log; without GPU times, until the host saw its completion
-  Summary indexed_us;  ///< in virtual time: query and edit of each tick together, on the GPU
+  Summary touched;   ///< points that edits moved, changed or removed
+  Summary query_us;  ///< on the GPU, ticks with an edit; no samples where it was not measured
+  /// On the answering machine: brush, index, normals, log; on a GPU without times, until the host saw its completion.
+  Summary edit_us;
+  Summary indexed_us;   ///< in virtual time: query and edit of each tick together, on the GPU
   Summary requests_us;  ///< on the GPU, after the edit: where the next edit should insert and remove points
   Summary step_us;      ///< from pose to force; in virtual time including the whole edit
   std::uint64_t edits = 0;
@@ -50,18 +51,19 @@ Json toJson(const EditCost& cost);
 
 /// The size above which an edit with a full build is cheaper than an update of the index.
 struct EditCrossover {
-  std::string subject;
+  std::string subject, backend;
   std::size_t points = 0;
   double share = 0;    ///< touched points over all points
   bool found = false;  ///< false: `share` is the largest one measured, and the update was still cheaper there
 };
-/// One for each model measured with both methods, from times on the GPU. Only updates without a build count.
+/// One for each model and back end measured with both methods, from the edits' times. Only updates without a build
+/// count.
 std::vector<EditCrossover> crossovers(const std::vector<EditCost>& costs);
 Json toJson(const EditCrossover& crossover);
 
 /// The edited step of the largest model relative to that of the smallest, for the same number of points.
 struct EditGrowth {
-  std::string index;
+  std::string backend, index;
   std::size_t asked = 0, from = 0, to = 0;  ///< points asked; points of the two models
   double factor = 0;                        ///< ratio of the median steps
 };

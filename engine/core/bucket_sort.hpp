@@ -43,6 +43,9 @@ class BucketSort {
 
   /// In the order of their buckets.
   std::span<const Item> items() const { return items_; }
+  std::span<Item> items() { return items_; }
+  /// Bucket of every i, for an owner that changes the items after the sort.
+  BareVector<std::uint32_t>& keys() { return keys_; }
   /// Index of the first item of each bucket, and the number of items at the end.
   std::span<const std::uint32_t> starts() const { return std::span(starts_).first(std::size_t{buckets_} + 1); }
   std::size_t bytes() const {

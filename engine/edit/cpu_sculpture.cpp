@@ -41,8 +41,10 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
     : options_(options), points_(cloud), grid_(grid, options.threads), claims_(claimSpacing(options)) {
   PALPATE_CHECK_LT(0.0, options.radius);
   const Stopwatch watch;
-  build();
+  grid_.build(points_.positions, points_.there);
   buildTime_us_ = watch.elapsed_us();
+  isChanged_.reserve(points_.positions.capacity());
+  isChanged_.resize(points_.size());
   if (options.keepsDensity) measureSpacings();
 }
 
@@ -118,25 +120,48 @@ void CpuSculpture::edit(const PlacedBrush& brush) {
     resample();
   else
     for (const std::uint32_t point : unsettled_) points_.unsettled[point] = 0;
+  std::erase_if(waiting_, [&](std::uint32_t point) { return !points_.unsettled[point]; });
 }
 
 void CpuSculpture::takeSwallowed() {
-  for (const std::uint32_t point : swallowed_) {
-    if (!points_.there[point]) continue;
-    points_.there[point] = 0;
-    tellOf(point);
-  }
+  for (const std::uint32_t point : swallowed_)
+    if (points_.there[point]) remove(point);
   swallowed_.clear();
-  if (!changed_.empty()) build();
+  followInIndex();
 }
 
 void CpuSculpture::set(std::span<const PointChange> changes) {
-  for (const PointChange& change : changes) points_.set(change.to);
-  std::ranges::fill(points_.unsettled, 0);
+  for (const PointChange& change : changes) {
+    points_.set(change.to);
+    strayed_.push_back(change.to.number());
+  }
+  for (const std::uint32_t point : waiting_) points_.unsettled[point] = 0;
+  waiting_.clear();
   swallowed_.clear();
   settled_ = true;
   someWait_ = false;
-  build();
+  followInIndex();
+}
+
+void CpuSculpture::followInIndex() {
+  if (strayed_.empty()) return;
+  const std::uint64_t builds = grid_.builds();
+  if (options_.index == IndexFollow::rebuild)
+    grid_.build(points_.positions, points_.there);
+  else
+    grid_.update(points_.positions, points_.there, strayed_);
+  followed_ += grid_.builds() == builds;
+  strayed_.clear();
+}
+
+void CpuSculpture::setUnsettled(std::uint32_t point) {
+  if (std::exchange(points_.unsettled[point], 1) == 0) waiting_.push_back(point);
+}
+
+void CpuSculpture::remove(std::uint32_t point) {
+  points_.there[point] = 0;
+  strayed_.push_back(point);
+  tellOf(point);
 }
 
 void CpuSculpture::tellOf(std::uint32_t point) {
@@ -173,11 +198,12 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
     points_.positions[point] = place;
     points_.colors[point] = color;
     points_.there[point] = !places_[i].taken;
+    if (moved || places_[i].taken) strayed_.push_back(point);
     if (!moved) continue;
-    points_.unsettled[point] = 1;
+    setUnsettled(point);
     if (point >= points_.fromFile) points_.reaches[point - points_.fromFile] = mostReach();
   }
-  if (!changed_.empty() && brush.kind() != BrushKind::paint) build();
+  followInIndex();
 }
 
 PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t point) const {
@@ -202,9 +228,9 @@ DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) cons
 }
 
 void CpuSculpture::findUnsettled() {
-  unsettled_.clear();
-  for (std::uint32_t i = 0; i < points_.size(); ++i)
-    if (points_.unsettled[i] && points_.there[i]) unsettled_.push_back(i);
+  std::erase_if(waiting_, [&](std::uint32_t point) { return !points_.there[point]; });
+  std::ranges::sort(waiting_);
+  unsettled_ = waiting_;
   const std::size_t most = std::max(kMaxAtOnce, std::size_t{points_.fromFile} / kShareAtOnce);
   someWait_ = unsettled_.size() > most;
   if (!someWait_) return;
@@ -297,8 +323,6 @@ void CpuSculpture::resample() {
     requests_[i].place = Vec3(DVec3(points_.positions[unsettled_[i]]) + requests_[i].offset);
     requests_[i].reach = static_cast<float>(reachOf(unsettled_[i]) - glm::length(requests_[i].offset));
   });
-  const std::size_t before = points_.size();
-  bool someGone = false;
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     const std::uint32_t point = unsettled_[i];
     points_.unsettled[point] = requests_[i].unsettled;
@@ -307,13 +331,10 @@ void CpuSculpture::resample() {
     if (requests_[i].thick && cuts_ && points_.founds[point].stroke == cuts_->stroke())
       points_.founds[point].thick = static_cast<float>(*requests_[i].thick);
     settled_ = settled_ && !requests_[i].unsettled;
-    if (!requests_[i].goes) continue;
-    points_.there[point] = 0;
-    someGone = true;
-    tellOf(point);
+    if (requests_[i].goes) remove(point);
   }
   insertClaimed();
-  if (someGone || points_.size() > before) build();
+  followInIndex();
 }
 
 void CpuSculpture::insertClaimed() {
@@ -329,6 +350,8 @@ void CpuSculpture::insertClaimed() {
     const std::uint32_t parent = request.takesAfterOther ? request.other : point;
     const std::uint32_t added = points_.insertBetween(point, request.other, parent, request.place);
     points_.reaches[added - points_.fromFile] = request.reach;
+    waiting_.push_back(added);
+    strayed_.push_back(added);
     tellOf(added);
   });
 }

@@ -1,4 +1,4 @@
-// One tick of sculpting in double precision on the CPU, with every brush, over an index that is rebuilt each time.
+// One tick of sculpting in double precision on the CPU, with every brush, at the cost of the points that it touches.
 #pragma once
 
 #include "engine/edit/placed_brush.hpp"
@@ -12,6 +12,7 @@ struct SculptOptions {
   double radius = 0;  ///< support radius, model units
   /// Brushes that keep the density may insert points where the surface is stretched and merge them where it is crowded.
   bool keepsDensity = true;
+  IndexFollow index = IndexFollow::incremental;
   unsigned threads = 0;  ///< 0: one per core
 };
 
@@ -28,8 +29,10 @@ class CpuSculpture {
   std::size_t threads() const { return grid_.threads(); }
   /// Time of the first build of the index, us.
   double buildTime_us() const { return buildTime_us_; }
-  /// Number of index builds after the first.
-  std::uint64_t rebuilds() const { return builds_ - 1; }
+  /// Number of index builds after the first: for changes of a large share of the points.
+  std::uint64_t rebuilds() const { return grid_.builds() - 1; }
+  /// Number of edits and sets whose changes the index followed without a build.
+  std::uint64_t followed() const { return followed_; }
 
   /// One tick: applies the brush, if it acts; then the unsettled points get the normals of their surroundings and are
   /// resampled. If they are more than 1024 and a sixteenth of all points, some are deferred to the next ticks.
@@ -55,10 +58,9 @@ class CpuSculpture {
   float mostReach() const;
   bool isAtRest(std::uint32_t point) const;
   bool isMoved(std::uint32_t point) const;
-  void build() {
-    grid_.build(points_.positions, points_.there);
-    ++builds_;
-  }
+  void setUnsettled(std::uint32_t point);
+  void remove(std::uint32_t point);
+  void followInIndex();
   bool resamples(const PlacedBrush& brush) const { return options_.keepsDensity && brush.keepsDensity(); }
   void applyBrush(const PlacedBrush& brush);
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
@@ -79,13 +81,15 @@ class CpuSculpture {
   SortedGrid grid_;
   InsertionClaims claims_;
   double buildTime_us_ = 0;
-  std::uint64_t builds_ = 0;
+  std::uint64_t followed_ = 0;
   bool settled_ = true, carves_ = false, fills_ = true;
   bool someWait_ = false;              // more points are unsettled than an edit processes
   std::uint32_t nextUnsettled_ = 0;    // number of the first point of the next edit
   std::optional<PlacedBrush> pushes_;  // of this tick
   std::optional<PlacedBrush> cuts_;
   SurfaceMeasure measure_;
+  std::vector<std::uint32_t> waiting_;  // numbers of all points that may be unsettled, each once
+  std::vector<std::uint32_t> strayed_;  // numbers of points that the index has still to follow
   // Working data of one tick.
   struct Request : ResampleRequest {
     Vec3 place{0};  // of the new point

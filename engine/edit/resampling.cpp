@@ -195,7 +195,8 @@ InsertionClaims::InsertionClaims(double spacing)
 
 void InsertionClaims::begin(std::uint32_t stroke) {
   stroke_ = stroke;
-  std::ranges::fill(slots_, Slot());
+  for (const std::uint32_t slot : claimed_) slots_[slot] = {};
+  claimed_.clear();
 }
 
 bool InsertionClaims::wasGranted(const Vec3& place) const {
@@ -206,7 +207,8 @@ bool InsertionClaims::wasGranted(const Vec3& place) const {
 void InsertionClaims::grant(const Vec3& place) { granted_[slotOf(cellOf(grid_, place))] = {place, stroke_}; }
 
 void InsertionClaims::claim(const Vec3& place, std::uint32_t number) {
-  Slot& slot = slots_[slotOf(cellOf(grid_, place))];
+  claimed_.push_back(slotOf(cellOf(grid_, place)));
+  Slot& slot = slots_[claimed_.back()];
   slot.number = std::min(slot.number, number);
 }
 

@@ -83,7 +83,7 @@ class InsertionClaims {
   /// `spacing`: the maximum target spacing, model units.
   explicit InsertionClaims(double spacing);
 
-  /// Begins a tick of this stroke: drops all claims.
+  /// Begins a tick of this stroke: drops all claims, at the cost of those of the last tick.
   void begin(std::uint32_t stroke);
   /// Whether a point was inserted at this position in this stroke, as far as is remembered.
   bool wasGranted(const Vec3& place) const;
@@ -111,6 +111,7 @@ class InsertionClaims {
   float clearance_;  // model units
   std::uint32_t stroke_ = 0;
   std::vector<Slot> slots_;
+  std::vector<std::uint32_t> claimed_;  // slots
   std::vector<Granted> granted_;
 };
 

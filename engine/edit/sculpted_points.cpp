@@ -18,6 +18,10 @@ namespace palpate {
 
 namespace {
 
+// Memory is reserved for this share of new points, or so many, so that an insertion copies no arrays before there are
+// more; memory that is not used is not touched.
+constexpr std::size_t kShareOfNew = 2, kFewestNew = 1 << 16;
+
 std::uint32_t middleColor(std::uint32_t a, std::uint32_t b) {
   if (a == b) return a;
   auto middle = unpackedColor(a == 0 ? shared::kUnpainted : a);
@@ -37,9 +41,9 @@ Vec3 middleNormal(const Vec3& a, const Vec3& b) {
 
 SculptedPoints::SculptedPoints(const PointCloud& cloud) : fromFile(static_cast<std::uint32_t>(cloud.size())) {
   PALPATE_CHECK_EQ(cloud.normals.size(), cloud.size());
-  const std::size_t count = cloud.size();
+  const std::size_t count = cloud.size(), room = count + std::max(count / kShareOfNew, kFewestNew);
   const auto copyTo = [&](std::vector<Vec3>& to, const std::vector<Vec3>& from) {
-    reserveLarge(to, count);
+    reserveLarge(to, room);
     to.assign(from.begin(), from.end());
   };
   // One task per array, since a std::vector is filled by one thread; for many points the total time is about that of
@@ -49,18 +53,23 @@ SculptedPoints::SculptedPoints(const PointCloud& cloud) : fromFile(static_cast<s
       [&] { copyTo(normals, cloud.normals); },
       [&] { copyTo(rests, cloud.positions); },
       [&] {
-        reserveLarge(colors, count);
+        reserveLarge(colors, room);
         for (std::size_t i = 0; i < count; ++i) colors.push_back(palpate::packedColor(cloud, i));
       },
       [&] {
-        reserveLarge(parents, count);
+        reserveLarge(parents, room);
         for (std::size_t i = 0; i < count; ++i) parents.push_back(static_cast<std::uint32_t>(i));
       },
       [&] {
+        for (std::vector<std::uint8_t>* flags : {&there, &unsettled}) flags->reserve(room);
         there.assign(count, 1);
         unsettled.assign(count, 0);
+        reaches.reserve(room - count);
       },
-      [&] { founds.resize(count); },
+      [&] {
+        founds.reserve(room);
+        founds.resize(count);
+      },
   };
   constexpr std::size_t kMany = std::size_t{1} << 18;  // points from which starting threads pays off
   parallelBlocks(arrays.size(), 1, count < kMany ? 1 : 0, [&](std::size_t k, std::size_t) { arrays[k](); });

@@ -1,29 +1,167 @@
 #include "engine/spatial/sorted_grid.hpp"
 
+#include <tuple>
+#include <utility>
+
 namespace palpate {
 
+namespace {
+
+// An update of at least this share of the points costs more than a build.
+constexpr std::size_t kShareToBuild = 16, kFewestToBuild = 1024;
+// A bucket returns to its own slots, or to a smaller block, once this share of them would stay free, so that one that
+// grows and shrinks by a few points stays where it is.
+constexpr std::uint32_t kShareFree = 8, kShareUsed = 4;
+
+}  // namespace
+
 SortedGrid::SortedGrid(const HashGrid& grid, unsigned threads)
-    : grid_(grid), team_(threads), sort_(grid.bucketMask + 1) {}
+    : grid_(grid), team_(threads), sort_(grid.bucketMask + 1), buckets_(std::size_t{grid.bucketMask} + 1, Bucket()) {}
 
 void SortedGrid::build(std::span<const Vec3> positions, std::span<const std::uint8_t> there) {
   PALPATE_CHECK(there.empty() || there.size() == positions.size());
   positions_ = positions;
   there_ = there;
-  const auto bucketAt = [grid = grid_, positions, there](std::size_t i) {
+  const auto bucketOfPoint = [grid = grid_, positions, there](std::size_t i) {
     return there.empty() || there[i] ? bucketOf(grid, cellOf(grid, positions[i])) : kNoBucket;
   };
-  sort_.sort(positions.size(), team_, bucketAt, [positions](std::size_t i, Placed& placed) {
+  sort_.sort(positions.size(), team_, bucketOfPoint, [positions](std::size_t i, Placed& placed) {
     placed.position = positions[i];
     placed.number = static_cast<std::uint32_t>(i);
   });
+  spare_.clear();
+  constexpr std::size_t kPart = std::size_t{1} << 15;  // buckets
+  team_.forEach((buckets_.size() + kPart - 1) / kPart, [&](std::size_t part) {
+    const std::span<const std::uint32_t> starts = sort_.starts();
+    const std::size_t end = std::min(buckets_.size(), (part + 1) * kPart);
+    for (std::size_t b = part * kPart; b < end; ++b) buckets_[b] = {starts[b], starts[b + 1] - starts[b]};
+  });
+  size_ = sort_.items().size();
+  isFresh_ = true;
+  ++builds_;
+}
+
+void SortedGrid::update(std::span<const Vec3> positions, std::span<const std::uint8_t> there,
+                        std::span<const std::uint32_t> changed) {
+  BareVector<std::uint32_t>& keys = sort_.keys();
+  PALPATE_CHECK(there.empty() || there.size() == positions.size());
+  PALPATE_CHECK(keys.size() <= positions.size());
+  if (changed.size() > std::max(kFewestToBuild, positions.size() / kShareToBuild)) return build(positions, there);
+  positions_ = positions;
+  there_ = there;
+  keys.resize(positions.size(), kNoBucket);
+  isFresh_ = false;
+  transfers_.clear();
+  for (const std::uint32_t number : changed) {
+    const std::uint32_t before = std::exchange(keys[number], bucketAt(number)), after = keys[number];
+    if (before == after) {
+      replace(number);
+      continue;
+    }
+    if (before != kNoBucket) transfers_.push_back({before, number, false});
+    if (after != kNoBucket) transfers_.push_back({after, number, true});
+  }
+  std::ranges::sort(transfers_, {}, [](const Transfer& one) { return std::tuple(one.bucket, one.number); });
+  for (std::size_t begin = 0, end = 0; begin < transfers_.size(); begin = end) {
+    while (end < transfers_.size() && transfers_[end].bucket == transfers_[begin].bucket) ++end;
+    transfer(std::span(transfers_).subspan(begin, end - begin));
+  }
+}
+
+// A point that is still about to enter its bucket gets its position then.
+void SortedGrid::replace(std::uint32_t number) {
+  const std::uint32_t key = sort_.keys()[number];
+  if (key == kNoBucket) return;
+  Placed* const begin = at(buckets_[key].begin);
+  Placed* const end = begin + buckets_[key].count;
+  Placed* const found = std::ranges::lower_bound(begin, end, number, {}, &Placed::number);
+  if (found == end || found->number != number) return;
+  found->position = positions_[number];
+  ++written_;
+}
+
+std::uint32_t SortedGrid::slots(std::uint32_t bucket) const {
+  const std::uint32_t begin = buckets_[bucket].begin;
+  return begin < firstSpare() ? homeSlots(bucket) : spare_.slots(begin - firstSpare());
+}
+
+// All those of one bucket, by number.
+void SortedGrid::transfer(std::span<const Transfer> transfers) {
+  const std::uint32_t number = transfers.front().bucket;
+  Bucket& bucket = buckets_[number];
+  const auto entering = static_cast<std::uint32_t>(std::ranges::count(transfers, true, &Transfer::enters));
+  if (entering < transfers.size()) leave(bucket, transfers);
+  if (entering > 0) {
+    if (bucket.count + entering > slots(number)) moveTo(number, firstSpare() + spare_.take(bucket.count + entering));
+    enter(bucket, transfers, entering);
+  }
+  size_ += 2 * entering;
+  size_ -= transfers.size();
+  shrink(number);
+}
+
+void SortedGrid::leave(Bucket& bucket, std::span<const Transfer> transfers) {
+  Placed* const begin = at(bucket.begin);
+  Placed* const end = begin + bucket.count;
+  Placed* to = begin;
+  auto next = transfers.begin();
+  for (Placed* from = begin; from != end; ++from) {
+    while (next != transfers.end() && (next->enters || next->number < from->number)) ++next;
+    if (next != transfers.end() && next->number == from->number) continue;
+    if (to != from) {
+      *to = *from;
+      ++written_;
+    }
+    ++to;
+  }
+  bucket.count = static_cast<std::uint32_t>(to - begin);
+}
+
+// From the back, so that each point moves at most once.
+void SortedGrid::enter(Bucket& bucket, std::span<const Transfer> transfers, std::uint32_t entering) {
+  Placed* const begin = at(bucket.begin);
+  Placed* from = begin + bucket.count;
+  Placed* to = from + entering;
+  bucket.count += entering;
+  written_ += entering;
+  for (auto next = transfers.rbegin(); next != transfers.rend(); ++next) {
+    if (!next->enters) continue;
+    for (; from != begin && (from - 1)->number > next->number; ++written_) *--to = *--from;
+    *--to = {positions_[next->number], next->number};
+  }
+}
+
+void SortedGrid::moveTo(std::uint32_t bucket, std::uint32_t slot) {
+  Bucket& moved = buckets_[bucket];
+  std::copy_n(at(moved.begin), moved.count, at(slot));
+  written_ += moved.count;
+  if (moved.begin >= firstSpare()) spare_.giveBack(moved.begin - firstSpare());
+  moved.begin = slot;
+}
+
+void SortedGrid::shrink(std::uint32_t bucket) {
+  const auto [begin, count] = buckets_[bucket];
+  if (begin < firstSpare()) return;
+  const std::uint32_t home = homeSlots(bucket), mine = slots(bucket);
+  if (count == 0 || count + home / kShareFree < home)
+    moveTo(bucket, sort_.starts()[bucket]);
+  else if (count < mine / kShareUsed && spare_.slotsFor(2 * count) < mine)
+    moveTo(bucket, firstSpare() + spare_.take(2 * count));
 }
 
 void SortedGrid::move(std::span<const PointMove> moves) {
-  if (!moves.empty()) build(positions_, there_);
+  std::vector<std::uint32_t> moved;
+  moved.reserve(moves.size());
+  for (const PointMove& one : moves) moved.push_back(one.point);
+  update(positions_, there_, moved);
 }
 
 void SortedGrid::near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const {
   forEachNear(center, radius, [&](const Placed& point) { found.push_back(point.number); });
+}
+
+std::size_t SortedGrid::bytes() const {
+  return sort_.bytes() + buckets_.size() * sizeof(Bucket) + spare_.bytes() + transfers_.capacity() * sizeof(Transfer);
 }
 
 }  // namespace palpate

@@ -6,11 +6,14 @@
 #include "engine/cloud/neighbour_search.hpp"
 #include "engine/core/bucket_sort.hpp"
 #include "engine/spatial/hash_grid.hpp"
+#include "engine/spatial/spare_blocks.hpp"
 
 namespace palpate {
 
 /// The GPU's hashed grid on the CPU: the same buckets with the same points in the same order, with any number of
-/// threads. A rebuild for at most as many points as before does not allocate.
+/// threads. A rebuild for at most as many points as before does not allocate. An update costs the changed points and
+/// the buckets that they enter or leave, and leaves the buckets that a build would make: queries visit the same points
+/// in the same order.
 class SortedGrid final : public NeighbourSearch {
  public:
   /// A point in bucket order; its number is its index in the positions.
@@ -25,54 +28,106 @@ class SortedGrid final : public NeighbourSearch {
   void build(std::span<const Vec3> positions) override { build(positions, {}); }
   /// `there`: zero for each point to leave out; empty: all points are included.
   void build(std::span<const Vec3> positions, std::span<const std::uint8_t> there);
+  /// Follows the points with the numbers in `changed`: moved, removed, restored or appended to the positions. All other
+  /// points are as at the last build or update.
+  void update(std::span<const Vec3> positions, std::span<const std::uint8_t> there,
+              std::span<const std::uint32_t> changed);
   void move(std::span<const PointMove> moves) override;
   void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const override;
   std::string_view name() const override { return "sorted grid"; }
-  std::size_t bytes() const override { return sort_.bytes(); }
+  std::size_t bytes() const override;
 
   const HashGrid& grid() const { return grid_; }
   std::size_t threads() const { return team_.size(); }
   /// The threads that build, available for other work between builds.
   WorkerTeam& team() { return team_; }
-  /// All included points in bucket order, stable.
-  std::span<const Placed> placed() const { return sort_.items(); }
+  /// Number of included points.
+  std::size_t size() const { return size_; }
+  /// The points of a bucket, by number.
+  std::span<const Placed> bucket(std::uint32_t bucket) const {
+    return {at(buckets_[bucket].begin), buckets_[bucket].count};
+  }
+  /// Until the first update after a build: all included points in bucket order, stable.
+  std::span<const Placed> placed() const {
+    PALPATE_CHECK(isFresh_);
+    return sort_.items();
+  }
   /// First and one-past-last index in placed() of a bucket.
   UVec2 range(std::uint32_t bucket) const { return {sort_.starts()[bucket], sort_.starts()[bucket + 1]}; }
+  /// Number of builds so far.
+  std::uint64_t builds() const { return builds_; }
+  /// Number of points that updates have written or moved so far.
+  std::uint64_t written() const { return written_; }
 
   /// Calls visit(Placed) for every point strictly nearer than `radius` to `center`, once.
   template <class Visit>
   void forEachNear(const DVec3& center, double radius, Visit&& visit) const;
 
  private:
-  UVec2 bucketRange(const IVec3& cell) const { return range(bucketOf(grid_, cell)); }
+  // Slots: those of the last build, then the spare ones.
+  struct Bucket {
+    std::uint32_t begin = 0, count = 0;
+  };
+  // A point that enters or leaves a bucket.
+  struct Transfer {
+    std::uint32_t bucket, number;
+    bool enters;
+  };
+
   static constexpr std::uint32_t kFewCells = 64;
+  // After the end of the build's slots, where its last buckets may begin if they are empty.
+  std::uint32_t firstSpare() const { return static_cast<std::uint32_t>(sort_.items().size()) + 1; }
+  const Placed* at(std::uint32_t slot) const {
+    return slot < firstSpare() ? sort_.items().data() + slot : spare_.at(slot - firstSpare());
+  }
+  Placed* at(std::uint32_t slot) {
+    return slot < firstSpare() ? sort_.items().data() + slot : spare_.at(slot - firstSpare());
+  }
+  std::uint32_t bucketAt(std::size_t point) const {
+    return there_.empty() || there_[point] ? bucketOf(grid_, cellOf(grid_, positions_[point])) : kNoBucket;
+  }
+  std::uint32_t homeSlots(std::uint32_t bucket) const { return sort_.starts()[bucket + 1] - sort_.starts()[bucket]; }
+  std::uint32_t slots(std::uint32_t bucket) const;
+  void replace(std::uint32_t number);
+  void transfer(std::span<const Transfer> transfers);
+  void leave(Bucket& bucket, std::span<const Transfer> transfers);
+  void enter(Bucket& bucket, std::span<const Transfer> transfers, std::uint32_t entering);
+  void moveTo(std::uint32_t bucket, std::uint32_t slot);
+  void shrink(std::uint32_t bucket);
+
   template <class Visit>
   void visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const;
-  // Visits the near points of a range, without unpredictable branches.
+  // Visits the near ones of some points, without unpredictable branches.
   template <class Visit>
-  void visitNear(UVec2 range, const DVec3& center, double squared, Visit&& visit) const;
+  static void visitNear(std::span<const Placed> points, const DVec3& center, double squared, Visit&& visit);
 
   HashGrid grid_;
   WorkerTeam team_;
   std::span<const Vec3> positions_;
   std::span<const std::uint8_t> there_;
-  BucketSort<Placed> sort_;
+  BucketSort<Placed> sort_;  // its keys follow updates
+  BareVector<Bucket> buckets_;
+  SpareBlocks<Placed> spare_;
+  std::size_t size_ = 0;
+  bool isFresh_ = true;
+  std::uint64_t builds_ = 0, written_ = 0;
+  std::vector<Transfer> transfers_;  // of an update
 };
 
 template <class Visit>
-void SortedGrid::visitNear(UVec2 range, const DVec3& center, double squared, Visit&& visit) const {
-  constexpr std::uint32_t kBatch = 64;
-  const std::span<const Placed> points = placed();
+void SortedGrid::visitNear(std::span<const Placed> points, const DVec3& center, double squared, Visit&& visit) {
+  constexpr std::size_t kBatch = 64;
   std::array<std::uint32_t, kBatch> hits;
-  for (std::uint32_t place = range.x; place < range.y;) {
-    const std::uint32_t batchEnd = place + std::min(range.y - place, kBatch);
+  for (std::size_t begin = 0; begin < points.size(); begin += kBatch) {
+    const Placed* const batch = points.data() + begin;
+    const auto size = static_cast<std::uint32_t>(std::min(points.size() - begin, kBatch));
     std::uint32_t count = 0;
-    for (; place < batchEnd; ++place) {
-      const DVec3 d = DVec3(points[place].position) - center;
-      hits[count] = place;
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const DVec3 d = DVec3(batch[i].position) - center;
+      hits[count] = i;
       count += glm::dot(d, d) < squared;
     }
-    for (std::uint32_t i = 0; i < count; ++i) visit(points[hits[i]]);
+    for (std::uint32_t i = 0; i < count; ++i) visit(batch[hits[i]]);
   }
 }
 
@@ -82,14 +137,14 @@ void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) 
   const double squared = radius * radius;
   if (box.cells() <= kFewCells) {
     visitFewCells(box, center, squared, visit);
-  } else if (box.cells() < static_cast<double>(placed().size())) {
+  } else if (box.cells() < static_cast<double>(size_)) {
     box.forEach([&](const IVec3& cell) {
-      visitNear(bucketRange(cell), center, squared, [&](const Placed& point) {
+      visitNear(bucket(bucketOf(grid_, cell)), center, squared, [&](const Placed& point) {
         if (cellOf(grid_, point.position) == cell) visit(point);
       });
     });
   } else {  // a pass over all points is cheaper
-    visitNear({0, static_cast<std::uint32_t>(placed().size())}, center, squared, visit);
+    for (std::uint32_t b = 0; b <= grid_.bucketMask; ++b) visitNear(bucket(b), center, squared, visit);
   }
 }
 
@@ -97,17 +152,20 @@ template <class Visit>
 void SortedGrid::visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const {
   // Prefetches all buckets before visiting their points, so that memory accesses overlap. Two cells may share a bucket,
   // whose points are then visited once: cheaper than computing each point's cell.
-  std::array<UVec2, kFewCells> ranges;
+  std::array<std::uint32_t, kFewCells> begins;
+  std::array<std::span<const Placed>, kFewCells> visited;
   std::size_t count = 0;
   box.forEach([&](const IVec3& cell) {
-    const UVec2 range = bucketRange(cell);
-    if (range.x == range.y || std::find(ranges.begin(), ranges.begin() + count, range) != ranges.begin() + count)
+    const Bucket& found = buckets_[bucketOf(grid_, cell)];
+    if (found.count == 0 || std::find(begins.begin(), begins.begin() + count, found.begin) != begins.begin() + count)
       return;
-    __builtin_prefetch(&placed()[range.x]);
-    __builtin_prefetch(&placed()[range.y - 1]);
-    ranges[count++] = range;
+    const Placed* const points = at(found.begin);
+    __builtin_prefetch(points);
+    __builtin_prefetch(points + found.count - 1);
+    begins[count] = found.begin;
+    visited[count++] = {points, found.count};
   });
-  for (std::size_t i = 0; i < count; ++i) visitNear(ranges[i], center, squared, visit);
+  for (std::size_t i = 0; i < count; ++i) visitNear(visited[i], center, squared, visit);
 }
 
 }  // namespace palpate

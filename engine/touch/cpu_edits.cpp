@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kMaxOffered = 1 << 16;  // changes: the index is rebuilt after them, however few they are
+constexpr std::size_t kMaxOffered = 1 << 12;  // changes: they take less than the time of a tick
 
 }  // namespace
 
@@ -23,6 +23,7 @@ CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& b
       stroke_(radius),
       pace_(kStalest_s),
       offered_(brush && !brush->keepsDensity ? kMaxOffered : 0) {
+  collect();
   if (!brush) return;
   stroke_.setBrush(*brush);
   statistics_.editTimes_us.reserve(kEditTimesKept);
@@ -112,12 +113,19 @@ bool CpuEdits::finishedWithin(double budget_us) {
   if (!task_->finishedWithin(budget_us)) return false;
   isUnderWay_ = false;
   answered_ = work_.states;
+  collect();
   pace_.took(time_s_, work_.time_us * 1e-6);
   if (work_.isOffer) return true;
   stroke_.note(sculpture_.measure());
+  collected_.touched = static_cast<std::uint32_t>(sculpture_.changed().size());
   if (statistics_.editTimes_us.size() < statistics_.editTimes_us.capacity())
     statistics_.editTimes_us.push_back(work_.time_us);
   return true;
+}
+
+void CpuEdits::collect() {
+  collected_.index = {.followed = sculpture_.followed(), .built = sculpture_.rebuilds()};
+  collected_.memory = {.points = sculpture_.points().size() * 2 * sizeof(Vec3), .index = sculpture_.grid().bytes()};
 }
 
 void CpuEdits::wait() const {
@@ -139,6 +147,7 @@ void CpuEdits::markStroke() {
 void CpuEdits::change(std::span<const PointChange> changes, double time_s) {
   if (changes.empty()) return;
   sculpture_.set(changes);
+  collect();
   queue_.append(
       changes.size(), [&](std::size_t i) { return changes[i].to; }, EditMark::Kind::change);
   ++changes_;

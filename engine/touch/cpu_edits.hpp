@@ -11,6 +11,7 @@
 #include "engine/core/offered_changes.hpp"
 #include "engine/edit/cpu_sculpture.hpp"
 #include "engine/touch/edit_pace.hpp"
+#include "engine/touch/touch_backend.hpp"
 #include "engine/touch/touch_statistics.hpp"
 
 namespace palpate {
@@ -51,6 +52,13 @@ class CpuEdits {
   const OfferedChanges& offered() const { return offered_; }
   /// EditStream::progress.
   std::uint64_t answered() const { return answered_; }
+  /// The sculpture's state after the last completed edit, for reports while the next one is in progress.
+  struct Collected {
+    std::uint32_t touched = 0;  ///< points that the last brush edit changed, moved or removed
+    IndexWork index;
+    BackendMemory memory;
+  };
+  const Collected& collected() const { return collected_; }
   const TouchStatistics& statistics() const { return statistics_; }
 
  private:
@@ -63,6 +71,7 @@ class CpuEdits {
   };
   void edit();
   void carryOut();
+  void collect();
   void report(std::size_t count, bool inStroke);
   void markStroke();
 
@@ -76,6 +85,7 @@ class CpuEdits {
   std::uint32_t strokeMarked_ = 0;  // number of the stroke that edits belong to
   double time_s_ = 0;               // of the pose whose answer triggered the last edit
   std::uint64_t answered_ = 0;
+  Collected collected_;
   std::uint64_t changes_ = 0;  // calls of change() reported so far
   EditPace pace_;
   TouchStatistics statistics_;

@@ -20,6 +20,7 @@ HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
 SculptOptions sculptOptions(const CpuTouchOptions& options) {
   return {.radius = options.radius / options.widening,
           .keepsDensity = options.brush && options.brush->keepsDensity,
+          .index = options.index,
           .threads = options.threads};
 }
 
@@ -230,15 +231,17 @@ EditScope CpuTouch::scope() const {
 
 BackendReport CpuTouch::report() const {
   const TouchStatistics& edits = edits_.statistics();
+  const IndexWork& index = edits_.collected().index;
   return {.machine = machine_,
           .cell = 1.0 / static_cast<double>(sculpture_.grid().grid().inverseCell),
           .scope = scope(),
           .build_us = sculpture_.buildTime_us(),
           .editTimes_us = edits.editTimes_us,
           .firstEdit_s = edits.firstEditTime_s,
-          .costs = {.requests_us = {}, .states = edits_.answered()},
+          .costs = {.requests_us = {}, .states = edits_.answered(), .lastTouched = edits_.collected().touched},
           .shortfalls = edits.shortfalls,
-          .index = {.built = sculpture_.rebuilds() + (frames_ ? frames_->count() : 0)}};
+          .index = {.followed = index.followed, .built = index.built + (frames_ ? frames_->count() : 0)},
+          .memory = edits_.collected().memory};
 }
 
 }  // namespace palpate

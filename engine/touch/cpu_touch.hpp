@@ -18,6 +18,7 @@ struct CpuTouchOptions {
   double radius = 0;  ///< support radius, model units
   double cell = 0;    ///< edge of a grid cell, model units; 0: the support radius
   BucketKey bucketKey = BucketKey::teschner;
+  IndexFollow index = IndexFollow::incremental;
   SurfaceKind surface = SurfaceKind::average;
   bool localRadius = false;  ///< take a smaller support radius where points lie close (SurfaceOptions)
   double widening = 1;       ///< factor on the support radius for flat surfaces; edits use the unwidened radius
@@ -33,7 +34,7 @@ struct CpuTouchOptions {
 
 /// The whole loop on the CPU, in double precision: for machines without a GPU, and as the reference for GPUs. The
 /// surface is evaluated wherever the proxy moves, directly from the index. When the surface yields, a separate thread
-/// edits the points and rebuilds the index; only the next tick's query waits for it. The points of a tool are evaluated
+/// edits the points and updates the index; only the next tick's query waits for it. The points of a tool are evaluated
 /// one after another, each with its own proxy; so are further hands.
 class CpuTouch final : public TouchBackend, private EditStream, private SurfaceField {
  public:
@@ -56,8 +57,8 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   /// Density is kept if the first brush kept it.
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
-  /// Its machine: the processor, and the number of threads that build and edit; one thread answers. The index is
-  /// rebuilt for each edit that moves points, and for each frame.
+  /// Its machine: the processor, and the number of threads that build and edit; one thread answers. The index follows
+  /// the edits, and is rebuilt for each frame.
   BackendReport report() const override;
 
  private:

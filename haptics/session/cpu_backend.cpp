@@ -30,6 +30,7 @@ class CpuBackend final : public BackendKind {
     return std::make_unique<CpuTouch>(request.model.cloud, CpuTouchOptions{.radius = request.surface.radius,
                                                                            .cell = cellFor(request.model, config.index),
                                                                            .bucketKey = config.index.bucketKey,
+                                                                           .index = config.index.follow,
                                                                            .surface = request.surface.kind,
                                                                            .localRadius = request.surface.localRadius,
                                                                            .widening = request.surface.widening,

@@ -53,7 +53,7 @@ constexpr Setting<BackendConfig> kBackend[]{
 constexpr Setting<IndexConfig> kIndex[]{
     {"follow", words<&IndexConfig::follow, kIndexFollows>(), "--index",
      "how the index follows an edit: incremental (cost of the touched points; rebuilt when a "
-     "sixteenth of all is touched), or rebuild (always so on cpu and cuda)"},
+     "sixteenth of all is touched), or rebuild (always so on cuda)"},
     {"bucket_key", words<&IndexConfig::bucketKey, kBucketKeys>(), "--bucket-key",
      "hash key: teschner scatters the cells, morton keeps neighbouring cells together in memory"},
     {"sort", words<&IndexConfig::sort, kSortMethods>(), "--sort",
