@@ -43,7 +43,7 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
   const Stopwatch watch;
   build();
   buildTime_us_ = watch.elapsed_us();
-  if (options.keepsDensity) measureSpacings();
+  if (options.resample) measureSpacings();
 }
 
 double CpuSculpture::spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const {

@@ -11,7 +11,7 @@ namespace palpate {
 struct SculptOptions {
   double radius = 0;  ///< support radius, model units
   /// Brushes that keep the density may insert points where the surface is stretched and merge them where it is crowded.
-  bool keepsDensity = true;
+  bool resample = true;
   unsigned threads = 0;  ///< 0: one per core
 };
 
@@ -59,7 +59,7 @@ class CpuSculpture {
     grid_.build(points_.positions, points_.there);
     ++builds_;
   }
-  bool resamples(const PlacedBrush& brush) const { return options_.keepsDensity && brush.keepsDensity(); }
+  bool resamples(const PlacedBrush& brush) const { return options_.resample && brush.resample(); }
   void applyBrush(const PlacedBrush& brush);
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
   DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;

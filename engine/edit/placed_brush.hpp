@@ -21,7 +21,7 @@ class PlacedBrush {
 
   BrushKind kind() const { return static_cast<BrushKind>(brush_.kind); }
   /// Whether points are inserted and removed with it, if the sculpture can.
-  bool keepsDensity() const { return keepsDensity_; }
+  bool resample() const { return keepsDensity_; }
   /// False: the brush has no effect.
   bool acts() const { return tool_.acts != 0; }
   /// Centre of a ball that contains all points that the brush may affect; radius() is its radius.
