@@ -31,7 +31,7 @@ say "Drawing $model before sculpting: out/before.png"
 "$palpate" render "$model" -o out/before.png
 say "Touching it and pushing a dent into it: out/touch.png, out/trace.csv, out/sculpted.ply"
 "$palpate" touch "$model" --path builtin:press --penetration 5 \
-  --edit push --tau 1 --beta 0.1 --tool-radius 8 \
+  --edit push --yield-depth 1 --push-rate 0.1 --brush-radius 8 \
   --picture out/touch.png --trace out/trace.csv --save out/sculpted.ply
 say "Plotting the forces: out/forces.png"
 /usr/bin/python3 apps/bench/plot_forces.py out/trace.csv out/forces.png

@@ -36,7 +36,7 @@ struct SharedCounts {
   double force = 1;     ///< share of a force that this permits (InformationAge)
   LinkCounts link;
   bool delivered = false;  ///< the server has taken all edits of this hand
-  bool atRest = false;     ///< and all edits of others are in effect here
+  bool idle = false;       ///< and all edits of others are in effect here
   bool same = false;       ///< at rest: the points equal the server's, bit by bit
   std::string fault;       ///< why this hand's part has ended for good; empty: it continues
 };
@@ -47,7 +47,7 @@ class SharedFollower : public EditFollower {
   /// Age of the information, and whether others are changing the surface at this hand.
   virtual const InformationAge& known() const = 0;
   virtual SharedCounts counts() const = 0;
-  /// Asks the server how far it is. From now on counts().atRest and counts().same are false until the server has
+  /// Asks the server how far it is. From now on counts().idle and counts().same are false until the server has
   /// answered, and all that it had taken by then is in effect here.
   virtual void askServer() = 0;
   /// Positions of the hands that feel the changes of others. For the thread that answers them: never blocks.

@@ -16,7 +16,7 @@ namespace palpate {
 inline constexpr double kClayTau = 0.5, kClayRadius = 6;
 
 inline BrushOptions clayBrush(BrushKind kind) {
-  return {.kind = kind, .tau = kClayTau, .beta = 0.1, .radius = kClayRadius, .strength = 0.5};
+  return {.kind = kind, .yieldDepth = kClayTau, .pushRate = 0.1, .radius = kClayRadius, .strength = 0.5};
 }
 
 /// Positions of a hand, tick by tick, and the surface along its path.

@@ -39,14 +39,14 @@ Json toJson(const Coexistence& c) {
             {"ticks", c.ticks},
             {"missed_ticks", c.missedTicks},
             {"contact_ticks", c.contactTicks},
-            {"fresh_share", c.freshShare},
+            {"fresh_fraction", c.freshShare},
             {"step_us", summary(c.step_us)},
             {"late_us", {{"p999", c.lateP999_us}, {"max", c.lateMost_us}}},
             {"realtime_priority", c.realtimePriority},
             {"edits", c.edits},
-            {"edits_left_out", c.leftOut},
+            {"dropped_edits", c.leftOut},
             {"states_made", c.statesMade},
-            {"tool_radius_mm", c.brushRadius_mm}};
+            {"brush_radius_mm", c.brushRadius_mm}};
   if (c.sight)
     json["sight"] = {{"gpu", c.sight->gpu},
                      {"pictures", c.sight->pictures},

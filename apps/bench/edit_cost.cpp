@@ -184,7 +184,7 @@ Json toJson(const EditCost& cost) {
             {"brush", cost.brush},
             {"index", cost.index},
             {"asked", cost.asked},
-            {"tool_radius_mm", cost.brushRadius_mm},
+            {"brush_radius_mm", cost.brushRadius_mm},
             {"spacing_mm", cost.spacing_mm},
             {"touched", summaryOf(cost.touched)},
             {"query_us", summaryOf(cost.query_us)},
@@ -193,7 +193,7 @@ Json toJson(const EditCost& cost) {
             {"requests_us", summaryOf(cost.requests_us)},
             {"step_us", summaryOf(cost.step_us)},
             {"edits", cost.edits},
-            {"builds", cost.builds},
+            {"index_rebuilds", cost.builds},
             {"compactions", cost.compactions},
             {"compacting_step_us", summaryOf(cost.compactingStep_us)},
             {"longest_compaction_end_us", cost.longestCompactionEnd_us},
@@ -205,9 +205,9 @@ Json toJson(const EditCost& cost) {
               {"plain_bytes", cost.memory.plain},
               {"over_plain", cost.memory.overPlain()}}}};
   if (const auto& stroke = cost.stroke)
-    json["stroke"] = {{"rate_Hz", stroke->rate_Hz},          {"duration_s", stroke->duration_s},
-                      {"fresh_share", stroke->freshShare},   {"edits_per_s", stroke->editsPerSecond},
-                      {"missed_ticks", stroke->missedTicks}, {"left_out_edits", stroke->leftOut},
+    json["stroke"] = {{"rate_Hz", stroke->rate_Hz},           {"duration_s", stroke->duration_s},
+                      {"fresh_fraction", stroke->freshShare}, {"edits_per_s", stroke->editsPerSecond},
+                      {"missed_ticks", stroke->missedTicks},  {"dropped_edits", stroke->leftOut},
                       {"held_up_edits", stroke->heldUp}};
   return json;
 }

@@ -36,7 +36,7 @@ Json toJson(const StrokeRecord& record) {
           {"gesture", record.gesture},
           {"spacing_mm", record.spacing_mm},
           {"radius_mm", record.radius_mm},
-          {"tool_radius_mm", record.brushRadius_mm},
+          {"brush_radius_mm", record.brushRadius_mm},
           {"ticks", record.ticks},
           {"acting_ticks", record.acting},
           {"moved", v.moved},

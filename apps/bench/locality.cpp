@@ -169,8 +169,8 @@ std::vector<HipPlace> slideHips(const LocalitySubject& subject, double depth_mm)
 // The brush of a stroke; `idle`: the same brush without any effect.
 BrushConfig brushFor(BrushKind kind, const LocalityBenchOptions& options, bool idle) {
   return {.kind = kind,
-          .tau_mm = kTau_mm,
-          .beta = idle ? 0 : kBeta,
+          .yieldDepth_mm = kTau_mm,
+          .pushRate = idle ? 0 : kBeta,
           .radius_mm = options.brushRadius_mm,
           .strength = idle ? 0 : kStrength};
 }
@@ -214,11 +214,11 @@ class Play {
         backend.query({.time_s = static_cast<double>(ticks_++) / kQueryRate_Hz, .hip = origin_ + place.hip}, 0);
     if (!contact.valid) backend.finish();  // throws the back end's failure
     backend.prepare();
-    // As in engine/core/brush.hpp: a ball whose tip is tau before the HIP, or a ball about the surface position over
-    // the hand.
+    // As in engine/core/brush.hpp: a ball whose tip is the yield depth before the HIP, or a ball about the surface
+    // position over the hand.
     const bool tip = brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve;
-    if (contact.touching && glm::distance(contact.proxy, origin_ + place.hip) > brush_.tau)
-      centers_.push_back(tip ? place.hip + (brush_.tau + brush_.radius) * axes_.axisAt(place) : place.on);
+    if (contact.touching && glm::distance(contact.proxy, origin_ + place.hip) > brush_.yieldDepth)
+      centers_.push_back(tip ? place.hip + (brush_.yieldDepth + brush_.radius) * axes_.axisAt(place) : place.on);
     return ticks_ % kDrain == 0 ? drain() : 0;
   }
   std::size_t finish() {
@@ -359,7 +359,7 @@ void addOptions(Options& bench, LocalityBenchOptions& options) {
   addListOption(bench, "--brushes", options.brushes, "brushes to test");
   addListOption(bench, "--gestures", options.gestures, "press: pressed and held; slide: a slide of 20 mm");
   bench.add("--hold", options.hold_s, "duration of a press, s").check(between(0, 60)).showDefault();
-  bench.add("--tool-radius", options.brushRadius_mm, "radius of the brush, mm")
+  bench.add("--brush-radius", options.brushRadius_mm, "radius of the brush, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
   bench.add("--depth", options.depth_mm, "depth of the HIP below the original surface, mm")

@@ -201,7 +201,7 @@ Json passBytes(const MatterCase& one, std::size_t particles) {
   Json passes = Json::object();
   if (one.backend != "vulkan" || one.scene.matter == Matter::soft) return passes;
   for (const auto& [name, bytes] : matterBytes(one.scene, particles))
-    passes[name] = {{"moved", bytes.moved}, {"asked", bytes.asked}, {"mostly_ends", bytes.mostlyEnds}};
+    passes[name] = {{"moved", bytes.moved}, {"asked", bytes.asked}, {"early_exit", bytes.earlyExit}};
   return passes;
 }
 
@@ -281,7 +281,7 @@ std::string said(const Json& summary) {
 // Bytes that a pass moves, and its bandwidth while it worked.
 std::string inWords(const Json& bytes, const Json& times) {
   const double moved = bytes["moved"].get<double>(), asked = bytes["asked"].get<double>();
-  const double time_us = times[bytes["mostly_ends"].get<bool>() ? "max" : "p50"].get<double>();
+  const double time_us = times[bytes["early_exit"].get<bool>() ? "max" : "p50"].get<double>();
   return fmt::format("  {:.1f} MB moved, {:.3g} GB/s; {:.1f} MB asked for", moved * 1e-6,
                      moved * 1e-3 / std::max(time_us, 1e-3), asked * 1e-6);
 }

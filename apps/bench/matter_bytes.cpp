@@ -49,7 +49,7 @@ std::map<std::string, PassBytes> matterBytes(const MatterScene& scene, std::size
       // Position in the order, cell; three vectors and an id, from their old slot to their new one.
       {"matter_sort", each(2 * kWord + 2 * (3 * kPlace + kWord), 0, firsts)},
       {"matter_list", each(2 * (3 * kPlace + kWord) + list + kWord, kPlace * lookedAt, firsts)}};
-  for (auto& [name, bytes] : passes) bytes.mostlyEnds = name != "matter_predict";
+  for (auto& [name, bytes] : passes) bytes.earlyExit = name != "matter_predict";
   if (scene.matter == Matter::sand) {
     // Position, velocity, id, list, contacts; position, velocity and contacts, written to other buffers.
     const double contacts = kContact * kGrainContacts + kWord;

@@ -10,10 +10,10 @@ namespace palpate {
 
 /// Bytes of a pass that does its work.
 struct PassBytes {
-  double moved = 0;         ///< minimum from and to memory: each value once, however many invocations read it
-  double asked = 0;         ///< including each particle's reads of its neighbours, most of which hit caches
-  bool mostlyEnds = false;  ///< it mostly returns at once, because lists stay valid for several steps: its longest time
-                            ///< is that of its work
+  double moved = 0;        ///< minimum from and to memory: each value once, however many invocations read it
+  double asked = 0;        ///< including each particle's reads of its neighbours, most of which hit caches
+  bool earlyExit = false;  ///< it mostly returns at once, because lists stay valid for several steps: its longest time
+                           ///< is that of its work
 };
 
 /// By name of the pass. Derived from the shaders (shaders/matter) and the number of neighbours on the rest lattice,

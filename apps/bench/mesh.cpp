@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 struct MeshBenchOptions : BenchOptions {
-  std::vector<std::int64_t> lattices{64, 128, 256};
+  std::vector<std::int64_t> resolutions{64, 128, 256};
   std::vector<std::string> surfaces{"sphere"}, shapes;
   std::int64_t truthPoints = 200'000;
 };
@@ -52,10 +52,10 @@ std::string inMs(const Json& summary) {
   return fmt::format("{:.2f} / {:.2f}", summary["p50"].get<double>() * 1e-3, summary["p999"].get<double>() * 1e-3);
 }
 
-Json measure(Context& context, const Subject& subject, std::int64_t lattice, const std::string& surface,
+Json measure(Context& context, const Subject& subject, std::int64_t resolution, const std::string& surface,
              const BenchOptions& options) {
   const PointCloud& cloud = subject.model.cloud;
-  const MeshPlan plan = planFor(subject.model, {.lattice = lattice, .surface = surface});
+  const MeshPlan plan = planFor(subject.model, {.resolution = resolution, .surface = surface});
   MarchingCubes cubes = makeCubes(context, subject.model, plan);
   cubes.build();
   const std::uint64_t bytes = cubes.bytes();
@@ -79,7 +79,7 @@ Json measure(Context& context, const Subject& subject, std::int64_t lattice, con
   });
   return {{"subject", subject.name},
           {"points", cloud.size()},
-          {"lattice", lattice},
+          {"resolution", resolution},
           {"surface", surface},
           {"blocks", step.blocks},
           {"vertices", vertices},
@@ -93,15 +93,15 @@ Json measure(Context& context, const Subject& subject, std::int64_t lattice, con
             {"gpu_us", summaryOf(summarize(samples["edited"]))}}}};
 }
 
-void printTimes(std::FILE* out, const Json& records, std::int64_t lattice, const std::string& surface) {
-  fmt::print(out, "\nmesh, lattice {}, {}: ms on the GPU, median / p99.9\n", lattice, surface);
+void printTimes(std::FILE* out, const Json& records, std::int64_t resolution, const std::string& surface) {
+  fmt::print(out, "\nmesh, resolution {}, {}: ms on the GPU, median / p99.9\n", resolution, surface);
   fmt::print(out, "{:<24}{:>10}{:>9}{:>9}{:>11}", "model", "points", "MiB", "FPS", "triangles");
   const std::vector<std::string> passes{"in all",   "index", "list",     "field",
                                         "classify", "scan",  "vertices", "triangles"};
   for (const std::string& pass : passes) fmt::print(out, "{:>20}", pass);
   fmt::print(out, "{:>20}{:>16}\n", "after an edit", "blocks of all");
   for (const Json& record : records) {
-    if (record["lattice"].get<std::int64_t>() != lattice || record["surface"] != surface) continue;
+    if (record["resolution"].get<std::int64_t>() != resolution || record["surface"] != surface) continue;
     const double all_us = record["gpu_us"]["in all"]["p50"].get<double>();
     fmt::print(out, "{:<24}{:>10}{:>9.1f}{:>9.1f}{:>11}", record["subject"].get<std::string>(),
                record["points"].get<std::size_t>(), record["gpu_bytes"].get<double>() / (1 << 20),
@@ -114,12 +114,12 @@ void printTimes(std::FILE* out, const Json& records, std::int64_t lattice, const
 }
 
 // Compares a mesh of a known shape with the shape. Shapes are 100 units long, which are mm.
-Json judge(Context& context, const std::string& name, std::size_t points, std::int64_t lattice,
+Json judge(Context& context, const std::string& name, std::size_t points, std::int64_t resolution,
            const std::string& surface) {
   const auto shape = makeShape(name);
   Model model{.cloud = sampleShape(*shape, {.count = points, .threads = context.threads()}), .scale = {1}};
   model.spacing = meanSpacing(model.cloud, context.threads());
-  MarchingCubes cubes = makeCubes(context, model, planFor(model, {.lattice = lattice, .surface = surface}));
+  MarchingCubes cubes = makeCubes(context, model, planFor(model, {.resolution = resolution, .surface = surface}));
   cubes.build();
   const Mesh mesh = cubes.download();
   std::vector<double> off(mesh.vertices.size()), angles(mesh.vertices.size());
@@ -141,7 +141,7 @@ Json judge(Context& context, const std::string& name, std::size_t points, std::i
   return {{"shape", name},
           {"points", points},
           {"spacing_mm", model.spacing},
-          {"lattice", lattice},
+          {"resolution", resolution},
           {"surface", surface},
           {"vertices", report.vertices},
           {"closed", report.closed()},
@@ -154,12 +154,12 @@ Json judge(Context& context, const std::string& name, std::size_t points, std::i
 
 void printTruth(std::FILE* out, const Json& judgements) {
   fmt::print(out, "\nmesh against the shape: distance of the vertices, error of their normals\n");
-  fmt::print(out, "{:<14}{:>9}{:>9}{:>10}{:>8}{:>7}{:>11}{:>11}{:>15}{:>15}{:>24}\n", "shape", "points", "lattice",
+  fmt::print(out, "{:<14}{:>9}{:>12}{:>10}{:>8}{:>7}{:>11}{:>11}{:>15}{:>15}{:>24}\n", "shape", "points", "resolution",
              "surface", "closed", "Euler", "RMS, mm", "max, mm", "RMS, spacings", "max, spacings",
              "mean / p95 / max, deg");
   for (const Json& j : judgements)
-    fmt::print(out, "{:<14}{:>9}{:>9}{:>10}{:>8}{:>7}{:>11.5f}{:>11.5f}{:>15.5f}{:>15.5f}{:>24}\n",
-               j["shape"].get<std::string>(), j["points"].get<std::size_t>(), j["lattice"].get<std::int64_t>(),
+    fmt::print(out, "{:<14}{:>9}{:>12}{:>10}{:>8}{:>7}{:>11.5f}{:>11.5f}{:>15.5f}{:>15.5f}{:>24}\n",
+               j["shape"].get<std::string>(), j["points"].get<std::size_t>(), j["resolution"].get<std::int64_t>(),
                j["surface"].get<std::string>(), j["closed"].get<bool>() ? "yes" : "no", j["euler"].get<std::int64_t>(),
                j["distance_mm"]["rms"].get<double>(), j["distance_mm"]["max"].get<double>(),
                j["distance_spacings"]["rms"].get<double>(), j["distance_spacings"]["max"].get<double>(),
@@ -173,22 +173,22 @@ Json benchMesh(Context& context, const MeshBenchOptions& options) {
   for (const SubjectMaker& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);
     if (subject.model.cloud.empty()) throw Error("{} contains no points", subject.name);
-    for (const std::int64_t lattice : options.lattices)
+    for (const std::int64_t resolution : options.resolutions)
       for (const std::string& surface : options.surfaces) {
-        context.log().say("mesh: {}, {} points, lattice {}, {}", subject.name, subject.model.cloud.size(), lattice,
-                          surface);
-        result["records"].push_back(measure(context, subject, lattice, surface, options));
+        context.log().say("mesh: {}, {} points, resolution {}, {}", subject.name, subject.model.cloud.size(),
+                          resolution, surface);
+        result["records"].push_back(measure(context, subject, resolution, surface, options));
       }
   }
-  for (const std::int64_t lattice : options.lattices)
-    for (const std::string& surface : options.surfaces) printTimes(out, result["records"], lattice, surface);
+  for (const std::int64_t resolution : options.resolutions)
+    for (const std::string& surface : options.surfaces) printTimes(out, result["records"], resolution, surface);
   if (options.truthPoints == 0) return result;
   for (const std::string& shape : options.shapes)
-    for (const std::int64_t lattice : options.lattices)
+    for (const std::int64_t resolution : options.resolutions)
       for (const std::string& surface : options.surfaces) {
-        context.log().say("mesh: {} against the shape, lattice {}, {}", shape, lattice, surface);
+        context.log().say("mesh: {} against the shape, resolution {}, {}", shape, resolution, surface);
         result["truth"].push_back(
-            judge(context, shape, static_cast<std::size_t>(options.truthPoints), lattice, surface));
+            judge(context, shape, static_cast<std::size_t>(options.truthPoints), resolution, surface));
       }
   printTruth(out, result["truth"]);
   return result;
@@ -196,8 +196,8 @@ Json benchMesh(Context& context, const MeshBenchOptions& options) {
 
 void addOptions(Options& bench, MeshBenchOptions& options) {
   addSubjectOptions(bench, options);
-  bench.add("--lattice", options.lattices, "cells along the longest side")
-      .check(wholeBetween(1, kFinestLattice))
+  bench.add("--resolution", options.resolutions, "cells along the longest side")
+      .check(wholeBetween(1, kMaxResolution))
       .typeName("N...")
       .showDefault();
   bench.add("--mesh-surface", options.surfaces, "surface to mesh")

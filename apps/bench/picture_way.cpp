@@ -18,14 +18,14 @@ void visitDiscs(Context& context, const Model& model, const std::string& name,
   visit(way);
 }
 
-void visitMesh(Context& context, const Model& model, std::int64_t lattice, const BenchOptions& options,
+void visitMesh(Context& context, const Model& model, std::int64_t resolution, const BenchOptions& options,
                const std::function<void(const PictureWay&)>& visit) {
   const std::uint64_t before = context.device().allocatedBytes();
-  MarchingCubes cubes = makeCubes(context, model, planFor(model, {.lattice = lattice}));
+  MarchingCubes cubes = makeCubes(context, model, planFor(model, {.resolution = resolution}));
   cubes.build();
   std::vector<double> made_ms;
   repeatMeasurement(options, [&](std::int64_t) { made_ms.push_back(1e-3 * cubes.build().gpu_us.total()); });
-  PictureWay way{.name = fmt::format("mesh {}", lattice),
+  PictureWay way{.name = fmt::format("mesh {}", resolution),
                  .made_ms = summarize(made_ms),
                  .bytes = context.device().allocatedBytes() - before};
   const DrawnMesh drawn = drawnMesh(cubes, model);
@@ -40,7 +40,7 @@ void visitMesh(Context& context, const Model& model, std::int64_t lattice, const
 void forEachWay(Context& context, const Model& model, const WayOptions& options,
                 const std::function<void(const PictureWay&)>& visit) {
   for (const std::string& raster : options.rasters) visitDiscs(context, model, raster, visit);
-  for (const std::int64_t lattice : options.meshes) visitMesh(context, model, lattice, options, visit);
+  for (const std::int64_t resolution : options.meshes) visitMesh(context, model, resolution, options, visit);
 }
 
 }  // namespace palpate

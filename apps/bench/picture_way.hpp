@@ -11,7 +11,7 @@
 namespace palpate {
 
 struct PictureWay {
-  std::string name;                   ///< compute, hardware, or "mesh" and its lattice
+  std::string name;                   ///< compute, hardware, or "mesh" and its resolution
   Summary made_ms;                    ///< GPU time of preparation before the first picture; no samples for discs
   std::uint64_t bytes = 0;            ///< GPU memory of the drawn data
   const DrawnCloud* discs = nullptr;  ///< null for a mesh
@@ -20,7 +20,7 @@ struct PictureWay {
 
 struct WayOptions : BenchOptions {
   std::vector<std::string> rasters{"compute"};  ///< FrameOptions::raster
-  std::vector<std::int64_t> meshes;             ///< lattices
+  std::vector<std::int64_t> meshes;             ///< resolutions
 };
 
 /// Prepares the data of each method, calls `visit` and frees it, one method after the other.

@@ -18,7 +18,8 @@ constexpr std::size_t kStepsApart = 6;
 constexpr double kSpeed_mm_per_s = 50;  // as in a brisk stroke
 constexpr double kSink = 1.0 / 8;       // of its radius: depth of a pressing brush in the surface
 constexpr double kTau = 0.5,
-                 kShallow = 1;  // spacings: depth that the surface resists (tau); extra depth of a stroking brush
+                 kShallow =
+                     1;  // spacings: depth that the surface resists (the yield depth); extra depth of a stroking brush
 constexpr double kStrokeStrength = 0.5;
 constexpr double kInflateDepth = 1.0 / 4;  // of its radius: deep enough that the hand never reaches the raised surface
 
@@ -30,7 +31,7 @@ constexpr double kGoldenAngle = 2.399963229728653;
 
 bool presses(BrushKind kind) { return kind == BrushKind::push || kind == BrushKind::carve; }
 
-// Depth of a brush below the resistance of the surface (tau), model units.
+// Depth of a brush below the resistance of the surface (the yield depth), model units.
 double depthOf(BrushKind kind, double radius, double spacing) {
   if (presses(kind)) return kSink * radius;
   return kind == BrushKind::inflate ? std::max(kShallow * spacing, kInflateDepth * radius) : kShallow * spacing;
@@ -88,13 +89,13 @@ Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model
   const double footprint = radius * std::sqrt(sunk * (2 - sunk));  // the brush's radius on flat ground
   const double speed = model.scale.toUnits(kSpeed_mm_per_s);
   const double ticksOnPlace = std::max(1.0, 2 * footprint / speed * rate_Hz);
-  const double tau = kTau * model.spacing;
+  const double yieldDepth = kTau * model.spacing;
   return {.brush = {.kind = kind,
-                    .tau_mm = model.scale.toMm(tau),
-                    .beta = 1 / ticksOnPlace,
+                    .yieldDepth_mm = model.scale.toMm(yieldDepth),
+                    .pushRate = 1 / ticksOnPlace,
                     .radius_mm = model.scale.toMm(radius),
                     .strength = presses(kind) || kind == BrushKind::paint ? 1 / ticksOnPlace : kStrokeStrength},
-          .depth = tau + depthOf(kind, radius, model.spacing),
+          .depth = yieldDepth + depthOf(kind, radius, model.spacing),
           .speed = speed};
 }
 

@@ -160,7 +160,7 @@ Felt pressAndRest(SharedHand& presser, SharedHand& rester, std::int64_t trials) 
     }
     // Earlier edits have reached every hand.
     constexpr double kPatience_s = 6;
-    waitFor(kPatience_s, presser, rester, [&] { return presser.counts().atRest && rester.counts().atRest; });
+    waitFor(kPatience_s, presser, rester, [&] { return presser.counts().idle && rester.counts().idle; });
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 50'000));
     const std::uint64_t sent = presser.counts().sent;
     rester.device().watch();
@@ -191,7 +191,7 @@ ShareRecord measureShare(Context& context, const ShareOptions& share, const std:
       configOf(share, backend, std::min(kLongest_s, 10 + kLongestTrial_s * static_cast<double>(presses)));
   const Stopwatch clock;
   SharedHand rester(context, config, "rests", clock);
-  config.brush = BrushConfig{.keepsDensity = false};
+  config.brush = BrushConfig{.resample = false};
   SharedHand presser(context, config, "presses", clock);
   ShareRecord record{
       .felt = pressAndRest(presser, rester, presses), .rests = rester.counts(), .presses = presser.counts()};
@@ -244,7 +244,7 @@ Json toJson(const std::string& backend, const ShareRecord& record) {
           {"not_felt", record.felt.notFelt},
           {"not_pressed", record.felt.notPressed},
           {"unsteady", record.felt.unsteady},
-          {"skipped_edits", record.editsTooSlow},
+          {"dropped_edits", record.editsTooSlow},
           {"copied", record.rests.copied},
           {"ticks", record.ticks},
           {"missed_ticks", record.missed},

@@ -282,7 +282,7 @@ Json toJson(const SplatCost& cost) {
           {"picture_ms", toJson(cost.times.wall_ms)},
           {"fps", cost.fps()},
           {"made_ms", toJson(cost.made_ms)},
-          {"fps_made_anew", cost.fpsRemeshed()},
+          {"fps_with_remesh", cost.fpsRemeshed()},
           {"longest_workgroup_us", lives},
           {"bytes", cost.bytes}};
 }
@@ -353,7 +353,7 @@ void addOptions(Options& bench, SplatBenchOptions& options) {
       .add("--mesh", options.meshes,
            "also draw marching cubes with this number of cells along the longest side, from the same clouds and "
            "cameras; one table compares all")
-      .check(wholeBetween(1, kFinestLattice))
+      .check(wholeBetween(1, kMaxResolution))
       .separatedBy(',')
       .typeName("N,...");
   bench.add("--smooth", options.smooths_px, "radius over which depth is smoothed, pixels; several are judged")

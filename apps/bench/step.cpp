@@ -178,7 +178,7 @@ void benchStep(Context& context, const Subject& subject, const TimeBenchOptions&
       records.back().wall_us = times.wall_us;
     }
   });
-  const BrushConfig push{.tau_mm = 0.1, .beta = 1e-4, .radius_mm = 6};
+  const BrushConfig push{.yieldDepth_mm = 0.1, .pushRate = 1e-4, .radius_mm = 6};
   forEachMethod(context, options, [&](const BackendOptions& way) {
     Session edited = startSession(context, model, sessionConfig(way, push));
     const StepTimes times = measureAt(edited.backend(), press, options);

@@ -178,7 +178,7 @@ Json toJson(const FeltStream& felt) {
           {"ticks", felt.ticks},
           {"contact_ticks", felt.contactTicks},
           {"missed_ticks", felt.missedTicks},
-          {"fresh_share", felt.freshShare},
+          {"fresh_fraction", felt.freshShare},
           {"step_us", summaryOf(felt.step_us)},
           {"frames", felt.frames},
           {"frames_dropped", felt.framesDropped},

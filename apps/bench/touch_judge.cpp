@@ -212,7 +212,7 @@ EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const Bac
                         const JudgeOptions& options) {
   constexpr double kTolerance_N = 1e-3;  // far below the smallest force that a hand can feel
   const ModelScale& scale = subject.model.scale;
-  const BrushConfig push{.tau_mm = 0.3, .beta = 0.1, .radius_mm = 6};
+  const BrushConfig push{.yieldDepth_mm = 0.3, .pushRate = 0.1, .radius_mm = 6};
   const TruthPath press = truthPress(subject.starts.front().place, scale, {.depth_mm = kPressDepth_mm});
   // The hand does not wait until the surface has fully yielded: it turns back while edits still occur.
   const double rest_s = 0.05;

@@ -193,7 +193,7 @@ Json toJson(const TouchResults& results) {
                                     {"damping_N_s_per_mm", s.damping_N_s_per_mm},
                                     {"passivity", s.controlled ? "controlled" : "observed"},
                                     {"largest_stiffness_N_per_mm", s.largest_N_per_mm},
-                                    {"least_energy_mJ", s.leastEnergy_mJ}});
+                                    {"min_energy_mJ", s.leastEnergy_mJ}});
   return json;
 }
 

@@ -81,7 +81,7 @@ struct Place {
       return;
     }
     if (option) {
-      if (option->get_items_expected_max() == 1) option = nullptr;
+      if (option->get_items_expected_max() == 1 || !option->get_allow_extra_args()) option = nullptr;
       return;
     }
     // A command that takes several subcommands goes on after the first, as in "bench build sort".

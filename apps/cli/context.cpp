@@ -35,7 +35,7 @@ void Context::addOptions(Options& app) {
       .check({[](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; }});
   app.add("--threads", threads_, "CPU threads for loading, making clouds and --backend cpu; 0: one per core")
       .check(wholeBetween(0, bounds::kMaxThreads));
-  app.addFlag("--quiet", quiet_, "no remarks and no progress; results are still printed");
+  app.addFlag("--quiet", quiet_, "no messages and no progress; results are still printed");
 }
 
 Log& Context::log() {

@@ -87,7 +87,7 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
     const CloudFormat& from = cloudFormats().toRead(options.input);
     return {.stored = readCloud(options.input, &context.log(),
                                 {.normalsFromFaces = options.normals == "face",
-                                 .allPoints = !options.dropsUnreliable,
+                                 .keepUnreliable = !options.dropsUnreliable,
                                  .samples = samplesOf(options, from),
                                  .asTriangles = from.ofTriangles && to.ofTriangles && options.samples == 0,
                                  .columns = columnsOf(options, from)}),
@@ -176,7 +176,7 @@ void addConvert(Options& app, Context& context, Command& command) {
       .typeName("FILE");
   addSetting(sub, options->stream, "depth_scale").describe("depth values per metre (default: that of the folder)");
   sub.addFlag("--drop-unreliable", options->dropsUnreliable,
-              "COLMAP: drop unreliable points, as touch does without --all-points");
+              "COLMAP: drop unreliable points, as touch does without --keep-unreliable");
   addScaleOptions(sub, options->scale);
   sub.add("--unit", options->unit,
           "the unit of the file's lengths, mm, cm, m, in or ft, which OUT is to say; scales nothing (default: as IN "

@@ -112,7 +112,7 @@ Json describe(std::FILE* out, const DriverFinding& driver) {
             {"attempts", attempts},
             {"missing", driver.missing},
             {"usable", driver.device.has_value()},
-            {"problem", driver.problem},
+            {"reason", driver.problem},
             {"device", nullptr}};
   if (driver.device) {
     const HapticDeviceFacts& facts = *driver.device;
@@ -158,7 +158,7 @@ Json hapticDevices(std::FILE* out) {
   const std::vector<NodeFinding> nodes = surveySerialPorts();
   for (const NodeFinding& node : nodes) {
     fmt::print(out, "{}: {}, {}\n", node.path, node.what, node.usable ? "usable" : "no permission for this user");
-    json["nodes"].push_back({{"path", node.path}, {"what", node.what}, {"usable", node.usable}, {"mend", node.mend}});
+    json["nodes"].push_back({{"path", node.path}, {"what", node.what}, {"usable", node.usable}, {"fix", node.mend}});
     mending.add(node.mend);
   }
   const auto transport = hidapiTransport();
@@ -172,19 +172,19 @@ Json hapticDevices(std::FILE* out) {
                            {"vendor", hid.info.vendorId},
                            {"product", hid.info.productId},
                            {"usable", hid.usable},
-                           {"why_not", hid.whyNot},
-                           {"mend", hid.mend}});
+                           {"reason", hid.whyNot},
+                           {"fix", hid.mend}});
     mending.add(hid.mend);
   }
-  json["troubles"] = surveySurroundings();
-  for (const auto& trouble : json["troubles"]) fmt::print(out, "{}\n", trouble.get<std::string>());
+  json["problems"] = surveySurroundings();
+  for (const auto& problem : json["problems"]) fmt::print(out, "{}\n", problem.get<std::string>());
   const bool priority = RealtimePriority().granted();
   fmt::print(out, "Real-time priority for the servo loop: {}\n",
              priority ? "granted" : "not permitted for this user; the scheduler may delay ticks");
   json["realtime_priority"] = priority;
   if (!priority)
     mending.add("echo \"$USER - rtprio 60\" | sudo tee /etc/security/limits.d/90-palpate.conf   # then log in again");
-  json["mend"] = mending.print(out);
+  json["fix"] = mending.print(out);
   return json;
 }
 
@@ -197,14 +197,14 @@ struct DoctorOptions {
 // Sessions on the network.
 Json network(std::FILE* out, const NetworkConfig& config) {
   constexpr double kListen_s = 2;
-  const auto [seen, keyHolders] = surveyNetwork(config, kListen_s);
+  const auto [seen, keyHolders] = discoverSessions(config, kListen_s);
   fmt::print(out, "Sessions on {}{}: {}\n",
              config.interface.empty() ? "this machine" : "the network of " + config.interface,
              config.security.empty() ? "" : " for holders of keys", seen.size());
   Json json = Json::array();
-  for (const SeenSession& session : seen) {
+  for (const ServedSession& session : seen) {
     const double lost_percent = session.pings ? 100 * (1 - static_cast<double>(session.answered) / session.pings) : 0;
-    const std::string way = !session.fits
+    const std::string way = !session.compatible
                                 ? fmt::format("another version of palpate ({}), cannot be joined", session.version)
                             : session.roundTrip_ms ? fmt::format("round trip {:.2f} ms, {:.0f} % of {} pings lost",
                                                                  *session.roundTrip_ms, lost_percent, session.pings)
@@ -216,7 +216,7 @@ Json network(std::FILE* out, const NetworkConfig& config) {
                     {"model", session.model},
                     {"points", session.points},
                     {"version", session.version},
-                    {"fits", session.fits},
+                    {"compatible", session.compatible},
                     {"round_trip_ms", session.roundTrip_ms ? Json(*session.roundTrip_ms) : Json(nullptr)},
                     {"pings", session.pings},
                     {"answered", session.answered},
@@ -266,7 +266,7 @@ Json display(std::FILE* out) {
                       {"present", !copies               ? Json("swapchain")
                                   : takesCopies(window) ? Json("copy")
                                                         : Json(nullptr)},
-                      {"why", why}});
+                      {"reason", why}});
     }
     return json;
   } catch (const Error& error) {

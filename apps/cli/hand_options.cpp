@@ -1,6 +1,11 @@
 #include "apps/cli/hand_options.hpp"
 
+#include <algorithm>
+#include <array>
+#include <utility>
+
 #include "apps/cli/setting_options.hpp"
+#include "engine/core/contact_query.hpp"
 #include "haptics/session/devices.hpp"
 #include "haptics/session/hand_source.hpp"
 
@@ -40,21 +45,100 @@ void checkHandOptions(const HandChoices& options, bool realtime) {
   if (options.hand.fit != WorkspaceFit::fit && options.device != "sim" && !held)
     throw UsageError("--map requires a device or sim: a path is in model units, and a recording has its own map");
   if (!held) return;
-  if (!realtime) throw UsageError("{} {} requires --realtime", options.option, options.device);
-  if (!(options.duration_s > 0)) throw UsageError("{} {} requires --duration", options.option, options.device);
+  if (!realtime) throw UsageError("{}{} requires --realtime", options.option, options.device);
+  if (!(options.duration_s > 0)) throw UsageError("{}{} requires --duration", options.option, options.device);
 }
 
-HandChoices secondHand(HandChoices options, const std::string& device) {
-  options.option = "--second-device";
-  options.device = device;
-  options.hand.rumbles = false;
-  options.scheduler = "own";  // only the first hand's device may run the ticks
-  if (device == "sim") return options;
-  options.hand.stiffness_N_per_mm = options.hand.damping_N_s_per_mm = 0;
-  if (isHeldDevice(device)) return options;
-  options.hand.fit = WorkspaceFit::fit;
-  if (options.hand.passivity == PassivityMode::on) options.hand.passivity.reset();  // a script cannot be braked
-  return options;
+namespace {
+
+constexpr std::array<std::string_view, 3> kHandKeys{"device", "path", "trace"};
+
+/// The parts of "device=sim,path=a.csv,trace=b.csv" by key. A comma ends a value only if a key follows it, so that
+/// files may have commas in their names.
+std::vector<std::pair<std::string_view, std::string>> partsOf(std::string_view text) {
+  const auto keyAt = [&](std::size_t at) {
+    const auto found = std::ranges::find_if(kHandKeys, [&](std::string_view key) {
+      return text.substr(at).starts_with(key) && text.substr(at + key.size()).starts_with('=');
+    });
+    return found == kHandKeys.end() ? std::string_view() : *found;
+  };
+  std::vector<std::pair<std::string_view, std::string>> parts;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::string_view key = keyAt(at);
+    if (key.empty())
+      throw UsageError("--hand {}: '{}' is not device=..., path=... or trace=...", text, text.substr(at));
+    const std::size_t begin = at + key.size() + 1;
+    std::size_t end = begin;
+    while (end < text.size() && !(text[end] == ',' && !keyAt(end + 1).empty())) ++end;
+    parts.emplace_back(key, text.substr(begin, end - begin));
+    at = end + 1;
+  }
+  return parts;
+}
+
+FurtherHand furtherHand(const std::string& text) {
+  FurtherHand hand;
+  std::string* const values[]{&hand.device, &hand.path, &hand.traceFile};
+  std::array<bool, kHandKeys.size()> given{};
+  for (const auto& [key, value] : partsOf(text)) {
+    const auto index = static_cast<std::size_t>(std::ranges::find(kHandKeys, key) - kHandKeys.begin());
+    if (std::exchange(given[index], true)) throw UsageError("--hand {}: {} is given twice", text, key);
+    if (value.empty()) throw UsageError("--hand {}: {} has no value", text, key);
+    *values[index] = value;
+  }
+  if (const std::string complaint = deviceComplaint(hand.device); !complaint.empty())
+    throw UsageError("--hand {}: {}", text, complaint);
+  const bool followsPath = hand.device == "path" || hand.device == "sim";
+  if (followsPath && hand.path.empty())
+    throw UsageError("--hand {}: device={} requires path=FILE.csv or path=builtin:NAME", text, hand.device);
+  if (!followsPath && !hand.path.empty())
+    throw UsageError("--hand {}: device={} does not follow a path; path= is for path and sim", text, hand.device);
+  return hand;
+}
+
+}  // namespace
+
+void addFurtherHandOption(Options& command, std::vector<std::string>& hands) {
+  command
+      .add("--hand", hands,
+           fmt::format("a further hand, as in \"device=sim,path=builtin:slide,trace=b.csv\": its device (values as for "
+                       "--device; default path), its path (of path and sim; values as for --path) and the file of its "
+                       "trace. It feels the same model and does not sculpt (vulkan with the method fused, or cpu). May "
+                       "be repeated: a session has up to {} hands",
+                       kMaxHands))
+      .typeName("HAND")
+      .repeatable()
+      .offers({"device=", "path=", "trace="});
+}
+
+std::vector<FurtherHand> furtherHands(const std::vector<std::string>& hands, const HandChoices& first, bool realtime) {
+  if (hands.size() >= kMaxHands)
+    throw UsageError("--hand: {} hands after the first are given; a session has {} hands at most", hands.size(),
+                     kMaxHands);
+  std::vector<FurtherHand> all;
+  std::vector<std::string> devices{first.device};
+  for (const std::string& text : hands) {
+    const FurtherHand hand = furtherHand(text);
+    checkHandOptions(choicesFor(first, hand), realtime);
+    if (isHeldDevice(hand.device) && std::ranges::find(devices, hand.device) != devices.end())
+      throw UsageError("--hand {}: {} is in another hand; name another one, as in openhaptics:NAME", text, hand.device);
+    devices.push_back(hand.device);
+    all.push_back(hand);
+  }
+  return all;
+}
+
+HandChoices choicesFor(HandChoices first, const FurtherHand& hand) {
+  first.option = "--hand device=";
+  first.device = hand.device;
+  first.hand.rumbles = false;
+  first.scheduler = "own";  // only the first hand's device may run the ticks
+  if (hand.device == "sim") return first;
+  first.hand.stiffness_N_per_mm = first.hand.damping_N_s_per_mm = 0;
+  if (isHeldDevice(hand.device)) return first;
+  first.hand.fit = WorkspaceFit::fit;
+  if (first.hand.passivity == PassivityMode::on) first.hand.passivity.reset();  // a script cannot be braked
+  return first;
 }
 
 }  // namespace palpate

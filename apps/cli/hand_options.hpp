@@ -7,7 +7,7 @@
 namespace palpate {
 
 struct HandChoices {
-  std::string option = "--device";  ///< option that names the device
+  std::string option = "--device ";  ///< text before the name of the device on the command line
   std::string device = "path", scheduler = "device";
   HandConfig hand;        ///< mapping, passivity, simulated hand, rumbling
   double duration_s = 0;  ///< 0: that of the path
@@ -20,7 +20,16 @@ void addHandOptions(Options& command, HandChoices& options);
 Check deviceValidator();
 /// Throws UsageError for incompatible options; before anything is loaded or opened.
 void checkHandOptions(const HandChoices& options, bool realtime);
-/// Options of a second hand with this device (--second-device): those of the first hand, as far as they apply.
-HandChoices secondHand(HandChoices options, const std::string& device);
+
+/// A hand after the first, as --hand describes it.
+struct FurtherHand {
+  std::string device = "path", path, traceFile;
+};
+/// Adds --hand, which may be repeated.
+void addFurtherHandOption(Options& command, std::vector<std::string>& hands);
+/// The hands after the first. Throws UsageError for an invalid one, for too many, and for a device of another hand.
+std::vector<FurtherHand> furtherHands(const std::vector<std::string>& hands, const HandChoices& first, bool realtime);
+/// Choices of a hand after the first: those of the first hand, as far as they apply.
+HandChoices choicesFor(HandChoices first, const FurtherHand& hand);
 
 }  // namespace palpate

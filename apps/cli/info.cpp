@@ -20,13 +20,13 @@ namespace {
 
 double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
-void info(Context& context, const std::string& file, const LookOptions& look, bool allPoints) {
+void info(Context& context, const std::string& file, const LookOptions& look, bool keepUnreliable) {
   std::error_code ignored;
   if (std::filesystem::is_fifo(file, ignored) || std::filesystem::is_character_file(file, ignored))
     throw Error("{}: is a pipe, which can be read only once; write it to a file first, or convert it", file);
   const FileContents contents = contentsOf(file);
   const std::string_view format = cloudFormats().toRead(file).name;
-  StoredCloud stored = readCloud(file, nullptr, {.allPoints = allPoints});
+  StoredCloud stored = readCloud(file, nullptr, {.keepUnreliable = keepUnreliable});
   Model model{.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};
   const PointCloud& cloud = model.cloud;
   model.upright = findUp(cloud);
@@ -54,7 +54,7 @@ void info(Context& context, const std::string& file, const LookOptions& look, bo
     fmt::print(out, "\n");
   }
   if (!stored.lost.empty()) fmt::print(out, "  not kept: {}\n", fmt::join(stored.lost, ", "));
-  if (!stored.leftOut.empty()) fmt::print(out, "  left out: {}; --all-points keeps them\n", stored.leftOut);
+  if (!stored.leftOut.empty()) fmt::print(out, "  left out: {}; --keep-unreliable keeps them\n", stored.leftOut);
   if (!cloud.empty()) {
     fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
                cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
@@ -89,7 +89,7 @@ void info(Context& context, const std::string& file, const LookOptions& look, bo
                      {"bounds", {{"min", vectorJson(inFile.min)}, {"max", vectorJson(inFile.max)}}},
                      {"unit", unit == LengthUnit::unknown ? Json(nullptr) : Json(nameOf(unit))},
                      {"up", nameOf(upright.up)},
-                     {"up_why", upright.why},
+                     {"up_reason", upright.why},
                      {"heights", {heights.low, heights.high}},
                      {"mean_spacing", spacing},
                      {"noise_spacings", spacings.noise},
@@ -202,20 +202,20 @@ void addInfo(Options& app, Context& context, Command& command) {
   sub.add("model", *file, modelsAndStreams(RosModels::none)).required().typeName("MODEL");
   auto look = std::make_shared<LookOptions>();
   addLookOptions(sub, *look);
-  auto allPoints = std::make_shared<bool>(false);
-  addAllPointsOption(sub, *allPoints);
+  auto keepUnreliable = std::make_shared<bool>(false);
+  addAllPointsOption(sub, *keepUnreliable);
   sub.heading("Depth camera");
   auto stream = std::make_shared<StreamOptions>();
   addDepthOptions(sub, *stream);
   sub.heading("Options");
-  sub.whenNamed([&, file, look, allPoints, stream] {
-    command = [&context, file, look, allPoints, stream] {
+  sub.whenNamed([&, file, look, keepUnreliable, stream] {
+    command = [&context, file, look, keepUnreliable, stream] {
       if (streamConfig(*stream, *file))
         infoOfFrames(context, *file, *stream);
       else if (const auto scene = matterScene(*file))
         infoOfMatter(context, *file, *scene);
       else
-        info(context, *file, *look, *allPoints);
+        info(context, *file, *look, *keepUnreliable);
     };
   });
 }

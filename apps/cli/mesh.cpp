@@ -55,7 +55,7 @@ void mesh(Context& context, const MeshCommandOptions& options) {
   context.writeJson({{"file", options.output},
                      {"points", model.cloud.size()},
                      {"gpu", context.device().name()},
-                     {"lattice", options.choices.lattice},
+                     {"resolution", options.choices.resolution},
                      {"surface", options.choices.surface},
                      {"cell_mm", model.scale.toMm(cell)},
                      {"radius_mm", model.scale.toMm(static_cast<double>(plan.lattice.radius))},

@@ -8,8 +8,8 @@
 namespace palpate {
 
 void addMeshOptions(Options& command, MeshChoices& choices) {
-  command.add("--lattice", choices.lattice, "cells along the longest side of the model")
-      .check(wholeBetween(1, kFinestLattice))
+  command.add("--resolution", choices.resolution, "cells along the longest side of the model")
+      .check(wholeBetween(1, kMaxResolution))
       .showDefault();
   command
       .add("--surface", choices.surface,
@@ -30,7 +30,7 @@ MeshSurface meshSurfaceNamed(const std::string& name) {
 
 MeshPlan planFor(const Model& model, const MeshChoices& choices) {
   return planMesh(boundsOf(model.cloud), model.spacing,
-                  {.lattice = static_cast<std::uint32_t>(choices.lattice),
+                  {.resolution = static_cast<std::uint32_t>(choices.resolution),
                    .surface = meshSurfaceNamed(choices.surface),
                    .radius = choices.radius == "auto" ? 0 : supportRadius(choices.radius, model)});
 }

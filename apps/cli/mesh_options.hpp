@@ -8,14 +8,14 @@
 namespace palpate {
 
 struct MeshChoices {
-  std::int64_t lattice = 128;
+  std::int64_t resolution = 128;
   std::string surface = "sphere", radius = "auto";
 };
 void addMeshOptions(Options& command, MeshChoices& choices);
 
 /// The implicit surface of that name.
 MeshSurface meshSurfaceNamed(const std::string& name);
-/// Throws UsageError, or Error for a lattice that is too fine for the model.
+/// Throws UsageError, or Error for a resolution that is too fine for the model.
 MeshPlan planFor(const Model& model, const MeshChoices& choices);
 /// The cloud on the GPU, ready to be meshed. Throws OutOfGpuMemory before the upload if the predicted memory is not
 /// available.

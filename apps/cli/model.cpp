@@ -25,7 +25,7 @@ void addModelOptions(Options& command, ModelOptions& options, const std::string&
   addSettingFor<ModelConfig>(command, options.normals, "normals")
       .check(oneOf(choicesOf<ModelConfig>("normals")))
       .showDefault();
-  addAllPointsOption(command, options.allPoints);
+  addAllPointsOption(command, options.keepUnreliable);
 }
 
 void addScaleOptions(Options& command, ScaleOptions& options) {
@@ -37,8 +37,8 @@ void addScaleOptions(Options& command, ScaleOptions& options) {
       .typeName("X,Y,Z:X,Y,Z=MM");
 }
 
-void addAllPointsOption(Options& command, bool& allPoints) {
-  addSettingFor<ModelConfig>(command, allPoints, "all_points");
+void addAllPointsOption(Options& command, bool& keepUnreliable) {
+  addSettingFor<ModelConfig>(command, keepUnreliable, "keep_unreliable");
 }
 
 double ScaleOptions::given() const {
@@ -63,7 +63,7 @@ double ScaleOptions::given() const {
 }
 
 ModelConfig ModelOptions::config() const {
-  ModelConfig config{.file = file, .mm_per_unit = scale.given(), .allPoints = allPoints};
+  ModelConfig config{.file = file, .mm_per_unit = scale.given(), .keepUnreliable = keepUnreliable};
   for (const auto& [name, source] : kNormalSources)
     if (name == normals) config.normals = source;
   return config;

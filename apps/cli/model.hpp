@@ -18,14 +18,14 @@ struct ScaleOptions {
 };
 /// --mm-per-unit and --scale-from.
 void addScaleOptions(Options& command, ScaleOptions& options);
-/// --all-points.
-void addAllPointsOption(Options& command, bool& allPoints);
+/// --keep-unreliable.
+void addAllPointsOption(Options& command, bool& keepUnreliable);
 
 struct ModelOptions {
   std::string file;
   ScaleOptions scale;
   std::string normals = "keep";
-  bool allPoints = false;
+  bool keepUnreliable = false;
 
   /// Throws UsageError.
   ModelConfig config() const;

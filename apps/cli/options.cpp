@@ -135,6 +135,7 @@ Option Option::check(const Check& check) {
 }
 Option Option::typeName(const std::string& name) { return option_->type_name(name), *this; }
 Option Option::describe(const std::string& what) { return option_->description(what), *this; }
+Option Option::repeatable() { return option_->allow_extra_args(false), *this; }
 Option Option::separatedBy(char separator) { return option_->delimiter(separator), *this; }
 Option Option::showDefault() { return option_->capture_default_str(), *this; }
 Option Option::needs(Option other) { return option_->needs(other.option_), *this; }

@@ -56,6 +56,8 @@ class Option {
   Option check(const Check& check);
   Option typeName(const std::string& name);
   Option describe(const std::string& what);
+  /// An option with several values has one of them each time that it is given.
+  Option repeatable();
   /// Several values may stand in one word, separated by this character.
   Option separatedBy(char separator);
   /// The help shows the present value of the variable as the default.
@@ -71,9 +73,9 @@ class Option {
   /// Sets the value as if it were given on the command line.
   void set(const std::string& text);
 
-  /// The name in complaints: "--tool-radius", or "model" without dashes.
+  /// The name in complaints: "--brush-radius", or "model" without dashes.
   std::string name() const;
-  /// "--tool-radius", also for hidden options. Only for options with a long name.
+  /// "--brush-radius", also for hidden options. Only for options with a long name.
   std::string longName() const;
   bool given() const;
   bool takesValue() const;

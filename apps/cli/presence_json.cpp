@@ -21,7 +21,7 @@ Json toJson(std::span<const SeenCamera> cameras) {
     const DQuat& turn = camera.place.turn;
     all.push_back({{"name", camera.name},
                    {"position", vectorJson(camera.place.position)},
-                   {"orientation", {turn.x, turn.y, turn.z, turn.w}},
+                   {"orientation", {turn.w, turn.x, turn.y, turn.z}},
                    {"fov_deg", glm::degrees(camera.place.fovY_rad)},
                    {"aspect", camera.place.aspect},
                    {"age_s", camera.age_s}});

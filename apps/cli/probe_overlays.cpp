@@ -12,7 +12,7 @@ Overlays::Ball ballOf(const BrushOptions& brush, const DVec3& hip, const DVec3& 
   const DVec3 spring = proxy - hip;
   const bool standsBefore = brush.kind == BrushKind::push || brush.kind == BrushKind::carve;
   const DVec3 outward = glm::length(spring) > 0 ? glm::normalize(spring) : DVec3(0);
-  return {standsBefore ? hip + (brush.tau + brush.radius) * outward : proxy, brush.radius};
+  return {standsBefore ? hip + (brush.yieldDepth + brush.radius) * outward : proxy, brush.radius};
 }
 
 }  // namespace

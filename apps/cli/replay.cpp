@@ -90,7 +90,7 @@ constexpr Reported<Replayed> kReplay[]{
     {"ends_as_recorded", "", "whether the recorded edits give the recorded final points; null: unknown",
      [](const Replayed& r) -> Value { return orNull(r.recorded.endsAsRecorded); }},
     {"compared_ticks", "", "ticks compared", [](const Replayed& r) { return compared(r, &Differences::ticks); }},
-    {"not_compared_because", "", "why later ticks are not compared; empty: all are",
+    {"reason", "", "why later ticks are not compared; empty: all are",
      [](const Replayed& r) -> Value { return r.outcome ? Value(r.outcome->comparable.because) : std::nullopt; }},
     {"force_ticks", "", "ticks with another force",
      [](const Replayed& r) { return compared(r, &Differences::forceTicks); }},

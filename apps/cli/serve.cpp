@@ -144,7 +144,7 @@ void serve(Context& context, const ServeOptions& options) {
                      {"pieces", counts.pieces},
                      {"states", counts.states},
                      {"copied", counts.copied},
-                     {"again", counts.again},
+                     {"duplicate_pieces", counts.again},
                      {"sent", counts.sent},
                      {"near", counts.near},
                      {"near_points", counts.nearPoints},
@@ -181,7 +181,7 @@ void addServe(Options& app, Context& context, Command& command) {
       .check(between(bounds::kShortest_s, bounds::kLongest_s));
   sub.footer(
       "All participants receive each other's strokes in one order and end with bit-identical "
-      "points. Points are moved, painted and removed; none are inserted (--keep-points).\n"
+      "points. Points are moved, painted and removed; none are inserted (--no-resample).\n"
       "A moving model (--motion, a depth camera, jelly, water, sand) advances by the clock of this "
       "program and is streamed around each hand up to 60 times a second; up to eight hands press or "
       "stir it, and cannot sculpt it. --journal, --save and --ros require a model at rest.\n"

@@ -49,7 +49,8 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
       .typeName("NAME");
   if (as == JoinAs::hand) {
     command
-        .add("--as", options.hand, "name of this hand for the other participants (default: the name of this machine)")
+        .add("--hand-name", options.hand,
+             "name of this hand for the other participants (default: the name of this machine)")
         .typeName("NAME");
     addSettingFor<JoinConfig>(command, options.near, "near");
   }
@@ -64,18 +65,18 @@ void addRosParentOptions(Options& command, RosNameOptions& options) {
       .typeName("FRAME");
   command
       .add("--ros-pose", options.pose,
-           "pose of the frame NAME in its parent: metres and a unit quaternion (default 0,0,0,0,0,0,1)")
-      .typeName("X,Y,Z[,QX,QY,QZ,QW]");
+           "pose of the frame NAME in its parent: metres and a unit quaternion (default 0,0,0,1,0,0,0)")
+      .typeName("X,Y,Z[,QW,QX,QY,QZ]");
 }
 
 namespace {
 
 CameraPose poseIn(const std::string& text) {
-  constexpr const char* kWanted = "X,Y,Z in metres, or X,Y,Z,QX,QY,QZ,QW with a unit quaternion";
+  constexpr const char* kWanted = "X,Y,Z in metres, or X,Y,Z,QW,QX,QY,QZ with a unit quaternion";
   constexpr double kFarthest_m = 1e9, kUnit = 1e-3;
   std::string all = text;
-  if (std::ranges::count(text, ',') == 2) all += ",0,0,0,1";
-  const auto [x, y, z, qx, qy, qz, qw] = parseList<double, 7>(all, ',', "--ros-pose", kWanted);
+  if (std::ranges::count(text, ',') == 2) all += ",1,0,0,0";
+  const auto [x, y, z, qw, qx, qy, qz] = parseList<double, 7>(all, ',', "--ros-pose", kWanted);
   const DQuat turn(qw, qx, qy, qz);
   if (!(std::abs(glm::length(turn) - 1) < kUnit) || !(glm::length(DVec3(x, y, z)) <= kFarthest_m))
     throw UsageError("--ros-pose: '{}' is not {}", text, kWanted);
@@ -123,7 +124,8 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
     const bool isUsed = isRosModel(modelFile) || isRosModel(live) || !options.ros.name.empty();
     if ((hasNetwork && !isUsed) || !options.hand.empty() || options.near)
       throw UsageError(
-          "--interface, --peer, --domain and --security require --join, --ros or a ROS topic as the model; --as and "
+          "--interface, --peer, --domain and --security require --join, --ros or a ROS topic as the model; --hand-name "
+          "and "
           "--near "
           "require --join");
     return std::nullopt;

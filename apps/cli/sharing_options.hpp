@@ -59,7 +59,7 @@ struct JoinOptionsGiven {
   NetworkOptions network;
 };
 enum class JoinAs { hand, onlooker };
-/// --join and the network options; --as and --near for a hand.
+/// --join and the network options; --hand-name and --near for a hand.
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as);
 /// --ros, --ros-rate, --ros-parent and --ros-pose.
 void addRosOptions(Options& command, RosOptions& options);

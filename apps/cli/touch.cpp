@@ -51,8 +51,14 @@ HandSource openHand(Context& context, const Model& model, const SessionConfig& c
       hand, {.model = model, .rate_Hz = config.rate_Hz, .log = context.log(), .stop = &StopBySignal::requested()});
 }
 
-SecondHandReport secondReport(const std::string& device, const HandResult& result) {
-  return {.device = device, .trace = summarize(result.trace), .counts = result.counts};
+/// Of the hands after the first.
+std::vector<FurtherHandReport> reportsOf(const std::vector<FurtherHand>& hands, const ServoResult& result) {
+  std::vector<FurtherHandReport> reports;
+  for (std::size_t i = 0; i < hands.size(); ++i) {
+    const HandResult& felt = result.hands[i + 1];
+    reports.push_back({.device = hands[i].device, .trace = summarize(felt.trace), .counts = felt.counts});
+  }
+  return reports;
 }
 
 /// Successive stages of the start.
@@ -155,7 +161,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
         .gain = config.matter->gain,
         .coupling_N_mm = config.matter->matter == Matter::soft ? 0 : 1e-3 * couplingStiffness_N_m(*config.matter),
         .elasticity = config.matter->matter == Matter::soft ? elasticityInWords(*config.matter) : std::string(),
-        .leftOut_s = session.simulation()->leftOut_s(),
+        .dropped_s = session.simulation()->dropped_s(),
         .advances = session.simulation()->advances(),
         .duration_s = durationOf(result.trace()),
         .holds = session.simulation()->surfaceHolds(),
@@ -190,12 +196,13 @@ void drawEnd(Context& context, const TouchCommandOptions& options, const Session
 }
 
 /// Checks the output files before the session.
-void checkOutputs(Context& context, const TouchCommandOptions& options) {
+void checkOutputs(Context& context, const TouchCommandOptions& options, const std::vector<FurtherHand>& hands) {
   for (const auto& [file, kind] :
-       {std::pair{&options.traceFile, Output::only}, std::pair{&options.secondTraceFile, Output::only},
-        std::pair{&options.trajectoryFile, Output::only}, std::pair{&options.saveFile, Output::points},
-        std::pair{&options.pictureFile, Output::picture}, std::pair{&options.logFile, Output::only}})
+       {std::pair{&options.traceFile, Output::only}, std::pair{&options.trajectoryFile, Output::only},
+        std::pair{&options.saveFile, Output::points}, std::pair{&options.pictureFile, Output::picture},
+        std::pair{&options.logFile, Output::only}})
     checkOutput(*file, kind);
+  for (const FurtherHand& hand : hands) checkOutput(hand.traceFile, Output::only);
   std::error_code ignored;
   if (std::filesystem::equivalent(options.model.file, options.logFile, ignored))
     throw UsageError("--log: {} is the model itself", options.logFile);
@@ -209,7 +216,8 @@ void touch(Context& context, const TouchCommandOptions& options) {
   validate(config);
   kind.check(config);
   checkTouchOptions(options, kind.capabilities());
-  checkOutputs(context, options);
+  const std::vector<FurtherHand> others = furtherHands(options.hands, options.hand, config.realtime);
+  checkOutputs(context, options, others);
   Model model = loadModel(config, {.log = context.log(),
                                    .threads = context.threads(),
                                    .estimate = kind.normalEstimator(),
@@ -235,7 +243,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   start.ended("hands");
   if (config.brush)
     if (const std::string remark =
-            remarkOnSmallBrush(options.brush.radius_mm, model.scale.toMm(model.spacing), "--tool-radius",
+            remarkOnSmallBrush(options.brush.radius_mm, model.scale.toMm(model.spacing), "--brush-radius",
                                [](double mm) { return fmt::format("{:.3g} mm", mm); });
         !remark.empty())
       context.log().say("{}: in the hand, {}", options.model.file, remark);
@@ -268,9 +276,10 @@ void touch(Context& context, const TouchCommandOptions& options) {
   outputs.write([&] {
     if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace());
   });
-  outputs.write([&] {
-    if (!options.secondTraceFile.empty()) writeTraceCsv(options.secondTraceFile, result.hands[1].trace);
-  });
+  for (std::size_t i = 0; i < others.size(); ++i)
+    outputs.write([&] {
+      if (!others[i].traceFile.empty()) writeTraceCsv(others[i].traceFile, result.hands[i + 1].trace);
+    });
   outputs.write([&] {
     if (!options.trajectoryFile.empty()) writeTrajectory(options.trajectoryFile, result.trace());
   });
@@ -298,7 +307,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   report.ros = heard;
   report.tool = options.backend.tool;
   report.back = undone;
-  if (hands.size() > 1) report.second = secondReport(options.secondDevice, result.hands[1]);
+  report.hands = reportsOf(others, result);
   if (sources.front().recorded) report.recorded = compareForces(result.trace(), *sources.front().recorded);
   if (SharedFollower* const shared = session.shared()) {
     report.shared = shared->counts();
@@ -325,7 +334,8 @@ void touch(Context& context, const TouchCommandOptions& options) {
   if (result.deviceFailed) outputs.failed(result.fault);
   outputs.check();
   if (report.interrupted) throw Error("interrupted after {} ticks; what they gave is kept", report.trace.ticks);
-  const std::uint64_t faults = std::max(report.trace.faultTicks, report.second ? report.second->trace.faultTicks : 0);
+  std::uint64_t faults = report.trace.faultTicks;
+  for (const FurtherHandReport& hand : report.hands) faults = std::max(faults, hand.trace.faultTicks);
   if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
 }
 

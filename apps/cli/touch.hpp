@@ -21,7 +21,7 @@ struct TouchCommandOptions {
   MotionOptions motion;
   StreamOptions stream;
   JoinOptionsGiven join;
-  std::string secondDevice, secondPath, secondTraceFile;  ///< of a second hand; empty device: none
+  std::vector<std::string> hands;  ///< after the first, as given to --hand
   std::string path = "builtin:press", edit = "none";
   std::string traceFile, trajectoryFile, saveFile, pictureFile, logFile;
   double penetration_mm = HandConfig{}.penetration_mm;

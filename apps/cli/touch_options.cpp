@@ -15,9 +15,9 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
   addSettingFor<BrushConfig>(sub, options.edit, "kind")
       .check(oneOf(choicesOf<BrushConfig>("kind", {"none"})))
       .showDefault();
-  addSettings(sub, options.brush, {"tau_mm", "beta", "strength"});
+  addSettings(sub, options.brush, {"yield_depth_mm", "push_rate", "strength"});
   addSetting(sub, options.brush, "falloff").typeName("F").showDefault();
-  addSettings(sub, options.brush, {"color", "keeps_density", "radius_mm"});
+  addSettings(sub, options.brush, {"color", "resample", "radius_mm"});
   addSetting(sub, options.undo, "undo").typeName("N");
   addSetting(sub, options.undo, "redo").typeName("M");
   addSetting(sub, options.undo, "memory_MiB").showDefault();
@@ -57,39 +57,6 @@ void addOutputOptions(Options& sub, TouchCommandOptions& options) {
   addSettingFor<BackendConfig>(sub, options.backend.timePasses, "times_passes");
 }
 
-void addSecondOptions(Options& sub, TouchCommandOptions& options) {
-  sub.add("--second-device", options.secondDevice,
-          "device of a second hand, which feels the same model and does not sculpt (vulkan with the "
-          "method fused, or cpu); values as for --device")
-      .check(deviceValidator());
-  sub.add("--second-path", options.secondPath,
-          "path of the second hand, for --second-device path and sim; values as for --path")
-      .offers(builtinPaths(), ".csv")
-      .typeName("PATH");
-  sub.add("--second-trace", options.secondTraceFile, "trace of the second hand, as --trace").typeName("FILE.csv");
-}
-
-void checkSecondOptions(const TouchCommandOptions& options) {
-  const std::string& device = options.secondDevice;
-  if (device.empty()) {
-    if (!options.secondPath.empty()) throw UsageError("--second-path: there is no second hand; add --second-device");
-    if (!options.secondTraceFile.empty())
-      throw UsageError("--second-trace: there is no second hand; add --second-device");
-    return;
-  }
-  checkHandOptions(secondHand(options.hand, device), options.session.realtime);
-  if (isHeldDevice(device) && device == options.hand.device)
-    throw UsageError("--second-device: {} is in the first hand; name another one, as in openhaptics:NAME", device);
-  const bool followsPath = device == "path" || device == "sim";
-  if (followsPath && options.secondPath.empty())
-    throw UsageError("--second-device {}: say where it goes with --second-path", device);
-  if (!followsPath && !options.secondPath.empty())
-    throw UsageError("--second-path: {} follows none; it is for path and sim", device);
-  if (!options.logFile.empty())
-    throw UsageError(
-        "--log: a session log has one hand; leave it or --second-device out (--second-trace keeps a trace)");
-}
-
 }  // namespace
 
 void addTouchOptions(Options& command, TouchCommandOptions& options) {
@@ -121,22 +88,22 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
   addToolOptions(command, options.backend);
   heading("Devices");
   addHandOptions(command, options.hand);
-  heading("Second hand");
-  addSecondOptions(command, options);
+  addFurtherHandOption(command, options.hands);
   heading("Options");
   command.helpShows(
       {"--mm-per-unit", "--normals",  "--path",        "--penetration",  "--rate",      "--realtime", "--duration",
        "--stiffness",   "--damping",  "--max-force",   "--surface",      "--friction",  "--radius",   "--edit",
-       "--tau",         "--strength", "--paint-color", "--tool-radius",  "--undo",      "--trace",    "--picture",
+       "--yield-depth", "--strength", "--paint-color", "--brush-radius", "--undo",      "--trace",    "--picture",
        "--save",        "--log",      "--up",          "--size",         "--camera",    "--color",    "--motion",
        "--live",        "--fuse",     "--join",        "--near",         "--interface", "--backend",  "--tool",
-       "--tool-size",   "--device",   "--map",         "--second-device"});
+       "--tool-size",   "--device",   "--map",         "--hand"});
 }
 
 void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabilities& can) {
   checkPictureOptions(options.picture);
   checkHandOptions(options.hand, options.session.realtime);
-  checkSecondOptions(options);
+  if (!furtherHands(options.hands, options.hand, options.session.realtime).empty() && !options.logFile.empty())
+    throw UsageError("--log: a session log has one hand; leave out --log or --hand (its trace= keeps a trace)");
   if (options.edit == "none") {
     if (!options.saveFile.empty() && options.stream.fuse != "on" && options.join.name.empty() &&
         !matterScene(options.model.file))
@@ -169,13 +136,12 @@ SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {
     config.stream = streamConfig(options.stream, config.model.file, &ros);
     config.matter = matterScene(config.model.file);
   }
-  if (!options.secondDevice.empty())
-    config.hands.push_back(
-        secondHand(options.hand, options.secondDevice).config(options.secondPath, options.penetration_mm));
+  for (const FurtherHand& hand : furtherHands(options.hands, options.hand, options.session.realtime))
+    config.hands.push_back(choicesFor(options.hand, hand).config(hand.path, options.penetration_mm));
   if (const auto kind = valueNamed(kBrushKinds, options.edit)) {
     config.brush = options.brush;
     config.brush->kind = *kind;
-    config.brush->keepsDensity &= options.join.name.empty();
+    config.brush->resample &= options.join.name.empty();
   }
   return config;
 }

@@ -102,13 +102,13 @@ std::string inWords(const MatterReport& matter, std::size_t particles) {
                                   nameOf(kMatters, matter.matter), matter.substeps, matter.gain);
   if (matter.coupling_N_mm > 0) words += fmt::format(", coupling of hand and ball {:.3g} N/mm", matter.coupling_N_mm);
   if (!matter.elasticity.empty()) words += "; " + matter.elasticity;
-  if (matter.leftOut_s > 0) words += fmt::format("; {:.3f} s dropped, behind the clock", matter.leftOut_s);
+  if (matter.dropped_s > 0) words += fmt::format("; {:.3f} s dropped, behind the clock", matter.dropped_s);
   if (matter.duration_s > 0)
     words += fmt::format("; advanced {:.0f} times a second", static_cast<double>(matter.advances) / matter.duration_s);
   if (matter.holds.gaveWayTicks > 0)
     words += fmt::format("; the body could not bear a hand and yielded in {} ticks", matter.holds.gaveWayTicks);
   for (const PortEnergy& port : matter.ports)
-    words += fmt::format("; energy put in by a hand {:.3g} mJ, minimum {:.3g}", 1e3 * port.now_J, 1e3 * port.least_J);
+    words += fmt::format("; energy put in by a hand {:.3g} mJ, minimum {:.3g}", 1e3 * port.now_J, 1e3 * port.min_J);
   return words;
 }
 
@@ -121,7 +121,7 @@ std::string inWords(const SharedCounts& shared) {
   words += fmt::format("; longest silence {:.1f} s, information at most {:.1f} s old", shared.longestSilent_s,
                        shared.oldest_s);
   if (!shared.delivered) return words + "; NOT all edits are delivered";
-  if (!shared.atRest) return words + "; all edits are delivered, others continue";
+  if (!shared.idle) return words + "; all edits are delivered, others continue";
   return words + (shared.same ? "; the points equal the server's" : "; the points do NOT equal the server's");
 }
 
@@ -197,12 +197,11 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.toolPoints)
     row("peak torque", fmt::format("{:.3f} mN m about the HIP, of a {} with {} points", trace.peakTorque_mNm,
                                    report.tool, report.toolPoints));
-  if (report.second) {
-    const TraceSummary& second = report.second->trace;
-    row("second hand",
-        fmt::format("{}: {} ticks in contact, peak force {:.3f} N{}", report.second->device, second.contactTicks,
-                    second.peakForce_N,
-                    report.realtime ? fmt::format(", {:.1f} % of answers in time", 100 * second.freshFraction) : ""));
+  for (std::size_t i = 0; i < report.hands.size(); ++i) {
+    const auto& [device, felt, counts] = report.hands[i];
+    row(fmt::format("hand {}", i + 2),
+        fmt::format("{}: {} ticks in contact, peak force {:.3f} N{}", device, felt.contactTicks, felt.peakForce_N,
+                    report.realtime ? fmt::format(", {:.1f} % of answers in time", 100 * felt.freshFraction) : ""));
   }
   if (report.realtime)
     row("missed ticks", fmt::format("{}, {:.1f} % of answers in time{}", trace.missedTicks, 100 * trace.freshFraction,

@@ -42,8 +42,8 @@ struct LogReport {
   std::uint64_t bytes = 0, lostTicks = 0, mergedEdits = 0;
 };
 
-/// Result of the second hand.
-struct SecondHandReport {
+/// Result of a hand after the first.
+struct FurtherHandReport {
   std::string device;
   TraceSummary trace;
   HandCounts counts;
@@ -56,7 +56,7 @@ struct MatterReport {
   double gain = 1;                     ///< of the forces
   double coupling_N_mm = 0;            ///< of the hand to its ball, with the gain; 0: soft bodies
   std::string elasticity;              ///< of a soft body, in words
-  double leftOut_s = 0;                ///< by which it fell behind the clock
+  double dropped_s = 0;                ///< by which it fell behind the clock
   std::uint64_t advances = 0;          ///< number of advances, each by some milliseconds at once
   double duration_s = 0;               ///< of the session
   SurfaceHolds holds = {};             ///< of a soft body
@@ -109,7 +109,7 @@ struct TouchReport {
   std::vector<SeenHand> others;        ///< hands of the other participants at the end
   std::optional<FarReport> far;        ///< if another program has all of the points
   std::optional<LogReport> log;
-  std::optional<SecondHandReport> second;   ///< if there was one
+  std::vector<FurtherHandReport> hands;     ///< after the first
   std::optional<ForceDifference> recorded;  ///< from the forces of the replayed trajectory
 };
 

@@ -30,17 +30,17 @@ constexpr Reported<GateCounts> kSafety[]{
      [](const GateCounts& g) -> Value { return g.hot; }},
 };
 
-constexpr Reported<SecondHandReport> kSecond[]{
-    {"device", "", "its device", [](const SecondHandReport& s) -> Value { return s.device; }},
-    {"ticks", "", "ticks of the session", [](const SecondHandReport& s) -> Value { return s.trace.ticks; }},
-    {"contact_ticks", "", "ticks in contact", [](const SecondHandReport& s) -> Value { return s.trace.contactTicks; }},
+constexpr Reported<FurtherHandReport> kHands[]{
+    {"device", "", "its device", [](const FurtherHandReport& s) -> Value { return s.device; }},
+    {"ticks", "", "ticks of the session", [](const FurtherHandReport& s) -> Value { return s.trace.ticks; }},
+    {"contact_ticks", "", "ticks in contact", [](const FurtherHandReport& s) -> Value { return s.trace.contactTicks; }},
     {"fresh_fraction", "1", "fraction of ticks answered in time",
-     [](const SecondHandReport& s) -> Value { return s.trace.freshFraction; }},
-    {"peak_force_N", "N", "largest force", [](const SecondHandReport& s) -> Value { return s.trace.peakForce_N; }},
+     [](const FurtherHandReport& s) -> Value { return s.trace.freshFraction; }},
+    {"peak_force_N", "N", "largest force", [](const FurtherHandReport& s) -> Value { return s.trace.peakForce_N; }},
     {"passivity_energy_mJ", "mJ", "smallest energy that the surface had taken in; null: not observed",
-     [](const SecondHandReport& s) -> Value { return orNull(s.counts.leastEnergy_mJ); }},
+     [](const FurtherHandReport& s) -> Value { return orNull(s.counts.leastEnergy_mJ); }},
     {"safety", "", "reduced force, as for the first hand",
-     [](const SecondHandReport& s) -> Value { return jsonBy(kSafety, s.counts.withheld); }},
+     [](const FurtherHandReport& s) -> Value { return jsonBy(kSafety, s.counts.withheld); }},
 };
 
 constexpr Reported<PlayCounts> kFrames[]{
@@ -80,8 +80,8 @@ constexpr Reported<SharedCounts> kShared[]{
      [](const SharedCounts& s) -> Value { return orNull(s.link.roundTrip_ms); }},
     {"delivered", "", "whether all edits have reached the server",
      [](const SharedCounts& s) -> Value { return s.delivered; }},
-    {"at_rest", "", "whether all edits of the others were in effect at the end",
-     [](const SharedCounts& s) -> Value { return s.atRest; }},
+    {"idle", "", "whether all edits of the others were in effect at the end",
+     [](const SharedCounts& s) -> Value { return s.idle; }},
     {"same", "", "whether the points at rest equal the server's, bit by bit",
      [](const SharedCounts& s) -> Value { return s.same; }},
 };
@@ -100,7 +100,7 @@ constexpr Reported<FarReport> kNear[]{
      [](const FarReport& f) -> Value { return f.counts.restarts; }},
     {"bricks", "", "bricks held at the end", [](const FarReport& f) -> Value { return f.counts.bricks; }},
     {"known", "", "points held at the end", [](const FarReport& f) -> Value { return f.counts.known; }},
-    {"most_known", "", "largest number of points held", [](const FarReport& f) -> Value { return f.counts.mostKnown; }},
+    {"max_known", "", "largest number of points held", [](const FarReport& f) -> Value { return f.counts.mostKnown; }},
     {"sent", "", "states of points that hands here have changed",
      [](const FarReport& f) -> Value { return f.counts.sent; }},
     {"resent", "", "pieces of their strokes sent more than once",
@@ -117,7 +117,7 @@ constexpr Reported<FarReport> kNear[]{
 
 constexpr Reported<PortEnergy> kPorts[]{
     {"energy_mJ", "mJ", "energy that the hand has put in", [](const PortEnergy& p) -> Value { return 1e3 * p.now_J; }},
-    {"least_energy_mJ", "mJ", "its minimum", [](const PortEnergy& p) -> Value { return 1e3 * p.least_J; }},
+    {"min_energy_mJ", "mJ", "its minimum", [](const PortEnergy& p) -> Value { return 1e3 * p.min_J; }},
 };
 
 constexpr Reported<MatterReport> kMatter[]{
@@ -129,8 +129,8 @@ constexpr Reported<MatterReport> kMatter[]{
      [](const MatterReport& m) -> Value { return m.coupling_N_mm > 0 ? Json(m.coupling_N_mm) : Json(nullptr); }},
     {"elasticity", "", "of a soft body, in words; else null",
      [](const MatterReport& m) -> Value { return m.elasticity.empty() ? Json(nullptr) : Json(m.elasticity); }},
-    {"left_out_s", "s", "time dropped, as the simulation fell behind the clock",
-     [](const MatterReport& m) -> Value { return m.leftOut_s; }},
+    {"dropped_s", "s", "time dropped, as the simulation fell behind the clock",
+     [](const MatterReport& m) -> Value { return m.dropped_s; }},
     {"advances", "", "advances of the simulation, each of some milliseconds",
      [](const MatterReport& m) -> Value { return m.advances; }},
     {"kept_ticks", "", "ticks in which the surface was held by the position that the hand pressed on",
@@ -202,7 +202,7 @@ constexpr Reported<TouchReport> kTouch[]{
      [](const TouchReport& r) -> Value { return nameOf(r.index); }},
     {"index_followed", "", "edits that the index followed",
      [](const TouchReport& r) -> Value { return r.index.followed; }},
-    {"index_builds", "", "rebuilds of the index", [](const TouchReport& r) -> Value { return r.index.built; }},
+    {"index_rebuilds", "", "rebuilds of the index", [](const TouchReport& r) -> Value { return r.index.built; }},
     {"contact_error_mm", "mm", "largest distance of the proxy from the surface in double precision; null: not computed",
      [](const TouchReport& r) -> Value {
        return r.error.ticks > r.error.undefined ? Json(r.error.worst_mm) : Json(nullptr);
@@ -222,13 +222,13 @@ constexpr Reported<TouchReport> kTouch[]{
     {"safety", "", "reduced force", [](const TouchReport& r) -> Value { return jsonBy(kSafety, r.servo.withheld); }},
     {"interrupted", "", "whether a signal ended the session",
      [](const TouchReport& r) -> Value { return r.interrupted; }},
-    {"skipped_edits", "", "dropped edits",
+    {"dropped_edits", "", "dropped edits",
      [](const TouchReport& r) -> Value {
        return r.shortfalls.editsLogFull + r.shortfalls.editsTooSlow + r.shortfalls.editsHeldUp;
      }},
     {"compactions", "", "compactions of the index in the background",
      [](const TouchReport& r) -> Value { return r.compactions; }},
-    {"edits_built_anew", "", "edits for which the index was rebuilt",
+    {"edits_with_rebuild", "", "edits for which the index was rebuilt",
      [](const TouchReport& r) -> Value { return r.shortfalls.editsRebuilt; }},
     {"thinned_ticks", "", "ticks in which neighbours were subsampled",
      [](const TouchReport& r) -> Value { return r.shortfalls.thinnedTicks; }},
@@ -262,11 +262,16 @@ constexpr Reported<TouchReport> kTouch[]{
      [](const TouchReport& r) -> Value { return partBy(kShared, r.shared); }},
     {"cameras", "", "cameras of the other participants at the end",
      [](const TouchReport& r) -> Value { return r.cameras ? Value(*r.cameras) : std::nullopt; }},
-    {"others", "", "hands of the other participants at the end",
+    {"other_hands", "", "hands of the other participants at the end",
      [](const TouchReport& r) -> Value { return r.cameras ? Value(toJson(r.others)) : std::nullopt; }},
     {"near", "", "points streamed around the hand (--near)",
      [](const TouchReport& r) -> Value { return partBy(kNear, r.far); }},
-    {"second_hand", "", "the second hand", [](const TouchReport& r) -> Value { return partBy(kSecond, r.second); }},
+    {"hands", "", "the hands after the first (--hand)",
+     [](const TouchReport& r) -> Value {
+       Json hands = Json::array();
+       for (const FurtherHandReport& hand : r.hands) hands.push_back(jsonBy(kHands, hand));
+       return r.hands.empty() ? std::nullopt : Value(hands);
+     }},
     {"bridge_us", "us", "time of forces computed from the last patch of points, for late answers",
      [](const TouchReport& r) -> Value { return r.bridge_us.count ? Value(summary(r.bridge_us)) : std::nullopt; }},
     {"undo", "", "strokes undone (--undo)", [](const TouchReport& r) -> Value { return partBy(kUndo, r.back); }},
@@ -293,7 +298,7 @@ void listTouchResults(std::vector<ResultFacts>& all) {
   list("ros.", kRos);
   list("shared.", kShared);
   list("near.", kNear);
-  list("second_hand.", kSecond);
+  list("hands[].", kHands);
   list("undo.", kUndo);
   list("recorded_forces.", kRecorded);
   list("log.", kLog);

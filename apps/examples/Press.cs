@@ -24,14 +24,14 @@ static class Palpate {
     public double mm_per_unit;
     public uint estimate_normals, reserved;
     public double rate_Hz;
-    public IntPtr feel;
+    public IntPtr contact;
     public double budget_us, undo_memory_MiB;
     public IntPtr law, law_user, law_library, log, log_user;
   }
   [StructLayout(LayoutKind.Sequential)]
   public struct Pose {
     public double t_s, x, y, z;
-    public uint feels, reserved;
+    public uint no_edit, reserved;
   }
   [StructLayout(LayoutKind.Sequential)]
   public struct Contact {

@@ -77,7 +77,7 @@ static void serve(const pp_network* network) {
 static void dent(const pp_network* network, double x) {
   pp_join_options join = pp_default_join_options();
   join.network = network;
-  join.patience_s = 30;
+  join.timeout_s = 30;
   pp_session_options options = pp_default_session_options();
   options.gpu = "cpu";
   pp_session session;

@@ -79,7 +79,7 @@ py::object placesOf(const py::object& self) {
   double* const to = places.mutable_data();
   {
     py::gil_scoped_release released;
-    pp::check(pp_cloud_copy_places(cloud->cloud().handle(), to, points.count));
+    pp::check(pp_cloud_copy_positions(cloud->cloud().handle(), to, points.count));
   }
   places.attr("setflags")(py::arg("write") = false);
   return places;
@@ -237,37 +237,37 @@ void bindClouds(py::module_& module) {
 
   module.def(
       "read",
-      [](const py::object& path, bool all_points, bool normals_from_faces) {
+      [](const py::object& path, bool keep_unreliable, bool normals_from_faces) {
         const std::string file = fileOf(path);
         pp_read_options options = pp_default_read_options();
-        options.all_points = all_points ? 1 : 0;
+        options.keep_unreliable = keep_unreliable ? 1 : 0;
         options.normals_from_faces = normals_from_faces ? 1 : 0;
         Interruption interruption;
         options.watch = interruption.watch();
         py::gil_scoped_release released;
         return std::make_shared<PyCloud>(interruption.during([&] { return pp::Cloud::read(file, options); }));
       },
-      py::arg("file"), py::arg("all_points") = false, py::arg("normals_from_faces") = false,
-      "read(file, all_points=False, normals_from_faces=False) -> Cloud\n\n"
-      "Reads a cloud of any format in formats_read(). all_points: includes points of a reconstruction\n"
+      py::arg("file"), py::arg("keep_unreliable") = false, py::arg("normals_from_faces") = false,
+      "read(file, keep_unreliable=False, normals_from_faces=False) -> Cloud\n\n"
+      "Reads a cloud of any format in formats_read(). keep_unreliable: includes points of a reconstruction\n"
       "that its own measures mark as unreliable. normals_from_faces: area-weighted normals of the faces\n"
       "replace those of the file. Raises Error with file and line.");
   module.def(
       "write",
-      [](const py::object& path, const PyCloud& cloud, bool ascii, bool keep) {
+      [](const py::object& path, const PyCloud& cloud, bool ascii, bool backup) {
         const std::string file = fileOf(path);
         pp_write_options options = pp_default_write_options();
         options.ascii = ascii ? 1 : 0;
-        options.keep = keep ? 1 : 0;
+        options.backup = backup ? 1 : 0;
         Interruption interruption;
         options.watch = interruption.watch();
         py::gil_scoped_release released;
         interruption.during([&] { cloud.cloud().write(file, options); });
       },
-      py::arg("file"), py::arg("cloud"), py::arg("ascii") = false, py::arg("keep") = false,
-      "write(file, cloud, ascii=False, keep=False)\n\n"
+      py::arg("file"), py::arg("cloud"), py::arg("ascii") = false, py::arg("backup") = false,
+      "write(file, cloud, ascii=False, backup=False)\n\n"
       "Writes a cloud in the format of the file's extension, one of formats_written(). The file appears\n"
-      "under its name only when it is complete. ascii: text, if the format has both. keep: an existing\n"
+      "under its name only when it is complete. ascii: text, if the format has both. backup: an existing\n"
       "file is kept as NAME.EXT.bak. Raises Error with the file.");
 }
 

@@ -138,7 +138,7 @@ Law::Law(const py::object& given, bool allowPython) {
     refuseType(
         "law: a function in Python runs in every tick and waits for Python's lock: some 30 us while no other thread "
         "holds it, and 5 ms and more with one busy thread, which a hand feels as a force that lags and "
-        "fades. Use a compiled function (\"libmine.so:law\", or a numba cfunc), or pass allow_python=True");
+        "fades. Use a compiled function (\"libmine.so:law\", or a numba cfunc), or pass allow_python_law=True");
   python_ = std::make_shared<PythonLaw>(given);
   function_ = &PythonLaw::call;
 }

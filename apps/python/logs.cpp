@@ -9,11 +9,11 @@ namespace {
 
 class PyLog {
  public:
-  explicit PyLog(pp::Log log) : log_(std::move(log)) {}
-  pp_log_content view() const { return log_.view(); }
+  explicit PyLog(pp::Recording log) : log_(std::move(log)) {}
+  pp_recording_content view() const { return log_.view(); }
 
  private:
-  pp::Log log_;
+  pp::Recording log_;
 };
 
 using LogPointer = std::shared_ptr<PyLog>;
@@ -37,32 +37,32 @@ class Fields {
 
 py::dtype logTickType() {
   Fields fields;
-  fields.add("t_s", "f8", offsetof(pp_log_tick, t_s))
-      .add("device", "3f8", offsetof(pp_log_tick, device))
-      .add("turn", "4f8", offsetof(pp_log_tick, turn))
-      .add("proxy", "3f8", offsetof(pp_log_tick, proxy))
-      .add("force_N", "3f8", offsetof(pp_log_tick, force_N))
-      .add("edits", "u8", offsetof(pp_log_tick, edits))
-      .add("neighbours", "u4", offsetof(pp_log_tick, neighbours))
-      .add("buttons", "u4", offsetof(pp_log_tick, buttons))
-      .add("contact", "?", offsetof(pp_log_tick, contact))
-      .add("fresh", "?", offsetof(pp_log_tick, fresh))
-      .add("valid", "?", offsetof(pp_log_tick, valid))
-      .add("put_down", "?", offsetof(pp_log_tick, put_down))
-      .add("forceless", "?", offsetof(pp_log_tick, forceless))
-      .add("edit_left_out", "?", offsetof(pp_log_tick, edit_left_out));
-  return fields.type(sizeof(pp_log_tick));
+  fields.add("t_s", "f8", offsetof(pp_recording_tick, t_s))
+      .add("device", "3f8", offsetof(pp_recording_tick, device))
+      .add("orientation", "4f8", offsetof(pp_recording_tick, orientation))
+      .add("proxy", "3f8", offsetof(pp_recording_tick, proxy))
+      .add("force_N", "3f8", offsetof(pp_recording_tick, force_N))
+      .add("edits", "u8", offsetof(pp_recording_tick, edits))
+      .add("neighbours", "u4", offsetof(pp_recording_tick, neighbours))
+      .add("buttons", "u4", offsetof(pp_recording_tick, buttons))
+      .add("contact", "?", offsetof(pp_recording_tick, contact))
+      .add("fresh", "?", offsetof(pp_recording_tick, fresh))
+      .add("valid", "?", offsetof(pp_recording_tick, valid))
+      .add("put_down", "?", offsetof(pp_recording_tick, put_down))
+      .add("forceless", "?", offsetof(pp_recording_tick, forceless))
+      .add("edit_dropped", "?", offsetof(pp_recording_tick, edit_dropped));
+  return fields.type(sizeof(pp_recording_tick));
 }
 
 py::dtype logEditType() {
   Fields fields;
-  fields.add("point", "u4", offsetof(pp_log_edit, point))
-      .add("parent", "u4", offsetof(pp_log_edit, parent))
-      .add("position", "3f4", offsetof(pp_log_edit, position))
-      .add("normal", "3f4", offsetof(pp_log_edit, normal))
-      .add("color", "4u1", offsetof(pp_log_edit, color))
-      .add("gone", "u4", offsetof(pp_log_edit, gone));
-  return fields.type(sizeof(pp_log_edit));
+  fields.add("point", "u4", offsetof(pp_recording_edit, point))
+      .add("parent", "u4", offsetof(pp_recording_edit, parent))
+      .add("position", "3f4", offsetof(pp_recording_edit, position))
+      .add("normal", "3f4", offsetof(pp_recording_edit, normal))
+      .add("color", "4u1", offsetof(pp_recording_edit, color))
+      .add("gone", "u4", offsetof(pp_recording_edit, gone));
+  return fields.type(sizeof(pp_recording_edit));
 }
 
 py::array rowsOf(const py::dtype& type, const void* rows, std::uint64_t count, const py::object& owner) {
@@ -100,7 +100,7 @@ py::dict replayed(const py::object& log, const std::shared_ptr<PyCloud>& cloud, 
       result.first_difference_s < 0 ? py::object(py::none()) : py::object(py::float_(result.first_difference_s));
   told["recorded_edits_agree"] =
       result.recorded_edits == 0 ? py::object(py::none()) : py::object(py::bool_(result.recorded_edits == 1));
-  told["because"] = std::string(result.because);
+  told["reason"] = std::string(result.reason);
   told["machine"] = std::string(result.machine);
   told["recorded_on"] = std::string(result.recorded_on);
   return told;
@@ -113,22 +113,22 @@ void bindLogs(py::module_& module) {
       .def(py::init([](const py::object& path) {
              const std::string file = fileOf(path);
              py::gil_scoped_release released;
-             return std::make_shared<PyLog>(pp::Log::read(file));
+             return std::make_shared<PyLog>(pp::Recording::read(file));
            }),
            py::arg("file"))
       .def_property_readonly(
           "ticks",
           [](const py::object& self) {
-            const pp_log_content log = self.cast<LogPointer>()->view();
+            const pp_recording_content log = self.cast<LogPointer>()->view();
             return rowsOf(logTickType(), log.tick, log.ticks, self);
           },
           "A structured view, one row for each tick: t_s, device (3, the device's own unit), turn (w x y\n"
           "z), proxy (3, model units), force_N (3), edits (number of edits before the tick's answer),\n"
-          "neighbours, buttons, contact, fresh, valid, put_down, forceless, edit_left_out.")
+          "neighbours, buttons, contact, fresh, valid, put_down, forceless, edit_dropped.")
       .def_property_readonly(
           "edits",
           [](const py::object& self) {
-            const pp_log_content log = self.cast<LogPointer>()->view();
+            const pp_recording_content log = self.cast<LogPointer>()->view();
             return rowsOf(logEditType(), log.edit, log.edits, self);
           },
           "A structured view, one row for each state of a point: point, parent, position and normal (3,\n"
@@ -147,7 +147,7 @@ void bindLogs(py::module_& module) {
       .def_property_readonly(
           "map",
           [](const PyLog& log) {
-            const pp_log_content view = log.view();
+            const pp_recording_content view = log.view();
             return std::pair(view.map_scale,
                              std::array<double, 3>{view.map_offset[0], view.map_offset[1], view.map_offset[2]});
           },

@@ -36,9 +36,11 @@ py::list told(const std::vector<pp_parameter>& parameters) {
 /// Only one thread at a time uses it; others wait.
 class PyMatter {
  public:
-  PyMatter(const std::string& scene, const std::optional<std::string>& gpu, std::uint32_t threads) {
+  PyMatter(const std::string& scene, const std::optional<std::string>& gpu, std::uint32_t threads,
+           const std::string& backend) {
     pp_matter_options options = pp_default_matter_options();
     options.gpu = gpu ? gpu->c_str() : nullptr;
+    options.backend = backend.c_str();
     options.threads = threads;
     options.watch = interruption_.watch();
     py::gil_scoped_release released;
@@ -105,8 +107,8 @@ void bindMatter(py::module_& module) {
                              "(N, 3) float32 view, unit length; None without normals.");
 
   py::class_<PyMatter>(module, "_Matter")
-      .def(py::init<const std::string&, const std::optional<std::string>&, std::uint32_t>(), py::arg("scene"),
-           py::arg("gpu") = py::none(), py::arg("threads") = 0)
+      .def(py::init<const std::string&, const std::optional<std::string>&, std::uint32_t, const std::string&>(),
+           py::arg("scene"), py::arg("gpu") = py::none(), py::arg("threads") = 0, py::arg("backend") = "auto")
       .def(
           "close",
           [](PyMatter& self) {
@@ -160,11 +162,11 @@ void bindSessionsMatter(py::class_<PySession>& session) {
           "frame() -> Frame\n\n"
           "The present points of a scene of matter, or the newest frame of moving points.")
       .def(
-          "hold", [](PySession& self) { self.with([](pp::Session& open) { open.hold(true); }); },
-          "hold()\n\n"
+          "pause", [](PySession& self) { self.with([](pp::Session& open) { open.pause(true); }); },
+          "pause()\n\n"
           "Pauses a scene of matter until resume(): it stands still, and no hand feels it.")
       .def(
-          "resume", [](PySession& self) { self.with([](pp::Session& open) { open.hold(false); }); },
+          "resume", [](PySession& self) { self.with([](pp::Session& open) { open.pause(false); }); },
           "resume()\n\n"
           "Continues a paused scene of matter.")
       .def(
@@ -187,11 +189,11 @@ void bindSessionsMatter(py::class_<PySession>& session) {
         const pp_motion motion = self.with([](pp::Session& open) { return open.motion(); });
         py::list energies;
         for (std::uint32_t i = 0; i < motion.hands; ++i)
-          energies.append(py::make_tuple(motion.energy_J[i], motion.least_energy_J[i]));
+          energies.append(py::make_tuple(motion.energy_J[i], motion.min_energy_J[i]));
         py::dict told;
-        told["held"] = motion.held != 0;
+        told["paused"] = motion.paused != 0;
         told["failure"] = std::string(motion.failure);
-        told["left_out_s"] = motion.left_out_s;
+        told["dropped_s"] = motion.dropped_s;
         told["energies_J"] = energies;
         return told;
       });

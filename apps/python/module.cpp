@@ -23,7 +23,7 @@ void translate(const Refusal& refusal) {
 std::string inPython(std::string text) {
   constexpr std::pair<std::string_view, std::string_view> kNames[]{
       {"tool.kind", "tool"}, {"tool.", "tool_"}, {"surface.kind", "surface"},
-      {"feel.", ""},         {"brush.", ""},     {"model.", ""},
+      {"contact.", ""},      {"brush.", ""},     {"model.", ""},
       {"hands.", ""},        {"network.", ""},   {"surface.", ""}};
   for (const auto& [name, ours] : kNames)
     if (text.starts_with(name)) return text.replace(0, name.size(), ours);

@@ -34,7 +34,7 @@ class Network {
   Interruption interruption_;
 };
 
-/// Name, network, hand, read_only, patience_s and near, as in palpate.Join.
+/// Name, network, hand_name, read_only, timeout_s and partial, as for Session.join().
 using JoinTuple = std::tuple<std::string, NetworkTuple, std::optional<std::string>, bool, double, bool>;
 /// Requires that Python's lock is not held.
 pp::Session join(const JoinTuple& how, const pp_session_options& options);

@@ -1,7 +1,6 @@
 #include "apps/python/session.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <span>
 
 namespace palpate::python {
@@ -44,15 +43,17 @@ struct BrushSetting {
 };
 constexpr BrushSetting kBrushSettings[]{
     {"radius_mm", "a number", [](pp_brush& b, const py::handle& v, double) { b.radius_mm = v.cast<double>(); }},
-    {"tau_mm", "a number", [](pp_brush& b, const py::handle& v, double) { b.tau_mm = v.cast<double>(); }},
+    {"yield_depth_mm", "a number",
+     [](pp_brush& b, const py::handle& v, double) { b.yield_depth_mm = v.cast<double>(); }},
     {"radius", "a number", [](pp_brush& b, const py::handle& v, double mm) { b.radius_mm = v.cast<double>() * mm; }},
-    {"tau", "a number", [](pp_brush& b, const py::handle& v, double mm) { b.tau_mm = v.cast<double>() * mm; }},
-    {"beta", "a number", [](pp_brush& b, const py::handle& v, double) { b.beta = v.cast<double>(); }},
+    {"yield_depth", "a number",
+     [](pp_brush& b, const py::handle& v, double mm) { b.yield_depth_mm = v.cast<double>() * mm; }},
+    {"push_rate", "a number", [](pp_brush& b, const py::handle& v, double) { b.push_rate = v.cast<double>(); }},
     {"strength", "a number", [](pp_brush& b, const py::handle& v, double) { b.strength = v.cast<double>(); }},
     {"falloff", "a whole number from 0 on",
      [](pp_brush& b, const py::handle& v, double) { b.falloff = v.cast<std::uint32_t>(); }},
-    {"keeps_density", "True or False",
-     [](pp_brush& b, const py::handle& v, double) { b.keeps_density = v.cast<bool>() ? 1 : 0; }},
+    {"resample", "True or False",
+     [](pp_brush& b, const py::handle& v, double) { b.resample = v.cast<bool>() ? 1 : 0; }},
     {"color", "three whole numbers from 0 to 255",
      [](pp_brush& b, const py::handle& v, double) {
        std::ranges::copy(v.cast<std::array<std::uint8_t, 3>>(), b.color);
@@ -68,7 +69,7 @@ py::list brushSettings() {
 }
 
 Brush::Brush(const std::string& name, const py::kwargs& settings, double mm_per_unit) : kind(name) {
-  for (const auto& [length, length_mm] : {std::pair("radius", "radius_mm"), std::pair("tau", "tau_mm")})
+  for (const auto& [length, length_mm] : {std::pair("radius", "radius_mm"), std::pair("yield_depth", "yield_depth_mm")})
     if (settings.contains(length) && settings.contains(length_mm))
       refuse(std::string("brush: has ") + length + ", in model units, and " + length_mm + "; give one of them");
   for (const BrushSetting& setting : kBrushSettings) {
@@ -83,28 +84,28 @@ Brush::Brush(const std::string& name, const py::kwargs& settings, double mm_per_
   brush.kind = kind.c_str();
 }
 
-PySession::PySession(const py::object& cloud, const SessionSettings& settings, Law law)
-    : surface_(settings.surface), hands_(settings.hands), hasTorques_(settings.tool != "point"), law_(std::move(law)) {
-  const std::string name = py::isinstance<py::str>(cloud) ? cloud.cast<std::string>() : std::string();
-  if (py::isinstance<PyCloud>(cloud))
-    cloud_ = cloud.cast<CloudPointer>();
-  else if (!settings.join && !py::isinstance<py::str>(cloud))
-    refuseType("cloud: is a Cloud, the name of a scene, a folder of a depth camera or a Join, not " + described(cloud));
-  feel_ = pp_default_feel();
-  feel_.friction = settings.friction;
-  feel_.radius_mm = settings.radius_mm.value_or(0);
-  feel_.stiffness_N_per_mm = settings.stiffness_N_per_mm;
-  feel_.damping_N_s_per_mm = settings.damping_N_s_per_mm;
-  feel_.max_force_N = settings.max_force_N;
-  const pp_feel feel = feelWith(surface_);
+PySession::PySession(const Source& source, const SessionSettings& settings, Law law)
+    : cloud_(source.cloud),
+      surface_(settings.surface),
+      hands_(settings.hands),
+      hasTorques_(settings.tool != "point"),
+      law_(std::move(law)) {
+  contact_ = pp_default_contact_options();
+  contact_.friction = settings.friction;
+  contact_.radius_mm = settings.radius_mm.value_or(0);
+  contact_.stiffness_N_per_mm = settings.stiffness_N_per_mm;
+  contact_.damping_N_s_per_mm = settings.damping_N_s_per_mm;
+  contact_.max_force_N = settings.max_force_N;
+  const pp_contact_options contact = contactWith(surface_);
   pp_tool tool = pp_default_tool();
   tool.kind = settings.tool.c_str();
   tool.points = settings.tool_points;
   tool.size_mm = settings.tool_size_mm;
   std::ranges::copy(settings.tool_axis, tool.axis);
   pp_session_options options = pp_default_session_options();
-  options.feel = &feel;
+  options.contact = &contact;
   options.gpu = orNull(settings.gpu);
+  options.backend = settings.backend.c_str();
   options.mm_per_unit = settings.mm_per_unit.value_or(0);
   options.rate_Hz = settings.rate_Hz;
   options.estimate_normals = settings.estimate_normals ? 1 : 0;
@@ -119,31 +120,25 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   options.log = &Heard::hear;
   options.log_user = &heard_;
   options.watch = interruption_.watch();
-  if (!cloud_ && settings.moving) refuse("moving: only the points of a Cloud move frame by frame; leave it out");
-  if (!settings.moving && (settings.keeps_points || settings.most_points > 0))
-    refuse("keeps_points, most_points: only for points that move frame by frame; add moving=True");
-  if (!std::filesystem::is_directory(name) && (settings.speed != 1 || settings.loop || settings.fuse))
-    refuse("speed, loop, fuse: only for the folder of a recorded depth camera; leave them out");
   py::gil_scoped_release released;
-  session_ = interruption_.during([&] { return opened(name, settings, options); });
+  session_ = interruption_.during([&] { return opened(source, options); });
 }
 
-pp::Session PySession::opened(const std::string& name, const SessionSettings& settings,
-                              const pp_session_options& options) const {
-  if (settings.join) return join(*settings.join, options);
-  if (settings.moving) {
+pp::Session PySession::opened(const Source& source, const pp_session_options& options) {
+  if (source.join) return join(*source.join, options);
+  if (source.moving) {
     pp_frames_options frames = pp_default_frames_options();
-    frames.keeps_points = settings.keeps_points ? 1 : 0;
-    frames.most_points = settings.most_points;
-    return pp::Session::ofFrames(cloud_->cloud(), frames, options);
+    frames.stable_rows = source.stable_rows ? 1 : 0;
+    frames.max_points = source.max_points;
+    return pp::Session::ofFrames(source.cloud->cloud(), frames, options);
   }
-  if (cloud_) return pp::Session(cloud_->cloud(), options);
-  if (!std::filesystem::is_directory(name)) return pp::Session::ofMatter(name, options);
+  if (source.cloud) return pp::Session(source.cloud->cloud(), options);
+  if (source.scene) return pp::Session::ofMatter(*source.scene, options);
   pp_stream_options stream = pp_default_stream_options();
-  stream.speed = settings.speed;
-  stream.loop = settings.loop ? 1 : 0;
-  stream.fuse = settings.fuse ? 1 : 0;
-  return pp::Session::ofStream(name, stream, options);
+  stream.speed = source.speed;
+  stream.loop = source.loop ? 1 : 0;
+  stream.fuse = source.fuse ? 1 : 0;
+  return pp::Session::ofStream(source.folder.value_or(""), stream, options);
 }
 
 PySession::~PySession() {
@@ -151,16 +146,16 @@ PySession::~PySession() {
   session_ = pp::Session();
 }
 
-pp_feel PySession::feelWith(const std::string& surface) const {
-  pp_feel feel = feel_;
-  feel.surface = surface.c_str();
-  return feel;
+pp_contact_options PySession::contactWith(const std::string& surface) const {
+  pp_contact_options contact = contact_;
+  contact.surface = surface.c_str();
+  return contact;
 }
 
 py::array PySession::touch(const py::object& path, const std::optional<std::string>& surface) {
   if (surface && *surface != surface_) {
-    const pp_feel feel = feelWith(*surface);
-    with([&](pp::Session& session) { session.setFeel(feel); });
+    const pp_contact_options contact = contactWith(*surface);
+    with([&](pp::Session& session) { session.setContact(contact); });
     surface_ = *surface;
   }
   return along(path, nullptr);
@@ -297,11 +292,11 @@ void PySession::raiseOfLaw() {
   if (liveLaw_.python()) liveLaw_.python()->raise();
 }
 
-py::array PySession::takeTicks() {
+py::array PySession::readTicks() {
   constexpr std::size_t kMax = 1 << 15;
   auto ticks = std::make_unique<pp_tick[]>(kMax);
   std::uint64_t count = 0;
-  with([&](pp::Session& session) { pp::check(pp_live_take(session.handle(), ticks.get(), kMax, &count)); });
+  with([&](pp::Session& session) { pp::check(pp_live_read_ticks(session.handle(), ticks.get(), kMax, &count)); });
   std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(count / hands_)};
   if (hands_ > 1) shape.push_back(hands_);
   return rowsOf({ticks.get(), count}, shape);

@@ -15,8 +15,20 @@ namespace palpate::python {
 
 using CloudPointer = std::shared_ptr<PyCloud>;
 
+/// What a session is opened of: one of a cloud, a scene, a folder of a depth camera, or a session to join.
+struct Source {
+  CloudPointer cloud;
+  bool moving = false, stable_rows = false;  ///< of frames of the cloud
+  std::uint64_t max_points = 0;
+  std::optional<std::string> scene, folder;
+  double speed = 1;
+  bool loop = false, fuse = false;
+  std::optional<JoinTuple> join;
+};
+
 struct SessionSettings {
   std::optional<std::string> gpu;
+  std::string backend = "auto";
   std::optional<double> mm_per_unit;
   std::string surface = "average";
   std::optional<double> radius_mm;
@@ -29,11 +41,6 @@ struct SessionSettings {
   std::uint32_t tool_points = 1;
   double tool_size_mm = 1;
   std::array<double, 3> tool_axis{};
-  bool moving = false, keeps_points = false;
-  std::uint64_t most_points = 0;
-  double speed = 1;
-  bool loop = false, fuse = false;
-  std::optional<JoinTuple> join;  ///< instead of a cloud
 };
 
 /// A brush of any kind.
@@ -52,9 +59,7 @@ py::list brushSettings();
 /// Only one thread at a time uses it; others wait.
 class PySession {
  public:
-  /// `cloud`: a cloud, the name of a scene of matter, or the folder of a depth camera; None if a shared session is
-  /// joined.
-  PySession(const py::object& cloud, const SessionSettings& settings, Law law);
+  PySession(const Source& source, const SessionSettings& settings, Law law);
   ~PySession();
   PySession(const PySession&) = delete;
   PySession& operator=(const PySession&) = delete;
@@ -79,28 +84,28 @@ class PySession {
   void startLive(const std::optional<std::string>& device, double rate, const std::optional<std::string>& builtin,
                  const py::object& path, const py::object& law, bool allowPython, const py::list& others);
   void stopLive();
-  py::array takeTicks();
+  py::array readTicks();
   /// Throws the exception that the force law has raised in a live session.
   void raiseOfLaw();
   std::uint64_t lateLaws() const { return liveLaw_.python() ? liveLaw_.python()->late() : 0; }
 
   void close();
-  py::list remarks() const { return told(heard_); }
+  py::list messages() const { return told(heard_); }
   pp::Session& session() { return session_; }
   double mm_per_unit();
   /// True if its cloud was made of float32 positions.
   bool isSingle() const { return cloud_ && cloud_->isSingle(); }
 
  private:
-  pp::Session opened(const std::string& name, const SessionSettings& settings, const pp_session_options& options) const;
-  pp_feel feelWith(const std::string& surface) const;
+  static pp::Session opened(const Source& source, const pp_session_options& options);
+  pp_contact_options contactWith(const std::string& surface) const;
   py::array along(const py::object& path, const pp_brush* brush);
 
   Home home_;
   CloudPointer cloud_;
   Heard heard_;
   std::string surface_;
-  pp_feel feel_{};
+  pp_contact_options contact_{};
   std::uint32_t hands_;
   bool hasTorques_;
   Law law_, liveLaw_;

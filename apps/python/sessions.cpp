@@ -30,10 +30,10 @@ void bindTouch(py::class_<PySession>& session) {
       .def("stroke", &PySession::stroke, py::arg("path"), py::arg("kind"),
            "stroke(path, kind, **brush) -> structured array\n\n"
            "As touch(), with a brush for this path. kind: push, carve, inflate, smooth, grab, paint or flatten.\n"
-           "Settings of the brush: radius_mm and tau_mm (depth of the hand from which the surface yields),\n"
-           "mm in the hand, or radius and tau, in model units; beta (push: share of the distance to its\n"
+           "Settings of the brush: radius_mm and yield_depth_mm (depth of the hand from which the surface yields),\n"
+           "mm in the hand, or radius and yield_depth, in model units; push_rate (push: share of the distance to its\n"
            "target that a point moves in one tick, 0 to 1), strength (share of the full effect in one tick,\n"
-           "0 to 1), falloff (0 to 16), keeps_density (points are inserted where the surface is stretched\n"
+           "0 to 1), falloff (0 to 16), resample (points are inserted where the surface is stretched\n"
            "and merged where it is crowded), color (three of 0 to 255). Of several hands the first one\n"
            "sculpts.")
       .def(
@@ -75,7 +75,7 @@ void bindTouch(py::class_<PySession>& session) {
       .def("add_frame", &PySession::addFrame, py::arg("t_s"), py::arg("xyz"), py::arg("normals"),
            py::arg("velocities") = py::none(),
            "add_frame(t_s, xyz, normals, velocities=None)\n\n"
-           "For a session opened with moving=True: the points are felt there from t_s on. t_s: s, time of\n"
+           "For a session of Session.of_frames(): the points are felt there from t_s on. t_s: s, time of\n"
            "the session's ticks, later than that of the frame before; a live session begins at 0. xyz,\n"
            "normals: (N, 3). velocities: (N, 3), model units per second, with which positions are\n"
            "extrapolated for up to 50 ms. May be called from any thread.")
@@ -88,13 +88,13 @@ void bindTouch(py::class_<PySession>& session) {
           py::arg("file"),
           "record(file)\n\n"
           "Records the next path, or the next live session, up to its end, to this file, a session log\n"
-          "(read_log(), replay()). A log begins with the points as they were opened, and holds one hand\n"
+          "(read_recording(), replay()). A log begins with the points as they were opened, and holds one hand\n"
           "without its own force law.")
       .def("_live_start", &PySession::startLive, py::arg("device"), py::arg("rate"), py::arg("builtin"),
-           py::arg("path"), py::arg("law"), py::arg("allow_python"), py::arg("others"))
+           py::arg("path"), py::arg("law"), py::arg("allow_python_law"), py::arg("others"))
       .def("_live_raise", &PySession::raiseOfLaw)
       .def("_live_late", &PySession::lateLaws)
-      .def("_live_take", &PySession::takeTicks)
+      .def("_live_read_ticks", &PySession::readTicks)
       .def("_live_missed",
            [](PySession& self) { return self.with([](pp::Session& open) { return open.liveState().missed; }); })
       .def("_live_running",
@@ -106,49 +106,50 @@ void bindTouch(py::class_<PySession>& session) {
 }  // namespace
 
 void bindSessions(py::module_& module) {
-  const pp_feel feel = pp_default_feel();
+  const pp_contact_options contact = pp_default_contact_options();
   const pp_session_options usual = pp_default_session_options();
   const pp_tool tools = pp_default_tool();
+  py::class_<Source>(module, "_Source")
+      .def(
+          py::init([](const CloudPointer& cloud, const std::optional<std::string>& scene,
+                      const std::optional<std::string>& folder, bool moving, bool stable_rows, std::uint64_t max_points,
+                      double speed, bool loop, bool fuse, const std::optional<JoinTuple>& join) {
+            return Source{cloud, moving, stable_rows, max_points, scene, folder, speed, loop, fuse, join};
+          }),
+          py::arg("cloud") = py::none(), py::arg("scene") = py::none(), py::arg("folder") = py::none(),
+          py::arg("moving") = false, py::arg("stable_rows") = false, py::arg("max_points") = 0, py::arg("speed") = 1.0,
+          py::arg("loop") = false, py::arg("fuse") = false, py::arg("join") = py::none())
+      .def_property_readonly("is_scene", [](const Source& self) { return self.scene.has_value(); })
+      .def_property_readonly("is_joined", [](const Source& self) { return self.join.has_value(); });
   py::class_<PySession> session(module, "_Session");
   session
-      .def(py::init([](const py::object& cloud, const std::optional<std::string>& gpu,
-                       std::optional<double> mm_per_unit, const std::string& surface, std::optional<double> radius_mm,
+      .def(py::init([](const Source& source, const std::optional<std::string>& gpu, std::optional<double> mm_per_unit,
+                       const std::string& backend, const std::string& surface, std::optional<double> radius_mm,
                        double friction, double stiffness, double damping, double max_force, double rate,
                        bool estimate_normals, std::uint32_t threads, double undo_memory_MiB, std::uint32_t hands,
                        const std::string& tool, std::uint32_t tool_points, double tool_size_mm, const Vector& tool_axis,
-                       bool moving, bool keeps_points, std::uint64_t most_points, double speed, bool loop, bool fuse,
-                       const std::optional<JoinTuple>& join, const py::object& law, bool allow_python) {
-             const SessionSettings settings{gpu,          mm_per_unit,
-                                            surface,      radius_mm,
-                                            friction,     stiffness,
-                                            damping,      max_force,
-                                            rate,         estimate_normals,
-                                            threads,      undo_memory_MiB,
-                                            hands,        tool,
-                                            tool_points,  tool_size_mm,
-                                            tool_axis,    moving,
-                                            keeps_points, most_points,
-                                            speed,        loop,
-                                            fuse,         join};
-             return std::make_unique<PySession>(cloud, settings, Law(law, allow_python));
+                       const py::object& law, bool allow_python_law) {
+             const SessionSettings settings{
+                 gpu,     backend,     mm_per_unit,  surface,          radius_mm, friction,        stiffness,
+                 damping, max_force,   rate,         estimate_normals, threads,   undo_memory_MiB, hands,
+                 tool,    tool_points, tool_size_mm, tool_axis};
+             return std::make_unique<PySession>(source, settings, Law(law, allow_python_law));
            }),
-           py::arg("cloud"), py::arg("gpu") = py::none(), py::arg("mm_per_unit") = py::none(),
-           py::arg("surface") = "average", py::arg("radius_mm") = py::none(), py::arg("friction") = feel.friction,
-           py::arg("stiffness_N_per_mm") = feel.stiffness_N_per_mm,
-           py::arg("damping_N_s_per_mm") = feel.damping_N_s_per_mm, py::arg("max_force_N") = feel.max_force_N,
+           py::arg("source"), py::arg("gpu") = py::none(), py::arg("mm_per_unit") = py::none(),
+           py::arg("backend") = "auto", py::arg("surface") = "average", py::arg("radius_mm") = py::none(),
+           py::arg("friction") = contact.friction, py::arg("stiffness_N_per_mm") = contact.stiffness_N_per_mm,
+           py::arg("damping_N_s_per_mm") = contact.damping_N_s_per_mm, py::arg("max_force_N") = contact.max_force_N,
            py::arg("rate_Hz") = usual.rate_Hz, py::arg("estimate_normals") = false, py::arg("threads") = 0,
            py::arg("undo_memory_MiB") = usual.undo_memory_MiB, py::arg("hands") = usual.hands,
            py::arg("tool") = "point", py::arg("tool_points") = tools.points, py::arg("tool_size_mm") = tools.size_mm,
-           py::arg("tool_axis") = Vector{tools.axis[0], tools.axis[1], tools.axis[2]}, py::arg("moving") = false,
-           py::arg("keeps_points") = false, py::arg("most_points") = 0, py::arg("speed") = 1.0, py::arg("loop") = false,
-           py::arg("fuse") = false, py::arg("join") = py::none(), py::arg("law") = py::none(),
-           py::arg("allow_python") = false)
+           py::arg("tool_axis") = Vector{tools.axis[0], tools.axis[1], tools.axis[2]}, py::arg("law") = py::none(),
+           py::arg("allow_python_law") = false)
       .def("close", &PySession::close,
            "close()\n\n"
            "Closes the session, and ends its live session; later calls raise ClosedError. A with statement\n"
            "does it.")
       .def_property_readonly(
-          "remarks", &PySession::remarks,
+          "messages", &PySession::messages,
           "Messages since the session was opened, one line each: what of a file is not kept, which GPU\n"
           "answers.")
       .def("_info",
@@ -160,8 +161,8 @@ void bindSessions(py::module_& module) {
              told["spacing_mm"] = info.spacing_mm;
              told["radius_mm"] = info.radius_mm;
              told["rate_Hz"] = info.rate_Hz;
-             told["undoable"] = info.undoable;
-             told["redoable"] = info.redoable;
+             told["undo_count"] = info.undo_count;
+             told["redo_count"] = info.redo_count;
              told["live"] = info.live != 0;
              told["backend"] = std::string(info.backend);
              told["machine"] = std::string(info.machine);
@@ -196,16 +197,16 @@ void bindSessions(py::module_& module) {
           "or 4.")
       .def(
           "mesh",
-          [](PySession& self, std::uint32_t lattice, const std::string& surface, std::optional<double> radius_mm) {
+          [](PySession& self, std::uint32_t resolution, const std::string& surface, std::optional<double> radius_mm) {
             pp_mesh_options options = pp_default_mesh_options();
-            options.lattice = lattice;
+            options.resolution = resolution;
             options.surface = surface.c_str();
             options.radius_mm = radius_mm.value_or(0);
             return std::make_shared<PyMesh>(self.with([&](pp::Session& open) { return open.mesh(options); }));
           },
-          py::arg("lattice") = 128, py::arg("surface") = "sphere", py::arg("radius_mm") = py::none(),
-          "mesh(lattice=128, surface='sphere', radius_mm=None) -> Mesh\n\n"
-          "Meshes the present points by marching cubes. lattice: cells along the longest side, 1 to 2048.\n"
+          py::arg("resolution") = 128, py::arg("surface") = "sphere", py::arg("radius_mm") = py::none(),
+          "mesh(resolution=128, surface='sphere', radius_mm=None) -> Mesh\n\n"
+          "Meshes the present points by marching cubes. resolution: cells along the longest side, 1 to 2048.\n"
           "surface: sphere, average, sharp or density. radius_mm: support radius; None: from the spacing of\n"
           "the points.");
   bindTouch(session);

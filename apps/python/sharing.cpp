@@ -21,14 +21,14 @@ Network::Network(NetworkTuple given) : given_(std::move(given)) {
 }
 
 pp::Session join(const JoinTuple& how, const pp_session_options& options) {
-  const auto& [name, network, hand, readOnly, patience_s, near] = how;
+  const auto& [name, network, handName, readOnly, timeout_s, partial] = how;
   const Network on(network);
   pp_join_options join = pp_default_join_options();
   join.network = on.get();
-  join.hand = hand ? hand->c_str() : nullptr;
+  join.hand_name = handName ? handName->c_str() : nullptr;
   join.read_only = readOnly ? 1 : 0;
-  join.patience_s = patience_s;
-  join.near_hands = near ? 1 : 0;
+  join.timeout_s = timeout_s;
+  join.partial = partial ? 1 : 0;
   return pp::Session::joined(name, join, options);
 }
 
@@ -90,7 +90,7 @@ class PyServer {
     pp::check(pp_server_cloud({id_}, &cloud));
     return std::make_shared<PyCloud>(pp::Cloud(cloud));
   }
-  py::list remarks() const { return told(heard_); }
+  py::list messages() const { return told(heard_); }
 
  private:
   Home home_;
@@ -109,7 +109,7 @@ py::dict told(const pp_server_info& info) {
   told["sent"] = info.sent;
   told["refused"] = info.refused;
   told["mm_per_unit"] = info.mm_per_unit;
-  told["openness"] = textOf(info.openness);
+  told["access"] = textOf(info.access);
   told["fault"] = textOf(info.fault);
   return told;
 }
@@ -125,7 +125,7 @@ py::dict told(const pp_sharing& sharing) {
   told["host"] = textOf(sharing.host);
   told["model"] = textOf(sharing.model);
   told["sculptable"] = sharing.sculptable != 0;
-  told["heard"] = sharing.heard != 0;
+  told["connected"] = sharing.connected != 0;
   told["silent_s"] = sharing.silent_s;
   told["longest_silent_s"] = sharing.longest_silent_s;
   told["round_trip_ms"] = tripOf(sharing.round_trip_ms);
@@ -136,31 +136,31 @@ py::dict told(const pp_sharing& sharing) {
   told["resent"] = sharing.resent;
   told["resumed"] = sharing.resumed;
   told["delivered"] = sharing.delivered != 0;
-  told["at_rest"] = sharing.at_rest != 0;
+  told["idle"] = sharing.idle != 0;
   told["same"] = sharing.same != 0;
   told["restarts"] = sharing.restarts;
   told["fault"] = textOf(sharing.fault);
   return told;
 }
 
-py::list survey(const NetworkTuple& network, double seconds) {
-  std::vector<pp_seen_session> seen;
+py::list discover(const NetworkTuple& network, double seconds) {
+  std::vector<pp_served_session> seen;
   {
     py::gil_scoped_release released;
     Network on(network);
-    seen = on.waiting([&] { return pp::surveyNetwork(*on.get(), seconds); });
+    seen = on.waiting([&] { return pp::discover(*on.get(), seconds); });
   }
   py::list all;
-  for (const pp_seen_session& one : seen)
+  for (const pp_served_session& one : seen)
     all.append(py::make_tuple(textOf(one.name), textOf(one.host), textOf(one.model), one.points,
-                              tripOf(one.round_trip_ms), one.version, one.fits != 0, one.pings, one.answered));
+                              tripOf(one.round_trip_ms), one.version, one.compatible != 0, one.pings, one.answered));
   return all;
 }
 
 py::tuple vector(const double (&v)[3]) { return py::make_tuple(v[0], v[1], v[2]); }
 
 py::list othersOf(PySession& self) {
-  const std::vector<pp_other_hand> hands = self.with([](pp::Session& open) { return open.others(); });
+  const std::vector<pp_other_hand> hands = self.with([](pp::Session& open) { return open.otherHands(); });
   py::list all;
   for (const pp_other_hand& hand : hands)
     all.append(py::make_tuple(textOf(hand.name), hand.number, vector(hand.position), vector(hand.proxy),
@@ -172,21 +172,21 @@ py::list camerasOf(PySession& self) {
   const std::vector<pp_other_camera> cameras = self.with([](pp::Session& open) { return open.cameras(); });
   py::list all;
   for (const pp_other_camera& camera : cameras) {
-    const auto& [x, y, z, w] = camera.place.orientation;
+    const auto& [w, x, y, z] = camera.place.orientation;
     all.append(py::make_tuple(textOf(camera.name), camera.number, vector(camera.place.position),
-                              py::make_tuple(x, y, z, w), camera.place.fov_deg, camera.place.aspect, camera.age_s));
+                              py::make_tuple(w, x, y, z), camera.place.fov_deg, camera.place.aspect, camera.age_s));
   }
   return all;
 }
 
-void showCamera(PySession& self, const std::array<double, 3>& position, const std::array<double, 4>& orientation,
-                double fov_deg, double aspect) {
+void publishCamera(PySession& self, const std::array<double, 3>& position, const std::array<double, 4>& orientation,
+                   double fov_deg, double aspect) {
   pp_camera_place camera{};
   std::ranges::copy(position, camera.position);
   std::ranges::copy(orientation, camera.orientation);
   camera.fov_deg = fov_deg;
   camera.aspect = aspect;
-  self.with([&](pp::Session& open) { open.showCamera(camera); });
+  self.with([&](pp::Session& open) { open.publishCamera(camera); });
 }
 
 }  // namespace
@@ -207,29 +207,29 @@ void bindSessionsSharing(py::class_<PySession>& session) {
           "hand's part has ended permanently.")
       .def("_sharing",
            [](PySession& self) { return told(self.with([](pp::Session& open) { return open.sharing(); })); })
-      .def("_others", &othersOf)
+      .def("_other_hands", &othersOf)
       .def("_cameras", &camerasOf)
-      .def("show_camera", &showCamera, py::arg("position"), py::arg("orientation"), py::arg("fov_deg") = 45.0,
+      .def("publish_camera", &publishCamera, py::arg("position"), py::arg("orientation"), py::arg("fov_deg") = 45.0,
            py::arg("aspect") = 1.0,
-           "show_camera(position, orientation, fov_deg=45, aspect=1)\n\n"
+           "publish_camera(position, orientation, fov_deg=45, aspect=1)\n\n"
            "For a joined session: shows this camera to the others from now on, at most 30 times a second.\n"
-           "position: x, y, z, model units. orientation: unit quaternion x y z w of the axes to the right of\n"
+           "position: x, y, z, model units. orientation: unit quaternion w x y z of the axes to the right of\n"
            "the picture, down in it and in the direction of view. fov_deg: vertical. aspect: width / height.\n"
            "Pictures of render() are not shown unless this is called.")
       .def(
           "hide_camera", [](PySession& self) { self.with([](pp::Session& open) { open.hideCamera(); }); },
           "hide_camera()\n\n"
           "Stops showing a camera of this session to the others.")
-      .def("_follow", [](PySession& self) { self.with([](pp::Session& open) { open.follow(); }); });
+      .def("_apply_edits", [](PySession& self) { self.with([](pp::Session& open) { open.applyEdits(); }); });
 }
 
 void bindSharing(py::module_& module) {
   module.def(
       "can_share", [] { return pp_can_share() != 0; },
       "can_share() -> bool\n\n"
-      "True if this palpate was built with PALPATE_NETWORK. Otherwise serve(), sessions() and a Session of a Join\n"
+      "True if this palpate was built with PALPATE_NETWORK. Otherwise serve(), discover() and Session.join()\n"
       "raise Error with the status \"unsupported\".");
-  module.def("_survey", &survey, py::arg("network"), py::arg("seconds"));
+  module.def("_discover", &discover, py::arg("network"), py::arg("seconds"));
   py::class_<PyServer>(module, "_Server")
       .def(py::init([](const PyCloud& cloud, const std::string& name, const NetworkTuple& network, bool read_only,
                        const std::optional<std::string>& model, std::optional<double> mm_per_unit,
@@ -249,7 +249,7 @@ void bindSharing(py::module_& module) {
            "cloud() -> Cloud\n\n"
            "A copy of the present points, with all strokes taken.")
       .def("_info", [](const PyServer& self) { return told(self.info()); })
-      .def_property_readonly("remarks", &PyServer::remarks,
+      .def_property_readonly("messages", &PyServer::messages,
                              "Messages, such as of programs that have joined, one line each.");
 }
 

@@ -351,8 +351,8 @@ void Document::sayWhatSimulationLacks() {
 
 void Document::pause() {
   if (SimulationControl* const simulation = session_->simulation()) {
-    simulation->hold(!simulation->isHeld());
-    return messages_.say(simulation->isHeld() ? "the scene is paused" : "the scene continues");
+    simulation->pause(!simulation->isPaused());
+    return messages_.say(simulation->isPaused() ? "the scene is paused" : "the scene continues");
   }
   if (session_->isHeldStill()) return letFramesGoOn();
   if (const auto held = session_->holdFrames()) messages_.say(*held ? "frames are paused" : "frames continue");

@@ -237,11 +237,11 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
     dragLength("radius", brush.radius_mm, 0.1, sliderOf<BrushConfig>("radius_mm"), status);
     help("[ and ]; of the brush, in the model's unit");
     if (brush.kind == BrushKind::push)
-      drag("speed", brush.beta, 0.005f, sliderOf<BrushConfig>("beta"), "%.2f");
+      drag("push rate", brush.pushRate, 0.005f, sliderOf<BrushConfig>("push_rate"), "%.2f");
     else
       drag("strength", brush.strength, 0.01f, sliderOf<BrushConfig>("strength"), "%.2f");
     help("fraction of the effect per tick; 0: none, 1: all");
-    dragLength("yield depth", brush.tau_mm, 0.02, sliderOf<BrushConfig>("tau_mm"), status);
+    dragLength("yield depth", brush.yieldDepth_mm, 0.02, sliderOf<BrushConfig>("yield_depth_mm"), status);
     help("depth of the stylus in the surface from which on the surface yields");
     if (brush.kind == BrushKind::paint) {
       float color[3];
@@ -255,17 +255,17 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   checkbox("follow the surface", view.followsSurface);
   help("off: the stylus moves in a plane parallel to the screen, and the wheel changes its depth");
   const StrokeCounts counts = status.session->strokes();
-  ImGui::BeginDisabled(counts.undoable == 0);
+  ImGui::BeginDisabled(counts.undoCount == 0);
   post(button("Undo", em(4)), ModelCommand::undo);
   ImGui::EndDisabled();
   help("Ctrl+Z: undoes the last stroke");
   ImGui::SameLine();
-  ImGui::BeginDisabled(counts.redoable == 0);
+  ImGui::BeginDisabled(counts.redoCount == 0);
   post(button("Redo", em(4)), ModelCommand::redo);
   ImGui::EndDisabled();
   help("Ctrl+Shift+Z");
   ImGui::SameLine();
-  const auto strokes = static_cast<unsigned long long>(counts.undoable);
+  const auto strokes = static_cast<unsigned long long>(counts.undoCount);
   ImGui::TextDisabled("%llu stroke%s", strokes, strokes == 1 ? "" : "s");
 }
 
@@ -313,7 +313,7 @@ void Panels::drawOthers(const ViewStatus& status) {
 
 void Panels::drawMatter(const ViewStatus& status) {
   if (status.parameters.empty() || !header("Matter", true)) return;
-  post(button(status.simulationHeld ? "Go on##matter" : "Pause##matter", em(4)), ModelCommand::pause);
+  post(button(status.simulationPaused ? "Go on##matter" : "Pause##matter", em(4)), ModelCommand::pause);
   help("K");
   ImGui::SameLine();
   post(button("Restart"), ModelCommand::restart);
@@ -341,10 +341,10 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
   help("marching cubes (M); edited blocks are updated while you sculpt");
   if (view.mesh) {
     ImGui::SameLine();
-    int exponent = static_cast<int>(std::lround(std::log2(view.lattice / 32)));
+    int exponent = static_cast<int>(std::lround(std::log2(view.resolution / 32)));
     ImGui::PushItemWidth(em(5));
-    if (noted("lattice", ImGui::Combo("lattice", &exponent, "32\00064\000128\000256\000512\000\000")))
-      view.lattice = 32 << exponent;
+    if (noted("resolution", ImGui::Combo("resolution", &exponent, "32\00064\000128\000256\000512\000\000")))
+      view.resolution = 32 << exponent;
     ImGui::PopItemWidth();
     ImGui::TextDisabled("%llu triangles, last change %.1f ms", static_cast<unsigned long long>(status.meshTriangles),
                         status.meshTime_ms);

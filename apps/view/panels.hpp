@@ -52,7 +52,7 @@ struct ViewStatus {
   double fps = 0;
   std::vector<PassRecord> passes;               ///< of the last picture of the model
   std::vector<SimulationParameter> parameters;  ///< of a simulated model
-  bool simulationHeld = false;
+  bool simulationPaused = false;
   struct Others {
     std::optional<SharedCounts> counts;  ///< set where the model can be sculpted
     std::vector<SeenHand> hands;

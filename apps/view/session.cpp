@@ -13,13 +13,13 @@ namespace {
 std::optional<BrushConfig> brushOf(const BrushSettings& brush, const SessionConfig& config) {
   if (!brush.kind) return std::nullopt;
   return BrushConfig{.kind = *brush.kind,
-                     .tau_mm = brush.tau_mm,
-                     .beta = brush.beta,
+                     .yieldDepth_mm = brush.yieldDepth_mm,
+                     .pushRate = brush.pushRate,
                      .radius_mm = brush.radius_mm,
                      .strength = brush.strength,
                      .falloff = brush.falloff,
                      .color = brush.color,
-                     .keepsDensity = !config.join};
+                     .resample = !config.join};
 }
 
 SurfaceConfig surfaceOf(SurfaceConfig surface, const FeelSettings& feel) {
@@ -81,7 +81,7 @@ HeldTool WindowSession::heldTool() const {
 double WindowSession::givenWay_mm() const {
   const auto kind = brush_.kind;
   if (kind != BrushKind::push && kind != BrushKind::carve && kind != BrushKind::inflate) return 0;
-  return brush_.tau_mm * (1 + feel_.stiffness_N_per_mm / guidedHand(DVec3(1)).handStiffness_N_per_mm);
+  return brush_.yieldDepth_mm * (1 + feel_.stiffness_N_per_mm / guidedHand(DVec3(1)).handStiffness_N_per_mm);
 }
 
 void WindowSession::setBrushSettings(const BrushSettings& brush) {
@@ -94,10 +94,10 @@ void WindowSession::setBrushSettings(const BrushSettings& brush) {
   throw Error("{}", can.refusal(actionOf(*brush.kind)));
 }
 
-void WindowSession::setFeel(const FeelSettings& feel) {
+void WindowSession::setContact(const FeelSettings& feel) {
   if (feel == feel_ || !isTouching()) return;
   feel_ = feel;
-  InteractiveSession::setFeel(surfaceOf(config().surface, feel), forceOf(feel), methodOf(backendName(), feel));
+  InteractiveSession::setContact(surfaceOf(config().surface, feel), forceOf(feel), methodOf(backendName(), feel));
 }
 
 }  // namespace palpate

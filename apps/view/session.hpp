@@ -18,8 +18,8 @@ namespace palpate {
 /// Settings that can change while touching.
 struct BrushSettings {
   std::optional<BrushKind> kind;  ///< nothing: feel only
-  double radius_mm = BrushConfig{}.radius_mm, strength = BrushConfig{}.strength, tau_mm = BrushConfig{}.tau_mm,
-         beta = BrushConfig{}.beta;
+  double radius_mm = BrushConfig{}.radius_mm, strength = BrushConfig{}.strength,
+         yieldDepth_mm = BrushConfig{}.yieldDepth_mm, pushRate = BrushConfig{}.pushRate;
   std::uint32_t falloff = BrushConfig{}.falloff;
   std::array<std::uint8_t, 3> color{220, 40, 40};
 
@@ -72,7 +72,7 @@ class WindowSession final : private DrawnSlot, public InteractiveSession {
   /// yield depth on, where the spring pulls the hand back. 0 where the hand only feels.
   double givenWay_mm() const;
   void setBrushSettings(const BrushSettings& brush);
-  void setFeel(const FeelSettings& feel);
+  void setContact(const FeelSettings& feel);
 
  private:
   BrushSettings brush_;

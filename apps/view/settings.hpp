@@ -20,7 +20,7 @@ struct ViewSettings {
   bool cameras = true;    ///< show the cameras that took pictures of the model
   bool measures = false;  ///< the left button picks the two positions of a measure
   bool mesh = false;
-  int lattice = 128;
+  int resolution = 128;
   bool followsSurface = true;  ///< the stylus stays at the visible surface under the cursor; else in one plane
   double press_mm = 2.5;       ///< depth that the hand aims at while it presses
   bool waitsForDisplay = true;

@@ -9,12 +9,12 @@
 
 namespace palpate {
 
-bool ShownMesh::follow(const WindowSession& session, std::uint32_t lattice, std::span<const PointState> edited) {
+bool ShownMesh::follow(const WindowSession& session, std::uint32_t resolution, std::span<const PointState> edited) {
   const Stopwatch watch;
-  if (!mesh_ || lattice_ != lattice) {
+  if (!mesh_ || resolution_ != resolution) {
     if (sight_.isCpu() && !std::exchange(isAnnounced_, true)) return false;
     isAnnounced_ = false;
-    make(session, lattice);
+    make(session, resolution);
   } else if (!edited.empty()) {
     mesh_->update(edited);
   } else {
@@ -25,14 +25,14 @@ bool ShownMesh::follow(const WindowSession& session, std::uint32_t lattice, std:
   return true;
 }
 
-void ShownMesh::make(const WindowSession& session, std::uint32_t lattice) {
+void ShownMesh::make(const WindowSession& session, std::uint32_t resolution) {
   mesh_.reset();
   const Model& model = session.model();
-  const MeshPlan plan = planMesh(session.bounds(), model.spacing, {.lattice = lattice, .room = 0.2});
+  const MeshPlan plan = planMesh(session.bounds(), model.spacing, {.resolution = resolution, .room = 0.2});
   const auto points = session.journal().points();
   const std::uint64_t spare = std::max<std::uint64_t>(points.size() - model.cloud.size(), model.cloud.size() / 4);
   mesh_ = std::make_unique<MarchingCubes>(sight_, model.cloud, plan, static_cast<std::uint32_t>(spare), true);
-  lattice_ = lattice;
+  resolution_ = resolution;
   mesh_->build();
   if (session.edits() > 0) mesh_->update(points);
 }

@@ -12,14 +12,14 @@ namespace palpate {
 
 class WindowSession;
 
-/// Rebuilt when another lattice is requested; otherwise updated where points are edited.
+/// Rebuilt when another resolution is requested; otherwise updated where points are edited.
 class ShownMesh {
  public:
   explicit ShownMesh(Device& sight) : sight_(sight) {}
 
   /// `edited`: point states since the last call. False if a rebuild is only announced: on a software driver it takes
   /// so long that a frame with a message is shown first. Throws what the rebuild throws.
-  bool follow(const WindowSession& session, std::uint32_t lattice, std::span<const PointState> edited);
+  bool follow(const WindowSession& session, std::uint32_t resolution, std::span<const PointState> edited);
   void clear();
 
   bool isAnnounced() const { return isAnnounced_; }  ///< the next follow() rebuilds the mesh
@@ -33,11 +33,11 @@ class ShownMesh {
   DrawnMesh drawn(const Bounds& bounds) const;
 
  private:
-  void make(const WindowSession& session, std::uint32_t lattice);
+  void make(const WindowSession& session, std::uint32_t resolution);
 
   Device& sight_;
   std::unique_ptr<MarchingCubes> mesh_;
-  std::uint32_t lattice_ = 0;
+  std::uint32_t resolution_ = 0;
   std::uint64_t version_ = 0;
   double time_ms_ = 0;
   bool isAnnounced_ = false;

@@ -39,7 +39,7 @@ void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measur
   if (!view.mesh) return mesh_.clear();
   try {
     if (session.config().moves()) throw Error("a model that moves is not shown as triangles yet");
-    if (!mesh_.follow(session, static_cast<std::uint32_t>(view.lattice), edited_.points))
+    if (!mesh_.follow(session, static_cast<std::uint32_t>(view.resolution), edited_.points))
       messages.say("making the triangles");
   } catch (const DeviceLost&) {
     throw;

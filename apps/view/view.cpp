@@ -27,8 +27,8 @@ struct ViewCommandOptions {
   JoinOptionsGiven join;
   ScaleOptions scale;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
-              edit = "none", lattice = "128", device = "mouse", scheduler = "device", present = "auto";
-  bool hidesCamera = false, rumble = false, realtime = false, allPoints = false;
+              edit = "none", resolution = "128", device = "mouse", scheduler = "device", present = "auto";
+  bool hidesCamera = false, rumble = false, realtime = false, keepUnreliable = false;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
 };
 
@@ -85,11 +85,12 @@ void view(Context& context, const ViewCommandOptions& options) {
   Frame::checkSize(width, height);
   ViewOptions view{.models = options.models,
                    .look = options.look,
-                   .lattice = std::stoi(options.lattice),
+                   .resolution = std::stoi(options.resolution),
                    .size_px = {width, height}};
   if (!options.script.empty()) view.script = readScript(options.script);
   view.session.config.model =
-      ModelOptions{.scale = options.scale, .normals = options.normals, .allPoints = options.allPoints}.config();
+      ModelOptions{.scale = options.scale, .normals = options.normals, .keepUnreliable = options.keepUnreliable}
+          .config();
   view.session.config.rate_Hz = options.rate_Hz;
   view.session.config.motion = motionConfig(options.motion);
   if (options.edit != "none") Abilities(modelKindOf(view.session.config)).require(Action::sculpt, "--edit");
@@ -163,7 +164,7 @@ void addView(Options& app, Context& context, Command& command) {
       .describe("keep, estimate or face, as in palpate touch")
       .check(oneOf(choicesOf<ModelConfig>("normals")))
       .showDefault();
-  addAllPointsOption(sub, options->allPoints);
+  addAllPointsOption(sub, options->keepUnreliable);
   addLookOptions(sub, options->look);
   addWindowOptions(sub, *options);
   sub.add("--device", options->device,
@@ -191,7 +192,7 @@ void addView(Options& app, Context& context, Command& command) {
       .describe("brush at the start, or none")
       .check(oneOf(choicesOf<BrushConfig>("kind", {"none"})))
       .showDefault();
-  sub.add("--lattice", options->lattice,
+  sub.add("--resolution", options->resolution,
           "cells of the mesh (M) along the longest side; coarse meshes update sooner on a slow GPU")
       .check(oneOf({"32", "64", "128", "256", "512"}))
       .showDefault();

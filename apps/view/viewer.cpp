@@ -22,7 +22,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
   ViewSettings& view = settings_.view;
   view.up = upNamed(options.look.up);
   view.unit = unitNamed(options.look.unit);
-  view.lattice = options.lattice;
+  view.resolution = options.resolution;
   // A script with its own clock need not wait for the display.
   if (script_.hasOwnClock()) view.waitsForDisplay = false;
   view.plots = double(options.size_px.x) >= panels_.roomyWidth_px();

@@ -23,7 +23,7 @@ struct ViewOptions {
   BrushSettings brush;
   FeelSettings feel;
   LookOptions look;
-  int lattice = 128;  ///< of the triangles
+  int resolution = 128;  ///< of the triangles
   UVec2 size_px{1280, 720};
   std::vector<TimedAction> script;
   std::optional<Presentation> presentation;  ///< found automatically if not given

@@ -18,7 +18,7 @@ void Viewer::applySettings() {
     BrushSettings brush = settings_.brush;
     if (document_.asks() && pointing_.isTouching()) brush.kind.reset();
     session->setBrushSettings(brush);
-    session->setFeel(settings_.feel);
+    session->setContact(settings_.feel);
     if (recorded && !session->isRecording())
       messages_.say("the recording has ended: a log cannot contain a change of settings");
   });

@@ -50,13 +50,13 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   state["surface"] = nameIn(kSurfaceKinds, session.feel().surface);
   state["up"] = nameOf(view.upOf(session.model()));
   state["color"] = nameIn(kColorNames, view.color);
-  state["tool_radius_mm"] = brush.radius_mm;
+  state["brush_radius_mm"] = brush.radius_mm;
   if (const SimulationControl* const simulation = session.simulation())
     for (const SimulationParameter& parameter : simulation->parameters())
       state["parameters"][parameter.name] = parameter.value;
   if (session.presence()) state["others"] = othersOf(session);
   state["strokes"] = session.strokes().strokes;
-  state["undoable"] = session.strokes().undoable;
+  state["undo_count"] = session.strokes().undoCount;
   state["edits"] = session.edits();
   state["changed"] = session.isChanged();
   state["save_file"] = document.saveFile();
@@ -135,7 +135,7 @@ ViewStatus Viewer::status() {
     status.model = document_.file();
     if (const SimulationControl* const simulation = session->simulation()) {
       status.parameters = simulation->parameters();
-      status.simulationHeld = simulation->isHeld();
+      status.simulationPaused = simulation->isPaused();
     }
     if (const SharedPresence* const presence = session->presence())
       status.others = {.counts = {}, .hands = presence->hands(), .cameras = presence->cameras()};
@@ -188,7 +188,7 @@ void Viewer::writeState(const std::string& file) {
              {"asks_how_to_save", document_.saveQuestion().has_value()},
              {"asks_about_strokes", document_.leftQuestion().has_value()},
              {"last_message", messages_.last()},
-             {"remarks", messages_.remarks()},
+             {"messages", messages_.remarks()},
              {"errors", messages_.errors()},
              {"panels", settings_.view.panels},
              {"measuring", settings_.view.measures}};

@@ -30,7 +30,7 @@ struct PointsMotion {
 inline PointsMotion pointsMotion(double now_s, const PointsTime& points, double last_s) {
   const double from_s = points.true_s - points.comes_s;
   if (now_s < from_s) return {.age_s = -points.comes_s};
-  const double until_s = std::min(now_s, points.true_s + points.goOn_s);
+  const double until_s = std::min(now_s, points.true_s + points.extrapolationLimit_s);
   const double since_s = points.comes_s > 0 ? std::max(last_s, from_s) : last_s;
   return {.age_s = until_s - points.true_s, .sinceLast_s = std::max(0.0, until_s - since_s)};
 }

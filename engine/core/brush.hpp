@@ -29,16 +29,16 @@ constexpr std::array<std::pair<std::string_view, BrushKind>, 7> kBrushKinds = {{
 /// the same: they cannot be carved away, and they have no colours of their own.
 constexpr bool changesShape(BrushKind kind) { return kind != BrushKind::carve && kind != BrushKind::paint; }
 
-/// A brush and its settings. Every brush acts only while the HIP is deeper than `tau` behind the proxy and does not
-/// withdraw. Its tool is fixed to the hand and perpendicular to the surface as the stroke found it (BrushStroke). Push
-/// and carve use a ball with a shaft of the same width, whose tip is tau before the HIP; the other brushes act around
-/// the position where the surface was found over the hand. All brushes but carve leave points of a side of the model
-/// that faces away unchanged.
+/// A brush and its settings. Every brush acts only while the HIP is deeper than `yieldDepth` behind the proxy and does
+/// not withdraw. Its tool is fixed to the hand and perpendicular to the surface as the stroke found it (BrushStroke).
+/// Push and carve use a ball with a shaft of the same width, whose tip is the yield depth before the HIP; the other
+/// brushes act around the position where the surface was found over the hand. All brushes but carve leave points of a
+/// side of the model that faces away unchanged.
 struct BrushOptions {
   BrushKind kind = BrushKind::push;
-  double tau = 0;     ///< depth of the HIP behind the proxy from which the surface yields, model units
-  double beta = 0;    ///< push: share of the distance to its target that a point moves in one tick, 0 to 1
-  double radius = 0;  ///< of the brush's ball, model units
+  double yieldDepth = 0;  ///< depth of the HIP behind the proxy from which the surface yields, model units
+  double pushRate = 0;    ///< push: share of the distance to its target that a point moves in one tick, 0 to 1
+  double radius = 0;      ///< of the brush's ball, model units
   /// All but push: share of the full effect applied in one tick, 0 to 1; for all but carve, at the centre of the brush.
   /// The full effect is, for carve, the path to the brush; for smooth and flatten, the path to the surface and to the
   /// plane; for grab, the path of the hand since it took hold, up to two radii; for inflate, a thousandth of the
@@ -48,7 +48,7 @@ struct BrushOptions {
   /// radii. An integer, so that every processor computes the same result; 0 is a hard rim, kMaxFalloff the maximum.
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 4> color{255, 0, 0, 255};  ///< paint: RGBA, 0 to 255
-  bool keepsDensity = true;  ///< points are inserted where the surface is stretched and merged where it is crowded
+  bool resample = true;  ///< points are inserted where the surface is stretched and merged where it is crowded
 
   bool operator==(const BrushOptions&) const = default;
 };

@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr double kGap_s = 0.3;        // longest time without contact within one stroke
-constexpr double kTick_s = 1e-3;      // the interval that a brush's strength and beta refer to
+constexpr double kTick_s = 1e-3;      // the interval that a brush's strength and push rate refer to
 constexpr double kMaxTicks = 16;      // maximum number of ticks that one edit makes up for
 constexpr double kWithdrawing = 0.5;  // cosine between motion and direction to the proxy above which a hand withdraws
 // In brush radii: the tool's longest and shortest step between two edits, and the spacing of the remembered positions
@@ -68,9 +68,9 @@ double normalSteps() { return static_cast<double>(shared::kNormalSteps); }
 }  // namespace
 
 shared::BrushOf<double> brushOf(const BrushOptions& options, double support) {
-  PALPATE_CHECK_LE(0.0, options.tau);
-  PALPATE_CHECK_LE(0.0, options.beta);
-  PALPATE_CHECK_LE(options.beta, 1.0);
+  PALPATE_CHECK_LE(0.0, options.yieldDepth);
+  PALPATE_CHECK_LE(0.0, options.pushRate);
+  PALPATE_CHECK_LE(options.pushRate, 1.0);
   PALPATE_CHECK_LT(0.0, options.radius);
   PALPATE_CHECK_LE(0.0, options.strength);
   PALPATE_CHECK_LE(options.strength, 1.0);
@@ -143,7 +143,7 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   knowsLast_ = true;
   lastHip_ = hip;
   const bool sculpts = press != Press::none, touches = contact.touching && sculpts;
-  const bool yields = touches && glm::length(spring) > brush_.tau;
+  const bool yields = touches && glm::length(spring) > brush_.yieldDepth;
   const bool wasLifted = !touched_ && time_s - lastTouch_s_ > kGap_s;
   if (touches) lastTouch_s_ = time_s;
   touched_ = touches;
@@ -191,7 +191,7 @@ void BrushStroke::goOnTo(const Place& place) {
 
 // A tool that passes over a point must leave it the time to yield: each edit moves the point a share of its path.
 double BrushStroke::longestStep(double share) const {
-  const double radius = brush_.radius, depth = std::max(found() - brush_.tau, 0.1 * radius);
+  const double radius = brush_.radius, depth = std::max(found() - brush_.yieldDepth, 0.1 * radius);
   const double low = std::min(depth, radius), halfWidth = std::sqrt(radius * radius - (radius - low) * (radius - low));
   const double yield = static_cast<double>(shared::kLongestMove) * support_;
   const double most = std::min({kLongestStep * radius, yield * std::clamp(radius / depth, 0.25, 2.0),
@@ -235,7 +235,7 @@ const BrushStroke::Tool& BrushStroke::next(double time_s) {
   edited_ = true;
   const double ticks = std::clamp(std::round(since_s / kTick_s), 1.0, kMaxTicks);
   const bool inflates = brush_.kind == BrushKind::inflate;
-  const double strength = brush_.kind == BrushKind::push ? brush_.beta : brush_.strength;
+  const double strength = brush_.kind == BrushKind::push ? brush_.pushRate : brush_.strength;
   tool_.share = inflates ? strength * ticks : 1 - std::pow(1 - strength, ticks);
   advance(brush_.kind == BrushKind::grab ? std::numeric_limits<double>::infinity()
                                          : longestStep(inflates ? 1 : tool_.share));
@@ -273,10 +273,10 @@ void BrushStroke::placeTool() {
   const double heard = kHeardOver * radius;
   double first = height;
   if (brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve) {
-    first = brush_.tau + radius;
+    first = brush_.yieldDepth + radius;
     if (height > first) tool_.shaft = std::min(height - first + kShaftMargin * radius, kMaxShaft * radius);
   } else if (brush_.kind == BrushKind::inflate) {
-    tool_.height = std::clamp(height - brush_.tau, 0.0, kMaxRaised * radius);
+    tool_.height = std::clamp(height - brush_.yieldDepth, 0.0, kMaxRaised * radius);
   }
   const double longest = kMaxLength * radius;
   first = std::clamp(first, heard - longest, heard + longest);

@@ -13,10 +13,11 @@ namespace palpate {
 constexpr double kMaxPointsAge_s = 0.05;
 
 /// The time for which the positions of moving points are true. Afterwards points continue with their velocities for at
-/// most goOn_s; before it they approach these positions for comes_s. Outside these intervals they stand still.
+/// most extrapolationLimit_s; before it they approach these positions for comes_s. Outside these intervals they stand
+/// still.
 struct PointsTime {
   double true_s = 0;
-  double goOn_s = kMaxPointsAge_s;
+  double extrapolationLimit_s = kMaxPointsAge_s;
   double comes_s = 0;  ///< for this long before true_s, points approach with their velocities
 };
 
@@ -24,12 +25,12 @@ struct PointsTime {
 /// absent.
 struct CloudFrame {
   double time_s = 0;  ///< time for which the positions are true, or at which points start to approach them
-  double goOn_s = kMaxPointsAge_s;  ///< PointsTime::goOn_s
-  double comes_s = 0;               ///< PointsTime::comes_s
-  std::vector<Vec3> positions;      ///< model units, relative to the cloud's origin
-  std::vector<Vec3> normals;        ///< unit
-  std::vector<Vec3> velocities;     ///< model units per second; empty where unknown
-  bool slides = true;               ///< velocities include motion along the surface; false: only across it
+  double extrapolationLimit_s = kMaxPointsAge_s;  ///< PointsTime::extrapolationLimit_s
+  double comes_s = 0;                             ///< PointsTime::comes_s
+  std::vector<Vec3> positions;                    ///< model units, relative to the cloud's origin
+  std::vector<Vec3> normals;                      ///< unit
+  std::vector<Vec3> velocities;                   ///< model units per second; empty where unknown
+  bool slides = true;  ///< velocities include motion along the surface; false: only across it
   /// Change of the normals per second, as shaders/shared/motion.h applies it; empty where normals stay or the change is
   /// unknown.
   std::vector<Vec3> turns;
@@ -37,7 +38,9 @@ struct CloudFrame {
   std::vector<std::uint32_t> ids;  ///< ids of the points, ascending; empty where each id is the index here
 
   std::size_t size() const { return positions.size(); }
-  PointsTime time() const { return {.true_s = time_s + comes_s, .goOn_s = goOn_s, .comes_s = comes_s}; }
+  PointsTime time() const {
+    return {.true_s = time_s + comes_s, .extrapolationLimit_s = extrapolationLimit_s, .comes_s = comes_s};
+  }
   std::uint32_t idOf(std::size_t i) const { return ids.empty() ? static_cast<std::uint32_t>(i) : ids[i]; }
 };
 

@@ -9,7 +9,7 @@ namespace palpate {
 struct StrokeCounts {
   std::uint64_t strokes = 0;  ///< total
   std::uint64_t dropped = 0;  ///< of these, the oldest ones, which are no longer kept
-  std::size_t undoable = 0, redoable = 0;
+  std::size_t undoCount = 0, redoCount = 0;
   std::uint64_t version = 0;  ///< grows with each stroke, undo and redo
 };
 

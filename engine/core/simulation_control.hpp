@@ -21,7 +21,7 @@ struct SimulationParameter {
 /// Energy that a hand has put into a simulation since its start, less the energy it got back, J, computed with the
 /// forces that the hand received, with their gain and after all limits: a port is passive if this is never below 0.
 struct PortEnergy {
-  double now_J = 0, least_J = 0;
+  double now_J = 0, min_J = 0;
 };
 
 /// Ticks in which the points about a hand did not determine the surface of a soft body under it, as in a dent that is
@@ -37,8 +37,8 @@ class SimulationControl {
   virtual ~SimulationControl() = default;
 
   /// Pauses the simulation, so that no hand feels it, or resumes it.
-  virtual void hold(bool held) noexcept = 0;
-  virtual bool isHeld() const noexcept = 0;
+  virtual void pause(bool paused) noexcept = 0;
+  virtual bool isPaused() const noexcept = 0;
   /// Resets everything to the initial state, with the next tick.
   virtual void reset() noexcept = 0;
   /// With the values last set.
@@ -47,7 +47,7 @@ class SimulationControl {
   /// nothing is changed then.
   virtual void set(std::string_view name, double value) = 0;
   /// Time by which the simulation fell behind the clock and which it dropped, s.
-  virtual double leftOut_s() const noexcept = 0;
+  virtual double dropped_s() const noexcept = 0;
   /// Number of advances of the simulation; hands feel a new state after each.
   virtual std::uint64_t advances() const noexcept = 0;
   /// Sum over all hands; soft bodies only.

@@ -45,7 +45,7 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
   buildTime_us_ = watch.elapsed_us();
   isChanged_.reserve(points_.positions.capacity());
   isChanged_.resize(points_.size());
-  if (options.keepsDensity) measureSpacings();
+  if (options.resample) measureSpacings();
 }
 
 double CpuSculpture::spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const {

@@ -11,7 +11,7 @@ namespace palpate {
 struct SculptOptions {
   double radius = 0;  ///< support radius, model units
   /// Brushes that keep the density may insert points where the surface is stretched and merge them where it is crowded.
-  bool keepsDensity = true;
+  bool resample = true;
   IndexFollow index = IndexFollow::incremental;
   unsigned threads = 0;  ///< 0: one per core
 };
@@ -61,7 +61,7 @@ class CpuSculpture {
   void setUnsettled(std::uint32_t point);
   void remove(std::uint32_t point);
   void followInIndex();
-  bool resamples(const PlacedBrush& brush) const { return options_.keepsDensity && brush.keepsDensity(); }
+  bool resamples(const PlacedBrush& brush) const { return options_.resample && brush.resamples(); }
   void applyBrush(const PlacedBrush& brush);
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
   DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;

@@ -30,7 +30,7 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
     std::ranges::copy(colors, byId.begin());
     upload(device, colors_, byId);
   }
-  if (brush.keepsDensity) resample_.emplace(device, live, update_, radius);
+  if (brush.resample) resample_.emplace(device, live, update_, radius);
   upload(device, tables_,
          std::vector<shared::PointTables>{{.colors = colors.empty() ? 0 : colors_.address(),
                                            .parents = parents_.address(),

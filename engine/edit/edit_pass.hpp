@@ -81,7 +81,7 @@ class EditPass {
   using Scratch = EditSequel::Scratch;
 
   // Paint moves nothing, so it inserts and removes no points.
-  bool resamples() const { return resample_ && brush().keepsDensity && brush().kind != BrushKind::paint; }
+  bool resamples() const { return resample_ && brush().resample && brush().kind != BrushKind::paint; }
   std::uint32_t recalls() const { return resamples() ? shared::kRecallsRequests : shared::kRecallsNothing; }
   // Lists for the passes that follow an update.
   Scratch scratch() const { return {.changed = update_.changed(), .fitted = update_.fitted()}; }

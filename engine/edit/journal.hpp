@@ -43,8 +43,8 @@ class Journal {
 
   bool inStroke() const { return inStroke_; }
   std::uint64_t strokes() const { return strokes_; }  ///< finished so far
-  std::size_t undoable() const { return done_.size(); }
-  std::size_t redoable() const { return undone_.size(); }
+  std::size_t undoCount() const { return done_.size(); }
+  std::size_t redoCount() const { return undone_.size(); }
   /// Strokes that can no longer be undone because of the budget; of these, those larger than the whole budget.
   std::uint64_t dropped() const { return dropped_; }
   std::uint64_t tooLarge() const { return tooLarge_; }

@@ -3,7 +3,7 @@
 namespace palpate {
 
 PlacedBrush::PlacedBrush(const BrushOptions& options, double support, const BrushStroke::Tool& tool)
-    : brush_(brushOf(options, support)), tool_(tool), keepsDensity_(options.keepsDensity) {}
+    : brush_(brushOf(options, support)), tool_(tool), resamples_(options.resample) {}
 
 PlacedBrush::Point PlacedBrush::brushed(const DVec3& place, const DVec3& normal, const Found& found) const {
   const auto brushed = shared::brushed(brush_, tool_, place, normal, found);

@@ -21,7 +21,7 @@ class PlacedBrush {
 
   BrushKind kind() const { return static_cast<BrushKind>(brush_.kind); }
   /// Whether points are inserted and removed with it, if the sculpture can.
-  bool keepsDensity() const { return keepsDensity_; }
+  bool resamples() const { return resamples_; }
   /// False: the brush has no effect.
   bool acts() const { return tool_.acts != 0; }
   /// Centre of a ball that contains all points that the brush may affect; radius() is its radius.
@@ -52,7 +52,7 @@ class PlacedBrush {
  private:
   shared::BrushOf<double> brush_;
   BrushStroke::Tool tool_;
-  bool keepsDensity_;
+  bool resamples_;
 };
 
 }  // namespace palpate

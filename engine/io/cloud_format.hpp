@@ -44,7 +44,7 @@ struct StoredCloud {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< faces; may be empty
   /// Contents of the file that were not read, in words: "12 edge", "normals in double precision".
   std::vector<std::string> lost;
-  /// Points of the file that were left out, and why, in words; empty if none (CloudReadOptions::allPoints).
+  /// Points of the file that were left out, and why, in words; empty if none (CloudReadOptions::keepUnreliable).
   std::string leftOut = {};
   /// Row numbers (from 0, ascending) of the file that were left out of the cloud.
   std::vector<std::uint64_t> leftOutRows = {};
@@ -65,7 +65,7 @@ struct CloudReadOptions {
   /// Leaves out the triangles, which then may be invalid; losses are reported only through the log.
   bool pointsOnly = false;
   /// For a reconstruction: also points that are unreliable by its own measures (colmap_reliability.hpp).
-  bool allPoints = false;
+  bool keepUnreliable = false;
   /// For a mesh: number of points sampled from it; 0: chosen by the reader.
   std::size_t samples = 0;
   /// For a mesh: its corners and triangles instead of sampled points.

@@ -134,7 +134,7 @@ StoredCloud readColmap(const std::filesystem::path& path, Log* log, const CloudR
   const ColmapModel model = readColmapImages(folder);
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", folder.string());
   ReliabilityCounts counts;
-  StoredCloud stored{.cloud = cloudOf(folder, model, options.allPoints ? nullptr : &counts, log),
+  StoredCloud stored{.cloud = cloudOf(folder, model, options.keepUnreliable ? nullptr : &counts, log),
                      .cameras = frustaOf(model)};
   if (counts.isMost()) {
     if (log) log->say("{}: all points are kept, as most would be left out: {}", folder.string(), counts.sentence());

@@ -98,7 +98,7 @@ void SoftSculpture::forget() {
 
 bool SoftSculpture::undo() {
   PALPATE_CHECK(began_.empty());
-  if (undoable() == 0) return false;
+  if (undoCount() == 0) return false;
   ++undone_;
   body_.putRest(strokes_[strokes_.size() - undone_].before);
   return true;
@@ -106,7 +106,7 @@ bool SoftSculpture::undo() {
 
 bool SoftSculpture::redo() {
   PALPATE_CHECK(began_.empty());
-  if (redoable() == 0) return false;
+  if (redoCount() == 0) return false;
   body_.putRest(strokes_[strokes_.size() - undone_].after);
   --undone_;
   return true;

@@ -37,8 +37,8 @@ class SoftSculpture {
   /// Only between strokes: undoes or redoes the last one, bitwise exactly. False if there is none.
   bool undo();
   bool redo();
-  std::size_t undoable() const { return strokes_.size() - undone_; }
-  std::size_t redoable() const { return undone_; }
+  std::size_t undoCount() const { return strokes_.size() - undone_; }
+  std::size_t redoCount() const { return undone_; }
   std::uint64_t strokes() const { return made_; }     ///< total number
   std::uint64_t dropped() const { return dropped_; }  ///< number of oldest strokes no longer kept
 

@@ -22,13 +22,13 @@ constexpr std::uint64_t kChoice = 0x6d657368;  // seed for the choice of points
 bool MeshPlan::uses(std::uint32_t point) const { return share >= 1 || randomUnit(kChoice, point) < share; }
 
 MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& options) {
-  PALPATE_CHECK_LE(1u, options.lattice);
-  PALPATE_CHECK_LE(options.lattice, kFinestLattice);
+  PALPATE_CHECK_LE(1u, options.resolution);
+  PALPATE_CHECK_LE(options.resolution, kMaxResolution);
   MeshPlan plan{.surface = options.surface};
   const double side = bounds.longestSide();
   const double wanted = options.radius > 0 ? options.radius : static_cast<double>(shared::kSupportSpacings) * spacing;
   // A cloud without extent is a single position: any cell size works.
-  const double cell = side > 0 ? side / options.lattice : wanted > 0 ? wanted / 4 : 1.0;
+  const double cell = side > 0 ? side / options.resolution : wanted > 0 ? wanted / 4 : 1.0;
   const double radius = std::max(wanted, kMinRadius_cells * cell);
   // The skin of the density may lie anywhere within the radius, which requires one more cell.
   const double reach = radius + (options.surface == MeshSurface::density ? cell : 0);
@@ -39,8 +39,9 @@ MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& optio
   for (int k = 0; k < 3; ++k)
     blocks[k] = std::ceil(((bounds.max[k] - bounds.min[k] + 2 * margin) / cell + 1) / shared::kMeshBlockSide);
   if (!(blocks.x * blocks.y * blocks.z <= kMaxBlocks))
-    throw Error("a lattice of {} cells along the longest side is too fine for points {:.3g} apart; take a coarser one",
-                options.lattice, spacing);
+    throw Error(
+        "a resolution of {} cells along the longest side is too fine for points {:.3g} apart; take a coarser one",
+        options.resolution, spacing);
   if (spacing > 0) plan.share = std::min(1.0, std::pow(kMaxSpacings * spacing / radius, 2));
   const double usedSpacing = spacing > 0 ? spacing / std::sqrt(plan.share) : radius / 4;
   plan.lattice = {.origin = Vec3(bounds.min - margin),

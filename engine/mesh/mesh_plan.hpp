@@ -29,13 +29,13 @@ inline constexpr std::array<std::pair<std::string_view, MeshSurface>, 4> kMeshSu
 }};
 
 /// Maximum number of cells along the longest side.
-inline constexpr std::uint32_t kFinestLattice = 2048;
+inline constexpr std::uint32_t kMaxResolution = 2048;
 /// Minimum number of cells in a support radius: all corners of a cell that the surface crosses then have neighbours,
 /// however far the surface lies from a point, if the points are dense enough.
 inline constexpr double kMinRadius_cells = 2.5;
 
 struct MeshOptions {
-  std::uint32_t lattice = 128;  ///< cells along the longest side of the cloud's box, 1 to kFinestLattice
+  std::uint32_t resolution = 128;  ///< cells along the longest side of the cloud's box, 1 to kMaxResolution
   MeshSurface surface = MeshSurface::sphere;
   double radius = 0;  ///< support radius, model units; 0: kSupportSpacings spacings; never below kMinRadius_cells
   double room = 0;    ///< margin for edits: how far points may leave the box, in longest sides

@@ -121,21 +121,21 @@ bool DepthBlend::canFollow(const DepthFrame& before, const DepthFrame& frame) {
 void DepthBlend::begin(CloudFrame& points) {
   points.velocities.clear();
   points.turns.clear();
-  points.goOn_s = kMaxPointsAge_s;
+  points.extrapolationLimit_s = kMaxPointsAge_s;
   ways_.clear();
 }
 
 void DepthBlend::follow(const DepthCamera& camera, const Before& before, const DepthFrame& frame, const DVec3& origin,
                         const std::vector<std::uint32_t>& pixels, const Step& step, CloudFrame& points) {
-  const double share = ways_.empty() ? 0 : std::clamp(1 - step.since_s / waysGoOn_s_, 0.0, 1.0);  // still to come
+  const double share = ways_.empty() ? 0 : std::clamp(1 - step.since_s / waysLast_s_, 0.0, 1.0);  // still to come
   const std::size_t rays = std::size_t{camera.width} * camera.height;
   left_.swap(ways_);
   ways_.assign(rays, {});
-  waysGoOn_s_ = step.goOn_s;
+  waysLast_s_ = step.lasts_s;
   points.velocities.assign(points.size(), Vec3(0));
   points.turns.assign(points.size(), Vec3(0));
-  const double toGo = 1 - std::clamp(step.gone_s / step.goOn_s, 0.0, 1.0);
-  points.goOn_s = toGo * step.goOn_s;
+  const double toGo = 1 - std::clamp(step.gone_s / step.lasts_s, 0.0, 1.0);
+  points.extrapolationLimit_s = toGo * step.lasts_s;
   points.slides = false;
   const auto followIn = [&](const auto& seenBefore) {
     parallelFor(points.size(), threads_, [&](std::size_t begin, std::size_t end) {
@@ -149,8 +149,8 @@ void DepthBlend::follow(const DepthCamera& camera, const Before& before, const D
         ways_[pixels[i]] = {.way = Vec3(way), .turn = Vec3(turn)};
         points.positions[i] = Vec3(place - toGo * way - origin);
         points.normals[i] = Vec3(shared::normalAfter(normal, turn, -toGo));
-        points.velocities[i] = Vec3(way / step.goOn_s);
-        points.turns[i] = Vec3(turn / step.goOn_s);
+        points.velocities[i] = Vec3(way / step.lasts_s);
+        points.turns[i] = Vec3(turn / step.lasts_s);
       }
     });
   };

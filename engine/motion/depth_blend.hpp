@@ -24,8 +24,8 @@ class DepthBlend {
   struct Step {
     double between_s = 0;  ///< camera time between the two frames
     double since_s = 0;    ///< session time since the points of the previous frame began to move
-    double goOn_s = 0;     ///< session time in which the points of this frame reach their positions
-    double gone_s = 0;     ///< part of goOn_s that has passed
+    double lasts_s = 0;    ///< session time in which the points of this frame reach their positions
+    double gone_s = 0;     ///< part of lasts_s that has passed
   };
   /// Whether correspondence is possible: both are depth images, or points on the rays of one sensor.
   static bool canFollow(const DepthFrame& before, const DepthFrame& frame);
@@ -49,7 +49,7 @@ class DepthBlend {
   };
   std::vector<Way> left_;  // at the start of the previous frame, by its pixels; empty: no point moved
   std::vector<Way> ways_;  // likewise, for this frame
-  double waysGoOn_s_ = 0;
+  double waysLast_s_ = 0;
 };
 
 }  // namespace palpate

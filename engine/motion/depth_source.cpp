@@ -95,7 +95,7 @@ void DepthSource::blend(const DepthPlayer::Played& played, double time_s, double
     setOut_s_ = played.time_s;
     return blend_.begin(frame);
   }
-  DepthBlend::Step step{.between_s = between_s, .goOn_s = played.lasts_s};
+  DepthBlend::Step step{.between_s = between_s, .lasts_s = played.lasts_s};
   if (isExact_) {
     // A recording says when the next frame is due, so no displacement remains from the previous frame. Points are made
     // at their current positions.

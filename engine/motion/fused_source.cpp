@@ -64,7 +64,7 @@ void FusedSource::makeFrame(double time_s, CloudFrame& frame) {
   shownChanges_ = changes_;
   fusion_.map().show(frame);
   frame.time_s = shownTime_.true_s - shownTime_.comes_s;
-  frame.goOn_s = 0;
+  frame.extrapolationLimit_s = 0;
   frame.comes_s = shownTime_.comes_s;
   frame.slides = false;
   if (frame.comes_s == 0) return;

@@ -22,7 +22,7 @@ CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& b
       origin_(origin),
       stroke_(radius),
       pace_(kStalest_s),
-      offered_(brush && !brush->keepsDensity ? kMaxOffered : 0) {
+      offered_(brush && !brush->resample ? kMaxOffered : 0) {
   collect();
   if (!brush) return;
   stroke_.setBrush(*brush);

@@ -19,7 +19,7 @@ HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
 
 SculptOptions sculptOptions(const CpuTouchOptions& options) {
   return {.radius = options.radius / options.widening,
-          .keepsDensity = options.brush && options.brush->keepsDensity,
+          .resample = options.brush && options.brush->resample,
           .index = options.index,
           .threads = options.threads};
 }

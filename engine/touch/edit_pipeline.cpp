@@ -19,7 +19,7 @@ constexpr double kLargeEdit = 1.0 / 16;
 constexpr std::size_t kMaxOffered = 1 << 14;  // changes: applied between two ticks
 
 std::size_t mostOffered(const EditPass& pass) {
-  return pass.brush().keepsDensity ? 0 : std::min<std::size_t>(kMaxOffered, pass.mostChanges());
+  return pass.brush().resample ? 0 : std::min<std::size_t>(kMaxOffered, pass.mostChanges());
 }
 
 }  // namespace

@@ -81,7 +81,8 @@ void FramePipeline::make() {
 
 void FramePipeline::submit(Queue& queue, const Lists& lists) {
   const double comes_s = writer_.comes_s();
-  times_[back()] = {.true_s = writer_.time_s() + comes_s, .goOn_s = writer_.goOn_s(), .comes_s = comes_s};
+  times_[back()] = {
+      .true_s = writer_.time_s() + comes_s, .extrapolationLimit_s = writer_.extrapolationLimit_s(), .comes_s = comes_s};
   if (made_ == MadeFrame::incoming) fillWithZeros(queue, velocities_[back()]);
   colored_[back()] = writer_.isColored();
   const auto& ways = made_ == MadeFrame::incoming ? lists.builds : lists.frames;

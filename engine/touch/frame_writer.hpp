@@ -38,7 +38,7 @@ class FrameWriter {
   virtual bool turnsNormals() const { return false; }
   /// Of the last frame made: CloudFrame's times, and whether the normals' fourth words hold colours.
   virtual double time_s() const = 0;
-  virtual double goOn_s() const { return kMaxPointsAge_s; }
+  virtual double extrapolationLimit_s() const { return kMaxPointsAge_s; }
   virtual double comes_s() const { return 0; }
   virtual bool isColored() const = 0;
   /// Whether make() reads the current points: it then runs only after the previous frame has become them.

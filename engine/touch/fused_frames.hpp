@@ -26,7 +26,7 @@ class FusedFrames final : public FrameWriter {
               const Buffer& velocities) const override;
   bool turnsNormals() const override { return true; }
   double time_s() const override { return from_s_; }
-  double goOn_s() const override { return 0; }
+  double extrapolationLimit_s() const override { return 0; }
   double comes_s() const override { return comes_s_; }
   bool isColored() const override { return colored_; }
   bool looksAtPoints() const override { return true; }

@@ -20,7 +20,7 @@ class HostFrames final : public FrameWriter {
               const Buffer& velocities) const override;
   double time_s() const override { return frame_.time_s; }
   bool turnsNormals() const override { return source_.turnsNormals(); }
-  double goOn_s() const override { return frame_.goOn_s; }
+  double extrapolationLimit_s() const override { return frame_.extrapolationLimit_s; }
   double comes_s() const override { return frame_.comes_s; }
   bool isColored() const override { return !frame_.colors.empty(); }
 

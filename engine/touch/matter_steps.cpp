@@ -30,7 +30,7 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   const std::int64_t now = std::llround(question.time_s / kMatterStep_s);
   if (takeReset() || goesBack(now)) restart();
   takeParameters(*world_);
-  const bool held = isHeld();
+  const bool held = isPaused();
   const std::uint32_t steps = stepsTo(now, 1);
   // A hand that moves while the simulation is paused resumes at its new pose.
   if (hands_.empty() || held) hands_.assign(hands.begin(), hands.end());

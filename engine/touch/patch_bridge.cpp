@@ -41,7 +41,7 @@ void PatchBridge::renew(const Pose& pose, std::uint32_t parity, const PointsTime
   // Moving points are fetched at their present positions, and move on from there.
   const double age_s = pointsMove_ ? pointsMotion(pose.time_s, points, pose.time_s).age_s : 0;
   pass_.aimAt(Vec3(place - age_s * state.velocity), age_s, Vec3(place));
-  const PointsTime from{.true_s = points.true_s + age_s, .goOn_s = points.goOn_s - age_s};
+  const PointsTime from{.true_s = points.true_s + age_s, .extrapolationLimit_s = points.extrapolationLimit_s - age_s};
   underWay_ = Fetch{device_.latencyQueue().submit(*lists_[parity]), pose.time_s, edits_, from};
 }
 

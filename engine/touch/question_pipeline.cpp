@@ -14,7 +14,7 @@ namespace {
 constexpr double kSleep_us = 40;  // between polls, if spinning would starve the driver
 
 // Maximum time in which a withdrawn question ends, if the GPU sees the host's writes at all.
-constexpr double kLongestDeafness_us = 5000;
+constexpr double kWithdrawTimeout_us = 5000;
 
 // At about the 520th submission NVIDIA's driver allocates room for more, once, which takes 1.8 ms: it must not be in a
 // tick.
@@ -96,7 +96,7 @@ bool QuestionPipeline::hearsTheHost(std::uint32_t parity) {
   const bool waits = !device_.latencyQueue().isDone(run_.ticket);
   const Stopwatch watch;
   withdraw();
-  return waits && watch.elapsed_us() < kLongestDeafness_us;
+  return waits && watch.elapsed_us() < kWithdrawTimeout_us;
 }
 
 bool QuestionPipeline::mayAskWithin(double budget_us) const {

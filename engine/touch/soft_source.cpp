@@ -59,7 +59,7 @@ bool SoftSource::hasNewer(double time_s, double /*than_s*/) {
   if (isToBeReset() || isTurned_) return true;
   const auto newest = asked_.load();
   const bool isAsked = question_.count > 0 || (newest && newest->count > 0);
-  return !isHeld() && isAsked && last() != stepAt(time_s);
+  return !isPaused() && isAsked && last() != stepAt(time_s);
 }
 
 // One edit per step, after the steps, so that a hand's contact has pressed where the surface was felt. Pressed
@@ -134,8 +134,8 @@ void SoftSource::countStrokes() {
   const std::uint64_t before = counts_.strokes.exchange(sculpture->strokes(), std::memory_order_relaxed);
   counts_.version.fetch_add(sculpture->strokes() - before, std::memory_order_relaxed);
   counts_.dropped.store(sculpture->dropped(), std::memory_order_relaxed);
-  counts_.undoable.store(sculpture->undoable(), std::memory_order_relaxed);
-  counts_.redoable.store(sculpture->redoable(), std::memory_order_relaxed);
+  counts_.undoCount.store(sculpture->undoCount(), std::memory_order_relaxed);
+  counts_.redoCount.store(sculpture->redoCount(), std::memory_order_relaxed);
 }
 
 SurfaceHolds SoftSource::surfaceHolds() const noexcept {
@@ -152,8 +152,8 @@ StrokeCounts SoftSource::strokes() const noexcept {
   constexpr auto kRelaxed = std::memory_order_relaxed;
   return {.strokes = counts_.strokes.load(kRelaxed),
           .dropped = counts_.dropped.load(kRelaxed),
-          .undoable = counts_.undoable.load(kRelaxed),
-          .redoable = counts_.redoable.load(kRelaxed),
+          .undoCount = counts_.undoCount.load(kRelaxed),
+          .redoCount = counts_.redoCount.load(kRelaxed),
           .version = counts_.version.load(kRelaxed)};
 }
 
@@ -244,12 +244,12 @@ void SoftSource::follow(double time_s) {
   if (question_.count > 0) {  // a question was received
     const std::int64_t now = stepAt(time_s);
     if (goesBack(now)) restart();
-    const double leftOut_s = this->leftOut_s();
+    const double dropped_s = this->dropped_s();
     steps = stepsTo(now, 0);
-    const double left = (this->leftOut_s() - leftOut_s) / kMatterStep_s;
+    const double left = (this->dropped_s() - dropped_s) / kMatterStep_s;
     if (steps > 0) pace_ = steps / (steps + left);
   }
-  if (isHeld())
+  if (isPaused())
     std::ranges::fill(slots_, Slot{});
   else
     advance(steps);
@@ -273,7 +273,7 @@ void SoftSource::tellPlaces() {
 
 std::optional<double> SoftSource::goTo(double time_s) {
   follow(time_s);
-  world_->carryVelocities(!isHeld() && pace_ > kSlowPace);
+  world_->carryVelocities(!isPaused() && pace_ > kSlowPace);
   return world_->state() == MatterState::running ? std::optional(bodyTime_s_) : std::nullopt;
 }
 
@@ -282,7 +282,7 @@ void SoftSource::makeFrame(double time_s, CloudFrame& frame) {
   world_->makeFrame(frame);
   constexpr auto kUnits = static_cast<float>(1 / kMatterUnit_m);
   for (Vec3& position : frame.positions) position *= kUnits;
-  const auto perSecond = static_cast<float>(isHeld() ? 0 : pace_ / kMatterUnit_m);
+  const auto perSecond = static_cast<float>(isPaused() ? 0 : pace_ / kMatterUnit_m);
   for (Vec3& velocity : frame.velocities) velocity *= perSecond;
   frame.time_s = bodyTime_s_;
 }

@@ -148,7 +148,7 @@ class SoftSource final : public CloudSource, public SteppedControl {
   bool isTurned_ = false;  // a stroke was undone or redone since the last frame
   struct Counts {
     std::atomic<std::uint64_t> strokes = 0, dropped = 0, version = 0;
-    std::atomic<std::size_t> undoable = 0, redoable = 0;
+    std::atomic<std::size_t> undoCount = 0, redoCount = 0;
   } counts_;
 };
 

@@ -60,9 +60,9 @@ std::span<const Contact> SoftTouch::ask(std::span<const Pose> poses, double budg
 // After a discontinuity of the surface a hand may be inside the body: it feels nothing until the new surface is certain
 // to be present, and is then not pushed out.
 void SoftTouch::lookAtScene(double time_s, bool isThere) {
-  const bool held = source_->isHeld();
-  const bool jumped = held || isHeld_ || beginnings_ != source_->beginnings();
-  isHeld_ = held;
+  const bool held = source_->isPaused();
+  const bool jumped = held || isPaused_ || beginnings_ != source_->beginnings();
+  isPaused_ = held;
   beginnings_ = source_->beginnings();
   if (jumped) quietUntil_s_ = isThere && !held ? time_s : time_s + kQuiet_s;
   if (time_s < quietUntil_s_ - kQuiet_s) quietUntil_s_ = 0;  // time went back
@@ -176,7 +176,7 @@ DVec3 SoftTouch::strayed(const Hand& hand, const Pose& pose, double age_s) const
   const DVec3 there = hipAt(hand, from_s);
   const DVec3 velocity = (there - hipAt(hand, from_s - kForVelocity_s)) / kForVelocity_s;
   const PointsTime points = *framesTime();
-  return pose.hip - (there + std::min(age_s, points.goOn_s) * velocity);
+  return pose.hip - (there + std::min(age_s, points.extrapolationLimit_s) * velocity);
 }
 
 // The surface as if the hand's spring pressed on a spring as soft as the body there. It only gives way: a hand that

@@ -87,7 +87,7 @@ class SoftTouch final : private HeldSoftSource, public TouchDecorator, private S
   std::array<double, kRemembered> times_s_{};  // times of the remembered ticks, in a ring
   std::size_t ticks_ = 0;
   std::uint32_t beginnings_ = 0;  // the scene's beginnings(), as known to the hands
-  bool isHeld_ = false;
+  bool isPaused_ = false;
   bool isQuiet_ = false;  // hands feel nothing now
   double quietUntil_s_ = 0;
 };

@@ -22,7 +22,7 @@ std::string SteppedControl::failure() const {
 std::vector<PortEnergy> SteppedControl::portEnergies() const {
   std::vector<PortEnergy> energies;
   for (std::size_t k = 0; k < hands_; ++k)
-    energies.push_back({.now_J = meters_[k].now_J.load(), .least_J = meters_[k].least_J.load()});
+    energies.push_back({.now_J = meters_[k].now_J.load(), .min_J = meters_[k].min_J.load()});
   return energies;
 }
 
@@ -49,15 +49,14 @@ void SteppedControl::takeParameters(MatterSimulation& world) {
 void SteppedControl::seeEnergy(std::size_t hand, double energy_J) noexcept {
   Meter& meter = meters_[hand];
   meter.now_J.store(energy_J, std::memory_order_relaxed);
-  if (energy_J < meter.least_J.load(std::memory_order_relaxed))
-    meter.least_J.store(energy_J, std::memory_order_relaxed);
+  if (energy_J < meter.min_J.load(std::memory_order_relaxed)) meter.min_J.store(energy_J, std::memory_order_relaxed);
 }
 
 void SteppedControl::forget() noexcept {
   last_.reset();
   for (Meter& meter : meters_) {
     meter.now_J.store(0);
-    meter.least_J.store(0);
+    meter.min_J.store(0);
   }
 }
 

@@ -19,9 +19,9 @@ namespace palpate {
 class SteppedControl : public SimulationControl {
  public:
   void reset() noexcept override { reset_.store(true); }
-  void hold(bool held) noexcept override { held_.store(held); }
-  bool isHeld() const noexcept override { return held_.load(); }
-  double leftOut_s() const noexcept override {
+  void pause(bool paused) noexcept override { paused_.store(paused); }
+  bool isPaused() const noexcept override { return paused_.load(); }
+  double dropped_s() const noexcept override {
     return kMatterStep_s * static_cast<double>(leftOut_.load(std::memory_order_relaxed));
   }
   std::uint64_t advances() const noexcept override { return advances_.load(std::memory_order_relaxed); }
@@ -57,12 +57,12 @@ class SteppedControl : public SimulationControl {
  private:
   std::uint32_t mostAtOnce_;
   std::optional<std::int64_t> last_;
-  std::atomic<bool> reset_ = false, held_ = false, changed_ = false, leavesOut_ = true;
+  std::atomic<bool> reset_ = false, paused_ = false, changed_ = false, leavesOut_ = true;
   std::atomic<std::uint64_t> leftOut_ = 0;  // number of steps
   std::atomic<std::uint64_t> advances_ = 0;
   std::atomic<MatterState> state_ = MatterState::running;
   struct Meter {
-    std::atomic<double> now_J = 0, least_J = 0;
+    std::atomic<double> now_J = 0, min_J = 0;
   };
   std::array<Meter, kMaxHands> meters_;
   std::size_t hands_;

@@ -5,7 +5,7 @@
 
 #include "engine/core/system_file.hpp"
 #include "haptics/library/failures.hpp"
-#include "haptics/library/remarks.hpp"
+#include "haptics/library/messages.hpp"
 
 namespace palpate::library {
 

@@ -6,9 +6,9 @@
 #include "engine/io/rgbd_folder.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/gpu_half.hpp"
+#include "haptics/library/messages.hpp"
 #include "haptics/library/objects.hpp"
 #include "haptics/library/options.hpp"
-#include "haptics/library/remarks.hpp"
 
 using namespace palpate;
 using namespace palpate::library;
@@ -59,19 +59,20 @@ pp_status pp_cloud_read(const char* file, const pp_read_options* options, pp_clo
     if (isRgbdFolder(name))
       throw FileError(name, "is the folder of a recorded depth camera, and not one cloud; open a session of it");
     Watch watch(given.watch);
-    Remarks remarks(given.log, given.log_user, watch);
+    Messages messages(given.log, given.log_user, watch);
     StoredCloud stored;
     watch.runCut([&] {
-      stored = readCloud(
-          name, &remarks.sink(),
-          {.normalsFromFaces = given.normals_from_faces != 0, .pointsOnly = true, .allPoints = given.all_points != 0});
+      stored = readCloud(name, &messages.sink(),
+                         {.normalsFromFaces = given.normals_from_faces != 0,
+                          .pointsOnly = true,
+                          .keepUnreliable = given.keep_unreliable != 0});
     });
-    if (!stored.leftOut.empty()) remarks.sink().say("{}: left out are {}", name, stored.leftOut);
+    if (!stored.leftOut.empty()) messages.sink().say("{}: left out are {}", name, stored.leftOut);
     *cloud = opened<pp_cloud>(std::make_shared<CloudObject>(
         std::move(stored.cloud),
         ModelConfig{.file = name,
                     .normals = given.normals_from_faces ? NormalSource::face : NormalSource::keep,
-                    .allPoints = given.all_points != 0}));
+                    .keepUnreliable = given.keep_unreliable != 0}));
   });
 }
 
@@ -85,7 +86,7 @@ pp_status pp_cloud_write(pp_cloud cloud, const char* file, const pp_write_option
     watch.runCut([&] {
       cloudFormats().toWrite(name).write(
           name, found->cloud,
-          {.ascii = given.ascii != 0, .keptAs = given.keep ? &kept : nullptr, .progress = [&](double share) {
+          {.ascii = given.ascii != 0, .keptAs = given.backup ? &kept : nullptr, .progress = [&](double share) {
              throwIfStopWanted();
              watch.progressed("writing", share);
            }});
@@ -108,15 +109,15 @@ pp_status pp_cloud_view(pp_cloud cloud, pp_points* points) {
   return guarded([&] { required(points, "points") = objectOf<CloudObject>(cloud.id)->view; });
 }
 
-pp_status pp_cloud_copy_places(pp_cloud cloud, double* places, uint64_t count) {
+pp_status pp_cloud_copy_positions(pp_cloud cloud, double* positions, uint64_t count) {
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     if (count != found->cloud.size())
       throw UsageError("count: {} positions were requested, but the cloud has {}", count, found->cloud.size());
-    if (count > 0) required(places, "places");
+    if (count > 0) required(positions, "positions");
     for (std::size_t i = 0; i < count; ++i) {
       const DVec3 place = found->cloud.fileCoordinates(i);
-      for (int k = 0; k < 3; ++k) places[3 * i + static_cast<std::size_t>(k)] = place[k];
+      for (int k = 0; k < 3; ++k) positions[3 * i + static_cast<std::size_t>(k)] = place[k];
     }
   });
 }

@@ -32,11 +32,11 @@ Options sized() {
 }  // namespace
 
 template <>
-pp_feel usual() {
-  auto feel = sized<pp_feel>();
-  toFields(kForceFields, feel, ForceOptions{});
-  toFields(kSurfaceFields, feel, SurfaceConfig{});
-  return feel;
+pp_contact_options usual() {
+  auto contact = sized<pp_contact_options>();
+  toFields(kForceFields, contact, ForceOptions{});
+  toFields(kSurfaceFields, contact, SurfaceConfig{});
+  return contact;
 }
 
 template <>
@@ -84,7 +84,7 @@ pp_picture_options usual() {
 template <>
 pp_mesh_options usual() {
   auto options = sized<pp_mesh_options>();
-  options.lattice = MeshOptions{}.lattice;
+  options.resolution = MeshOptions{}.resolution;
   return options;
 }
 
@@ -98,7 +98,7 @@ pp_stream_options usual() {
 template <>
 pp_join_options usual() {
   auto options = sized<pp_join_options>();
-  options.patience_s = Joining{}.patience_s;
+  options.timeout_s = Joining{}.timeout_s;
   return options;
 }
 
@@ -111,7 +111,7 @@ pp_join_options usual() {
 PALPATE_INIT(cloud_arrays)
 PALPATE_INIT(read_options)
 PALPATE_INIT(write_options)
-PALPATE_INIT(feel)
+PALPATE_INIT(contact_options)
 PALPATE_INIT(tool)
 PALPATE_INIT(vulkan_device)
 PALPATE_INIT(session_options)

@@ -14,7 +14,7 @@ Options usual() {
 }
 
 template <>
-pp_feel usual();
+pp_contact_options usual();
 template <>
 pp_tool usual();
 template <>

@@ -44,7 +44,7 @@ DVec3 ForceFunction::call(void* user, const Contact& contact, const Pose& pose, 
   pp_pose told{};
   told.t_s = pose.time_s;
   putVector(pose.hip, told.hip);
-  told.feels = !pose.sculpts;
+  told.no_edit = !pose.sculpts;
   const pp_contact answer = contactOf(contact, pose.hip, usual_N, self.mm_per_unit_);
   double force_N[3]{};
   self.law_(self.user_, &told, &answer, dt_s, force_N);

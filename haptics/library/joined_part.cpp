@@ -33,23 +33,23 @@ StopSign stopFrom(const pp_network* given) {
 }
 
 JoinSubject joinFrom(const pp_join_options& options) {
-  if (!(options.patience_s > 0 && options.patience_s <= bounds::kLongest_s))
-    throw UsageError("patience_s: {} is not above 0, or is above {}", options.patience_s, bounds::kLongest_s);
+  if (!(options.timeout_s > 0 && options.timeout_s <= bounds::kLongest_s))
+    throw UsageError("timeout_s: {} is not above 0, or is above {}", options.timeout_s, bounds::kLongest_s);
   const NetworkConfig network = networkFrom(options.network);
   return {.network = {.network = network.interface,
                       .peers = network.peers,
                       .domain = network.domain,
                       .security = network.security,
-                      .near = options.near_hands != 0},
-          .hand = textOf(options.hand),
-          .patience_s = options.patience_s,
+                      .near = options.partial != 0},
+          .hand = textOf(options.hand_name),
+          .timeout_s = options.timeout_s,
           .readOnly = options.read_only != 0,
           .stop = stopFrom(options.network)};
 }
 
 SessionJoiner JoinedPart::joiner() {
-  return [this, join = sessionJoiner(
-                    {.hand = how_.hand, .patience_s = how_.patience_s, .stop = std::exchange(how_.stop, {})})](
+  return [this,
+          join = sessionJoiner({.hand = how_.hand, .timeout_s = how_.timeout_s, .stop = std::exchange(how_.stop, {})})](
              const std::string& name, const JoinConfig& config, Log& log) {
     JoinedModel joined = join(name, config, log);
     name_ = name;
@@ -63,7 +63,7 @@ BrushConfig JoinedPart::allowed(const BrushConfig& brush, const Session& session
   session.abilities().require(Action::sculpt, "brush");
   if (how_.readOnly) throw UsageError("brush: '{}' was joined with read_only; it can be felt and not sculpted", name_);
   BrushConfig allowed = brush;
-  allowed.keepsDensity = false;  // the cloud would differ from that of the others
+  allowed.resample = false;  // the cloud would differ from that of the others
   return allowed;
 }
 
@@ -77,7 +77,7 @@ void tellFar(const FarCloud& far, pp_sharing& state) {
   state.sent = counts.sent;
   state.resent = counts.resent;
   state.restarts = counts.restarts;
-  state.heard = far.known().isTrue() && far.known().share() > 0;
+  state.connected = far.known().isTrue() && far.known().share() > 0;
   state.pings = counts.pings;
   state.answered = counts.answered;
   state.silent_s = counts.silent_s;
@@ -103,9 +103,9 @@ pp_sharing JoinedPart::state(const Session& session) const {
   if (!shared) return state;
   const SharedCounts counts = shared->counts();
   state.sculptable = 1;
-  state.heard = shared->known().isTrue() && shared->known().share() > 0;
+  state.connected = shared->known().isTrue() && shared->known().share() > 0;
   state.delivered = counts.delivered;
-  state.at_rest = counts.atRest;
+  state.idle = counts.idle;
   state.same = counts.same;
   state.sent = counts.sent;
   state.received = counts.received;
@@ -120,7 +120,7 @@ pp_sharing JoinedPart::state(const Session& session) const {
   return state;
 }
 
-std::vector<pp_other_hand> JoinedPart::others(const Session& session) const {
+std::vector<pp_other_hand> JoinedPart::otherHands(const Session& session) const {
   std::vector<pp_other_hand> hands;
   for (const SeenHand& seen : session.presence()->hands()) {
     pp_other_hand hand{};
@@ -146,7 +146,7 @@ std::vector<pp_other_camera> JoinedPart::cameras(const Session& session) const {
     camera.number = seen.number;
     for (int k = 0; k < 3; ++k) camera.place.position[k] = seen.place.position[k];
     const DQuat& turn = seen.place.turn;
-    std::ranges::copy(std::array{turn.x, turn.y, turn.z, turn.w}, camera.place.orientation);
+    std::ranges::copy(std::array{turn.w, turn.x, turn.y, turn.z}, camera.place.orientation);
     camera.place.fov_deg = glm::degrees(seen.place.fovY_rad);
     camera.place.aspect = seen.place.aspect;
     camera.age_s = seen.age_s;
@@ -155,9 +155,9 @@ std::vector<pp_other_camera> JoinedPart::cameras(const Session& session) const {
   return cameras;
 }
 
-void JoinedPart::showCamera(const Session& session, const pp_camera_place* camera) const {
+void JoinedPart::publishCamera(const Session& session, const pp_camera_place* camera) const {
   if (!camera) return session.presence()->show(std::nullopt);
-  const auto& [x, y, z, w] = camera->orientation;
+  const auto& [w, x, y, z] = camera->orientation;
   session.presence()->show(CameraPlace{.position = DVec3(camera->position[0], camera->position[1], camera->position[2]),
                                        .turn = DQuat(w, x, y, z),
                                        .fovY_rad = glm::radians(camera->fov_deg),

@@ -23,7 +23,7 @@ StopSign stopFrom(const pp_network* network);
 struct JoinSubject {
   JoinConfig network;
   std::string hand;  ///< name of the hand; empty: name of the machine
-  double patience_s = Joining{}.patience_s;
+  double timeout_s = Joining{}.timeout_s;
   bool readOnly = false;
   StopSign stop;  ///< of the joining call
 };
@@ -34,15 +34,15 @@ class JoinedPart {
  public:
   explicit JoinedPart(JoinSubject how) : how_(std::move(how)) {}
 
-  double patience_s() const { return how_.patience_s; }
+  double timeout_s() const { return how_.timeout_s; }
   /// Joins, and stores the names of session, server and points. For one model; must not outlive this.
   SessionJoiner joiner();
   /// The brush as the joined session allows it. Throws UsageError if none is allowed.
   BrushConfig allowed(const BrushConfig& brush, const Session& session) const;
   pp_sharing state(const Session& session) const;
-  std::vector<pp_other_hand> others(const Session& session) const;
+  std::vector<pp_other_hand> otherHands(const Session& session) const;
   std::vector<pp_other_camera> cameras(const Session& session) const;
-  void showCamera(const Session& session, const pp_camera_place* camera) const;
+  void publishCamera(const Session& session, const pp_camera_place* camera) const;
   /// Throws NetworkError if this hand's part has ended permanently.
   void check(const Session& session) const;
 

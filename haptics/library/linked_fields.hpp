@@ -12,18 +12,20 @@
 namespace palpate::library {
 
 inline constexpr auto kForceFields =
-    std::make_tuple(std::pair{&pp_feel::stiffness_N_per_mm, &ForceOptions::stiffness_N_per_mm},
-                    std::pair{&pp_feel::damping_N_s_per_mm, &ForceOptions::damping_N_s_per_mm},
-                    std::pair{&pp_feel::max_force_N, &ForceOptions::maxForce_N});
-inline constexpr auto kSurfaceFields = std::make_tuple(std::pair{&pp_feel::friction, &SurfaceConfig::friction});
+    std::make_tuple(std::pair{&pp_contact_options::stiffness_N_per_mm, &ForceOptions::stiffness_N_per_mm},
+                    std::pair{&pp_contact_options::damping_N_s_per_mm, &ForceOptions::damping_N_s_per_mm},
+                    std::pair{&pp_contact_options::max_force_N, &ForceOptions::maxForce_N});
+inline constexpr auto kSurfaceFields =
+    std::make_tuple(std::pair{&pp_contact_options::friction, &SurfaceConfig::friction});
 inline constexpr auto kToolFields =
     std::make_tuple(std::pair{&pp_tool::points, &ToolConfig::points},
                     std::pair{&pp_tool::size_mm, &ToolConfig::size_mm}, std::pair{&pp_tool::axis, &ToolConfig::axis});
 inline constexpr auto kBrushFields = std::make_tuple(
-    std::pair{&pp_brush::falloff, &BrushConfig::falloff}, std::pair{&pp_brush::tau_mm, &BrushConfig::tau_mm},
-    std::pair{&pp_brush::beta, &BrushConfig::beta}, std::pair{&pp_brush::radius_mm, &BrushConfig::radius_mm},
+    std::pair{&pp_brush::falloff, &BrushConfig::falloff},
+    std::pair{&pp_brush::yield_depth_mm, &BrushConfig::yieldDepth_mm},
+    std::pair{&pp_brush::push_rate, &BrushConfig::pushRate}, std::pair{&pp_brush::radius_mm, &BrushConfig::radius_mm},
     std::pair{&pp_brush::strength, &BrushConfig::strength}, std::pair{&pp_brush::color, &BrushConfig::color},
-    std::pair{&pp_brush::keeps_density, &BrushConfig::keepsDensity});
+    std::pair{&pp_brush::resample, &BrushConfig::resample});
 inline constexpr auto kSessionFields =
     std::make_tuple(std::pair{&pp_session_options::rate_Hz, &SessionConfig::rate_Hz});
 inline constexpr auto kUndoFields =

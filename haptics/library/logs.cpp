@@ -5,30 +5,30 @@
 #include "haptics/library/failures.hpp"
 #include "haptics/library/gpu_half.hpp"
 #include "haptics/library/held_session.hpp"
+#include "haptics/library/messages.hpp"
 #include "haptics/library/options.hpp"
-#include "haptics/library/remarks.hpp"
 #include "haptics/session/session_replay.hpp"
 
 namespace palpate::library {
 
 /// A log in memory; immutable.
 struct LogObject {
-  std::vector<pp_log_tick> ticks;
-  std::vector<pp_log_edit> edits;
+  std::vector<pp_recording_tick> ticks;
+  std::vector<pp_recording_edit> edits;
   std::string header, missing;
-  pp_log_content view{};
+  pp_recording_content view{};
 };
 
 namespace {
 
-pp_log_tick tickOf(const LoggedTick& tick) {
-  pp_log_tick told{};
+pp_recording_tick tickOf(const LoggedTick& tick) {
+  pp_recording_tick told{};
   told.t_s = tick.time_s;
   putVector(tick.device, told.device);
-  told.turn[0] = tick.turn.w;
-  told.turn[1] = tick.turn.x;
-  told.turn[2] = tick.turn.y;
-  told.turn[3] = tick.turn.z;
+  told.orientation[0] = tick.turn.w;
+  told.orientation[1] = tick.turn.x;
+  told.orientation[2] = tick.turn.y;
+  told.orientation[3] = tick.turn.z;
   putVector(tick.proxy, told.proxy);
   putVector(tick.force_N, told.force_N);
   told.edits = tick.edits;
@@ -39,12 +39,12 @@ pp_log_tick tickOf(const LoggedTick& tick) {
   told.valid = tick.has(LoggedTick::kValid);
   told.put_down = tick.has(LoggedTick::kPutDown);
   told.forceless = tick.has(LoggedTick::kForceless);
-  told.edit_left_out = tick.has(LoggedTick::kEditLeftOut);
+  told.edit_dropped = tick.has(LoggedTick::kEditLeftOut);
   return told;
 }
 
-pp_log_edit editOf(const PointState& state) {
-  pp_log_edit told{};
+pp_recording_edit editOf(const PointState& state) {
+  pp_recording_edit told{};
   told.point = state.number();
   told.parent = state.parent;
   for (int k = 0; k < 3; ++k) {
@@ -64,7 +64,7 @@ std::shared_ptr<LogObject> logOf(const std::string& file) {
   std::ranges::transform(record.edits.points, std::back_inserter(log->edits), editOf);
   log->header = record.text;
   for (const std::string& sentence : whatIsMissing(record)) log->missing += sentence + "\n";
-  pp_log_content& view = log->view;
+  pp_recording_content& view = log->view;
   view.ticks = log->ticks.size();
   view.edits = log->edits.size();
   view.tick = log->ticks.data();
@@ -91,11 +91,11 @@ Backends backendsOn(GpuHalf& gpu) {
 pp_replay_result replayed(const std::string& file, const pp_replay_options& options, Watch& watch) {
   const auto cloud = options.cloud.id == 0 ? nullptr : objectOf<CloudObject>(options.cloud.id);
   if (!(options.tolerance >= 0)) throw UsageError("tolerance: {} is not a number of at least 0", options.tolerance);
-  Remarks remarks(options.log, options.log_user, watch);
+  Messages messages(options.log, options.log_user, watch);
   GpuHalf gpu({.gpu = options.gpu});
   const Backends backends = backendsOn(gpu);
   const ReplayParts parts{.backends = backends,
-                          .log = remarks.sink(),
+                          .log = messages.sink(),
                           .threads = options.threads,
                           .model = textOf(options.model),
                           .cloud = cloud ? &cloud->cloud : nullptr};
@@ -114,7 +114,7 @@ pp_replay_result replayed(const std::string& file, const pp_replay_options& opti
   result.first_difference_s = found.first_s.value_or(-1);
   result.ends_compared = found.ends;
   if (recorded.endsAsRecorded) result.recorded_edits = *recorded.endsAsRecorded ? 1 : 2;
-  putText(outcome.comparable.because, result.because);
+  putText(outcome.comparable.because, result.reason);
   putText(backends.named(recorded.session.config.backend.name).machine(options.threads), result.machine);
   putText(recorded.session.machine, result.recorded_on);
   return result;
@@ -131,24 +131,24 @@ pp_status pp_session_record(pp_session session, const char* file) {
   return with(session, Claim::all, [&](OpenSession& open) { open.record(&required(file, "file")); });
 }
 
-pp_status pp_log_read(const char* file, pp_log* log) {
+pp_status pp_recording_read(const char* file, pp_recording* log) {
   clear(log);
   return guarded([&] {
     const std::string name = &required(file, "file");
-    required(log, "log") = opened<pp_log>(logOf(name));
+    required(log, "log") = opened<pp_recording>(logOf(name));
   });
 }
 
-pp_status pp_log_view(pp_log log, pp_log_content* content) {
+pp_status pp_recording_view(pp_recording log, pp_recording_content* content) {
   clear(content);
   return guarded([&] { required(content, "content") = objectOf<LogObject>(log.id)->view; });
 }
 
-pp_status pp_log_close(pp_log log) {
+pp_status pp_recording_close(pp_recording log) {
   return guarded([&] { handles().remove(HandleKind::log, log.id); });
 }
 
-pp_status pp_log_replay(const char* file, const pp_replay_options* options, pp_replay_result* result) {
+pp_status pp_recording_replay(const char* file, const pp_replay_options* options, pp_replay_result* result) {
   clear(result);
   return guarded([&] {
     const std::string name = &required(file, "file");

@@ -70,8 +70,8 @@ pp_status pp_frame_close(pp_frame frame) {
   return guarded([&] { handles().remove(HandleKind::frame, frame.id); });
 }
 
-pp_status pp_session_hold(pp_session session, uint32_t on) {
-  return governing(session, [&](OpenSession& open) { open.simulation().hold(on != 0); });
+pp_status pp_session_pause(pp_session session, uint32_t on) {
+  return governing(session, [&](OpenSession& open) { open.simulation().pause(on != 0); });
 }
 
 pp_status pp_session_reset(pp_session session) {

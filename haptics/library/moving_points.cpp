@@ -84,16 +84,16 @@ void OpenSession::setParameter(std::string_view name, double value) {
 pp_motion OpenSession::motion() const {
   const SimulationControl& control = simulation();
   pp_motion motion = usual<pp_motion>();
-  motion.held = control.isHeld();
+  motion.paused = control.isPaused();
   const std::string failure = control.failure();
   motion.failed = !failure.empty();
   motion.hands = static_cast<std::uint32_t>(hands());
   putText(failure, motion.failure);
-  motion.left_out_s = control.leftOut_s();
+  motion.dropped_s = control.dropped_s();
   const std::vector<PortEnergy> energies = control.portEnergies();
-  for (std::size_t i = 0; i < energies.size() && i < PP_MOST_HANDS; ++i) {
+  for (std::size_t i = 0; i < energies.size() && i < PP_MAX_HANDS; ++i) {
     motion.energy_J[i] = energies[i].now_J;
-    motion.least_energy_J[i] = energies[i].least_J;
+    motion.min_energy_J[i] = energies[i].min_J;
   }
   return motion;
 }

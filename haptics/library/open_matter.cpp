@@ -2,8 +2,8 @@
 
 #include "engine/matter/matter_parameters.hpp"
 #include "haptics/library/failures.hpp"
+#include "haptics/library/messages.hpp"
 #include "haptics/library/options.hpp"
-#include "haptics/library/remarks.hpp"
 #include "haptics/session/matter_scenes.hpp"
 
 namespace palpate::library {
@@ -12,11 +12,9 @@ namespace {
 
 constexpr float kUnits_per_m = 1e3f;  // model units of a scene are millimetres
 
-// Soft bodies are moved by the CPU unless the program names a GPU.
-std::string backendOf(const MatterScene& scene, const pp_matter_options& options) {
-  return scene.matter == Matter::soft && !options.gpu && !options.vulkan
-             ? "cpu"
-             : GpuChoice{options.gpu, options.vulkan}.backend();
+// Soft bodies are moved by the CPU unless the program asks for a GPU.
+std::string backendFor(const MatterScene& scene, const pp_matter_options& options) {
+  return backendOf(options.backend, {options.gpu, options.vulkan}, scene.matter != Matter::soft && hasRealGpu());
 }
 
 }  // namespace
@@ -43,13 +41,13 @@ pp_parameter parameterOf(const SimulationParameter& parameter) {
 OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options, std::shared_ptr<Watch> watch)
     : watch_(std::move(watch)), gpu_({options.gpu, options.vulkan}) {
   const MatterScene scene = sceneNamed(name);
-  backend_ = backendOf(scene, options) == "cpu" ? cpuBackend() : gpu_.backend();
+  backend_ = backendFor(scene, options) == "cpu" ? cpuBackend() : gpu_.backend();
   machine_ = backend_->machine(options.threads);
-  Remarks remarks(options.log, options.log_user, *watch_);
+  Messages messages(options.log, options.log_user, *watch_);
   SessionConfig config{.model = {.file = name}};
   config.matter = scene;
   planOf(scene, backend_->matterMemory_bytes());
-  model_ = loadModel(config, {.log = remarks.sink(), .threads = options.threads});
+  model_ = loadModel(config, {.log = messages.sink(), .threads = options.threads});
   MatterOptions matter{.threads = options.threads, .model = model_.fluid() ? model_.fluid()->standing : nullptr};
   if (const SoftPoints* const soft = model_.as<SoftPoints>()) matter.soft = soft->body;
   world_ = backend_->simulate(scene, matter);

@@ -39,14 +39,14 @@ CloudServer::Parts partsOf(const CloudObject& cloud, const Model& model, const s
 OpenServer::OpenServer(const CloudObject& cloud, const std::string& name, const pp_serve_options& options,
                        std::shared_ptr<Watch> watch)
     : watch_(std::move(watch)),
-      remarks_(options.log, options.log_user, *watch_),
+      messages_(options.log, options.log_user, *watch_),
       network_(networkFrom(options.network)),
-      model_(modelFor(cloud, options, remarks_.sink())),
-      thread_(model_.cloud, partsOf(cloud, model_, name, options, remarks_.sink())) {}
+      model_(modelFor(cloud, options, messages_.sink())),
+      thread_(model_.cloud, partsOf(cloud, model_, name, options, messages_.sink())) {}
 
 void OpenServer::end() {
   thread_.stop();
-  remarks_.end();
+  messages_.end();
 }
 
 pp_server_info OpenServer::info() {
@@ -61,7 +61,7 @@ pp_server_info OpenServer::info() {
   info.sent = counts.sent;
   info.refused = counts.refused;
   info.mm_per_unit = model_.scale.mm_per_unit;
-  putText(opennessOf(network_), info.openness);
+  putText(opennessOf(network_), info.access);
   try {
     thread_.check();
   } catch (const std::exception& error) {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "haptics/library/claims.hpp"
+#include "haptics/library/messages.hpp"
 #include "haptics/library/objects.hpp"
-#include "haptics/library/remarks.hpp"
 #include "haptics/session/model.hpp"
 #include "haptics/sharing/server_thread.hpp"
 
@@ -33,7 +33,7 @@ class OpenServer {
  private:
   HomeProcess home_;
   std::shared_ptr<Watch> watch_;
-  Remarks remarks_;
+  Messages messages_;
   NetworkConfig network_;
   Model model_;
   ServerThread thread_;  // destroyed first

@@ -13,14 +13,13 @@ namespace palpate::library {
 namespace {
 
 std::size_t handsFrom(const pp_session_options& options) {
-  if (options.hands > PP_MOST_HANDS)
-    throw UsageError("hands: {} exceed the maximum of {}", options.hands, PP_MOST_HANDS);
+  if (options.hands > PP_MAX_HANDS) throw UsageError("hands: {} exceed the maximum of {}", options.hands, PP_MAX_HANDS);
   return std::max(1u, options.hands);
 }
 
 SessionConfig configFrom(const Subject& subject, const pp_session_options& options) {
-  const pp_feel feel = optionsFrom(options.feel, "feel");
-  SessionConfig config{.model = subject.model, .surface = surfaceFrom(feel), .force = forceFrom(feel)};
+  const pp_contact_options contact = optionsFrom(options.contact, "contact");
+  SessionConfig config{.model = subject.model, .surface = surfaceFrom(contact), .force = forceFrom(contact)};
   config.model.mm_per_unit = options.mm_per_unit;
   if (options.estimate_normals) config.model.normals = NormalSource::estimate;
   config.matter = subject.scene;
@@ -30,7 +29,7 @@ SessionConfig configFrom(const Subject& subject, const pp_session_options& optio
   config.hands.resize(handsFrom(options));
   config.rate_Hz = options.rate_Hz;
   config.undo.memory_MiB = options.undo_memory_MiB;
-  config.backend.name = GpuChoice{options.gpu, options.vulkan}.backend();
+  config.backend.name = backendOf(options.backend, {options.gpu, options.vulkan}, hasRealGpu());
   validate(config);
   return config;
 }
@@ -66,7 +65,7 @@ class OpenSession::Followers final : public EditFollower {
 
 OpenSession::OpenSession(const Subject& subject, const pp_session_options& options, std::shared_ptr<Watch> watch)
     : watch_(std::move(watch)),
-      remarks_(options.log, options.log_user, *watch_),
+      messages_(options.log, options.log_user, *watch_),
       config_(configFrom(subject, options)),
       threads_(options.threads),
       budget_us_(budgetFrom(options)),
@@ -74,20 +73,20 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
       backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()) {
   if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud contains no points");
   backend_->check(config_);
-  ModelLoading loading{.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
+  ModelLoading loading{.log = messages_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
   if (subject.join) loading.join = joined_.emplace(*subject.join).joiner();
   model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
                                                        : loadModel(config_, loading));
   if (subject.cloud && !knownScaleOf(*subject.cloud, config_.model.mm_per_unit))
-    remarks_.sink().say(
+    messages_.sink().say(
         "the longest side, {:.6g} model units, is felt as {:.6g} mm: 1 unit is {:.6g} mm in the hand, where all "
         "lengths "
         "in mm are measured, as a brush's radius_mm is; mm_per_unit sets the true scale",
         boundsOf(model_->cloud).longestSide(), kDefaultLongestSide_mm, model_->scale.mm_per_unit);
   if (joined_ && model_->cloud.empty()) throw Error("'{}' contains no points", subject.model.file);
   if (subject.frames) {
-    const std::size_t most = subject.frames->most_points ? subject.frames->most_points : model_->cloud.size();
-    frames_ = std::make_unique<PushedFrames>(model_->cloud, most, subject.frames->keeps_points != 0);
+    const std::size_t most = subject.frames->max_points ? subject.frames->max_points : model_->cloud.size();
+    frames_ = std::make_unique<PushedFrames>(model_->cloud, most, subject.frames->stable_rows != 0);
   }
   law_ = ForceFunction(options.law, options.law_user, textOf(options.law_library), model_->scale.mm_per_unit);
   hasLaw_ = static_cast<bool>(law_.custom());
@@ -102,14 +101,14 @@ void OpenSession::end() noexcept {
     leave();
     endRecording();
   } catch (const std::exception& error) {  // the log has all that could be written
-    remarks_.sink().say("{}", error.what());
+    messages_.sink().say("{}", error.what());
   }
-  remarks_.end();
+  messages_.end();
 }
 
 // Delivers this hand's last edits, which may still be in flight.
 void OpenSession::leave() {
-  if (joined_ && session_) session_->deliver(joined_->patience_s());
+  if (joined_ && session_) session_->deliver(joined_->timeout_s());
 }
 
 const JoinedPart& OpenSession::joined() const {
@@ -170,8 +169,8 @@ void OpenSession::make(SessionConfig config, bool journal, bool editable) {
                    .journal = journal,
                    .undo_bytes = undoBytes(undo),
                    .paintable = editable,
-                   .sharedPatience_s = joined_ ? joined_->patience_s() : kSharedPatience_s,
-                   .log = &remarks_.sink(),
+                   .sharedPatience_s = joined_ ? joined_->timeout_s() : kSharedPatience_s,
+                   .log = &messages_.sink(),
                    .source = frames_.get(),
                    .followers = {[this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }}});
   if (editable) session_->setBrush(std::nullopt);
@@ -212,7 +211,7 @@ void OpenSession::beginRecording(const OpenHand& hand, const RunOptions& run) {
   if (!recordTo_) return;
   const std::string file = *std::exchange(recordTo_, std::nullopt);
   session_->record(
-      file, hand, [this](const std::string& what) { remarks_.sink().say("{}", what); }, run);
+      file, hand, [this](const std::string& what) { messages_.sink().say("{}", what); }, run);
 }
 
 void OpenSession::endRecording() {
@@ -240,7 +239,7 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
       try {
         of.setBrushBetween(brush);
       } catch (const std::exception& error) {
-        of.remarks_.sink().say("{}", error.what());
+        of.messages_.sink().say("{}", error.what());
       }
     }
     OpenSession& of;
@@ -294,13 +293,13 @@ void OpenSession::setBrushBetween(const std::optional<BrushConfig>& asked) {
   session_->finish();
 }
 
-void OpenSession::setFeel(const SurfaceConfig& surface, const ForceOptions& force) {
+void OpenSession::setContact(const SurfaceConfig& surface, const ForceOptions& force) {
   settle();
   SurfaceConfig there = surface;
   there.radius_mm = session_->config().surface.radius_mm;
   if (surface.radius_mm && surface.radius_mm != there.radius_mm)
-    throw UsageError("feel.radius_mm: a session keeps the support radius that it was opened with");
-  session_->setFeel(there, force, session_->config().backend.method);
+    throw UsageError("contact.radius_mm: a session keeps the support radius that it was opened with");
+  session_->setContact(there, force, session_->config().backend.method);
 }
 
 std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
@@ -309,9 +308,9 @@ std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
   if (joined_) {
-    session_->settleShared(joined_->patience_s());
+    session_->settleShared(joined_->timeout_s());
     if (session_->shared() && !session_->shared()->counts().delivered)
-      remarks_.sink().say(
+      messages_.sink().say(
           "'{}': the server has not confirmed yet what was undone or redone here; settling waits for it",
           config_.model.file);
   }
@@ -333,7 +332,7 @@ void OpenSession::startLive(const pp_live_options& options) {
   for (std::size_t i = 0; i < hands(); ++i) session_->backend().resetHand(i);
   live_.emplace(options,
                 LiveHands::Surroundings{
-                    .session = *session_, .log = remarks_.sink(), .forcesOn = forcesOn_, .law = law_.custom()});
+                    .session = *session_, .log = messages_.sink(), .forcesOn = forcesOn_, .law = law_.custom()});
   try {
     if (recordTo_ && live_->hasLaw())
       throw StateError("a session with its own force law cannot be replayed, and so cannot be recorded");
@@ -386,8 +385,8 @@ pp_session_info OpenSession::info() const {
   info.radius_mm = scale.toMm(session_->surface().radius);
   info.rate_Hz = session_->config().rate_Hz;
   const StrokeCounts strokes = session_->strokes();
-  info.undoable = strokes.undoable;
-  info.redoable = strokes.redoable;
+  info.undo_count = strokes.undoCount;
+  info.redo_count = strokes.redoCount;
   info.edits = edits_;
   putText(config_.backend.name, info.backend);
   putText(session_->machine(), info.machine);

@@ -14,9 +14,9 @@
 #include "haptics/library/gpu_half.hpp"
 #include "haptics/library/joined_part.hpp"
 #include "haptics/library/live_hands.hpp"
+#include "haptics/library/messages.hpp"
 #include "haptics/library/objects.hpp"
 #include "haptics/library/pushed_frames.hpp"
-#include "haptics/library/remarks.hpp"
 #include "haptics/session/session.hpp"
 
 namespace palpate::library {
@@ -58,7 +58,7 @@ class OpenSession {
   /// Each hand follows its path in virtual time, the first one with this brush or without one.
   ServoResult run(const std::vector<Path>& paths, const std::optional<BrushConfig>& brush);
   void setBrush(const std::optional<BrushConfig>& brush);
-  void setFeel(const SurfaceConfig& surface, const ForceOptions& force);
+  void setContact(const SurfaceConfig& surface, const ForceOptions& force);
   std::size_t undo(std::size_t strokes) { return goBack(strokes, 0); }
   std::size_t redo(std::size_t strokes) { return goBack(0, strokes); }
   PointCloud points();
@@ -83,10 +83,10 @@ class OpenSession {
   void checkShared() const;
   /// This and the three functions below throw StateError if the session was not joined.
   pp_sharing sharing() const { return joined().state(*session_); }
-  std::vector<pp_other_hand> others() const { return joined().others(*session_); }
+  std::vector<pp_other_hand> otherHands() const { return joined().otherHands(*session_); }
   std::vector<pp_other_camera> cameras() const { return joined().cameras(*session_); }
   /// Null: no camera. Throws UsageError for an invalid camera.
-  void showCamera(const pp_camera_place* camera) { joined().showCamera(*session_, camera); }
+  void publishCamera(const pp_camera_place* camera) { joined().publishCamera(*session_, camera); }
   Image draw(const PictureRequest& request);
   Mesh mesh(const pp_mesh_options& options);
   /// Null before the first live session.
@@ -133,7 +133,7 @@ class OpenSession {
   PointCloud present();
 
   std::shared_ptr<Watch> watch_;
-  Remarks remarks_;
+  Messages messages_;
   Claims claims_;
   SessionConfig config_;  // configuration as opened
   unsigned threads_;

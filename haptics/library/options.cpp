@@ -84,6 +84,20 @@ ToolConfig toolFrom(const pp_tool& given) {
   return tool;
 }
 
+std::string backendOf(const char* backend, const GpuChoice& choice, bool automaticIsGpu) {
+  const std::string word = backend ? backend : "auto", gpu = choice.gpu ? choice.gpu : "";
+  constexpr std::array<std::string_view, 3> kWords{"auto", "vulkan", "cpu"};
+  if (std::ranges::find(kWords, word) == kWords.end())
+    throw UsageError("backend: '{}' is not known; choose one of auto, vulkan, cpu", word);
+  const bool namesGpu = choice.lent || (!gpu.empty() && gpu != "cpu");
+  if (word == "vulkan" && gpu == "cpu")
+    throw UsageError("backend: vulkan conflicts with gpu 'cpu'; leave one of them out");
+  if (word == "cpu" && namesGpu)
+    throw UsageError("backend: cpu conflicts with {}; leave one of them out",
+                     choice.lent ? "the given device" : "gpu '" + gpu + "'");
+  return word != "auto" ? word : gpu != "cpu" && (namesGpu || automaticIsGpu) ? "vulkan" : "cpu";
+}
+
 std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name) {
   const NumberRows given = rowsFrom(rows, false, name);
   std::vector<Vec3> vectors;
@@ -104,16 +118,16 @@ std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::str
   return vectors;
 }
 
-SurfaceConfig surfaceFrom(const pp_feel& feel) {
-  SurfaceConfig surface{.kind = chosen(kSurfaceKinds, feel.surface, SurfaceKind::average, "feel.surface")};
-  fromFields(kSurfaceFields, feel, surface);
-  if (feel.radius_mm != 0) surface.radius_mm = feel.radius_mm;
+SurfaceConfig surfaceFrom(const pp_contact_options& contact) {
+  SurfaceConfig surface{.kind = chosen(kSurfaceKinds, contact.surface, SurfaceKind::average, "contact.surface")};
+  fromFields(kSurfaceFields, contact, surface);
+  if (contact.radius_mm != 0) surface.radius_mm = contact.radius_mm;
   return surface;
 }
 
-ForceOptions forceFrom(const pp_feel& feel) {
+ForceOptions forceFrom(const pp_contact_options& contact) {
   ForceOptions force;
-  fromFields(kForceFields, feel, force);
+  fromFields(kForceFields, contact, force);
   return force;
 }
 
@@ -137,11 +151,11 @@ PictureRequest pictureFrom(const pp_picture_options& options) {
 }
 
 MeshOptions meshFrom(const pp_mesh_options& options, const ModelScale& scale) {
-  if (options.lattice < 1 || options.lattice > kFinestLattice)
-    throw UsageError("lattice: {} is not between 1 and {}", options.lattice, kFinestLattice);
+  if (options.resolution < 1 || options.resolution > kMaxResolution)
+    throw UsageError("resolution: {} is not between 1 and {}", options.resolution, kMaxResolution);
   if (!(options.radius_mm >= 0 && options.radius_mm <= bounds::kLongest_mm))
     throw UsageError("radius_mm: {} is not between 0 and {}", options.radius_mm, bounds::kLongest_mm);
-  return {.lattice = options.lattice,
+  return {.resolution = options.resolution,
           .surface = chosen(kMeshSurfaces, options.surface, MeshSurface::sphere, "surface"),
           .radius = scale.toUnits(options.radius_mm)};
 }

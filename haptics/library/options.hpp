@@ -95,8 +95,8 @@ NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name)
 CloudArrays arraysFrom(const pp_cloud_arrays& arrays);
 /// Vectors of `count` points; empty if none are given. Throws UsageError for numbers that are not finite.
 std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name);
-SurfaceConfig surfaceFrom(const pp_feel& feel);
-ForceOptions forceFrom(const pp_feel& feel);
+SurfaceConfig surfaceFrom(const pp_contact_options& contact);
+ForceOptions forceFrom(const pp_contact_options& contact);
 BrushConfig brushFrom(const pp_brush& brush);
 PictureRequest pictureFrom(const pp_picture_options& options);
 MeshOptions meshFrom(const pp_mesh_options& options, const ModelScale& scale);

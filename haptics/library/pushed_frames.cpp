@@ -9,7 +9,7 @@ namespace palpate::library {
 
 PushedFrames::PushedFrames(const PointCloud& first, std::size_t most, bool keeps) : most_(most), keeps_(keeps) {
   if (most < first.size())
-    throw UsageError("most_points: {} are fewer than the {} of the first frame", most, first.size());
+    throw UsageError("max_points: {} are fewer than the {} of the first frame", most, first.size());
   CloudFrame frame;
   frame.positions = first.positions;
   frame.normals = first.normals;
@@ -42,7 +42,7 @@ void PushedFrames::push(CloudFrame frame) {
   }
   const std::scoped_lock hold(lock_);
   if (keeps_ && frame.size() != frames_.back().size())
-    throw UsageError("count: a frame of {} points follows one of {}, and keeps_points is set", frame.size(),
+    throw UsageError("count: a frame of {} points follows one of {}, and stable_rows is set", frame.size(),
                      frames_.back().size());
   if (!(frame.time_s > frames_.back().time_s))
     throw UsageError("t_s: {} s is not after the frame before it, of {} s", frame.time_s, frames_.back().time_s);

@@ -62,12 +62,13 @@ std::optional<BrushConfig> brushOr(const pp_brush* brush) {
   return brushFrom(optionsFrom(brush, "brush"));
 }
 
-Pose poseFrom(const pp_pose& pose, const double* turn) {
-  Pose asked{.time_s = pose.t_s, .hip = {pose.hip[0], pose.hip[1], pose.hip[2]}, .sculpts = pose.feels == 0};
-  if (turn) asked.turn = {turn[0], turn[1], turn[2], turn[3]};
+Pose poseFrom(const pp_pose& pose, const double* orientation) {
+  Pose asked{.time_s = pose.t_s, .hip = {pose.hip[0], pose.hip[1], pose.hip[2]}, .sculpts = pose.no_edit == 0};
+  if (orientation) asked.turn = {orientation[0], orientation[1], orientation[2], orientation[3]};
   if (!isFinite(asked.hip) || !std::isfinite(asked.time_s)) throw UsageError("pose: its numbers are not all finite");
   if (!isTurn(asked.turn))
-    throw UsageError("turns: {}, {}, {}, {} is not a unit quaternion", turn[0], turn[1], turn[2], turn[3]);
+    throw UsageError("orientations: {}, {}, {}, {} is not a unit quaternion", orientation[0], orientation[1],
+                     orientation[2], orientation[3]);
   return asked;
 }
 
@@ -124,7 +125,7 @@ pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths
                                  pp_tick* ticks, double* torques_mNm, uint64_t capacity, uint64_t* count) {
   clear(count);
   return lasting(session, [&](OpenSession& open) {
-    if (hands > PP_MOST_HANDS) throw UsageError("hands: {} exceed the maximum of {}", hands, PP_MOST_HANDS);
+    if (hands > PP_MAX_HANDS) throw UsageError("hands: {} exceed the maximum of {}", hands, PP_MAX_HANDS);
     if (hands > 0) required(paths, "paths");
     std::vector<Path> all;
     for (std::uint32_t i = 0; i < hands; ++i) all.push_back(pathFrom(paths[i], open.config().rate_Hz));
@@ -136,9 +137,9 @@ pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact)
   return pp_touch_hands(session, pose, nullptr, 1, contact, nullptr);
 }
 
-pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* turns, uint32_t hands,
+pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* orientations, uint32_t hands,
                          pp_contact* contacts, double* torques_mNm) {
-  for (std::size_t i = 0; i < std::min<std::size_t>(hands, PP_MOST_HANDS); ++i) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(hands, PP_MAX_HANDS); ++i) {
     if (contacts) clear(contacts + i);
     for (std::size_t k = 0; torques_mNm && k < 3; ++k) torques_mNm[3 * i + k] = 0;
   }
@@ -147,9 +148,9 @@ pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double*
       throw UsageError("hands: {} poses were given to a session of {} hands", hands, open.hands());
     required(poses, "pose");
     required(contacts, "contact");
-    std::array<Pose, PP_MOST_HANDS> asked;
+    std::array<Pose, PP_MAX_HANDS> asked;
     for (std::size_t i = 0; i < hands; ++i) {
-      asked[i] = poseFrom(poses[i], turns ? turns + 4 * i : nullptr);
+      asked[i] = poseFrom(poses[i], orientations ? orientations + 4 * i : nullptr);
       asked[i].time_s = asked[0].time_s;
     }
     const std::span<const PulledTick> ticks = open.touch({asked.data(), hands});
@@ -169,10 +170,10 @@ pp_status pp_session_set_brush(pp_session session, const pp_brush* brush) {
   return lasting(session, [&](OpenSession& open) { open.setBrush(brushOr(brush)); });
 }
 
-pp_status pp_session_set_feel(pp_session session, const pp_feel* feel) {
+pp_status pp_session_set_contact(pp_session session, const pp_contact_options* contact) {
   return with(session, Claim::all, [&](OpenSession& open) {
-    const pp_feel given = optionsFrom(&required(feel, "feel"), "feel");
-    open.setFeel(surfaceFrom(given), forceFrom(given));
+    const pp_contact_options given = optionsFrom(&required(contact, "contact"), "contact");
+    open.setContact(surfaceFrom(given), forceFrom(given));
   });
 }
 
@@ -192,7 +193,7 @@ pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done) 
   });
 }
 
-pp_status pp_session_follow(pp_session session) {
+pp_status pp_session_apply_edits(pp_session session) {
   return looking(session, [](OpenSession& open) {
     open.takeIn();
     open.checkShared();
@@ -240,7 +241,7 @@ pp_status pp_session_mesh(pp_session session, const pp_mesh_options* options, pp
     const Mesh& result = made->mesh;
     if (result.triangles.empty())
       throw Error("the points show no surface: they are farther apart than the support radius; try a larger radius_mm");
-    made->cell = boundsOf(result.vertices).longestSide() / given.lattice;
+    made->cell = boundsOf(result.vertices).longestSide() / given.resolution;
     made->view.vertices = viewOf(result.vertices);
     made->view.count = result.triangles.size();
     made->view.triangles = result.triangles.front().data();
@@ -261,7 +262,7 @@ pp_status pp_mesh_write(pp_mesh mesh, const char* file, const pp_write_options* 
     const pp_write_options given = optionsFrom(options, "options");
     cloudFormats().toWrite(name, Written::mesh);  // refuses other extensions
     std::filesystem::path kept;
-    writeMesh(name, found->mesh, found->cell, given.ascii != 0, given.keep ? &kept : nullptr);
+    writeMesh(name, found->mesh, found->cell, given.ascii != 0, given.backup ? &kept : nullptr);
   });
 }
 
@@ -273,7 +274,7 @@ pp_status pp_live_start(pp_session session, const pp_live_options* options) {
   return lasting(session, [&](OpenSession& open) { open.startLive(optionsFrom(options, "options")); });
 }
 
-pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count) {
+pp_status pp_live_read_ticks(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count) {
   clear(count);
   return looking(session, [&](OpenSession& open) {
     required(count, "count");

@@ -13,15 +13,15 @@ using namespace palpate::library;
 
 namespace {
 
-pp_seen_session told(const SeenSession& seen) {
-  pp_seen_session session{};
+pp_served_session told(const ServedSession& seen) {
+  pp_served_session session{};
   putText(seen.name, session.name);
   putText(seen.host, session.host);
   putText(seen.model, session.model);
   session.points = seen.points;
   session.round_trip_ms = seen.roundTrip_ms.value_or(-1);
   session.version = seen.version;
-  session.fits = seen.fits;
+  session.compatible = seen.compatible;
   session.pings = seen.pings;
   session.answered = seen.answered;
   return session;
@@ -55,8 +55,8 @@ pp_status beside(pp_session session, Do&& act) {
 
 uint32_t pp_can_share(void) { return canShare() ? 1 : 0; }
 
-pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_session* sessions, uint64_t capacity,
-                            uint64_t* count) {
+pp_status pp_network_discover(const pp_network* network, double seconds, pp_served_session* sessions, uint64_t capacity,
+                              uint64_t* count) {
   clear(count);
   return guarded([&] {
     constexpr double kLongest_s = 600;
@@ -64,8 +64,8 @@ pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_s
     if (capacity > 0) required(sessions, "sessions");
     if (!(seconds >= 0 && seconds <= kLongest_s))
       throw UsageError("seconds: {} is not between 0 and {}", seconds, kLongest_s);
-    std::vector<pp_seen_session> all;
-    std::ranges::transform(surveyNetwork(networkFrom(network), seconds, stopFrom(network)).sessions,
+    std::vector<pp_served_session> all;
+    std::ranges::transform(discoverSessions(networkFrom(network), seconds, stopFrom(network)).sessions,
                            std::back_inserter(all), told);
     give(all, sessions, capacity, count, "sessions");
   });
@@ -90,9 +90,9 @@ pp_status pp_session_get_sharing(pp_session session, pp_sharing* sharing) {
   return beside(session, [&](OpenSession& open) { giveInfo(sharing, open.sharing(), "sharing"); });
 }
 
-pp_status pp_session_others(pp_session session, pp_other_hand* hands, uint64_t capacity, uint64_t* count) {
+pp_status pp_session_other_hands(pp_session session, pp_other_hand* hands, uint64_t capacity, uint64_t* count) {
   clear(count);
-  return beside(session, [&](OpenSession& open) { give(open.others(), hands, capacity, count, "hands"); });
+  return beside(session, [&](OpenSession& open) { give(open.otherHands(), hands, capacity, count, "hands"); });
 }
 
 pp_status pp_session_cameras(pp_session session, pp_other_camera* cameras, uint64_t capacity, uint64_t* count) {
@@ -100,8 +100,8 @@ pp_status pp_session_cameras(pp_session session, pp_other_camera* cameras, uint6
   return beside(session, [&](OpenSession& open) { give(open.cameras(), cameras, capacity, count, "cameras"); });
 }
 
-pp_status pp_session_show_camera(pp_session session, const pp_camera_place* camera) {
-  return beside(session, [&](OpenSession& open) { open.showCamera(camera); });
+pp_status pp_session_publish_camera(pp_session session, const pp_camera_place* camera) {
+  return beside(session, [&](OpenSession& open) { open.publishCamera(camera); });
 }
 
 pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same) {

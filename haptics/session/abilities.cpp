@@ -112,7 +112,7 @@ void checkAbilities(const SessionConfig& config) {
   };
   if (config.motion) require(Action::move, "motion.kind");
   if (config.brush) require(actionOf(config.brush->kind), "brush.kind");
-  if (config.brush && config.brush->keepsDensity) require(Action::insertPoints, "brush.keeps_density");
+  if (config.brush && config.brush->resample) require(Action::insertPoints, "brush.resample");
   if (config.undo.undo > 0) require(Action::undo, "undo.undo");
 }
 

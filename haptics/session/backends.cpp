@@ -24,13 +24,14 @@ void checkTool(const SessionConfig& config, const TouchCapabilities& can, std::s
   if (config.backend.ahead == true) throw ConfigError("backend.ahead", "a {} is not asked ahead; leave it out", tool);
 }
 
-void checkSecondHand(const SessionConfig& config, const TouchCapabilities& can, std::string_view backend,
-                     std::string_view method) {
+void checkHands(const SessionConfig& config, const TouchCapabilities& can, std::string_view backend,
+                std::string_view method) {
   if (config.hands.size() < 2) return;
-  if (!can.secondHand) throw ConfigError("hands", "backend.name {} feels with one hand; take vulkan or cpu", backend);
+  if (!can.manyHands) throw ConfigError("hands", "backend.name {} feels with one hand; take vulkan or cpu", backend);
   if (!can.methodOfMany.empty() && method != can.methodOfMany)
     throw ConfigError("hands", "backend.method {} feels with one hand; take {}", method, can.methodOfMany);
-  if (config.backend.ahead == true) throw ConfigError("backend.ahead", "two hands are not asked ahead; leave it out");
+  if (config.backend.ahead == true)
+    throw ConfigError("backend.ahead", "several hands are not asked ahead; leave it out");
 }
 
 void checkMemory(const MatterScene& scene, std::uint64_t memory_bytes) {
@@ -62,7 +63,7 @@ void BackendKind::check(const SessionConfig& config) const {
     throw ConfigError("backend.wait", "only backend.name vulkan can be told how to wait");
   if (!can.timesPasses && config.backend.timesPasses)
     throw ConfigError("backend.times_passes", "only backend.name vulkan can time its passes");
-  checkSecondHand(config, can, name(), method);
+  checkHands(config, can, name(), method);
   if (!can.allBrushes && config.brush && config.brush->kind != BrushKind::push)
     throw ConfigError("brush.kind", "backend.name {} has only push; take vulkan or cpu for {}", name(),
                       nameOf(kBrushKinds, config.brush->kind));

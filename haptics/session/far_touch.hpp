@@ -14,8 +14,8 @@ namespace palpate {
 class FarTouch : public TouchDecorator {
  public:
   using TouchDecorator::TouchDecorator;
-  /// Before the first tick: waits up to `patience_s` for the points around these hands. Returns whether they are known.
-  virtual bool awaitAt(double time_s, std::span<const DVec3> hips, double patience_s) = 0;
+  /// Before the first tick: waits up to `timeout_s` for the points around these hands. Returns whether they are known.
+  virtual bool awaitAt(double time_s, std::span<const DVec3> hips, double timeout_s) = 0;
   /// For any thread.
   virtual UnknownTicks counts() const noexcept = 0;
 };

@@ -31,7 +31,7 @@ SessionConfig withBrush(SessionConfig config, const Model& model) {
   config.realtime = true;
   if (config.join && !canBeSculpted(config, model)) config.brush.reset();
   if (!canBeSculpted(config, model) || config.matter) return config;
-  BrushConfig brush = config.brush.value_or(BrushConfig{.keepsDensity = !config.join});
+  BrushConfig brush = config.brush.value_or(BrushConfig{.resample = !config.join});
   brush.kind = BrushKind::push;
   config.brush = brush;
   return config;
@@ -174,11 +174,12 @@ void InteractiveSession::setBrush(const std::optional<BrushConfig>& brush) {
   Session::setBrush(brush);
 }
 
-void InteractiveSession::setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method) {
+void InteractiveSession::setContact(const SurfaceConfig& surface, const ForceOptions& force,
+                                    const std::string& method) {
   if (failed_) return;
   if (surface == config().surface && force == config().force && method == config().backend.method) return;
   endRecording();
-  Session::setFeel(surface, force, method);
+  Session::setContact(surface, force, method);
 }
 
 void InteractiveSession::setParameter(std::string_view name, double value) {

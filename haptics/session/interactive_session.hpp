@@ -70,11 +70,11 @@ class InteractiveSession : public Session {
   // As in Session. They end a recording, which has one brush, one surface and one force law, and do nothing after a
   // failure.
   void setBrush(const std::optional<BrushConfig>& brush);
-  void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
+  void setContact(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
   void setParameter(std::string_view name, double value);
   /// False where there is nothing to undo, or to redo.
   bool undo() { return undoStrokes(1, 0); }
-  bool redo() { return strokes().redoable > 0 && undoStrokes(0, 1); }
+  bool redo() { return strokes().redoCount > 0 && undoStrokes(0, 1); }
 
   const Journal& journal() const { return *Session::journal(); }
   /// Whether the points, or the rest shape of a soft body, differ from what was loaded or saved last.

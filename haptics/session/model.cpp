@@ -69,9 +69,10 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
   if (isRosModel(config.file)) return fetchModel(config, loading);
   if (isRgbdFolder(config.file))
     throw FileError(config.file, "is a recorded depth camera, and not one cloud; touch, view, render and info read it");
-  StoredCloud stored = readCloud(
-      config.file, &loading.log,
-      {.normalsFromFaces = config.normals == NormalSource::face, .pointsOnly = true, .allPoints = config.allPoints});
+  StoredCloud stored = readCloud(config.file, &loading.log,
+                                 {.normalsFromFaces = config.normals == NormalSource::face,
+                                  .pointsOnly = true,
+                                  .keepUnreliable = config.keepUnreliable});
   if (!stored.leftOut.empty())
     loading.log.say("{}: left out are {}; all points can be requested", config.file, stored.leftOut);
   Model model = modelOf(std::move(stored.cloud), config, loading);

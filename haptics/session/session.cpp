@@ -138,7 +138,7 @@ void Session::setBrush(const std::optional<BrushConfig>& brush) {
   });
 }
 
-void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method) {
+void Session::setContact(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method) {
   SessionConfig next = config_;
   next.surface = surface;
   next.force = force;
@@ -356,8 +356,8 @@ StrokeCounts Session::strokes() const {
   if (!kept) return {};
   return {.strokes = kept->strokes(),
           .dropped = kept->dropped(),
-          .undoable = kept->undoable(),
-          .redoable = kept->redoable(),
+          .undoCount = kept->undoCount(),
+          .redoCount = kept->redoCount(),
           .version = kept->version()};
 }
 

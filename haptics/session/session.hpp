@@ -175,7 +175,7 @@ class Session {
   /// Replaces or removes the brush.
   void setBrush(const std::optional<BrushConfig>& brush);
   /// Replaces the surface, the force and the method of the neighbour search.
-  void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
+  void setContact(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
   /// Sets a parameter of the simulation, as SimulationControl::set() does. Throws Error also if nothing is simulated.
   void setParameter(std::string_view name, double value);
   /// After finish(), or live: undoes and redoes strokes of the points, or of the rest shape of a soft body. Throws if
@@ -227,12 +227,12 @@ class Session {
   /// so that everything it had accepted before this call is in effect here.
   enum class Settling { known, all };
   /// Exchanges edits with the others until all of theirs and of this hand's are in effect everywhere, at most
-  /// `patience_s`. Returns whether they are. Between runs. With far(): until the server has accepted this program's
+  /// `timeout_s`. Returns whether they are. Between runs. With far(): until the server has accepted this program's
   /// edits.
-  bool settleShared(double patience_s, Settling until = Settling::known);
+  bool settleShared(double timeout_s, Settling until = Settling::known);
   /// Before a session ends, between runs: waits until the server has accepted all edits of this program, at most
-  /// `patience_s`, and at most `unheard_s` while the server is silent. Returns whether it has; if not, logs it.
-  bool deliver(double patience_s = kSharedPatience_s, double unheard_s = kUnheard_s);
+  /// `timeout_s`, and at most `unheard_s` while the server is silent. Returns whether it has; if not, logs it.
+  bool deliver(double timeout_s = kSharedPatience_s, double unheard_s = kUnheard_s);
 
  private:
   std::unique_ptr<TouchBackend> makeTouch(const SessionParts& parts);
@@ -242,7 +242,7 @@ class Session {
   std::unique_ptr<SharedFollower> takePart();
   std::unique_ptr<SessionRecording> releaseRecording();
   void takeAfterPause();
-  bool settleFar(double patience_s);
+  bool settleFar(double timeout_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
 
   const BackendKind& kind_;

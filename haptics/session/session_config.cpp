@@ -43,8 +43,8 @@ void validateJoined(const SessionConfig& config) {
     throw ConfigError("model.file", "is not a valid session name (1 to {} bytes)", kLongestName);
   if (config.model.normals != NormalSource::keep)
     throw ConfigError("model.normals", "a joined model has its own normals; leave it at keep");
-  if (config.model.allPoints)
-    throw ConfigError("model.all_points", "the server chooses the points of a joined model; leave it out");
+  if (config.model.keepUnreliable)
+    throw ConfigError("model.keep_unreliable", "the server chooses the points of a joined model; leave it out");
 }
 
 // A brush smaller than a cell has no cell of its own to move.
@@ -99,13 +99,13 @@ void validate(const SessionConfig& config) {
 
 BrushOptions brushOptions(const BrushConfig& brush, const ModelScale& scale) {
   return {.kind = brush.kind,
-          .tau = scale.toUnits(brush.tau_mm),
-          .beta = brush.beta,
+          .yieldDepth = scale.toUnits(brush.yieldDepth_mm),
+          .pushRate = brush.pushRate,
           .radius = scale.toUnits(brush.radius_mm),
           .strength = brush.strength,
           .falloff = brush.falloff,
           .color = {brush.color[0], brush.color[1], brush.color[2], 255},
-          .keepsDensity = brush.keepsDensity};
+          .resample = brush.resample};
 }
 
 ToolShape toolShape(const ToolConfig& tool, const ModelScale& scale) {

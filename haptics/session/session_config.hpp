@@ -32,7 +32,7 @@ struct ModelConfig {
   std::string file;
   double mm_per_unit = 0;  ///< millimetres per model unit; 0: as the file says, or the longest side becomes 100 mm
   NormalSource normals = NormalSource::keep;
-  bool allPoints = false;  ///< reads also the points that a reconstruction's own measures mark as unreliable
+  bool keepUnreliable = false;  ///< reads also the points that a reconstruction's own measures mark as unreliable
 
   bool operator==(const ModelConfig&) const = default;
 };
@@ -84,10 +84,10 @@ struct ToolConfig {
 /// The brush, which changes the touched points (BrushOptions), in mm.
 struct BrushConfig {
   BrushKind kind = BrushKind::push;
-  double tau_mm = 0.5, beta = 0.1, radius_mm = 6, strength = 0.5;
+  double yieldDepth_mm = 0.5, pushRate = 0.1, radius_mm = 6, strength = 0.5;
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 3> color{255, 0, 0};
-  bool keepsDensity = true;
+  bool resample = true;
 
   bool operator==(const BrushConfig&) const = default;
 };

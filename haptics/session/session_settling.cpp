@@ -15,25 +15,25 @@ constexpr double kOthersBusy_s = 1;  // maximum wait for others who still edit, 
 }  // namespace
 
 // Points around the hands alone: waits until the server has accepted their edits.
-bool Session::settleFar(double patience_s) {
+bool Session::settleFar(double timeout_s) {
   backend_->finish();  // the edit in progress
   const Stopwatch since;
-  while (!model_->far()->counts().delivered && !isStopWanted() && since.elapsed_s() < patience_s) {
+  while (!model_->far()->counts().delivered && !isStopWanted() && since.elapsed_s() < timeout_s) {
     model_->far()->check();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   return model_->far()->counts().delivered;
 }
 
-bool Session::settleShared(double patience_s, Settling until) {
-  if (model_->far()) return settleFar(patience_s);
+bool Session::settleShared(double timeout_s, Settling until) {
+  if (model_->far()) return settleFar(timeout_s);
   if (!shared_) return true;
   const Stopwatch since;
   relay_.catchUp();
   // The last message may be older than this call: another hand's strokes may be with the server and not yet here.
   if (until == Settling::all) shared_->askServer();
   SharedCounts counts = shared_->counts();
-  const auto isSettled = [&] { return counts.atRest && counts.same; };
+  const auto isSettled = [&] { return counts.idle && counts.same; };
   const std::uint64_t inEffectBefore = counts.inEffect;
   const auto goesOnWithoutUs = [&] {
     return until == Settling::known && counts.delivered && counts.inEffect > inEffectBefore &&
@@ -47,7 +47,7 @@ bool Session::settleShared(double patience_s, Settling until) {
   const DVec3 nowhere = model_->cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
   for (Pose& pose : far) pose = {.time_s = last_s_, .hip = nowhere, .sculpts = false};
   bool hasAsked = false;
-  const auto goesOn = [&] { return !isOver() && !isStopWanted() && since.elapsed_s() < patience_s; };
+  const auto goesOn = [&] { return !isOver() && !isStopWanted() && since.elapsed_s() < timeout_s; };
   do {
     for (; goesOn(); counts = shared_->counts()) {
       backend_->ask(far, 0);
@@ -64,14 +64,14 @@ bool Session::settleShared(double patience_s, Settling until) {
   return isSettled();
 }
 
-bool Session::deliver(double patience_s, double unheard_s) {
+bool Session::deliver(double timeout_s, double unheard_s) {
   if (!shared_ && !model_->far()) return true;
   backend_->finish();
   relay_.catchUp();
   const auto isDelivered = [&] { return shared_ ? shared_->counts().delivered : model_->far()->counts().delivered; };
   const auto isHeard = [&] { return known()->isTrue() && known()->share() > 0; };
   for (const Stopwatch since; !isDelivered();) {
-    if (isStopWanted() || since.elapsed_s() >= patience_s || (since.elapsed_s() >= unheard_s && !isHeard())) {
+    if (isStopWanted() || since.elapsed_s() >= timeout_s || (since.elapsed_s() >= unheard_s && !isHeard())) {
       if (log_)
         log_->say("'{}': the server has not confirmed all strokes of this hand, which may be lost", config_.model.file);
       return false;

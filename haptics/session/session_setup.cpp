@@ -44,10 +44,10 @@ MadeBackend makeBackend(const BackendSetup& setup) {
   std::optional<BrushOptions> brush = brushOf(config, model);
   const bool isShared = static_cast<bool>(model.share());
   // Edits of others require editable points, even if this hand has no brush.
-  if (isShared && !brush) brush = brushOptions({.keepsDensity = false}, model.scale);
+  if (isShared && !brush) brush = brushOptions({.resample = false}, model.scale);
   // Allocates for any later brush, which may keep the density.
   std::optional<BrushOptions> widest = brush;
-  if (widest && !isShared) widest->keepsDensity = true;
+  if (widest && !isShared) widest->resample = true;
   auto touch = setup.kind.make({.model = model,
                                 .config = config,
                                 .surface = setup.surface,
@@ -57,7 +57,7 @@ MadeBackend makeBackend(const BackendSetup& setup) {
                                 .threads = setup.threads,
                                 .source = setup.source,
                                 .fusion = setup.source ? std::nullopt : setup.fusion});
-  if (brush && widest->keepsDensity != brush->keepsDensity) touch->setBrush(brush);
+  if (brush && widest->resample != brush->resample) touch->setBrush(brush);
   if (isShared && !config.brush) touch->setBrush(std::nullopt);
   return {.touch = std::move(touch)};
 }

@@ -25,7 +25,7 @@ constexpr Setting<ModelConfig> kModel[]{
     {"normals", words<&ModelConfig::normals, kNormalSources>(), "--normals",
      "keep: use the normals of the file, estimate missing ones; estimate: always estimate from the "
      "points; face: from the faces"},
-    {"all_points", &ModelConfig::allPoints, "--all-points",
+    {"keep_unreliable", &ModelConfig::keepUnreliable, "--keep-unreliable",
      "COLMAP: also keep unreliable points (rays at less than 1.5 degrees, errors above 4 pixels, "
      "fewer than three images)"},
 };
@@ -115,21 +115,21 @@ constexpr Setting<BrushConfig> kBrush[]{
     {"kind", words<&BrushConfig::kind, kBrushKinds>(), "--edit",
      "brush: none, push, carve, inflate, smooth, grab, paint (see --paint-color) or flatten; cuda "
      "has push only, a soft body neither carve nor paint"},
-    {"tau_mm",
-     &BrushConfig::tau_mm,
-     "--tau",
+    {"yield_depth_mm",
+     &BrushConfig::yieldDepth_mm,
+     "--yield-depth",
      "depth of the HIP behind the proxy from which on the surface yields, mm",
      "mm",
      {0, bounds::kLongest_mm},
      {0, 5}},
-    {"beta",
-     &BrushConfig::beta,
-     "--beta",
+    {"push_rate",
+     &BrushConfig::pushRate,
+     "--push-rate",
      "push: fraction of the distance to the tool that a point moves per tick",
      "",
      {0, 1},
      {0, 1}},
-    {"radius_mm", &BrushConfig::radius_mm, "--tool-radius", "radius of the brush, mm", "mm", kLength, {0.5, 30}},
+    {"radius_mm", &BrushConfig::radius_mm, "--brush-radius", "radius of the brush, mm", "mm", kLength, {0.5, 30}},
     {"strength",
      &BrushConfig::strength,
      "--strength",
@@ -145,9 +145,9 @@ constexpr Setting<BrushConfig> kBrush[]{
      "",
      {0, kMaxFalloff}},
     {"color", &BrushConfig::color, "--paint-color", "paint: R,G,B, 0 to 255 each"},
-    {"keeps_density",
-     &BrushConfig::keepsDensity,
-     "--keep-points",
+    {"resample",
+     &BrushConfig::resample,
+     "--no-resample",
      "do not insert points where the surface is stretched, nor merge them where it is crowded "
      "(always so with --join)",
      "",
@@ -320,9 +320,8 @@ constexpr Setting<SessionConfig> kSession[]{
      "run against the wall clock (default: virtual time, as fast as possible)"},
 };
 
-// Options of the second hand, and of the number of hands.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kFlagsOfHands{
-    {{"hands", "--second-device"}, {"hands[1].device", "--second-device"}, {"hands[1].path", "--second-path"}}};
+// The option that adds a hand after the first, with its device and path. It has its other settings from the first.
+constexpr std::string_view kFurtherHand = "--hand";
 
 }  // namespace
 
@@ -411,11 +410,12 @@ std::vector<SettingFacts> allSettings() {
 }
 
 std::string flagOf(std::string_view path) {
-  for (const auto& [known, flag] : kFlagsOfHands)
-    if (path == known) return std::string(flag);
   std::string name(path);
+  const bool isFurther = name.starts_with("hands[") && !name.starts_with("hands[0]");
   if (const std::size_t open = name.find('['), close = name.find(']'); close != name.npos && open < close)
     name.erase(open, close + 1 - open);
+  if (name == "hands" || (isFurther && (name == "hands.device" || name == "hands.path")))
+    return std::string(kFurtherHand);
   for (const SettingFacts& setting : allSettings())
     if (setting.path == name) return setting.flag;
   return {};

@@ -58,7 +58,7 @@ void visitSections(Config& config, auto&& visit) {
 std::vector<SettingFacts> allSettings();
 
 /// The command-line option of a setting, as in "--strength"; empty if it has none. `path`: as in "brush.strength";
-/// "hands.path" and "hands[0].path" mean any hand, "hands[1].path" the second one.
+/// "hands.path" and "hands[0].path" mean the first hand, "hands[1].path" the second one.
 std::string flagOf(std::string_view path);
 
 }  // namespace palpate

@@ -95,7 +95,7 @@ void BrickSculptor::edit() {
   if (!work_.points.empty()) {
     const PointCloud cloud = cloudOf(work_.points);
     CpuSculpture sculpture(cloud, makeHashGrid(Vec3(boundsOf(cloud).min), radius_, cloud.size(), BucketKey::teschner),
-                           {.radius = radius_, .keepsDensity = false, .threads = 1});
+                           {.radius = radius_, .resample = false, .threads = 1});
     for (std::uint32_t i = 0; i < work_.points.size(); ++i)
       if (const auto found = work_.founds.find(work_.points[i].number()); found != work_.founds.end())
         sculpture.setFound(i, found->second);

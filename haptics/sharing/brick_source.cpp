@@ -51,12 +51,12 @@ bool BrickSource::knows(const HandReaches& hands) const {
   return all;
 }
 
-bool BrickSource::await(const HandReaches& hands, double patience_s) { return await(hands, hands, patience_s); }
+bool BrickSource::await(const HandReaches& hands, double timeout_s) { return await(hands, hands, timeout_s); }
 
-bool BrickSource::await(const HandReaches& hands, const HandReaches& wide, double patience_s) {
+bool BrickSource::await(const HandReaches& hands, const HandReaches& wide, double timeout_s) {
   std::unique_lock hold(lock_);
   const auto enough = [&] { return isOver_ || (knows(hands) && (isWhole_ || knows(wide))); };
-  came_.wait_for(hold, std::chrono::duration<double>(patience_s), enough);
+  came_.wait_for(hold, std::chrono::duration<double>(timeout_s), enough);
   if (!knows(hands)) return false;
   awaitedFor_s_ = hands.time_s;
   if (awaited_.version != now_.version) awaited_ = now_;
@@ -218,7 +218,7 @@ void BrickSource::makeFrame(double time_s, CloudFrame& frame) {
     frame.colors.push_back({rgba[0], rgba[1], rgba[2]});
   }
   frame.time_s = frameTime(time_s, true_s);
-  frame.goOn_s = kMaxPointsAge_s;
+  frame.extrapolationLimit_s = kMaxPointsAge_s;
   made.time_s.store(frame.time_s, std::memory_order_release);
 }
 

@@ -69,11 +69,11 @@ class BrickSource final : public CloudSource {
 
   /// Whether the frame that is true for `frame_s`, one of the last ones made, contains all bricks that the box reaches.
   bool covers(double frame_s, const DVec3& low, const DVec3& high) const noexcept;
-  /// Waits up to `patience_s` until all bricks that the hands reach are known. The frame for the hands' time has the
+  /// Waits up to `timeout_s` until all bricks that the hands reach are known. The frame for the hands' time has the
   /// bricks known then, whatever is received or dropped meanwhile.
-  bool await(const HandReaches& hands, double patience_s);
+  bool await(const HandReaches& hands, double timeout_s);
   /// Also waits for the bricks that `wide` reaches, as far as there is memory for them.
-  bool await(const HandReaches& hands, const HandReaches& wide, double patience_s);
+  bool await(const HandReaches& hands, const HandReaches& wide, double timeout_s);
 
   /// Returns whether a brick that a hand reaches (ask()) has changed points. Throws Error if the points exceed the
   /// reserved memory.

@@ -55,7 +55,7 @@ void BrickTouch::tell(double time_s, std::span<const Pose> poses) {
   source_.ask(asked_);
 }
 
-bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double patience_s) {
+bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double timeout_s) {
   std::vector<Pose> poses(hips.size());
   for (std::size_t i = 0; i < hips.size(); ++i) poses[i].hip = hips[i];
   for (Pose& pose : poses) pose.time_s = time_s;
@@ -65,7 +65,7 @@ bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double pati
     reach.low -= (kAtFirst - kMayGo) * options_.radius;
     reach.high += (kAtFirst - kMayGo) * options_.radius;
   }
-  if (!source_.await(asked_, first, patience_s)) return false;
+  if (!source_.await(asked_, first, timeout_s)) return false;
   inner().ask(poses, 0);  // brings the frame with these points
   for (std::size_t i = 0; i < hips.size(); ++i) resetHand(i);
   return true;
@@ -75,7 +75,7 @@ std::span<const Contact> BrickTouch::ask(std::span<const Pose> poses, double bud
   const bool areFinite = std::ranges::all_of(poses, [](const Pose& pose) { return isFinite(pose.hip); });
   if (areFinite) tell(poses.front().time_s, poses);
   const bool waits = budget_us <= 0 && areFinite;
-  inVain_ = inVain_ || (waits && !source_.await(asked_, options_.patience_s));
+  inVain_ = inVain_ || (waits && !source_.await(asked_, options_.timeout_s));
   const std::span<const Contact> felt = inner().ask(poses, budget_us);
   const std::uint64_t before = without_.load(std::memory_order_relaxed);
   for (std::size_t i = 0; i < hands_.size(); ++i) answer(i, poses[i], felt[i], waits && inVain_);
@@ -132,7 +132,7 @@ void BrickTouch::finish() {
   sculptor_.finish();
   if (inVain_)
     throw Error("the points around a hand were not received within {:.0f} s: the server is not running, or too slow",
-                options_.patience_s);
+                options_.timeout_s);
 }
 
 std::size_t BrickTouch::readBack(PointCloud& cloud) const {

@@ -18,7 +18,7 @@ struct BrickTouchOptions {
   double widening = 1;                     ///< factor on the radius for noisy points; edits use the unwidened radius
   double tool = 0;                         ///< distance from a hand to the farthest point of its tool
   DVec3 origin{0};                         ///< of the cloud
-  double patience_s = 10;                  ///< timeout of virtual time, which waits for unknown points
+  double timeout_s = 10;                   ///< timeout of virtual time, which waits for unknown points
   std::optional<BrushOptions> brush = {};  ///< of the first hand
   std::string fixed = {};                  ///< error text if the points cannot be sculpted; empty: they can
 };
@@ -34,7 +34,7 @@ class BrickTouch final : public FarTouch {
   BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surface, const BrickTouchOptions& options);
 
   UnknownTicks counts() const noexcept override { return {.ticks = ticks_.load(), .without = without_.load()}; }
-  bool awaitAt(double time_s, std::span<const DVec3> hips, double patience_s) override;
+  bool awaitAt(double time_s, std::span<const DVec3> hips, double timeout_s) override;
 
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
   std::span<const PointContact> points(std::size_t hand) const noexcept override { return hands_[hand].points; }

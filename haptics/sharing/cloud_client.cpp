@@ -55,9 +55,9 @@ class Fetch {
       const std::uint64_t before = taken_;
       reader_.take([&](const Block& block) { take(block); });
       if (taken_ != before) lastCame_ = {};
-      if (lastCame_.elapsed_s() > options_.patience_s)
+      if (lastCame_.elapsed_s() > options_.timeout_s)
         throw NetworkError("'{}' of {}: nothing received for {:.0f} s, after {} of {} points; is it still served?",
-                           notice_.name, notice_.host, options_.patience_s, taken_, points_);
+                           notice_.name, notice_.host, options_.timeout_s, taken_, points_);
       if (options_.log && points_ > 0)
         options_.log->progress(notice_.name, static_cast<double>(taken_) / static_cast<double>(points_));
     }
@@ -155,7 +155,7 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
     if (options.stop && options.stop()) throw NetworkError("interrupted while searching for '{}'", name);
     known = notices.listenFor(name, kEndPoll_s);
   } while (std::ranges::find(known, name, &SessionNotice::name) == known.end() &&
-           since.elapsed_s() < options.patience_s);
+           since.elapsed_s() < options.timeout_s);
   known = notices.listen(kSecondServer_s, options.stop);
   std::vector<SessionNotice> same;
   std::string others;
@@ -213,9 +213,9 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
       for (const PointState& state : come) states[state.number()] = state;
       isWhole = isWhole || result.upTo == result.head;
     });
-    if (lastCame.elapsed_s() > options.patience_s)
+    if (lastCame.elapsed_s() > options.timeout_s)
       throw NetworkError("'{}' of {}: its edits were not received within {:.0f} s", session.name, session.host,
-                         options.patience_s);
+                         options.timeout_s);
     if (!again || isWhole) continue;
     ask();
     lastAsked = {};
@@ -239,7 +239,7 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   session->host = notice.host;
   session->sculptable = notice.sculptable;
   session->checksum = notice.checksum;
-  const std::optional<FarFacts> facts = hearFacts(*session, options.patience_s, options.stop);
+  const std::optional<FarFacts> facts = hearFacts(*session, options.timeout_s, options.stop);
   if (!facts || facts->extent.points != notice.points)
     throw NetworkError("'{}' of {}: announces no facts; is it still served?", notice.name, notice.host);
   const bool isNear = options.near || (facts->moves && !options.present);
@@ -256,7 +256,7 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   return joined;
 }
 
-NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds, const StopSign& stop) {
+NetworkSurvey discoverSessions(const NetworkConfig& network, double seconds, const StopSign& stop) {
   const Participant participant(network);
   const Topics topics(participant);
   SessionNotices notices(participant, topics);
@@ -267,14 +267,14 @@ NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds, const 
   const std::vector<SessionNotice> known = notices.listen(seconds, stop);
   const Id client = freshId();
   NetworkSurvey survey{.sessions = {}, .keyHolders = seesKeyHolders(participant)};
-  std::vector<SeenSession>& seen = survey.sessions;
+  std::vector<ServedSession>& seen = survey.sessions;
   for (const SessionNotice& notice : known)
     seen.push_back({.name = notice.name,
                     .host = notice.host,
                     .model = notice.model,
                     .points = notice.points,
                     .version = notice.version,
-                    .fits = notice.version == kVersion});
+                    .compatible = notice.version == kVersion});
   // Like a hand's poses: one after the other, without waiting for the echo of the last one.
   constexpr std::uint32_t kPings = 50;
   constexpr double kApart_s = 0.01, kLongestTrip_s = 2;
@@ -284,14 +284,14 @@ NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds, const 
   std::uint32_t sent = 0;
   const auto isAwaited = [&] {
     for (std::size_t i = 0; i < known.size(); ++i)
-      if (seen[i].fits && seen[i].answered < kPings) return true;
+      if (seen[i].compatible && seen[i].answered < kPings) return true;
     return false;
   };
   while (sent < kPings || (isAwaited() && since.elapsed_s() < kPings * kApart_s + kLongestTrip_s)) {
     throwIfStopped(stop);
     if (sent < kPings && since.elapsed_s() >= sent * kApart_s) {
       for (std::size_t i = 0; i < known.size(); ++i) {
-        if (!seen[i].fits) continue;
+        if (!seen[i].compatible) continue;
         Ping ping{};
         set(ping.session, known[i].session);
         set(ping.client, client);

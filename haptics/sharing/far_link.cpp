@@ -346,13 +346,13 @@ class FarLink final : public BrickCloud {
 
 std::unique_ptr<BrickCloud> openFarCloud(const FarParts& parts) { return std::make_unique<FarLink>(parts); }
 
-std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_s, const StopSign& stop) {
+std::optional<FarFacts> hearFacts(const JoinedSession& session, double timeout_s, const StopSign& stop) {
   const Topic<Facts> topic = factsOf(session.participant, session.session);
   const Reader<Facts> reader(session.participant, topic, keepingInstances(reliableQos(true), 1));
   ReaderWait wait(session.participant);
   wait.attach(reader);
   std::optional<FarFacts> heard;
-  for (const Stopwatch since; !heard && since.elapsed_s() < patience_s;) {
+  for (const Stopwatch since; !heard && since.elapsed_s() < timeout_s;) {
     throwIfStopped(stop);
     wait.sleep(0.05);
     reader.take([&](const Facts& facts) {

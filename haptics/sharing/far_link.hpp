@@ -19,8 +19,8 @@ struct FarParts {
 };
 std::unique_ptr<BrickCloud> openFarCloud(const FarParts& parts);
 
-/// Facts that the session's server announces; nothing if they are not received within `patience_s`. Throws NetworkError
+/// Facts that the session's server announces; nothing if they are not received within `timeout_s`. Throws NetworkError
 /// if they describe no valid cloud.
-std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_s, const StopSign& stop);
+std::optional<FarFacts> hearFacts(const JoinedSession& session, double timeout_s, const StopSign& stop);
 
 }  // namespace palpate

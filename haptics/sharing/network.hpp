@@ -45,22 +45,22 @@ bool canShare();
 std::string opennessOf(const NetworkConfig& network);
 
 /// A session that a program serves.
-struct SeenSession {
+struct ServedSession {
   std::string name, host, model;
   std::uint64_t points = 0;
   std::uint32_t version = 0;  ///< of the network protocol
-  bool fits = true;           ///< equal to this program's version
+  bool compatible = true;     ///< equal to this program's version
   std::uint32_t pings = 0, answered = 0;
   std::optional<double> roundTrip_ms;  ///< median, if any was answered
 };
 
 struct NetworkSurvey {
-  std::vector<SeenSession> sessions;
+  std::vector<ServedSession> sessions;
   bool keyHolders = false;  ///< there are other programs with keys, whether or not they can be heard here
 };
 
 /// Listens for `seconds`, then pings the sessions found, which takes half a second, and up to two more if pings are
 /// lost. Throws NetworkError, UsageError.
-NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds, const StopSign& stop = {});
+NetworkSurvey discoverSessions(const NetworkConfig& network, double seconds, const StopSign& stop = {});
 
 }  // namespace palpate

@@ -19,7 +19,7 @@ namespace {
 
 bool canShare() { return false; }
 std::string opennessOf(const NetworkConfig&) { refuse(); }
-NetworkSurvey surveyNetwork(const NetworkConfig&, double, const StopSign&) { refuse(); }
+NetworkSurvey discoverSessions(const NetworkConfig&, double, const StopSign&) { refuse(); }
 
 struct CloudServer::Link {};
 CloudServer::CloudServer(const PointCloud&, Parts) { refuse(); }

@@ -27,7 +27,7 @@ constexpr double kSeen_s = 2;          // others that are silent for this long a
 std::optional<CameraPlace> placeOf(const Camera& said, const PresenceRoom& room) {
   const CameraPlace camera{
       .position = DVec3(said.position[0], said.position[1], said.position[2]),
-      .turn = DQuat(said.orientation[3], said.orientation[0], said.orientation[1], said.orientation[2]),
+      .turn = DQuat(said.orientation[0], said.orientation[1], said.orientation[2], said.orientation[3]),
       .fovY_rad = said.fov_y,
       .aspect = said.aspect};
   if (!isCamera(camera) || !room.has(camera.position)) return std::nullopt;
@@ -80,7 +80,7 @@ class Presence final : public SharedPresence {
         cameras_.forget();
         cameraReader_.take([&](const Camera& camera) { hear(camera); });
         showHands();
-        showCamera();
+        publishCamera();
       }
     } catch (const std::exception&) {
     }
@@ -128,14 +128,14 @@ class Presence final : public SharedPresence {
       hand.position[axis] = place.position[axis];
       hand.proxy[axis] = place.proxy[axis];
     }
-    hand.orientation[3] = 1;
+    hand.orientation[0] = 1;
     hand.touching = place.touching;
     hand.sculpts = place.sculpts;
     hand.number = handsShown_;
     handWriter_.write(hand);
   }
 
-  void showCamera() {
+  void publishCamera() {
     if (!ownCamera_ || lastCamera_.elapsed_s() < (ownCamera_ == shownCamera_ ? kBeat_s : kMoved_s)) return;
     lastCamera_ = {};
     shownCamera_ = ownCamera_;
@@ -145,7 +145,7 @@ class Presence final : public SharedPresence {
     put(camera.name, name_);
     for (int axis = 0; axis < 3; ++axis) camera.position[axis] = ownCamera_->position[axis];
     const DQuat& turn = ownCamera_->turn;
-    const double turns[4] = {turn.x, turn.y, turn.z, turn.w};
+    const double turns[4] = {turn.w, turn.x, turn.y, turn.z};
     for (int k = 0; k < 4; ++k) camera.orientation[k] = static_cast<float>(turns[k]);
     camera.fov_y = static_cast<float>(ownCamera_->fovY_rad);
     camera.aspect = static_cast<float>(ownCamera_->aspect);

@@ -100,7 +100,7 @@ class RosCamera {
 
 struct RosListening {
   NetworkConfig network;
-  double patience_s = 20;  ///< for a sender, and for the first message
+  double timeout_s = 20;  ///< for a sender, and for the first message
   /// Frame to transform positions to, by /tf_static and /tf; empty: they stay in the message's frame.
   std::string frame = {};
   Log* log = nullptr;

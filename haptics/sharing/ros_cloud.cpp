@@ -144,7 +144,7 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
   if (!came)
     throw NetworkError(
         "ros:{}: no PointCloud2 was received in {:g} s; is the topic sent on domain {}, and on this network?", topic,
-        listening.patience_s, listening.network.domain);
+        listening.timeout_s, listening.network.domain);
   TakenRosPoints& taken = first.taken();
   if (taken.cloud.empty())
     throw NetworkError("ros:{}: the received PointCloud2 has no point with a valid position ({} without)", topic,

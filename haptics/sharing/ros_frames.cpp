@@ -207,7 +207,7 @@ class RosFrames final : public DepthStream {
         return false;
       }
     });
-    if (!came) throw NetworkError("ros:{}: no frame with points in {:g} s: {}", topic_, listening.patience_s, why);
+    if (!came) throw NetworkError("ros:{}: no frame with points in {:g} s: {}", topic_, listening.timeout_s, why);
   }
 
   const DepthCamera& camera() const override { return maker_.camera(); }
@@ -298,7 +298,7 @@ DepthCamera hearCamera(dds_entity_t participant, const std::string& pictures, co
   });
   if (!came)
     throw NetworkError("ros:{}: no CameraInfo was received on {} in {:g} s; give the camera's intrinsics", pictures,
-                       topic, listening.patience_s);
+                       topic, listening.timeout_s);
   return *camera;
 }
 
@@ -314,7 +314,7 @@ RosContent discover(dds_entity_t participant, const std::string& topic, const Ro
   });
   if (!came)
     throw NetworkError("ros:{}: no sender was found in {:g} s; is the topic sent on domain {}, and on this network?",
-                       topic, listening.patience_s, listening.network.domain);
+                       topic, listening.timeout_s, listening.network.domain);
   return *sent == pictures ? RosContent::pictures : RosContent::points;
 }
 

@@ -96,7 +96,7 @@ bool waitFor(const RosListening& listening, const std::string& topic, IsThere&& 
   const Stopwatch since;
   while (!isThere()) {
     if (listening.stop && *listening.stop) throw NetworkError("ros:{}: interrupted", topic);
-    if (since.elapsed_s() > listening.patience_s) return false;
+    if (since.elapsed_s() > listening.timeout_s) return false;
   }
   return true;
 }

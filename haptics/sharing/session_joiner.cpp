@@ -17,7 +17,7 @@ JoinedCloud join(const std::string& name, const JoinConfig& config, const Joinin
   JoinedCloud joined = joinCloud(name, {.network = network,
                                         .present = present,
                                         .near = config.near,
-                                        .patience_s = how.patience_s,
+                                        .timeout_s = how.timeout_s,
                                         .log = &log,
                                         .stop = how.stop});
   if (joined.far)

@@ -9,9 +9,9 @@
 namespace palpate {
 
 struct Joining {
-  std::string hand;        ///< name of this program's hands for the others; empty: that of the machine
-  double patience_s = 10;  ///< maximum wait for the session to be found, and for each next piece of it
-  StopSign stop = {};      ///< cancels joining
+  std::string hand;       ///< name of this program's hands for the others; empty: that of the machine
+  double timeout_s = 10;  ///< maximum wait for the session to be found, and for each next piece of it
+  StopSign stop = {};     ///< cancels joining
 };
 
 /// Joins sessions as one more hand, whose strokes all participants receive, if the session can be sculpted.

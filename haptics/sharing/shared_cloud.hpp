@@ -96,11 +96,11 @@ struct JoinedCloud {
 
 struct JoinOptions {
   NetworkConfig network;
-  bool present = false;    ///< with all edits so far, for display; edits are not shared then
-  bool near = false;       ///< stream only the points around the hands; moving points always are, unless `present`
-  double patience_s = 10;  ///< timeout for finding the session, and for each next part of it
-  Log* log = nullptr;      ///< logs progress; must outlive the call
-  StopSign stop = {};      ///< interrupts it
+  bool present = false;   ///< with all edits so far, for display; edits are not shared then
+  bool near = false;      ///< stream only the points around the hands; moving points always are, unless `present`
+  double timeout_s = 10;  ///< timeout for finding the session, and for each next part of it
+  Log* log = nullptr;     ///< logs progress; must outlive the call
+  StopSign stop = {};     ///< interrupts it
 };
 
 /// The points of the session of that name, as served. Allocates memory as they are received, not as announced. Throws

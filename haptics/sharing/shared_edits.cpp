@@ -85,7 +85,7 @@ class SharedEdits final : public SharedFollower {
     counts.force = known_.isTrue() ? known_.share() : 0;
     counts.link = probe_.counts();
     counts.delivered = exchange_.isDelivered();
-    counts.atRest = exchange_.isAtRest();
+    counts.idle = exchange_.isAtRest();
     counts.same = exchange_.isAtRest() && exchange_.isSame();
     counts.fault = fault_;
     return counts;

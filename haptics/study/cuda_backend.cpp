@@ -25,7 +25,7 @@ class CudaBackend final : public BackendKind {
     return {.allSurfaces = false,
             .localRadius = false,
             .manyPoints = false,
-            .secondHand = false,
+            .manyHands = false,
             .allBrushes = false,
             .followsMotion = false,
             .keepsEdits = false};

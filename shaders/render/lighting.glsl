@@ -16,15 +16,15 @@ const float kShininess = 36;  // exponent of the highlight
 const float kGloss = 0.16;    // its strength
 
 // Light that leaves a surface of colour `albedo` towards the eye. `normal` and `toViewer` are unit vectors in eye
-// space; `openness` is the share of the sky that reaches the surface.
-vec3 lit(vec3 albedo, vec3 normal, vec3 toViewer, float openness) {
+// space; `access` is the share of the sky that reaches the surface.
+vec3 lit(vec3 albedo, vec3 normal, vec3 toViewer, float access) {
   const vec3 key = normalize(kKeyDirection);
   const vec3 sky = mix(kGround, kSky, 0.5 + 0.5 * normal.y);
   const float keyCosine = max(dot(normal, key), 0);
-  const vec3 diffuse = kKeyLight * keyCosine * mix(0.45, 1.0, openness) +
-                       kFillLight * max(dot(normal, normalize(kFillDirection)), 0) + sky * openness;
+  const vec3 diffuse = kKeyLight * keyCosine * mix(0.45, 1.0, access) +
+                       kFillLight * max(dot(normal, normalize(kFillDirection)), 0) + sky * access;
   const float highlight = pow(max(dot(normal, normalize(key + toViewer)), 0), kShininess);
-  return albedo * diffuse + kKeyLight * kGloss * highlight * openness * min(4 * keyCosine, 1);
+  return albedo * diffuse + kKeyLight * kGloss * highlight * access * min(4 * keyCosine, 1);
 }
 
 #endif

@@ -46,9 +46,9 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   if (imagePass == kPassPosition) return toLinear(clamp((position - low) / max(high - low, vec3(1e-30)), 0, 1));
   const vec3 albedo = albedoAt(place, normal, position, depth);
   if (imagePass == kPassColor) return albedo;
-  const float openness = opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
+  const float access = opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
                                     args.frame.at[0].occlusionRadius, args.frame.at[0].usualRadius);
-  return lit(albedo, toEye(view, normal), -normalize(inEye), openness);
+  return lit(albedo, toEye(view, normal), -normalize(inEye), access);
 }
 
 void main() {

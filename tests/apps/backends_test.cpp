@@ -42,7 +42,7 @@ TEST_CASE("CPU and GPU give the same forces for the same press, on a static and 
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 15000 -o " + model);
-  for (const std::string edit : {"", " --edit push --keep-points --penetration 3"}) {
+  for (const std::string edit : {"", " --edit push --no-resample --penetration 3"}) {
     CAPTURE(edit);
     std::vector<Row> traces[2];
     std::size_t moved[2] = {0, 0};
@@ -77,7 +77,7 @@ TEST_CASE("the CPU back end needs no GPU except for pictures, sculpts and saves,
   works("make torus -n 5000 -o " + model);
   for (const std::string run : {"a", "b"})
     works("touch " + model +
-          " --gpu 'no such card' --backend cpu --path builtin:slide --rate 500 --edit push --tau 0.3 --trace " +
+          " --gpu 'no such card' --backend cpu --path builtin:slide --rate 500 --edit push --yield-depth 0.3 --trace " +
           (folder / (run + ".csv")).string() + " --save " + (folder / (run + ".ply")).string() +
           (run == "a" ? " --threads 1" : " --threads 3"));
   CHECK(contentOf(folder / "a.csv") == contentOf(folder / "b.csv"));

@@ -123,11 +123,11 @@ TEST_CASE("each bench shows and accepts its own options, and benches run togethe
        {"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist", "locality", "share"})
     CHECK_MESSAGE(says(all.text, std::string("\n  ") + name), name);
   CHECK(says(edit.text, "--touched"));
-  for (const char* other : {"--queues", "--lattice", "--raster", "--conditions", "--moved"})
+  for (const char* other : {"--queues", "--resolution", "--raster", "--conditions", "--moved"})
     CHECK_MESSAGE(!says(edit.text, other), other);
   CHECK(says(build.text, "--moved"));
   CHECK_FALSE(says(build.text, "--tool"));
-  CHECK(palpate("bench edit --sizes 2000 --lattice 16").code == 2);
+  CHECK(palpate("bench edit --sizes 2000 --resolution 16").code == 2);
   const Outcome alone = palpate("bench sort --sizes 2000 --moved 0.5");
   CHECK(alone.code == 2);
   CHECK(says(alone.text, "bench sort has no option --moved"));
@@ -164,7 +164,7 @@ TEST_CASE("bench touch judges the force: none in the air, equal in two runs, alo
     CHECK(study["largest_stiffness_N_per_mm"] > 0.4);
     // Without damping, or with much damping and old data, a late loop generates energy; with the usual damping it does
     // not.
-    if (study["damping_N_s_per_mm"] == 0.002) CHECK(study["least_energy_mJ"] > -0.1);
+    if (study["damping_N_s_per_mm"] == 0.002) CHECK(study["min_energy_mJ"] > -0.1);
   }
 }
 

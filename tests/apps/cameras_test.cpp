@@ -174,7 +174,7 @@ TEST_CASE("unreliable COLMAP points are left out by info and render, and by conv
   CHECK(jsonOf(json)["points"] == 900);
   CHECK(jsonOf(json)["cameras"] == 4);
   CHECK(says(jsonOf(json)["left_out"].get<std::string>(), "50 of 950 points"));
-  works("info " + model + " --all-points --json " + json);
+  works("info " + model + " --keep-unreliable --json " + json);
   CHECK(jsonOf(json)["points"] == 950);
   CHECK(jsonOf(json)["left_out"].is_null());
   const Outcome drawn = palpate("render " + model + " --size 64x48 -o " + (folder / "p.png").string());

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <set>
@@ -49,7 +50,7 @@ TEST_CASE("the overview is readable, and the options of touch are grouped under 
   const std::string touch = palpate("touch --help").text;
   std::size_t last = 0;
   for (const char* heading : {"Model:", "Path:", "Contact and force:", "Sculpting:", "Output:", "Picture:", "Motion:",
-                              "Depth camera:", "Shared session:", "Back end:", "Tool:", "Devices:", "Second hand:"}) {
+                              "Depth camera:", "Shared session:", "Back end:", "Tool:", "Devices:"}) {
     const std::size_t at = touch.find(std::string("\n") + heading + "\n");
     REQUIRE_MESSAGE(at != std::string::npos, heading);
     CHECK(at > last);
@@ -281,9 +282,9 @@ TEST_CASE("every numeric option has bounds, which its error names") {
   };
   const std::initializer_list<const char*> never{"nan", "inf", "-1", "1e30", "word"};
   for (const char* option :
-       {"--stiffness", "--damping", "--max-force", "--friction", "--tau", "--beta", "--strength", "--tool-radius",
-        "--penetration", "--rate", "--mm-per-unit", "--cell", "--grid", "--tool-size", "--hand-stiffness",
-        "--hand-damping", "--duration", "--undo-memory", "--radius"})
+       {"--stiffness", "--damping", "--max-force", "--friction", "--yield-depth", "--push-rate", "--strength",
+        "--brush-radius", "--penetration", "--rate", "--mm-per-unit", "--cell", "--grid", "--tool-size",
+        "--hand-stiffness", "--hand-damping", "--duration", "--undo-memory", "--radius"})
     refuses("touch " + model, option, never);
   for (const char* option : {"--falloff", "--tool-points", "--undo", "--redo"})
     refuses("touch " + model, option, never);
@@ -291,8 +292,8 @@ TEST_CASE("every numeric option has bounds, which its error names") {
   refuses("info " + model, "--threads", {"-1", "1e9", "100000"});
   refuses("make sphere -o " + out, "--points", {"nan", "-1", "1e30", "1.5"});
   for (const char* option : {"--seed", "--noise", "--size"}) refuses("make sphere -n 10 -o " + out, option, never);
-  for (const char* option : {"--lattice", "--radius"}) refuses("mesh " + model + " -o " + out, option, never);
-  refuses("render " + model + " -o x.png", "--lattice", never);
+  for (const char* option : {"--resolution", "--radius"}) refuses("mesh " + model + " -o " + out, option, never);
+  refuses("render " + model + " -o x.png", "--resolution", never);
   for (const char* option : {"--rate", "--mm-per-unit", "--undo-memory"}) refuses("view " + model, option, never);
   CHECK(palpate("make sphere -n 10 --center=1e30,0,0 -o " + out).code == 2);
   CHECK_FALSE(std::filesystem::exists(out));
@@ -310,16 +311,16 @@ TEST_CASE("an unsupported configuration is refused with the options that request
     CHECK(outcome.code == 2);
     CHECK(says(outcome.text, "palpate: " + complaint));
   };
-  const std::string touch = "touch " + model + " ", second = "--second-device path --second-path builtin:slide ";
+  const std::string touch = "touch " + model + " ", second = "--hand path=builtin:slide ";
   refused(touch + "--surface sphere --backend cuda",
           "--surface: --backend cuda has only average; take vulkan or cpu for sphere");
   refused(touch + "--tool pad --backend cuda", "--tool: --backend cuda has only point; take vulkan or cpu for pad");
   refused(touch + "--tool pad --method naive", "--tool: --method naive has only point; take fused for pad");
   refused(touch + "--tool ball --ahead on --backend vulkan", "--ahead: a ball is not asked ahead; leave it out");
   refused(touch + "--tool pad --tool-axis 0,0,0 --backend cpu", "--tool-axis: is not a direction");
-  refused(touch + second + "--backend cuda", "--second-device: --backend cuda feels with one hand; take vulkan or cpu");
-  refused(touch + second + "--method naive", "--second-device: --method naive feels with one hand; take fused");
-  refused(touch + second + "--ahead on --backend vulkan", "--ahead: two hands are not asked ahead; leave it out");
+  refused(touch + second + "--backend cuda", "--hand: --backend cuda feels with one hand; take vulkan or cpu");
+  refused(touch + second + "--method naive", "--hand: --method naive feels with one hand; take fused");
+  refused(touch + second + "--ahead on --backend vulkan", "--ahead: several hands are not asked ahead; leave it out");
   refused(touch + "--ahead off --backend cpu", "--ahead: only --backend vulkan can be asked ahead");
   refused(touch + "--wait spin --backend cpu", "--wait: only --backend vulkan can be told how to wait");
   refused(touch + "--print-tick --backend cpu", "--print-tick: only --backend vulkan can time its passes");
@@ -334,6 +335,30 @@ TEST_CASE("an unsupported configuration is refused with the options that request
   refused("bench step --sizes 2000 --surface sphere --backend cuda", "--surface: --backend cuda has only average");
   refused("bench edit --models " + model + " --touched 20 --duration 1 --rate 20000",
           "--rate: 20000 is not between 1 and 10000");
+}
+
+TEST_CASE("an option has one name: no second one is accepted, and a slip is corrected") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string();
+  works("make sphere -n 1000 -o " + model);
+  const auto refused = [&](const std::string& options, const std::string& complaint) {
+    const Outcome outcome = palpate(options);
+    CAPTURE(options);
+    CHECK(outcome.code == 2);
+    CHECK(says(outcome.text, complaint));
+  };
+  for (const char* other : {"--tau 1", "--beta 0.1", "--tool-radius 6", "--keep-points", "--second-device path",
+                            "--second-path a.csv", "--second-trace t.csv", "--all-points", "--as anna"})
+    refused("touch " + model + ' ' + other,
+            "there is no option '" + std::string(other, std::strcspn(other, " ")) + "'");
+  refused("mesh " + model + " -o m.ply --lattice 64", "there is no option '--lattice'");
+  refused("view " + model + " --lattice 64", "there is no option '--lattice'");
+  refused("touch " + model + " --yeild-depth 1", "did you mean --yield-depth?");
+  refused("touch " + model + " --push-rat 1", "did you mean --push-rate?");
+  refused("touch " + model + " --brush-raduis 6", "did you mean --brush-radius?");
+  refused("touch " + model + " --no-resampel", "did you mean --no-resample?");
+  refused("touch " + model + " --hand-nam anna", "did you mean --hand-name?");
+  refused("mesh " + model + " -o m.ply --resoluton 64", "did you mean --resolution?");
 }
 
 TEST_CASE("progress is a bar on a terminal, lines in a file, and absent with --quiet" * kMoreInFull) {
@@ -355,7 +380,7 @@ TEST_CASE("progress is a bar on a terminal, lines in a file, and absent with --q
   CHECK(says(onTerminal(folder, "make sphere -n 4000000 --ascii -o /dev/null"), "/dev/null [="));
   if (!inFullTier()) return;
   const Stopwatch watch;
-  const std::string mesh = onTerminal(folder, "mesh " + model + " --lattice 256 -o " + (folder / "m.ply").string());
+  const std::string mesh = onTerminal(folder, "mesh " + model + " --resolution 256 -o " + (folder / "m.ply").string());
   if (watch.elapsed_s() > 2)
     CHECK_MESSAGE(says(mesh, "m.ply [="), mesh);
   else
@@ -394,26 +419,26 @@ TEST_CASE("the report states how the index was updated after edits: static, rebu
   const std::string model = (folder / "s.ply").string(), json = (folder / "t.json").string();
   works("make sphere -n 5000 -o " + model);
   const auto report = [&](const std::string& options) {
-    works("touch " + model + " --penetration 3 --tool-radius 6 --rate 125 " + options + " --json " + json);
+    works("touch " + model + " --penetration 3 --brush-radius 6 --rate 125 " + options + " --json " + json);
     return jsonOf(json);
   };
   for (const char* backend : {"--backend cpu", "--backend vulkan"}) {
     const auto still = report(backend);
     CHECK(still["index"] == "static");
-    CHECK(still["index_builds"] == 0);
+    CHECK(still["index_rebuilds"] == 0);
     CHECK(still["index_followed"] == 0);
   }
   const auto cpu = report("--backend cpu --edit push");
   CHECK(cpu["index"] == "rebuild");
-  CHECK(cpu["index_builds"] >= cpu["edit_ticks"].get<int>() / 2);  // ticks without a change rebuild nothing
+  CHECK(cpu["index_rebuilds"] >= cpu["edit_ticks"].get<int>() / 2);  // ticks without a change rebuild nothing
   CHECK(cpu["index_followed"] == 0);
   const auto followed = report("--backend vulkan --edit push");
   CHECK(followed["index"] == "incremental");
-  CHECK(followed["index_builds"] == 0);
+  CHECK(followed["index_rebuilds"] == 0);
   CHECK(followed["index_followed"] == followed["edit_ticks"]);
   const auto rebuilt = report("--backend vulkan --edit push --index rebuild");
   CHECK(rebuilt["index"] == "rebuild");
-  CHECK(rebuilt["index_builds"] == rebuilt["edit_ticks"]);
+  CHECK(rebuilt["index_rebuilds"] == rebuilt["edit_ticks"]);
   CHECK(rebuilt["index_followed"] == 0);
 }
 
@@ -423,14 +448,14 @@ TEST_CASE("touch reports a tool smaller than the spacing, with both sizes and ad
   works("make sphere -n 2000 -o " + model);  // of 100 mm
   works("info " + model + " --json " + info);
   const double spacing_mm = jsonOf(info)["mean_spacing"];
-  const std::string session = "touch " + model + " --backend cpu --edit push --penetration 3 --tool-radius ";
+  const std::string session = "touch " + model + " --backend cpu --edit push --penetration 3 --brush-radius ";
   const std::string small = palpate(session + "0.5").text;
   CHECK_MESSAGE(
       says(small, fmt::format("a tool of 0.5 mm is smaller than the spacing of the points, {:.3g} mm", spacing_mm)),
       small);
-  CHECK(says(small, fmt::format("make --tool-radius {:.3g} mm or more", 2 * spacing_mm)));
+  CHECK(says(small, fmt::format("make --brush-radius {:.3g} mm or more", 2 * spacing_mm)));
   CHECK(lacks(palpate(session + "9").text, "smaller than the spacing"));
-  CHECK(lacks(palpate("touch " + model + " --backend cpu --tool-radius 0.5").text, "smaller than the spacing"));
+  CHECK(lacks(palpate("touch " + model + " --backend cpu --brush-radius 0.5").text, "smaller than the spacing"));
 }
 
 }  // namespace palpate::command_line_test

@@ -81,7 +81,7 @@ TEST_CASE("button 1 of a stylus sculpts" * kClock) {
     pressed = true;
   }
   const FakeDriver driver("fake_hd", script, kHand);
-  works(scene.held("--edit push --tau 0.2 --json " + scene.file("out.json") + " --log " + scene.file("log")));
+  works(scene.held("--edit push --yield-depth 0.2 --json " + scene.file("out.json") + " --log " + scene.file("log")));
   CHECK((jsonOf(scene.folder / "out.json")["moved_points"].get<int>() > 0) == pressed);
   CHECK(driver.note().mostForce_N > 0.1);  // felt in either case
   works("replay " + scene.file("log"));
@@ -276,7 +276,7 @@ TEST_CASE("doctor lists a 3D mouse, and says what to do if it cannot be opened")
   {
     const FakeHid hid(std::string(kMouse) + "denied\n");
     CHECK(mice()[0]["usable"] == false);
-    CHECK(mice()[0]["why_not"].get<std::string>().size() > 5);
+    CHECK(mice()[0]["reason"].get<std::string>().size() > 5);
   }
   {
     // A keyboard of the same vendor.

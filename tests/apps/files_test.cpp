@@ -10,7 +10,7 @@ namespace palpate::files_test {
 TEST_CASE("the window opens a file by folder and format, saves it elsewhere, and exports its mesh") {
   if (!hasDisplay()) return;
   const auto played =
-      play("%/ball.ply --size 900x640 --rate 250 --backend cpu --lattice 32", R"(
+      play("%/ball.ply --size 900x640 --rate 250 --backend cpu --resolution 32", R"(
 0.05 key ctrl+o
 0.10 screenshot %/dialog.png
 0.15 click inner/
@@ -136,7 +136,7 @@ TEST_CASE("the file dialogue filters by format and offers recent folders") {
 
 TEST_CASE("the window exports triangles in each mesh format") {
   if (!hasDisplay()) return;
-  const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu --lattice 32", R"(
+  const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu --resolution 32", R"(
 0.10 key M
 0.15 click Look
 0.60 click Export mesh...

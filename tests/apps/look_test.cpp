@@ -39,7 +39,7 @@ TEST_CASE("info reports the up direction with its reason, and the unit") {
     writeCone(file, axis, sign, "units: cm");
     const auto said = info(file);
     CHECK(said["up"] == name);
-    CHECK(says(said["up_why"].get<std::string>(), "base"));
+    CHECK(says(said["up_reason"].get<std::string>(), "base"));
     CHECK(said["unit"] == "cm");
     CHECK(said["heights"][0].get<double>() == within(0, 0.01));
     CHECK(said["heights"][1].get<double>() == near(1.71, 0.02));

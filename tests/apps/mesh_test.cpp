@@ -10,7 +10,7 @@ TEST_CASE("mesh writes a closed mesh of a closed shape, and reports it as closed
   const ScratchFolder folder;
   const std::string cloud = (folder / "torus.ply").string(), mesh = (folder / "mesh.ply").string();
   works("make torus -n 20000 -o " + cloud);
-  works("mesh " + cloud + " -o " + mesh + " --lattice 50 --json " + (folder / "m.json").string());
+  works("mesh " + cloud + " -o " + mesh + " --resolution 50 --json " + (folder / "m.json").string());
   const auto said = jsonOf(folder / "m.json");
   CHECK(said["closed"] == true);
   CHECK(said["euler"] == 0);
@@ -31,9 +31,10 @@ TEST_CASE("mesh writes the same mesh each time, also in ASCII") {
   const ScratchFolder folder;
   const std::string cloud = (folder / "c.ply").string();
   works("make bumpy-sphere -n 8000 -o " + cloud);
-  for (const char* name : {"a.ply", "b.ply"}) works("mesh " + cloud + " --lattice 24 -o " + (folder / name).string());
+  for (const char* name : {"a.ply", "b.ply"})
+    works("mesh " + cloud + " --resolution 24 -o " + (folder / name).string());
   CHECK(contentOf(folder / "a.ply") == contentOf(folder / "b.ply"));
-  works("mesh " + cloud + " --lattice 24 --ascii -o " + (folder / "t.ply").string());
+  works("mesh " + cloud + " --resolution 24 --ascii -o " + (folder / "t.ply").string());
   CHECK(contentOf(folder / "t.ply").find("format ascii") != std::string::npos);
 }
 
@@ -41,17 +42,17 @@ TEST_CASE("mesh refuses what it cannot do with a reason, and leaves no file") {
   const ScratchFolder folder;
   const std::string cloud = (folder / "c.ply").string(), out = (folder / "m.ply").string();
   works("make sphere -n 4000 -o " + cloud);
-  for (const char* lattice : {"0", "-4", "2049", "many"}) {
-    const Outcome wrong = palpate("mesh " + cloud + " -o " + out + " --lattice " + lattice);
+  for (const char* resolution : {"0", "-4", "2049", "many"}) {
+    const Outcome wrong = palpate("mesh " + cloud + " -o " + out + " --resolution " + resolution);
     CHECK(wrong.code == 2);
-    CHECK(wrong.text.find("--lattice") != std::string::npos);
+    CHECK(wrong.text.find("--resolution") != std::string::npos);
   }
   CHECK(palpate("mesh " + cloud + " -o " + out + " --surface potato").code == 2);
   CHECK(palpate("mesh " + cloud + " -o " + out + " --radius wide").code == 2);
   // A support radius of four spacings covers many blocks of such small cells.
-  const Outcome large = palpate("mesh " + cloud + " -o " + out + " --lattice 2048 --radius 30");
+  const Outcome large = palpate("mesh " + cloud + " -o " + out + " --resolution 2048 --radius 30");
   CHECK(large.code == 1);
-  CHECK(large.text.find("lattice") != std::string::npos);
+  CHECK(large.text.find("resolution") != std::string::npos);
   works("make sphere -n 0 -o " + (folder / "none.ply").string());
   const Outcome none = palpate("mesh " + (folder / "none.ply").string() + " -o " + out);
   CHECK(none.code == 1);
@@ -68,7 +69,7 @@ TEST_CASE("render draws the mesh of a model") {
   const ScratchFolder folder;
   const std::string cloud = (folder / "c.ply").string();
   works("make sphere -n 5000 -o " + cloud);
-  works("render " + cloud + " --mode mesh --lattice 32 --size 160x120 -o " + (folder / "mesh.png").string());
+  works("render " + cloud + " --mode mesh --resolution 32 --size 160x120 -o " + (folder / "mesh.png").string());
   CHECK(std::filesystem::file_size(folder / "mesh.png") > 3000);
   CHECK(palpate("render " + cloud + " --mode clay -o " + (folder / "x.png").string()).code == 2);
 }
@@ -80,7 +81,7 @@ TEST_CASE("bench mesh measures each pass and an edit, and compares the mesh with
   }
   const ScratchFolder folder;
   const Outcome outcome =
-      palpate("bench mesh --sizes 5000 --lattice 16 32 --repeat 2 --truth-points 5000 --shapes sphere,cube --json " +
+      palpate("bench mesh --sizes 5000 --resolution 16 32 --repeat 2 --truth-points 5000 --shapes sphere,cube --json " +
               (folder / "b.json").string());
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto mesh = jsonOf(folder / "b.json")["mesh"];

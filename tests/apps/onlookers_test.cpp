@@ -85,7 +85,7 @@ TEST_CASE("a window shows the others' cameras, shows them its own, publishes it 
   const sharing::Reader<sharing::RosPoseStamped> poses(participant, topic,
                                                        sharing::rosQos(sharing::RosDelivery::reliable, type));
   {
-    Window window("--join seen --as Ada --ros lab",
+    Window window("--join seen --hand-name Ada --ros lab",
                   "0.5 key Tab\n1 screenshot %/a.png\n1 state %/a.json\n1 await %/go\n2 screenshot %/b.png\n2 state "
                   "%/b.json\n2.1 "
                   "quit\n",
@@ -136,8 +136,8 @@ TEST_CASE("a window shows the others' cameras, shows them its own, publishes it 
   CHECK(jsonOf(in("t.json"))["cameras"] == 1);
   CHECK(comesTrue([&] { return cameras->cameras().empty(); }, 30));
   {
-    Window hidden("--join seen --as Bert --hide-camera", "0.5 state %/h.json\n2.5 state %/i.json\n2.5 quit\n", folder,
-                  "bert");
+    Window hidden("--join seen --hand-name Bert --hide-camera", "0.5 state %/h.json\n2.5 state %/i.json\n2.5 quit\n",
+                  folder, "bert");
     std::size_t most = 0;
     REQUIRE_MESSAGE(hidden.waitFor([&] {
       most = std::max(most, cameras->cameras().size());

@@ -75,8 +75,9 @@ TEST_CASE("virtual time gives the same trace, cloud and picture, byte by byte") 
   works("make torus -n 5000 -o " + model);
   for (const char* run : {"a", "b"}) {
     const auto file = [&](const char* ending) { return (folder / (std::string(run) + ending)).string(); };
-    works("touch " + model + " --backend vulkan --path builtin:slide --rate 125 --edit push --tau 0.3 --trace " +
-          file(".csv") + " --save " + file(".ply") + " --picture " + file(".png") + " --size 160x100");
+    works("touch " + model +
+          " --backend vulkan --path builtin:slide --rate 125 --edit push --yield-depth 0.3 --trace " + file(".csv") +
+          " --save " + file(".ply") + " --picture " + file(".png") + " --size 160x100");
   }
   for (const char* ending : {".csv", ".ply", ".png"}) {
     CAPTURE(ending);
@@ -285,7 +286,7 @@ TEST_CASE("wrong usage exits with 2 and a reason; a failed command with 1, in on
   fails("fly", 2, "fly");
   fails("touch " + model + " --rate none", 2, "--rate");
   fails("touch " + model + " --path builtin:dance", 2, "press");
-  fails("touch " + model + " --edit push --beta 2", 2, "--beta");
+  fails("touch " + model + " --edit push --push-rate 2", 2, "--push-rate");
   fails("touch " + model + " --radius -1", 2, "--radius");
   fails("touch " + model + " --passivity on", 2, "does not yield to forces");
   fails("touch " + model + " --hand-stiffness 1", 2, "--device sim");
@@ -303,7 +304,7 @@ TEST_CASE("wrong usage exits with 2 and a reason; a failed command with 1, in on
   fails("render " + model + " -o " + out + " --camera 'eye=1,2'", 2, "eye");
   fails("render " + model + " -o " + out + " --pass none", 2, "none");
   fails("render " + model + " -o " + out + " --raster brush", 2, "raster");
-  fails("touch " + model + " --edit push --tau nan", 2, "--tau");
+  fails("touch " + model + " --edit push --yield-depth nan", 2, "--yield-depth");
   fails("touch " + model + " --edit scratch", 2, "--edit");
   fails("touch " + model + " --edit carve --strength 2", 2, "--strength");
   fails("touch " + model + " --backend cpu --edit smooth --falloff 0.5", 2, "--falloff");

@@ -95,7 +95,7 @@ TEST_CASE("each key that a command writes with --json is in the reference, with 
       {"convert", "convert " + model + " " + in("c.xyz")},
       {"simulate", "simulate water --duration 0.003 --backend cpu --probe 50,20,50"},
       {"touch", "touch " + model + quick + "--edit push --undo 1 --log " + in("l") + " --device sim --tool pad"},
-      {"touch", "touch " + model + quick + "--second-device path --second-path builtin:slide"},
+      {"touch", "touch " + model + quick + "--hand path=builtin:slide"},
       {"touch", "touch water" + quick},
       {"touch", "touch " + model + " --backend cpu --device replay:" + in("l")},
       {"replay", "replay " + in("l")},
@@ -126,7 +126,7 @@ TEST_CASE("the comments of the C header state the bounds of the settings") {
   for (std::string line; std::getline(header, line);) {
     if (line.starts_with("typedef struct ")) section = line.substr(15, line.find(' ', 15) - 15);
     std::smatch found;
-    if ((section != "pp_brush" && section != "pp_feel" && section != "pp_tool") ||
+    if ((section != "pp_brush" && section != "pp_contact_options" && section != "pp_tool") ||
         !std::regex_search(line, found, field) || !bounds.contains(found[1]))
       continue;
     CAPTURE(line);

@@ -45,7 +45,7 @@ TEST_CASE("ROS readers receive a hand tick by tick as in its trace") {
   RunningProgram hand(
       "touch " + in("m.ply") +
           " --mm-per-unit 20 --backend cpu --realtime --duration 2 --ros lab --ros-rate 50 --ros-parent map "
-          "--ros-pose 1,2,3,0,0,1,0" +
+          "--ros-pose 1,2,3,0,0,0,1" +
           domain() + " --trace " + in("t.csv") + " --json " + in("r.json"),
       folder / "said");
   std::string userData;

@@ -11,7 +11,7 @@ namespace palpate::saving_test {
 namespace {
 
 std::string touch(const std::filesystem::path& model, const std::string& options) {
-  return "touch " + model.string() + " --backend cpu --edit push --tau 0.3 --penetration 6 " + options;
+  return "touch " + model.string() + " --backend cpu --edit push --yield-depth 0.3 --penetration 6 " + options;
 }
 
 PointCloud sphere(const ScratchFolder& folder, const std::string& name = "sphere.ply") {
@@ -43,7 +43,7 @@ TEST_CASE("touch --save keeps unknown point properties, and new points have thos
   SUBCASE("cpu") { backend = "cpu"; }
   SUBCASE("vulkan") { backend = "vulkan"; }
   works("touch " + (folder / "scan.ply").string() + " --backend " + backend +
-        " --edit push --tau 0.3 --penetration 6 --rate 250 --save " + (folder / "out.ply").string());
+        " --edit push --yield-depth 0.3 --penetration 6 --rate 250 --save " + (folder / "out.ply").string());
   const PointCloud out = readPly(folder / "out.ply");
   REQUIRE(out.extra.size() == 3);
   for (std::size_t k = 0; k < 3; ++k) {

@@ -29,7 +29,7 @@ struct Scene {
   }
   std::string file(const std::string& name) const { return (folder / name).string(); }
   std::string touch(const std::string& options, const std::string& path = "path.csv") const {
-    return "touch " + file("model.ply") + " --edit push --tau 0.3 --path " + file(path) + " " + options;
+    return "touch " + file("model.ply") + " --edit push --yield-depth 0.3 --path " + file(path) + " " + options;
   }
   ScratchFolder folder;
 };
@@ -151,7 +151,7 @@ TEST_CASE("a replay that differs reports by how much, and exits with 1") {
     CHECK(replay(scene, scene.file("other") + " --tolerance 1")["force_ticks"] == 0);
   }
   SUBCASE("another tool: other points") {
-    changeText(scene.file("log"), scene.file("other"), "\"beta\": 0.1", "\"beta\": 0.2");
+    changeText(scene.file("log"), scene.file("other"), "\"push_rate\": 0.1", "\"push_rate\": 0.2");
     const auto json = replay(scene, scene.file("other"), 1);
     CHECK(json["edit_ticks"] > 20);
     CHECK(json["end_points"] > 20);
@@ -159,7 +159,7 @@ TEST_CASE("a replay that differs reports by how much, and exits with 1") {
     CHECK(json["ends_as_recorded"] == true);
   }
   SUBCASE("an unknown option") {
-    changeText(scene.file("log"), scene.file("other"), "\"beta\": 0.1", "\"geta\": 0.1");
+    changeText(scene.file("log"), scene.file("other"), "\"push_rate\": 0.1", "\"gush_rate\": 0.1");
     const Outcome outcome = palpate("replay " + scene.file("other"));
     CHECK(outcome.code == 1);
     CHECK_MESSAGE(outcome.text.find("does not say how") != std::string::npos, outcome.text);
@@ -210,7 +210,7 @@ TEST_CASE("a changed byte within a log costs its block, and replay reports the t
   CHECK(json["force_ticks"] == 0);
   CHECK(json["edit_ticks"] == 0);
   CHECK(json["end_points"].is_null());
-  CHECK(std::string(json["not_compared_because"]).find("missing") != std::string::npos);
+  CHECK(std::string(json["reason"]).find("missing") != std::string::npos);
   // Except for those in the gap, edited points keep their final positions.
   works("replay " + scene.file("log") + " --recover --save " + scene.file("a.ply"));
   works("replay " + scene.file("flipped") + " --recover --save " + scene.file("b.ply"));
@@ -278,7 +278,7 @@ TEST_CASE("a real-time recording is compared only where it is reproducible, and 
     CHECK(json["edit_ticks"] == 0);
     CHECK(json["lost_ticks"] == 0);
     if (json["compared_ticks"] < json["ticks"]) {
-      CHECK(json["not_compared_because"] != "");
+      CHECK(json["reason"] != "");
       CHECK(json["end_points"].is_null());
     }
     replay(scene, scene.file("log") + " --recover --save " + scene.file("r.ply"));

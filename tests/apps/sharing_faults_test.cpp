@@ -99,7 +99,7 @@ TEST_CASE("a hand killed during a stroke leaves whole pieces, and the others and
   CHECK(serving->program.wait(SIGINT) == 0);
   const Result served = jsonOf(in("s.json"));
   CHECK(served["sculptors"] == 2);
-  CHECK(served["again"] == 0);
+  CHECK(served["duplicate_pieces"] == 0);
   CHECK(served["refused"] == 0);
   CHECK(served["states"].get<int>() > shared["sent"].get<int>() + 100);  // edits sent by the killed hand count
   CHECK(pointsOf(in("other.ply")) == pointsOf(in("end.ply")));

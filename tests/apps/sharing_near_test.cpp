@@ -58,7 +58,7 @@ TEST_CASE("a client with only nearby points feels the file, byte for byte, in vi
   CHECK(report["near"]["ticks"] == 601);
   CHECK(report["near"]["ticks_without_points"] == 0);
   CHECK(report["near"]["steps"] > 0);
-  const Outcome undoes = palpate(near + " --edit push --keep-points --undo 1");
+  const Outcome undoes = palpate(near + " --edit push --no-resample --undo 1");
   CHECK(undoes.code == 2);
   CHECK(undoes.text.find("--undo: only the points around the hand are in this program") != std::string::npos);
   const Outcome saves =
@@ -98,7 +98,7 @@ TEST_CASE("a client with only nearby points feels the file in real time" * kCloc
         kAfter * (timed["near"]["ticks_without_points"].get<std::size_t>() + timed["missed_ticks"].get<std::size_t>()));
   CHECK(timed["near"]["ticks_without_points"] < 60);
   // Only the points near the hand were sent.
-  CHECK(timed["near"]["most_known"] < 140000);
+  CHECK(timed["near"]["max_known"] < 140000);
   CHECK(serving.program.wait(SIGINT) == 0);
 }
 
@@ -108,7 +108,7 @@ TEST_CASE("a client with only nearby points sculpts like the file, byte for byte
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
   writeSlide(in("m.ply"), in("slide.csv"));
-  const std::string how = " --backend cpu --keep-points --penetration 3 --path " + in("slide.csv") + " --edit ";
+  const std::string how = " --backend cpu --no-resample --penetration 3 --path " + in("slide.csv") + " --edit ";
   const auto placesOf = [&](const std::string& file) {
     works("convert " + file + " " + file + ".xyz --force");
     return contentOf(file + ".xyz");
@@ -229,7 +229,7 @@ TEST_CASE("served water that two hands beat until it fails restarts, and their p
                     contentOf(in("w.said")));
   }
   RunningProgram hands("touch --join fine" + domain() + " --backend cpu --realtime --path " + in("a.csv") +
-                           " --second-device path --second-path " + in("b.csv") + " --json " + in("j.json"),
+                           " --hand path=" + in("b.csv") + " --json " + in("j.json"),
                        folder / "hands.said");
   CHECK(hands.waitFor(
       [&] { return contentOf(folder / "hands.said").find("'fine' has restarted") != std::string::npos; }));
@@ -266,7 +266,7 @@ TEST_CASE("a remote hand feels served water through its ball, which displaces it
   MESSAGE("of " << felt["ticks"] << " ticks " << felt["contact_ticks"] << " had a force, of at most "
                 << felt["peak_force_N"] << " N; " << felt["near"]["steps"] << " steps were received");
   CHECK(felt["near"]["steps"] > 20);
-  CHECK(felt["near"]["most_known"] > 300);
+  CHECK(felt["near"]["max_known"] > 300);
   CHECK(felt["contact_ticks"] > 100);
   CHECK(felt["peak_force_N"] > 0.05);
   CHECK(felt["peak_force_N"] < 4);

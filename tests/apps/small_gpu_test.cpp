@@ -29,7 +29,7 @@ TEST_CASE("on a minimal GPU that doctor accepts, models are touched, sculpted, d
   for (const std::string& command :
        {"touch " + model + " --backend vulkan --path builtin:press --rate 250 --edit push --save " + saved,
         "render " + saved + " -o " + (folder / "dent.png").string() + " --size 160x120",
-        "mesh " + saved + " --lattice 40 -o " + (folder / "mesh.ply").string()}) {
+        "mesh " + saved + " --resolution 40 -o " + (folder / "mesh.ply").string()}) {
     const Outcome outcome = palpate(command);
     CHECK_MESSAGE(outcome.code == 0, outcome.text);
     CHECK_MESSAGE(outcome.text.find("Validation Error") == std::string::npos, outcome.text);

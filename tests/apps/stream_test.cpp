@@ -243,8 +243,8 @@ TEST_CASE("the window sculpts, undoes and saves a held frame, and playback conti
   const auto carved = played->state("carved.json");
   CHECK(played->state("begin.json")["edits"] == 0);
   CHECK(carved["edits"] > 0);
-  CHECK(carved["undoable"] == 1);
-  CHECK(played->state("undone.json")["undoable"] == 0);
+  CHECK(carved["undo_count"] == 1);
+  CHECK(played->state("undone.json")["undo_count"] == 0);
   CHECK(std::filesystem::exists(played->folder / "carved.ply"));
   CHECK(played->outcome.text.find("frames continue") != std::string::npos);
   CHECK(played->state("on.json")["edits"] == 0);

@@ -35,9 +35,9 @@ TEST_CASE("two scripted hands leave the same traces as each hand alone, byte for
       return contentOf(scene.folder / trace);
     };
     const std::string a = alone("a.csv", "a-trace.csv"), b = alone("b.csv", "b-trace.csv");
-    works(scene.touch("--path " + scene.file("a.csv") + " --second-device path --second-path " + scene.file("b.csv") +
-                          " --trace " + scene.file("first.csv") + " --second-trace " + scene.file("second.csv") +
-                          " --json " + scene.file("both.json"),
+    works(scene.touch("--path " + scene.file("a.csv") + " --trace " + scene.file("first.csv") +
+                          " --hand path=" + scene.file("b.csv") + ",trace=" + scene.file("second.csv") + " --json " +
+                          scene.file("both.json"),
                       backend));
     CHECK(contentOf(scene.folder / "first.csv") == a);  // as long as the longer of the two
     CHECK(contentOf(scene.folder / "second.csv") == b);
@@ -48,7 +48,7 @@ TEST_CASE("two scripted hands leave the same traces as each hand alone, byte for
       touched += row.contact;
     }
     CHECK(peak_N > 0.8);
-    const auto report = jsonOf(scene.folder / "both.json")["second_hand"];
+    const auto report = jsonOf(scene.folder / "both.json")["hands"][0];
     CHECK(report["device"] == "path");
     CHECK(report["ticks"] == 401);
     CHECK(report["contact_ticks"] == touched);
@@ -63,15 +63,15 @@ TEST_CASE("the second hand may be simulated or replayed, and does not change the
   const Scene scene;
   const std::string edit = "--edit push --penetration 4 ";
   works(scene.touch(edit + "--save " + scene.file("alone.ply") + " --trace " + scene.file("alone.csv")));
-  const Outcome sim = palpate(scene.touch(edit + "--second-device sim --second-path builtin:slide --save " +
-                                          scene.file("sim.ply") + " --second-trace " + scene.file("sim.csv")));
+  const Outcome sim = palpate(scene.touch(edit + "--save " + scene.file("sim.ply") +
+                                          " --hand device=sim,path=builtin:slide,trace=" + scene.file("sim.csv")));
   CHECK(sim.code == 0);
-  CHECK(says(sim.text, "second hand           sim: "));
+  CHECK(says(sim.text, "hand 2                sim: "));
   CHECK(contentOf(scene.file("sim.ply")) == contentOf(scene.file("alone.ply")));
   CHECK(readTrace(scene.folder / "sim.csv").size() > 500);
   // The same path as the first hand: it feels the dent that the first one makes, and nothing else.
-  works(scene.touch(edit + "--second-device replay:" + scene.file("alone.csv") + " --trace " + scene.file("first.csv") +
-                    " --second-trace " + scene.file("second.csv")));
+  works(scene.touch(edit + "--trace " + scene.file("first.csv") + " --hand device=replay:" + scene.file("alone.csv") +
+                    ",trace=" + scene.file("second.csv")));
   CHECK(contentOf(scene.file("first.csv")) == contentOf(scene.file("alone.csv")));
   CHECK(contentOf(scene.file("second.csv")) == contentOf(scene.file("alone.csv")));
 }
@@ -87,9 +87,8 @@ TEST_CASE("two styluses of one driver, one for each hand") {
   const FakeDriver left("fake_hd", "hurry\nlead 0.5", "0,0,40,0\n0.4,0,28.5,0\n");
   const SecondFakeStylus right("hurry\nlead 0.5" + script, "0,40,0,0\n0.4,28.5,0,0\n");
   const Outcome outcome = palpate(scene.touch(
-      "--device openhaptics:Left\\ Device --second-device openhaptics:Right\\ Device --realtime --map identity "
-      "--duration 1.6 --trace " +
-      scene.file("first.csv") + " --second-trace " + scene.file("second.csv")));
+      "--device openhaptics:Left\\ Device --realtime --map identity --duration 1.6 --trace " + scene.file("first.csv") +
+      " --hand device=openhaptics:Right\\ Device,trace=" + scene.file("second.csv")));
   CHECK(outcome.code == (fault.empty() ? 0 : 1));
   CHECK(says(outcome.text, fault));
   for (const FakeStylus* stylus : {static_cast<const FakeStylus*>(&left), static_cast<const FakeStylus*>(&right)}) {
@@ -114,7 +113,27 @@ TEST_CASE("two styluses of one driver, one for each hand") {
   CHECK(second.back().force == DVec3(0));
 }
 
-TEST_CASE("options that are incompatible with a second hand are refused with a reason") {
+TEST_CASE("eight hands of one session leave the same traces as each hand alone, byte for byte") {
+  const Scene scene;
+  const auto path = [&](const char* name, const std::string& trace) {
+    works(scene.touch("--path " + scene.file(name) + " --duration 0.3 --trace " + scene.file(trace)));
+    return contentOf(scene.folder / trace);
+  };
+  const std::string a = path("a.csv", "a-trace.csv"), b = path("b.csv", "b-trace.csv");
+  const auto traceOf = [&](int hand) { return "t" + std::to_string(hand) + ", of a hand.csv"; };
+  std::string hands;
+  for (int hand = 2; hand <= 8; ++hand)
+    hands += " --hand 'path=" + scene.file(hand % 2 ? "a.csv" : "b.csv") + ",trace=" + scene.file(traceOf(hand)) + "'";
+  const std::string all = "--duration 0.3 --path " + scene.file("a.csv") + hands;
+  works(scene.touch(all + " --trace '" + scene.file(traceOf(1)) + "' --json " + scene.file("all.json")));
+  for (int hand = 1; hand <= 8; ++hand) CHECK(contentOf(scene.folder / traceOf(hand)) == (hand % 2 ? a : b));
+  CHECK(jsonOf(scene.folder / "all.json")["hands"].size() == 7);
+  const Outcome nine = palpate(scene.touch(all + " --hand path=builtin:press"));
+  CHECK(nine.code == 2);
+  CHECK(says(nine.text, "--hand: 8 hands after the first are given; a session has 8 hands at most"));
+}
+
+TEST_CASE("options that are incompatible with another hand are refused with a reason") {
   const Scene scene;
   const auto wrong = [&](const std::string& options, const std::string& part, const std::string& backend = "cpu") {
     if (isLeftOut(options)) return;
@@ -122,21 +141,24 @@ TEST_CASE("options that are incompatible with a second hand are refused with a r
     CHECK(outcome.code == 2);
     CHECK(says(outcome.text, part));
   };
-  const std::string path = "--second-device path --second-path builtin:press ";
-  wrong("--second-path builtin:press", "--second-path: there is no second hand; add --second-device");
-  wrong("--second-trace t.csv", "--second-trace: there is no second hand");
-  wrong("--second-device stick", "'stick' is not a device");
-  wrong("--second-device path", "--second-device path: say where it goes with --second-path");
-  wrong("--second-device replay:x.csv --second-path builtin:press", "--second-path: replay:x.csv follows none");
-  wrong("--second-device openhaptics", "--second-device openhaptics requires --realtime");
-  wrong("--second-device dhd --realtime", "--second-device dhd requires --duration");
-  wrong("--device hid --second-device hid --realtime --duration 1", "hid is in the first hand; name another one");
+  const std::string path = "--hand path=builtin:press ";
+  wrong("--hand device=path", "--hand device=path: device=path requires path=FILE.csv or path=builtin:NAME");
+  wrong("--hand trace=t.csv", "device=path requires path=");
+  wrong("--hand device=stick", "'stick' is not a device");
+  wrong("--hand builtin:press", "--hand builtin:press: 'builtin:press' is not device=..., path=... or trace=...");
+  wrong("--hand path=builtin:press,path=a.csv", "path is given twice");
+  wrong("--hand path=", "path has no value");
+  wrong("--hand device=replay:x.csv,path=builtin:press", "device=replay:x.csv does not follow a path");
+  wrong("--hand device=openhaptics", "--hand device=openhaptics requires --realtime");
+  wrong("--hand device=dhd --realtime", "--hand device=dhd requires --duration");
+  wrong("--device hid --hand device=hid --realtime --duration 1", "hid is in another hand; name another one");
   wrong(path + "--log " + scene.file("log"), "--log: a session log has one hand");
-  wrong(path + "--method brute", "--second-device: --method brute feels with one hand; take fused", "vulkan");
-  wrong(path + "--ahead on", "--ahead: two hands are not asked ahead", "vulkan");
+  wrong(path + "--method brute", "--hand: --method brute feels with one hand; take fused", "vulkan");
+  wrong(path + "--ahead on", "--ahead: several hands are not asked ahead", "vulkan");
+  wrong("--second-device path", "there is no option '--second-device'");
   const Outcome cuda = palpate("touch " + scene.model + " --backend cuda " + path);
   CHECK(cuda.code == 2);
-  CHECK(says(cuda.text, "--second-device: --backend cuda feels with one hand; take vulkan or cpu"));
+  CHECK(says(cuda.text, "--hand: --backend cuda feels with one hand; take vulkan or cpu"));
 }
 
 }  // namespace palpate::two_hands_test

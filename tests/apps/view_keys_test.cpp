@@ -136,7 +136,7 @@ TEST_CASE("keys choose the brush, keep the stylus engaged and switch the forces 
   for (std::size_t i = 0; i < tools.size(); ++i)
     CHECK(played->state(fmt::format("tool{}.json", i + 1))["tool"] == tools[i]);
   const auto kept = played->state("kept.json");
-  CHECK(kept["tool_radius_mm"] < played->state("begin.json")["tool_radius_mm"]);
+  CHECK(kept["brush_radius_mm"] < played->state("begin.json")["brush_radius_mm"]);
   CHECK(played->state("begin.json")["stylus"] == false);
   CHECK(kept["stylus"] == true);
   CHECK(played->state("still_kept.json")["stylus"] == true);  // releasing Space does not release the stylus

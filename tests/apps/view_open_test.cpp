@@ -48,18 +48,18 @@ void checkNothingIsLost(const std::string& backend) {
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   const auto dent = played->state("dent.json"), again = played->state("again.json");
-  REQUIRE(dent["undoable"] == 1);
+  REQUIRE(dent["undo_count"] == 1);
   for (const std::string& name : refused) {
     CAPTURE(name);
     const auto state = played->state(name + ".json");
     CHECK(says(std::string(state["last_message"]), name));
     CHECK(state["asks_about_changes"] == false);  // a file that cannot be opened discards nothing
     CHECK(state["model"] == dent["model"]);
-    CHECK(state["undoable"] == 1);
+    CHECK(state["undo_count"] == 1);
     CHECK(state["changed"] == true);
     CHECK(state["edits"] == dent["edits"]);
   }
-  CHECK(again["undoable"] == 2);
+  CHECK(again["undo_count"] == 2);
   CHECK(again["edits"] > dent["edits"]);
   CHECK(played->state("undone.json")["changed"] == false);
 }

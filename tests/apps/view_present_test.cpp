@@ -131,7 +131,7 @@ TEST_CASE("doctor reports how pictures are presented on the display, or that the
   for (const auto& gpu : display) {
     CAPTURE(gpu.dump());
     CHECK((gpu["present"] == "swapchain" || gpu["present"] == "copy"));
-    CHECK((gpu["present"] == "swapchain") == (gpu["why"] == ""));
+    CHECK((gpu["present"] == "swapchain") == (gpu["reason"] == ""));
     presents = presents || gpu["present"] == "swapchain";
   }
   if (says(palpate("doctor").text, "llvmpipe")) CHECK(presents);

@@ -62,7 +62,7 @@ TEST_CASE("Ctrl+S asks before a mesh loses its faces, saves beside it by default
   CHECK(asked["changed"] == true);
   CHECK(cancelled["asks_how_to_save"] == false);
   CHECK(cancelled["changed"] == true);
-  CHECK(cancelled["undoable"] == asked["undoable"]);  // keys have no effect while the question is open
+  CHECK(cancelled["undo_count"] == asked["undo_count"]);  // keys have no effect while the question is open
   CHECK(std::string(saved["save_file"]).ends_with("mesh-sculpted-2.ply"));
   CHECK(saved["changed"] == false);
   CHECK(says(std::string(saved["last_message"]), "mesh-sculpted-2.ply is saved"));
@@ -174,7 +174,7 @@ TEST_CASE("undone strokes are not unsaved changes, redo restores them, and chang
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   const auto changed = [&](const char* name) { return played->state(name)["changed"]; };
-  REQUIRE(played->state("dent.json")["undoable"] == 1);
+  REQUIRE(played->state("dent.json")["undo_count"] == 1);
   CHECK(changed("dent.json") == true);
   CHECK(changed("undone.json") == false);
   CHECK(says(std::string(played->state("nothing.json")["last_message"]), "nothing to save"));

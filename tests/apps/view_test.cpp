@@ -66,9 +66,9 @@ TEST_CASE("each press of the button is one stroke, even a quick one or one acros
       "", [](const std::filesystem::path& folder) { works("make cube -n 6000 -o " + (folder / "cube.ply").string()); });
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
-  CHECK(played->state("quick.json")["undoable"] == 2);
-  CHECK(played->state("once.json")["undoable"] == 1);
-  CHECK(played->state("over.json")["undoable"] == 2);
+  CHECK(played->state("quick.json")["undo_count"] == 2);
+  CHECK(played->state("once.json")["undo_count"] == 1);
+  CHECK(played->state("over.json")["undo_count"] == 2);
 }
 
 TEST_CASE("a session in the window, from the first touch to the saved file") {
@@ -138,12 +138,12 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
   CHECK(played->state("saved.json")["changed"] == false);
   works("--quiet info " + (played->folder.path() / "saved.ply").string());
   const auto undone = played->state("undone.json");
-  CHECK(undone["undoable"] == dent["undoable"].get<int>() - 1);
-  CHECK(played->state("redone.json")["undoable"] == dent["undoable"]);
+  CHECK(undone["undo_count"] == dent["undo_count"].get<int>() - 1);
+  CHECK(played->state("redone.json")["undo_count"] == dent["undo_count"]);
   CHECK(played->state("turned.json")["camera"]["eye"] != before["camera"]["eye"]);
   CHECK(played->state("resized.json")["size"] == std::vector{480, 360});
   CHECK(played->state("tool.json")["tool"] == "carve");
-  CHECK(played->state("tool.json")["tool_radius_mm"] > 6.1);
+  CHECK(played->state("tool.json")["brush_radius_mm"] > 6.1);
 
   const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
   const Picture first = picture("before.png"), touching = picture("touch.png"), dented = picture("dent.png");
@@ -152,7 +152,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
   CHECK(ringPixels(dented, 418, 210) == 0);
   CHECK(differing(first, dented, 418, 200, 40) > 100);  // the dent
   // Above the messages, whose height depends on the length of the folder's name.
-  if (dent["undoable"] == 1) CHECK(differing(first, picture("undone.png"), 418, 200, 40) < 10);
+  if (dent["undo_count"] == 1) CHECK(differing(first, picture("undone.png"), 418, 200, 40) < 10);
   CHECK(differing(first, dented, 480, 250, 10) == 0);  // and the rest is unchanged
   // The panel: darker than the background beside it.
   CHECK(first.at(200, 40)[0] < first.at(330, 40)[0]);
@@ -270,7 +270,7 @@ TEST_CASE("the cap of a 3D mouse moves the model, or the stylus once its first b
 
 TEST_CASE("touching, sculpting and meshing in the window cause no Vulkan validation message") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x240 --rate 250 --edit carve --lattice 32", R"(
+  const auto played = play("%/sphere.ply --size 480x240 --rate 250 --edit carve --resolution 32", R"(
 0.1 mouse 373 120
 0.2 impatient
 0.3 key m
@@ -297,7 +297,7 @@ TEST_CASE("touching, sculpting and meshing in the window cause no Vulkan validat
   CHECK(mesh["mesh_triangles"] > 1000);
   CHECK(played->state("carved.json")["edits"] > 0);
   CHECK(played->state("carved.json")["mesh_triangles"] != mesh["mesh_triangles"]);
-  CHECK(undone["undoable"] == 0);
+  CHECK(undone["undo_count"] == 0);
   CHECK(undone["mesh_triangles"] == mesh["mesh_triangles"]);  // the mesh follows an undo
 }
 

@@ -117,7 +117,7 @@ TEST_CASE("an error is shown until it is closed, and messages about a model disa
                              std::ofstream(folder / "broken.ply") << "no cloud";
                            });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
-  const auto saidIn = [&](const char* state) { return played->state(state)["remarks"].dump(); };
+  const auto saidIn = [&](const char* state) { return played->state(state)["messages"].dump(); };
   CHECK_FALSE(says(saidIn("sphere.json"), "up is"));  // the panel shows it
   REQUIRE(played->state("broken.json")["errors"].size() == 1);
   CHECK(says(std::string(played->state("broken.json")["errors"][0]), "broken.ply"));
@@ -146,7 +146,7 @@ TEST_CASE("the brush size is shown and typed in the model's own unit") {
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto typed = played->state("typed.json");
   CHECK(typed["mm_per_unit"].get<double>() == near(50, 0.01));
-  CHECK(typed["tool_radius_mm"].get<double>() == near(0.2 * typed["mm_per_unit"].get<double>(), 1e-6));
+  CHECK(typed["brush_radius_mm"].get<double>() == near(0.2 * typed["mm_per_unit"].get<double>(), 1e-6));
 }
 
 TEST_CASE("Escape closes a list first, and only then the measurement or dialogue behind it") {

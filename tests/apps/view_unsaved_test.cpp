@@ -87,11 +87,11 @@ TEST_CASE("unsaved strokes survive SIGKILL and can be resumed with their points,
   CHECK(asked["asks_about_strokes"] == true);
   const std::filesystem::path& path = struck.folder.path();
   const auto again = jsonOf(path / "again.json");
-  for (const char* what : {"model", "save_file", "points", "undoable", "changed"}) {
+  for (const char* what : {"model", "save_file", "points", "undo_count", "changed"}) {
     CAPTURE(what);
     CHECK(again[what] == end[what]);
   }
-  CHECK(jsonOf(path / "undone.json")["undoable"] == 0);
+  CHECK(jsonOf(path / "undone.json")["undo_count"] == 0);
   CHECK(jsonOf(path / "redone.json")["changed"] == false);
   CHECK_FALSE(struck.keepsSomething());
   // The same strokes in a window that was not interrupted.
@@ -121,11 +121,11 @@ TEST_CASE("strokes survive a lost terminal, also on the GPU, and strokes that we
   strike(struck, SIGHUP, kTwoStrokes, "--backend vulkan");
   const auto end = jsonOf(struck.folder.path() / "end.json");
   CHECK(end["backend"] == "vulkan");
-  REQUIRE(end["undoable"] == 2);
+  REQUIRE(end["undo_count"] == 2);
   const auto asked = struck.later("0.2 click Go on with it\n0.5 state %/again.json\n0.6 save %/again.ply\n");
   CHECK(asked["asks_about_strokes"] == true);
   const auto again = jsonOf(struck.folder.path() / "again.json");
-  CHECK(again["undoable"] == 2);
+  CHECK(again["undo_count"] == 2);
   CHECK(again["points"] == end["points"]);
   Struck undone;
   strike(undone, SIGKILL, std::string(kTwoStrokes) + "2.2 key ctrl+z\n2.4 key ctrl+z\n2.6 state %/undone.json\n");
@@ -162,8 +162,8 @@ TEST_CASE("sculpting continues when the disk for unsaved strokes is full, and on
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   const auto first = played->state("first.json"), second = played->state("second.json");
-  CHECK(first["undoable"] == 1);
-  CHECK(second["undoable"] == 2);
+  CHECK(first["undo_count"] == 1);
+  CHECK(second["undo_count"] == 2);
   CHECK(second["edits"] > first["edits"]);
   REQUIRE(first["errors"].size() == 1);
   CHECK(says(std::string(first["errors"][0]), "unsaved strokes are no longer kept on disk"));
@@ -189,10 +189,10 @@ TEST_CASE("each tap of the stylus makes a stroke of its own, and a tap beside th
                            "", [](const auto& folder) { makeSphere(folder, 2000); });
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
-  CHECK(played->state("once.json")["undoable"] == 1);
-  CHECK(played->state("thrice.json")["undoable"] == 3);
-  CHECK(played->state("undone.json")["undoable"] == 2);
-  CHECK(played->state("beside.json")["undoable"] == 2);
+  CHECK(played->state("once.json")["undo_count"] == 1);
+  CHECK(played->state("thrice.json")["undo_count"] == 3);
+  CHECK(played->state("undone.json")["undo_count"] == 2);
+  CHECK(played->state("beside.json")["undo_count"] == 2);
   CHECK(played->state("beside.json")["edits"] == played->state("undone.json")["edits"]);
 }
 

@@ -102,7 +102,7 @@ int main(void) {
     const struct timespec pause = {0, 33000000};
     pp_session_info info = pp_default_session_info();
     expect(pp_session_get_info(mine.session, &info));
-    expect(pp_session_follow(mine.session));
+    expect(pp_session_apply_edits(mine.session));
     nanosleep(&pause, NULL);
   }
   pthread_join(thread, NULL);

@@ -47,10 +47,10 @@ int main(int, char** words) try {
   const bool same =
       one.settle() && two.settle() && isSame(one.cloud(), server.cloud()) && isSame(two.cloud(), server.cloud());
   std::printf("%s: %zu session, %llu states of points by %llu hands, %s\n", pp::version().c_str(),
-              pp::surveyNetwork(network, 0.5).size(), static_cast<unsigned long long>(server.info().states),
+              pp::discover(network, 0.5).size(), static_cast<unsigned long long>(server.info().states),
               static_cast<unsigned long long>(server.info().sculptors),
               same ? "the same everywhere" : "NOT the same everywhere");
-  return same && server.info().sculptors == 2 && two.sharing().received > 0 && one.others().size() <= 1 ? 0 : 1;
+  return same && server.info().sculptors == 2 && two.sharing().received > 0 && one.otherHands().size() <= 1 ? 0 : 1;
 } catch (const pp::Error& error) {
   std::fprintf(stderr, "together: %s\n", error.what());
   return error.status() == PP_ERROR_UNSUPPORTED ? 77 : 1;

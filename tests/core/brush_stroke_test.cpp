@@ -16,7 +16,7 @@ constexpr double kSupport = 2, kTau = 0.5, kRadius = 6;
 const DVec3 kUp(0, 0, 1);
 
 BrushOptions brush(BrushKind kind) {
-  return {.kind = kind, .tau = kTau, .beta = 0.1, .radius = kRadius, .strength = 0.5};
+  return {.kind = kind, .yieldDepth = kTau, .pushRate = 0.1, .radius = kRadius, .strength = 0.5};
 }
 
 // A hand over a plane at z = 0.

@@ -49,8 +49,8 @@ TEST_CASE("a CUDA push moves points in range as the reference does and leaves th
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
-  for (const BrushOptions options :
-       {BrushOptions{.tau = 0.5, .beta = 0.1, .radius = 6}, BrushOptions{.tau = 0, .beta = 1, .radius = 12}}) {
+  for (const BrushOptions options : {BrushOptions{.yieldDepth = 0.5, .pushRate = 0.1, .radius = 6},
+                                     BrushOptions{.yieldDepth = 0, .pushRate = 1, .radius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
     const PlacedBrush brush = brushAt(options, scene.radius, hip, spring);
@@ -78,7 +78,7 @@ TEST_CASE("after a CUDA push, moved points have the normals of the new shape, on
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward(0, 0, 1);
   const Moved moved =
-      push(scene.cloud, 46.0 * outward, 4.0 * outward, {.tau = 0.1, .beta = 1, .radius = 12}, scene.radius);
+      push(scene.cloud, 46.0 * outward, 4.0 * outward, {.yieldDepth = 0.1, .pushRate = 1, .radius = 12}, scene.radius);
   std::vector<Vec3> positions;
   for (const Vec4& position : moved.positions) positions.emplace_back(position);
   SortedGrid grid(makeHashGrid(Vec3(0), scene.radius, positions.size()), 1);
@@ -108,11 +108,11 @@ TEST_CASE("after a CUDA push, moved points have the normals of the new shape, on
   CHECK(worst_deg < 0.1);
 }
 
-TEST_CASE("a CUDA push with a spring no longer than tau moves no point") {
+TEST_CASE("a CUDA push with a spring no longer than the yield depth moves no point") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("plane", 5'000);
-  const Moved moved =
-      push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5), {.tau = 0.5, .beta = 0.5, .radius = 5}, scene.radius);
+  const Moved moved = push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5),
+                           {.yieldDepth = 0.5, .pushRate = 0.5, .radius = 5}, scene.radius);
   std::size_t count = 0;
   for (std::size_t i = 0; i < scene.cloud.size(); ++i) count += movedAt(moved, scene.cloud, i);
   CHECK(count == 0);
@@ -123,7 +123,8 @@ TEST_CASE("after a CUDA push, coincident and collinear points keep unit normals"
   PointCloud cloud = pointsInOnePlace(3000, Vec3(0));
   for (int i = 0; i < 1000; ++i) cloud.positions.push_back(Vec3(0.01f * static_cast<float>(i) - 5, 0, 0));
   cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));
-  const Moved moved = push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.tau = 0.1, .beta = 0.5, .radius = 3}, 0.5);
+  const Moved moved =
+      push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.yieldDepth = 0.1, .pushRate = 0.5, .radius = 3}, 0.5);
   std::size_t wrong = 0;
   for (const Vec4& normal : moved.normals)
     wrong += !isFinite(normal) || std::abs(glm::length(Vec3(normal)) - 1) > 1e-5f;
@@ -135,7 +136,8 @@ TEST_CASE("a CUDA push handles empty and tiny clouds, and moves every point at o
   for (const std::size_t count : {0, 1, 2, 4'097}) {
     CAPTURE(count);
     const PointCloud cloud = pointsInOnePlace(count, Vec3(0, 0, 50));
-    const Moved moved = push(cloud, DVec3(0, 0, -100), DVec3(0, 0, 150), {.tau = 1, .beta = 0.01, .radius = 1000}, 1);
+    const Moved moved =
+        push(cloud, DVec3(0, 0, -100), DVec3(0, 0, 150), {.yieldDepth = 1, .pushRate = 0.01, .radius = 1000}, 1);
     std::size_t moves = 0;
     for (std::size_t i = 0; i < count; ++i) moves += movedAt(moved, cloud, i);
     CHECK(moves == count);
@@ -155,7 +157,7 @@ TEST_CASE("sculpting with CUDA gives the same cloud, bit by bit, with every buck
     if (method == CudaMethod::brute) continue;
     CAPTURE(nameOf(method));
     CudaTouchOptions options = cudaOptions(scene.cloud, scene.radius, method);
-    options.push = BrushOptions{.tau = 0.5, .beta = 0.1, .radius = 6};
+    options.push = BrushOptions{.yieldDepth = 0.5, .pushRate = 0.1, .radius = 6};
     CudaTouch touch(scene.cloud, options);
     const auto answers = answersTo(touch, path);
     CHECK(answers.back().touching);

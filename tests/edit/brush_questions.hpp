@@ -35,8 +35,8 @@ inline std::vector<BrushCase> randomQuestions(std::size_t count) {
   std::vector<BrushCase> questions;
   while (questions.size() < count) {
     BrushOptions options{.kind = kBrushKinds[questions.size() % kBrushKinds.size()].second,
-                         .tau = 0.5 * share(random),
-                         .beta = share(random),
+                         .yieldDepth = 0.5 * share(random),
+                         .pushRate = share(random),
                          .radius = 1 + 9 * share(random),
                          .strength = share(random),
                          .falloff = static_cast<std::uint32_t>(5 * share(random))};

@@ -22,7 +22,8 @@ TEST_CASE(
   const double longest = static_cast<double>(shared::kLongestMove) * kSupport;
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);
-    const BrushOptions options{.kind = kind, .tau = 0.5, .beta = 1, .radius = 1e4, .strength = 1, .falloff = 0};
+    const BrushOptions options{
+        .kind = kind, .yieldDepth = 0.5, .pushRate = 1, .radius = 1e4, .strength = 1, .falloff = 0};
     const DVec3 hip(0, 0, -2), lastHip(5, 0, -2), place(3, 1, 0), normal(0, 0, 1);
     const PlacedBrush::Found found{place, normal};
     const PlacedBrush brush = brushAt(options, kSupport, hip, {0, 0, 2}, hip - lastHip);
@@ -41,7 +42,7 @@ TEST_CASE(
 TEST_CASE("each brush has its nominal effect at its centre") {
   const DVec3 hip(0, 0, -1), spring(0, 0, 1), middle(0), up(0, 0, 1);
   const auto at = [&](BrushKind kind, const DVec3& place, const DVec3& normal) {
-    const BrushOptions options{.kind = kind, .tau = 0.1, .beta = 0.2, .radius = 4, .strength = 0.5};
+    const BrushOptions options{.kind = kind, .yieldDepth = 0.1, .pushRate = 0.2, .radius = 4, .strength = 0.5};
     const DVec3 motion = kind == BrushKind::grab ? DVec3(-0.1, 0, 0) : DVec3(0);
     return brushAt(options, kSupport, hip, spring, motion).brushed(place, normal, {place, normal});
   };
@@ -53,7 +54,7 @@ TEST_CASE("each brush has its nominal effect at its centre") {
   CHECK(glm::distance(at(BrushKind::flatten, {0, 0, -0.3}, up).position, DVec3(0, 0, -0.15)) < 2e-3);
   CHECK(at(BrushKind::flatten, {1, 2, 0}, up).position == DVec3(1, 2, 0));
   const SurfaceSample below{.defined = true, .distance = 0.2, .normal = up, .neighbours = 9};
-  const BrushOptions smooths{.kind = BrushKind::smooth, .tau = 0.1, .radius = 4, .strength = 0.5};
+  const BrushOptions smooths{.kind = BrushKind::smooth, .yieldDepth = 0.1, .radius = 4, .strength = 0.5};
   const PlacedBrush smooth = brushAt(smooths, kSupport, hip, spring);
   CHECK(glm::distance(smooth.smoothed(middle, {middle, up}, below), DVec3(0, 0, -0.1)) < 1e-12);
   CHECK(smooth.smoothed(middle, {middle, up}, {}) == middle);
@@ -75,7 +76,7 @@ TEST_CASE("every brush except carve leaves a side of the model that faces away u
   for (const auto& [name, kind] : kBrushKinds) {
     if (kind == BrushKind::carve) continue;
     CAPTURE(name);
-    const BrushOptions options{.kind = kind, .tau = 0.1, .beta = 1, .radius = 4, .strength = 1};
+    const BrushOptions options{.kind = kind, .yieldDepth = 0.1, .pushRate = 1, .radius = 4, .strength = 1};
     const DVec3 motion = kind == BrushKind::grab ? DVec3(0.3, 0, 0) : DVec3(0);
     const PlacedBrush brush = brushAt(options, kSupport, hip, spring, motion);
     CHECK(brush.acts());
@@ -86,7 +87,7 @@ TEST_CASE("every brush except carve leaves a side of the model that faces away u
 }
 
 TEST_CASE("points that face away move less, and do not accumulate motion over many edits") {
-  const BrushOptions options{.kind = BrushKind::push, .tau = 0.1, .beta = 1, .radius = 4};
+  const BrushOptions options{.kind = BrushKind::push, .yieldDepth = 0.1, .pushRate = 1, .radius = 4};
   const PlacedBrush brush = brushAt(options, 1000, {0, 0, -1}, {0, 0, 1});  // its full intended distance in one edit
   const DVec3 began(0, 0, 0);
   const auto pressed = [&](double cosine, int edits) {
@@ -105,7 +106,7 @@ TEST_CASE("points that face away move less, and do not accumulate motion over ma
 
 TEST_CASE("paint converges to its colour and stays there, however weak it is") {
   const BrushOptions options{
-      .kind = BrushKind::paint, .tau = 0, .radius = 4, .strength = 0.001, .color = {10, 200, 0, 255}};
+      .kind = BrushKind::paint, .yieldDepth = 0, .radius = 4, .strength = 0.001, .color = {10, 200, 0, 255}};
   const PlacedBrush brush = brushAt(options, kSupport, {0, 0, -1}, {0, 0, 1});
   const PlacedBrush::Found facing{DVec3(0), DVec3(0, 0, 1)};
   std::uint32_t color = packedColor({255, 0, 130, 0});

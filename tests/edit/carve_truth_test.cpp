@@ -126,7 +126,8 @@ class Carving {
   }
 
  private:
-  static constexpr BrushOptions kCarve{.kind = BrushKind::carve, .tau = kTau, .radius = kRadius, .strength = 0.5};
+  static constexpr BrushOptions kCarve{
+      .kind = BrushKind::carve, .yieldDepth = kTau, .radius = kRadius, .strength = 0.5};
 
   void go(const DVec3& from, const DVec3& to) {
     const int ticks = std::max(1, static_cast<int>(std::ceil(glm::distance(from, to) / (speed_ * 1e-3))));

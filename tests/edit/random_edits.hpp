@@ -120,7 +120,7 @@ class RandomEdits {
 };
 
 inline BrushOptions brushOf(BrushKind kind) {
-  return {.kind = kind, .tau = 0.1, .beta = 0.5, .radius = 6, .strength = 0.8};
+  return {.kind = kind, .yieldDepth = 0.1, .pushRate = 0.5, .radius = 6, .strength = 0.8};
 }
 
 }  // namespace palpate

@@ -66,7 +66,7 @@ PointCloud densePatches(int side) {
 
 // Moves everything slightly, so that all points are examined, and waits until none is inserted or removed.
 int shakeUntilSettled(CpuSculpture& sculpture, double radius) {
-  const BrushOptions everything{.kind = BrushKind::grab, .tau = 0, .radius = 1e4, .strength = 1, .falloff = 0};
+  const BrushOptions everything{.kind = BrushKind::grab, .yieldDepth = 0, .radius = 1e4, .strength = 1, .falloff = 0};
   const DVec3 hip(0, 0, -1);
   sculpture.edit(brushAt(everything, radius, hip, kUp, {0, 0, 0.01}));
   const PlacedBrush nothing(everything, radius, {});
@@ -370,7 +370,7 @@ CameAndWent carveWildGround(std::uint32_t seed) {
   }
   const double radius = 4;
   CpuSculpture sculpture(cloud, makeHashGrid(Vec3(0), radius, cloud.size()), {.radius = radius});
-  const BrushOptions carve{.kind = BrushKind::carve, .tau = 0, .radius = 5, .strength = 0.5};
+  const BrushOptions carve{.kind = BrushKind::carve, .yieldDepth = 0, .radius = 5, .strength = 0.5};
   DVec3 hip(10, 20, -3);
   for (int tick = 0; tick < 200; ++tick) {
     hip += DVec3(0.1, 0, 0);

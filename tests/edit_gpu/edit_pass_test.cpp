@@ -66,8 +66,8 @@ TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
                   "a push moves points in range as the reference does and leaves the others bit by bit") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
-  for (const BrushOptions options :
-       {BrushOptions{.tau = 0.5, .beta = 0.1, .radius = 6}, BrushOptions{.tau = 0, .beta = 1, .radius = 12}}) {
+  for (const BrushOptions options : {BrushOptions{.yieldDepth = 0.5, .pushRate = 0.1, .radius = 6},
+                                     BrushOptions{.yieldDepth = 0, .pushRate = 1, .radius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const PlacedBrush brush = brushAt(options, scene.radius, hip, spring);
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
@@ -92,7 +92,7 @@ TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
 TEST_CASE_FIXTURE(EditFixture, "the edit log contains exactly the moved points, once each, with their present state") {
   const Scene scene = makeScene("torus", 20'000);
   const DVec3 hip(48, 0, 0), spring(2, 0, 0);
-  const Moved moved = push(scene.cloud, hip, spring, {.tau = 0.2, .beta = 0.3, .radius = 8}, scene.radius);
+  const Moved moved = push(scene.cloud, hip, spring, {.yieldDepth = 0.2, .pushRate = 0.3, .radius = 8}, scene.radius);
   std::set<std::uint32_t> ids;
   for (const auto& entry : moved.entries) {
     CHECK(ids.insert(entry.id).second);
@@ -111,7 +111,7 @@ TEST_CASE_FIXTURE(EditFixture, "moved points have the normals of the new shape, 
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward(0, 0, 1);
   const Moved moved =
-      push(scene.cloud, 46.0 * outward, 4.0 * outward, {.tau = 0.1, .beta = 1, .radius = 12}, scene.radius);
+      push(scene.cloud, 46.0 * outward, 4.0 * outward, {.yieldDepth = 0.1, .pushRate = 1, .radius = 12}, scene.radius);
   std::vector<Vec3> positions;
   for (const Vec4& position : moved.positions) positions.emplace_back(position);
   SortedGrid grid(makeHashGrid(Vec3(0), scene.radius, positions.size()), 1);
@@ -137,10 +137,10 @@ TEST_CASE_FIXTURE(EditFixture, "moved points have the normals of the new shape, 
   CHECK(worst_deg < 0.1);
 }
 
-TEST_CASE_FIXTURE(EditFixture, "a push with a spring no longer than tau moves no point") {
+TEST_CASE_FIXTURE(EditFixture, "a push with a spring no longer than the yield depth moves no point") {
   const Scene scene = makeScene("plane", 5'000);
-  const Moved moved =
-      push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5), {.tau = 0.5, .beta = 0.5, .radius = 5}, scene.radius);
+  const Moved moved = push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5),
+                           {.yieldDepth = 0.5, .pushRate = 0.5, .radius = 5}, scene.radius);
   CHECK(moved.entries.empty());
 }
 
@@ -152,7 +152,8 @@ TEST_CASE_FIXTURE(EditFixture, "coincident and collinear points keep unit normal
   cloud.positions.assign(kHeap, Vec3(0, 0, 0));
   for (int i = 0; i < 1000; ++i) cloud.positions.push_back(Vec3(0.01f * static_cast<float>(i) - 5, 0, 0));
   cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));
-  const Moved moved = push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.tau = 0.1, .beta = 0.5, .radius = 3}, 0.5);
+  const Moved moved =
+      push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.yieldDepth = 0.1, .pushRate = 0.5, .radius = 3}, 0.5);
   CHECK(moved.entries.size() > kHeap);
   for (const Vec4& normal : moved.normals) {
     CHECK(isFinite(normal));
@@ -163,8 +164,8 @@ TEST_CASE_FIXTURE(EditFixture, "coincident and collinear points keep unit normal
 TEST_CASE_FIXTURE(EditFixture, "a brush larger than the model moves every point, and the log contains them all") {
   Scene scene = makeScene("sphere", 4'097);
   for (Vec3& normal : scene.cloud.normals) normal = Vec3(0, 0, 1);  // all normals face the brush
-  const Moved moved =
-      push(scene.cloud, DVec3(0, 0, -100), DVec3(0, 0, 150), {.tau = 1, .beta = 0.01, .radius = 1000}, scene.radius);
+  const Moved moved = push(scene.cloud, DVec3(0, 0, -100), DVec3(0, 0, 150),
+                           {.yieldDepth = 1, .pushRate = 0.01, .radius = 1000}, scene.radius);
   CHECK(moved.entries.size() == scene.cloud.size());
 }
 

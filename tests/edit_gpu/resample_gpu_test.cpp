@@ -25,7 +25,8 @@ PointCloud sheetWith(std::initializer_list<Vec3> more) {
   return cloud;
 }
 
-constexpr BrushOptions kEverything{.kind = BrushKind::grab, .tau = 0, .radius = 1e3, .strength = 1, .falloff = 0};
+constexpr BrushOptions kEverything{
+    .kind = BrushKind::grab, .yieldDepth = 0, .radius = 1e3, .strength = 1, .falloff = 0};
 
 // Moves all points a little, so that all are examined, then runs ticks until their requests are carried out. Returns
 // the number of those ticks.

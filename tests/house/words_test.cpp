@@ -74,6 +74,67 @@ bool isSource(const fs::path& file) {
   return endings.contains(file.extension().string());
 }
 
+// Public names that were replaced (haptics/library/CHANGES.md), so that each thing has one name.
+constexpr std::array<std::string_view, 44> kReplaced{"PP_MOST_HANDS",
+                                                     "pp_feel",
+                                                     "pp_default_feel",
+                                                     "pp_session_set_feel",
+                                                     "pp_session_follow",
+                                                     "pp_live_take",
+                                                     "pp_session_hold",
+                                                     "pp_session_others",
+                                                     "pp_session_show_camera",
+                                                     "pp_cloud_copy_places",
+                                                     "pp_log",
+                                                     "pp_log_read",
+                                                     "pp_log_view",
+                                                     "pp_log_close",
+                                                     "pp_log_replay",
+                                                     "pp_seen_session",
+                                                     "pp_network_survey",
+                                                     "most_points",
+                                                     "keeps_points",
+                                                     "keeps_density",
+                                                     "keepsDensity",
+                                                     "tau_mm",
+                                                     "all_points",
+                                                     "allPoints",
+                                                     "undoable",
+                                                     "redoable",
+                                                     "left_out_s",
+                                                     "patience_s",
+                                                     "near_hands",
+                                                     "openness",
+                                                     "at_rest",
+                                                     "show_camera",
+                                                     "SeenSession",
+                                                     "allow_python",
+                                                     "read_log",
+                                                     "skipped_edits",
+                                                     "index_builds",
+                                                     "second_hand",
+                                                     "fresh_share",
+                                                     "not_compared_because",
+                                                     "up_why",
+                                                     "mostly_ends",
+                                                     "fps_made_anew",
+                                                     "goOn_s"};
+
+// Those of a text, each with its line.
+std::vector<std::string> replacedIn(std::string_view text) {
+  std::vector<std::string> found;
+  std::size_t line = 1;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t begin = i;
+    while (i < text.size() && isWordPart(text[i])) ++i;
+    if (i == begin)
+      line += text[i++] == '\n' ? 1 : 0;
+    else if (const auto word = text.substr(begin, i - begin); std::ranges::find(kReplaced, word) != kReplaced.end())
+      found.push_back(std::to_string(line) + ": " + std::string(word));
+  }
+  return found;
+}
+
 // Words of a dialect that comments, messages and documents were once written in.
 constexpr std::array<std::string_view, 6> kDialect{"whoever", "whosoever", "nobody", "somebody", "anew", "afresh"};
 
@@ -138,6 +199,30 @@ TEST_CASE("comments, messages and documents are plain English") {
   CHECK(files > 900);
   CHECK(dialectIn("// Nobody\n// knows it anew\nint renewed, nobody_s;") ==
         std::vector<std::string>{"1: nobody", "2: anew"});
+}
+
+TEST_CASE("a public name that was replaced is used nowhere, so that each thing has one name") {
+  const fs::path top = sourceFolder();
+  if (!fs::exists(top / "engine")) {
+    MESSAGE("skipped: the sources are not at " << top.string());
+    return;
+  }
+  static const std::set<std::string> endings{".md", ".py", ".pyi", ".sh", ".c", ".cs", ".rst", ".patch", ".txt"};
+  std::size_t files = 0;
+  for (const char* folder : {"engine", "haptics", "shaders", "apps", "tests"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(top / folder)) {
+      const std::string name = entry.path().filename().string();
+      if (!entry.is_regular_file() || name == "CHANGES.md" || name == "words_test.cpp") continue;
+      if (!isSource(entry.path()) && !endings.contains(entry.path().extension().string())) continue;
+      std::ifstream in(entry.path());
+      const std::string text{std::istreambuf_iterator<char>(in), {}};
+      ++files;
+      for (const std::string& word : replacedIn(text))
+        FAIL_CHECK(fs::relative(entry.path(), top).string() << ":" << word);
+    }
+  }
+  CHECK(files > 1500);
+  CHECK(replacedIn("int a;\nb.tau_mm = pp_log_function;") == std::vector<std::string>{"2: tau_mm"});
 }
 
 TEST_CASE("a replaced word is found in an identifier, but not in a comment, a string or a longer word") {

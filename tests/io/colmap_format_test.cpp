@@ -202,7 +202,7 @@ TEST_CASE("a real reconstruction: the normal of every point faces the cameras th
   const ColmapModel model = readColmapImages(folder);
   CHECK(model.cameras.size() == 690);
   CHECK(model.images.size() == 177);
-  const PointCloud cloud = readCloud(folder, nullptr, {.allPoints = true}).cloud;
+  const PointCloud cloud = readCloud(folder, nullptr, {.keepUnreliable = true}).cloud;
   REQUIRE(cloud.size() == 4217);
   std::size_t i = 0, views = 0, facing = 0;
   readColmapPoints(folder, model, [&](const ColmapPoint& point) {

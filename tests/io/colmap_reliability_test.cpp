@@ -141,7 +141,7 @@ TEST_CASE("points that their rays do not determine are left out, and all good on
                     "errors of more than 4 pixels, {} that fewer than 3 images saw",
                     1200 - of(all, Kind::good), of(all, Kind::narrow), of(all, Kind::mistaken),
                     of(all, Kind::mispaired)));
-  const StoredCloud every = readCloud(folder.path(), nullptr, {.allPoints = true});
+  const StoredCloud every = readCloud(folder.path(), nullptr, {.keepUnreliable = true});
   CHECK(every.cloud.size() == 1200);
   CHECK(every.leftOut.empty());
 }

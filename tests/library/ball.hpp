@@ -128,7 +128,7 @@ inline std::vector<double> placesOf(pp_session session) {
   pp_points points{};
   PP_REQUIRE_OK(pp_cloud_view(cloud, &points));
   std::vector<double> places(3 * points.count);
-  PP_REQUIRE_OK(pp_cloud_copy_places(cloud, places.data(), points.count));
+  PP_REQUIRE_OK(pp_cloud_copy_positions(cloud, places.data(), points.count));
   PP_REQUIRE_OK(pp_cloud_close(cloud));
   return places;
 }
@@ -142,8 +142,8 @@ inline void checkDensityIsOfTheBrush(const pp_session_options& options) {
     for (const bool keeps : {firstKeeps, !firstKeeps}) {
       pp_brush brush = pp_default_brush();
       brush.radius_mm = 10;
-      brush.beta = 1;
-      brush.keeps_density = keeps ? 1 : 0;
+      brush.push_rate = 1;
+      brush.resample = keeps ? 1 : 0;
       stroke(ball.session, pathOf(pressPath(6, 30, 10)), brush);
       CAPTURE(firstKeeps);
       CAPTURE(keeps);

@@ -42,14 +42,14 @@ TEST_CASE("doubles far from the origin keep their last bit") {
   pp_cloud cloud{};
   PP_REQUIRE_OK(pp_cloud_create(&arrays, &cloud));
   std::vector<double> places(3 * ball.count());
-  PP_REQUIRE_OK(pp_cloud_copy_places(cloud, places.data(), ball.count()));
+  PP_REQUIRE_OK(pp_cloud_copy_positions(cloud, places.data(), ball.count()));
   CHECK(places == ball.positions);
   pp_points points{};
   PP_REQUIRE_OK(pp_cloud_view(cloud, &points));
   CHECK(points.origin[0] != 0);
   CHECK(points.min[0] > 4.4e6);
   for (std::size_t i = 0; i < 3 * points.count; ++i) CHECK(std::abs(points.positions[i]) < 1e3f);
-  CHECK(pp_cloud_copy_places(cloud, places.data(), ball.count() - 1) == PP_ERROR_ARGUMENT);
+  CHECK(pp_cloud_copy_positions(cloud, places.data(), ball.count() - 1) == PP_ERROR_ARGUMENT);
   PP_CHECK_OK(pp_cloud_close(cloud));
 }
 
@@ -157,10 +157,10 @@ TEST_CASE("an existing file is replaced, or kept as a backup on request") {
   const std::string file = (folder / "ball.ply").string();
   std::ofstream(file) << "mine";
   pp_write_options options = pp_default_write_options();
-  options.keep = 1;
+  options.backup = 1;
   PP_REQUIRE_OK(pp_cloud_write(ball.cloud, file.c_str(), &options));
   CHECK(std::filesystem::exists(folder / "ball.ply.bak"));
-  options.keep = 0;
+  options.backup = 0;
   PP_REQUIRE_OK(pp_cloud_write(ball.cloud, file.c_str(), &options));
   CHECK_FALSE(std::filesystem::exists(folder / "ball.ply.bak2"));
 }

@@ -59,7 +59,7 @@ std::vector<pp_tick> takeUntil(pp_session session, const std::function<bool(cons
   while (std::chrono::steady_clock::now() < end) {
     std::vector<pp_tick> ticks(4096);
     std::uint64_t count = 0;
-    PP_REQUIRE_OK(pp_live_take(session, ticks.data(), ticks.size(), &count));
+    PP_REQUIRE_OK(pp_live_read_ticks(session, ticks.data(), ticks.size(), &count));
     all.insert(all.end(), ticks.begin(), ticks.begin() + static_cast<std::ptrdiff_t>(count));
     if (areEnough(all)) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -106,7 +106,7 @@ TEST_CASE("velocities extrapolate points between frames, up to a time limit") {
 
 TEST_CASE("frames of other sizes are felt exactly, and those of doubles far from zero keep their positions") {
   pp_frames_options frames = pp_default_frames_options();
-  frames.most_points = 2 * kPoints;
+  frames.max_points = 2 * kPoints;
   const MovingBall ball(frames);
   PP_REQUIRE_OK(ball.push(0.02, 1.5, 0, 2 * kPoints));
   PP_REQUIRE_OK(ball.push(0.05, 2, 0, kPoints / 2));
@@ -250,7 +250,7 @@ TEST_CASE("while nothing touches, frames are accepted without end, and the newes
 
 TEST_CASE("invalid frames are refused, and the last valid one is still felt") {
   pp_frames_options kept = pp_default_frames_options();
-  kept.keeps_points = 1;
+  kept.stable_rows = 1;
   const MovingBall ball(kept);
   PP_REQUIRE_OK(ball.push(0.01, 1.5));
   CHECK(ball.push(0.01, 2) == PP_ERROR_ARGUMENT);
@@ -258,7 +258,7 @@ TEST_CASE("invalid frames are refused, and the last valid one is still felt") {
   CHECK(ball.push(std::nan(""), 2) == PP_ERROR_ARGUMENT);
   CHECK(ball.push(0.02, std::nan("")) == PP_ERROR_ARGUMENT);
   CHECK(ball.push(0.02, 1, 0, kPoints - 1) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("keeps_points"));
+  CHECK(lastErrorSays("stable_rows"));
   pp_frame_arrays frame = pp_default_frame_arrays();
   CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
   CHECK(pp_session_push_frame(ball.session, nullptr) == PP_ERROR_ARGUMENT);
@@ -279,7 +279,7 @@ TEST_CASE("invalid frames are refused, and the last valid one is still felt") {
   pp_brush brush = pp_default_brush();
   CHECK(pp_session_set_brush(ball.session, &brush) == PP_ERROR_ARGUMENT);
   CHECK(pp_session_record(ball.session, "/tmp/never.session") == PP_ERROR_STATE);
-  CHECK(pp_session_hold(ball.session, 1) == PP_ERROR_STATE);
+  CHECK(pp_session_pause(ball.session, 1) == PP_ERROR_STATE);
   const auto rows = stand(50);
   CHECK(touch(ball.session, pathOf(rows)).back().penetration_mm == within(0.5 - kSunk_mm, 0.01));
 
@@ -288,10 +288,10 @@ TEST_CASE("invalid frames are refused, and the last valid one is still felt") {
   CHECK(pp_session_push_frame(still.session, &frame) == PP_ERROR_STATE);
   CHECK(pp_session_push_frame({}, &frame) == PP_ERROR_HANDLE);
   pp_frames_options few = pp_default_frames_options();
-  few.most_points = 3;
+  few.max_points = 3;
   pp_session session{};
   CHECK(pp_session_open_frames(ball.cloud.cloud, &few, nullptr, &session) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("most_points"));
+  CHECK(lastErrorSays("max_points"));
 }
 
 }  // namespace palpate::frames_test

@@ -163,8 +163,9 @@ TEST_CASE("incompatible hands, poses and paths are refused, and the session stay
   poses[1].hip[0] = std::nan("");
   CHECK(pp_touch_hands(two.session, poses.data(), nullptr, 2, contacts.data(), nullptr) == PP_ERROR_ARGUMENT);
   poses[1].hip[0] = 0;
-  const std::array<double, 8> turns{1, 0, 0, 0, 2, 0, 0, 0};
-  CHECK(pp_touch_hands(two.session, poses.data(), turns.data(), 2, contacts.data(), nullptr) == PP_ERROR_ARGUMENT);
+  const std::array<double, 8> orientations{1, 0, 0, 0, 2, 0, 0, 0};
+  CHECK(pp_touch_hands(two.session, poses.data(), orientations.data(), 2, contacts.data(), nullptr) ==
+        PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("quaternion"));
   PP_CHECK_OK(pp_session_touch_hands(two.session, paths, 2, nullptr, ticks.data(), nullptr, 400, &count));
   CHECK(count == 400);
@@ -195,7 +196,7 @@ TEST_CASE("live hands have one row each in every tick, at the same times") {
   while ((all.size() < 300 || !arePressed()) && std::chrono::steady_clock::now() < end) {
     std::vector<pp_tick> ticks(33);  // an odd number: the last row stays unused
     std::uint64_t count = 0;
-    PP_REQUIRE_OK(pp_live_take(two.session, ticks.data(), ticks.size(), &count));
+    PP_REQUIRE_OK(pp_live_read_ticks(two.session, ticks.data(), ticks.size(), &count));
     REQUIRE(count % 2 == 0);
     all.insert(all.end(), ticks.begin(), ticks.begin() + static_cast<std::ptrdiff_t>(count));
     if (count == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));

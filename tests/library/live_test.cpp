@@ -12,13 +12,13 @@ namespace palpate::live_test {
 namespace {
 
 /// Takes ticks until at least `wanted`, or until 20 s have passed.
-std::vector<pp_tick> takeTicks(pp_session session, std::size_t wanted, std::size_t block = 64) {
+std::vector<pp_tick> readTicks(pp_session session, std::size_t wanted, std::size_t block = 64) {
   std::vector<pp_tick> all;
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (all.size() < wanted && std::chrono::steady_clock::now() < end) {
     std::vector<pp_tick> ticks(block);
     std::uint64_t count = 0;
-    PP_REQUIRE_OK(pp_live_take(session, ticks.data(), ticks.size(), &count));
+    PP_REQUIRE_OK(pp_live_read_ticks(session, ticks.data(), ticks.size(), &count));
     REQUIRE(count <= block);
     all.insert(all.end(), ticks.begin(), ticks.begin() + static_cast<std::ptrdiff_t>(count));
     if (count == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -47,10 +47,10 @@ TEST_CASE("a live hand follows its path in real time, and each tick is received 
   const auto isPressed = [](const pp_tick& tick) {
     return tick.contact == 1 && tick.force_N[2] == within(0.8 * tick.penetration_mm, 0.008 * tick.penetration_mm);
   };
-  auto ticks = takeTicks(ball.session, 150);
+  auto ticks = readTicks(ball.session, 150);
   // After a stall of the machine the force returns gradually.
   for (int i = 0; i < 100 && !(ticks.size() >= 150 && isPressed(ticks.back())); ++i) {
-    const auto more = takeTicks(ball.session, 50);
+    const auto more = readTicks(ball.session, 50);
     ticks.insert(ticks.end(), more.begin(), more.end());
   }
   REQUIRE(ticks.size() >= 150);
@@ -61,13 +61,13 @@ TEST_CASE("a live hand follows its path in real time, and each tick is received 
   CHECK(last.force_N[2] == near(0.8 * last.penetration_mm, 0.01));
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   pp_live_state state = pp_default_live_state();
-  takeTicks(ball.session, 1);
+  readTicks(ball.session, 1);
   PP_REQUIRE_OK(pp_live_get_state(ball.session, &state));
   CHECK(state.running == 0);
   CHECK(state.ticks >= ticks.size());
   std::uint64_t count = 1;
   pp_tick tick{};
-  while (count > 0) PP_REQUIRE_OK(pp_live_take(ball.session, &tick, 1, &count));
+  while (count > 0) PP_REQUIRE_OK(pp_live_read_ticks(ball.session, &tick, 1, &count));
 }
 
 TEST_CASE("a live session refuses conflicting calls, and works again after it is stopped") {
@@ -77,7 +77,7 @@ TEST_CASE("a live session refuses conflicting calls, and works again after it is
   const pp_live_options options = along(path);
   std::uint64_t count = 0;
   pp_tick tick{};
-  CHECK(pp_live_take(ball.session, &tick, 1, &count) == PP_ERROR_STATE);
+  CHECK(pp_live_read_ticks(ball.session, &tick, 1, &count) == PP_ERROR_STATE);
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));
   CHECK(pp_live_start(ball.session, &options) == PP_ERROR_STATE);
   std::vector<pp_tick> ticks(200);
@@ -104,7 +104,7 @@ TEST_CASE("a live hand sculpts with the brush of its session, and all strokes ca
   const pp_path path = pathOf(rows, 4);
   const pp_live_options options = along(path);
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));
-  takeTicks(ball.session, 500);
+  readTicks(ball.session, 500);
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   CHECK(placesOf(ball.session) != before);
   PP_REQUIRE_OK(pp_session_undo(ball.session, 100, nullptr));
@@ -117,7 +117,7 @@ TEST_CASE("a first brush after a live session builds the session again, and its 
   const pp_path path = pathOf(press);
   const pp_live_options options = along(path);
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));
-  takeTicks(ball.session, 20);
+  readTicks(ball.session, 20);
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   pp_brush brush = pp_default_brush();
   brush.radius_mm = 5;
@@ -130,9 +130,9 @@ TEST_CASE("a first brush after a live session builds the session again, and its 
   CHECK(state.running == 0);
   std::uint64_t count = 1;
   pp_tick tick{};
-  while (count > 0) PP_REQUIRE_OK(pp_live_take(ball.session, &tick, 1, &count));
+  while (count > 0) PP_REQUIRE_OK(pp_live_read_ticks(ball.session, &tick, 1, &count));
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));
-  CHECK(takeTicks(ball.session, 20).size() >= 20);
+  CHECK(readTicks(ball.session, 20).size() >= 20);
   PP_REQUIRE_OK(pp_live_stop(ball.session));
 }
 
@@ -152,13 +152,13 @@ TEST_CASE("forces can be switched off and on, with a force law, while the hand m
   options.law_user = &calls;
   PP_REQUIRE_OK(pp_live_set_forces(ball.session, 0));
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));
-  const auto without = takeTicks(ball.session, 60, 8);
+  const auto without = readTicks(ball.session, 60, 8);
   CHECK(std::ranges::all_of(without, [](const pp_tick& tick) { return lengthOf(tick.force_N) == 0; }));
   CHECK(std::ranges::any_of(without, [](const pp_tick& tick) { return tick.contact == 1; }));
   PP_REQUIRE_OK(pp_live_set_forces(ball.session, 1));
   double most_N = 0;
   for (int i = 0; i < 15 && most_N < 1.24; ++i)
-    for (const pp_tick& tick : takeTicks(ball.session, 900)) most_N = std::max(most_N, tick.force_N[0]);
+    for (const pp_tick& tick : readTicks(ball.session, 900)) most_N = std::max(most_N, tick.force_N[0]);
   CHECK(most_N == near(1.25, 1e-6));
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   CHECK(calls.count > 100);
@@ -181,7 +181,7 @@ TEST_CASE("a missing device and incompatible options are refused with an error")
   CHECK(lastErrorSays("rate_Hz"));
   options.rate_Hz = 0;
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));  // a simulated stylus, moved by a simulated hand
-  CHECK(takeTicks(ball.session, 100).size() >= 100);
+  CHECK(readTicks(ball.session, 100).size() >= 100);
   PP_REQUIRE_OK(pp_live_stop(ball.session));
 }
 

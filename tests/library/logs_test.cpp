@@ -16,13 +16,13 @@ namespace palpate::logs_test {
 namespace {
 
 struct ReadLog {
-  pp_log log{};
-  pp_log_content content{};
+  pp_recording log{};
+  pp_recording_content content{};
   explicit ReadLog(const std::filesystem::path& file) {
-    PP_REQUIRE_OK(pp_log_read(file.string().c_str(), &log));
-    PP_REQUIRE_OK(pp_log_view(log, &content));
+    PP_REQUIRE_OK(pp_recording_read(file.string().c_str(), &log));
+    PP_REQUIRE_OK(pp_recording_view(log, &content));
   }
-  ~ReadLog() { pp_log_close(log); }
+  ~ReadLog() { pp_recording_close(log); }
   ReadLog(const ReadLog&) = delete;
   ReadLog& operator=(const ReadLog&) = delete;
 };
@@ -32,7 +32,7 @@ pp_replay_result replay(const std::filesystem::path& file, pp_cloud cloud) {
   options.cloud = cloud;
   options.threads = 2;
   pp_replay_result result = pp_default_replay_result();
-  PP_REQUIRE_OK(pp_log_replay(file.string().c_str(), &options, &result));
+  PP_REQUIRE_OK(pp_recording_replay(file.string().c_str(), &options, &result));
   return result;
 }
 
@@ -54,7 +54,7 @@ TEST_CASE("a path without a brush is recorded, read tick by tick, and replayed b
     CHECK(std::string(log.content.missing).empty());
     CHECK(std::string(log.content.header).find("\"cpu\"") != std::string::npos);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
-      const pp_log_tick& tick = log.content.tick[i];
+      const pp_recording_tick& tick = log.content.tick[i];
       CHECK(tick.t_s == ticks[i].t_s);
       CHECK(std::memcmp(tick.force_N, ticks[i].force_N, sizeof tick.force_N) == 0);
       CHECK(std::memcmp(tick.proxy, ticks[i].proxy, sizeof tick.proxy) == 0);
@@ -62,7 +62,7 @@ TEST_CASE("a path without a brush is recorded, read tick by tick, and replayed b
         CHECK(log.content.map_scale * tick.device[k] + log.content.map_offset[k] == ticks[i].hip[k]);
       CHECK(tick.contact == ticks[i].contact);
       CHECK(tick.neighbours == ticks[i].neighbours);
-      CHECK(tick.turn[0] == 1);
+      CHECK(tick.orientation[0] == 1);
     }
   }
   const pp_replay_result result = replay(file, ball.cloud.cloud);
@@ -99,7 +99,7 @@ TEST_CASE("a stroke is recorded with all its edits of points, and replayed bit b
     CHECK(log.content.tick[log.content.ticks - 1].edits <= log.content.edits);
     std::uint64_t changed = 0;
     for (std::uint64_t i = 0; i < log.content.edits; ++i) {
-      const pp_log_edit& edit = log.content.edit[i];
+      const pp_recording_edit& edit = log.content.edit[i];
       const double radius = std::hypot(edit.position[0], edit.position[1], edit.position[2]);
       const bool painted = edit.color[0] != 0 || edit.color[3] != 0;
       changed += edit.gone == 1 || std::abs(radius - kBallRadius) > 1e-3 || painted;
@@ -134,10 +134,10 @@ TEST_CASE("a log contains the name of its model file, and is replayed without na
   pp_replay_options wrong = pp_default_replay_options();
   wrong.cloud = other.cloud;
   pp_replay_result result = pp_default_replay_result();
-  CHECK(pp_log_replay(file.string().c_str(), &wrong, &result) == PP_ERROR_FILE);
+  CHECK(pp_recording_replay(file.string().c_str(), &wrong, &result) == PP_ERROR_FILE);
   CHECK(lastErrorSays("4999 points"));
   std::filesystem::remove(model);
-  CHECK(pp_log_replay(file.string().c_str(), nullptr, &result) == PP_ERROR_FILE);
+  CHECK(pp_recording_replay(file.string().c_str(), nullptr, &result) == PP_ERROR_FILE);
   CHECK(lastErrorSays("does not exist"));
   PP_REQUIRE_OK(pp_cloud_close(cloud));
 }
@@ -180,7 +180,7 @@ TEST_CASE("a live session is recorded until it stops, and replayed as far as its
        taken < 100 && std::chrono::steady_clock::now() < end;) {
     std::vector<pp_tick> ticks(256);
     std::uint64_t count = 0;
-    PP_REQUIRE_OK(pp_live_take(ball.session, ticks.data(), ticks.size(), &count));
+    PP_REQUIRE_OK(pp_live_read_ticks(ball.session, ticks.data(), ticks.size(), &count));
     taken += count;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -192,7 +192,7 @@ TEST_CASE("a live session is recorded until it stops, and replayed as far as its
   CHECK(result.ticks == log.content.ticks);
   CHECK(result.compared <= result.ticks);
   CHECK(result.force_ticks == 0);
-  CHECK((result.compared == result.ticks) == std::string(result.because).empty());
+  CHECK((result.compared == result.ticks) == std::string(result.reason).empty());
 }
 
 TEST_CASE("sessions that cannot be recorded, and files that are not logs, are refused with an error") {
@@ -227,7 +227,7 @@ TEST_CASE("sessions that cannot be recorded, and files that are not logs, are re
   live.path = &path;
   PP_REQUIRE_OK(pp_session_record(ball.session, (folder.path() / "no" / "folder").string().c_str()));
   CHECK(pp_live_start(ball.session, &live) == PP_ERROR_FILE);
-  CHECK(pp_live_take(ball.session, ticks.data(), ticks.size(), &count) == PP_ERROR_STATE);
+  CHECK(pp_live_read_ticks(ball.session, ticks.data(), ticks.size(), &count) == PP_ERROR_STATE);
   const auto places = placesOf(ball.session);
   const pp_brush brush = pp_default_brush();
   PP_REQUIRE_OK(pp_session_record(ball.session, (folder.path() / "no" / "folder").string().c_str()));
@@ -235,40 +235,40 @@ TEST_CASE("sessions that cannot be recorded, and files that are not logs, are re
   touch(ball.session, path);
   CHECK(placesOf(ball.session) == places);
 
-  pp_log log{};
+  pp_recording log{};
   pp_replay_result result = pp_default_replay_result();
-  CHECK(pp_log_read(name.c_str(), &log) == PP_ERROR_FILE);
+  CHECK(pp_recording_read(name.c_str(), &log) == PP_ERROR_FILE);
   std::ofstream(file) << "this is no log";
-  CHECK(pp_log_read(name.c_str(), &log) == PP_ERROR_FILE);
-  CHECK(pp_log_replay(name.c_str(), nullptr, &result) == PP_ERROR_FILE);
-  CHECK(pp_log_replay(name.c_str(), nullptr, nullptr) == PP_ERROR_ARGUMENT);
+  CHECK(pp_recording_read(name.c_str(), &log) == PP_ERROR_FILE);
+  CHECK(pp_recording_replay(name.c_str(), nullptr, &result) == PP_ERROR_FILE);
+  CHECK(pp_recording_replay(name.c_str(), nullptr, nullptr) == PP_ERROR_ARGUMENT);
   CHECK(log.id == 0);
-  CHECK(pp_log_close(log) == PP_ERROR_HANDLE);
-  CHECK(pp_log_close({ball.session.id}) == PP_ERROR_HANDLE);
+  CHECK(pp_recording_close(log) == PP_ERROR_HANDLE);
+  CHECK(pp_recording_close({ball.session.id}) == PP_ERROR_HANDLE);
   PP_REQUIRE_OK(pp_session_record(ball.session, name.c_str()));
   touch(ball.session, path);
   const std::string whole = contentOf(file);
   // A truncated log is either read up to its end, or refused.
   for (std::size_t bytes = 0; bytes < whole.size(); bytes += whole.size() / 37 + 1) {
     std::ofstream(file, std::ios::binary) << whole.substr(0, bytes);
-    pp_log torn{};
-    const pp_status status = pp_log_read(name.c_str(), &torn);
+    pp_recording torn{};
+    const pp_status status = pp_recording_read(name.c_str(), &torn);
     CHECK((status == PP_OK || status == PP_ERROR_FILE));
     if (status != PP_OK) continue;
-    pp_log_content content{};
-    PP_REQUIRE_OK(pp_log_view(torn, &content));
+    pp_recording_content content{};
+    PP_REQUIRE_OK(pp_recording_view(torn, &content));
     CHECK(content.ended == 0);
     CHECK_FALSE(std::string(content.missing).empty());
-    PP_REQUIRE_OK(pp_log_close(torn));
+    PP_REQUIRE_OK(pp_recording_close(torn));
   }
   std::ofstream(file, std::ios::binary) << whole;
   pp_replay_options options = pp_default_replay_options();
   options.cloud = ball.cloud.cloud;
   options.tolerance = -1;
-  CHECK(pp_log_replay(name.c_str(), &options, &result) == PP_ERROR_ARGUMENT);
+  CHECK(pp_recording_replay(name.c_str(), &options, &result) == PP_ERROR_ARGUMENT);
   options.tolerance = 0;
   options.cloud = {ball.session.id};
-  CHECK(pp_log_replay(name.c_str(), &options, &result) == PP_ERROR_HANDLE);
+  CHECK(pp_recording_replay(name.c_str(), &options, &result) == PP_ERROR_HANDLE);
 }
 
 }  // namespace palpate::logs_test

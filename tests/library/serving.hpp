@@ -69,10 +69,10 @@ inline pp_session joined(const char* name, const char* hand, pp_session_options 
   const pp_network network = ownNetwork();
   pp_join_options join = pp_default_join_options();
   join.network = &network;
-  join.hand = hand;
+  join.hand_name = hand;
   join.read_only = aim == JoinedTo::feel ? 1 : 0;
-  join.near_hands = aim == JoinedTo::feelNear ? 1 : 0;
-  join.patience_s = 20;
+  join.partial = aim == JoinedTo::feelNear ? 1 : 0;
+  join.timeout_s = 20;
   options.mm_per_unit = 0;  // the scale of the server
   pp_session session{};
   PP_REQUIRE_OK(pp_session_join(name, &join, &options, &session));

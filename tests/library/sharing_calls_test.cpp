@@ -61,23 +61,23 @@ TEST_CASE("sessions of a network are listed, and invalid joins and servers are r
   if (!isBuilt()) return;
   const Serving serving("listed"), other("another");
   const pp_network network = ownNetwork();
-  pp_seen_session seen[1]{};
+  pp_served_session seen[1]{};
   std::uint64_t count = 0;
   for (int i = 0; i < 30 && (count != 2 || seen[0].answered == 0); ++i)
-    PP_REQUIRE_OK(pp_network_survey(&network, 1, seen, 1, &count));
+    PP_REQUIRE_OK(pp_network_discover(&network, 1, seen, 1, &count));
   CHECK(count == 2);  // only one fits into the array
   CHECK((std::string(seen[0].name) == "listed" || std::string(seen[0].name) == "another"));
   CHECK(seen[0].points == 20'000);
-  CHECK(seen[0].fits == 1);
+  CHECK(seen[0].compatible == 1);
   CHECK(seen[0].answered > 0);
   CHECK(seen[0].round_trip_ms > 0);
-  CHECK(pp_network_survey(&network, -1, seen, 1, &count) == PP_ERROR_ARGUMENT);
-  CHECK(pp_network_survey(&network, 0, nullptr, 1, &count) == PP_ERROR_ARGUMENT);
-  CHECK(pp_network_survey(&network, 0, seen, 1, nullptr) == PP_ERROR_ARGUMENT);
+  CHECK(pp_network_discover(&network, -1, seen, 1, &count) == PP_ERROR_ARGUMENT);
+  CHECK(pp_network_discover(&network, 0, nullptr, 1, &count) == PP_ERROR_ARGUMENT);
+  CHECK(pp_network_discover(&network, 0, seen, 1, nullptr) == PP_ERROR_ARGUMENT);
 
   pp_join_options join = pp_default_join_options();
   join.network = &network;
-  join.patience_s = 0.5;
+  join.timeout_s = 0.5;
   pp_session session{};
   const pp_session_options options = cpuOptions();
   CHECK(pp_session_join("town", &join, &options, &session) == PP_ERROR_NETWORK);
@@ -85,9 +85,9 @@ TEST_CASE("sessions of a network are listed, and invalid joins and servers are r
   CHECK(pp_session_join(nullptr, &join, &options, &session) == PP_ERROR_ARGUMENT);
   CHECK(pp_session_join("", &join, &options, &session) == PP_ERROR_ARGUMENT);
   CHECK(pp_session_join("listed", &join, &options, nullptr) == PP_ERROR_ARGUMENT);
-  join.patience_s = 0;
+  join.timeout_s = 0;
   CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_ARGUMENT);
-  join.patience_s = 1;
+  join.timeout_s = 1;
   pp_network wrong = network;
   wrong.interface_name = "nowhere0";
   join.network = &wrong;
@@ -139,7 +139,7 @@ TEST_CASE("cameras are shown, seen by others, and hidden again") {
   std::uint64_t count = 7;
   PP_REQUIRE_OK(pp_session_cameras(ben, cameras, 4, &count));
   CHECK(count == 0);
-  PP_REQUIRE_OK(pp_session_show_camera(anna, &place));
+  PP_REQUIRE_OK(pp_session_publish_camera(anna, &place));
   const auto isSeen = [&](std::uint64_t wanted) {
     for (int i = 0; i < 1000; ++i) {
       PP_REQUIRE_OK(pp_session_cameras(ben, cameras, 4, &count));
@@ -157,8 +157,8 @@ TEST_CASE("cameras are shown, seen by others, and hidden again") {
   PP_REQUIRE_OK(pp_session_cameras(anna, nullptr, 0, &count));
   CHECK(count == 0);
   place.aspect = 0;
-  CHECK(pp_session_show_camera(anna, &place) == PP_ERROR_ARGUMENT);
-  PP_CHECK_OK(pp_session_show_camera(anna, nullptr));
+  CHECK(pp_session_publish_camera(anna, &place) == PP_ERROR_ARGUMENT);
+  PP_CHECK_OK(pp_session_publish_camera(anna, nullptr));
   CHECK(isSeen(0));
   PP_CHECK_OK(pp_session_close(anna));
   PP_CHECK_OK(pp_session_close(ben));
@@ -189,14 +189,14 @@ TEST_CASE("waiting network calls end when the program's stop function returns 1,
     refuses(
         [](const pp_network& network) {
           std::uint64_t count = 0;
-          return pp_network_survey(&network, 60, nullptr, 0, &count);
+          return pp_network_discover(&network, 60, nullptr, 0, &count);
         },
         most);
     refuses(
         [](const pp_network& network) {
           pp_join_options join = pp_default_join_options();
           join.network = &network;
-          join.patience_s = 60;
+          join.timeout_s = 60;
           pp_session session{};
           return pp_session_join("nobody's", &join, nullptr, &session);
         },
@@ -219,10 +219,10 @@ TEST_CASE("sharing calls refuse handles that are closed, of another kind or not 
   std::uint64_t count = 0;
   CHECK(pp_session_get_sharing(ball.session, &sharing) == PP_ERROR_STATE);
   CHECK(lastErrorSays("was not joined"));
-  CHECK(pp_session_others(ball.session, nullptr, 0, &count) == PP_ERROR_STATE);
+  CHECK(pp_session_other_hands(ball.session, nullptr, 0, &count) == PP_ERROR_STATE);
   CHECK(pp_session_settle(ball.session, 1, nullptr) == PP_ERROR_STATE);
   CHECK(pp_session_cameras(ball.session, nullptr, 0, &count) == PP_ERROR_STATE);
-  CHECK(pp_session_show_camera(ball.session, nullptr) == PP_ERROR_STATE);
+  CHECK(pp_session_publish_camera(ball.session, nullptr) == PP_ERROR_STATE);
   pp_server_info info = pp_default_server_info();
   pp_cloud cloud{};
   CHECK(pp_server_get_info({}, &info) == PP_ERROR_HANDLE);
@@ -243,7 +243,7 @@ TEST_CASE("sharing calls refuse handles that are closed, of another kind or not 
   CHECK(pp_session_get_sharing(session, nullptr) == PP_ERROR_ARGUMENT);
   PP_CHECK_OK(pp_session_close(session));
   CHECK(pp_session_get_sharing(session, &sharing) == PP_ERROR_HANDLE);
-  CHECK(pp_session_others(session, nullptr, 0, &count) == PP_ERROR_HANDLE);
+  CHECK(pp_session_other_hands(session, nullptr, 0, &count) == PP_ERROR_HANDLE);
 }
 
 TEST_CASE("a server's log function is told of new clients, and cannot query or close its own server") {

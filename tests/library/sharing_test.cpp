@@ -25,7 +25,7 @@ TEST_CASE("a library built without PALPATE_NETWORK shares nothing, and reports t
   CHECK(pp_serve(ball.cloud, "a", nullptr, &server) == PP_ERROR_UNSUPPORTED);
   CHECK(lastErrorSays("built without PALPATE_NETWORK"));
   CHECK(pp_session_join("a", nullptr, nullptr, &session) == PP_ERROR_UNSUPPORTED);
-  CHECK(pp_network_survey(nullptr, 0, nullptr, 0, &count) == PP_ERROR_UNSUPPORTED);
+  CHECK(pp_network_discover(nullptr, 0, nullptr, 0, &count) == PP_ERROR_UNSUPPORTED);
 }
 
 TEST_CASE("two hands sculpt a served cloud by path, and both and the server end with the same points, bit by bit") {
@@ -59,7 +59,7 @@ TEST_CASE("two hands sculpt a served cloud by path, and both and the server end 
   CHECK(isSame(pointsOf(two), after));
   const pp_sharing sharing = sharingOf(two);
   CHECK(sharing.sculptable == 1);
-  CHECK(sharing.heard == 1);
+  CHECK(sharing.connected == 1);
   CHECK(sharing.delivered == 1);
   CHECK(sharing.same == 1);
   CHECK(sharing.sent > 10);
@@ -71,7 +71,7 @@ TEST_CASE("two hands sculpt a served cloud by path, and both and the server end 
   CHECK(serving.info().sculptors == 2);
   CHECK(serving.info().clients == 2);
   CHECK(serving.info().states > 20);
-  CHECK(std::string(serving.info().openness).find("programs of this machine") != std::string::npos);
+  CHECK(std::string(serving.info().access).find("programs of this machine") != std::string::npos);
 
   // Undoes this hand's stroke, whose points no other hand has changed since; a later client receives the result.
   std::uint64_t done = 0;
@@ -106,14 +106,14 @@ TEST_CASE("a pulled hand on a joined cloud is seen while it sculpts, and others 
     done = true;
   });
   while (!done) {
-    wrong += pp_session_follow(puller) != PP_OK;
+    wrong += pp_session_apply_edits(puller) != PP_OK;
     pp_other_hand hands[4];
     std::uint64_t count = 0;
-    wrong += pp_session_others(watcher, hands, 4, &count) != PP_OK;
+    wrong += pp_session_other_hands(watcher, hands, 4, &count) != PP_OK;
     if (count == 1 && std::string(hands[0].name) == "puller" && hands[0].sculpts && hands[0].touching &&
         hands[0].position[2] < hands[0].proxy[2])
       ++seen;
-    wrong += sharingOf(puller).heard != 1;
+    wrong += sharingOf(puller).connected != 1;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   servo.join();
@@ -173,7 +173,7 @@ TEST_CASE("a live hand sculpts a joined cloud, and a later client receives its s
   std::vector<pp_tick> ticks(4096);
   std::uint64_t count = 0, all = 0;
   CHECK(comes(30, [&] {
-    PP_REQUIRE_OK(pp_live_take(live, ticks.data(), ticks.size(), &count));
+    PP_REQUIRE_OK(pp_live_read_ticks(live, ticks.data(), ticks.size(), &count));
     all += count;
     return sharingOf(live).sent > 20;
   }));
@@ -215,7 +215,7 @@ TEST_CASE("a lost server fades a pulled hand's force to zero, and one restarted 
     return lengthOf(contact.force_N) == 0;
   }));
   CHECK(contact.valid == 1);
-  CHECK(sharingOf(session).heard == 0);
+  CHECK(sharingOf(session).connected == 0);
   CHECK(sharingOf(session).silent_s > 1.8);
 
   serving = std::make_unique<Serving>("brief");
@@ -224,7 +224,7 @@ TEST_CASE("a lost server fades a pulled hand's force to zero, and one restarted 
     return sharingOf(session).fault[0] != '\0';
   }));
   CHECK(lengthOf(contact.force_N) == 0);
-  CHECK(pp_session_follow(session) == PP_ERROR_NETWORK);
+  CHECK(pp_session_apply_edits(session) == PP_ERROR_NETWORK);
   CHECK(lastErrorSays("was restarted without its edits"));
   CHECK(std::string(pp_status_name(pp_last_status())) == "network");
   const auto path = pressPath(1);
@@ -299,7 +299,7 @@ TEST_CASE("a client with only the points around the hand feels what one with all
   const auto sees = [](pp_session who, const std::string& name) {
     pp_other_hand hands[4];
     std::uint64_t count = 0;
-    PP_REQUIRE_OK(pp_session_others(who, hands, 4, &count));
+    PP_REQUIRE_OK(pp_session_other_hands(who, hands, 4, &count));
     return count == 1 && hands[0].name == name && hands[0].touching && !hands[0].sculpts &&
            hands[0].position[2] < hands[0].proxy[2];
   };
@@ -315,7 +315,7 @@ TEST_CASE("a client with only the points around the hand feels what one with all
   const pp_sharing sharing = sharingOf(near);
   CHECK(sharing.restarts == 0);
   CHECK(sharing.sculptable == 1);
-  CHECK(sharing.heard == 1);
+  CHECK(sharing.connected == 1);
   CHECK(sharing.pings > 0);
   CHECK(sharing.sent == 0);
   CHECK(std::string(sharing.fault).empty());

@@ -43,8 +43,8 @@ TEST_CASE("a stroke dents the ball along its path and nowhere else, and undo res
   CHECK(farthest < 5 + 2);  // the brush, and the support radius around it
   pp_session_info info = pp_default_session_info();
   PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
-  CHECK(info.undoable == 1);
-  CHECK(info.redoable == 0);
+  CHECK(info.undo_count == 1);
+  CHECK(info.redo_count == 0);
   CHECK(info.edits > 100);
 
   std::uint64_t done = 0;
@@ -81,14 +81,15 @@ TEST_CASE("a session's brush sculpts tick by tick, but not where the pose says t
   const pp_brush brush = pushOf(5);
   PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));
   const auto before = placesOf(ball.session);
-  for (const std::uint32_t feels : {1u, 0u}) {
+  for (const std::uint32_t noEdit : {1u, 0u}) {
     for (std::size_t i = 0; i < path.size() / 3; ++i) {
-      const pp_pose pose{
-          .t_s = 1e-3 * static_cast<double>(i), .hip = {path[3 * i], path[3 * i + 1], path[3 * i + 2]}, .feels = feels};
+      const pp_pose pose{.t_s = 1e-3 * static_cast<double>(i),
+                         .hip = {path[3 * i], path[3 * i + 1], path[3 * i + 2]},
+                         .no_edit = noEdit};
       pp_contact contact{};
       PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
     }
-    CHECK((placesOf(ball.session) != before) == (feels == 0));
+    CHECK((placesOf(ball.session) != before) == (noEdit == 0));
   }
   // A path only feels, even with a brush, and the brush stays set.
   const auto dented = placesOf(ball.session);
@@ -126,8 +127,8 @@ TEST_CASE("each parameter of a brush takes effect with its own stroke, whatever 
     CHECK(after == strokeOn(fresh.session, brush));
   };
   checkTakesEffect([](pp_brush& b) { b.radius_mm = 6; });
-  checkTakesEffect([](pp_brush& b) { b.tau_mm = 1; });
-  checkTakesEffect([](pp_brush& b) { b.keeps_density = 0; });
+  checkTakesEffect([](pp_brush& b) { b.yield_depth_mm = 1; });
+  checkTakesEffect([](pp_brush& b) { b.resample = 0; });
   checkTakesEffect([](pp_brush& b) {
     b.kind = "inflate";
     b.strength = 0.1;

@@ -88,7 +88,7 @@ TEST_CASE("one thread touches and sculpts while another applies its edits") {
   });
   pp_session_info info = pp_default_session_info();
   while (!done) {
-    wrong += pp_session_follow(ball.session) != PP_OK;
+    wrong += pp_session_apply_edits(ball.session) != PP_OK;
     wrong += pp_session_get_info(ball.session, &info) != PP_OK;
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
   }

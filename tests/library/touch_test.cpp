@@ -12,18 +12,18 @@ namespace {
 
 double radiusOf(const double (&p)[3]) { return std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]); }
 
-pp_feel feelOf(const char* surface) {
-  pp_feel feel = pp_default_feel();
-  feel.surface = surface;
-  return feel;
+pp_contact_options contactOf(const char* surface) {
+  pp_contact_options contact = pp_default_contact_options();
+  contact.surface = surface;
+  return contact;
 }
 
 }  // namespace
 
 TEST_CASE("a hand in a ball is pushed out along the ball's radius, by stiffness times depth") {
   pp_session_options options = cpuOptions();
-  const pp_feel feel = feelOf("sphere");
-  options.feel = &feel;
+  const pp_contact_options contact = contactOf("sphere");
+  options.contact = &contact;
   const OpenBall ball(options);
   const auto path = pressPath(1.5);
   const auto ticks = touch(ball.session, pathOf(path));
@@ -141,12 +141,15 @@ TEST_CASE("session options out of their bounds are refused by their name") {
   refused([](auto& o) { o.budget_us = -1; }, "budget_us");
   refused([](auto& o) { o.undo_memory_MiB = 0; }, "undo.memory_MiB");
   refused([](auto& o) { o.law_library = "nothing"; }, "LIBRARY:FUNCTION");
+  refused([](auto& o) { o.backend = "cuda"; }, "backend: 'cuda' is not known; choose one of auto, vulkan, cpu");
+  refused([](auto& o) { o.backend = "vulkan"; }, "backend: vulkan conflicts with gpu 'cpu'");
+  refused([](auto& o) { o.gpu = "0", o.backend = "cpu"; }, "backend: cpu conflicts with gpu '0'");
   refused([](auto& o) { o.size = 12345; }, "pp_default");
-  pp_feel feel = feelOf("velvet");
-  refused([&](auto& o) { o.feel = &feel; }, "velvet");
-  feel = feelOf("sharp");
-  feel.stiffness_N_per_mm = 1e9;
-  refused([&](auto& o) { o.feel = &feel; }, "stiffness");
+  pp_contact_options contact = contactOf("velvet");
+  refused([&](auto& o) { o.contact = &contact; }, "velvet");
+  contact = contactOf("sharp");
+  contact.stiffness_N_per_mm = 1e9;
+  refused([&](auto& o) { o.contact = &contact; }, "stiffness");
   pp_session session{};
   CHECK(pp_session_open(ball.cloud, nullptr, nullptr) == PP_ERROR_ARGUMENT);
   pp_cloud_arrays none = pp_default_cloud_arrays();
@@ -154,6 +157,21 @@ TEST_CASE("session options out of their bounds are refused by their name") {
   PP_REQUIRE_OK(pp_cloud_create(&none, &empty));
   CHECK(pp_session_open(empty, nullptr, &session) == PP_ERROR_ARGUMENT);
   PP_CHECK_OK(pp_cloud_close(empty));
+}
+
+TEST_CASE("a session is opened on the back end that is asked for, whether or not a GPU is named") {
+  const BallCloud ball(1'000);
+  for (const char* gpu : {static_cast<const char*>(nullptr), "cpu"}) {
+    pp_session_options options = pp_default_session_options();
+    options.gpu = gpu;
+    options.backend = gpu ? "auto" : "cpu";
+    pp_session session{};
+    PP_REQUIRE_OK(pp_session_open(ball.cloud, &options, &session));
+    pp_session_info info = pp_default_session_info();
+    PP_REQUIRE_OK(pp_session_get_info(session, &info));
+    CHECK(std::string(info.backend) == "cpu");
+    PP_CHECK_OK(pp_session_close(session));
+  }
 }
 
 TEST_CASE("a cloud without normals can be felt, and the log function is told that they are estimated") {
@@ -278,15 +296,15 @@ TEST_CASE("contact parameters can be changed in a session, except the support ra
   CHECK_FALSE(std::string(info.machine).empty());
   const auto path = pressPath(1);
   const double soft_N = touch(ball.session, pathOf(path)).back().force_N[2];
-  pp_feel feel = pp_default_feel();
-  feel.stiffness_N_per_mm = 1.6;
-  PP_REQUIRE_OK(pp_session_set_feel(ball.session, &feel));
+  pp_contact_options contact = pp_default_contact_options();
+  contact.stiffness_N_per_mm = 1.6;
+  PP_REQUIRE_OK(pp_session_set_contact(ball.session, &contact));
   CHECK(touch(ball.session, pathOf(path)).back().force_N[2] == near(2 * soft_N, 1e-6));
-  feel.max_force_N = 0.5;
-  PP_REQUIRE_OK(pp_session_set_feel(ball.session, &feel));
+  contact.max_force_N = 0.5;
+  PP_REQUIRE_OK(pp_session_set_contact(ball.session, &contact));
   CHECK(lengthOf(touch(ball.session, pathOf(path)).back().force_N) == near(0.5, 1e-6));
-  feel.radius_mm = 3;
-  CHECK(pp_session_set_feel(ball.session, &feel) == PP_ERROR_ARGUMENT);
+  contact.radius_mm = 3;
+  CHECK(pp_session_set_contact(ball.session, &contact) == PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("radius_mm"));
 }
 

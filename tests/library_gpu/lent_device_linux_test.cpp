@@ -133,10 +133,10 @@ TEST_CASE("strokes, matter and meshes run on a lent device, and several sessions
   CHECK(placesOf(two) == before);
   PP_REQUIRE_OK(pp_session_undo(one, 10, nullptr));
   CHECK(placesOf(one) == before);
-  pp_mesh_options lattice = pp_default_mesh_options();
-  lattice.lattice = 16;
+  pp_mesh_options meshing = pp_default_mesh_options();
+  meshing.resolution = 16;
   pp_mesh mesh{};
-  PP_REQUIRE_OK(pp_session_mesh(two, &lattice, &mesh));
+  PP_REQUIRE_OK(pp_session_mesh(two, &meshing, &mesh));
   PP_REQUIRE_OK(pp_mesh_close(mesh));
   pp_picture_options picture = pp_default_picture_options();
   picture.width = 64;

@@ -67,7 +67,7 @@ TEST_CASE("replaying a recorded stroke on a GPU gives identical results") {
   options.cloud = ball.cloud.cloud;
   options.gpu = gpuOptions().gpu;
   pp_replay_result result = pp_default_replay_result();
-  PP_REQUIRE_OK(pp_log_replay(file.c_str(), &options, &result));
+  PP_REQUIRE_OK(pp_recording_replay(file.c_str(), &options, &result));
   CHECK(result.identical == 1);
   CHECK(result.compared == 80);
   CHECK(std::string(result.recorded_on) == std::string(result.machine));

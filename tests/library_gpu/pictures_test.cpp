@@ -151,7 +151,7 @@ TEST_CASE("a picture with an invalid size, buffer or camera is refused, and a va
 TEST_CASE("a mesh of the ball is closed, accurate and can be written") {
   const OpenBall ball(cpuOptions(), 5'000);
   pp_mesh_options options = pp_default_mesh_options();
-  options.lattice = 32;
+  options.resolution = 32;
   pp_mesh mesh{};
   PP_REQUIRE_OK(pp_session_mesh(ball.session, &options, &mesh));
   pp_triangles triangles{};
@@ -181,7 +181,7 @@ TEST_CASE("a mesh of the ball is closed, accurate and can be written") {
   PP_CHECK_OK(pp_cloud_close(back));
   PP_CHECK_OK(pp_mesh_close(mesh));
   CHECK(pp_mesh_view(mesh, &triangles) == PP_ERROR_HANDLE);
-  options.lattice = 0;
+  options.resolution = 0;
   CHECK(pp_session_mesh(ball.session, &options, &mesh) == PP_ERROR_ARGUMENT);
   options = pp_default_mesh_options();
   options.surface = "jelly";

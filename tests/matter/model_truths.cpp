@@ -121,11 +121,11 @@ void checkBallStopsAtModel(const MatterMaker& make) {
     world->reset();
     HandPose hand{.place_m = above};
     if (way != DVec3(0)) hand.place_m = middle - 0.06 * way;
-    double least_J = 0;
+    double min_J = 0;
     const auto step = [&](const DVec3& move) {
       hand.place_m += move;
       world->step({&hand, 1});
-      least_J = std::min(least_J, world->portEnergy_J(0));
+      min_J = std::min(min_J, world->portEnergy_J(0));
     };
     for (int k = 0; k < 100; ++k) step(2.5e-4 * way);  // to 35 mm from the centre, then stays
     for (int k = 0; k < 300; ++k) step(DVec3(0));
@@ -154,7 +154,7 @@ void checkBallStopsAtModel(const MatterMaker& make) {
     CHECK(glm::dot(world->answers()[0].place_m - middle - out, side) > 5e-3);
     for (int k = 0; k < 200; ++k) step(-5e-4 * way);
     CHECK(world->answers()[0].byModel_N == DVec3(0));
-    CHECK(least_J >= -1e-3);
+    CHECK(min_J >= -1e-3);
     CHECK(world->portEnergy_J(0) >= -1e-3);
   }
 }

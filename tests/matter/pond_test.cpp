@@ -56,7 +56,7 @@ class Both {
     return felt;
   }
   FarMatter& far() { return far_; }
-  double least_J() const { return least_J_; }
+  double min_J() const { return least_J_; }
   double most_N() const { return most_N_; }
   double mostHere_N() const { return mostHere_N_; }  // in the same matter here
   HandPose& hand() { return hand_; }
@@ -88,7 +88,7 @@ TEST_CASE("in remote water a ball floats as in local water, and has about the sa
         "{:.0f} ms each way: buoyancy {:.3f} N here, {:.3f} N far ({:.3f} N displaced), trembles by {:.3f} N; "
         "drag at 50 mm/s {:.3f} and {:.3f} N; at most {:.2f} and {:.2f} N; least energy {:.3f} mJ",
         1e3 * delay_s, held.local.y, held.far.y, expected_N, held.trembles_N, localDrag_N, drag_N, both.mostHere_N(),
-        both.most_N(), 1e3 * both.least_J()));
+        both.most_N(), 1e3 * both.min_J()));
     CHECK(std::abs(held.far.y - held.local.y) < 0.15 * expected_N);
     CHECK(std::hypot(held.far.x, held.far.z) < 0.1 * expected_N);
     // With a long delay it comes to rest later: the remote ball is still moving.
@@ -96,7 +96,7 @@ TEST_CASE("in remote water a ball floats as in local water, and has about the sa
     CHECK(both.most_N() < 1.5 * both.mostHere_N());
     CHECK(drag_N > 0.6 * localDrag_N);
     CHECK(drag_N < 1.5 * localDrag_N);
-    CHECK(both.least_J() >= -1e-3);
+    CHECK(both.min_J() >= -1e-3);
     CHECK(both.far().there().state() == MatterState::running);
     CHECK(both.far().here().counts().restarts == 0);
   }
@@ -115,7 +115,7 @@ TEST_CASE("remote sand holds a ball like local sand" * kFull) {
                     "along at 50 mm/s {:.2f} and {:.2f} N; trembles by {:.2f} N; at most {:.2f} and {:.2f} N; least "
                     "energy {:.3f} mJ",
                     1e3 * delay_s, into.local.y, into.far.y, held.local.y, held.far.y, along.local.x, along.far.x,
-                    held.trembles_N, both.mostHere_N(), both.most_N(), 1e3 * both.least_J()));
+                    held.trembles_N, both.mostHere_N(), both.most_N(), 1e3 * both.min_J()));
     // With a delay of a second it is pushed against sand that is not yet known to have yielded.
     const double less = delay_s < 0.1 ? 0.8 : 0.6, more = delay_s < 0.1 ? 1.2 : 1.75;
     const auto isAlike = [&](double far_N, double local_N) { return far_N / local_N > less && far_N / local_N < more; };
@@ -123,7 +123,7 @@ TEST_CASE("remote sand holds a ball like local sand" * kFull) {
     CHECK(isAlike(held.far.y, held.local.y));
     CHECK(isAlike(along.far.x, along.local.x));
     CHECK(held.trembles_N < 0.05 * held.local.y);
-    CHECK(both.least_J() >= -1e-3);
+    CHECK(both.min_J() >= -1e-3);
     CHECK(both.far().there().state() == MatterState::running);
     CHECK(both.far().here().counts().restarts == 0);
   }
@@ -149,14 +149,14 @@ TEST_CASE("remote sand supports a ball like local sand at a wall, at the bottom 
         "{}: into sand {:.2f} N here, {:.2f} N far; held {:.2f} and {:.2f} N; out again {:.2f} and {:.2f} N; "
         "at most {:.2f} and {:.2f} N; least energy {:.3f} mJ",
         place.name, into.local.y, into.far.y, held.local.y, held.far.y, out.local.y, out.far.y, both.mostHere_N(),
-        both.most_N(), 1e3 * both.least_J()));
+        both.most_N(), 1e3 * both.min_J()));
     CHECK(into.far.y > 0.7 * into.local.y);
     // In front of a moving ball the yielding is known late.
     CHECK(into.far.y < 1.7 * into.local.y);
     CHECK(held.far.y > 0.6 * held.local.y);
     CHECK(held.far.y < 1.4 * held.local.y);
     CHECK(both.most_N() < 1.5 * both.mostHere_N());
-    CHECK(both.least_J() >= -1e-3);
+    CHECK(both.min_J() >= -1e-3);
     CHECK(both.far().there().state() == MatterState::running);
   }
 }
@@ -169,19 +169,19 @@ TEST_CASE("hands gain no energy from remote matter, at any motion and latency" *
       FarMatter far(smallTank(matter), delay_s);
       HandPose hand{.place_m = {0.06, 0.15, 0.06}};
       DVec3 speed(0);
-      double least_J = 0, most_N = 0;
+      double min_J = 0, most_N = 0;
       for (int k = 0; k < 900; ++k) {
         speed = 0.98 * speed - DVec3(0, 8e-3, 0);
         for (int axis = 0; axis < 3; ++axis) speed[axis] += 0.05 * push(random);
         hand.place_m = glm::clamp(hand.place_m + kMatterStep_s * speed, DVec3(0.03), DVec3(0.09, 0.15, 0.09));
         far.step(hand);
-        least_J = std::min(least_J, far.here().portEnergy_J(0));
+        min_J = std::min(min_J, far.here().portEnergy_J(0));
         most_N = std::max(most_N, glm::length(far.felt().force_N));
       }
       MESSAGE(fmt::format("random hands in {}, {:.0f} ms each way: least energy {:.3f} mJ, at most {:.1f} N",
-                          matter == Matter::water ? "water" : "sand", 1e3 * delay_s, 1e3 * least_J, most_N));
+                          matter == Matter::water ? "water" : "sand", 1e3 * delay_s, 1e3 * min_J, most_N));
       CHECK(most_N > 0.5);
-      CHECK(least_J >= -1e-3);
+      CHECK(min_J >= -1e-3);
       CHECK(far.here().state() == MatterState::running);
     }
 }
@@ -197,7 +197,7 @@ TEST_CASE("a hand that joins with its ball under water feels buoyancy and is not
     work_J += both.far().felt().force_N.y * 0.1 * kMatterStep_s;
   }
   CHECK(work_J < 1e-3);
-  CHECK(both.least_J() >= -1e-3);
+  CHECK(both.min_J() >= -1e-3);
 }
 
 TEST_CASE("water that flows remotely carries along a ball that is held still here") {
@@ -250,7 +250,7 @@ TEST_CASE("a restart of remote matter restarts the local part, and without news 
   CHECK(both.far().here().counts().restarts >= 1);
   CHECK(std::isfinite(after.far.y));
   CHECK(both.most_N() < 3 * before_N + 3);
-  CHECK(both.least_J() >= -1e-3);
+  CHECK(both.min_J() >= -1e-3);
 }
 
 TEST_CASE("invalid news of remote matter gives a bounded, finite force, which recovers with valid news") {

@@ -103,7 +103,7 @@ void checkPressEnergy(const SoftMaker& make, int steps) {
     PressingHand hand(top, 0.008);
     hand.press().friction = friction;
     DVec3 place = top, speed(0);
-    double least_J = 0, most_N = 0;
+    double min_J = 0, most_N = 0;
     for (int k = 0; k < steps; ++k) {
       speed = 0.98 * speed - DVec3(0, 3e-3, 0);
       for (int axis = 0; axis < 3; ++axis) speed[axis] += 0.03 * push(random);
@@ -112,12 +112,12 @@ void checkPressEnergy(const SoftMaker& make, int steps) {
       world->press({&press, 1});
       world->step();
       hand.heard(world->pressed()[0]);
-      least_J = std::min(least_J, hand.work_J());
+      min_J = std::min(min_J, hand.work_J());
       most_N = std::max(most_N, glm::length(world->pressed()[0].force_N));
     }
     REQUIRE(world->state() == MatterState::running);
     checkAtMost(fmt::format("energy that random hands get out of a surface, friction {:g}, 0.5 N/mm, mJ", friction),
-                1e3 * std::abs(least_J), 1);
+                1e3 * std::abs(min_J), 1);
     CHECK(most_N > 0.2);
   }
 }

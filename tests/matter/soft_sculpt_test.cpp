@@ -207,8 +207,8 @@ TEST_CASE("a stroke moves only nodes within its reach, is at rest at once, and i
   sculptor.sculpture.undo();
   sculptor.sculpture.yield(sculptor.around(body.body, kSoftSpacing_m * DVec3(8, 0, 4), radius, {0, -2e-4, 0}));
   sculptor.sculpture.endStroke();
-  CHECK(sculptor.sculpture.redoable() == 0);
-  CHECK(sculptor.sculpture.undoable() == 2);
+  CHECK(sculptor.sculpture.redoCount() == 0);
+  CHECK(sculptor.sculpture.undoCount() == 2);
 }
 
 TEST_CASE("pinned nodes yield to no brush, and their neighbours do") {

@@ -294,17 +294,17 @@ void checkSoftPortEnergy(const SoftMaker& make, int hands, int steps) {
     const auto world = make(scene, 1, nullptr, {});
     HandPose hand{.place_m = {0.05, 0.056, 0.05}};
     DVec3 speed(0);
-    double least_J = 0, most_N = 0;
+    double min_J = 0, most_N = 0;
     for (int k = 0; k < steps; ++k) {
       speed = 0.98 * speed - DVec3(0, 4e-3, 0);
       for (int axis = 0; axis < 3; ++axis) speed[axis] += 0.05 * push(random);
       hand.place_m = glm::clamp(hand.place_m + kMatterStep_s * speed, DVec3(0.03, 0.03, 0.03), DVec3(0.07, 0.08, 0.07));
       world->step({&hand, 1});
-      least_J = std::min(least_J, world->portEnergy_J(0));
+      min_J = std::min(min_J, world->portEnergy_J(0));
       most_N = std::max(most_N, glm::length(world->answers()[0].reaction_N));
     }
     REQUIRE(world->state() == MatterState::running);
-    leastOfAll_J = std::min(leastOfAll_J, least_J);
+    leastOfAll_J = std::min(leastOfAll_J, min_J);
     CHECK(most_N > 0.3);
   }
   checkAtMost("energy that random hands get out of a soft body by a ball, mJ", 1e3 * std::abs(leastOfAll_J), 1);

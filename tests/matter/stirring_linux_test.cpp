@@ -33,18 +33,18 @@ TEST_CASE("water stirred for seconds by a hand uses no more memory and releases 
   scene.tool = {.radius_mm = 20, .mass_kg = 0.034};
   const auto world = atRest(onCpu(), scene, 1);
   std::size_t early = 0;
-  double least_J = 0, mostKinetic_J = 0;
+  double min_J = 0, mostKinetic_J = 0;
   for (int k = 0; k < byTier(2000, 4000); ++k) {
     const double angle = 0.008 * k, down_m = std::min(5e-4 * k, 0.05);
     const HandPose hand{.place_m = {0.05 + 0.02 * std::cos(angle), 0.11 - down_m, 0.05 + 0.02 * std::sin(angle)}};
     world->step({&hand, 1});
-    least_J = std::min(least_J, world->portEnergy_J(0));
+    min_J = std::min(min_J, world->portEnergy_J(0));
     mostKinetic_J = std::max(mostKinetic_J, world->totals().kinetic_J);
     if (k == byTier(500, 1000)) early = memoryBytes();
   }
   REQUIRE(world->state() == MatterState::running);
   CHECK(memoryBytes() < early + (1u << 20));
-  CHECK(least_J >= -1e-3);
+  CHECK(min_J >= -1e-3);
   CHECK(world->portEnergy_J(0) > 1e-3);
   CHECK(mostKinetic_J < 0.1);
   CHECK(missingMomentum(*world) <= 1e-5);

@@ -59,7 +59,7 @@ void checkRandomHands(const MatterMaker& make, Matter matter, double gain, int h
   if (matter == Matter::sand) scene.density_kg_m3 = 1600;
   std::mt19937 random(7);
   std::normal_distribution<double> push;
-  double least_J = 0;
+  double min_J = 0;
   for (int each = 0; each < hands; ++each) {
     const auto world = atRest(make, scene, 1);
     HandPose hand{.place_m = {0.07, 0.14, 0.07}};
@@ -69,7 +69,7 @@ void checkRandomHands(const MatterMaker& make, Matter matter, double gain, int h
       for (int axis = 0; axis < 3; ++axis) speed[axis] += 0.05 * push(random);
       hand.place_m = glm::clamp(hand.place_m + kMatterStep_s * speed, DVec3(0.03), DVec3(0.11, 0.14, 0.11));
       world->step({&hand, 1});
-      least_J = std::min(least_J, world->portEnergy_J(0));
+      min_J = std::min(min_J, world->portEnergy_J(0));
     }
     REQUIRE(world->state() == MatterState::running);
     CHECK(world->portEnergy_J(0) > 1e-3);
@@ -77,7 +77,7 @@ void checkRandomHands(const MatterMaker& make, Matter matter, double gain, int h
   const double coupling_N_mm = 1e-3 * couplingStiffness_N_m(scene);
   checkAtMost(fmt::format("energy that random hands get out of {}, gain {:g}, {:.3g} N/mm, in mJ",
                           nameOf(kMatters, matter), gain, coupling_N_mm),
-              1e3 * std::abs(least_J), 1);
+              1e3 * std::abs(min_J), 1);
 }
 
 void checkPortEnergy(const MatterMaker& make, int steps, double share) {

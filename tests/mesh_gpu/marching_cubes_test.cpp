@@ -26,17 +26,17 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
                        {"bumpy-sphere", 8000, 2, 0},
                        {"cube", 8000, 2, 1e6}};
   for (const Truth& truth : truths)
-    for (const std::uint32_t lattice : byTier<std::vector<std::uint32_t>>({13, 32}, {13, 32, 50})) {
+    for (const std::uint32_t resolution : byTier<std::vector<std::uint32_t>>({13, 32}, {13, 32, 50})) {
       CAPTURE(truth.shape);
-      CAPTURE(lattice);
-      const MeshScene scene = meshScene(truth.shape, truth.points, {.lattice = lattice});
+      CAPTURE(resolution);
+      const MeshScene scene = meshScene(truth.shape, truth.points, {.resolution = resolution});
       const Mesh mesh = meshOnGpu(device, scene);
       checkClosed(mesh);
       const MeshReport report = examine(mesh);
       CHECK(report.euler() == truth.euler);
       CHECK(report.parts == 1);
       // The tube of the torus is narrower than the support radius of the coarsest lattice.
-      if (truth.volume > 0) CHECK(report.volume == near(truth.volume, lattice < 20 ? 0.05 : 0.01));
+      if (truth.volume > 0) CHECK(report.volume == near(truth.volume, resolution < 20 ? 0.05 : 0.01));
       CHECK(report.volume > 0);
     }
 }
@@ -50,7 +50,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "the GPU's mesh has the triangles and vertices
       // them.
       const bool sharp = surface == MeshSurface::sharp;
       const MeshScene scene =
-          meshScene(shape, 2500, {.lattice = sharp ? 26u : 17u, .surface = surface, .radius = sharp ? 9.0 : 0.0});
+          meshScene(shape, 2500, {.resolution = sharp ? 26u : 17u, .surface = surface, .radius = sharp ? 9.0 : 0.0});
       const Mesh mesh = meshOnGpu(device, scene), expected = meshReference(scene.cloud, scene.plan);
       CHECK(mesh.triangles.size() > 500);
       CHECK(mesh.triangles == expected.triangles);

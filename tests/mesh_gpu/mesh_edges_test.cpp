@@ -34,7 +34,7 @@ TEST_CASE_FIXTURE(GpuFixture, "empty, tiny and coincident clouds give no mesh or
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "a plane gives one open sheet that ends near its last points") {
-  const MeshScene scene = meshScene("plane", 3000, {.lattice = 40});
+  const MeshScene scene = meshScene("plane", 3000, {.resolution = 40});
   const Mesh mesh = meshOnGpu(device, scene);
   const MeshReport report = examine(mesh);
   CHECK(report.parts == 1);
@@ -53,21 +53,21 @@ TEST_CASE_FIXTURE(GpuFixture, "a plane gives one open sheet that ends near its l
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "lattices of one or few cells, and of no multiple of a block, are meshed") {
-  for (const std::uint32_t lattice : {1u, 2u, 3u, 7u, 8u, 9u, 17u}) {
-    CAPTURE(lattice);
-    const MeshScene scene = meshScene("sphere", 1500, {.lattice = lattice});
+  for (const std::uint32_t resolution : {1u, 2u, 3u, 7u, 8u, 9u, 17u}) {
+    CAPTURE(resolution);
+    const MeshScene scene = meshScene("sphere", 1500, {.resolution = resolution});
     const Mesh mesh = meshOnGpu(device, scene);
     CHECK(examine(mesh).crowdedEdges == 0);
     CHECK(examine(mesh).flat == 0);
-    if (lattice >= 7) checkClosed(mesh);
+    if (resolution >= 7) checkClosed(mesh);
   }
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "a mesh far from zero or at negative coordinates is the same up to rounding") {
-  const MeshScene here = meshScene("torus", 3000, {.lattice = 24});
+  const MeshScene here = meshScene("torus", 3000, {.resolution = 24});
   const Mesh expected = meshOnGpu(device, here);
   for (const DVec3& center : {DVec3(-300, -700, -900), DVec3(5e6, -3e6, 1e6)}) {
-    const MeshScene far = meshScene("torus", 3000, {.lattice = 24}, center);
+    const MeshScene far = meshScene("torus", 3000, {.resolution = 24}, center);
     const Mesh mesh = meshOnGpu(device, far);
     checkClosed(mesh);
     CHECK(examine(mesh).euler() == 0);
@@ -93,7 +93,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a surface exactly through lattice nodes has no ho
           cloud.normals.push_back(normal);
         }
   for (const MeshSurface surface : {MeshSurface::average, MeshSurface::sphere}) {
-    MeshScene scene = meshScene(cloud, {.lattice = kSide, .surface = surface});
+    MeshScene scene = meshScene(cloud, {.resolution = kSide, .surface = surface});
     scene.plan.lattice.origin = Vec3(-8);
     scene.plan.lattice.cell = 1;
     scene.plan.lattice.blocks = {5, 5, 5};
@@ -114,7 +114,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a lattice with more blocks than one axis of a
         places.emplace_back(corner + static_cast<float>(i), corner + static_cast<float>(j), corner);
   const MeshScene scene = [&] {
     MeshScene made{.cloud = pointsAt(places), .spacing = 1};
-    made.plan = planMesh(boundsOf(made.cloud), 1, {.lattice = 2048});
+    made.plan = planMesh(boundsOf(made.cloud), 1, {.resolution = 2048});
     return made;
   }();
   CHECK(shared::blockCount(scene.plan.lattice) > 256u * 65'535);
@@ -126,8 +126,8 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a lattice with more blocks than one axis of a
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "the memory of a mesh is predicted before it is built, and refused if it does not fit") {
-  for (const std::uint32_t lattice : {16u, 40u}) {
-    const MeshScene scene = meshScene("bumpy-sphere", 4000, {.lattice = lattice});
+  for (const std::uint32_t resolution : {16u, 40u}) {
+    const MeshScene scene = meshScene("bumpy-sphere", 4000, {.resolution = resolution});
     const MeshMemory predicted = predictMeshMemory(scene.cloud, scene.plan);
     MarchingCubes cubes(device, scene.cloud, scene.plan);
     CHECK(cubes.build().blocks == predicted.blocks);
@@ -136,11 +136,11 @@ TEST_CASE_FIXTURE(GpuFixture, "the memory of a mesh is predicted before it is bu
     requireMeshMemory(device, predicted);
   }
   CHECK_THROWS_AS(requireMeshMemory(device, {.lattice = device.ownMemory() + 1}), OutOfGpuMemory);
-  CHECK_THROWS_AS(planMesh({DVec3(0), DVec3(1)}, 0.5, {.lattice = kFinestLattice}), Error);
+  CHECK_THROWS_AS(planMesh({DVec3(0), DVec3(1)}, 0.5, {.resolution = kMaxResolution}), Error);
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "vertices get the colours of the points around them") {
-  MeshScene scene = meshScene("sphere", 3000, {.lattice = 20});
+  MeshScene scene = meshScene("sphere", 3000, {.resolution = 20});
   for (const Vec3& place : scene.cloud.positions)
     scene.cloud.colors.push_back(place.x > 0 ? std::array<std::uint8_t, 4>{255, 0, 0, 255}
                                              : std::array<std::uint8_t, 4>{0, 0, 255, 255});

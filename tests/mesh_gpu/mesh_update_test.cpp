@@ -39,7 +39,7 @@ void checkSameAsFresh(Device& device, const MarchingCubes& followed, const Point
 TEST_CASE_FIXTURE(GpuFixture,
                   "after dents the updated mesh equals a new build, and only blocks near them are processed") {
   // Two meshes at a time are many buffers for an instrumented shader: a smaller support reduces its loop iterations.
-  MeshScene scene = meshScene("sphere", 4000, {.lattice = 42, .radius = 7.5});
+  MeshScene scene = meshScene("sphere", 4000, {.resolution = 42, .radius = 7.5});
   MarchingCubes cubes(device, scene.cloud, scene.plan);
   const MeshStep whole = cubes.build();
   CHECK(whole.treated == whole.blocks);
@@ -53,7 +53,7 @@ TEST_CASE_FIXTURE(GpuFixture,
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "mesh updates handle points that jump, are removed, added and restored, anywhere") {
-  MeshScene scene = meshScene("torus", 3000, {.lattice = 24, .room = 0.3});
+  MeshScene scene = meshScene("torus", 3000, {.resolution = 24, .room = 0.3});
   constexpr std::uint32_t kSpare = 40;
   MarchingCubes cubes(device, scene.cloud, scene.plan, kSpare);
   cubes.build();
@@ -84,7 +84,7 @@ TEST_CASE_FIXTURE(GpuFixture, "mesh updates handle points that jump, are removed
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "the later of two edits of a point counts, and no edit leaves the mesh unchanged") {
-  MeshScene scene = meshScene("sphere", 2000, {.lattice = 16});
+  MeshScene scene = meshScene("sphere", 2000, {.resolution = 16});
   MarchingCubes cubes(device, scene.cloud, scene.plan);
   cubes.build();
   const Mesh before = cubes.download();
@@ -97,7 +97,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the later of two edits of a point counts, and no 
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "a mesh of a subsampled cloud follows edits too") {
-  MeshScene scene = meshScene("sphere", 12'000, {.lattice = 16});
+  MeshScene scene = meshScene("sphere", 12'000, {.resolution = 16});
   REQUIRE(scene.plan.share < 0.8);
   const Mesh followed = [&] {  // one at a time, since an instrumented shader has a limited number of loop iterations
     MarchingCubes cubes(device, scene.cloud, scene.plan);
@@ -110,7 +110,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a mesh of a subsampled cloud follows edits too") 
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "all points may be removed from a mesh and restored") {
-  MeshScene scene = meshScene("sphere", 500, {.lattice = 8});
+  MeshScene scene = meshScene("sphere", 500, {.resolution = 8});
   MarchingCubes cubes(device, scene.cloud, scene.plan);
   cubes.build();
   const Mesh before = cubes.download();

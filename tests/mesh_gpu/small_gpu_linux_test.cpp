@@ -10,7 +10,7 @@ namespace palpate::small_gpu_test {
 TEST_SUITE_BEGIN(kPortable);
 
 TEST_CASE("a GPU with small workgroups gives the same mesh") {
-  const MeshScene scene = meshScene("torus", 8000, {.lattice = 32});
+  const MeshScene scene = meshScene("torus", 8000, {.resolution = 32});
   const Mesh expected = meshOnGpu(plainDevice(), scene);
   const LostGpuLayer layer(kMinGpu);
   Device small({.gpu = "", .validation = askedCoreValidation()});

@@ -38,12 +38,12 @@ struct Blended {
     maker.normalsByPixel(points, before.depth_m.size(), normals);
     maker.make(camera, frame, origin, points);
     blend.follow(camera, {.frame = before, .normals = normals}, frame, origin, maker.pixels(),
-                 {.between_s = kPeriod_s, .since_s = since_s, .goOn_s = kPeriod_s}, points);
+                 {.between_s = kPeriod_s, .since_s = since_s, .lasts_s = kPeriod_s}, points);
     requireWhole(points, frame.depth_m.size());
     REQUIRE(maker.pixels().size() == points.size());
   }
   DVec3 placeAfter(std::size_t i, double time_s) const {
-    return DVec3(points.positions[i]) + std::min(time_s, points.goOn_s) * DVec3(points.velocities[i]);
+    return DVec3(points.positions[i]) + std::min(time_s, points.extrapolationLimit_s) * DVec3(points.velocities[i]);
   }
 };
 
@@ -180,13 +180,13 @@ TEST_CASE("points not observed before stay at rest: too far away, outside the im
 TEST_CASE("the first frame does not move") {
   const DepthCamera camera = smallCamera();
   CloudFrame points;
-  points.goOn_s = 7;
+  points.extrapolationLimit_s = 7;
   points.velocities.resize(3);
   DepthBlend blend;
   DepthPoints().make(camera, planeFrame(camera, {0, 0, 1}, 0.5), DVec3(0), points);
   blend.begin(points);
   CHECK(points.velocities.empty());
-  CHECK(points.goOn_s == kMaxPointsAge_s);
+  CHECK(points.extrapolationLimit_s == kMaxPointsAge_s);
 }
 
 }  // namespace palpate::depth_blend_test

@@ -109,7 +109,7 @@ TEST_CASE("points of a row sensor move from the previous surface along their ray
     maker.make(kRays, frame, DVec3(0), points);
     DepthBlend blend;
     blend.follow(kRays, {.frame = before, .normals = normals}, frame, DVec3(0), maker.pixels(),
-                 {.between_s = 0.05, .goOn_s = 0.05}, points);
+                 {.between_s = 0.05, .lasts_s = 0.05}, points);
     REQUIRE(points.size() == 4);
     for (std::size_t i = 0; i < 3; ++i) {
       CHECK(points.positions[i].z == near(1, 1e-6));
@@ -126,7 +126,7 @@ TEST_CASE("points of a row sensor move from the previous surface along their ray
   maker.make(kRays, leap, DVec3(0), points);
   const std::vector<Vec3> normals = normalsOf(before);
   DepthBlend().follow(kRays, {.frame = before, .normals = normals}, leap, DVec3(0), maker.pixels(),
-                      {.between_s = 0.05, .goOn_s = 0.05}, points);
+                      {.between_s = 0.05, .lasts_s = 0.05}, points);
   for (const Vec3& velocity : points.velocities) CHECK(velocity == Vec3(0));
   DepthFrame odd = leap;
   odd.points->rays.back() = 4;

@@ -92,7 +92,7 @@ def test_files_go_and_come_back(tmp_path):
     for name in ("ball.ply", "ball.pcd", "ball.npy"):
         pp.write(tmp_path / name, cloud)
         assert np.array_equal(pp.read(tmp_path / name).xyz, cloud.xyz)
-        pp.write(str(tmp_path / name), cloud, keep=True)
+        pp.write(str(tmp_path / name), cloud, backup=True)
         assert (tmp_path / (name + ".bak")).exists()
     assert ".las" in pp.formats_read() and ".ply" in pp.formats_written()
     with pytest.raises(pp.UsageError):

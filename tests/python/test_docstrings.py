@@ -7,6 +7,7 @@ import re
 
 import palpate as pp
 import pytest
+from palpate import _types
 
 
 def public_names():
@@ -21,7 +22,7 @@ def public_names():
                 continue
             for member, value in vars(owner).items():
                 if not member.startswith("_"):
-                    yield f"{name}.{member}", value
+                    yield f"{name}.{member}", value.__func__ if isinstance(value, classmethod) else value
 
 
 NAMES = dict(public_names())
@@ -52,7 +53,9 @@ def test_units_and_shapes_are_said(name, unit):
 
 
 def keywords_of(thing: object) -> list[str]:
-    """Its keywords; for **brush those of a brush. The compiled part gives them in the first line of its docstrings."""
+    """Its keywords; for **brush and **options those of a brush and of all sessions. The compiled part gives them in the
+    first line of its docstrings.
+    """
     usage = re.match(r"\w+(\(.*\))", text_of(thing).partition("\n")[0])
     if usage:
         names = re.findall(r"[(,] ?(\*{0,2}[a-z]\w*)", usage[1])
@@ -62,8 +65,8 @@ def keywords_of(thing: object) -> list[str]:
         except ValueError:
             return []  # a compiled class that calls return
         names = [f"{'**' * (each.kind is each.VAR_KEYWORD)}{each.name}" for each in parameters]
-    settings = pp._palpate._brush_settings()
-    return [each for name in names if name != "self" for each in (settings if name == "**brush" else [name])]
+    open_ones = {"**brush": pp._palpate._brush_settings(), "**options": list(_types.SessionOptions.__annotations__)}
+    return [each for name in names if name not in ("self", "cls") for each in open_ones.get(name, [name])]
 
 
 def prose_of(name: str, thing: object) -> str:
@@ -91,4 +94,5 @@ def test_a_keyword_without_a_description_is_found():
     assert keywords_of(press) == ["depth_mm", "rate_Hz"]
     assert "rate_Hz" not in prose_of("press", press)
     assert set(keywords_of(pp.Session.stroke)) > {"path", "kind", "radius_mm", "strength"}
+    assert set(keywords_of(NAMES["Session.of_frames"])) > {"cloud", "max_points", "friction", "backend"}
     assert "strength" in prose_of("Session.push", pp.Session.push)

@@ -19,7 +19,7 @@ STAND = np.tile([0.3, -0.2, RADIUS + 1], (100, 1))
 @pytest.fixture
 def moving():
     xyz, normals = ball_arrays(5000)
-    with pp.Session(pp.Cloud(xyz, normals=normals), gpu="cpu", mm_per_unit=1, surface="sphere", moving=True) as opened:
+    with pp.Session.of_frames(pp.Cloud(xyz, normals=normals), "cpu", 1, surface="sphere") as opened:
         yield opened, xyz, normals
 
 
@@ -50,7 +50,7 @@ def test_frames_come_from_another_thread_while_it_is_live(moving):
     camera.start()
     camera.join()
     time.sleep(0.3)
-    t = live.take()
+    t = live.read_ticks()
     live.stop()
     assert not t["contact"][3] and t["contact"][-1] and t["penetration_mm"][-1] == pytest.approx(1, rel=0.25)
 
@@ -81,11 +81,11 @@ def test_what_is_no_frame_is_refused(moving, ball):
     with pytest.raises(pp.Error) as caught:
         s.add_frame(1, xyz, normals)
     assert caught.value.status == "handle"
-    for wrong in ({"most_points": 9}, {"keeps_points": True}):
-        with pytest.raises(ValueError, match="moving"):
+    with pytest.raises(ValueError, match="max_points: 9 are fewer"):
+        pp.Session.of_frames(ball, gpu="cpu", max_points=9)
+    for wrong in ({"max_points": 9}, {"stable_rows": True}):
+        with pytest.raises(TypeError, match="there is no argument"):
             pp.Session(ball, gpu="cpu", **wrong)
-    with pytest.raises(ValueError, match="moving"):
-        pp.Session("water", gpu="cpu", moving=True)
 
 
 def write_recording(folder) -> str:
@@ -107,7 +107,7 @@ def write_recording(folder) -> str:
 def test_a_recorded_depth_camera_is_felt(tmp_path, ball):
     folder = write_recording(tmp_path)
     stand = np.tile([0, 0, 0.4975], (120, 1))
-    with pp.Session(folder, gpu="cpu", mm_per_unit=1000) as s:
+    with pp.Session.of_stream(folder, gpu="cpu", mm_per_unit=1000) as s:
         assert s.mm_per_unit == 1000 and s.points == 1200
         t = s.touch(stand)
         assert not t["contact"][15] and t["contact"][60]
@@ -115,13 +115,13 @@ def test_a_recorded_depth_camera_is_felt(tmp_path, ball):
         assert 0.4905 < s.frame().positions[:, 2].max() < 0.4925  # from the last frames
         with pytest.raises(pp.UsageError):
             s.push(stand)
-    with pp.Session(folder, gpu="cpu", mm_per_unit=1000, speed=0.1, loop=True) as slow:
+    with pp.Session.of_stream(folder, gpu="cpu", mm_per_unit=1000, speed=0.1, loop=True) as slow:
         assert not slow.touch(stand)["contact"].any()
     with pytest.raises(pp.UsageError, match="speed"):
-        pp.Session(folder, gpu="cpu", speed=-1)
+        pp.Session.of_stream(folder, gpu="cpu", speed=-1)
     with pytest.raises(ValueError, match="speed"):
         pp.Session(ball, gpu="cpu", speed=2)
     (tmp_path / "empty").mkdir()
     with pytest.raises(pp.Error) as caught:
-        pp.Session(str(tmp_path / "empty"), gpu="cpu")
+        pp.Session.of_stream(tmp_path / "empty", gpu="cpu")
     assert caught.value.status == "file"

@@ -66,7 +66,7 @@ def test_live_hands_come_in_blocks_of_all_of_them(ball):
 
 
 def test_two_hands_in_one_water(tmp_path):
-    with pp.Session("water", gpu="cpu", hands=2) as water:
+    with pp.Session.of_scene("water", gpu="cpu", hands=2) as water:
         box = water.frame().positions.max(axis=0)
         still = np.tile(box * (0.25, 0.4, 0.5), (60, 1))
         height = np.linspace(box[1] + 40, box[1], 60)
@@ -85,11 +85,11 @@ def test_a_pad_gives_torques(ball):
 
 
 def test_a_law_in_python_is_refused_unless_it_is_allowed(ball):
-    with pytest.raises(TypeError, match="allow_python"):
+    with pytest.raises(TypeError, match="allow_python_law"):
         pp.Session(ball, gpu="cpu", law=lambda tick: (0, 0, 0))
     for wrong in (3.5, object(), True):
         with pytest.raises(TypeError):
-            pp.Session(ball, gpu="cpu", law=wrong, allow_python=True)
+            pp.Session(ball, gpu="cpu", law=wrong, allow_python_law=True)
 
 
 def test_a_short_name_of_a_live_law_is_not_lost(ball):
@@ -105,7 +105,7 @@ def test_a_law_in_python_says_the_force_of_each_tick(ball):
         seen.append((tick.t_s, tick.dt_s, tick.hip, tick.proxy, tick.normal, tick.neighbours, tick.fresh))
         return [f / 2 for f in tick.force_N]
 
-    with pp.Session(ball, gpu="cpu", mm_per_unit=1, law=half, allow_python=True) as s:
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1, law=half, allow_python_law=True) as s:
         t = s.touch(press_path(1))
     assert t["force_N"][-1, 2] == pytest.approx(0.4 * t["penetration_mm"][-1], rel=1e-3)
     assert len(seen) == t["contact"].sum()
@@ -117,7 +117,7 @@ def test_a_law_in_python_says_the_force_of_each_tick(ball):
 
 @pytest.mark.parametrize("answer", [None, (1, 2), "abc", (0, 0, float("nan")), (float("inf"), 0, 0)])
 def test_a_law_that_gives_no_force_is_an_error_and_its_force_zero(ball, answer):
-    with pp.Session(ball, gpu="cpu", mm_per_unit=1, law=lambda tick: answer, allow_python=True) as s:
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1, law=lambda tick: answer, allow_python_law=True) as s:
         for _ in range(2):
             with pytest.raises((TypeError, ValueError), match="law"):
                 s.touch(press_path(1))
@@ -127,12 +127,12 @@ def test_what_a_law_raises_comes_out_by_path_and_live(ball):
     def fails(tick):
         raise KeyError("mine")
 
-    with pp.Session(ball, gpu="cpu", mm_per_unit=1, law=fails, allow_python=True) as s:
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1, law=fails, allow_python_law=True) as s:
         with pytest.raises(KeyError, match="mine"):
             s.touch(press_path(1))
         live = s.live(path=np.array([[0, 0, 0, 51], [0.05, 0, 0, 49]]))
         time.sleep(0.3)
-        assert (live.take()["force_N"] == 0).all()
+        assert (live.read_ticks()["force_N"] == 0).all()
         with pytest.raises(KeyError, match="mine"):
             live.stop()
 
@@ -147,15 +147,15 @@ def test_a_live_law_in_python_is_felt_and_a_late_one_fades(ball):
 
     timed = np.array([[0, 0, 0, 51], [0.05, 0, 0, 49]])
     with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s:
-        live = s.live(path=timed, rate=500, law=upwards, allow_python=True)
+        live = s.live(path=timed, rate=500, law=upwards, allow_python_law=True)
         time.sleep(0.5)
-        prompt = live.take()
+        prompt = live.read_ticks()
         assert prompt["force_N"][-50:, 2].max() == pytest.approx(1.25)
         slow.set()
         time.sleep(0.15)
-        live.take()
+        live.read_ticks()
         time.sleep(0.35)
-        late = live.take()
+        late = live.read_ticks()
         assert late["contact"].all() and (late["force_N"][:, 2] == 0).any()  # after 50 ms a force is zero
         assert live.late_laws > 50
         live.stop()
@@ -163,7 +163,7 @@ def test_a_live_law_in_python_is_felt_and_a_late_one_fades(ball):
 
 
 def test_a_session_with_a_live_law_in_python_can_be_forgotten(ball):
-    s = pp.Session(ball, gpu="cpu", mm_per_unit=1, law=lambda tick: (0, 0, 1), allow_python=True)
+    s = pp.Session(ball, gpu="cpu", mm_per_unit=1, law=lambda tick: (0, 0, 1), allow_python_law=True)
     s.live(path=np.array([[0, 0, 0, 51], [0.05, 0, 0, 49]]))
     time.sleep(0.1)
     s.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
 import json
 import os
@@ -35,6 +36,7 @@ def test_each_hint_lists_exactly_the_words_that_the_library_accepts(ball: pp.Clo
         assert words_in_error(lambda: pp.Session(ball, gpu="cpu", surface=wrong)) == set(get_args(_types.SurfaceKind))
         assert words_in_error(lambda: session.touch(path, surface=wrong)) == set(get_args(_types.SurfaceKind))
         assert words_in_error(lambda: pp.Session(ball, gpu="cpu", tool=wrong)) == set(get_args(_types.ToolKind))
+        assert words_in_error(lambda: pp.Session(ball, backend=wrong)) == set(get_args(_types.Backend))
         assert words_in_error(lambda: session.stroke(path, wrong)) == set(get_args(_types.BrushKind))
         assert words_in_error(lambda: session.set_brush(wrong)) == set(get_args(_types.BrushKind))
         assert words_in_error(lambda: session.mesh(surface=wrong)) == set(get_args(_types.MeshSurface))
@@ -66,6 +68,8 @@ KEYWORDS = {
     "tool_points": "tool.points",
     "tool_size_mm": "tool.size_mm",
     "tool_axis": "tool.axis",
+}
+OF_STREAMS = {
     "speed": "stream.speed",
     "loop": "stream.loop",
     "fuse": "stream.fuse",
@@ -74,14 +78,24 @@ KEYWORDS = {
 
 def test_the_keywords_of_a_session_have_the_defaults_of_the_settings() -> None:
     defaults = table()
-    parameters = inspect.signature(pp.Session.__init__).parameters
-    in_c = (_palpate._Session.__init__.__doc__ or "").replace("'", "")  # pybind11 takes these from the C interface
+    described = dict(re.findall(r"^ {4}(\w+): ((?:.*\n)+?)(?= {0,4}\w|\n|\Z)", inspect.getdoc(pp.Session) or "", re.M))
     for keyword, path in KEYWORDS.items():
-        usual = defaults[path]
-        given = parameters[keyword].default
+        said = re.search(r"\(default\s+(.+?)\)(?:\.|\s|$)", described[keyword])
+        assert said, keyword
+        usual, given = defaults[path], ast.literal_eval(said[1])
         assert (list(given) if isinstance(given, tuple) else given) == usual, keyword
-        if isinstance(usual, float) and f" {keyword}: float = " in in_c:
-            assert float(in_c.split(f" {keyword}: float = ")[1].split(",")[0]) == usual, keyword
+    parameters = inspect.signature(pp.Session.of_stream).parameters
+    for keyword, path in OF_STREAMS.items():
+        assert parameters[keyword].default == defaults[path], keyword
+
+
+def test_the_options_of_sessions_are_those_of_the_stub_each_described() -> None:
+    stub = (Path(pp.__file__).parent / "_palpate.pyi").read_text()
+    declared = stub.split("class _Session:")[1].split(") ->")[0]
+    options = set(_types.SessionOptions.__annotations__)
+    assert set(re.findall(r"^ +(\w+): ", declared, re.M)) == options | {"source", "gpu", "mm_per_unit"}
+    said = set(re.findall(r"^ {4}(\w+): ", inspect.getdoc(pp.Session) or "", re.M))
+    assert said == options | {"cloud", "gpu", "mm_per_unit", "options"}
 
 
 def test_each_setting_of_a_brush_is_a_keyword_in_the_stub() -> None:

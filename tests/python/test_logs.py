@@ -22,7 +22,7 @@ def recorded(session, tmp_path):
 
 def test_a_recorded_stroke_is_read_as_arrays(recorded):
     file, t = recorded
-    log = pp.read_log(file)
+    log = pp.read_recording(file)
     assert len(log.ticks) == 200 and log.ended and log.missing == [] and log.points == 20_000
     assert "200 ticks" in repr(log) and log.lost_ticks == 0 and log.merged_edits == 0
     for name in ("t_s", "force_N", "proxy", "contact", "fresh", "neighbours"):
@@ -45,7 +45,7 @@ def test_a_recorded_session_comes_out_the_same_to_the_last_bit(recorded, ball):
     file, t = recorded
     again = pp.replay(file, ball)
     assert again.identical and again.compared == again.ticks == 200 and again.points == 0
-    assert again.first_difference_s is None and again.recorded_edits_agree and again.because == ""
+    assert again.first_difference_s is None and again.recorded_edits_agree and again.reason == ""
     with pytest.raises(pp.Error, match="does not exist"):
         pp.replay(file)
     with pytest.raises(pp.Error, match="points"):
@@ -77,7 +77,7 @@ def test_a_live_session_is_recorded(session, tmp_path, ball):
         time.sleep(0.4)
         with pytest.raises(pp.Error):
             session.record(file)
-    log = pp.read_log(file)
+    log = pp.read_recording(file)
     assert len(log.ticks) > 30 and log.ended and log.header["config"]["realtime"]
     assert pp.replay(file, ball).force_ticks == 0
 
@@ -86,16 +86,16 @@ def test_what_cannot_be_recorded_or_read_is_refused(session, ball, tmp_path):
     session.push(press_path(4, 150, 50), radius_mm=5)
     with pytest.raises(pp.Error, match="edited"):
         session.record(tmp_path / "b.session")
-    with pp.Session(ball, gpu="cpu", law=lambda tick: (0, 0, 0), allow_python=True) as lawful:
+    with pp.Session(ball, gpu="cpu", law=lambda tick: (0, 0, 0), allow_python_law=True) as lawful:
         with pytest.raises(pp.Error, match="law"):
             lawful.record(tmp_path / "b.session")
     for content in (b"", b"palplog", os.urandom(5000)):
         (tmp_path / "c.session").write_bytes(content)
         with pytest.raises(pp.Error) as caught:
-            pp.read_log(tmp_path / "c.session")
+            pp.read_recording(tmp_path / "c.session")
         assert caught.value.file and "c.session" in caught.value.file
         with pytest.raises(pp.Error):
             pp.replay(tmp_path / "c.session")
     for wrong in (None, 3, [1]):
         with pytest.raises(TypeError):
-            pp.read_log(wrong)
+            pp.read_recording(wrong)

@@ -34,7 +34,7 @@ def tank(tmp_path) -> str:
 
 @pytest.fixture
 def water(tank):
-    with pp.Session(tank, gpu="cpu") as opened:
+    with pp.Session.of_scene(tank, gpu="cpu") as opened:
         yield opened
 
 
@@ -84,16 +84,16 @@ def test_a_hand_feels_water_and_time_goes_on_until_reset(water):
     frame = water.frame()
     assert frame.t_s == pytest.approx(first["t_s"][-1]) and frame.normals.shape == frame.positions.shape
     (energy,) = water.port_energies
-    assert energy.now_J > 0 and energy.least_J > -0.005 * energy.now_J  # during the ramp of the force
+    assert energy.now_J > 0 and energy.min_J > -0.005 * energy.now_J  # during the ramp of the force
     more = water.touch(dive()[-5:])
     assert more["t_s"][0] == pytest.approx(first["t_s"][-1] + 1e-3)
     water.reset()
     assert np.array_equal(water.touch(dive())["force_N"], first["force_N"])
-    water.hold()
-    assert water.held
+    water.pause()
+    assert water.paused
     assert (water.touch(dive())["force_N"] == 0).all()
     water.resume()
-    assert not water.held
+    assert not water.paused
     assert water.render((64, 48)).shape == (48, 64, 4)
     with pytest.raises(pp.UsageError):
         water.push(dive())
@@ -103,10 +103,10 @@ def test_a_gain_set_while_live_is_felt_at_once(water):
     timed = np.array([[0, 40, 100, 40], [0.3, 40, 35, 40]])
     live = water.live(path=timed, rate=500)
     time.sleep(0.8)
-    plain = live.take()["force_N"][-100:, 1].max()
+    plain = live.read_ticks()["force_N"][-100:, 1].max()
     water.set("gain", 4)
     time.sleep(0.3)
-    gained = live.take()["force_N"][-100:, 1].max()
+    gained = live.read_ticks()["force_N"][-100:, 1].max()
     one = water.frame()
     time.sleep(0.1)
     two = water.frame()
@@ -117,7 +117,7 @@ def test_a_gain_set_while_live_is_felt_at_once(water):
 
 def test_matter_that_diverges_raises_by_path_and_live(tmp_path):
     wild = np.array([[8, 16 if k % 4 < 2 else 0, 8] for k in range(1000)], dtype=float)
-    with pp.Session(scene_file(tmp_path, THIN), gpu="cpu") as thin:
+    with pp.Session.of_scene(scene_file(tmp_path, THIN), gpu="cpu") as thin:
         with pytest.raises(pp.Error, match="diverged") as caught:
             thin.touch(wild)
         assert caught.value.status == "simulation" and thin.failure == "has diverged"
@@ -137,11 +137,11 @@ def test_matter_that_diverges_raises_by_path_and_live(tmp_path):
 def test_a_soft_body_is_pressed_and_shaped(tmp_path):
     soft = {"matter": "soft", "box_mm": [120, 120, 120], "fill_mm": [60, 40, 60], "spacing_mm": 10, "young_Pa": 2e4}
     press = np.column_stack([np.full(300, 60.0), np.maximum(34, 48 - 0.07 * np.arange(300)), np.full(300, 60.0)])
-    with pp.Session(scene_file(tmp_path, soft), gpu="cpu") as jelly:
+    with pp.Session.of_scene(scene_file(tmp_path, soft), gpu="cpu") as jelly:
         felt = jelly.touch(press)
         assert felt["contact"][-1] and felt["force_N"][-1, 1] > 0.05
         jelly.push(press, radius_mm=15)
-        assert jelly.undoable == 1 and jelly.undo() == 1 and jelly.undoable == 0
+        assert jelly.undo_count == 1 and jelly.undo() == 1 and jelly.undo_count == 0
         with pytest.raises(pp.UsageError, match="carve"):
             jelly.carve(press)
 
@@ -149,7 +149,7 @@ def test_a_soft_body_is_pressed_and_shaped(tmp_path):
 @pytest.mark.parametrize("wrong", ["lava", "", "no.json", "nothing.ply in water"])
 def test_scenes_that_are_not_there(wrong):
     with pytest.raises(pp.Error):
-        pp.Session(wrong, gpu="cpu")
+        pp.Session.of_scene(wrong, gpu="cpu")
     with pytest.raises(pp.Error):
         pp.Matter(wrong, gpu="cpu")
 
@@ -158,15 +158,17 @@ def test_what_is_no_scene_and_no_cloud_is_refused(ball):
     for wrong in (None, 3, b"water", ball.xyz):
         with pytest.raises(TypeError):
             pp.Session(wrong, gpu="cpu")
+        with pytest.raises(TypeError):
+            pp.Session.of_scene(wrong, gpu="cpu")
     with pp.Session(ball, gpu="cpu") as still:
-        for call in (still.frame, still.hold, still.reset, lambda: still.set("gain", 1)):
+        for call in (still.frame, still.pause, still.reset, lambda: still.set("gain", 1)):
             with pytest.raises(pp.Error) as caught:
                 call()
             assert caught.value.status == "state"
 
 
 def test_after_the_end_everything_is_an_error(tank):
-    session, matter = pp.Session(tank, gpu="cpu"), pp.Matter(tank, gpu="cpu")
+    session, matter = pp.Session.of_scene(tank, gpu="cpu"), pp.Matter(tank, gpu="cpu")
     session.close()
     matter.close()
     matter.close()

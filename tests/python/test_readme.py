@@ -27,7 +27,7 @@ def test_the_example_of_the_readme_runs(tmp_path, monkeypatch):
     assert source.startswith("import numpy as np, palpate as pp\n")
     # A scan, a device, a short time and a small resolution replace those of the reader; the rest is unchanged.
     for shown, here in (("gpu=0", 'gpu="cpu", mm_per_unit=1'), ('"openhaptics"', '"sim", builtin="press"'),
-                        ("live.wait(60)", "live.wait(0.3)"), ("lattice=256", "lattice=64")):
+                        ("live.wait(60)", "live.wait(0.3)"), ("resolution=256", "resolution=64")):
         assert source.count(shown) == 1, shown
         source = source.replace(shown, here)
     xyz, normals = ball_arrays(20_000)
@@ -49,7 +49,7 @@ def test_the_example_of_scenes_logs_frames_and_tools_runs(ball, tmp_path, monkey
     # Everything smaller, and on the CPU; the folder of a depth camera is tested in test_frames.py.
     for shown, here in (('pp.Matter("dam")', 'pp.Matter("dam", gpu="cpu")'), ("simulate(0.5)", "simulate(0.01)"),
                         ('"water", hands=2', '"water", hands=2, gpu="cpu"'),
-                        ("moving=True)", 'moving=True, gpu="cpu")'),
+                        ("of_frames(cloud)", 'of_frames(cloud, gpu="cpu")'),
                         ("pp.Session(cloud) as r", 'pp.Session(cloud, gpu="cpu") as r'),
                         ('tool_points=16)', 'tool_points=16, gpu="cpu")')):
         assert source.count(shown) == 1, shown
@@ -73,17 +73,17 @@ def test_the_example_of_shared_sessions_runs(ball, tmp_path, monkeypatch):
     source = README.read_text().split("\n\nlan = ", 1)[1].split("\n```", 1)[0]
     source = "lan = " + source
     for shown, here in (('interface="eth0"', f"domain={own_domain()}"), ("server.wait(600)", "server.wait(0.1)"),
-                        ('hand="anna")', 'hand="anna"), gpu="cpu"')):
+                        ('hand_name="anna")', 'hand_name="anna", gpu="cpu")')):
         assert source.count(shown) == 1, shown
         source = source.replace(shown, here)
-    serving, joining = source.split("print(pp.sessions", 1)
+    serving, joining = source.split("print(pp.discover", 1)
     xyz, normals = ball_arrays(5000)
     seen = {"pp": pp, "xyz": xyz, "normals": normals, "path": press_path(1.0)}
     monkeypatch.chdir(tmp_path)
     exec(compile(serving, str(README), "exec"), seen)
     assert len(pp.read(tmp_path / "city.ply")) == 5000
     with pp.serve(ball, "city", seen["lan"], mm_per_unit=1) as server:  # of another program, in the README
-        exec(compile("print(pp.sessions" + joining, str(README), "exec"), seen)
+        exec(compile("print(pp.discover" + joining, str(README), "exec"), seen)
         assert server.sculptors == 1
 
 

@@ -51,10 +51,10 @@ def test_strokes_change_the_points_and_undo_gives_back_every_bit(session, ball):
     before = session.cloud().xyz.copy()
     assert np.array_equal(before, ball.xyz)
     t = session.push(press_path(4, 150, 50), radius_mm=5)
-    assert len(t) == 200 and session.undoable == 1
+    assert len(t) == 200 and session.undo_count == 1
     after = session.cloud().xyz
     assert len(after) != len(before) or not np.array_equal(after, before)
-    assert session.undo() == 1 and session.undo() == 0 and session.redoable == 1
+    assert session.undo() == 1 and session.undo() == 0 and session.redo_count == 1
     assert np.array_equal(session.cloud().xyz, before)
     assert session.redo() == 1
     assert np.array_equal(session.cloud().xyz, after)
@@ -85,10 +85,10 @@ def test_what_a_session_is(session, ball):
     assert session.points == len(ball) and session.mm_per_unit == 1 and session.rate_Hz == 1000
     assert session.radius_mm == pytest.approx(4 * session.spacing_mm, rel=0.2)
     assert session.backend == "cpu" and session.machine in repr(session)
-    assert session.remarks == []
+    assert session.messages == []
     bare = pp.Cloud(ball.positions[::10])
     with pp.Session(bare, gpu="cpu") as s:
-        assert "normals are estimated" in s.remarks[0]
+        assert "normals are estimated" in s.messages[0]
         assert s.mm_per_unit == pytest.approx(1, rel=0.01)  # the longest side becomes 100 mm
 
 
@@ -134,7 +134,7 @@ def test_pictures_are_arrays_with_the_ball_in_the_middle(session):
 
 
 def test_a_mesh_is_closed_and_as_large_as_the_ball(session, tmp_path):
-    mesh = session.mesh(lattice=32)
+    mesh = session.mesh(resolution=32)
     assert mesh.closed and "closed" in repr(mesh)
     a, b, c = (mesh.vertices[mesh.triangles[:, k]].astype(float) for k in range(3))
     volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
@@ -185,7 +185,7 @@ def test_live_ticks_come_in_blocks_while_python_does_what_it_likes(session):
         picture = session.render((64, 48))
         assert picture.shape == (48, 64, 4)
         with pytest.raises(pp.Error):
-            live.take()
+            live.read_ticks()
     assert not live.running
     ticks = np.concatenate([block for _, block in blocks])
     assert len(ticks) > 50 and len(blocks) > 1
@@ -209,7 +209,7 @@ def test_live_ticks_can_be_taken_and_sculpt(session):
     timed = np.array([[0, 0, 0, 52], [0.1, 0, 0, 46], [0.3, 0, 0, 46], [0.4, 0, 0, 60]])
     live = session.live(path=timed, rate=500)
     time.sleep(0.6)
-    assert len(live.take()) > 50
+    assert len(live.read_ticks()) > 50
     live.set_forces(False)
     live.stop()
     session.set_brush(None)

@@ -53,7 +53,7 @@ def served(ball: pp.Cloud, request):
 
 
 def joined(server: pp.Server, **how) -> pp.Session:
-    return pp.Session(pp.Join(server.name, NETWORK, **how), gpu="cpu")
+    return pp.Session.join(server.name, NETWORK, "cpu", **how)
 
 
 def another_python(program: str, *words: str) -> subprocess.Popen[str]:
@@ -72,7 +72,7 @@ def another_python(program: str, *words: str) -> subprocess.Popen[str]:
 def test_two_pythons_sculpt_one_cloud_and_end_with_the_same_points(served):
     before = checksum(served.cloud())
     other = another_python("""
-        with pp.Session(pp.Join(name, NETWORK, hand="over there"), gpu="cpu") as s:
+        with pp.Session.join(name, NETWORK, hand_name="over there", gpu="cpu") as s:
             print("joined", flush=True)
             path = np.array(eval(sys.argv[2]))
             s.push(path, radius_mm=5)
@@ -80,7 +80,7 @@ def test_two_pythons_sculpt_one_cloud_and_end_with_the_same_points(served):
             assert s.settle(60), s.sharing
             print(checksum(s.cloud()), s.sharing.received > 0, flush=True)
     """, served.name, repr(beside(press_path(3), 4).tolist()))
-    with joined(served, hand="here") as s:
+    with joined(served, hand_name="here") as s:
         assert other.stdout is not None and other.stdout.readline() == "joined\n"
         t = s.push(press_path(3), radius_mm=5)
         assert t["contact"].any() and s.mm_per_unit == 1
@@ -99,20 +99,20 @@ def test_two_pythons_sculpt_one_cloud_and_end_with_the_same_points(served):
 
 @needs_dds
 def test_a_live_hand_is_seen_and_sculpts_without_anybody_taking_its_ticks(served):
-    with joined(served, hand="anna") as s, joined(served, hand="ben") as watcher:
+    with joined(served, hand_name="anna") as s, joined(served, hand_name="ben") as watcher:
         s.set_brush("push", radius_mm=5)
         way = np.column_stack([np.linspace(0, 0.5, 200), press_path(2)])
         with s.live(path=way) as live:
             def is_seen_pressing() -> bool:
                 return any(h.name == "anna" and h.touching and h.sculpts and 0 <= h.age_s <= 2.5 and
-                           h.position[2] < h.proxy[2] < RADIUS + 1 for h in watcher.others)
+                           h.position[2] < h.proxy[2] < RADIUS + 1 for h in watcher.other_hands)
 
             assert until(is_seen_pressing)
             assert until(lambda: served.states > 20)
             with pytest.raises(pp.Error) as caught:
                 s.settle(1)
             assert caught.value.status == "state"
-            assert live.running and until(lambda: s.sharing.heard)
+            assert live.running and until(lambda: s.sharing.connected)
         assert s.settle(60) and watcher.settle(60)
         assert checksum(s.cloud()) == checksum(watcher.cloud()) == checksum(served.cloud())
         assert s.undo() == 1
@@ -122,22 +122,22 @@ def test_a_live_hand_is_seen_and_sculpts_without_anybody_taking_its_ticks(served
 
 @needs_dds
 def test_hands_of_who_is_near_are_seen_and_see_those_of_others(served):
-    with joined(served, hand="anna", near=True) as near, joined(served, hand="ben") as whole:
+    with joined(served, hand_name="anna", partial=True) as near, joined(served, hand_name="ben") as whole:
         # From outside to inside, and at rest there: a hand that starts inside has no contact.
         way = np.array([[0, 0, 0, RADIUS + 3], [1, 0, 0, RADIUS + 3], [2, 0, 0, RADIUS - 1], [20, 0, 0, RADIUS - 1]])
 
         def sees(who: pp.Session, name: str) -> bool:
-            return any(h.name == name and h.touching and h.position[2] < h.proxy[2] for h in who.others)
+            return any(h.name == name and h.touching and h.position[2] < h.proxy[2] for h in who.other_hands)
 
         with near.live(path=way), whole.live(path=way):
             assert until(lambda: sees(whole, "anna") and sees(near, "ben"))
         assert near.sharing.restarts == whole.sharing.restarts == 0
-        assert until(lambda: near.others == [] and whole.others == [])
+        assert until(lambda: near.other_hands == [] and whole.other_hands == [])
 
 
 @needs_dds
 def test_pictures_and_meshes_show_what_the_others_have_done(served):
-    with joined(served, hand="anna") as s, joined(served, hand="ben") as watcher:
+    with joined(served, hand_name="anna") as s, joined(served, hand_name="ben") as watcher:
         view = {"size": (96, 96), "eye": (0, 0, 3 * RADIUS), "target": (0, 0, 0), "up": (0, 1, 0)}
         before = watcher.render(**view)
         s.stroke(press_path(2), "paint", radius_mm=10, color=(0, 0, 255))
@@ -145,16 +145,16 @@ def test_pictures_and_meshes_show_what_the_others_have_done(served):
         assert s.settle(60) and watcher.settle(60)
         after = watcher.render(**view)
         assert not np.array_equal(after, before) and np.array_equal(after, s.render(**view))
-        assert watcher.mesh(lattice=48).vertices[:, 2].max() < RADIUS
+        assert watcher.mesh(resolution=48).vertices[:, 2].max() < RADIUS
 
 
 @needs_dds
 def test_sessions_are_listed_with_their_round_trips(served):
     def answered() -> list:
-        return [seen for seen in pp.sessions(NETWORK, 1) if seen.name == served.name and seen.answered > 0]
+        return [seen for seen in pp.discover(NETWORK, 1) if seen.name == served.name and seen.answered > 0]
 
     mine = awaited(answered)[0]
-    assert mine.points == served.points == 20_000 and mine.fits and mine.model == "a ball"
+    assert mine.points == served.points == 20_000 and mine.compatible and mine.model == "a ball"
     assert mine.round_trip_ms is not None and 0 < mine.round_trip_ms < 2000  # slower answers are not counted
 
 
@@ -162,16 +162,16 @@ def test_sessions_are_listed_with_their_round_trips(served):
 def test_what_is_felt_alone_takes_no_brush(ball):
     with pp.serve(ball, f"felt {os.getpid()}", NETWORK, read_only=True) as server, joined(server) as s:
         assert s.touch(press_path(1))["contact"].any()
-        assert not s.sharing.sculptable and s.others == []
+        assert not s.sharing.sculptable and s.other_hands == []
         with pytest.raises(pp.UsageError, match="served read-only"):
             s.push(press_path(1))
     with pp.serve(ball, f"felt {os.getpid()}", NETWORK) as server:
         with joined(server, read_only=True) as s, pytest.raises(pp.UsageError, match="read_only"):
             s.push(press_path(1))
         # Only the points around the hand are joined, and felt like all of them.
-        with joined(server, near=True) as near, joined(server, read_only=True) as whole:
+        with joined(server, partial=True) as near, joined(server, read_only=True) as whole:
             assert (near.touch(press_path(1))["force_N"] == whole.touch(press_path(1))["force_N"]).all()
-            assert until(lambda: near.sharing.heard)
+            assert until(lambda: near.sharing.connected)
             near.push(press_path(2), radius_mm=5)
             assert near.sharing.sent > 10 and near.sharing.delivered
             with pytest.raises(pp.Error, match="only the points around the hand"):
@@ -189,7 +189,7 @@ def test_a_server_that_is_served_anew_ends_a_hands_part_in_words(ball):
     s.push(press_path(2), radius_mm=5)
     live = s.live(path=press_path(1)[-1:])
     server.close()
-    assert until(lambda: not s.sharing.heard) and s.sharing.silent_s > 1.8
+    assert until(lambda: not s.sharing.connected) and s.sharing.silent_s > 1.8
     with pp.serve(ball, name, NETWORK):
         assert until(lambda: s.sharing.fault)
         with pytest.raises(pp.Error, match="was restarted without its edits") as caught:
@@ -233,7 +233,7 @@ def test_a_server_whose_journal_cannot_be_written_any_more_ends_and_says_why(tmp
             print(server.serving, len(server.cloud()), error.status, error, flush=True)
     """, name, str(tmp_path / "strokes"))
     assert program.stdout is not None and program.stdout.readline() == "serving\n"
-    with pp.Session(pp.Join(name, NETWORK, patience_s=3), gpu="cpu") as s:
+    with pp.Session.join(name, NETWORK, timeout_s=3, gpu="cpu") as s:
         s.push(np.column_stack([np.linspace(1.1, 0.8, 100), np.zeros(100), np.full(100, 0.5)]), radius_mm=5)
         assert not s.sharing.delivered  # and the client is not told that its strokes are kept
     out, _ = program.communicate(timeout=120)
@@ -251,22 +251,22 @@ def test_what_cannot_be_is_said(ball, served):
         (lambda: pp.serve(ball, "free", NETWORK, mm_per_unit=-1), pp.UsageError, "mm_per_unit"),
         (lambda: pp.serve(ball, "free", NETWORK, read_only=True, journal="j"), pp.UsageError, "journal"),
         (lambda: pp.serve(pp.Cloud(np.zeros((0, 3))), "free", NETWORK), pp.UsageError, "no points"),
-        (lambda: pp.Session(pp.Join("nobody's", NETWORK, patience_s=0.2), gpu="cpu"), pp.Error, "nobody's"),
-        (lambda: pp.Session(pp.Join(served.name, NETWORK, patience_s=0), gpu="cpu"), pp.UsageError, "patience_s"),
-        (lambda: pp.Session(pp.Join(served.name, NETWORK), gpu="cpu", moving=True), ValueError, "moving"),
-        (lambda: pp.Session(pp.Join(served.name, NETWORK), gpu="cpu", fuse=True), ValueError, "fuse"),
-        (lambda: pp.Session(pp.Join(served.name, NETWORK), gpu="cpu", estimate_normals=True), pp.UsageError, "normals"),
-        (lambda: pp.sessions(NETWORK, -1), pp.UsageError, "seconds"),
+        (lambda: pp.Session.join("nobody's", NETWORK, timeout_s=0.2, gpu="cpu"), pp.Error, "nobody's"),
+        (lambda: pp.Session.join(served.name, NETWORK, timeout_s=0, gpu="cpu"), pp.UsageError, "timeout_s"),
+        (lambda: pp.Session.join(served.name, NETWORK, gpu="cpu", max_points=9), ValueError, "max_points"),
+        (lambda: pp.Session.join(served.name, NETWORK, gpu="cpu", fuse=True), ValueError, "fuse"),
+        (lambda: pp.Session.join(served.name, NETWORK, gpu="cpu", estimate_normals=True), pp.UsageError, "normals"),
+        (lambda: pp.discover(NETWORK, -1), pp.UsageError, "seconds"),
     ):
         with pytest.raises(error, match=words):
             wrong()
     for wrong in (lambda: pp.serve(ball, None, NETWORK),  # type: ignore[arg-type]
                   lambda: pp.serve("ball", "free", NETWORK),  # type: ignore[arg-type]
-                  lambda: pp.Session(7), lambda: pp.Session(pp.Join(7, NETWORK))):  # type: ignore[arg-type]
+                  lambda: pp.Session(7), lambda: pp.Session.join(7, NETWORK)):  # type: ignore[arg-type]
         with pytest.raises(TypeError):
             wrong()
     with pp.Session(ball, gpu="cpu") as own:
-        assert own.sharing is None and own.others == [] and own.cameras == []
+        assert own.sharing is None and own.other_hands == [] and own.cameras == []
         with pytest.raises(pp.Error, match="not joined") as caught:
             own.settle(1)
         assert caught.value.status == "state"
@@ -275,12 +275,12 @@ def test_what_cannot_be_is_said(ball, served):
 @needs_dds
 def test_names_that_are_cut_off_in_a_character_are_told_as_well_as_they_can_be(ball):
     with pp.serve(ball, f"ü {os.getpid()}", NETWORK, model="a" + "é" * 150) as server:
-        with joined(server, hand="a" + "ü" * 40) as s, joined(server) as watcher:
+        with joined(server, hand_name="a" + "ü" * 40) as s, joined(server) as watcher:
             s.touch(press_path(1))
-            assert until(lambda: any(hand.name.startswith("aüüü") for hand in watcher.others))
+            assert until(lambda: any(hand.name.startswith("aüüü") for hand in watcher.other_hands))
             assert s.sharing.name == server.name and s.sharing.model.startswith("aééé")
-            assert any("aééé" in line for line in s.remarks)
-        seen = next(session for session in awaited(lambda: pp.sessions(NETWORK, 0.5)) if session.name == server.name)
+            assert any("aééé" in line for line in s.messages)
+        seen = next(session for session in awaited(lambda: pp.discover(NETWORK, 0.5)) if session.name == server.name)
         assert seen.model.startswith("aééé") and set(seen.model) == {"a", "é"} and len(seen.model) < 151
 
 
@@ -288,11 +288,11 @@ def test_names_that_are_cut_off_in_a_character_are_told_as_well_as_they_can_be(b
 def test_what_is_closed_says_so_and_says_what_it_was(served):
     s = joined(served)
     assert "20000 points" in repr(s) and served.name in repr(served)
-    assert "programs of this machine" in served.openness and any("takes the points" in line for line in served.remarks)
+    assert "programs of this machine" in served.access and any("takes the points" in line for line in served.messages)
     s.close()
     served.close()
     served.close()  # a second close does no harm
-    for ask in (lambda: s.sharing, lambda: s.others, lambda: s.settle(1), served.cloud, lambda: served.clients):
+    for ask in (lambda: s.sharing, lambda: s.other_hands, lambda: s.settle(1), served.cloud, lambda: served.clients):
         with pytest.raises(pp.Error) as caught:
             ask()
         assert caught.value.status == "handle"
@@ -307,7 +307,7 @@ def test_threads_ask_while_another_one_closes(served):
     def ask() -> None:
         try:
             while True:
-                s.others, s.sharing.heard, served.clients, served.cloud()
+                s.other_hands, s.sharing.connected, served.clients, served.cloud()
         except pp.Error as error:
             if error.status != "handle":
                 failures.append(error)
@@ -329,9 +329,9 @@ def test_threads_ask_while_another_one_closes(served):
 def test_a_python_that_ends_with_all_of_it_open_ends_well(served):
     program = another_python("""
         server = pp.serve(pp.Cloud(np.random.default_rng(1).normal(size=(500, 3))), name + " too", NETWORK)
-        s = pp.Session(pp.Join(name, NETWORK), gpu="cpu")
+        s = pp.Session.join(name, NETWORK, gpu="cpu")
         live = s.live(builtin="press")
-        while not s.sharing.heard: pass
+        while not s.sharing.connected: pass
         print(True)
     """, served.name)
     out, _ = program.communicate(timeout=120)
@@ -351,7 +351,7 @@ def test_the_program_sculpts_what_python_serves(served, tmp_path):
 
 @pytest.mark.skipif(pp.can_share(), reason="this palpate was built with PALPATE_NETWORK")
 def test_without_the_network_annex_all_of_it_refuses_in_a_sentence(ball):
-    for wrong in (lambda: pp.serve(ball, "a"), lambda: pp.sessions(), lambda: pp.Session(pp.Join("a"), gpu="cpu")):
+    for wrong in (lambda: pp.serve(ball, "a"), lambda: pp.discover(), lambda: pp.Session.join("a", gpu="cpu")):
         with pytest.raises(pp.Error, match="built without PALPATE_NETWORK") as caught:
             wrong()
         assert caught.value.status == "unsupported"
@@ -378,17 +378,16 @@ def interrupted(call, after: float = 0.4) -> float:
 @needs_dds
 def test_what_waits_for_the_network_ends_with_ctrl_c_at_once_and_leaves_nothing_behind(ball):
     name = f"broken off {os.getpid()}"
-    patient = pp.Join("nobody's", NETWORK, patience_s=60)
 
     def held() -> tuple[int, int]:
         return len(os.listdir("/proc/self/task")), len(os.listdir("/proc/self/fd"))
 
     calls = {
-        "join": lambda: pp.Session(patient, gpu="cpu"),
+        "join": lambda: pp.Session.join("nobody's", NETWORK, "cpu", timeout_s=60),
         "serve": lambda: pp.serve(ball, name, NETWORK),
-        "survey": lambda: pp.sessions(NETWORK, 60),
+        "discover": lambda: pp.discover(NETWORK, 60),
     }
-    pp.sessions(NETWORK, 0)  # allocates what DDS keeps for the life of the process
+    pp.discover(NETWORK, 0)  # allocates what DDS keeps for the life of the process
     before = held()
     for what, call in calls.items():
         times: list[float] = []
@@ -399,7 +398,7 @@ def test_what_waits_for_the_network_ends_with_ctrl_c_at_once_and_leaves_nothing_
         timer.start()
         timer.join()
         assert until(lambda: held() == before), f"{what}: {held()} in place of {before}"
-    with pp.serve(ball, name, NETWORK), pp.Session(pp.Join(name, NETWORK), gpu="cpu") as s:  # as usual
+    with pp.serve(ball, name, NETWORK), pp.Session.join(name, NETWORK, gpu="cpu") as s:  # as usual
         assert s.points == 20_000
 
 
@@ -416,11 +415,11 @@ def test_a_signal_that_raises_something_else_ends_it_with_that_and_one_that_rais
     try:
         signal.setitimer(signal.ITIMER_REAL, 0.2)
         with pytest.raises(Alarm):
-            pp.sessions(NETWORK, 60)
+            pp.discover(NETWORK, 60)
         signal.signal(signal.SIGALRM, lambda number, frame: heard.append(number))
         signal.setitimer(signal.ITIMER_REAL, 0.2)
         start = time.monotonic()
-        assert pp.sessions(NETWORK, 0.6) == [] or heard
+        assert pp.discover(NETWORK, 0.6) == [] or heard
         assert heard == [signal.SIGALRM] and time.monotonic() - start > 0.6
     finally:
         signal.signal(signal.SIGALRM, before)
@@ -430,21 +429,21 @@ def test_a_signal_that_raises_something_else_ends_it_with_that_and_one_that_rais
 def test_cameras_are_shown_to_who_has_joined_whether_or_not_it_is_sculpted(ball):
     name = f"looked at {os.getpid()}"
     with pp.serve(ball, name, NETWORK, mm_per_unit=1, read_only=True) as server:
-        with joined(server, hand="anna") as anna, joined(server, hand="ben", near=True) as ben:
+        with joined(server, hand_name="anna") as anna, joined(server, hand_name="ben", partial=True) as ben:
             assert anna.cameras == [] and ben.cameras == []
-            anna.show_camera((10, 20, 300), (0, 1, 0, 0), fov_deg=50, aspect=1.5)
+            anna.publish_camera((10, 20, 300), (0, 1, 0, 0), fov_deg=50, aspect=1.5)
             (seen,) = awaited(lambda: ben.cameras)
             assert seen.name == "anna" and seen.position == (10, 20, 300) and seen.orientation == (0, 1, 0, 0)
             assert seen.fov_deg == pytest.approx(50) and seen.aspect == 1.5 and 0 <= seen.age_s < 2
             assert anna.cameras == []
-            for wrong in (lambda: anna.show_camera((10, 20, np.nan), (0, 1, 0, 0)),
-                          lambda: anna.show_camera((10, 20, 30), (0, 2, 0, 0)),
-                          lambda: anna.show_camera((10, 20, 30), (0, 1, 0, 0), fov_deg=180)):
+            for wrong in (lambda: anna.publish_camera((10, 20, np.nan), (0, 1, 0, 0)),
+                          lambda: anna.publish_camera((10, 20, 30), (0, 2, 0, 0)),
+                          lambda: anna.publish_camera((10, 20, 30), (0, 1, 0, 0), fov_deg=180)):
                 with pytest.raises(pp.UsageError, match="camera"):
                     wrong()
             anna.hide_camera()
             assert until(lambda: ben.cameras == [])
     with pp.Session(ball, gpu="cpu") as own:
-        for ask in (lambda: own.show_camera((0, 0, 1), (0, 0, 0, 1)), own.hide_camera):
+        for ask in (lambda: own.publish_camera((0, 0, 1), (0, 0, 0, 1)), own.hide_camera):
             with pytest.raises(pp.Error, match="not joined"):
                 ask()

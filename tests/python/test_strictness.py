@@ -40,8 +40,9 @@ def test_whatever_looks_at_a_session_finds_no_error(session, tmp_path):
         assert hasattr(session, name), name
     inspect.getmembers(session)
     inspect.getmembers(closed)
-    assert session.sharing is None and session.held is None and session.left_out_s is None and session.failure is None
-    assert session.others == [] and session.cameras == [] and session.port_energies == [] and session.parameters == {}
+    assert session.sharing is None and session.paused is None and session.dropped_s is None and session.failure is None
+    assert session.other_hands == [] and session.cameras == []
+    assert session.port_energies == [] and session.parameters == {}
     assert not hasattr(closed, "points") and getattr(closed, "radius_mm", 7) == 7
     with pytest.raises(pp.ClosedError):
         closed.touch(press_path(1))
@@ -66,11 +67,11 @@ def test_an_attribute_that_would_do_nothing_is_refused(session):
     (lambda s: s.stroke(press_path(1), "paint", color=(1, 2)), "color"),
     (lambda s: s.render((10, 10, 10)), "render"),
     (lambda s: s.render("large"), "render"),
-    (lambda s: s.mesh(lattice=1.5), "mesh"),
+    (lambda s: s.mesh(resolution=1.5), "mesh"),
     (lambda s: s.live(path="along"), "path"),
     (lambda s: s.record(3), "file: is a path, not 3"),
     (lambda s: pp.Session(s, gpu="cpu"), "cloud"),
-    (lambda s: pp.Session("water", mm_per_unit="one"), "Session.*mm_per_unit is a number"),
+    (lambda s: pp.Session.of_scene("water", mm_per_unit="one"), "Session.of_scene.*mm_per_unit is a number"),
     (lambda s: pp.Cloud(), "Cloud"),
     (lambda s: pp.Cloud([[1, 2]]), "xyz"),
     (lambda s: pp.read(3), "file: is a path, not 3"),
@@ -140,15 +141,15 @@ def test_a_scale_that_nobody_gave_is_told_once_and_lengths_may_be_the_objects_ow
     cloud = pp.Cloud(2 * xyz, normals=normals)  # 200 units across
     path = 2 * press_path(5, 60, 10)
     with pp.Session(cloud, gpu="cpu") as s:
-        told = [line for line in s.remarks if "mm_per_unit" in line]
+        told = [line for line in s.messages if "mm_per_unit" in line]
         assert len(told) == 1 and "0.500083 mm" in told[0]
-        s.push(path, radius=8 / s.mm_per_unit, tau=0.5 / s.mm_per_unit)
+        s.push(path, radius=8 / s.mm_per_unit, yield_depth=0.5 / s.mm_per_unit)
         own = s.cloud().xyz
         s.undo()
-        s.push(path, radius_mm=8, tau_mm=0.5)
-        assert np.allclose(s.cloud().xyz, own) and len([line for line in s.remarks if "mm_per_unit" in line]) == 1
+        s.push(path, radius_mm=8, yield_depth_mm=0.5)
+        assert np.allclose(s.cloud().xyz, own) and len([line for line in s.messages if "mm_per_unit" in line]) == 1
     with pp.Session(cloud, gpu="cpu", mm_per_unit=1) as s:
-        assert s.remarks == []
+        assert s.messages == []
 
 
 def test_stop_and_close_within_on_ticks_end_a_session_in_order(session, ball):
@@ -217,7 +218,7 @@ def test_ctrl_c_ends_what_takes_long_and_keeps_what_was_done(ball, tmp_path):
     with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s:
         assert interrupted(lambda: s.touch(long), 0.2) < SOON
         assert interrupted(lambda: s.push(long, radius_mm=5), 1) < SOON
-        assert s.undoable == 1 and s.undo() == 1
+        assert s.undo_count == 1 and s.undo() == 1
         assert np.array_equal(s.cloud().xyz, ball.xyz)
         assert s.touch(press_path(1))["contact"][-1]
     with pp.Matter("dam", gpu="cpu") as dam:
@@ -230,9 +231,9 @@ def test_ctrl_c_ends_what_takes_long_and_keeps_what_was_done(ball, tmp_path):
 def test_ctrl_c_ends_a_mesh_on_a_software_driver():
     xyz, normals = ball_arrays(20_000)
     with pp.Session(pp.Cloud(xyz, normals=normals), gpu="cpu") as s:
-        s.mesh(lattice=8)  # compiles its shaders
-        assert interrupted(lambda: s.mesh(lattice=700), 0.5) < SOON
-        assert s.mesh(lattice=16).closed
+        s.mesh(resolution=8)  # compiles its shaders
+        assert interrupted(lambda: s.mesh(resolution=700), 0.5) < SOON
+        assert s.mesh(resolution=16).closed
 
 
 PROGRAM_THAT_STOPS = """
@@ -254,10 +255,10 @@ def test_a_program_that_stops_within_on_ticks_ends_in_order(what):
 
 def test_a_law_that_asks_its_own_session_is_told_so(ball):
     def law(told):
-        s.undoable
+        s.undo_count
         return told.force_N
 
-    with pp.Session(ball, gpu="cpu", mm_per_unit=1, law=law, allow_python=True) as s:
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1, law=law, allow_python_law=True) as s:
         with pytest.raises(pp.Error, match="its own session") as caught:
             s.touch(press_path(1, 30, 5))
         assert caught.value.status == "state"

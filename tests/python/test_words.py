@@ -10,7 +10,7 @@ from conftest import ball_arrays, press_path
 
 @pytest.mark.parametrize("call, told", [
     (lambda s, m: pp.Session(s.cloud(), radious_mm=3), "Session(): there is no argument 'radious_mm'; did you mean "
-     "radius_mm? It takes cloud, gpu, mm_per_unit, surface, radius_mm, friction, "),
+     "radius_mm? It takes cloud, gpu, mm_per_unit, backend, surface, radius_mm, friction, "),
     (lambda s, m: pp.Cloud([[1, 2, 3]], colours=[[1, 2, 3]]), "Cloud(): there is no argument 'colours'; did you mean "
      "colors? It takes xyz, normals, colors"),
     (lambda s, m: s.touch(press_path(1), surfaec="sharp"), "touch(): there is no argument 'surfaec'; did you mean "
@@ -20,19 +20,24 @@ from conftest import ball_arrays, press_path
     (lambda s, m: s.push(press_path(1), strenght=1), "push(): there is no argument 'strenght'; did you mean strength?"),
     (lambda s, m: s.set_brush("push", radis=3), "set_brush(): there is no argument 'radis'; did you mean radius?"),
     (lambda s, m: s.stroke(press_path(1), "push", zzz=3), "stroke(): there is no argument 'zzz'; it takes path, kind, "
-     "radius_mm, tau_mm, radius, tau, beta, strength, falloff, keeps_density, color"),
+     "radius_mm, yield_depth_mm, radius, yield_depth, push_rate, strength, falloff, resample, color"),
     (lambda s, m: s.live(rat=3), "live(): there is no argument 'rat'; did you mean rate?"),
     (lambda s, m: s.render(siz=(9, 9)), "render(): there is no argument 'siz'; did you mean size?"),
-    (lambda s, m: s.mesh(lattce=9), "mesh(): there is no argument 'lattce'; did you mean lattice?"),
+    (lambda s, m: s.mesh(resoluton=9), "mesh(): there is no argument 'resoluton'; did you mean resolution?"),
     (lambda s, m: pp.Matter("dam", gpus="cpu"), "Matter(): there is no argument 'gpus'; did you mean gpu?"),
-    (lambda s, m: pp.read("x.ply", allpoints=True),
-     "read(): there is no argument 'allpoints'; did you mean all_points?"),
+    (lambda s, m: pp.read("x.ply", keep_unrelable=True),
+     "read(): there is no argument 'keep_unrelable'; did you mean keep_unreliable?"),
     (lambda s, m: pp.write("x.ply", s.cloud(), asci=True),
      "write(): there is no argument 'asci'; did you mean ascii?"),
     (lambda s, m: pp.replay("x", tolerence=1), "replay(): there is no argument 'tolerence'; did you mean tolerance?"),
     (lambda s, m: pp.serve(s.cloud(), nam="x"), "serve(): there is no argument 'nam'; did you mean name?"),
-    (lambda s, m: pp.sessions(second=1), "sessions(): there is no argument 'second'; did you mean seconds?"),
-    (lambda s, m: pp.Join("x", patiense_s=1), "Join(): there is no argument 'patiense_s'; did you mean patience_s?"),
+    (lambda s, m: pp.discover(second=1), "discover(): there is no argument 'second'; did you mean seconds?"),
+    (lambda s, m: pp.Session.join("x", timeot_s=1),
+     "Session.join(): there is no argument 'timeot_s'; did you mean timeout_s?"),
+    (lambda s, m: pp.Session.of_scene("water", hand=2), "Session.of_scene(): there is no argument 'hand'; did you mean "
+     "hands? It takes scene, gpu, mm_per_unit, backend, surface, "),
+    (lambda s, m: pp.Session.of_frames(s.cloud(), max_point=9),
+     "Session.of_frames(): there is no argument 'max_point'; did you mean max_points?"),
     (lambda s, m: pp.Network(interfce="lo"), "Network(): there is no argument 'interfce'; did you mean interface?"),
     (lambda s, m: pp.Hand(devise="sim"), "Hand(): there is no argument 'devise'; did you mean device?"),
     (lambda s, m: s.touch(), "touch(): path is missing; it takes path, surface"),
@@ -40,7 +45,7 @@ from conftest import ball_arrays, press_path
     (lambda s, m: s.touch(press_path(1), "sharp", 3),
      "touch(): takes 2 arguments, and 3 are given; it takes path, surface"),
     (lambda s, m: pp.Session(s.cloud(), "cpu", 1, "sharp"), "Session(): takes 3 arguments by position, the others by "
-     "name, and 4 are given; it takes cloud, gpu, mm_per_unit, surface, "),
+     "name, and 4 are given; it takes cloud, gpu, mm_per_unit, backend, surface, "),
     (lambda s, m: s.touch(press_path(1), path=3), "touch(): path is given twice"),
     (lambda s, m: pp.Session(s.cloud(), gpu="cpu", radius_mm="a"), "Session(): radius_mm is a number or None, not the "
      "text 'a'"),
@@ -48,8 +53,13 @@ from conftest import ball_arrays, press_path
      "Session(): threads is a whole number from 0 on, not -1"),
     (lambda s, m: pp.Session(s.cloud(), gpu="cpu", tool_axis=(1, 2)),
      "Session(): tool_axis is three numbers, not (1, 2)"),
-    (lambda s, m: pp.Session(s.cloud(), gpu="cpu", loop="yes"), "Session(): loop is True or False, not the text 'yes'"),
-    (lambda s, m: s.push(press_path(1), tau_mm="a"), "tau_mm: is a number, not the text 'a'"),
+    (lambda s, m: pp.Session.of_stream("x", gpu="cpu", loop="yes"),
+     "Session.of_stream(): loop is True or False, not the text 'yes'"),
+    (lambda s, m: pp.Session(s.cloud(), backend="gpu"), "backend: 'gpu' is not known; choose one of auto, vulkan, cpu"),
+    (lambda s, m: pp.Session(s.cloud(), gpu="cpu", backend="vulkan"), "backend: vulkan conflicts with gpu 'cpu'"),
+    (lambda s, m: pp.Session(s.cloud(), gpu=0, backend="cpu"), "backend: cpu conflicts with gpu '0'"),
+    (lambda s, m: pp.Matter("dam", gpu=0, backend="cpu"), "backend: cpu conflicts with gpu '0'"),
+    (lambda s, m: s.push(press_path(1), yield_depth_mm="a"), "yield_depth_mm: is a number, not the text 'a'"),
     (lambda s, m: s.push(press_path(1), color=(1, 2, 300)), "color: is three whole numbers from 0 to 255, not "
      "(1, 2, 300)"),
     (lambda s, m: s.undo("one"), "undo(): strokes is a whole number, not the text 'one'"),
@@ -69,7 +79,8 @@ from conftest import ball_arrays, press_path
     (lambda s, m: pp.Matter(3), "Matter(): scene is a text, not 3"),
     (lambda s, m: pp.read(3), "file: is a path, not 3"),
     (lambda s, m: pp.write("x.ply", [1]), "write(): cloud is a Cloud, not [1]"),
-    (lambda s, m: pp.Session(3), "cloud: is a Cloud, the name of a scene, a folder of a depth camera or a Join, not 3"),
+    (lambda s, m: pp.Session(3), "Session(): cloud is a Cloud, not 3"),
+    (lambda s, m: pp.Session("water"), "Session(): cloud is a Cloud, not the text 'water'"),
     (lambda s, m: pp.Session(s.cloud(), gpu="cpu", law=3), "law: 3 is not the address of a function"),
     (lambda s, m: pp.Session(s.cloud(), gpu="cpu", surface="shrp"), "surface: 'shrp' is not known; choose one of "
      "average, sphere, sharp"),
@@ -98,13 +109,13 @@ def dam():
 
 
 @pytest.mark.parametrize("kind, builtin, status, call", [
-    (pp.UsageError, ValueError, "argument", lambda s: s.mesh(lattice=0)),
+    (pp.UsageError, ValueError, "argument", lambda s: s.mesh(resolution=0)),
     (pp.ArgumentTypeError, TypeError, "argument", lambda s: s.undo("one")),
     (pp.UnknownNameError, KeyError, "argument", lambda s: s.cloud().attribute("rain")),
     (pp.UnknownAttributeError, AttributeError, "argument", lambda s: s.pionts),
     (pp.ClosedError, AttributeError, "handle", lambda s: (s.close(), s.touch(press_path(1)))),
     (pp.Error, RuntimeError, "file", lambda s: pp.read("nowhere.ply")),
-    (pp.Error, RuntimeError, "state", lambda s: s.hold()),
+    (pp.Error, RuntimeError, "state", lambda s: s.pause()),
 ])
 def test_each_error_is_of_its_class_of_pythons_own_and_has_its_status(ball, kind, builtin, status, call):
     with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s:
@@ -124,7 +135,7 @@ def test_unknown_keywords_are_type_errors_too_and_a_programs_own_type_errors_sta
             raise TypeError("of this program")
 
     with pytest.raises(TypeError) as own:
-        pp.read_log(Path())
+        pp.read_recording(Path())
     assert "of this program" in str(own.value) or "file: is a path" in str(own.value)
 
 
@@ -211,7 +222,7 @@ def test_the_module_lists_what_it_offers_and_nothing_else():
 
 
 def test_messages_have_no_names_of_c(session):
-    for call in (session.hold, session.reset, session.frame, session.settle, lambda: session.set("gain", 3),
+    for call in (session.pause, session.reset, session.frame, session.settle, lambda: session.set("gain", 3),
                  lambda: session.add_frame(0, *ball_arrays(10))):
         with pytest.raises(pp.Error) as caught:
             call()

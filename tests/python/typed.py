@@ -12,7 +12,7 @@ def strongest(file: str) -> float:
     with pp.Session(cloud, gpu="cpu", surface="sharp") as session:
         ticks: NDArray[np.void] = session.touch(np.zeros((10, 3)))
         picture: NDArray[np.uint8] = session.render((320, 200), eye=(1.0, 2.0, 3.0))
-        print(picture.shape, session.mesh(lattice=64).triangles.shape, pp.tick_dtype.names)
+        print(picture.shape, session.mesh(resolution=64).triangles.shape, pp.tick_dtype.names)
         with session.live(builtin="press", on_ticks=lambda block: print(len(block))) as live:
             live.wait(1)
         pp.write("out.ply", session.cloud())
@@ -24,16 +24,16 @@ def stirred(scene: str) -> float:
         matter.simulate(0.1)
         velocities: NDArray[np.float32] = matter.frame().velocities
         print(matter.state()["front_mm"], matter.parameters["gain"].high)
-    with pp.Session(scene, hands=2, law=lambda tick: tick.force_N, allow_python=True) as water:
+    with pp.Session.of_scene(scene, hands=2, law=lambda tick: tick.force_N, allow_python_law=True) as water:
         ticks: NDArray[np.void] = water.touch([np.zeros((10, 3)), np.zeros((10, 3))])
         with water.live(builtin="press", others=[pp.Hand(builtin="orbit")]) as live:
             water.set("gain", 2)
-            print(live.late_laws, water.port_energies[0].least_J, water.failure)
+            print(live.late_laws, water.port_energies[0].min_J, water.failure)
     return float(velocities.max()) + float(ticks["t_s"].max())
 
 
 def filmed(cloud: pp.Cloud) -> float:
-    with pp.Session(cloud, moving=True, keeps_points=True) as film:
+    with pp.Session.of_frames(cloud, stable_rows=True) as film:
         film.add_frame(0.5, np.zeros((10, 3)), np.ones((10, 3)))
         return film.frame().t_s
 
@@ -42,7 +42,7 @@ def recorded(file: str, log: str) -> bool:
     with pp.Session(pp.read(file)) as session:
         session.record(log)
         session.touch(np.zeros((10, 3)))
-    read: pp.Log = pp.read_log(log)
+    read: pp.Recording = pp.read_recording(log)
     forces: NDArray[np.float64] = read.ticks["force_N"]
     print(forces.max(), read.header["machine"], read.missing, read.map[0])
     return pp.replay(log, gpu="cpu").identical
@@ -50,11 +50,12 @@ def recorded(file: str, log: str) -> bool:
 
 def shared(cloud: pp.Cloud) -> float:
     network = pp.Network(domain=3)
-    seen: list[pp.SeenSession] = pp.sessions(network, seconds=0.5)
-    with pp.serve(cloud, "mine", network, read_only=True) as server, pp.Session(pp.Join("mine", network)) as session:
+    seen: list[pp.SessionInfo] = pp.discover(network, seconds=0.5)
+    server = pp.serve(cloud, "mine", network, read_only=True)
+    with server, pp.Session.join("mine", network, partial=True) as session:
         sharing: pp.Sharing | None = session.sharing
-        places: list[tuple[float, float, float]] = [hand.position for hand in session.others]
-        session.show_camera(places[0] if places else (0.0, 0.0, 1.0), (0, 0, 0, 1), aspect=1.5)
+        places: list[tuple[float, float, float]] = [hand.position for hand in session.other_hands]
+        session.publish_camera(places[0] if places else (0.0, 0.0, 1.0), (1, 0, 0, 0), aspect=1.5)
         angles: list[float] = [camera.fov_deg for camera in session.cameras]
         print(seen, places, angles, session.settle(1), server.wait(0.1), server.cloud().positions.shape)
         return (sharing and sharing.round_trip_ms) or 0.0

@@ -66,10 +66,10 @@ TEST_CASE("brushes, motion and undo are refused for each kind of model as the ta
     CHECK(modelKindOf(plain) == modelKind);
     for (const auto& [name, kind] : kBrushKinds) {
       SessionConfig config = plain;
-      config.brush = BrushConfig{.kind = kind, .radius_mm = 20, .keepsDensity = false};
+      config.brush = BrushConfig{.kind = kind, .radius_mm = 20, .resample = false};
       hold(config, actionOf(kind), "brush.kind");
-      config.brush->keepsDensity = true;
-      if (Abilities(modelKind).allow(actionOf(kind))) hold(config, Action::insertPoints, "brush.keeps_density");
+      config.brush->resample = true;
+      if (Abilities(modelKind).allow(actionOf(kind))) hold(config, Action::insertPoints, "brush.resample");
     }
     SessionConfig moved = plain;
     moved.motion = MotionConfig{};

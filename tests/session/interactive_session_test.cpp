@@ -30,7 +30,7 @@ TEST_CASE("after a failure of the simulation a command throws, and a restart is 
   REQUIRE(hasFailed());
   ForceOptions force = config.force;
   force.stiffness_N_per_mm /= 2;
-  CHECK_THROWS_WITH_AS(session.setFeel(config.surface, force, ""), doctest::Contains("the simulation"), Error);
+  CHECK_THROWS_WITH_AS(session.setContact(config.surface, force, ""), doctest::Contains("the simulation"), Error);
   CHECK(session.isTouching());
   session.lift();
   session.simulation()->reset();
@@ -38,7 +38,7 @@ TEST_CASE("after a failure of the simulation a command throws, and a restart is 
   CHECK_FALSE(session.tickUntil(until_s += 0.2));
   CHECK(session.history().ticks() > before + 50);
   CHECK_FALSE(hasFailed());
-  CHECK_NOTHROW(session.setFeel(config.surface, force, ""));
+  CHECK_NOTHROW(session.setContact(config.surface, force, ""));
 }
 
 }  // namespace palpate::interactive_session_test

@@ -25,13 +25,13 @@ SessionConfig unusual() {
           .surface = {.kind = SurfaceKind::sharp, .friction = 0.1, .radius_mm = 1.0 / 3},
           .tool = {.kind = ToolKind::spatula, .points = 12, .size_mm = 7, .axis = {1, 0, 1e-9}},
           .brush = BrushConfig{.kind = BrushKind::paint,
-                               .tau_mm = 0.1,
-                               .beta = 0.9,
+                               .yieldDepth_mm = 0.1,
+                               .pushRate = 0.9,
                                .radius_mm = 2,
                                .strength = 1,
                                .falloff = 3,
                                .color = {1, 2, 255},
-                               .keepsDensity = false},
+                               .resample = false},
           .force = {.stiffness_N_per_mm = 0.4,
                     .damping_N_s_per_mm = 0,
                     .maxForce_N = 2,
@@ -154,7 +154,7 @@ TEST_CASE("an invalid text is refused with the name of the field") {
   CHECK(faultOf(replaced(text, "\"version\": 1", "\"version\": 2")) == "version");
   CHECK(faultOf(replaced(text, "\"friction\"", "\"frictoin\"")) == "surface.frictoin");
   CHECK(faultOf(replaced(text, "\"sharp\"", "\"blunt\"")) == "surface.kind");
-  CHECK(faultOf(replaced(text, "\"beta\": 0.9", "\"beta\": \"much\"")) == "brush.beta");
+  CHECK(faultOf(replaced(text, "\"push_rate\": 0.9", "\"push_rate\": \"much\"")) == "brush.push_rate");
   CHECK(faultOf(replaced(text, "255", "256")) == "brush.color");
   CHECK(faultOf(replaced(text, "255", "-1")) == "brush.color");
   CHECK(faultOf(replaced(text, "\"falloff\": 3", "\"falloff\": 4294967299")) == "brush.falloff");

@@ -17,7 +17,7 @@ SessionConfig feeling(std::size_t hands = 1) {
 
 SessionConfig carving() {
   SessionConfig config = feeling();
-  config.brush = BrushConfig{.kind = BrushKind::carve, .tau_mm = 0.2, .radius_mm = 8};
+  config.brush = BrushConfig{.kind = BrushKind::carve, .yieldDepth_mm = 0.2, .radius_mm = 8};
   return config;
 }
 

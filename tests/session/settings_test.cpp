@@ -113,9 +113,10 @@ TEST_CASE("the defaults that the table states are those of an empty configuratio
 TEST_CASE("an error about a hand names the option of that hand") {
   CHECK(flagOf("brush.strength") == "--strength");
   CHECK(flagOf("hands[0].path") == "--path");
-  CHECK(flagOf("hands[1].path") == "--second-path");
+  CHECK(flagOf("hands[1].path") == "--hand");
+  CHECK(flagOf("hands[7].device") == "--hand");
   CHECK(flagOf("hands[1].penetration_mm") == "--penetration");
-  CHECK(flagOf("hands") == "--second-device");
+  CHECK(flagOf("hands") == "--hand");
   CHECK(flagOf("force.max_rise_N_per_s").empty());
   CHECK(flagOf("no.such_setting").empty());
 }

@@ -23,7 +23,7 @@ class Others final : public SharedFollower {
  public:
   struct State {
     std::optional<InformationAge> known{std::in_place};
-    SharedCounts counts{.delivered = true, .atRest = true, .same = true};
+    SharedCounts counts{.delivered = true, .idle = true, .same = true};
     bool inEffectEachTime = false;  // at each query of the counts
     bool answers = true;            // whether the server answers queries of its state
     bool isHeardEachTime = false;
@@ -44,7 +44,7 @@ class Others final : public SharedFollower {
   }
   void askServer() override {
     ++state_.asked;
-    state_.counts.atRest = state_.counts.same = state_.answers;
+    state_.counts.idle = state_.counts.same = state_.answers;
   }
   void moved(const HandPlaces& hands) noexcept override {
     state_.places = hands;

@@ -51,8 +51,8 @@ std::vector<LeftStrokes> leftIn(const std::filesystem::path& root) {
 
 void checkSame(const Journal& a, const Journal& b) {
   CHECK(std::ranges::equal(a.points(), b.points()));
-  CHECK(a.undoable() == b.undoable());
-  CHECK(a.redoable() == b.redoable());
+  CHECK(a.undoCount() == b.undoCount());
+  CHECK(a.redoCount() == b.redoCount());
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ struct Hand {
         BrickTouchOptions{.radius = scene.radius,
                           .widening = widening,
                           .origin = scene.cloud.origin,
-                          .patience_s = 0.2,
+                          .timeout_s = 0.2,
                           .brush = brush,
                           .fixed = std::move(fixed)});
   }
@@ -77,7 +77,7 @@ TEST_CASE("in virtual time each brush edits the points around a hand as it edits
                                  BrushKind::grab, BrushKind::flatten}) {
       CAPTURE(static_cast<int>(kind));
       CAPTURE(widening);
-      const BrushOptions brush{.kind = kind, .tau = 0.2, .beta = 0.5, .radius = 6, .keepsDensity = false};
+      const BrushOptions brush{.kind = kind, .yieldDepth = 0.2, .pushRate = 0.5, .radius = 6, .resample = false};
       CpuTouch whole(scene.cloud, {.radius = scene.radius, .widening = widening, .brush = brush, .threads = 1});
       Hand hand(scene, brush, widening);
       hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), box.min - 40.0, box.max + 40.0));
@@ -109,7 +109,7 @@ TEST_CASE("in virtual time each brush edits the points around a hand as it edits
 TEST_CASE("in real time an edit waits until the last one is felt, so that a brush goes no deeper than the hand" *
           kClock) {
   const Scene scene = makeScene("sphere", 20'000);
-  const BrushOptions brush{.kind = BrushKind::push, .tau = 0.2, .beta = 1, .radius = 6, .keepsDensity = false};
+  const BrushOptions brush{.kind = BrushKind::push, .yieldDepth = 0.2, .pushRate = 1, .radius = 6, .resample = false};
   Hand hand(scene, brush);
   CpuTouch whole(scene.cloud, {.radius = scene.radius, .brush = brush, .threads = 1});
   hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), DVec3(-70), DVec3(70)));
@@ -157,7 +157,7 @@ TEST_CASE("in real time an edit waits until the last one is felt, so that a brus
 
 TEST_CASE("a hand without a brush, not sculpting, or in unknown bricks leaves every point unchanged") {
   const Scene scene = makeScene("sphere", 20'000);
-  const BrushOptions brush{.kind = BrushKind::push, .tau = 0.2, .beta = 1, .radius = 6, .keepsDensity = false};
+  const BrushOptions brush{.kind = BrushKind::push, .yieldDepth = 0.2, .pushRate = 1, .radius = 6, .resample = false};
   Hand hand(scene, brush);
   const auto press = [&](bool sculpts) {
     for (int i = 0; i < 60; ++i)

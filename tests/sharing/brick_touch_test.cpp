@@ -48,7 +48,7 @@ class Bricks {
 };
 
 struct Hand {
-  explicit Hand(const Scene& scene, double edge_radii = 3, double patience_s = 30)
+  explicit Hand(const Scene& scene, double edge_radii = 3, double timeout_s = 30)
       : source({.edge = edge_radii * scene.radius, .points = scene.cloud.size()}), bricks(scene.cloud, source.grid()) {
     PointCloud few;  // never felt
     few.origin = scene.cloud.origin;
@@ -61,7 +61,7 @@ struct Hand {
                                  .threads = 1,
                                  .source = &source,
                                  .extent = PointExtent{.bounds = boundsOf(scene.cloud), .points = scene.cloud.size()}}),
-        BrickTouchOptions{.radius = scene.radius, .origin = scene.cloud.origin, .patience_s = patience_s});
+        BrickTouchOptions{.radius = scene.radius, .origin = scene.cloud.origin, .timeout_s = timeout_s});
   }
   BrickSource source;
   Bricks bricks;

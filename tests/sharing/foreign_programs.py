@@ -31,7 +31,8 @@ POSE, WRENCH, CLOUD = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/Wrench
 TF = "tf2_msgs/msg/TFMessage"
 TOPICS = {"rt/lab/pose": POSE, "rt/lab/proxy": POSE, "rt/lab/wrench": WRENCH, "rt/lab/cloud": CLOUD, "rt/tf": TF,
           "rt/tf_static": TF}  # fmt: skip
-STANDS = [1, 2, 3, 0, 0, 1, 0]  # pose of the served cloud's frame in the frame map
+STANDS = [1, 2, 3, 0, 0, 1, 0]  # pose of the served cloud's frame in the frame map, with w last as in messages
+ROS_POSE = [1, 2, 3, 0, 0, 0, 1]  # the same for --ros-pose: w first
 CLOUD_FIELDS = [("x", 0), ("y", 4), ("z", 8), ("normal_x", 12), ("normal_y", 16), ("normal_z", 20), ("rgb", 24)]
 PACKAGES = ["@foxglove/cdr@3", "@foxglove/rosmsg@5", "@foxglove/rosmsg2-serialization@3",
             "@foxglove/rosmsg-msgs-common@3"]  # fmt: skip
@@ -95,7 +96,7 @@ def hand_and_cloud(palpate, folder, hears, listening):
     run(palpate, "make", "sphere", "-n", POINTS, "-o", folder / "model.ply")
     common = ["--domain", DOMAIN, "--ros", "lab", "--mm-per-unit", MM_PER_UNIT]
     serve = [palpate, "serve", folder / "model.ply", "--name", f"clay{DOMAIN}", *common,
-             "--ros-parent", "map", "--ros-pose", ",".join(map(str, STANDS))]  # fmt: skip
+             "--ros-parent", "map", "--ros-pose", ",".join(map(str, ROS_POSE))]  # fmt: skip
     with Running(serve, folder / "serve.log") as server:
         wait_for(lambda: "serving" in server.said(), "nothing is served: " + server.said())
         with Running(hears, folder / "heard") as hearing:

@@ -46,7 +46,7 @@ class ForeignServer {
     std::atomic<bool> ended = false;
     std::jthread client([&] {
       try {
-        joinCloud(notice.name, {.network = ownNetwork(), .patience_s = 1});
+        joinCloud(notice.name, {.network = ownNetwork(), .timeout_s = 1});
       } catch (const NetworkError& error) {
         said = error.what();
       }

@@ -135,7 +135,7 @@ def line(cell):
     ticks = share["ticks"] + share["missed_ticks"] + hand["ticks"] + hand["missed_ticks"]
     same = "byte by byte" if cell["same"] else f"differs, {cell['worst_N']:.3g} N"
     return (f"| {cell['trip_ms']} | {cell['loss']} | {same} | {pair(share['felt_ms'])} | {pair(share['beyond_ms'])} | "
-            f"{(share['felt_ms'] or {'n': 0})['n']}, {share['not_felt']} | {share['skipped_edits']} | "
+            f"{(share['felt_ms'] or {'n': 0})['n']}, {share['not_felt']} | {share['dropped_edits']} | "
             f"{share['missed_ticks'] + hand['missed_ticks']} of {ticks} | "
             f"{share['aged_ticks'] + hand['safety']['aged_ticks']} | {hand['shared']['oldest_s']:.1f} | "
             f"{hand['passivity_energy_mJ']:.3f} |")

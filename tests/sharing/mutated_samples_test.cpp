@@ -200,7 +200,7 @@ TEST_CASE("a served and sculpted session continues amid corrupted samples") {
   mutant.write<Camera>(palpate_sharing_Camera_desc, topics.cameras, bestEffortQos(), kTimes, [&](Camera& camera) {
     id(camera.client);
     put(camera.name, "mutant");
-    camera.orientation[3] = camera.fov_y = camera.aspect = 1;
+    camera.orientation[0] = camera.fov_y = camera.aspect = 1;
     camera.number = mutant.roll();
     if (mutant.roll() % 64) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(8));  // time to receive some
@@ -263,7 +263,7 @@ TEST_CASE("a client that joins amid corrupted blocks receives the announced poin
   int whole = 0, told = 0, other = 0;
   std::jthread joining([&](const std::stop_token& end) {
     while (!end.stop_requested()) try {
-        const PointCloud got = joinCloud("mutated", {.network = ownNetwork(), .patience_s = 2}).cloud;
+        const PointCloud got = joinCloud("mutated", {.network = ownNetwork(), .timeout_s = 2}).cloud;
         ++(got.positions == cloud.positions ? whole : other);
       } catch (const NetworkError& error) {
         CAPTURE(std::string(error.what()));

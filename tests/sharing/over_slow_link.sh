@@ -147,14 +147,14 @@ other = sum(not is_same(own[t], row) for t, row in clock.items())
 print(f"over_slow_link: round trip {trip} ms, {loss} % lost, the points around the hand alone: the same trace; "
       f"against the clock "
       f"{near['near']['ticks_without_points']} of {near['near']['ticks']} ticks lacked some, {other} differ; "
-      f"{near['near']['points']} points came, {near['near']['most_known']} of {near['points']} were there at once; "
+      f"{near['near']['points']} points came, {near['near']['max_known']} of {near['points']} were there at once; "
       f"longest silence "
       f"{near['near']['longest_silence_s']:.1f} s")
 assert virtual["near"]["ticks_without_points"] == 0 and virtual["contact_ticks"] > 500, virtual
 # A missed tick affects some later ones: by the damping, and by the proxy's path.
 after_missed = 10
 assert other <= near["near"]["ticks_without_points"] * after_missed + near["missed_ticks"] * after_missed, (other, near)
-assert near["near"]["most_known"] < near["points"] / 2, near
+assert near["near"]["max_known"] < near["points"] / 2, near
 sys.exit(0 if int(trip) > 100 or near["near"]["ticks_without_points"] <= 0.001 * near["near"]["ticks"] else 75)
 CHECK
 }

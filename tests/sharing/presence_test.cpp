@@ -168,7 +168,7 @@ TEST_CASE("invalid cameras and those of other sessions are not shown, and new on
     camera.client[0] = 1;
     put(camera.name, "a\033[31mb");
     for (int axis = 0; axis < 3; ++axis) camera.position[axis] = cameraAt(1).position[axis];
-    camera.orientation[3] = 1;
+    camera.orientation[0] = 1;
     camera.fov_y = 1;
     camera.aspect = 1;
     camera.number = ++number;
@@ -203,7 +203,7 @@ TEST_CASE("invalid cameras and those of other sessions are not shown, and new on
   CHECK_FALSE(
       spoilt([](Camera& camera) { camera.position[2] = 1e9; }));  // farther than a cloud of this size is viewed from
   CHECK_FALSE(spoilt([&](Camera& camera) { camera.orientation[0] = static_cast<float>(kNan); }));
-  CHECK_FALSE(spoilt([](Camera& camera) { camera.orientation[3] = 0; }));
+  CHECK_FALSE(spoilt([](Camera& camera) { camera.orientation[0] = 0; }));
   CHECK_FALSE(spoilt([](Camera& camera) { camera.fov_y = 0; }));
   CHECK_FALSE(spoilt([](Camera& camera) { camera.fov_y = 3.2F; }));
   CHECK_FALSE(spoilt([](Camera& camera) { camera.aspect = -1; }));

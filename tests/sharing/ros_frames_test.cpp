@@ -23,8 +23,8 @@ namespace {
 
 constexpr DepthCamera kCamera{.width = 32, .height = 24, .fx = 30, .fy = 30, .cx = 15.5, .cy = 11.5};
 
-RosWatching watching(double patience_s = 10) {
-  return {.listening = {.network = ownNetwork(), .patience_s = patience_s}, .threads = 1};
+RosWatching watching(double timeout_s = 10) {
+  return {.listening = {.network = ownNetwork(), .timeout_s = timeout_s}, .threads = 1};
 }
 
 std::string refusal(const std::function<void()>& act) {
@@ -330,7 +330,7 @@ TEST_CASE("a frame without a path to the requested one is reported, and used onc
     stands.write(0, {0, 0, 7}, DQuat(1, 0, 0, 0));
     while (!stops.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   });
-  inMap.listening.patience_s = 10;
+  inMap.listening.timeout_s = 10;
   DepthFrame frame;
   REQUIRE(watchRosFrames("unjoined", inMap)->next(frame));
   CHECK(frame.pose->centre == DVec3(0, 0, 7));

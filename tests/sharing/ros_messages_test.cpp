@@ -352,7 +352,7 @@ TEST_CASE("a cloud of a million points is one message") {
 TEST_CASE("missing and invalid clouds are reported") {
   const auto says = [](const std::string& topic, const std::string& words) {
     try {
-      hearRosCloud(topic, {.network = ownNetwork(), .patience_s = 0.5});
+      hearRosCloud(topic, {.network = ownNetwork(), .timeout_s = 0.5});
     } catch (const Error& error) {
       INFO(error.what());
       CHECK(std::string(error.what()).find(words) != std::string::npos);

@@ -210,15 +210,15 @@ TEST_CASE("a refusal by DDS names the key folder; one domain uses one set of key
   {
     const PointCloud cloud;
     const CloudServer server(cloud, {.network = network, .name = "kept", .model = "nothing"});
-    checkSays(errorOf([] { surveyNetwork(ownNetwork(), 0.1); }), {"with other keys"});
+    checkSays(errorOf([] { discoverSessions(ownNetwork(), 0.1); }), {"with other keys"});
     network.security = (lab / "b").string();
-    checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"with other keys"});
+    checkSays(errorOf([&] { discoverSessions(network, 0.1); }), {"with other keys"});
   }
   // Another holder's permissions do not apply.
   fs::copy_file(lab / "a" / "permissions.p7s", lab / "b" / "permissions.p7s", fs::copy_options::overwrite_existing);
-  checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"lab/b", "these keys cannot be used"});
+  checkSays(errorOf([&] { discoverSessions(network, 0.1); }), {"lab/b", "these keys cannot be used"});
   network.security = (lab / "c").string();
-  checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"lab/c", "it does not exist"});
+  checkSays(errorOf([&] { discoverSessions(network, 0.1); }), {"lab/c", "it does not exist"});
 }
 
 }  // namespace palpate::security_test

@@ -66,7 +66,7 @@ TEST_CASE("a stopped server still reports its points and counts, and a second st
   CHECK_NOTHROW(server.check());
   CHECK(server.points().size() == 100);
   CHECK(server.counts().clients == 0);
-  CHECK_THROWS_AS(joinCloud("ended", {.network = ownNetwork(), .patience_s = 0.2}), NetworkError);
+  CHECK_THROWS_AS(joinCloud("ended", {.network = ownNetwork(), .timeout_s = 0.2}), NetworkError);
 }
 
 TEST_CASE("a server stops promptly right after its start") {

@@ -81,7 +81,7 @@ TEST_CASE("a session name is unique, and an unknown name is reported with the ex
   const PointCloud cloud = cloudOf(10);
   Served served(cloud, "city"), other(cloud, "another");
   CHECK(says([&] { Served second(cloud, "city"); }, "give this one another name"));
-  CHECK(says([] { joinCloud("town", {.network = ownNetwork(), .patience_s = 0.5}); }, "'city'"));
+  CHECK(says([] { joinCloud("town", {.network = ownNetwork(), .timeout_s = 0.5}); }, "'city'"));
   CHECK(says([&] { Served bad(cloud, ""); }, "is not a valid session name"));
   CHECK(says([&] { Served bad(cloud, "a\nb"); }, "is not a valid session name"));
   CHECK(says([&] { Served bad(cloud, std::string(201, 'x')); }, "is not a valid session name"));
@@ -158,7 +158,7 @@ TEST_CASE("a client that asks for the state is at rest only after the answer, an
   REQUIRE(comes(20, [&] { return sculptor.follower->counts().sent == 1; }));
   watcher.follower->askServer();
   CHECK_FALSE(comes(0.3, [&] { return watcher.isSame(); }));
-  CHECK_FALSE(watcher.follower->counts().atRest);
+  CHECK_FALSE(watcher.follower->counts().idle);
   served.goOn();
   REQUIRE(comes(20, [&] { return sculptor.isSame(); }));  // the server has the edit
   watcher.follower->askServer();
@@ -219,11 +219,11 @@ TEST_CASE("of two servers that take one name at the same time, one ends with a r
 TEST_CASE("the sessions of a network are listed and answer pings") {
   const PointCloud cloud = cloudOf(1234);
   Served served(cloud, "listed");
-  const auto seen = surveyNetwork(ownNetwork(), 1).sessions;
+  const auto seen = discoverSessions(ownNetwork(), 1).sessions;
   REQUIRE(seen.size() == 1);
   CHECK(seen[0].name == "listed");
   CHECK(seen[0].points == 1234);
-  CHECK(seen[0].fits);
+  CHECK(seen[0].compatible);
   CHECK(seen[0].pings == 50);
   CHECK(seen[0].answered > 25);
   REQUIRE(seen[0].roundTrip_ms);
@@ -231,10 +231,10 @@ TEST_CASE("the sessions of a network are listed and answer pings") {
 }
 
 TEST_CASE("invalid networks are refused by name") {
-  CHECK(says([] { surveyNetwork({.interface = "nowhere0", .domain = 201}, 0.1); }, "nowhere0"));
-  CHECK(says([] { surveyNetwork({.interface = "a\"/><x"}, 0.1); }, "neither the name of an interface"));
-  CHECK(says([] { surveyNetwork({.peers = {"<x>"}}, 0.1); }, "neither the name of an interface"));
-  CHECK(says([] { surveyNetwork({.domain = 1000}, 0.1); }, "is not between 0 and"));
+  CHECK(says([] { discoverSessions({.interface = "nowhere0", .domain = 201}, 0.1); }, "nowhere0"));
+  CHECK(says([] { discoverSessions({.interface = "a\"/><x"}, 0.1); }, "neither the name of an interface"));
+  CHECK(says([] { discoverSessions({.peers = {"<x>"}}, 0.1); }, "neither the name of an interface"));
+  CHECK(says([] { discoverSessions({.domain = 1000}, 0.1); }, "is not between 0 and"));
   CHECK(opennessOf({}).find("programs of this machine") != std::string::npos);
   CHECK(opennessOf({.interface = "eth0"}).find("nothing is encrypted") != std::string::npos);
 }
@@ -245,9 +245,9 @@ TEST_CASE("joining can be interrupted") {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     stop = true;
   });
-  CHECK(says(
-      [&] { joinCloud("never", {.network = ownNetwork(), .patience_s = 60, .stop = [&] { return stop.load(); }}); },
-      "interrupted"));
+  CHECK(
+      says([&] { joinCloud("never", {.network = ownNetwork(), .timeout_s = 60, .stop = [&] { return stop.load(); }}); },
+           "interrupted"));
 }
 
 TEST_CASE("one thread can join a network while another leaves it") {

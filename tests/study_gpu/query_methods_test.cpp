@@ -233,7 +233,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "sculpting gives the same result with every qu
   const Scene scene = makeScene("sphere", 3'000);
   std::vector<DVec3> path;
   for (int i = 0; i <= 20; ++i) path.emplace_back(0.15 * i, 0, 51 - 4 * std::min(1.0, i / 10.0));
-  TouchOptions options{.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8}};
+  TouchOptions options{.radius = scene.radius, .brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8}};
   const Played fused = play(scene.cloud, path, options);
   CHECK(fused.cloud.positions != scene.cloud.positions);
   for (const Way& way : kOtherWays) {

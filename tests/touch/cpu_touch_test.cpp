@@ -16,7 +16,7 @@ namespace palpate::cpu_touch_test {
 
 namespace {
 
-BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .radius = 8}; }
+BrushOptions softPush() { return {.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8}; }
 
 // The HIP moves straight down onto the top of a sphere of radius 50, to `depth` below it, and stays.
 std::vector<Pose> pressPath(double depth, int ticks) {
@@ -101,13 +101,13 @@ TEST_CASE("on the CPU a HIP that is not a number gives an invalid contact, and t
   touch.finish();
 }
 
-TEST_CASE("a yielding surface on the CPU follows the HIP until it is tau away") {
+TEST_CASE("a yielding surface on the CPU follows the HIP until it is the yield depth away") {
   const Scene scene = makeScene("sphere", 20'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
   const auto poses = pressPath(4, 200);
   const auto contacts = play(touch, poses);
   CHECK(contacts.back().touching);
-  CHECK(contacts.back().proxy.z < 46.8);  // from 50 down to 46 + tau, minus the rounding by the average
+  CHECK(contacts.back().proxy.z < 46.8);  // from 50 down to 46 + the yield depth, minus the rounding by the average
   CHECK(contacts.back().proxy.z > 46.1);
   REQUIRE(touch.report().firstEdit_s);
   CHECK(*touch.report().firstEdit_s > 0.02);
@@ -119,7 +119,7 @@ TEST_CASE("a yielding surface on the CPU follows the HIP until it is tau away") 
   CHECK(moved < sculpted.size() / 4);
   double deepest = 50;
   for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
-  CHECK(deepest == within(46.32, 0.03));  // 46 + tau, plus the offset of the point nearest to the tip
+  CHECK(deepest == within(46.32, 0.03));  // 46 + the yield depth, plus the offset of the point nearest to the tip
   for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
 
   // The index followed: its answer equals the reference on the sculpted cloud.
@@ -133,7 +133,7 @@ TEST_CASE("a yielding surface on the CPU follows the HIP until it is tau away") 
 
 TEST_CASE("an edited tick moves each point as the brush specifies, at most a quarter of a support radius") {
   const Scene scene = makeScene("sphere", 20'000);
-  const BrushOptions options{.tau = 0.2, .beta = 1, .radius = 9, .keepsDensity = false};
+  const BrushOptions options{.yieldDepth = 0.2, .pushRate = 1, .radius = 9, .resample = false};
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = options});
   touch.query({.hip = {0, 0, 51}}, 0);
   const DVec3 hip(0.3, -0.2, 47);
@@ -179,7 +179,7 @@ TEST_CASE("the same presses give the same contacts and the same cloud with any n
 TEST_CASE("in real time an edit beyond the budget is bridged by the last answer, and edits that are too slow pause") {
   const Scene scene = makeScene("sphere", 100'000);
   // A brush as wide as the model: an edit moves half of the points.
-  const BrushOptions wide{.tau = 0.1, .beta = 1e-6, .radius = 60};
+  const BrushOptions wide{.yieldDepth = 0.1, .pushRate = 1e-6, .radius = 60};
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = wide, .threads = 1});
   constexpr double kNoTime_us = 1;
   touch.query({.time_s = 0, .hip = {0, 0, 51}}, kNoTime_us);

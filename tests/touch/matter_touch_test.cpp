@@ -147,14 +147,14 @@ TEST_CASE("a paused scene does not move and gives no force; it resumes and reset
   played(touch, 1000, 0.3);
   const PointCloud before = pointsOf(touch, scene);
   SimulationControl& control = *touch.simulation();
-  control.hold(true);
+  control.pause(true);
   for (int k = 301; k < 320; ++k) {
     const Contact contact = touch.query(dive(1e-3 * k), 0);
     CHECK(contact.valid);
     CHECK_FALSE(contact.touching);
   }
   CHECK(pointsOf(touch, scene).positions == before.positions);
-  control.hold(false);
+  control.pause(false);
   touch.query(dive(0.32), 0);
   CHECK(pointsOf(touch, scene).positions != before.positions);
   control.reset();
@@ -166,7 +166,7 @@ TEST_CASE("a paused scene does not move and gives no force; it resumes and reset
     touch.query(pose, 0);
   }
   CHECK(pointsOf(touch, scene).positions == pointsOf(again, scene).positions);
-  CHECK(control.leftOut_s() == 0);
+  CHECK(control.dropped_s() == 0);
 }
 
 TEST_CASE("the scene restarts when time goes back") {
@@ -218,11 +218,11 @@ TEST_CASE("a simulation switches between virtual and real time on request, and c
   for (int k = 101; k < 120; ++k) touch.query(dive(1e-3 * k), 100'000);
   touch.query(dive(0.4), 100'000);  // far behind the clock: it skips the missed time
   touch.finish();
-  CHECK(touch.simulation()->leftOut_s() > 0.2);
+  CHECK(touch.simulation()->dropped_s() > 0.2);
   touch.begin(false, {});
-  const double leftOut_s = touch.simulation()->leftOut_s();
+  const double dropped_s = touch.simulation()->dropped_s();
   touch.query(dive(0.5), 0);
-  CHECK(touch.simulation()->leftOut_s() == leftOut_s);  // now it simulates all the time
+  CHECK(touch.simulation()->dropped_s() == dropped_s);  // now it simulates all the time
   CHECK(pointsOf(touch, scene).positions != before.positions);
 }
 
@@ -304,7 +304,7 @@ TEST_CASE("in real time no tick exceeds its budget, and an old answer fades out"
   // Time that it did not get is skipped and reported.
   const Contact late = touch.query(dive(0.5), 0);
   CHECK(late.fresh);
-  CHECK(touch.simulation()->leftOut_s() == near(0.149, 1e-6));
+  CHECK(touch.simulation()->dropped_s() == near(0.149, 1e-6));
   const Pose pose = dive(0.501);
   const double full_N = glm::length(touch.query(pose, 0).force_N.value_or(DVec3(0)));
   CHECK(full_N > 0.01);

@@ -9,7 +9,7 @@ namespace palpate::offered_changes_test {
 
 namespace {
 
-constexpr BrushOptions kPush{.tau = 0.3, .beta = 0.2, .radius = 8, .keepsDensity = false};
+constexpr BrushOptions kPush{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8, .resample = false};
 
 }  // namespace
 
@@ -50,7 +50,7 @@ TEST_CASE("edits cannot be offered to a cloud without a brush, or with one that 
   CpuTouch still(scene.cloud, {.radius = scene.radius});
   CHECK(still.edits()->mostOffered() == 0);
   BrushOptions dense = kPush;
-  dense.keepsDensity = true;
+  dense.resample = true;
   CpuTouch kept(scene.cloud, {.radius = scene.radius, .brush = dense});
   CHECK(kept.edits()->mostOffered() == 0);
   CHECK_FALSE(kept.edits()->offer({}, 0));

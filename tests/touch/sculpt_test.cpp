@@ -15,7 +15,7 @@ namespace {
 constexpr double kTick_s = 1e-3, kToolRadius = 6, kTau = 0.5;
 
 BrushOptions brush(BrushKind kind, double strength = 0.5) {
-  return {.kind = kind, .tau = kTau, .beta = 0.1, .radius = kToolRadius, .strength = strength};
+  return {.kind = kind, .yieldDepth = kTau, .pushRate = 0.1, .radius = kToolRadius, .strength = strength};
 }
 
 // Straight lines between positions at a speed (model units per second), then a rest.
@@ -51,9 +51,9 @@ Played play(CpuTouch& touch, const PointCloud& before, const std::vector<Pose>& 
   return played;
 }
 
-Played sculpt(const Scene& scene, BrushOptions options, const std::vector<Pose>& poses, bool keepsDensity = true,
+Played sculpt(const Scene& scene, BrushOptions options, const std::vector<Pose>& poses, bool resample = true,
               unsigned threads = 0) {
-  options.keepsDensity = keepsDensity;
+  options.resample = resample;
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = options, .threads = threads});
   return play(touch, scene.cloud, poses);
 }

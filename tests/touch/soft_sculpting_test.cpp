@@ -8,10 +8,10 @@ namespace palpate::soft_sculpting_test {
 
 namespace {
 
-// With a brush that leaves tau of the distance to the hand.
+// With a brush that leaves the yield depth of the distance to the hand.
 SoftTouching withBrush(BrushKind kind, double radius = 12) {
   SoftTouching options;
-  options.touch.brush = BrushOptions{.kind = kind, .tau = 0.5, .beta = 0.1, .radius = radius};
+  options.touch.brush = BrushOptions{.kind = kind, .yieldDepth = 0.5, .pushRate = 0.1, .radius = radius};
   return options;
 }
 
@@ -57,9 +57,10 @@ TEST_CASE("a pushed dent remains after the hand has left, less the elastic part"
   FeltSpring spring({.stiffness_N_per_unit = 0.5, .damping_N_s_per_unit = 0, .most_N = 5});
   const Contact held = goDown(block, time_s, deep, 2500);
   REQUIRE(held.touching);
-  // It has yielded until the tip of the brush's ball is tau above the hand. The averaged surface, which holds the
-  // spring, is above that tip in a dent as round as the ball, by at most its bias for a ball, less in a wider dent. So
-  // the spring is stretched by tau and a part of that bias, and its force is its stiffness times that.
+  // It has yielded until the tip of the brush's ball is the yield depth above the hand. The averaged surface, which
+  // holds the spring, is above that tip in a dent as round as the ball, by at most its bias for a ball, less in a wider
+  // dent. So the spring is stretched by the yield depth and a part of that bias, and its force is its stiffness times
+  // that.
   const DVec3 force = spring.add(held, {50, deep, 50}, 1e-3);
   const double stretch = held.proxy.y - deep;
   CHECK(stretch > 0.5);
@@ -106,7 +107,7 @@ TEST_CASE("a brush changes the rest shape only within its reach, and undo and re
   const double dented = topOf(block);
   ShapeStrokes& strokes = *block.touch().shapeStrokes();
   CHECK(strokes.counts().strokes == 2);
-  CHECK(strokes.counts().undoable == 2);
+  CHECK(strokes.counts().undoCount == 2);
   CHECK(strokes.undo());
   CHECK(shapeOf(block) == first);
   CHECK(strokes.undo());
@@ -114,7 +115,7 @@ TEST_CASE("a brush changes the rest shape only within its reach, and undo and re
   // Its points have moved before the next query.
   CHECK(topOf(block) - dented > 1);
   CHECK_FALSE(strokes.undo());
-  CHECK(strokes.counts().redoable == 2);
+  CHECK(strokes.counts().redoCount == 2);
   wait(block, time_s, 800);
   CHECK(std::abs(topOf(block) - began) < 0.05);
   CHECK(strokes.redo());
@@ -145,7 +146,7 @@ TEST_CASE("inflate, smooth, grab and flatten work on a soft body, the same bit b
     CAPTURE(static_cast<int>(kind));
     if (!inFullTier() && kind == BrushKind::inflate) continue;  // it makes the hill that others remove
     SoftTouching options = withBrush(kind, 14);
-    options.touch.brush->tau = 0.2;
+    options.touch.brush->yieldDepth = 0.2;
     SoftScene block = touched(softBlock(), options);
     options.threads = 1;
     SoftScene same = touched(softBlock(), options);

@@ -219,10 +219,10 @@ TEST_CASE("a paused soft scene does not move and gives no force; it resumes and 
   CHECK(ask(4).touching);
   const PointCloud dented = block.points();
   SimulationControl& control = *block.touch().simulation();
-  control.hold(true);
+  control.pause(true);
   for (int i = 0; i < 20; ++i) CHECK_FALSE(ask(4).touching);
   CHECK(block.points().positions == dented.positions);
-  control.hold(false);
+  control.pause(false);
   for (int i = 0; i < 200; ++i) CHECK_FALSE(ask(4).touching);  // inside, as before: the body closes about it
   CHECK(block.points().positions != dented.positions);
   for (int i = 0; i < 20; ++i) ask(-2);
@@ -231,7 +231,7 @@ TEST_CASE("a paused soft scene does not move and gives no force; it resumes and 
   control.reset();
   for (int i = 0; i < 30; ++i) CHECK_FALSE(ask(4).touching);
   CHECK(block.world().time_s() < 0.04);
-  CHECK(control.leftOut_s() == 0);
+  CHECK(control.dropped_s() == 0);
 }
 
 TEST_CASE("a hand that is not a number gets no answer, and a failed body gives none until its restart") {
@@ -292,7 +292,7 @@ TEST_CASE("in real time no tick waits for a step, late steps are dropped, and th
   double most = 0;
   int ticks = 0;
   // Until the body has been pressed long enough, which takes more ticks on a slow machine.
-  const auto simulated_s = [&] { return 1e-3 * ticks - block.touch().simulation()->leftOut_s(); };
+  const auto simulated_s = [&] { return 1e-3 * ticks - block.touch().simulation()->dropped_s(); };
   for (; ticks < 500 || (simulated_s() < 0.4 && ticks < 20'000); ++ticks) {
     const Pose pose = press(1e-3 * ticks, 4, 0.2);
     const Contact contact = block.touch().query(pose, 500);
@@ -304,7 +304,7 @@ TEST_CASE("in real time no tick waits for a step, late steps are dropped, and th
   block.touch().finish();
   CHECK(most > 0.5);
   CHECK(block.world().impulses().onTools.y > 0.01);
-  CHECK(block.world().time_s() + block.touch().simulation()->leftOut_s() == near(1e-3 * ticks, 0.1));
+  CHECK(block.world().time_s() + block.touch().simulation()->dropped_s() == near(1e-3 * ticks, 0.1));
 }
 
 }  // namespace palpate::soft_touch_test

@@ -15,11 +15,11 @@ TEST_CASE("no tick on the CPU allocates memory on the querying thread, with or w
   const Scene scene = makeScene("sphere", 30'000);
   CpuTouchOptions options{.radius = scene.radius, .threads = 3};
   SUBCASE("static") {}
-  SUBCASE("edited") { options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8}; }
+  SUBCASE("edited") { options.brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8}; }
   SUBCASE("with a tool of many points") { options.tools = {makeTool(ToolKind::pad, 64, 8)}; }
   SUBCASE("with a tool of many points, edited") {
     options.tools = {makeTool(ToolKind::pad, 16, 8)};
-    options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8};
+    options.brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8};
   }
   SUBCASE("with four hands") { options.tools.resize(4); }
   CpuTouch touch(scene.cloud, options);

@@ -38,7 +38,7 @@ TEST_CASE("questions asked ahead give the same answers and the same sculpted clo
   for (const bool sculpts : {false, true}) {
     CAPTURE(sculpts);
     TouchOptions plain = optionsFor(scene, false), ahead = optionsFor(scene, true);
-    if (sculpts) plain.brush = ahead.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8};
+    if (sculpts) plain.brush = ahead.brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8};
     TouchSide a(device, scene.cloud, plain), b(device, scene.cloud, ahead);
     CHECK_FALSE(a.asksAhead());
     CHECK(b.asksAhead());
@@ -125,7 +125,7 @@ TEST_CASE("a withdrawn question does not affect later contacts") {
 TEST_CASE_FIXTURE(CoreGpuFixture, "a question pending ahead does not block finish(), a change or a slow driver") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchOptions options = optionsFor(scene, true);
-  options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8};
+  options.brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8};
   TouchSide touch(device, scene.cloud, options);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false));
   touch.prepare();

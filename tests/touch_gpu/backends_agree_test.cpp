@@ -23,9 +23,9 @@ class BackendsFixture : public GpuFixture {
     std::size_t movedOnGpu = 0, movedOnCpu = 0;
   };
 
-  // Insertions and removals can depend on rounding; without keepsDensity there are none.
+  // Insertions and removals can depend on rounding; without resample there are none.
   Outcome play(const Scene& scene, const std::vector<DVec3>& path, std::optional<BrushOptions> push = {}) {
-    if (push) push->keepsDensity = false;
+    if (push) push->resample = false;
     TouchSide gpu(device, scene.cloud, {.radius = scene.radius, .brush = push});
     CpuTouch cpu(scene.cloud, {.radius = scene.radius, .brush = push});
     Outcome outcome{.onGpu = scene.cloud, .onCpu = scene.cloud};
@@ -84,7 +84,7 @@ TEST_CASE_FIXTURE(BackendsFixture,
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   const Outcome outcome =
-      play(scene, {51.0 * outward, 47.0 * outward}, BrushOptions{.tau = 0.3, .beta = 0.5, .radius = 8});
+      play(scene, {51.0 * outward, 47.0 * outward}, BrushOptions{.yieldDepth = 0.3, .pushRate = 0.5, .radius = 8});
   CHECK(outcome.movedOnCpu > 50);
   // A point within rounding of the brush's border may move on one side only, by less than the tolerance.
   CHECK(std::abs(static_cast<double>(outcome.movedOnCpu) - static_cast<double>(outcome.movedOnGpu)) <= 2);
@@ -98,7 +98,7 @@ TEST_CASE_FIXTURE(BackendsFixture,
 TEST_CASE_FIXTURE(BackendsFixture, "a press that sculpts agrees on CPU and GPU, tick by tick") {
   const Scene scene = makeScene("sphere", 20'000);
   const Outcome outcome =
-      play(scene, press(DVec3(0, 0, 1), 3, 100), BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8});
+      play(scene, press(DVec3(0, 0, 1), 3, 100), BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8});
   CHECK(outcome.touched > 50);
   CHECK(outcome.disagreed == 0);
   CHECK(outcome.worstProxy < 1e-4);

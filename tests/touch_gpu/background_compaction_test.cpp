@@ -27,7 +27,7 @@ constexpr std::uint32_t kLittleSpare = 1'200, kMinSpare = 320;
 
 TouchOptions optionsFor(const Scene& scene, std::uint32_t spare) {
   return {.radius = scene.radius,
-          .brush = BrushOptions{.tau = 0.2, .beta = 0.3, .radius = 7, .keepsDensity = false},
+          .brush = BrushOptions{.yieldDepth = 0.2, .pushRate = 0.3, .radius = 7, .resample = false},
           .spareSlots = spare,
           .compaction = {.bucketsPerSlice = 512},
           .wait = Wait::block};

@@ -13,7 +13,7 @@ namespace palpate::change_tool_test {
 namespace {
 
 BrushOptions brush(BrushKind kind, double radius = 8) {
-  return {.kind = kind, .tau = 0.3, .beta = 0.2, .radius = radius, .strength = 0.5};
+  return {.kind = kind, .yieldDepth = 0.3, .pushRate = 0.2, .radius = radius, .strength = 0.5};
 }
 
 // Either back end, with a brush that pushes, and with colours for one that paints later.

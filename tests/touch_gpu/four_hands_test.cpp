@@ -141,7 +141,7 @@ TEST_CASE_FIXTURE(GpuFixture, "four hands with tools run under validation, with 
                   {.radius = scene.radius,
                    .friction = kFriction,
                    .tools = tools(),
-                   .brush = BrushOptions{.tau = 0.3, .beta = 0.5, .radius = 8}});
+                   .brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.5, .radius = 8}});
   for (int i = 0; i < 30; ++i) {
     const double r = 53 - 0.2 * i, time_s = kTick_s * i;
     const Poses poses{Pose{.time_s = time_s, .hip = {0, 0, r}}, Pose{.time_s = time_s, .hip = {0, 0, -r}},

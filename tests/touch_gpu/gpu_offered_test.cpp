@@ -11,7 +11,7 @@ namespace palpate::gpu_offered_test {
 
 namespace {
 
-constexpr BrushOptions kPush{.tau = 0.3, .beta = 0.2, .radius = 8, .keepsDensity = false};
+constexpr BrushOptions kPush{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8, .resample = false};
 
 }  // namespace
 

@@ -15,7 +15,9 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 
-BrushOptions brush(BrushKind kind) { return {.kind = kind, .tau = 0.3, .beta = 0.2, .radius = 8, .strength = 0.6}; }
+BrushOptions brush(BrushKind kind) {
+  return {.kind = kind, .yieldDepth = 0.3, .pushRate = 0.2, .radius = 8, .strength = 0.6};
+}
 
 // Onto the top of a sphere of radius 50, down and slightly along, then a rest.
 std::vector<Pose> press(double depth) {

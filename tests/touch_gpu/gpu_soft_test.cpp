@@ -145,10 +145,10 @@ TEST_CASE_FIXTURE(SoftFixture,
   CHECK(ask(3).touching);
   const PointCloud dented = block.points();
   SimulationControl& control = *block.touch().simulation();
-  control.hold(true);
+  control.pause(true);
   for (int i = 0; i < 5; ++i) CHECK_FALSE(ask(3).touching);
   CHECK(block.points().positions == dented.positions);
-  control.hold(false);
+  control.pause(false);
   for (int i = 0; i < 30; ++i) ask(-4);
   CHECK(block.points().positions != dented.positions);
   // A parameter changed during the simulation.
@@ -171,7 +171,7 @@ TEST_CASE_FIXTURE(SoftFixture,
 TEST_CASE_FIXTURE(SoftFixture,
                   "a dent in a body on a GPU is as deep as on the CPU, and its stroke is undone bit by bit") {
   SoftTouching options;
-  options.touch.brush = BrushOptions{.kind = BrushKind::push, .tau = 0.5, .beta = 0.1, .radius = 12};
+  options.touch.brush = BrushOptions{.kind = BrushKind::push, .yieldDepth = 0.5, .pushRate = 0.1, .radius = 12};
   SoftScene cpu(lowBlock(), options, onCpu());
   options.body = movedOnGpu();
   SoftScene gpu(lowBlock(), options, onGpu());
@@ -264,7 +264,7 @@ TEST_CASE_FIXTURE(SoftFixture, "in real time a body on a GPU is pressed beside q
     const Contact contact = block.touch().query(pose, 800);
     block.touch().prepare();
     const double felt_s = block.touch().frames()->time().value_or(PointsTime{}).true_s;
-    simulated_s = std::max(simulated_s, felt_s - control.leftOut_s());
+    simulated_s = std::max(simulated_s, felt_s - control.dropped_s());
     CHECK(contact.valid);
     if (contact.fresh) answered_mm += 1;
     touched += contact.touching;
@@ -274,7 +274,7 @@ TEST_CASE_FIXTURE(SoftFixture, "in real time a body on a GPU is pressed beside q
   CHECK(touched > 0);
   CHECK(control.portEnergies().front().now_J >= kWork_J);
   CHECK(block.world().impulses().onTools.y > 1e-5);
-  CHECK(block.world().time_s() + control.leftOut_s() <= watch.elapsed_us() * 1e-6 + 1e-3);
+  CHECK(block.world().time_s() + control.dropped_s() <= watch.elapsed_us() * 1e-6 + 1e-3);
 }
 
 }  // namespace palpate::gpu_soft_test

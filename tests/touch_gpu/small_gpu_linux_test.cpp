@@ -23,8 +23,9 @@ struct Felt {
 /// A press that sculpts, with more points in reach than a small workgroup holds.
 Felt press(Device& device) {
   const Scene scene = makeScene("sphere", 6'000);
-  TouchSide touch(device, scene.cloud,
-                  {.radius = 3.5 * scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 6}});
+  TouchSide touch(
+      device, scene.cloud,
+      {.radius = 3.5 * scene.radius, .brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 6}});
   Felt felt{.contacts = {}, .cloud = scene.cloud};
   for (int i = 0; i < 20; ++i)
     felt.contacts.push_back(touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 51 - 0.2 * i}}, 0));

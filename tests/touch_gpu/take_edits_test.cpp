@@ -12,7 +12,7 @@ namespace palpate::take_edits_test {
 
 namespace {
 
-BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .radius = 8}; }
+BrushOptions softPush() { return {.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8}; }
 
 // `strokes` presses on the sphere's top, each a little further along, with the hand lifted in between.
 std::vector<Contact> press(TouchBackend& touch, int strokes, Journal* journal = nullptr) {
@@ -132,7 +132,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points removed by a brush are reported, with an u
     for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
       CAPTURE(brushRadius);
       CAPTURE(index == IndexFollow::rebuild);
-      const BrushOptions carve{.kind = BrushKind::carve, .tau = 0.3, .radius = brushRadius, .strength = 1};
+      const BrushOptions carve{.kind = BrushKind::carve, .yieldDepth = 0.3, .radius = brushRadius, .strength = 1};
       TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = carve, .index = index});
       touch.edits()->keep();
       Journal journal(scene.cloud, 1 << 26);

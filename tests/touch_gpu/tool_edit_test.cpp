@@ -5,7 +5,7 @@ namespace palpate::tool_edit_test {
 
 TEST_CASE_FIXTURE(ToolFixture, "a brush has the same effect under a tool as under its HIP alone, bit by bit") {
   const Scene scene = makeScene("sphere", 10'000);
-  const BrushOptions push{.tau = 0.3, .beta = 0.2, .radius = 8};
+  const BrushOptions push{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8};
   std::vector<PointCloud> sculpted;
   for (const ToolShape& tool : {ToolShape{}, makeTool(ToolKind::pad, 8, 8)}) {
     TouchSide touch(device, scene.cloud,
@@ -26,7 +26,7 @@ TEST_CASE("a tool feels the edits under it like a tool on a newly loaded cloud")
   const auto options = [&](std::optional<BrushOptions> brush) {
     return CpuTouchOptions{.radius = scene.radius, .tools = {pad}, .brush = brush};
   };
-  CpuHand sculptor(scene.cloud, options(BrushOptions{.tau = 0.3, .beta = 1, .radius = 8}));
+  CpuHand sculptor(scene.cloud, options(BrushOptions{.yieldDepth = 0.3, .pushRate = 1, .radius = 8}));
   for (int i = 0; i <= 80; ++i) sculptor.feel({0, 0, 52 - 4 * std::min(1.0, i / 40.0)});
   sculptor.backend().finish();
   PointCloud dented = scene.cloud;

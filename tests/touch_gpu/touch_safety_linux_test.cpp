@@ -86,7 +86,7 @@ void checkLostInMidTouch(bool realtime, const std::vector<Loss>& losses) {
     Device device({.gpu = "", .validation = Validation::off});
     const auto takeGpu = LostGpuLayer::takeGpu();
     std::optional<BrushOptions> brush;
-    if (sculpting) brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 6};
+    if (sculpting) brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 6};
     TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = brush});
     constexpr double kLost_s = 1;
     bool lost = false;
@@ -175,7 +175,7 @@ TEST_CASE("the touch side can be destroyed after the GPU is lost during backgrou
     const LostGpuLayer layer;
     Device device({.gpu = "", .validation = Validation::off});
     const auto takeGpu = LostGpuLayer::takeGpu();
-    const BrushOptions brush{.tau = 0.2, .beta = 0.3, .radius = 7, .keepsDensity = false};
+    const BrushOptions brush{.yieldDepth = 0.2, .pushRate = 0.3, .radius = 7, .resample = false};
     TouchSide touch(
         device, scene.cloud,
         {.radius = scene.radius, .brush = brush, .spareSlots = 500, .compaction = {.bucketsPerSlice = 256}});

@@ -16,7 +16,7 @@ namespace palpate::touch_side_test {
 
 namespace {
 
-BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .radius = 8}; }
+BrushOptions softPush() { return {.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8}; }
 
 // Presses straight down on the sphere's top, to `depth` below it.
 std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog::Reader* drained = nullptr) {
@@ -31,7 +31,7 @@ std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog::R
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "a yielding surface follows the HIP until it is tau away") {
+TEST_CASE_FIXTURE(GpuFixture, "a yielding surface follows the HIP until it is the yield depth away") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
   const auto contacts = press(touch, 4, 120);
@@ -39,7 +39,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a yielding surface follows the HIP until it is ta
   for (const Contact& contact : contacts) CHECK(contact.valid);
   const Contact& last = contacts.back();
   CHECK(last.touching);
-  CHECK(last.proxy.z < 46.8);  // from 50 down to 46 + tau, minus the rounding by the average
+  CHECK(last.proxy.z < 46.8);  // from 50 down to 46 + the yield depth, minus the rounding by the average
   CHECK(last.proxy.z > 46.1);
 
   PointCloud sculpted = scene.cloud;
@@ -48,7 +48,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a yielding surface follows the HIP until it is ta
   CHECK(moved < sculpted.size() / 4);
   double deepest = 50;
   for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
-  CHECK(deepest == within(46.32, 0.03));  // 46 + tau, plus the offset of the point nearest to the tip
+  CHECK(deepest == within(46.32, 0.03));  // 46 + the yield depth, plus the offset of the point nearest to the tip
   for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
 }
 
@@ -67,7 +67,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the index follows every edit: later contacts equa
     const Contact after = touch.query(pose, 0), loaded = fresh.query(pose, 0);
     CHECK(after.touching == loaded.touching);
     CHECK(glm::distance(after.proxy, loaded.proxy) < 1e-4 * scene.radius);
-    if (glm::length(touch.query(pose, 0).proxy - pose.hip) > softPush().tau) break;  // it yields again
+    if (glm::length(touch.query(pose, 0).proxy - pose.hip) > softPush().yieldDepth) break;  // it yields again
   }
 }
 
@@ -95,9 +95,9 @@ TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the s
 TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that falls behind costs edits, never its unread entries" * kFull) {
   // A wide brush, deep inside: every tick moves a fifth of the points slightly.
   const Scene scene = makeScene("sphere", 60'000);
-  TouchSide touch(
-      device, scene.cloud,
-      {.radius = scene.radius, .brush = BrushOptions{.tau = 0.01, .beta = 1e-5, .radius = 200, .keepsDensity = false}});
+  TouchSide touch(device, scene.cloud,
+                  {.radius = scene.radius,
+                   .brush = BrushOptions{.yieldDepth = 0.01, .pushRate = 1e-5, .radius = 200, .resample = false}});
   const EditLog::Reader reader(touch.editLog());
   press(touch, 20, 80);
   touch.finish();
@@ -230,9 +230,10 @@ TEST_CASE("the GPU continues from the contact state of the CPU after late answer
 TEST_CASE("the patch follows edits") {
   const Scene scene = makeScene("sphere", 20'000);
   Device device({.gpu = "", .validation = Validation::off});
-  TouchSide touch(
-      device, scene.cloud,
-      {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 1, .radius = 8}, .wait = Wait::block});
+  TouchSide touch(device, scene.cloud,
+                  {.radius = scene.radius,
+                   .brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 1, .radius = 8},
+                   .wait = Wait::block});
   Contact felt;
   Pose pose;
   for (int i = 0; i < 80; ++i) {  // slowly, so that no edit is dropped, until the surface yields no more

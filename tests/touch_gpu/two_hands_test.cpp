@@ -14,7 +14,7 @@ namespace palpate::two_hands_test {
 namespace {
 
 constexpr double kTick_s = 1e-3, kFriction = 0.3;
-const BrushOptions kPush{.tau = 0.3, .beta = 0.5, .radius = 8};
+const BrushOptions kPush{.yieldDepth = 0.3, .pushRate = 0.5, .radius = 8};
 
 struct Wanted {
   std::vector<ToolShape> tools = std::vector<ToolShape>(2);

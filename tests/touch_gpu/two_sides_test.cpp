@@ -15,7 +15,7 @@ TEST_CASE_FIXTURE(GpuFixture,
                   "while one thread sculpts another follows the log, and in the end both clouds are the same") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud,
-                  {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 10}});
+                  {.radius = scene.radius, .brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 10}});
   DrawnCloud drawn(device, scene.cloud, {.spare = touch.live().slots() - touch.live().count()});
   EditLog::Reader reader(touch.editLog());
 

@@ -6,7 +6,7 @@
         t = s.touch(path, surface="sharp")           # a structured array, one row for each tick
         s.push(path, radius_mm=4); s.undo()
         picture = s.render((1280, 720))              # uint8, H x W x 4
-        s.mesh(lattice=256).save("m.ply")
+        s.mesh(resolution=256).save("m.ply")
 
 Positions are in model units (the coordinates of the cloud's file), lengths in the hand in mm, forces in N, times in s.
 """
@@ -19,11 +19,11 @@ from . import _palpate
 from . import _words
 from ._errors import ArgumentTypeError, ClosedError, Error, UnknownAttributeError, UnknownNameError, UsageError, nearest
 from ._live import Live
-from ._logs import Log, Replay, read_log, replay
+from ._logs import Recording, Replay, read_recording, replay
 from ._matter import Matter, Parameter, PortEnergy
 from ._palpate import Cloud, Frame, LawInput, Mesh, can_share, formats_read, formats_written, gpus, read, write
 from ._session import Hand, Session
-from ._sharing import Join, Network, OtherCamera, OtherHand, SeenSession, Server, Sharing, serve, sessions
+from ._sharing import Network, OtherCamera, OtherHand, SessionInfo, Server, Sharing, serve, discover
 
 __all__ = [
     "ArgumentTypeError",
@@ -32,10 +32,9 @@ __all__ = [
     "Error",
     "Frame",
     "Hand",
-    "Join",
     "LawInput",
     "Live",
-    "Log",
+    "Recording",
     "Matter",
     "Mesh",
     "Network",
@@ -44,7 +43,7 @@ __all__ = [
     "Parameter",
     "PortEnergy",
     "Replay",
-    "SeenSession",
+    "SessionInfo",
     "Server",
     "Session",
     "Sharing",
@@ -56,10 +55,10 @@ __all__ = [
     "formats_written",
     "gpus",
     "read",
-    "read_log",
+    "read_recording",
     "replay",
     "serve",
-    "sessions",
+    "discover",
     "tick_dtype",
     "tool_tick_dtype",
     "write",

@@ -71,13 +71,39 @@ def nearest(word: str, names: Iterable[str]) -> str:
     return f"; did you mean {close[0]}?" if close else ""
 
 
-def _settings(kind: type) -> list[str]:
-    """Keywords of the constructor; empty if it has no signature."""
-    try:
-        parameters = inspect.signature(kind.__init__).parameters  # type: ignore[misc]
-    except ValueError:
-        return []
-    return [name for name in parameters if name not in ("self", "args", "kwargs")]
+def _settings(kind: type) -> dict[str, str]:
+    """Keywords of the constructors, each with the constructor's name; empty if they have no signature."""
+    makers = {kind.__name__: kind.__init__}  # type: ignore[misc]
+    for owner in kind.__mro__:
+        for name, each in vars(owner).items():
+            if isinstance(each, classmethod) and not name.startswith("_"):
+                makers[f"{kind.__name__}.{name}"] = each.__func__
+    found: dict[str, str] = {}
+    for maker, function in makers.items():
+        try:
+            parameters = inspect.signature(function).parameters.values()
+        except ValueError:
+            continue
+        names = [each.name for each in parameters if each.kind not in (each.VAR_KEYWORD, each.VAR_POSITIONAL)]
+        if any(takes_session_options(each) for each in parameters):
+            names += session_options()
+        for name in names:
+            if name not in ("self", "cls"):
+                found.setdefault(name, maker)
+    return found
+
+
+def takes_session_options(parameter: inspect.Parameter) -> bool:
+    """Whether it is **options, the keywords that all constructors of a Session have."""
+    return parameter.kind is parameter.VAR_KEYWORD and "SessionOptions" in str(parameter.annotation)
+
+
+def session_options() -> dict[str, str]:
+    """The names of those keywords, with their types as in an annotation."""
+    from ._types import SessionOptions
+
+    hints = SessionOptions.__annotations__
+    return {name: getattr(hint, "__forward_arg__", str(hint)) for name, hint in hints.items()}
 
 
 def missing_attribute(self: object, name: str) -> Any:
@@ -87,8 +113,10 @@ def missing_attribute(self: object, name: str) -> Any:
         return object.__getattribute__(self, name)  # raises the original exception again
     settings = _settings(kind)
     if name in settings:
-        called = kind.__name__
-        raise UnknownAttributeError(f"{name}: cannot be read; is set when the {called} is created: {called}({name}=…)")
+        maker = settings[name]
+        raise UnknownAttributeError(
+            f"{name}: cannot be read; is set when the {kind.__name__} is created: {maker}({name}=…)"
+        )
     meant = nearest(name, [each for each in [*dir(kind), *settings] if not each.startswith("_")])
     raise UnknownAttributeError(f"{name}: a {kind.__name__} has no such attribute{meant}")
 
@@ -99,7 +127,9 @@ def refuse_attribute(self: object, name: str, value: object) -> None:
         return object.__setattr__(self, name, value)
     kind, settings = type(self).__name__, _settings(type(self))
     if name in settings:
-        raise UnknownAttributeError(f"{name}: is set when the {kind} is created: {kind}(…, {name}={value!r})")
+        raise UnknownAttributeError(
+            f"{name}: is set when the {kind} is created: {settings[name]}(…, {name}={value!r})"
+        )
     if hasattr(type(self), name):
         raise UnknownAttributeError(f"{name}: cannot be set on a {kind}, only read")
     raise UnknownAttributeError(f"{name}: cannot be set on a {kind}{nearest(name, settings)}")

@@ -43,11 +43,11 @@ class Live:
             self._thread = threading.Thread(target=self._follow, name="palpate ticks", daemon=True)
             self._thread.start()
 
-    def take(self) -> NDArray[Any]:
+    def read_ticks(self) -> NDArray[Any]:
         """Ticks since the last call; requires that live() got no on_ticks. Raises the error that ended the session."""
         if self._on_ticks is not None:
-            raise Error("on_ticks receives the ticks; take() cannot read them", status="state")
-        ticks = self._session._live_take()
+            raise Error("on_ticks receives the ticks; read_ticks() cannot read them", status="state")
+        ticks = self._session._live_read_ticks()
         self._look_at_scene()
         return ticks
 
@@ -122,9 +122,9 @@ class Live:
 
     def _pass_on(self) -> None:
         if self._on_ticks is None:
-            self._session._follow()
+            self._session._apply_edits()
             return
-        ticks = self._session._live_take()
+        ticks = self._session._live_read_ticks()
         self._look_at_scene()
         if len(ticks):
             self._on_ticks(ticks)

@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     import os
 
 
-class Log(_palpate._Log):
+class Recording(_palpate._Log):
     """A session log, immutable. Its views are read-only and keep it alive."""
 
     __setattr__ = refuse_attribute
 
     def __repr__(self) -> str:
         end = "to its end" if self.ended else "not to its end"
-        return f"<palpate.Log of {len(self.ticks)} ticks and {len(self.edits)} edits, {end}>"
+        return f"<palpate.Recording of {len(self.ticks)} ticks and {len(self.edits)} edits, {end}>"
 
     @property
     def header(self) -> dict[str, Any]:
@@ -40,14 +40,14 @@ class Replay:
     Attributes:
         identical: all ticks, and all points at the end, are the same within the tolerance; to the last bit if it is 0.
         ticks: ticks of the log.
-        compared: ticks compared; fewer than all if the session cannot be replayed exactly, for the reason in `because`.
+        compared: ticks compared; fewer than all if the session cannot be replayed exactly, for the reason in `reason`.
         force_ticks: ticks whose forces differ.
         largest_force_N: maximum difference of a force, N.
         edit_ticks: ticks between which the edits differ.
         points: points that differ at the end; None if they were not compared.
         first_difference_s: time of the first difference, s; None without one.
         recorded_edits_agree: whether the log's edits give the points at its end; None if the log has no end.
-        because: reason why not all ticks were compared; "" if they were.
+        reason: reason why not all ticks were compared; "" if they were.
         machine: machine of the replay.
         recorded_on: machine of the recording.
     """
@@ -61,14 +61,14 @@ class Replay:
     points: int | None
     first_difference_s: float | None
     recorded_edits_agree: bool | None
-    because: str
+    reason: str
     machine: str
     recorded_on: str
 
 
-def read_log(file: str | os.PathLike[str]) -> Log:
+def read_recording(file: str | os.PathLike[str]) -> Recording:
     """Reads a session log; of a damaged or cut-off log all complete parts. Raises Error with the file."""
-    return Log(file)
+    return Recording(file)
 
 
 def replay(

@@ -10,6 +10,8 @@ from ._errors import UsageError, refuse_attribute
 if TYPE_CHECKING:
     from types import TracebackType
 
+    from ._types import Backend
+
 
 class Parameter(NamedTuple):
     """A parameter of a scene, which can be changed while the scene moves.
@@ -35,11 +37,11 @@ class PortEnergy(NamedTuple):
 
     Attributes:
         now_J: present energy, J.
-        least_J: its minimum so far, J.
+        min_J: its minimum so far, J.
     """
 
     now_J: float
-    least_J: float
+    min_J: float
 
 
 def _by_name(told: list[tuple[str, float, float, float, str, str]]) -> dict[str, Parameter]:
@@ -54,13 +56,16 @@ class Matter(_palpate._Matter):
             closed cloud or mesh, or a JSON file.
         gpu: as for Session; None: a GPU if there is one, and the CPU for soft bodies.
         threads: threads of the CPU; 0: one per core.
+        backend: "vulkan" (a GPU), "cpu" or "auto", as for Session; "auto": the CPU for soft bodies.
 
     Positions are in mm. The same scene gives the same bytes on the same machine. Raises Error, and UsageError for an
     unknown scene. Threads may share it and wait for one another.
     """
 
-    def __init__(self, scene: str, gpu: int | str | None = None, threads: int = 0) -> None:
-        super().__init__(scene, None if gpu is None else str(gpu), threads)
+    def __init__(
+        self, scene: str, gpu: int | str | None = None, threads: int = 0, *, backend: Backend = "auto"
+    ) -> None:
+        super().__init__(scene, None if gpu is None else str(gpu), threads, backend)
         self._scene = scene
 
     __setattr__ = refuse_attribute

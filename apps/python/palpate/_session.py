@@ -14,15 +14,16 @@ from . import _palpate
 from ._errors import ArgumentTypeError, Error, described, refuse_attribute
 from ._live import Live, end_live
 from ._matter import Parameter, PortEnergy, _by_name
-from ._sharing import Join, OtherCamera, OtherHand, Sharing
+from ._sharing import Network, OtherCamera, OtherHand, Sharing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import TracebackType
 
     from numpy.typing import NDArray
+    from typing_extensions import Unpack
 
-    from ._types import BuiltinPath, SurfaceKind, ToolKind
+    from ._types import BuiltinPath, SessionOptions
 
 _joined: weakref.WeakSet[Session] = weakref.WeakSet()
 
@@ -43,48 +44,43 @@ class Hand:
 
 
 class Session(_palpate._Session):
-    """A cloud, or a scene of matter, that is felt, seen and sculpted.
+    """A cloud that is felt, seen and sculpted. Session.of_scene() opens a scene of matter, Session.of_frames() a cloud
+    whose frames the program provides, Session.of_stream() a recorded depth camera, and Session.join() a session that
+    another program serves.
 
     Args:
-        cloud: the points; normals are estimated if it has none. Or the name of a scene of moving matter, as for Matter,
-            in mm: a hand holds a ball in water and sand, and presses on a soft body. Or the folder of a recorded depth
-            camera (TUM, Redwood), in metres. Or a Join: a session that another program serves, whose points are felt
-            like those of a cloud; a hand's edits are sent to all programs that have joined, and their edits take effect
-            here between two ticks. At rest all programs have the same points, bit by bit; points are neither inserted
-            nor removed (keeps_density). If its server is silent for seconds the force fades, until the server is heard
-            again.
+        cloud: the points; normals are estimated if it has none.
         gpu: number or part of the name of a GPU; "cpu": none, double precision; None: a GPU if there is one.
         mm_per_unit: millimetres in the hand per model unit, the scale of all lengths in mm; None: as the file says, or
-            else the longest side becomes 100 mm, which is reported in remarks. 1 for a scan in mm that is felt at its
+            else the longest side becomes 100 mm, which is reported in messages. 1 for a scan in mm that is felt at its
             own size.
-        surface: surface that the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).
-        radius_mm: support radius, mm in the hand; None: from the spacing of the points.
-        friction: coefficient of sliding friction of the proxy; 0: none.
-        stiffness_N_per_mm: of the spring from the hand to the proxy, N/mm.
-        damping_N_s_per_mm: of the damper on its change, N s/mm.
-        max_force_N: limit of the magnitude, N.
-        rate_Hz: ticks per second.
-        estimate_normals: even if the cloud has normals.
-        threads: threads of the CPU; 0: one per core.
-        undo_memory_MiB: memory of strokes that can be undone, MiB; beyond it the oldest are discarded.
-        hands: number of simultaneous hands, 1 to 8; the first one sculpts, the others feel.
+        options: the keywords below, which all constructors have.
+        backend: "vulkan" (a GPU), "cpu" (double precision), or "auto": "vulkan" if a GPU is named or there is one other
+            than a software driver, else "cpu" (default "auto").
+        surface: surface that the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges)
+            (default "average").
+        radius_mm: support radius, mm in the hand; None: from the spacing of the points (default None).
+        friction: coefficient of sliding friction of the proxy; 0: none (default 0).
+        stiffness_N_per_mm: of the spring from the hand to the proxy, N/mm (default 0.8).
+        damping_N_s_per_mm: of the damper on its change, N s/mm (default 0.002).
+        max_force_N: limit of the magnitude, N (default 3.3).
+        rate_Hz: ticks per second (default 1000).
+        estimate_normals: even if the cloud has normals (default False).
+        threads: threads of the CPU; 0: one per core (default 0).
+        undo_memory_MiB: memory of strokes that can be undone, MiB; beyond it the oldest are discarded (default 1024).
+        hands: number of simultaneous hands, 1 to 8; the first one sculpts, the others feel (default 1).
         tool: tool of the first hand: "point", or many points that share the stiffness: "pad" (a fingertip), "ball",
-            "spatula".
-        tool_points: number of points of a pad, ball or spatula, 1 to 64.
-        tool_size_mm: diameter of a pad or ball, length of a spatula, mm.
-        tool_axis: direction of the face of a pad or spatula, in the model's axes.
-        moving: the points move, frame by frame (add_frame()); they are at rest until the first frame.
-        keeps_points: for moving points: each point has the same row in all frames.
-        most_points: for moving points: maximum number of points of a frame; 0: that of the cloud.
-        speed: for a recorded depth camera: seconds of the recording per second of the session.
-        loop: for a recorded depth camera: restarts after the last frame.
-        fuse: for a recorded depth camera: its frames are fused into one map.
+            "spatula" (default "point").
+        tool_points: number of points of a pad, ball or spatula, 1 to 64 (default 16).
+        tool_size_mm: diameter of a pad or ball, length of a spatula, mm (default 10).
+        tool_axis: direction of the face of a pad or spatula, in the model's axes (default (0, 0, -1)).
         law: a compiled force law of the first hand instead of spring and damper: "libmine.so:law", or a numba cfunc.
-            With allow_python a Python function, which is called with a LawInput in each tick of contact.
-        allow_python: accepts a Python function. It costs a tick some 30 us while no other thread holds Python's lock,
-            and 5 ms and more with one busy thread. By path the tick waits for it. Live, the tick waits 0.3 ms; if the
-            force is later, the last one is held for 10 ms and fades until 50 ms. Its exceptions are raised by touch(),
-            wait() and stop().
+            With allow_python_law a Python function, which is called with a LawInput in each tick of contact (default
+            None).
+        allow_python_law: accepts a Python function (default False). It costs a tick some 30 us while no other thread
+            holds Python's lock, and 5 ms and more with one busy thread. By path the tick waits for it. Live, the tick
+            waits 0.3 ms; if the force is later, the last one is held for 10 ms and fades until 50 ms. Its exceptions
+            are raised by touch(), wait() and stop().
 
     Raises Error, and UsageError for an argument that is out of bounds. Threads may share a session and wait for one
     another.
@@ -92,69 +88,117 @@ class Session(_palpate._Session):
 
     def __init__(
         self,
-        cloud: _palpate.Cloud | str | Join,
+        cloud: _palpate.Cloud,
+        gpu: int | str | None = None,
+        mm_per_unit: float | None = None,
+        **options: Unpack[SessionOptions],
+    ) -> None:
+        self._open(_palpate._Source(cloud=cloud), gpu, mm_per_unit, options)
+
+    @classmethod
+    def of_scene(
+        cls,
+        scene: str,
+        gpu: int | str | None = None,
+        mm_per_unit: float | None = None,
+        **options: Unpack[SessionOptions],
+    ) -> Session:
+        """Opens a scene of moving matter, in mm: a hand holds a ball in water and sand, and presses on a soft body.
+
+        Args:
+            scene: its name, as for Matter().
+            gpu, mm_per_unit, options: as for Session().
+        """
+        return cls.__new__(cls)._open(_palpate._Source(scene=scene), gpu, mm_per_unit, options)
+
+    @classmethod
+    def of_frames(
+        cls,
+        cloud: _palpate.Cloud,
         gpu: int | str | None = None,
         mm_per_unit: float | None = None,
         *,
-        surface: SurfaceKind = "average",
-        radius_mm: float | None = None,
-        friction: float = 0,
-        stiffness_N_per_mm: float = 0.8,
-        damping_N_s_per_mm: float = 0.002,
-        max_force_N: float = 3.3,
-        rate_Hz: float = 1000,
-        estimate_normals: bool = False,
-        threads: int = 0,
-        undo_memory_MiB: float = 1024,
-        hands: int = 1,
-        tool: ToolKind = "point",
-        tool_points: int = 16,
-        tool_size_mm: float = 10,
-        tool_axis: Sequence[float] = (0, 0, -1),
-        moving: bool = False,
-        keeps_points: bool = False,
-        most_points: int = 0,
+        stable_rows: bool = False,
+        max_points: int = 0,
+        **options: Unpack[SessionOptions],
+    ) -> Session:
+        """Opens a cloud whose points move, frame by frame (add_frame()). They are at rest until the first frame.
+
+        Args:
+            cloud: the points until then.
+            stable_rows: each point has the same row in all frames.
+            max_points: maximum number of points of a frame; 0: that of the cloud.
+            gpu, mm_per_unit, options: as for Session().
+        """
+        source = _palpate._Source(cloud=cloud, moving=True, stable_rows=stable_rows, max_points=max_points)
+        return cls.__new__(cls)._open(source, gpu, mm_per_unit, options)
+
+    @classmethod
+    def of_stream(
+        cls,
+        folder: str | os.PathLike[str],
+        gpu: int | str | None = None,
+        mm_per_unit: float | None = None,
+        *,
         speed: float = 1,
         loop: bool = False,
         fuse: bool = False,
-        law: Any = None,
-        allow_python: bool = False,
-    ) -> None:
-        join = cloud if isinstance(cloud, Join) else None
-        super().__init__(
-            None if isinstance(cloud, Join) else cloud,
-            None if gpu is None else str(gpu),
-            mm_per_unit,
-            surface=surface,
-            radius_mm=radius_mm,
-            friction=friction,
-            stiffness_N_per_mm=stiffness_N_per_mm,
-            damping_N_s_per_mm=damping_N_s_per_mm,
-            max_force_N=max_force_N,
-            rate_Hz=rate_Hz,
-            estimate_normals=estimate_normals,
-            threads=threads,
-            undo_memory_MiB=undo_memory_MiB,
-            hands=hands,
-            tool=tool,
-            tool_points=tool_points,
-            tool_size_mm=tool_size_mm,
-            tool_axis=tool_axis,
-            moving=moving,
-            keeps_points=keeps_points,
-            most_points=most_points,
-            speed=speed,
-            loop=loop,
-            fuse=fuse,
-            join=None if join is None else join._told(),
-            law=law,
-            allow_python=allow_python,
-        )
+        **options: Unpack[SessionOptions],
+    ) -> Session:
+        """Opens a recorded depth camera, whose points are in metres.
+
+        Args:
+            folder: in the layout of the TUM benchmark or of Redwood.
+            speed: seconds of the recording per second of the session.
+            loop: restarts after the last frame.
+            fuse: its frames are fused into one map.
+            gpu, mm_per_unit, options: as for Session().
+        """
+        source = _palpate._Source(folder=os.fspath(folder), speed=speed, loop=loop, fuse=fuse)
+        return cls.__new__(cls)._open(source, gpu, mm_per_unit, options)
+
+    @classmethod
+    def join(
+        cls,
+        name: str,
+        network: Network = Network(),
+        gpu: int | str | None = None,
+        *,
+        hand_name: str | None = None,
+        read_only: bool = False,
+        timeout_s: float = 10,
+        partial: bool = False,
+        **options: Unpack[SessionOptions],
+    ) -> Session:
+        """Joins a session that another program serves (serve(), `palpate serve`). Its points are felt like those of a
+        cloud; a hand's edits are sent to all programs that have joined, and their edits take effect here between two
+        ticks. At rest all programs have the same points, bit by bit; points are neither inserted nor removed
+        (resample). If its server is silent for seconds the force fades, until the server is heard again.
+
+        Args:
+            name: name of the served session.
+            network: network of the session.
+            hand_name: name of this hand for the others; None: name of the machine.
+            read_only: this hand feels the others' edits, and cannot have a brush.
+            timeout_s: timeout, s, for finding the session, for each further piece of it, and, by path and in cloud(),
+                for all edits to reach all programs.
+            partial: streams only the points around the hands, ahead of them; they can be sculpted, but no stroke can be
+                undone. Moving points are always streamed this way, and can be felt live.
+            gpu, options: as for Session().
+        """
+        joining = (name, network._told(), hand_name, read_only, timeout_s, partial)
+        return cls.__new__(cls)._open(_palpate._Source(join=joining), gpu, None, options)
+
+    def _open(
+        self, source: _palpate._Source, gpu: int | str | None, mm_per_unit: float | None, options: SessionOptions
+    ) -> Session:
+        super().__init__(source, None if gpu is None else str(gpu), mm_per_unit, **options)
         self._live: Live | None = None
-        self._is_scene = isinstance(cloud, str) and not os.path.isdir(cloud)
-        self._is_joined = join is not None
-        if join is not None:
+        self._is_scene = source.is_scene
+        self._is_joined = source.is_joined
+        if self._is_joined:
             _joined.add(self)
+        return self
 
     __setattr__ = refuse_attribute
 
@@ -189,7 +233,7 @@ class Session(_palpate._Session):
         path: Any = None,
         builtin: BuiltinPath | None = None,
         law: Any = None,
-        allow_python: bool = False,
+        allow_python_law: bool = False,
         others: Sequence[Hand] = (),
         interval_s: float = 1 / 30,
     ) -> Live:
@@ -203,7 +247,7 @@ class Session(_palpate._Session):
             path: for the device path: an array as for touch(), followed once.
             builtin: for sim and path: "press", "slide", "scan" or "orbit".
             law: instead of the session's, with the same meaning.
-            allow_python: instead of the session's, with the same meaning.
+            allow_python_law: instead of the session's, with the same meaning.
             others: the hands after the first.
             interval_s: time between two calls of on_ticks, s.
 
@@ -216,7 +260,7 @@ class Session(_palpate._Session):
             if not isinstance(hand, Hand):
                 raise ArgumentTypeError(f"others: is a list of Hand, and has {described(hand)}")
         rest = [(hand.device, hand.builtin, hand.path) for hand in others]
-        self._live_start(device, rate, builtin, path, law, allow_python, rest)
+        self._live_start(device, rate, builtin, path, law, allow_python_law, rest)
         self._live = Live(self, on_ticks, interval_s)
         return self._live
 
@@ -246,14 +290,14 @@ class Session(_palpate._Session):
         return float(self._info()["rate_Hz"])
 
     @property
-    def undoable(self) -> int:
+    def undo_count(self) -> int:
         """Number of strokes that can be undone."""
-        return int(self._info()["undoable"])
+        return int(self._info()["undo_count"])
 
     @property
-    def redoable(self) -> int:
+    def redo_count(self) -> int:
         """Number of strokes that can be redone."""
-        return int(self._info()["redoable"])
+        return int(self._info()["redo_count"])
 
     @property
     def machine(self) -> str:
@@ -272,11 +316,11 @@ class Session(_palpate._Session):
         return None if told is None else Sharing(**told)
 
     @property
-    def others(self) -> list[OtherHand]:
+    def other_hands(self) -> list[OtherHand]:
         """Hands of the other programs in a joined session that were heard within two seconds, in model units; empty
         unless it was joined.
         """
-        return [OtherHand(*hand) for hand in _if_any(self._others) or ()]
+        return [OtherHand(*hand) for hand in _if_any(self._other_hands) or ()]
 
     @property
     def cameras(self) -> list[OtherCamera]:
@@ -297,10 +341,10 @@ class Session(_palpate._Session):
         return [] if motion is None else [PortEnergy(*energy) for energy in motion["energies_J"]]
 
     @property
-    def held(self) -> bool | None:
-        """True while a scene of matter is paused by hold(); None for other sessions."""
+    def paused(self) -> bool | None:
+        """True while a scene of matter is paused by pause(); None for other sessions."""
         motion = _if_any(self._motion)
-        return None if motion is None else bool(motion["held"])
+        return None if motion is None else bool(motion["paused"])
 
     @property
     def failure(self) -> str | None:
@@ -311,19 +355,19 @@ class Session(_palpate._Session):
         return None if motion is None else str(motion["failure"]) or None
 
     @property
-    def left_out_s(self) -> float | None:
+    def dropped_s(self) -> float | None:
         """Time by which a live scene of matter fell behind the clock, and which it skipped, s; None for other
         sessions.
         """
         motion = _if_any(self._motion)
-        return None if motion is None else float(motion["left_out_s"])
+        return None if motion is None else float(motion["dropped_s"])
 
     def __repr__(self) -> str:
         try:
             info = self._info()
         except Error as error:
             return f"<palpate.Session: {error}>"
-        return f"<palpate.Session of {info['points']} points on {info['machine']}, {info['undoable']} strokes>"
+        return f"<palpate.Session of {info['points']} points on {info['machine']}, {info['undo_count']} strokes>"
 
     def _repr_png_(self) -> bytes:
         """Picture for a notebook."""

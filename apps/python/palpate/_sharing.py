@@ -42,33 +42,7 @@ class Network:
         return self.interface, list(self.peers), self.domain, security
 
 
-@dataclass(frozen=True)
-class Join:
-    """A session that another program serves (serve(), `palpate serve`), given instead of a Session's cloud.
-
-    Attributes:
-        name: name of the served session.
-        network: network of the session.
-        hand: name of this hand for the others; None: name of the machine.
-        read_only: this hand feels the others' edits, and cannot have a brush.
-        patience_s: timeout, s, for finding the session, for each further piece of it, and, by path and in cloud(), for
-            all edits to reach all programs.
-        near: streams only the points around the hands, ahead of them; they can be sculpted, but no stroke can be
-            undone. Moving points are always streamed this way, and can be felt live.
-    """
-
-    name: str
-    network: Network = Network()
-    hand: str | None = None
-    read_only: bool = False
-    patience_s: float = 10
-    near: bool = False
-
-    def _told(self) -> tuple[str, tuple[str | None, list[str], int, str | None], str | None, bool, float, bool]:
-        return self.name, self.network._told(), self.hand, self.read_only, self.patience_s, self.near
-
-
-class SeenSession(NamedTuple):
+class SessionInfo(NamedTuple):
     """A served session.
 
     Attributes:
@@ -78,7 +52,7 @@ class SeenSession(NamedTuple):
         points: number of points.
         round_trip_ms: median of the answered pings, ms; None if none was answered.
         version: version of the network protocol.
-        fits: same version as this palpate, so that it can be joined.
+        compatible: same version as this palpate, so that it can be joined.
         pings: number of pings.
         answered: number of answered pings.
     """
@@ -89,7 +63,7 @@ class SeenSession(NamedTuple):
     points: int
     round_trip_ms: float | None
     version: int
-    fits: bool
+    compatible: bool
     pings: int
     answered: int
 
@@ -123,7 +97,7 @@ class OtherCamera(NamedTuple):
         name: name of its hand.
         number: number of its hand, as in OtherHand.
         position: x y z, model units.
-        orientation: unit quaternion x y z w of the axes to the right of the picture, down in it and in the direction of
+        orientation: unit quaternion w x y z of the axes to the right of the picture, down in it and in the direction of
             view.
         fov_deg: vertical field of view, degrees.
         aspect: width / height of the picture.
@@ -148,7 +122,7 @@ class Sharing:
         host: machine of its server.
         model: its server's description of the points.
         sculptable: False: served read-only; after joining nothing is exchanged, and all counts are 0.
-        heard: False: the server has been silent for so long that there is no force, until it is heard again.
+        connected: False: the server has been silent for so long that there is no force, until it is heard again.
         silent_s: time since the server was last heard, s.
         longest_silent_s: maximum of silent_s so far.
         round_trip_ms: median of the last pings, ms; None if none was answered yet.
@@ -159,7 +133,7 @@ class Sharing:
         resent: pieces of strokes that were sent again.
         resumed: number of requests for missing edits, including the first.
         delivered: the server has taken all edits of this hand.
-        at_rest: and all edits of others are in effect here.
+        idle: and all edits of others are in effect here.
         same: at rest, and the points are the server's, bit by bit.
         restarts: restarts of the moving points at the server, such as of water that was stirred too fast.
         fault: reason why this hand's part has ended permanently; "": it has not.
@@ -169,7 +143,7 @@ class Sharing:
     host: str
     model: str
     sculptable: bool
-    heard: bool
+    connected: bool
     silent_s: float
     longest_silent_s: float
     round_trip_ms: float | None
@@ -180,7 +154,7 @@ class Sharing:
     resent: int
     resumed: int
     delivered: bool
-    at_rest: bool
+    idle: bool
     same: bool
     restarts: int
     fault: str
@@ -256,9 +230,9 @@ class Server(_palpate._Server):
         return float(self._info()["mm_per_unit"])
 
     @property
-    def openness(self) -> str:
+    def access(self) -> str:
         """Who can join, as a sentence."""
-        return str(self._info()["openness"])
+        return str(self._info()["access"])
 
     def wait(self, seconds: float | None = None) -> bool:
         """Waits until the server ends or is closed, at most `seconds`. True if it has ended. Raises Error if it failed.
@@ -306,7 +280,7 @@ def serve(
     journal: str | os.PathLike[str] | None = None,
     threads: int = 0,
 ) -> Server:
-    """Serves a cloud to other programs, here or on other machines, which join it by its name: Session(Join(name)),
+    """Serves a cloud to other programs, here or on other machines, which join it by its name: Session.join(name),
     `palpate view --join`.
 
     Args:
@@ -336,7 +310,7 @@ def serve(
     )
 
 
-def sessions(network: Network = Network(), seconds: float = 2) -> list[SeenSession]:
+def discover(network: Network = Network(), seconds: float = 2) -> list[SessionInfo]:
     """Lists the sessions that are served on a network.
 
     Args:
@@ -345,7 +319,7 @@ def sessions(network: Network = Network(), seconds: float = 2) -> list[SeenSessi
 
     Raises Error, and UsageError. Other threads run meanwhile.
     """
-    return [SeenSession(*seen) for seen in _palpate._survey(network._told(), seconds)]
+    return [SessionInfo(*seen) for seen in _palpate._discover(network._told(), seconds)]
 
 
 @atexit.register

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Sequence
+from typing import Any, Literal, TypedDict
 
+Backend = Literal["auto", "vulkan", "cpu"]
 BrushKind = Literal["push", "carve", "inflate", "smooth", "grab", "paint", "flatten"]
 BuiltinPath = Literal["press", "slide", "scan", "orbit", "stir"]  # in water and sand press and stir, else all but stir
 ColorBy = Literal["rgb", "normal", "depth", "height"]
@@ -11,4 +13,38 @@ MeshSurface = Literal["sphere", "average", "sharp", "density"]
 SurfaceKind = Literal["average", "sphere", "sharp"]
 ToolKind = Literal["point", "pad", "ball", "spatula"]
 
-__all__ = ["BrushKind", "BuiltinPath", "ColorBy", "MeshSurface", "SurfaceKind", "ToolKind"]
+
+
+class SessionOptions(TypedDict, total=False):
+    """Keywords that all constructors of a Session have; Session describes them."""
+
+    backend: Backend
+    surface: SurfaceKind
+    radius_mm: float | None
+    friction: float
+    stiffness_N_per_mm: float
+    damping_N_s_per_mm: float
+    max_force_N: float
+    rate_Hz: float
+    estimate_normals: bool
+    threads: int
+    undo_memory_MiB: float
+    hands: int
+    tool: ToolKind
+    tool_points: int
+    tool_size_mm: float
+    tool_axis: Sequence[float]
+    law: Any
+    allow_python_law: bool
+
+
+__all__ = [
+    "Backend",
+    "BrushKind",
+    "BuiltinPath",
+    "ColorBy",
+    "MeshSurface",
+    "SessionOptions",
+    "SurfaceKind",
+    "ToolKind",
+]

@@ -9,7 +9,15 @@ import types
 from typing import Any, Callable, NamedTuple
 
 from . import _palpate, _types
-from ._errors import ArgumentTypeError, Error, described, missing_attribute, nearest
+from ._errors import (
+    ArgumentTypeError,
+    Error,
+    described,
+    missing_attribute,
+    nearest,
+    session_options,
+    takes_session_options,
+)
 
 _PYBIND = ("incompatible function arguments", "incompatible constructor arguments", "Unable to cast")
 
@@ -28,9 +36,11 @@ def _of_brush(known: set[str]) -> list[_Parameter]:
 def _of_python(function: Callable[..., Any]) -> list[_Parameter]:
     found: list[_Parameter] = []
     for each in inspect.signature(function).parameters.values():
-        if each.kind is each.VAR_KEYWORD:
+        if takes_session_options(each):
+            found += [_Parameter(name, False, False, kind) for name, kind in session_options().items()]
+        elif each.kind is each.VAR_KEYWORD:
             found += _of_brush({before.name for before in found})
-        elif each.name != "self":
+        elif each.name not in ("self", "cls"):
             required = each.default is each.empty
             kind = each.annotation if isinstance(each.annotation, str) else ""
             found.append(_Parameter(each.name, each.kind is not each.KEYWORD_ONLY, required, kind))
@@ -83,7 +93,8 @@ _KINDS: dict[str, tuple[str, Callable[[Any], bool]]] = {
 }
 
 
-_KINDS.update({name: _KINDS["str"] for name in _types.__all__})
+_KINDS.update({name: _KINDS["str"] for name in _types.__all__ if name != "SessionOptions"})
+_KINDS["Sequence[float]"] = _KINDS["List[float[3]]"]  # of a keyword: an axis
 
 
 def _is_row(value: Any, count: int, fits: Callable[[Any], bool]) -> bool:
@@ -131,8 +142,8 @@ def _misfit(parameters: list[_Parameter], args: tuple[Any, ...], settings: dict[
     return None
 
 
-def _brush_arguments(function: Callable[..., Any], is_bound: bool) -> list[_Parameter]:
-    """Parameters of a function with **brush, including all settings of a brush; empty for other functions."""
+def _open_arguments(function: Callable[..., Any], is_bound: bool) -> list[_Parameter]:
+    """Parameters of a function with **brush or **options, including those; empty for other functions."""
     if not is_bound:
         kinds = {each.kind for each in inspect.signature(function).parameters.values()}
         return _of_python(function) if inspect.Parameter.VAR_KEYWORD in kinds else []
@@ -141,7 +152,7 @@ def _brush_arguments(function: Callable[..., Any], is_bound: bool) -> list[_Para
 
 
 def _in_words(name: str, function: Callable[..., Any], is_method: bool, is_bound: bool) -> Callable[..., Any]:
-    brush = _brush_arguments(function, is_bound)
+    known_first = _open_arguments(function, is_bound)
 
     def known(text: str) -> list[_Parameter]:
         if not is_bound:
@@ -149,27 +160,31 @@ def _in_words(name: str, function: Callable[..., Any], is_method: bool, is_bound
         signatures = re.findall(r"^ +1\. (.*)$", text, re.M)
         return _of_pybind(signatures[0]) if signatures else []
 
+    def called(args: tuple[Any, ...]) -> str:
+        if name == "__init__":
+            return type(args[0]).__name__
+        return f"{args[0].__name__}.{name}" if is_method and isinstance(args[0], type) else name
+
     def told(text: str, args: tuple[Any, ...], settings: dict[str, Any]) -> str | None:
         given = args[is_method:]
-        called = type(args[0]).__name__ if name == "__init__" else name
         wrong = _misfit(known(text), given, settings)
         if wrong is None and any(words in text for words in _PYBIND):
             kinds = [described(each) for each in given]
             kinds += [f"{key}={described(each)}" for key, each in settings.items() if each is not None]
             wrong = f"its arguments do not fit: {', '.join(kinds)}"
-        if wrong is None or called.startswith("_"):  # a private name is not the one that the user called
+        if wrong is None or called(args).startswith("_"):  # a private name is not the one that the user called
             return wrong
-        return f"{called}(): {wrong}"
+        return f"{called(args)}(): {wrong}"
 
     @functools.wraps(function)
     def call(*args: Any, **settings: Any) -> Any:
         wrong = None
         try:
-            if brush and settings:  # the function itself accepts any name
-                wrong = _misfit(brush, args[is_method:], settings)
+            if known_first:  # the function itself accepts any name
+                wrong = _misfit(known_first, args[is_method:], settings)
             if wrong is None:
                 return function(*args, **settings)
-            wrong = f"{name}(): {wrong}"
+            wrong = f"{called(args)}(): {wrong}"
         except (TypeError, RuntimeError) as error:
             if not isinstance(error, Error):
                 wrong = told(str(error), args, settings)
@@ -198,6 +213,8 @@ def say_of_python(thing: Any) -> Any:
     for name, each in list(vars(thing).items()):
         if isinstance(each, types.FunctionType) and (name == "__init__" or not name.startswith("_")):
             setattr(thing, name, _in_words(name, each, True, False))
+        elif isinstance(each, classmethod) and not name.startswith("_"):
+            setattr(thing, name, classmethod(_in_words(name, each.__func__, True, False)))
     return thing
 
 

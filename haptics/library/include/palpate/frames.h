@@ -12,15 +12,15 @@
 
 /** How pp_session_open_frames() opens a session. */
 typedef struct pp_frames_options {
-  uint32_t size;         /**< bytes of this struct */
-  uint32_t keeps_points; /**< 1: each point has the same row in all frames, which have the same size; 0: the rows of
+  uint32_t size;        /**< bytes of this struct */
+  uint32_t stable_rows; /**< 1: each point has the same row in all frames, which have the same size; 0: the rows of
                             different frames are unrelated */
-  uint64_t most_points;  /**< maximum number of points of a frame, at least that of the cloud; 0: that of the cloud */
+  uint64_t max_points;  /**< maximum number of points of a frame, at least that of the cloud; 0: that of the cloud */
 } pp_frames_options;
 PP_OPTIONS(frames_options)
 /** Opens a session of a cloud that is at rest until the first frame. It cannot be sculpted or recorded. Time continues
  * from path to path. A live session begins at 0 with the newest frame, and so does the first path after it. Options may
- * be null. PP_ERROR_ARGUMENT if most_points is less than the points of the cloud; otherwise as pp_session_open(). */
+ * be null. PP_ERROR_ARGUMENT if max_points is less than the points of the cloud; otherwise as pp_session_open(). */
 PP_API pp_status pp_session_open_frames(pp_cloud cloud, const pp_frames_options* frames,
                                         const pp_session_options* options, pp_session* session);
 

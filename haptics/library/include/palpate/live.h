@@ -32,9 +32,9 @@ PP_API pp_status pp_live_start(pp_session session, const pp_live_options* option
 /** Copies the ticks since the last call, up to `capacity`, and takes in the edits. With several hands `capacity` and
  * `count` are numbers of rows, as for pp_session_touch_hands(), of whole ticks. Ticks not read for half a minute at 1
  * kHz are dropped. If the live session has ended because of a fault, returns PP_ERROR_DEVICE or PP_ERROR_GPU once no
- * ticks are left. Returns PP_ERROR_NETWORK, with the ticks, as pp_session_follow() does. PP_ERROR_STATE if the session
- * was never live. */
-PP_API pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count);
+ * ticks are left. Returns PP_ERROR_NETWORK, with the ticks, as pp_session_apply_edits() does. PP_ERROR_STATE if the
+ * session was never live. */
+PP_API pp_status pp_live_read_ticks(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count);
 
 /** State of a live session. */
 typedef struct pp_live_state {

@@ -40,7 +40,7 @@ PP_API pp_status pp_frame_close(pp_frame frame);
  * PP_ERROR_STATE if the points of the session do not move. */
 PP_API pp_status pp_session_frame(pp_session session, pp_frame* frame);
 /** Pauses the scene while `on` is 1: it stands still, and no hand feels it. */
-PP_API pp_status pp_session_hold(pp_session session, uint32_t on);
+PP_API pp_status pp_session_pause(pp_session session, uint32_t on);
 /** Restarts the scene with the next tick; the changes of a brush remain. */
 PP_API pp_status pp_session_reset(pp_session session);
 /** Number of the scene's parameters. */
@@ -53,20 +53,20 @@ PP_API pp_status pp_session_set_parameter(pp_session session, const char* name, 
 
 /** State of a scene's motion. */
 typedef struct pp_motion {
-  uint32_t size;     /**< bytes of this struct */
-  uint32_t held;     /**< 1: paused by pp_session_hold() */
-  uint32_t failed;   /**< 1: no answer is valid until the scene is reset */
-  uint32_t hands;    /**< number of hands, and of valid energies */
-  char failure[64];  /**< reason, as a predicate of "the simulation"; empty while it has not failed */
-  double left_out_s; /**< time by which the scene fell behind the clock, and which was skipped, s */
+  uint32_t size;    /**< bytes of this struct */
+  uint32_t paused;  /**< 1: paused by pp_session_pause() */
+  uint32_t failed;  /**< 1: no answer is valid until the scene is reset */
+  uint32_t hands;   /**< number of hands, and of valid energies */
+  char failure[64]; /**< reason, as a predicate of "the simulation"; empty while it has not failed */
+  double dropped_s; /**< time by which the scene fell behind the clock, and which was skipped, s */
   /** Energy that each hand has put into the scene since it began, less what it got back, J, from the forces that the
    * hand got, with their gain and after all limits. A hand is passive if its minimum is never below 0. */
-  double energy_J[PP_MOST_HANDS];
-  double least_energy_J[PP_MOST_HANDS]; /**< minimum of energy_J so far */
+  double energy_J[PP_MAX_HANDS];
+  double min_energy_J[PP_MAX_HANDS]; /**< minimum of energy_J so far */
 } pp_motion;
 PP_OPTIONS(motion)
 /** State of the scene's motion. PP_ERROR_STATE if the session's points do not move by themselves, as from
- * pp_session_hold() and those after it. */
+ * pp_session_pause() and those after it. */
 PP_API pp_status pp_session_get_motion(pp_session session, pp_motion* motion);
 
 /** Handle of a scene without hands. Only one thread may use it at a time. */
@@ -78,11 +78,12 @@ typedef struct pp_matter {
 typedef struct pp_matter_options {
   uint32_t size;                  /**< bytes of this struct */
   uint32_t threads;               /**< threads of the CPU; 0: one per core */
-  const char* gpu;                /**< as in pp_session_options; null: the CPU for soft bodies */
+  const char* gpu;                /**< as in pp_session_options */
   pp_log_function log;            /**< receives messages of pp_matter_open(); null: none */
   void* log_user;                 /**< passed to `log` */
   const pp_vulkan_device* vulkan; /**< as in pp_session_options */
   pp_watch watch;                 /**< watches pp_matter_open() and pp_matter_step() */
+  const char* backend;            /**< as in pp_session_options, but "auto" is the CPU for soft bodies */
 } pp_matter_options;
 PP_OPTIONS(matter_options)
 /** Opens a scene, named as for pp_session_open_matter(). The same scene gives the same bytes on the same machine, with

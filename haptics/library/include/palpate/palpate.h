@@ -15,14 +15,14 @@
  *
  * Threads: clouds, meshes, frames and logs are immutable, and any number of threads may use them. On a session, one
  * thread (its servo thread) may call pp_touch(), pp_touch_hands() and pp_touch_lift() while another one calls the
- * functions that look at it: pp_session_follow(), pp_session_render(), pp_session_mesh(), pp_session_get_info(),
- * pp_session_frame(), the functions that control matter (pp_session_hold() and those after it in matter.h),
- * pp_session_get_sharing(), pp_session_others(), pp_session_cameras(), pp_session_show_camera(), pp_live_take(),
- * pp_live_get_state(). Where budget_us is 0, the first five and the last two of these conflict with pp_touch(), too.
- * All other calls on a session, and all calls on a pp_matter, need exclusive access. A pp_server may be used by any
- * number of threads. A call that conflicts with one in progress returns PP_ERROR_THREAD and does nothing. In a forked
- * process, the parent's sessions, matter and servers give PP_ERROR_STATE, and closing them there does not affect the
- * parent.
+ * functions that look at it: pp_session_apply_edits(), pp_session_render(), pp_session_mesh(), pp_session_get_info(),
+ * pp_session_frame(), the functions that control matter (pp_session_pause() and those after it in matter.h),
+ * pp_session_get_sharing(), pp_session_other_hands(), pp_session_cameras(), pp_session_publish_camera(),
+ * pp_live_read_ticks(), pp_live_get_state(). Where budget_us is 0, the first five and the last two of these conflict
+ * with pp_touch(), too. All other calls on a session, and all calls on a pp_matter, need exclusive access. A pp_server
+ * may be used by any number of threads. A call that conflicts with one in progress returns PP_ERROR_THREAD and does
+ * nothing. In a forked process, the parent's sessions, matter and servers give PP_ERROR_STATE, and closing them there
+ * does not affect the parent.
  *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function and then changed. That function is
  * compiled into the program and passes the size that the program knows to pp_init_…(), which a program in another
@@ -159,7 +159,7 @@ PP_API pp_status pp_cloud_create(const pp_cloud_arrays* arrays, pp_cloud* cloud)
 /** How pp_cloud_read() reads a file. */
 typedef struct pp_read_options {
   uint32_t size;               /**< bytes of this struct */
-  uint32_t all_points;         /**< 1: includes points of a reconstruction that its own measures mark as unreliable */
+  uint32_t keep_unreliable;    /**< 1: includes points of a reconstruction that its own measures mark as unreliable */
   uint32_t normals_from_faces; /**< 1: area-weighted normals of the faces replace those of the file */
   uint32_t reserved;           /**< not used */
   pp_log_function log;         /**< receives what of the file is not kept; null: none */
@@ -175,7 +175,7 @@ PP_API pp_status pp_cloud_read(const char* file, const pp_read_options* options,
 typedef struct pp_write_options {
   uint32_t size;     /**< bytes of this struct */
   uint32_t ascii;    /**< 1: text, if the format has both: shortest decimals that read back as the same number */
-  uint32_t keep;     /**< 1: an existing file is kept as NAME.EXT.bak; 0: it is replaced */
+  uint32_t backup;   /**< 1: an existing file is kept as NAME.EXT.bak; 0: it is replaced */
   uint32_t reserved; /**< not used */
   pp_watch watch;    /**< watches this call */
 } pp_write_options;
@@ -202,7 +202,7 @@ typedef struct pp_points {
 PP_API pp_status pp_cloud_view(pp_cloud cloud, pp_points* points);
 /** Copies the positions in file coordinates, with all known precision: 3 for each point. `count` must be the number of
  * points, or else the call returns PP_ERROR_ARGUMENT. */
-PP_API pp_status pp_cloud_copy_places(pp_cloud cloud, double* places, uint64_t count);
+PP_API pp_status pp_cloud_copy_positions(pp_cloud cloud, double* positions, uint64_t count);
 
 /** A further number for each point of the file, such as an intensity; it is preserved when the cloud is written. */
 typedef struct pp_attribute {
@@ -244,7 +244,7 @@ typedef struct pp_session {
 typedef struct pp_pose {
   double t_s;        /**< time, s */
   double hip[3];     /**< haptic interface point, model units */
-  uint32_t feels;    /**< 1: only feels, even if the session has a brush */
+  uint32_t no_edit;  /**< 1: only feels, even if the session has a brush */
   uint32_t reserved; /**< not used */
 } pp_pose;
 
@@ -283,7 +283,7 @@ typedef void (*pp_force_law)(void* user, const pp_pose* pose, const pp_contact* 
                              double force_N[3]);
 
 /** Surface that the points define, and the force of the contact. */
-typedef struct pp_feel {
+typedef struct pp_contact_options {
   uint32_t size;             /**< bytes of this struct */
   uint32_t reserved;         /**< not used */
   const char* surface;       /**< "average", "sphere" or "sharp"; null: average */
@@ -292,8 +292,8 @@ typedef struct pp_feel {
   double stiffness_N_per_mm; /**< of the spring from HIP to proxy, N/mm */
   double damping_N_s_per_mm; /**< of the damper on its change, N s/mm */
   double max_force_N;        /**< limit of the magnitude, N */
-} pp_feel;
-PP_OPTIONS(feel)
+} pp_contact_options;
+PP_OPTIONS(contact_options)
 
 /** Tool of a hand: one point, or many points that share the stiffness, each with its own proxy. */
 typedef struct pp_tool {
@@ -307,7 +307,7 @@ typedef struct pp_tool {
 PP_OPTIONS(tool)
 
 /** Maximum number of hands in one session. */
-#define PP_MOST_HANDS 8
+#define PP_MAX_HANDS 8
 
 /** How a session is opened. */
 typedef struct pp_session_options {
@@ -318,10 +318,10 @@ typedef struct pp_session_options {
    * size); 0: as the cloud says, or else the longest side becomes 100 mm, which is reported to the log. A length of L
    * model units is L * pp_session_info.mm_per_unit mm. */
   double mm_per_unit;
-  uint32_t estimate_normals; /**< 1: even if the cloud has normals */
-  uint32_t reserved;         /**< not used */
-  double rate_Hz;            /**< ticks per second */
-  const pp_feel* feel;       /**< null: pp_default_feel() */
+  uint32_t estimate_normals;         /**< 1: even if the cloud has normals */
+  uint32_t reserved;                 /**< not used */
+  double rate_Hz;                    /**< ticks per second */
+  const pp_contact_options* contact; /**< null: pp_default_contact_options() */
   /** pp_touch(): time limit of an answer, us, after which the last answer bridges it; 0: no limit. */
   double budget_us;
   double undo_memory_MiB;  /**< memory of strokes that can be undone, MiB; beyond it the oldest are discarded */
@@ -330,13 +330,16 @@ typedef struct pp_session_options {
   const char* law_library; /**< "libmine.so:function": a force law to load, instead of `law` */
   pp_log_function log;     /**< receives messages until the session is closed; null: none */
   void* log_user;          /**< passed to `log` */
-  uint32_t hands;          /**< simultaneous hands, 1 to PP_MOST_HANDS; the first one sculpts, the others feel; 0: 1 */
+  uint32_t hands;          /**< simultaneous hands, 1 to PP_MAX_HANDS; the first one sculpts, the others feel; 0: 1 */
   uint32_t reserved2;      /**< not used */
   const pp_tool* tool;     /**< tool of the first hand; null: a point. The other hands touch with a point. */
   const pp_vulkan_device* vulkan; /**< a device of the program, instead of a GPU by name; null: none */
   /** Watches this call and the long calls on the session: paths, pp_session_set_brush(), undo and redo,
    * pp_session_cloud(), pictures, meshes, pp_session_settle() and pp_live_start(). */
   pp_watch watch;
+  /** "vulkan" (a GPU), "cpu" (double precision), or "auto": "vulkan" if a GPU is named or there is one other than a
+   * software driver, else "cpu"; null: auto. PP_ERROR_ARGUMENT if it conflicts with `gpu` or `vulkan`. */
+  const char* backend;
 } pp_session_options;
 PP_OPTIONS(session_options)
 /** Opens a session and builds its index; normals are estimated if the cloud has none. Options may be null.
@@ -355,18 +358,18 @@ PP_API pp_status pp_session_close(pp_session session);
 
 /** Present state of a session. */
 typedef struct pp_session_info {
-  uint32_t size;      /**< bytes of this struct */
-  uint32_t live;      /**< 1: a live session is running */
-  uint64_t points;    /**< points of the cloud as opened */
-  double mm_per_unit; /**< millimetres in the hand per model unit */
-  double spacing_mm;  /**< mean distance of neighbouring points, mm */
-  double radius_mm;   /**< support radius, mm */
-  double rate_Hz;     /**< ticks per second */
-  uint64_t undoable;  /**< strokes that can be undone */
-  uint64_t redoable;  /**< strokes that can be redone */
-  uint64_t edits;     /**< states of points that brushes have made and that have been taken in so far */
-  char backend[16];   /**< "vulkan" or "cpu" */
-  char machine[112];  /**< name of the machine that answers; cut off to fit */
+  uint32_t size;       /**< bytes of this struct */
+  uint32_t live;       /**< 1: a live session is running */
+  uint64_t points;     /**< points of the cloud as opened */
+  double mm_per_unit;  /**< millimetres in the hand per model unit */
+  double spacing_mm;   /**< mean distance of neighbouring points, mm */
+  double radius_mm;    /**< support radius, mm */
+  double rate_Hz;      /**< ticks per second */
+  uint64_t undo_count; /**< strokes that can be undone */
+  uint64_t redo_count; /**< strokes that can be redone */
+  uint64_t edits;      /**< states of points that brushes have made and that have been taken in so far */
+  char backend[16];    /**< "vulkan" or "cpu" */
+  char machine[112];   /**< name of the machine that answers; cut off to fit */
 } pp_session_info;
 PP_OPTIONS(session_info)
 /** Present state of the session. */
@@ -399,27 +402,27 @@ PP_API pp_status pp_session_touch(pp_session session, const pp_path* path, pp_ti
  * long. Later ones allocate nothing unless points are edited, and with a budget do not exceed it by much. Returns PP_OK
  * even if contact->valid is 0. PP_ERROR_ARGUMENT for numbers that are not finite. */
 PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact);
-/** One tick for all hands of a session: `poses`, `contacts`, `turns` and `torques_mNm` have an entry for each of the
- * `hands` hands. The time of the first pose is used for all. `turns`: rotation of each hand's tool, unit quaternions w
- * x y z; null: no rotation. `torques_mNm`: torques about the HIP, of tools and of balls in matter, 3 for each hand;
- * null: not wanted. PP_ERROR_ARGUMENT unless each hand of the session has a pose and each rotation is a unit
+/** One tick for all hands of a session: `poses`, `contacts`, `orientations` and `torques_mNm` have an entry for each of
+ * the `hands` hands. The time of the first pose is used for all. `orientations`: rotation of each hand's tool, unit
+ * quaternions w x y z; null: no rotation. `torques_mNm`: torques about the HIP, of tools and of balls in matter, 3 for
+ * each hand; null: not wanted. PP_ERROR_ARGUMENT unless each hand of the session has a pose and each rotation is a unit
  * quaternion, PP_ERROR_STATE while the session is live. */
-PP_API pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* turns, uint32_t hands,
+PP_API pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* orientations, uint32_t hands,
                                 pp_contact* contacts, double* torques_mNm);
 /** Notifies the session that all hands were lifted: the next poses begin new contacts elsewhere. */
 PP_API pp_status pp_touch_lift(pp_session session);
 
-/** A brush changes the points within its reach while the hand is deeper than tau_mm. */
+/** A brush changes the points within its reach while the hand is deeper than yield_depth_mm. */
 typedef struct pp_brush {
-  uint32_t size;          /**< bytes of this struct */
-  uint32_t falloff;       /**< falloff towards the rim: (1 - r^2)^falloff; 0 to 16 */
-  const char* kind;       /**< push carve inflate smooth grab paint flatten; null: push */
-  double tau_mm;          /**< depth of the hand from which the surface yields, mm */
-  double beta;            /**< push: share of the distance to its target that a point moves in one tick, 0 to 1 */
-  double radius_mm;       /**< reach of the brush, mm in the hand */
-  double strength;        /**< other brushes: share of the full effect applied in one tick, 0 to 1 */
-  uint8_t color[4];       /**< paint: red green blue; the fourth is not used */
-  uint32_t keeps_density; /**< 1: points are inserted where the surface is stretched, and merged where it is crowded */
+  uint32_t size;         /**< bytes of this struct */
+  uint32_t falloff;      /**< falloff towards the rim: (1 - r^2)^falloff; 0 to 16 */
+  const char* kind;      /**< push carve inflate smooth grab paint flatten; null: push */
+  double yield_depth_mm; /**< depth of the hand from which the surface yields, mm */
+  double push_rate;      /**< push: share of the distance to its target that a point moves in one tick, 0 to 1 */
+  double radius_mm;      /**< reach of the brush, mm in the hand */
+  double strength;       /**< other brushes: share of the full effect applied in one tick, 0 to 1 */
+  uint8_t color[4];      /**< paint: red green blue; the fourth is not used */
+  uint32_t resample;     /**< 1: points are inserted where the surface is stretched, and merged where it is crowded */
 } pp_brush;
 PP_OPTIONS(brush)
 /** Sets the brush of pp_touch() and of the next live hand; null: they only feel. PP_ERROR_STATE while the session is
@@ -429,7 +432,7 @@ PP_OPTIONS(brush)
 PP_API pp_status pp_session_set_brush(pp_session session, const pp_brush* brush);
 /** Changes surface and force. `radius_mm` must be 0 or as the session was opened, or else the call returns
  * PP_ERROR_ARGUMENT. */
-PP_API pp_status pp_session_set_feel(pp_session session, const pp_feel* feel);
+PP_API pp_status pp_session_set_contact(pp_session session, const pp_contact_options* contact);
 /** pp_session_touch() with a brush for this path only. A stroke consists of all edits in one contact, with gaps of up
  * to 0.3 s. Errors as for pp_session_touch() and pp_session_set_brush(). */
 PP_API pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
@@ -448,9 +451,9 @@ PP_API pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t*
 /** Redoes the strokes undone last, as pp_session_undo() undoes them. */
 PP_API pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done);
 /** Takes in the edits that pp_touch() with a budget, or a live hand, has made. Call it some thirty times a second:
- * edits are dropped once too many are pending. Pictures and pp_live_take() do it, too. In a joined session this also
- * sends the edits to the other programs; PP_ERROR_NETWORK once this hand's part in it has ended. */
-PP_API pp_status pp_session_follow(pp_session session);
+ * edits are dropped once too many are pending. Pictures and pp_live_read_ticks() do it, too. In a joined session this
+ * also sends the edits to the other programs; PP_ERROR_NETWORK once this hand's part in it has ended. */
+PP_API pp_status pp_session_apply_edits(pp_session session);
 /** Copies the present points into a new cloud. */
 PP_API pp_status pp_session_cloud(pp_session session, pp_cloud* cloud);
 

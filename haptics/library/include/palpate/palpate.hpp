@@ -51,9 +51,9 @@ inline pp_rows rows(const std::uint8_t* data) { return {data, PP_UINT8, 0, 0}; }
 inline pp_rows rows(const std::uint16_t* data) { return {data, PP_UINT16, 0, 0}; }
 
 /// A path of `count` positions x y z, model units: one for each tick. The numbers are not copied.
-inline pp_path path(const double* places, std::uint64_t count) {
+inline pp_path path(const double* positions, std::uint64_t count) {
   pp_path path = pp_default_path();
-  path.data = places;
+  path.data = positions;
   path.rows = count;
   return path;
 }
@@ -126,10 +126,10 @@ class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
   /// Number of points.
   std::uint64_t size() const { return view().count; }
   /// Copies x y z of each point, in file coordinates.
-  std::vector<double> places() const {
-    std::vector<double> places(3 * size());
-    check(pp_cloud_copy_places(handle(), places.data(), size()));
-    return places;
+  std::vector<double> positions() const {
+    std::vector<double> positions(3 * size());
+    check(pp_cloud_copy_positions(handle(), positions.data(), size()));
+    return positions;
   }
 
  private:
@@ -169,28 +169,28 @@ class Frame : public detail::Owned<pp_frame, pp_frame_close> {
 };
 
 /// A session log in memory; immutable.
-class Log : public detail::Owned<pp_log, pp_log_close> {
+class Recording : public detail::Owned<pp_recording, pp_recording_close> {
  public:
   using Owned::Owned;
   /// Reads a log. Of one that is damaged or cut off, all complete parts are read.
-  static Log read(const std::string& file) {
-    pp_log log{};
-    check(pp_log_read(file.c_str(), &log));
-    return Log(log);
+  static Recording read(const std::string& file) {
+    pp_recording recording{};
+    check(pp_recording_read(file.c_str(), &recording));
+    return Recording(recording);
   }
   /// Read-only view of its ticks and edits, valid while this is open; nothing is copied.
-  pp_log_content view() const {
-    pp_log_content content{};
-    check(pp_log_view(handle(), &content));
+  pp_recording_content view() const {
+    pp_recording_content content{};
+    check(pp_recording_view(handle(), &content));
     return content;
   }
 };
 
-/// Replays a recorded session and compares it with the log (pp_log_replay()).
+/// Replays a recorded session and compares it with the log (pp_recording_replay()).
 inline pp_replay_result replay(const std::string& file,
                                const pp_replay_options& options = pp_default_replay_options()) {
   pp_replay_result result = pp_default_replay_result();
-  check(pp_log_replay(file.c_str(), &options, &result));
+  check(pp_recording_replay(file.c_str(), &options, &result));
   return result;
 }
 
@@ -234,12 +234,11 @@ class Matter : public detail::Owned<pp_matter, pp_matter_close> {
   }
 };
 
-/// Sessions served on a network (pp_network_survey()); at most 256.
-inline std::vector<pp_seen_session> surveyNetwork(const pp_network& network = pp_default_network(),
-                                                  double seconds = 2) {
-  std::vector<pp_seen_session> sessions(256);
+/// Sessions served on a network (pp_network_discover()); at most 256.
+inline std::vector<pp_served_session> discover(const pp_network& network = pp_default_network(), double seconds = 2) {
+  std::vector<pp_served_session> sessions(256);
   std::uint64_t count = 0;
-  check(pp_network_survey(&network, seconds, sessions.data(), sessions.size(), &count));
+  check(pp_network_discover(&network, seconds, sessions.data(), sessions.size(), &count));
   if (count < sessions.size()) sessions.resize(count);
   return sessions;
 }
@@ -328,11 +327,11 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_touch(handle(), &pose, &contact));
     return contact;
   }
-  /// One tick for all hands. `turns`: rotations of their tools, w x y z each; null: no rotation.
-  std::vector<pp_contact> touch(const std::vector<pp_pose>& poses, const double* turns = nullptr) {
+  /// One tick for all hands. `orientations`: rotations of their tools, w x y z each; null: no rotation.
+  std::vector<pp_contact> touch(const std::vector<pp_pose>& poses, const double* orientations = nullptr) {
     std::vector<pp_contact> contacts(poses.size());
-    check(pp_touch_hands(handle(), poses.data(), turns, static_cast<std::uint32_t>(poses.size()), contacts.data(),
-                         nullptr));
+    check(pp_touch_hands(handle(), poses.data(), orientations, static_cast<std::uint32_t>(poses.size()),
+                         contacts.data(), nullptr));
     return contacts;
   }
   /// Notifies the session that all hands were lifted (pp_touch_lift()).
@@ -359,8 +358,8 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   void setBrush(const pp_brush& brush) { check(pp_session_set_brush(handle(), &brush)); }
   /// Removes that brush.
   void setNoBrush() { check(pp_session_set_brush(handle(), nullptr)); }
-  /// Changes surface and force; not the support radius (pp_session_set_feel()).
-  void setFeel(const pp_feel& feel) { check(pp_session_set_feel(handle(), &feel)); }
+  /// Changes surface and force; not the support radius (pp_session_set_contact()).
+  void setContact(const pp_contact_options& contact) { check(pp_session_set_contact(handle(), &contact)); }
   /// Follows the path with a brush.
   std::vector<pp_tick> stroke(const pp_path& path, const pp_brush& brush = pp_default_brush()) {
     std::vector<pp_tick> ticks(ticksOf(path));
@@ -381,8 +380,8 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_session_redo(handle(), strokes, &done));
     return done;
   }
-  /// Takes in pending edits; call it some thirty times a second (pp_session_follow()).
-  void follow() { check(pp_session_follow(handle())); }
+  /// Takes in pending edits; call it some thirty times a second (pp_session_apply_edits()).
+  void applyEdits() { check(pp_session_apply_edits(handle())); }
   /// Copies the present points.
   Cloud cloud() {
     pp_cloud cloud{};
@@ -411,10 +410,10 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     return sharing;
   }
   /// Hands of the other programs; at most 256.
-  std::vector<pp_other_hand> others() const {
+  std::vector<pp_other_hand> otherHands() const {
     std::vector<pp_other_hand> hands(256);
     std::uint64_t count = 0;
-    check(pp_session_others(handle(), hands.data(), hands.size(), &count));
+    check(pp_session_other_hands(handle(), hands.data(), hands.size(), &count));
     if (count < hands.size()) hands.resize(count);
     return hands;
   }
@@ -426,10 +425,10 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     if (count < cameras.size()) cameras.resize(count);
     return cameras;
   }
-  /// Shows a camera to the others (pp_session_show_camera()).
-  void showCamera(const pp_camera_place& camera) { check(pp_session_show_camera(handle(), &camera)); }
+  /// Shows a camera to the others (pp_session_publish_camera()).
+  void publishCamera(const pp_camera_place& camera) { check(pp_session_publish_camera(handle(), &camera)); }
   /// Stops showing it.
-  void hideCamera() { check(pp_session_show_camera(handle(), nullptr)); }
+  void hideCamera() { check(pp_session_publish_camera(handle(), nullptr)); }
   /// Waits at most `seconds` until this session has the server's points (pp_session_settle()). True if it has.
   bool settle(double seconds = 10) {
     std::uint32_t same = 0;
@@ -445,7 +444,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     return Frame(frame);
   }
   /// Pauses the scene, or continues it.
-  void hold(bool on = true) { check(pp_session_hold(handle(), on ? 1 : 0)); }
+  void pause(bool on = true) { check(pp_session_pause(handle(), on ? 1 : 0)); }
   /// Restarts the scene with the next tick.
   void reset() { check(pp_session_reset(handle())); }
   /// Parameters of the scene, which setParameter() changes.
@@ -473,10 +472,10 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   /// Starts ticks against the wall clock, on a thread of palpate (pp_live_start()).
   void startLive(const pp_live_options& options) { check(pp_live_start(handle(), &options)); }
   /// Ticks since the last call, at most `most` rows: one row for each hand in each tick.
-  std::vector<pp_tick> takeTicks(std::size_t most = 4096) {
+  std::vector<pp_tick> readTicks(std::size_t most = 4096) {
     std::vector<pp_tick> ticks(most);
     std::uint64_t count = 0;
-    check(pp_live_take(handle(), ticks.data(), ticks.size(), &count));
+    check(pp_live_read_ticks(handle(), ticks.data(), ticks.size(), &count));
     ticks.resize(count);
     return ticks;
   }

@@ -46,7 +46,7 @@ typedef struct pp_mesh {
 /** How pp_session_mesh() meshes the points. */
 typedef struct pp_mesh_options {
   uint32_t size;       /**< bytes of this struct */
-  uint32_t lattice;    /**< cells along the longest side, 1 to 2048 */
+  uint32_t resolution; /**< cells along the longest side, 1 to 2048 */
   const char* surface; /**< "sphere", "average", "sharp" or "density"; null: sphere */
   double radius_mm;    /**< support radius, mm; 0: from the spacing of the points */
 } pp_mesh_options;

@@ -29,7 +29,7 @@ typedef struct pp_network {
   /** A folder of keys (palpate keys): everything is encrypted, and only holders of keys of the same authority can take
    * part; null: no keys. */
   const char* security;
-  /** Ends pp_network_survey(), pp_session_join() and pp_serve() while they wait for other programs; null: none. It is
+  /** Ends pp_network_discover(), pp_session_join() and pp_serve() while they wait for other programs; null: none. It is
    * not called after they return. */
   pp_stop_function stop;
   void* stop_user; /**< passed to `stop` */
@@ -38,41 +38,41 @@ PP_OPTIONS(network)
 
 /** A served session. Names are as the other programs have sent them: cut off to fit, without control characters, and
  * not necessarily UTF-8. */
-typedef struct pp_seen_session {
+typedef struct pp_served_session {
   char name[208];       /**< name of the session */
   char host[64];        /**< machine of its server */
   char model[208];      /**< its server's description of the points */
   uint64_t points;      /**< number of points */
   double round_trip_ms; /**< median of the answered pings, ms; below 0: no ping was answered */
   uint32_t version;     /**< version of the network protocol */
-  uint32_t fits;        /**< 1: same version as this library, so that it can be joined */
+  uint32_t compatible;  /**< 1: same version as this library, so that it can be joined */
   uint32_t pings;       /**< number of pings */
   uint32_t answered;    /**< number of answered pings */
-} pp_seen_session;
+} pp_served_session;
 /** Lists the sessions that are served on a network. Listens for `seconds` (0 to 600), then pings the sessions found,
  * which takes half a second, and up to two more if pings are lost. Copies the first `capacity` of them; `count` is
  * their total number. `network` may be null. PP_ERROR_NETWORK if the network cannot be used. */
-PP_API pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_session* sessions,
-                                   uint64_t capacity, uint64_t* count);
+PP_API pp_status pp_network_discover(const pp_network* network, double seconds, pp_served_session* sessions,
+                                     uint64_t capacity, uint64_t* count);
 
 /** How pp_session_join() takes part in a served session. */
 typedef struct pp_join_options {
   uint32_t size;             /**< bytes of this struct */
   uint32_t read_only;        /**< 1: this hand feels the others' edits, and cannot have a brush */
   const pp_network* network; /**< null: pp_default_network() */
-  const char* hand;          /**< name of this hand for the others; null: name of the machine */
+  const char* hand_name;     /**< name of this hand for the others; null: name of the machine */
   /** Timeout for finding the session, for each further piece of it, and, by path and in pp_session_cloud(), for all
    * edits to reach all programs; above 0. */
-  double patience_s;
+  double timeout_s;
   /** 1: streams only the points around the hands, ahead of them (for models too large to download); strokes cannot be
    * undone, and nothing is recorded. Moving points are always streamed this way, and can be felt live. */
-  uint32_t near_hands;
+  uint32_t partial;
 } pp_join_options;
 PP_OPTIONS(join_options)
 /** Joins a session that another program serves (pp_serve(), `palpate serve`), by its name: a copy of its points, felt
  * like those of a cloud of this program, by path, tick by tick and live. The edits of a hand are sent to the server,
  * and from there to all others, whose strokes are felt between two ticks; at rest all programs have the same points,
- * bit by bit. Points are neither inserted nor removed, whatever pp_brush.keeps_density says. Undo reverts this hand's
+ * bit by bit. Points are neither inserted nor removed, whatever pp_brush.resample says. Undo reverts this hand's
  * strokes, except where others have changed the points since. While the server is silent for seconds the force fades,
  * tick by tick and live, until the server is heard again; contact->valid stays 1. All hands are shown to the others,
  * until a second after their last tick. A session that is sculpted cannot be recorded. Options may be null.
@@ -85,9 +85,9 @@ PP_API pp_status pp_session_join(const char* name, const pp_join_options* join, 
 typedef struct pp_sharing {
   uint32_t size;           /**< bytes of this struct */
   uint32_t sculptable;     /**< 0: served read-only: the counts of strokes are 0 */
-  uint32_t heard;          /**< 0: the server has been silent for so long that there is no force */
+  uint32_t connected;      /**< 0: the server has been silent for so long that there is no force */
   uint32_t delivered;      /**< 1: the server has taken all edits of this hand */
-  uint32_t at_rest;        /**< 1: and all edits of others are in effect here */
+  uint32_t idle;           /**< 1: and all edits of others are in effect here */
   uint32_t same;           /**< 1: at rest, and the points are the server's, bit by bit */
   uint64_t sent;           /**< states of points that this hand has made */
   uint64_t received;       /**< states of points that others have made and that took effect here */
@@ -122,12 +122,12 @@ typedef struct pp_other_hand {
 } pp_other_hand;
 /** Hands of other programs that were heard within two seconds. Copies the first `capacity` of them; `count` is their
  * total number. */
-PP_API pp_status pp_session_others(pp_session session, pp_other_hand* hands, uint64_t capacity, uint64_t* count);
+PP_API pp_status pp_session_other_hands(pp_session session, pp_other_hand* hands, uint64_t capacity, uint64_t* count);
 
 /** Camera of a picture of the points. */
 typedef struct pp_camera_place {
   double position[3]; /**< model units */
-  /** Unit quaternion x y z w of the camera's axes: x to the right of the picture, y down in it, z in the direction
+  /** Unit quaternion w x y z of the camera's axes: x to the right of the picture, y down in it, z in the direction
    * of view. */
   double orientation[4];
   double fov_deg; /**< vertical field of view, degrees, above 0 and below 180 */
@@ -146,7 +146,7 @@ typedef struct pp_other_camera {
 PP_API pp_status pp_session_cameras(pp_session session, pp_other_camera* cameras, uint64_t capacity, uint64_t* count);
 /** Shows this camera to the others from now on, at most 30 times a second; null: none, as at first. Pictures of
  * pp_session_render() are not shown unless this function is called. */
-PP_API pp_status pp_session_show_camera(pp_session session, const pp_camera_place* camera);
+PP_API pp_status pp_session_publish_camera(pp_session session, const pp_camera_place* camera);
 
 /** Requests the server's state, and exchanges edits until all that the server had taken before this call is in effect
  * here, and the server has all edits made here; waits at most `seconds`. `same`: 1 if so and the points are the
@@ -193,7 +193,7 @@ typedef struct pp_server_info {
   uint64_t sent;      /**< states sent to all clients */
   uint64_t refused;   /**< invalid requests and pieces of strokes, which no palpate client sends */
   double mm_per_unit; /**< millimetres per model unit */
-  char openness[256]; /**< who can join, as a sentence */
+  char access[256];   /**< who can join, as a sentence */
   char fault[256];    /**< reason why it has ended; empty: it has not */
 } pp_server_info;
 PP_OPTIONS(server_info)

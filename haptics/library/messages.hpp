@@ -15,10 +15,10 @@ namespace palpate::library {
 inline thread_local bool isInLogFunction = false;
 
 /// Passes messages to the program.
-class Remarks final : public LogListener {
+class Messages final : public LogListener {
  public:
   /// `watch` receives progress, if the program wants it; must outlive this.
-  Remarks(pp_log_function log, void* user, Watch& watch) : log_(log), user_(user), watch_(watch) {
+  Messages(pp_log_function log, void* user, Watch& watch) : log_(log), user_(user), watch_(watch) {
     if (log || watch.isTold()) sink_.listen(this);
   }
   Log& sink() { return sink_; }
