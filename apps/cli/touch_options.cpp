@@ -5,7 +5,7 @@
 #include "engine/core/named_values.hpp"
 #include "haptics/builtin_path.hpp"
 #include "haptics/session/devices.hpp"
-#include "haptics/session/matter_scenes.hpp"
+#include "haptics/session/simulation.hpp"
 
 namespace palpate {
 
@@ -139,7 +139,7 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
   checkSecondOptions(options);
   if (options.edit == "none") {
     if (!options.saveFile.empty() && options.stream.fuse != "on" && options.join.name.empty() &&
-        !matterScene(options.model.file))
+        !sceneNamed(options.model.file))
       throw UsageError("--save: nothing changes with --edit none");
     if (options.undo.undo > 0) throw UsageError("--undo: nothing changes with --edit none");
   }
@@ -167,7 +167,7 @@ SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {
   } else {
     const RosQuestion ros{options.join.network, log};
     config.stream = streamConfig(options.stream, config.model.file, &ros);
-    config.matter = matterScene(config.model.file);
+    config.matter = sceneNamed(config.model.file);
   }
   if (!options.secondDevice.empty())
     config.hands.push_back(
