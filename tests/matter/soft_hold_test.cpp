@@ -11,8 +11,8 @@ namespace palpate::soft_hold_test {
 
 namespace {
 
-std::unique_ptr<TouchBackend> onCpu(const PointCloud& cloud, CloudSource& source, double radius,
-                                    const SoftTouchOptions& touch) {
+std::unique_ptr<TouchBackend> feltOnCpu(const PointCloud& cloud, CloudSource& source, double radius,
+                                        const SoftTouchOptions& touch) {
   return std::make_unique<CpuTouch>(
       cloud, CpuTouchOptions{
                  .radius = radius, .friction = touch.friction, .tools = touch.tools, .threads = 1, .source = &source});
@@ -59,7 +59,7 @@ Pressed pressed(const Press& press) {
   options.touch.friction = press.friction;
   if (press.plate > 0) options.touch.tools = {flatPlate(press.plate, 10)};
   options.touch.tools.resize(static_cast<std::size_t>(press.hands));
-  SoftScene block(scene, options, onCpu);
+  SoftScene block(scene, options, feltOnCpu);
   Pressed result;
   double before_N = 0, before_mm = -1;
   const double down_ms = 1e3 * (press.depth_mm + 1) / press.speed_mm_s;

@@ -9,14 +9,16 @@
 
 namespace palpate {
 
-inline std::unique_ptr<TouchBackend> onCpu(const PointCloud& cloud, CloudSource& source, double radius,
-                                           const SoftTouchOptions& touch) {
+inline std::unique_ptr<TouchBackend> feltOnCpu(const PointCloud& cloud, CloudSource& source, double radius,
+                                               const SoftTouchOptions& touch) {
   return std::make_unique<CpuTouch>(
       cloud, CpuTouchOptions{
                  .radius = radius, .friction = touch.friction, .tools = touch.tools, .threads = 1, .source = &source});
 }
 
-inline SoftScene touched(const MatterScene& scene, const SoftTouching& options = {}) { return {scene, options, onCpu}; }
+inline SoftScene touched(const MatterScene& scene, const SoftTouching& options = {}) {
+  return {scene, options, feltOnCpu};
+}
 
 // Above the centre of the block, at this depth.
 inline DVec3 atDepth(double depth) { return {50, 40 - depth, 50}; }

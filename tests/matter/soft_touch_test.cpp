@@ -271,7 +271,7 @@ TEST_CASE("for points older than the tick the surface yields with the body's com
   const double own = world.localCompliance_m_N(1e-3 * fresh.proxy, 0.5e-3 * block.radius(), {0, -1, 0}) * 1e3;
   CHECK(block.source().compliance(0) == near(own, 0.05));
   CHECK(block.source().compliance(0) !=
-        SoftScene(softBlock(), options, onCpu).source().compliance(0));  // a half-space's
+        SoftScene(softBlock(), options, feltOnCpu).source().compliance(0));  // a half-space's
   // A hand that moves back finds the surface where it was.
   const Contact back = ask(3.5);
   CHECK(back.proxy.y == near(fresh.proxy.y, 1e-4));
