@@ -42,6 +42,12 @@ bool isLeftOut(const std::string& arguments) {
          (!kHasSimulation && std::ranges::any_of(kOfSimulation, names));
 }
 
+bool canSimulate() {
+  if (!isLeftOut("simulate")) return true;
+  MESSAGE("skipped: this palpate was built without PALPATE_SIMULATION");
+  return false;
+}
+
 Result jsonOf(const std::filesystem::path& file) { return Result::parse(contentOf(file)); }
 
 std::vector<Row> readTrace(const std::filesystem::path& file) {
