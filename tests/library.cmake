@@ -2,7 +2,12 @@
 set(library_links palpate::palpate palpate::core)
 add_library(own_law MODULE library/half_as_stiff.c)
 target_link_libraries(own_law PRIVATE palpate::palpate palpate_build_options)
-palpate_tests(library LINKS ${library_links})
+if(PALPATE_SIMULATION)
+  set(without_matter no_matter)
+else()
+  set(without_matter matter)
+endif()
+palpate_tests(library LINKS ${library_links} WITHOUT ${without_matter})
 set_source_files_properties(library/touch_test.cpp PROPERTIES COMPILE_DEFINITIONS
                             PALPATE_OWN_LAW="$<TARGET_FILE:own_law>")
 add_dependencies(tests_library own_law)

@@ -3,7 +3,7 @@ if(NOT WIN32)
   palpate_tests(house LINKS palpate::core)
   # The files of the host's rooms, for the test that they do not include Vulkan.
   set(host_sources "")
-  foreach(room core cloud matter io motion spatial_host contact_host edit_host touch_host mesh_host haptics session
+  foreach(room core cloud io motion spatial_host contact_host edit_host touch_host matter mesh_host haptics session
                sharing study_host haptics_study)
     if(NOT TARGET palpate_${room})
       continue()  # an annex that is not built
@@ -20,7 +20,6 @@ if(NOT WIN32)
   set_source_files_properties(house/host_test.cpp PROPERTIES COMPILE_DEFINITIONS
                               PALPATE_HOST_SOURCES="${CMAKE_CURRENT_BINARY_DIR}/host_sources.txt")
 endif()
-file(GLOB matter_truths matter/*_truths.cpp)
 palpate_tests(core LINKS palpate::core)
 palpate_test_program(labelled_cases programs/labelled_cases.cpp palpate::core)
 target_sources(labelled_cases PRIVATE $<TARGET_OBJECTS:tests_main>)
@@ -31,7 +30,6 @@ set_source_files_properties(core/labels_linux_test.cpp PROPERTIES COMPILE_DEFINI
 set_source_files_properties(core/last_words_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
                             PALPATE_EMULATOR="${emulator}")
 palpate_tests(cloud LINKS palpate::io palpate::cloud)
-palpate_tests(matter LINKS palpate::matter WITH ${matter_truths})
 palpate_tests(io LINKS palpate::io)
 palpate_tests(motion LINKS palpate::motion palpate::io)
 palpate_tests(contact LINKS palpate::touch_host)
@@ -42,6 +40,11 @@ palpate_tests(haptics LINKS palpate::haptics)
 palpate_system_sources(tests_haptics fake_devices/mapped_note)
 add_dependencies(tests_haptics fake_drivers)
 palpate_tests(session LINKS palpate::session)
+if(PALPATE_SIMULATION)
+  file(GLOB matter_truths matter/*_truths.cpp)
+  palpate_tests(matter LINKS palpate::matter WITH ${matter_truths})
+  palpate_tests(simulation LINKS palpate::session)
+endif()
 if(PALPATE_STUDY)
   palpate_tests(study LINKS palpate::haptics_study palpate::study_host)
 endif()

@@ -4,7 +4,11 @@ if(TARGET third_party::crypto AND TARGET third_party::pugixml)
 else()
   set(without_security security)  # this build cannot encrypt sessions
 endif()
-palpate_tests(sharing LINKS palpate::sharing palpate::session ${crypto} WITHOUT ${without_security})
+if(NOT PALPATE_SIMULATION)
+  set(without_simulation joined_matter)
+endif()
+palpate_tests(sharing LINKS palpate::sharing palpate::session ${crypto}
+              WITHOUT ${without_security} ${without_simulation})
 
 # A hostile program; the tests measure its effects.
 set(made ${CMAKE_CURRENT_BINARY_DIR}/generated/haptics/sharing)

@@ -6,7 +6,7 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/matter_bytes.hpp"
-#include "apps/cli/matter_backend.hpp"
+#include "apps/simulation/matter_backend.hpp"
 #include "engine/matter/soft_model.hpp"
 #include "engine/matter/soft_scene.hpp"
 

@@ -10,8 +10,8 @@
 #include "apps/view/key_help.hpp"
 #include "apps/view/script.hpp"
 #include "engine/io/cloud_formats.hpp"
-#include "engine/matter/scene_settings.hpp"
 #include "haptics/session/settings.hpp"
+#include "haptics/session/simulation.hpp"
 #include "haptics/trace.hpp"
 
 namespace palpate {
@@ -135,18 +135,9 @@ void addSettingRows(std::string& page) {
 
 void addSceneRows(std::string& page) {
   page += head({"key", "value", "unit", "default", "bounds", "applies to", "meaning"});
-  std::vector<SettingFacts> facts = allSettings();
-  std::erase_if(facts, [](const SettingFacts& setting) { return !setting.path.starts_with("matter."); });
-  for (std::size_t i = 0; i < facts.size(); ++i) {
-    const SceneSetting& scene = sceneSettings()[i];
-    std::vector<std::string_view> kinds;
-    for (const auto& [name, matter] : kMatters)
-      if (scene.isOf(matter)) kinds.push_back(name);
-    std::string of = kinds.size() == kMatters.size() ? "all" : fmt::format("{}", fmt::join(kinds, ", "));
-    if (scene.preset) of += fmt::format(" ({})", nameOf(kSoftPresets, *scene.preset));
-    page += row({code(std::string(scene.setting.name)), valuesOf(facts[i]), facts[i].unit,
-                 scene.required ? "required" : facts[i].usual, inWords(facts[i].range), of, facts[i].help});
-  }
+  for (const SceneSettingFacts& scene : sceneSettingFacts())
+    page += row({code(scene.path.substr(scene.path.find('.') + 1)), valuesOf(scene), scene.unit,
+                 scene.required ? "required" : scene.usual, inWords(scene.range), scene.of, scene.help});
 }
 
 void addResultRows(std::string& page) {

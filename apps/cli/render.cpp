@@ -3,7 +3,7 @@
 #include "apps/cli/picture.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stream_options.hpp"
-#include "haptics/session/matter_scenes.hpp"
+#include "haptics/session/simulation.hpp"
 
 namespace palpate {
 
@@ -34,7 +34,7 @@ void render(Context& context, const RenderOptions& options) {
     const RosQuestion ros{options.join.network, context.log()};
     config.stream = streamConfig(options.stream, config.model.file, &ros);
     config.realtime = config.stream && config.stream->live;
-    config.matter = matterScene(config.model.file);
+    config.matter = sceneNamed(config.model.file);
   }
   validate(config);
   const Model model = loadModel(context, config, EstimateOn::gpu, &options.join.network);

@@ -10,8 +10,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/io/saving.hpp"
-#include "engine/matter/matter_model.hpp"
-#include "haptics/session/matter_scenes.hpp"
+#include "haptics/session/simulation.hpp"
 #include "haptics/session/stepped_model.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
@@ -53,21 +52,18 @@ SessionConfig servedConfig(Context& context, const ServeOptions& options) {
   config.realtime = true;
   config.motion = motionConfig(options.motion);
   config.stream = streamConfig(options.stream, config.model.file);
-  config.matter = matterScene(config.model.file);
+  config.matter = sceneNamed(config.model.file);
   validate(config);
   if (config.moves() && (!options.journalFile.empty() || !options.saveFile.empty() || !options.ros.name.empty()))
     throw UsageError("--journal, --save and --ros: are for what stands still; {} moves", config.model.file);
   return config;
 }
 
-FarFacts factsOf(const Model& model, const std::optional<MatterScene>& matter) {
+FarFacts factsOf(const Model& model, const SceneRef& scene) {
   FarFacts facts{
       .spacing = model.spacing, .wideSpacing = model.wideSpacing, .noise = model.noise, .up = model.upright.up};
-  if (!matter || matter->matter == Matter::soft) return facts;
-  MatterScene scene = *matter;
-  scene.model = std::filesystem::path(scene.model).filename().string();  // clients must not learn its folder
-  facts.matter = sceneText(scene);
-  if (model.standing()) facts.standing = model.standing()->points().size();
+  if (scene) facts.matter = scene->servedText();
+  facts.standing = model.standing();
   return facts;
 }
 

@@ -4,7 +4,7 @@
 #include "apps/cli/stop_by_signal.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
-#include "haptics/session/matter_scenes.hpp"
+#include "haptics/session/simulation.hpp"
 #include "haptics/sharing/ros.hpp"
 
 namespace palpate {
@@ -27,8 +27,9 @@ std::string modelsAndStreams(RosModels ros) {
                       : ros == RosModels::clouds
                           ? "; or ros:TOPIC, the first PointCloud2 of a ROS 2 topic"
                           : "; or ros:TOPIC, the first PointCloud2 or the live depth pictures of a ROS 2 topic";
-  return fmt::format("a {} file; a recording of a depth camera, {}; a simulated scene, .json or {}{}",
-                     cloudFormats().namesRead(), rgbdFoldersRead(), builtInScenes(), topic);
+  const std::string scenes = canSimulate() ? "; a simulated scene, .json or " + builtInScenes() : std::string();
+  return fmt::format("a {} file; a recording of a depth camera, {}{}{}", cloudFormats().namesRead(), rgbdFoldersRead(),
+                     scenes, topic);
 }
 
 namespace {

@@ -8,9 +8,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/io/saving.hpp"
-#include "engine/matter/tool_body.hpp"
 #include "haptics/session/drawn_follower.hpp"
-#include "haptics/session/matter_scenes.hpp"
 #include "haptics/session/session.hpp"
 #include "haptics/sharing/ros.hpp"
 
@@ -155,17 +153,13 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
     report.far = FarReport{.counts = model.far()->counts(), .ticks = session.unknownTicks()};
   }
   if (config.matter)
-    report.matter = MatterReport{
-        .matter = config.matter->matter,
-        .substeps = planOf(*config.matter).substeps,
-        .gain = config.matter->gain,
-        .coupling_N_mm = config.matter->matter == Matter::soft ? 0 : 1e-3 * couplingStiffness_N_m(*config.matter),
-        .elasticity = config.matter->matter == Matter::soft ? elasticityInWords(*config.matter) : std::string(),
-        .dropped_s = session.simulation()->dropped_s(),
-        .advances = session.simulation()->advances(),
-        .duration_s = durationOf(result.trace()),
-        .holds = session.simulation()->surfaceHolds(),
-        .ports = session.simulation()->portEnergies()};
+    report.matter = MatterReport{.scene = config.matter->report(),
+                                 .isSoft = config.matter->isSoft(),
+                                 .dropped_s = session.simulation()->dropped_s(),
+                                 .advances = session.simulation()->advances(),
+                                 .duration_s = durationOf(result.trace()),
+                                 .holds = session.simulation()->surfaceHolds(),
+                                 .ports = session.simulation()->portEnergies()};
   if (const ShapeStrokes* const shape = touch.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // Not for tools with many points, whose proxy is a mean; not in real time for a motion, whose frames are older than
   // the poses; not for streams, of which only the first frame is known here; not for matter, which has no surface.

@@ -5,7 +5,7 @@
 #include "engine/core/named_values.hpp"
 #include "haptics/builtin_path.hpp"
 #include "haptics/session/devices.hpp"
-#include "haptics/session/matter_scenes.hpp"
+#include "haptics/session/simulation.hpp"
 
 namespace palpate {
 
@@ -106,7 +106,7 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
     throw UsageError("--log: a session log has one hand; leave out --log or --hand (its trace= keeps a trace)");
   if (options.edit == "none") {
     if (!options.saveFile.empty() && options.stream.fuse != "on" && options.join.name.empty() &&
-        !matterScene(options.model.file))
+        !sceneNamed(options.model.file))
       throw UsageError("--save: nothing changes with --edit none");
     if (options.undo.undo > 0) throw UsageError("--undo: nothing changes with --edit none");
   }
@@ -134,7 +134,7 @@ SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {
   } else {
     const RosQuestion ros{options.join.network, log};
     config.stream = streamConfig(options.stream, config.model.file, &ros);
-    config.matter = matterScene(config.model.file);
+    config.matter = sceneNamed(config.model.file);
   }
   for (const FurtherHand& hand : furtherHands(options.hands, options.hand, options.session.realtime))
     config.hands.push_back(choicesFor(options.hand, hand).config(hand.path, options.penetration_mm));

@@ -99,9 +99,10 @@ std::string inWords(const PlayCounts& frames) {
 
 std::string inWords(const MatterReport& matter, std::size_t particles) {
   std::string words = fmt::format("{} of {}, {} substeps per millisecond, forces times {:g}", particles,
-                                  nameOf(kMatters, matter.matter), matter.substeps, matter.gain);
-  if (matter.coupling_N_mm > 0) words += fmt::format(", coupling of hand and ball {:.3g} N/mm", matter.coupling_N_mm);
-  if (!matter.elasticity.empty()) words += "; " + matter.elasticity;
+                                  matter.scene.matter, matter.scene.substeps, matter.scene.gain);
+  if (matter.scene.coupling_N_mm > 0)
+    words += fmt::format(", coupling of hand and ball {:.3g} N/mm", matter.scene.coupling_N_mm);
+  if (!matter.scene.elasticity.empty()) words += "; " + matter.scene.elasticity;
   if (matter.dropped_s > 0) words += fmt::format("; {:.3f} s dropped, behind the clock", matter.dropped_s);
   if (matter.duration_s > 0)
     words += fmt::format("; advanced {:.0f} times a second", static_cast<double>(matter.advances) / matter.duration_s);
@@ -164,7 +165,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.cameras.value_or(0) > 0) row("others' cameras", fmt::format("{}", *report.cameras));
   if (report.far) row("near points", inWords(*report.far));
   if (report.matter)
-    row(report.matter->matter == Matter::soft ? "points" : "particles", inWords(*report.matter, report.points));
+    row(report.matter->isSoft ? "points" : "particles", inWords(*report.matter, report.points));
   else
     row("points", fmt::format("{}, spacing {}, noise {:.2f} spacings, support radius {}", report.points,
                               length(report.spacing_mm), report.noise_spacings, length(report.radius_mm)));
@@ -192,7 +193,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
                     report.error.undefined ? fmt::format("; {} of them without a surface there", report.error.undefined)
                                            : std::string()));
   row("peak force", fmt::format("{:.3f} N", trace.peakForce_N));
-  if (report.matter && report.matter->coupling_N_mm > 0)
+  if (report.matter && report.matter->scene.coupling_N_mm > 0)
     row("peak torque", fmt::format("{:.3g} mN m about the middle of the ball", trace.peakTorque_mNm));
   if (report.toolPoints)
     row("peak torque", fmt::format("{:.3f} mN m about the HIP, of a {} with {} points", trace.peakTorque_mNm,

@@ -3,7 +3,6 @@
 #include "apps/cli/model.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/contact/surface.hpp"
-#include "engine/matter/matter_scene.hpp"
 #include "engine/motion/play_counts.hpp"
 #include "engine/motion/rigid_motion.hpp"
 #include "engine/touch/touch_backend.hpp"
@@ -51,11 +50,8 @@ struct FurtherHandReport {
 
 /// The simulated matter.
 struct MatterReport {
-  Matter matter = Matter::water;
-  std::uint32_t substeps = 0;          ///< in a millisecond
-  double gain = 1;                     ///< of the forces
-  double coupling_N_mm = 0;            ///< of the hand to its ball, with the gain; 0: soft bodies
-  std::string elasticity;              ///< of a soft body, in words
+  SceneReport scene;
+  bool isSoft = false;
   double dropped_s = 0;                ///< by which it fell behind the clock
   std::uint64_t advances = 0;          ///< number of advances, each by some milliseconds at once
   double duration_s = 0;               ///< of the session

@@ -121,14 +121,18 @@ constexpr Reported<PortEnergy> kPorts[]{
 };
 
 constexpr Reported<MatterReport> kMatter[]{
-    {"kind", "", "water, sand or soft", [](const MatterReport& m) -> Value { return nameOf(kMatters, m.matter); }},
-    {"substeps", "", "substeps per millisecond", [](const MatterReport& m) -> Value { return m.substeps; }},
+    {"kind", "", "water, sand or soft", [](const MatterReport& m) -> Value { return m.scene.matter; }},
+    {"substeps", "", "substeps per millisecond", [](const MatterReport& m) -> Value { return m.scene.substeps; }},
     {"gain", "1", "ratio of the felt force to the simulated one",
-     [](const MatterReport& m) -> Value { return m.gain; }},
+     [](const MatterReport& m) -> Value { return m.scene.gain; }},
     {"coupling_N_mm", "N/mm", "stiffness of the spring between hand and ball; null: a soft body",
-     [](const MatterReport& m) -> Value { return m.coupling_N_mm > 0 ? Json(m.coupling_N_mm) : Json(nullptr); }},
+     [](const MatterReport& m) -> Value {
+       return m.scene.coupling_N_mm > 0 ? Json(m.scene.coupling_N_mm) : Json(nullptr);
+     }},
     {"elasticity", "", "of a soft body, in words; else null",
-     [](const MatterReport& m) -> Value { return m.elasticity.empty() ? Json(nullptr) : Json(m.elasticity); }},
+     [](const MatterReport& m) -> Value {
+       return m.scene.elasticity.empty() ? Json(nullptr) : Json(m.scene.elasticity);
+     }},
     {"dropped_s", "s", "time dropped, as the simulation fell behind the clock",
      [](const MatterReport& m) -> Value { return m.dropped_s; }},
     {"advances", "", "advances of the simulation, each of some milliseconds",
@@ -174,7 +178,7 @@ constexpr Reported<RosHand::Counts> kRos[]{
     {"lost", "", "ticks dropped, as the queue was full", [](const RosHand::Counts& r) -> Value { return r.lost; }},
 };
 
-bool hasBall(const TouchReport& r) { return r.matter && r.matter->coupling_N_mm > 0; }
+bool hasBall(const TouchReport& r) { return r.matter && r.matter->scene.coupling_N_mm > 0; }
 
 constexpr Reported<TouchReport> kTouch[]{
     {"points", "", "points of the model", [](const TouchReport& r) -> Value { return r.points; }},

@@ -1,8 +1,10 @@
 // Water in a tank, first alone, then stirred by two hands: stir
+// 77: this library was built without PALPATE_SIMULATION.
 #include <cstdio>
 #include <palpate/palpate.hpp>
 
 int main() try {
+  if (!pp_can_simulate()) return 77;
   pp_matter_options alone = pp_default_matter_options();
   alone.gpu = "cpu";
   pp::Matter dam("dam", alone);

@@ -85,6 +85,11 @@ py::dict stateOf(const pp_matter_state& state) {
 }  // namespace
 
 void bindMatter(py::module_& module) {
+  module.def(
+      "can_simulate", [] { return pp_can_simulate() != 0; },
+      "can_simulate() -> bool\n\n"
+      "True if this palpate was built with PALPATE_SIMULATION. Otherwise Matter() and a Session of a scene raise\n"
+      "Error with the status \"unsupported\".");
   py::class_<PyFrame, FramePointer>(
       module, "Frame", "Moving points at one time, immutable; views are read-only and keep the frame alive.")
       .def("__len__", [](const PyFrame& frame) { return frame.view().points.count; })

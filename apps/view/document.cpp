@@ -10,7 +10,7 @@
 #include "engine/core/atomic_file.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
-#include "haptics/session/matter_scenes.hpp"
+#include "haptics/session/simulation.hpp"
 
 namespace palpate {
 
@@ -82,7 +82,7 @@ void Document::open(const std::string& file) {
   options.config.stream = streamOf(file, options_);
   // A joined session is the first model.
   if (file != options_.config.model.file) options.config.join.reset();
-  options.config.matter = options.config.stream || options.config.join ? std::nullopt : matterScene(file);
+  options.config.matter = options.config.stream || options.config.join ? SceneRef() : sceneNamed(file);
   read(std::move(options), "opening " + nameOf(file));
 }
 

@@ -7,7 +7,6 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/file_coordinates.hpp"
 #include "engine/cloud/length_text.hpp"
-#include "engine/matter/soft_scene.hpp"
 
 namespace palpate {
 
@@ -48,20 +47,12 @@ void findStiffness(const WindowSession& session, PlaceInfo& info) {
     info.stiffnessOf = "the hand's spring; the model is rigid";
     return;
   }
-  const MatterScene& scene = *config.matter;
-  if (scene.matter != Matter::soft) {
-    info.stiffnessOf = "water and sand have none";
-    return;
-  }
-  if (scene.preset == SoftPreset::shapeMatching) {
-    info.stiffnessOf = "not calibrated for shape matching";
-    return;
-  }
-  const double radius_m = 0.5e-3 * session.model().scale.toMm(session.surface().radius);
-  const double body = 1e-3 / halfSpaceCompliance_m_N(scene, radius_m);
-  info.stiffness_N_mm = 1 / (1 / hand + 1 / (scene.gain * body));
+  const BodyStiffness body = config.matter->stiffness(0.5 * session.model().scale.toMm(session.surface().radius));
+  info.stiffnessOf = body.why;
+  if (!body.why.empty()) return;
+  info.stiffness_N_mm = 1 / (1 / hand + 1 / body.N_per_mm);
   info.stiffnessOf =
-      fmt::format("the hand's spring, {:.3g} N/mm, in series with a half-space, {:.3g} N/mm", hand, scene.gain * body);
+      fmt::format("the hand's spring, {:.3g} N/mm, in series with a half-space, {:.3g} N/mm", hand, body.N_per_mm);
 }
 
 }  // namespace

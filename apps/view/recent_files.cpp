@@ -5,7 +5,7 @@
 
 #include "apps/cli/system_places.hpp"
 #include "engine/core/atomic_file.hpp"
-#include "engine/matter/matter_scene.hpp"
+#include "haptics/session/simulation.hpp"
 
 namespace palpate {
 
@@ -16,16 +16,11 @@ std::filesystem::path storePath() {
   return folder.empty() ? folder : folder / "palpate" / "recent";
 }
 
-bool isBuiltIn(const std::string& model) {
-  const auto names = matterSceneNames();
-  return std::ranges::find(names, model) != names.end();
-}
-
 // Absolute path, or the name of a built-in scene. Empty: the model cannot be found again.
 std::string lastingName(const std::string& model) {
   std::error_code ignored;
   if (std::filesystem::exists(model, ignored)) return std::filesystem::absolute(model, ignored).string();
-  return isBuiltIn(model) ? model : std::string();
+  return isBuiltInScene(model) ? model : std::string();
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "haptics/session/devices.hpp"
-#include "haptics/session/matter_scenes.hpp"
+#include "haptics/session/simulation.hpp"
 
 namespace palpate {
 
@@ -74,7 +74,7 @@ std::unique_ptr<Window> openWindow(const ViewOptions& view) {
   } catch (const Error&) {
     const std::string file = view.models.empty() ? std::string() : view.models.front();
     const bool isFile = !file.empty() && !view.session.config.join && !isRosModel(file) && !isRgbdFolder(file) &&
-                        !view.session.stream.live && !matterScene(file);
+                        !view.session.stream.live && !sceneNamed(file);
     if (isFile) contentsOf(file);
     throw;
   }

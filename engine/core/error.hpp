@@ -27,6 +27,15 @@ class UsageError : public Error {
   using Error::Error;
 };
 
+/// A request for an annex that this palpate was built without.
+class NotBuilt : public UsageError {
+ public:
+  /// `what` needs `option`, as in "NAME is a simulated scene and" and "PALPATE_SIMULATION".
+  NotBuilt(std::string_view what, std::string_view option)
+      : UsageError("{} needs {}, which this palpate was built without; build it again with -D{}=ON", what, option,
+                   option) {}
+};
+
 /// A GPU that does not exist, lacks a required feature, or failed.
 class GpuError : public Error {
  public:

@@ -3,8 +3,8 @@
 #include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/matter/matter_pipeline.hpp"
-#include "shaders/compiled.hpp"
 #include "shaders/shared/soft_descent.h"
+#include "shaders/simulation.hpp"
 
 namespace palpate {
 

@@ -7,8 +7,8 @@
 
 #include "engine/core/check.hpp"
 #include "engine/matter/matter_pipeline.hpp"
-#include "shaders/compiled.hpp"
 #include "shaders/shared/soft_press.h"
+#include "shaders/simulation.hpp"
 
 namespace palpate {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "engine/matter/matter_pipeline.hpp"
-#include "shaders/compiled.hpp"
 #include "shaders/shared/matter_passes.h"
 #include "shaders/shared/prefix_scan.h"
+#include "shaders/simulation.hpp"
 
 namespace palpate {
 

@@ -42,7 +42,7 @@ struct MatterTool {
   bool operator==(const MatterTool&) const = default;
 };
 
-/// Fields are in the units of the file (engine/io/matter_scene_file.hpp), which uses the same names. Axes are
+/// Fields are in the units of the file (engine/matter/matter_scene_file.hpp), which uses the same names. Axes are
 /// right-handed; the box extends from 0 to `box_mm`, and y is up unless gravity says otherwise.
 struct MatterScene {
   Matter matter = Matter::water;

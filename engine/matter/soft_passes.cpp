@@ -4,7 +4,7 @@
 
 #include "engine/matter/gpu_soft_press.hpp"
 #include "engine/matter/matter_pipeline.hpp"
-#include "shaders/compiled.hpp"
+#include "shaders/simulation.hpp"
 
 namespace palpate {
 

@@ -11,6 +11,9 @@ namespace palpate {
 struct PointCloud;
 class FrameCarrier;
 
+/// Model unit of points that a GPU carries (CloudSource::carrier()), m.
+inline constexpr double kCarriedUnit_m = 1e-3;
+
 /// Points that move, frame by frame, made on the host or on a GPU. For one thread at a time; the thread may change.
 class CloudSource {
  public:

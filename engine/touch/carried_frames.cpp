@@ -1,7 +1,6 @@
 #include "engine/touch/carried_frames.hpp"
 
 #include "engine/core/check.hpp"
-#include "engine/touch/matter_touch.hpp"
 
 namespace palpate {
 
@@ -31,7 +30,7 @@ void CarriedFrames::record(CommandList& list, const Front& /*front*/, const Live
   carrier_.recordFrame(list, {.positions = incoming.positions.address(),
                               .normals = incoming.normals.address(),
                               .velocities = velocities.address(),
-                              .unitsPerMetre = 1 / kMatterUnit_m,
+                              .unitsPerMetre = 1 / kCarriedUnit_m,
                               .origin = origin_});
 }
 

@@ -44,6 +44,8 @@ pp_status noteHandled() {
     return note(PP_ERROR_STOPPED, error.what());
   } catch (const UnsupportedError& error) {
     return note(PP_ERROR_UNSUPPORTED, error.what());
+  } catch (const NotBuilt& error) {
+    return note(PP_ERROR_UNSUPPORTED, error.what());
   } catch (const BugFound& error) {
     return note(PP_ERROR_BUG, error.what());
   } catch (const UsageError& error) {

@@ -2,6 +2,7 @@
 #include "haptics/library/held_session.hpp"
 #include "haptics/library/open_matter.hpp"
 #include "haptics/library/options.hpp"
+#include "haptics/session/simulation.hpp"
 
 using namespace palpate;
 using namespace palpate::library;
@@ -35,6 +36,8 @@ pp_status governing(pp_session session, Do&& act) {
 
 }  // namespace
 
+uint32_t pp_can_simulate(void) { return canSimulate() ? 1 : 0; }
+
 pp_status pp_session_open_matter(const char* scene, const pp_session_options* options, pp_session* session) {
   clear(session);
   return guarded([&] {
@@ -42,7 +45,7 @@ pp_status pp_session_open_matter(const char* scene, const pp_session_options* op
     openSession(options, session, [&] {
       Subject subject;
       subject.model.file = name;
-      subject.scene = sceneNamed(name);
+      subject.scene = openScene(name);
       return subject;
     });
   });

@@ -3,14 +3,13 @@
 #include <thread>
 #include <utility>
 
-#include "engine/matter/matter_model.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/open_session.hpp"
 #include "haptics/library/options.hpp"
 
 namespace palpate::library {
 
-std::size_t OpenSession::standing() const { return model_->standing() ? model_->standing()->points().size() : 0; }
+std::size_t OpenSession::standing() const { return model_->standing(); }
 
 bool OpenSession::takeFrame() {
   CloudFrame taken;

@@ -8,17 +8,16 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/matter/matter_simulation.hpp"
 #include "haptics/library/claims.hpp"
 #include "haptics/library/gpu_half.hpp"
 #include "haptics/library/objects.hpp"
-#include "haptics/session/model.hpp"
+#include "haptics/session/simulated_scene.hpp"
 
 namespace palpate::library {
 
-/// A scene by its name, or from a file. Throws UsageError that lists the built-in scenes, FileError, and Error as
-/// planOf() does.
-MatterScene sceneNamed(const std::string& name);
+/// A scene by its name, or from a file. Throws UsageError that lists the built-in scenes, FileError, NotBuilt, and
+/// Error for what cannot be simulated.
+SceneRef openScene(const std::string& name);
 /// Converts a parameter for programs; long texts are cut off.
 pp_parameter parameterOf(const SimulationParameter& parameter);
 
@@ -34,7 +33,7 @@ class OpenMatter {
   /// meanwhile or has failed before.
   void step(std::uint64_t steps);
   void reset() { world_->reset(); }
-  std::vector<SimulationParameter> parameters() const;
+  std::vector<SimulationParameter> parameters() const { return world_->parameters(); }
   /// Throws UsageError, without effect.
   void setParameter(std::string_view name, double value);
   std::shared_ptr<const FrameObject> frame();
@@ -46,8 +45,7 @@ class OpenMatter {
   GpuHalf gpu_;
   std::unique_ptr<BackendKind> backend_;
   std::string machine_;
-  Model model_;
-  std::unique_ptr<MatterSimulation> world_;
+  std::unique_ptr<FreeSimulation> world_;
 };
 
 }  // namespace palpate::library

@@ -25,7 +25,7 @@ namespace palpate::library {
 struct Subject {
   ModelConfig model;  ///< with the name of its file
   const PointCloud* cloud = nullptr;
-  std::optional<MatterScene> scene;
+  SceneRef scene;
   std::optional<StreamConfig> stream;       ///< a recorded depth camera, in the model's folder
   std::optional<pp_frames_options> frames;  ///< points that the program moves frame by frame
   std::optional<JoinSubject> join;          ///< session that another program serves, under the model's name

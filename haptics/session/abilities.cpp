@@ -69,7 +69,7 @@ Action actionOf(BrushKind kind) {
 }
 
 ModelKind modelKindOf(const SessionConfig& config) {
-  if (config.matter) return config.matter->matter == Matter::soft ? ModelKind::soft : ModelKind::fluid;
+  if (config.matter) return config.matter->isSoft() ? ModelKind::soft : ModelKind::fluid;
   if (config.stream) return config.stream->live ? ModelKind::liveFrames : ModelKind::frames;
   if (config.join) return config.join->near ? ModelKind::near : ModelKind::shared;
   return config.motion ? ModelKind::moved : ModelKind::cloud;

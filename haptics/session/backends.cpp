@@ -5,8 +5,6 @@
 #include <algorithm>
 
 #include "engine/core/named_values.hpp"
-#include "engine/touch/matter_touch.hpp"
-#include "engine/touch/soft_touch.hpp"
 #include "haptics/session/abilities.hpp"
 
 namespace palpate {
@@ -32,14 +30,6 @@ void checkHands(const SessionConfig& config, const TouchCapabilities& can, std::
     throw ConfigError("hands", "backend.method {} feels with one hand; take {}", method, can.methodOfMany);
   if (config.backend.ahead == true)
     throw ConfigError("backend.ahead", "several hands are not asked ahead; leave it out");
-}
-
-void checkMemory(const MatterScene& scene, std::uint64_t memory_bytes) {
-  try {
-    planOf(scene, memory_bytes);
-  } catch (const Error& error) {
-    throw ConfigError("matter", "{}", error.what());
-  }
 }
 
 }  // namespace
@@ -73,58 +63,10 @@ void BackendKind::check(const SessionConfig& config) const {
     throw ConfigError("backend.name", "{} requires a model at rest; take vulkan or cpu for a depth camera", name());
   if (!can.followsMotion && config.matter)
     throw ConfigError("backend.name", "{} requires a model at rest; take vulkan or cpu for matter", name());
-  if (config.matter) checkMemory(*config.matter, matterMemory_bytes());
+  if (config.matter) config.matter->check(*this);
   const Abilities abilities(modelKindOf(config), can, name());
   if (config.undo.undo > 0 && !abilities.allow(Action::undo))
     throw ConfigError("undo.undo", "{}", abilities.refusal(Action::undo));
-}
-
-std::unique_ptr<MatterSimulation> BackendKind::simulate(const MatterScene&, const MatterOptions&) const {
-  throw ConfigError("backend.name", "{} cannot simulate matter; take vulkan or cpu", name());
-}
-
-std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& request) const {
-  if (request.config.matter->matter == Matter::soft) return softTouch(request);
-  const std::size_t hands = request.tools.size();
-  return std::make_unique<MatterTouch>(
-      simulate(*request.config.matter,
-               {.threads = request.threads, .tools = hands, .model = request.model.fluid()->standing}),
-      MatterTouchOptions{.hands = hands,
-                         .threads = request.threads,
-                         .realtime = request.config.realtime,
-                         .machine = machine(request.threads)});
-}
-
-std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& request) const {
-  // Maximum number of steps per frame in real time: more would only delay the answers further.
-  constexpr std::uint32_t kMaxAtOnce = 4;
-  MatterOptions options{.threads = request.threads};
-  options.soft = request.model.as<SoftPoints>()->body;
-  double reach = 0;
-  for (const ToolPoint& point : request.tools.front().points) reach = std::max(reach, glm::length(point.place));
-  // If this back end cannot simulate the body, the CPU moves its points.
-  const TouchCapabilities can = capabilities();
-  const bool isElastic = request.config.matter->preset == SoftPreset::elastic;
-  const std::unique_ptr<BackendKind> cpu =
-      (isElastic ? can.movesSoftBodies : can.matchesShapes) ? nullptr : cpuBackend();
-  auto world = (cpu ? *cpu : *this).simulate(*request.config.matter, options);
-  auto source = std::make_unique<SoftSource>(std::move(world), SoftSourceOptions{.points = request.model.cloud.size(),
-                                                                                 .hands = request.tools.size(),
-                                                                                 .radius = request.surface.radius,
-                                                                                 .toolReach = reach,
-                                                                                 .mostAtOnce = kMaxAtOnce});
-  BackendRequest felt = request;
-  felt.source = source.get();
-  felt.brush.reset();  // the body has the brush, and its points follow
-  felt.paintable = false;
-  auto surface = make(felt);
-  auto touch =
-      std::make_unique<SoftTouch>(std::move(source), std::move(surface),
-                                  SoftTouchOptions{.tools = request.tools,
-                                                   .friction = request.config.surface.friction,
-                                                   .brush = request.brush,
-                                                   .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
-  return touch;
 }
 
 const BackendKind& Backends::named(std::string_view name) const {

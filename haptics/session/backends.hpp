@@ -8,9 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/core/processor.hpp"
 #include "engine/core/touch_capabilities.hpp"
-#include "engine/matter/matter_simulation.hpp"
 #include "engine/motion/cloud_source.hpp"
 #include "engine/motion/fused_stream.hpp"
 #include "engine/touch/touch_backend.hpp"
@@ -44,9 +42,9 @@ class BackendKind {
   /// Whether it has this method in a palpate built with PALPATE_STUDY.
   virtual bool hasInStudy(std::string_view /*method*/) const { return false; }
   virtual TouchCapabilities capabilities() const { return {}; }
-  /// Maximum memory of matter on its machine, bytes.
-  virtual std::uint64_t matterMemory_bytes() const { return matterMemory(hostMemory_bytes()); }
-  /// Throws ConfigError for what its capabilities exclude, and for matter that exceeds its memory.
+  /// What it simulates scenes with; null: it cannot.
+  virtual const Simulator* simulator() const { return nullptr; }
+  /// Throws ConfigError for what its capabilities exclude, and for a scene that exceeds its memory.
   void check(const SessionConfig& config) const;
   /// The surface of this model as configured.
   SurfaceOptions surface(const Model& model, const SurfaceConfig& config) const {
@@ -58,20 +56,10 @@ class BackendKind {
   virtual NormalEstimator normalEstimator() const { return estimateNormalsOnCpu; }
   /// Makes a cloud that can be touched, which keeps no reference to the request. Throws Error.
   virtual std::unique_ptr<TouchBackend> make(const BackendRequest& request) const = 0;
-  /// Makes a simulation of matter. Throws Error as planOf() does, and ConfigError if this back end simulates none.
-  virtual std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const;
   /// The configured method, or the default.
   std::string methodOf(const BackendConfig& config) const {
     return config.method.empty() ? methods().front() : config.method;
   }
-
- protected:
-  /// For a scene of matter, with a hand for each tool of the request.
-  std::unique_ptr<TouchBackend> matterTouch(const BackendRequest& request) const;
-
- private:
-  /// For a soft body, whose points are felt through make().
-  std::unique_ptr<TouchBackend> softTouch(const BackendRequest& request) const;
 };
 
 /// The CPU, available in every program.

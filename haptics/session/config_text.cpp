@@ -1,6 +1,7 @@
 // The configuration of a session as JSON text and back, by its tables.
-#include "engine/io/matter_scene_json.hpp"
+#include "engine/io/setting_json.hpp"
 #include "haptics/session/settings.hpp"
+#include "haptics/session/simulation.hpp"
 
 namespace palpate {
 
@@ -54,7 +55,7 @@ struct SectionReader {
 std::string configText(const SessionConfig& config) {
   SettingsJson json{{"version", SessionConfig::kVersion}};
   visitSections(config, SectionWriter{json});
-  if (config.matter) writeSettings(json["matter"], sceneSettings(), *config.matter);
+  if (config.matter) json["matter"] = SettingsJson::parse(config.matter->text());
   json["hands"] = SettingsJson::array();
   for (const HandConfig& hand : config.hands)
     writeSettings(json["hands"].emplace_back(SettingsJson::object()), settingsOf<HandConfig>(), hand);
@@ -72,7 +73,7 @@ SessionConfig parseConfig(std::string_view text) {
   SectionReader sections{json};
   visitSections(config, sections);
   if (const auto matter = json.find("matter"); matter != json.end() && !matter->is_null())
-    config.matter = readScene("matter", *matter);
+    config.matter = parseScene("matter", matter->dump());
   if (const auto hands = json.find("hands"); hands != json.end()) {
     if (!hands->is_array()) throw ConfigError("hands", "is {}, not a list", hands->dump());
     config.hands.clear();
@@ -84,18 +85,6 @@ SessionConfig parseConfig(std::string_view text) {
   readSettings("", json, settingsOf<SessionConfig>(), config, sections.known);
   validate(config);
   return config;
-}
-
-std::string sceneText(const MatterScene& scene) {
-  SettingsJson json;
-  writeSettings(json, sceneSettings(), scene);
-  return json.dump();
-}
-
-MatterScene parseScene(std::string_view text) {
-  SessionConfig config{.matter = readScene("", parsed(text))};
-  validate(config);
-  return *config.matter;
 }
 
 }  // namespace palpate

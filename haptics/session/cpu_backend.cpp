@@ -1,9 +1,8 @@
 #include "engine/core/parallel.hpp"
 #include "engine/core/processor.hpp"
-#include "engine/matter/matter_world.hpp"
-#include "engine/matter/soft_world.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "haptics/session/backends.hpp"
+#include "haptics/session/simulation.hpp"
 
 namespace palpate {
 
@@ -16,17 +15,13 @@ class CpuBackend final : public BackendKind {
     static const std::vector<std::string> methods{"direct"};
     return methods;
   }
-  TouchCapabilities capabilities() const override { return {.movesSoftBodies = true, .matchesShapes = true}; }
+  const Simulator* simulator() const override { return simulator_.get(); }
   std::string machine(unsigned threads) const override {
     return fmt::format("{}, {} threads", processorName(), threadCount(threads));
   }
-  std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
-    if (scene.matter == Matter::soft) return std::make_unique<SoftWorld>(scene, options);
-    return std::make_unique<MatterWorld>(scene, options);
-  }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
     const SessionConfig& config = request.config;
-    if (config.matter && !request.source) return matterTouch(request);
+    if (config.matter && !request.source) return config.matter->touch(*this, request);
     return std::make_unique<CpuTouch>(request.model.cloud, CpuTouchOptions{.radius = request.surface.radius,
                                                                            .cell = cellFor(request.model, config.index),
                                                                            .bucketKey = config.index.bucketKey,
@@ -41,6 +36,9 @@ class CpuBackend final : public BackendKind {
                                                                            .source = request.source,
                                                                            .extent = request.model.extent()});
   }
+
+ private:
+  std::unique_ptr<Simulator> simulator_ = cpuSimulator();
 };
 
 }  // namespace

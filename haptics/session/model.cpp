@@ -12,10 +12,8 @@
 #include "engine/core/job_stop.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
-#include "engine/matter/matter_model.hpp"
-#include "engine/matter/soft_model.hpp"
-#include "engine/touch/matter_touch.hpp"
 #include "haptics/session/bounds.hpp"
+#include "haptics/session/simulation.hpp"
 #include "haptics/session/stream_model.hpp"
 #include "shaders/shared/contact.h"
 
@@ -28,9 +26,6 @@ std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads) {
   return fmt::format("{:.0f} ms on the CPU", watch.elapsed_us() * 1e-3);
 }
 
-namespace {
-
-/// Sets the properties that follow from the points.
 void measure(Model& model, const ModelConfig& config, unsigned threads) {
   model.scale = scaleOf(model.cloud, config.mm_per_unit);
   // A saved copy states the scale.
@@ -40,8 +35,6 @@ void measure(Model& model, const ModelConfig& config, unsigned threads) {
   model.wideSpacing = spacing.wide;
   model.noise = spacing.noise;
 }
-
-}  // namespace
 
 std::optional<ModelScale> knownScaleOf(const PointCloud& cloud, double mm_per_unit) {
   if (mm_per_unit > 0) return ModelScale{mm_per_unit};
@@ -101,81 +94,6 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
 
 namespace {
 
-Bounds boxOf(const MatterScene& scene) { return {.min = DVec3(0), .max = scene.box_mm}; }
-
-// A scene's units are millimetres, also for the hand unless configured otherwise.
-void placeInScene(Model& model, const MatterScene& scene) {
-  sayScale(model.cloud.storedAs.comments, 1);
-  model.upright = findUp(model.cloud);
-  model.shown = boxOf(scene);
-}
-
-// Particles fill a body: their distances do not describe a surface.
-FluidPoints drawnAsFluid(Model& model, const MatterScene& scene) {
-  constexpr double kDisc_spacings = 0.85;  // two thirds would close a lattice at rest
-  model.spacing = model.wideSpacing = particleSpacing_mm(scene);
-  model.noise = 0;
-  return {.container = boxOf(scene),
-          .discRadius = kDisc_spacings * model.spacing,
-          .ballRadius = scene.tool.radius_mm,
-          .standing = nullptr};
-}
-
-// The initial state of a scene of water or sand.
-Model matterModel(const SessionConfig& config, const ModelLoading& loading) {
-  Model model;
-  planOf(*config.matter);  // before a file is read
-  std::shared_ptr<const MatterModel> standing = standingModel(*config.matter, loading);
-  model.cloud = cloudOf(*config.matter, standing.get(), loading.threads);
-  placeInScene(model, *config.matter);
-  measure(model, config.model, loading.threads);
-  FluidPoints fluid = drawnAsFluid(model, *config.matter);
-  fluid.standing = std::move(standing);
-  model.source = std::move(fluid);
-  return model;
-}
-
-// A soft body at rest: the points of its surface, which are felt and drawn as any cloud's.
-Model softModel(const SessionConfig& config, const ModelLoading& loading) {
-  const MatterScene& scene = *config.matter;
-  PointCloud scan;
-  if (!scene.model.empty()) {
-    planOf(scene);  // before the file is read
-    scan = readCloud(scene.model, &loading.log, {.pointsOnly = true}).cloud;
-  }
-  const Stopwatch watch;
-  Model model;
-  const auto body = softModelOf(scene, std::move(scan), loading.threads);
-  loading.log.say("{}: {} points are filled with {} nodes: {:.0f} ms", config.model.file, body->points.size(),
-                  body->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
-  model.cloud = cloudOf(*body, scene);
-  model.source = SoftPoints{.container = boxOf(scene), .body = body};
-  placeInScene(model, scene);
-  measure(model, config.model, loading.threads);
-  return model;
-}
-
-// Matter that another program simulates: takes the scene from its text, and the standing body from the points of its
-// surface.
-void takeFarMatter(Model& model, FarPoints& far, const FarFacts& facts, const ModelLoading& loading) {
-  MatterScene scene = parseScene(facts.matter);
-  if (scene.matter == Matter::soft)
-    throw Error("matter: the served scene is a soft body, which must be served as a surface");
-  if (facts.standing == 0) scene.model.clear();
-  if (facts.standing > model.cloud.size()) throw Error("matter: points of the standing body are missing");
-  far.scene = scene;
-  model.shown = boxOf(scene);
-  far.fluid = drawnAsFluid(model, scene);
-  if (facts.standing == 0) return;
-  PointCloud standing;
-  const auto takeLast = [&](const auto& from, auto& to) {
-    to.assign(from.end() - static_cast<std::ptrdiff_t>(facts.standing), from.end());
-  };
-  takeLast(model.cloud.positions, standing.positions);
-  takeLast(model.cloud.normals, standing.normals);
-  far.fluid.standing = std::make_shared<const MatterModel>(std::move(standing), scene, loading.threads);
-}
-
 // The server tells all properties that follow from points that are not here.
 Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading& loading) {
   const FarFacts& facts = *joined.facts;
@@ -189,9 +107,9 @@ Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading
   FarPoints far{.cloud = std::move(joined.far),
                 .extent = facts.extent,
                 .presence = std::move(joined.presence),
-                .scene = std::nullopt,
+                .scene = {},
                 .fluid = {}};
-  if (!facts.matter.empty()) takeFarMatter(model, far, facts, loading);
+  if (!facts.matter.empty()) takeFarScene(model, far, facts, loading);
   model.source = std::move(far);
   return model;
 }
@@ -213,21 +131,8 @@ SharedPresence* Model::presence() const {
   return as<JoinedPoints>() ? as<JoinedPoints>()->presence.get() : nullptr;
 }
 
-std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const ModelLoading& loading) {
-  if (scene.model.empty()) return nullptr;
-  PointCloud cloud = isBuiltInModel(scene.model) ? builtInModel(scene, loading.threads)
-                                                 : readCloud(scene.model, &loading.log, {.pointsOnly = true}).cloud;
-  const Stopwatch watch;
-  const std::size_t points = cloud.size();
-  auto model = std::make_shared<const MatterModel>(std::move(cloud), scene, loading.threads);
-  loading.log.say("{}: {} points are a field of {} nodes: {:.0f} ms", scene.model, points, model->nodes().size(),
-                  watch.elapsed_us() * 1e-3);
-  return model;
-}
-
 Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
-  if (config.matter)
-    return config.matter->matter == Matter::soft ? softModel(config, loading) : matterModel(config, loading);
+  if (config.matter) return config.matter->load(config, loading);
   if (config.join) {
     if (!loading.join) throw Error("{}: this program cannot join sessions", config.model.file);
     JoinedModel joined = loading.join(config.model.file, *config.join, loading.log);

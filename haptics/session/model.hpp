@@ -24,8 +24,6 @@
 
 namespace palpate {
 
-class MatterModel;
-struct SoftModel;
 class TouchBackend;
 
 /// Joins the editing of a shared session: from the points as they were joined, and their back end.
@@ -44,17 +42,17 @@ struct CameraPoints {
 
 /// Water or sand, as a point for each particle; model units.
 struct FluidPoints {
-  Bounds container;       ///< a box that holds the points
-  double discRadius = 0;  ///< of all discs in a picture, as particles fill a body
-  double ballRadius = 0;  ///< of the ball that a hand holds
-  /// The body that stands in it; its points are the last of the cloud. Null: there is none.
-  std::shared_ptr<const MatterModel> standing;
+  Bounds container;                       ///< a box that holds the points
+  double discRadius = 0;                  ///< of all discs in a picture, as particles fill a body
+  double ballRadius = 0;                  ///< of the ball that a hand holds
+  std::size_t standing = 0;               ///< number of points of the body that stands in it: the last of the cloud
+  std::shared_ptr<const SceneBody> body;  ///< that body; null: there is none
 };
 
 /// A soft body at rest, whose points are the cloud.
 struct SoftPoints {
   Bounds container;
-  std::shared_ptr<const SoftModel> body;
+  std::shared_ptr<const SceneBody> body;
 };
 
 /// All points of a session that another program serves.
@@ -68,8 +66,8 @@ struct FarPoints {
   std::shared_ptr<FarCloud> cloud;  ///< fetches them
   PointExtent extent;               ///< of all of them
   std::shared_ptr<SharedPresence> presence;
-  std::optional<MatterScene> scene;  ///< whose particles they are; empty: they are of a surface
-  FluidPoints fluid;                 ///< with a scene
+  SceneRef scene;     ///< whose particles they are; empty: they are of a surface
+  FluidPoints fluid;  ///< with a scene
 };
 
 struct Model {
@@ -90,7 +88,7 @@ struct Model {
   }
   /// Water or sand, simulated here or in the program that serves it; null: the points are of a surface.
   const FluidPoints* fluid() const;
-  const MatterModel* standing() const { return fluid() ? fluid()->standing.get() : nullptr; }
+  std::size_t standing() const { return fluid() ? fluid()->standing : 0; }
   const Bounds* container() const;
   /// Empty if the model was not joined, or cannot be sculpted.
   SharedMaker share() const { return as<JoinedPoints>() ? as<JoinedPoints>()->share : SharedMaker(); }
@@ -153,9 +151,8 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading);
 /// The same for a whole configuration. If its model is a stream, the cloud is that of the first frame.
 Model loadModel(const SessionConfig& config, const ModelLoading& loading);
 
-/// The body that stands in a scene of water or sand: reads its file or samples its shape, and computes a field. Null if
-/// there is none. Throws FileError, and Error if the body is not closed.
-std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const ModelLoading& loading);
+/// Sets the properties that follow from the points: the scale, and their spacing.
+void measure(Model& model, const ModelConfig& config, unsigned threads);
 
 /// The given scale, mm per unit; if that is 0, the scale in the cloud's file (scaleSaidIn()), or else a scale that
 /// makes the longest side 100 mm.

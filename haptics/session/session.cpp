@@ -6,7 +6,6 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/job_stop.hpp"
-#include "engine/matter/matter_parameters.hpp"
 #include "haptics/session/session_setup.hpp"
 #include "haptics/session/stream_model.hpp"
 
@@ -154,7 +153,7 @@ void Session::setContact(const SurfaceConfig& surface, const ForceOptions& force
 void Session::setParameter(std::string_view name, double value) {
   if (!simulation()) throw Error("{}: the model is not simulated", name);
   simulation()->set(name, value);
-  palpate::setParameter(*config_.matter, name, value);
+  config_.matter = config_.matter->with(name, value);
 }
 
 void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault, const RunOptions& run) {

@@ -47,33 +47,6 @@ void validateJoined(const SessionConfig& config) {
     throw ConfigError("model.keep_unreliable", "the server chooses the points of a joined model; leave it out");
 }
 
-// A brush smaller than a cell has no cell of its own to move.
-void validateOnSoft(const BrushConfig& brush, const MatterScene& scene, double mm_per_unit) {
-  const double least_mm = scene.spacing_mm * (mm_per_unit > 0 ? mm_per_unit : 1);
-  if (brush.radius_mm < least_mm)
-    throw ConfigError("brush.radius_mm",
-                      "is {:g}; the cells of the body are {:g} mm wide, and the brush must not be smaller",
-                      brush.radius_mm, least_mm);
-}
-
-void validate(const MatterScene& scene, const SessionConfig& config) {
-  try {
-    planOf(scene);
-  } catch (const Error& error) {
-    throw ConfigError("matter", "{}", error.what());
-  }
-  if (scene.periodic != MatterScene{}.periodic)
-    throw ConfigError("matter.periodic", "requires a simulation without a hand");
-  if (config.stream) throw ConfigError("stream", "the model is a scene of matter; leave it out");
-  if (scene.matter == Matter::soft) {
-    if (config.brush) validateOnSoft(*config.brush, scene, config.model.mm_per_unit);
-    if (!(scene.gain > 0)) throw ConfigError("matter.gain", "is 0; pressing a soft body requires more");
-    return;
-  }
-  if (scene.tool.radius_mm == 0) throw ConfigError("matter.tool.radius_mm", "is 0; the hand requires a ball");
-  if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
-}
-
 }  // namespace
 
 void validate(const SessionConfig& config) {
@@ -94,7 +67,7 @@ void validate(const SessionConfig& config) {
   if (config.join) validateJoined(config);
   if (config.join && (config.stream || config.matter))
     throw ConfigError("join", "the model is a stream or a scene of matter; leave it out");
-  if (config.matter) validate(*config.matter, config);
+  if (config.matter) config.matter->check(config);
 }
 
 BrushOptions brushOptions(const BrushConfig& brush, const ModelScale& scale) {

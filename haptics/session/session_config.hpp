@@ -16,10 +16,10 @@
 #include "engine/core/setting.hpp"
 #include "engine/core/tool_shape.hpp"
 #include "engine/core/vec.hpp"
-#include "engine/matter/matter_scene.hpp"
 #include "engine/motion/rigid_motion.hpp"
 #include "haptics/force_law.hpp"
 #include "haptics/passivity.hpp"
+#include "haptics/session/simulated_scene.hpp"
 
 namespace palpate {
 
@@ -169,7 +169,7 @@ struct SessionConfig {
   std::optional<MotionConfig> motion;           ///< empty: the model stands still, unless it is a stream
   std::optional<StreamConfig> stream;           ///< empty: the model is a cloud in a file
   std::optional<JoinConfig> join;               ///< the model is served by another program
-  std::optional<MatterScene> matter;            ///< the model is this scene, with a tool; its file is only a name then
+  SceneRef matter;                              ///< the model is this scene, with a tool; its file is only a name then
   std::vector<HandConfig> hands{HandConfig{}};  ///< the first one may sculpt, the others feel
   double rate_Hz = 1000;                        ///< ticks per second
   double duration_s = 0;                        ///< 0: as long as the paths
@@ -177,7 +177,7 @@ struct SessionConfig {
 
   bool operator==(const SessionConfig&) const = default;
   /// Whether the points move without a hand.
-  bool moves() const { return motion || stream || matter; }
+  bool moves() const { return motion || stream || bool(matter); }
 };
 
 /// Throws ConfigError that names the first field out of bounds, and the bounds.
@@ -196,9 +196,5 @@ std::uint64_t undoBytes(const UndoConfig& undo);
 std::string configText(const SessionConfig& config);
 /// Reads it. Throws Error for another version, an unknown field or name, and as validate().
 SessionConfig parseConfig(std::string_view text);
-
-/// A scene of matter as one line of JSON, and back. Throws as parseConfig().
-std::string sceneText(const MatterScene& scene);
-MatterScene parseScene(std::string_view text);
 
 }  // namespace palpate

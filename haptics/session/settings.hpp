@@ -1,5 +1,5 @@
 // The tables of all settings of a session: one row for each, from which its JSON, bounds, command-line option and the
-// reference page are made. A scene of matter has a table of its own (engine/matter/scene_settings.hpp).
+// reference page are made. A scene of matter has a table of its own, in its annex.
 #pragma once
 
 #include "engine/core/setting.hpp"

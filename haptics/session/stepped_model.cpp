@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/matter/matter_model.hpp"
 #include "haptics/session/session.hpp"
 #include "haptics/session/stream_model.hpp"
 
@@ -40,7 +39,7 @@ SteppedModel::SteppedModel(const SessionConfig& config, std::shared_ptr<const Mo
   }
   matter_.emplace(withAllHands(config), model_, SessionParts{.backend = parts.backend, .threads = parts.threads});
   matter_->pull({.budget_us = kBudget_us});
-  particles_ = model_->cloud.size() - (model_->standing() ? model_->standing()->points().size() : 0);
+  particles_ = model_->cloud.size() - model_->standing();
   fastest_ = model_->scale.toUnits(kFastest_mm_s);
   for (Slot& slot : slots_) slot.hip = nowhere();
 }
@@ -130,7 +129,7 @@ void SteppedModel::restart() {
 
 // Removes the standing points, which all participants have.
 void SteppedModel::leaveParticles(CloudFrame& frame) const {
-  if (!model_->standing()) return;
+  if (model_->standing() == 0) return;
   for (std::vector<Vec3>* values : {&frame.positions, &frame.normals, &frame.velocities})
     if (values->size() > particles_) values->resize(particles_);
 }

@@ -7,8 +7,6 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/gpu/device.hpp"
-#include "engine/matter/gpu_matter_world.hpp"
-#include "engine/matter/gpu_soft_world.hpp"
 #include "engine/touch/touch_side.hpp"
 
 namespace palpate {
@@ -17,7 +15,8 @@ namespace {
 
 class VulkanBackend final : public BackendKind {
  public:
-  explicit VulkanBackend(std::function<Device&()> device) : device_(std::move(device)) {}
+  explicit VulkanBackend(std::function<Device&()> device)
+      : device_(std::move(device)), simulator_(gpuSimulator(device_)) {}
 
   std::string_view name() const override { return "vulkan"; }
   const std::vector<std::string>& methods() const override {
@@ -26,24 +25,13 @@ class VulkanBackend final : public BackendKind {
   }
   bool hasInStudy(std::string_view method) const override { return valueNamed(kQueryMethods, method).has_value(); }
   TouchCapabilities capabilities() const override {
-    return {.fusesFrames = true,
-            .movesSoftBodies = true,
-            .asksAhead = true,
-            .choosesWait = true,
-            .timesPasses = true,
-            .methodOfMany = "fused"};
+    return {.fusesFrames = true, .asksAhead = true, .choosesWait = true, .timesPasses = true, .methodOfMany = "fused"};
   }
   std::string machine(unsigned) const override { return device_().name(); }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
-  std::uint64_t matterMemory_bytes() const override { return matterMemory(device_().ownMemory()); }
-  std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
-    // On a queue of its own, beside the queries of the surface of its points.
-    if (scene.matter == Matter::soft)
-      return std::make_unique<GpuSoftWorld>(device_(), device_().backgroundQueue().another(), scene, options);
-    return std::make_unique<GpuMatterWorld>(device_(), device_().latencyQueue(), scene, options);
-  }
+  const Simulator* simulator() const override { return simulator_.get(); }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
-    if (request.config.matter && !request.source) return matterTouch(request);
+    if (request.config.matter && !request.source) return request.config.matter->touch(*this, request);
     return std::make_unique<TouchSide>(device_(), request.model.cloud, optionsFor(request));
   }
 
@@ -75,6 +63,7 @@ class VulkanBackend final : public BackendKind {
   }
 
   std::function<Device&()> device_;
+  std::unique_ptr<Simulator> simulator_;
 };
 
 }  // namespace

@@ -14,6 +14,9 @@ class Device;
 /// made on it.
 std::unique_ptr<BackendKind> vulkanBackend(std::function<Device&()> device);
 
+/// Simulates scenes on that GPU; null if palpate was built without PALPATE_SIMULATION.
+std::unique_ptr<Simulator> gpuSimulator(std::function<Device&()> device);
+
 /// The grid of the index for a support radius (model units), as in the Vulkan back end.
 HashGrid gridFor(const Model& model, const IndexConfig& config, double radius);
 

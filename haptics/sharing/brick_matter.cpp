@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "engine/touch/matter_touch.hpp"
+#include "engine/matter/matter_touch.hpp"
 
 namespace palpate {
 

@@ -4,11 +4,13 @@
 #include "engine/core/parallel.hpp"
 #include "engine/matter/matter_pond.hpp"
 #include "engine/matter/matter_rules.hpp"
-#include "engine/touch/matter_touch.hpp"
+#include "engine/matter/matter_touch.hpp"
 #include "haptics/session/session_setup.hpp"
 #include "haptics/sharing/brick_cloud.hpp"
 #include "haptics/sharing/brick_matter.hpp"
 #include "haptics/sharing/brick_touch.hpp"
+#include "haptics/simulation/matter_choice.hpp"
+#include "haptics/simulation/scene_model.hpp"
 
 namespace palpate {
 
@@ -16,7 +18,7 @@ std::unique_ptr<FarTouch> feelMatter(BrickSource& source, const BackendSetup& se
   const SessionConfig& config = setup.config;
   const Model& model = setup.model;
   if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
-  const MatterScene& scene = *model.as<FarPoints>()->scene;
+  const MatterScene& scene = matterOf(model.as<FarPoints>()->scene);
   const std::size_t hands = std::max<std::size_t>(1, config.hands.size());
   // Some thousand particles, two or more steps per millisecond: threads that wait for one another need a core each.
   constexpr unsigned kMaxThreads = 4;
@@ -24,8 +26,7 @@ std::unique_ptr<FarTouch> feelMatter(BrickSource& source, const BackendSetup& se
   constexpr std::uint64_t kMemory_bytes = std::uint64_t{1} << 32;  // limit for a scene from another program
   auto pond = std::make_unique<MatterPond>(
       scene,
-      MatterOptions{
-          .threads = threads, .tools = hands, .memory_bytes = kMemory_bytes, .model = model.fluid()->standing},
+      MatterOptions{.threads = threads, .tools = hands, .memory_bytes = kMemory_bytes, .model = standingOf(model)},
       newsOf(source));
   auto felt =
       std::make_unique<MatterTouch>(std::move(pond), MatterTouchOptions{.hands = hands,

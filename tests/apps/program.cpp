@@ -34,10 +34,18 @@ void works(const std::string& arguments) {
 }
 
 bool isLeftOut(const std::string& arguments) {
-  constexpr bool kHasStudy = PALPATE_HAS_STUDY;
-  if (kHasStudy) return false;
+  constexpr bool kHasStudy = PALPATE_HAS_STUDY, kHasSimulation = PALPATE_HAS_SIMULATION;
   const auto names = [&](const char* word) { return arguments.find(word) != std::string::npos; };
-  return std::ranges::any_of(std::array{"bench", "indirect", "naive", "two-step", "brute"}, names);
+  constexpr std::array kOfStudy{"bench", "indirect", "naive", "two-step", "brute"};
+  constexpr std::array kOfSimulation{"simulate", "bench matter", "water", "jelly"};
+  return (!kHasStudy && std::ranges::any_of(kOfStudy, names)) ||
+         (!kHasSimulation && std::ranges::any_of(kOfSimulation, names));
+}
+
+bool canSimulate() {
+  if (!isLeftOut("simulate")) return true;
+  MESSAGE("skipped: this palpate was built without PALPATE_SIMULATION");
+  return false;
 }
 
 Result jsonOf(const std::filesystem::path& file) { return Result::parse(contentOf(file)); }

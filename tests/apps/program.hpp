@@ -28,8 +28,10 @@ Outcome palpate(const std::string& arguments);
 /// For commands that must succeed: on failure prints the command and its output.
 void works(const std::string& arguments);
 
-/// Whether a command needs PALPATE_STUDY, and this palpate was built without.
+/// Whether a command needs PALPATE_STUDY or PALPATE_SIMULATION, and this palpate was built without.
 bool isLeftOut(const std::string& arguments);
+/// False, with a message, if this palpate was built without PALPATE_SIMULATION: the case is skipped.
+bool canSimulate();
 
 Result jsonOf(const std::filesystem::path& file);
 

@@ -8,6 +8,7 @@
 #include "tests/content_of.hpp"
 #include "tests/library/ball.hpp"
 #include "tests/library/own_law.hpp"
+#include "tests/library/simulating.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -143,6 +144,7 @@ TEST_CASE("a log contains the name of its model file, and is replayed without na
 }
 
 TEST_CASE("matter is recorded from its start, and replayed bit by bit without its scene file") {
+  if (!canSimulate()) return;
   const ScratchFolder folder;
   const auto scene = folder.path() / "tank.json", file = folder.path() / "tank.session";
   std::ofstream(scene) << R"({"matter": "water", "box_mm": [80, 120, 80], "fill_mm": [80, 70, 80], "spacing_mm": 10})";

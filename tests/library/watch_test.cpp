@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tests/library/ball.hpp"
+#include "tests/library/simulating.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -130,6 +131,7 @@ TEST_CASE("setting the first brush can be stopped, and the session stays usable 
 }
 
 TEST_CASE("matter that is stopped keeps the state after its last step, and continues from there") {
+  if (!canSimulate()) return;
   Watcher watcher;
   pp_matter_options options = pp_default_matter_options();
   options.gpu = "cpu";

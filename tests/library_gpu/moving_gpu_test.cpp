@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "tests/library/ball.hpp"
+#include "tests/library/simulating.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -20,6 +21,7 @@ pp_session_options gpuOptions() {
 }  // namespace
 
 TEST_CASE("on a GPU two hands touch the same water, and its frames show its motion") {
+  if (!canSimulate()) return;
   pp_session_options options = gpuOptions();
   options.mm_per_unit = 0;
   options.hands = 2;

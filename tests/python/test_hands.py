@@ -65,6 +65,7 @@ def test_live_hands_come_in_blocks_of_all_of_them(ball):
             two.live(path=down, others=[pp.Hand(path=aside), pp.Hand(path=aside)])
 
 
+@pytest.mark.skipif(not pp.can_simulate(), reason="this palpate was built without PALPATE_SIMULATION")
 def test_two_hands_in_one_water(tmp_path):
     with pp.Session.of_scene("water", gpu="cpu", hands=2) as water:
         box = water.frame().positions.max(axis=0)

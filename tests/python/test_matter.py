@@ -11,6 +11,8 @@ import numpy as np
 import palpate as pp
 import pytest
 
+pytestmark = pytest.mark.skipif(not pp.can_simulate(), reason="this palpate was built without PALPATE_SIMULATION")
+
 TANK = {"matter": "water", "box_mm": [80, 120, 80], "fill_mm": [80, 70, 80], "spacing_mm": 10,
         "tool": {"radius_mm": 20, "mass_kg": 0.034}}
 THIN = {"matter": "water", "box_mm": [16, 16, 16], "fill_mm": [16, 16, 16], "spacing_mm": 2, "gravity_m_s2": [0, 0, 0]}

@@ -44,6 +44,7 @@ def test_the_example_of_the_readme_runs(tmp_path, monkeypatch):
     assert len(pp.read(tmp_path / "out.ply")) == 20_000  # the stroke was undone
 
 
+@pytest.mark.skipif(not pp.can_simulate(), reason="this palpate was built without PALPATE_SIMULATION")
 def test_the_example_of_scenes_logs_frames_and_tools_runs(ball, tmp_path, monkeypatch):
     source = "with pp.Matter" + README.read_text().split("\n\nwith pp.Matter", 1)[1].split("\n\nlan = ", 1)[0]
     # Everything smaller, and on the CPU; the folder of a depth camera is tested in test_frames.py.

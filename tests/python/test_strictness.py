@@ -87,6 +87,7 @@ def test_what_does_not_fit_is_an_error_of_palpate_in_its_words(session, call, wo
     assert caught.value.status == "argument"
 
 
+@pytest.mark.skipif(not pp.can_simulate(), reason="this palpate was built without PALPATE_SIMULATION")
 def test_scenes_refuse_in_palpates_words():
     with pp.Matter("dam", gpu="cpu") as dam:
         with pytest.raises(pp.UsageError, match="seconds"):
@@ -221,6 +222,10 @@ def test_ctrl_c_ends_what_takes_long_and_keeps_what_was_done(ball, tmp_path):
         assert s.undo_count == 1 and s.undo() == 1
         assert np.array_equal(s.cloud().xyz, ball.xyz)
         assert s.touch(press_path(1))["contact"][-1]
+
+
+@pytest.mark.skipif(not pp.can_simulate(), reason="this palpate was built without PALPATE_SIMULATION")
+def test_ctrl_c_ends_a_simulation_after_its_step():
     with pp.Matter("dam", gpu="cpu") as dam:
         assert interrupted(lambda: dam.simulate(1000), 0.2) < SOON
         before = dam.state()["t_s"]

@@ -82,66 +82,6 @@ TEST_CASE("every configuration is unchanged by conversion to text and back") {
   CHECK(parseConfig(configText(boundless)) == boundless);
 }
 
-TEST_CASE("a scene of matter is kept whole in the text, and incompatible settings are refused by name") {
-  SessionConfig config{.model = {.file = "tank"}};
-  config.matter = MatterScene{.matter = Matter::sand,
-                              .box_mm = {60, 70, 80},
-                              .fill_mm = {60, 20, 30},
-                              .spacing_mm = 7,
-                              .density_kg_m3 = 1234,
-                              .viscosity_Pa_s = 0.25,
-                              .friction = 0.75,
-                              .gravity_m_s2 = {1, -2, 3},
-                              .substeps = 77,
-                              .tool = {.radius_mm = 8, .mass_kg = 0.5},
-                              .gain = 2.5};
-  CHECK(parseConfig(configText(config)) == config);
-  CHECK(faultOf(config).empty());
-  CHECK(config.moves());
-  const auto with = [&](auto&& change) {
-    SessionConfig other = config;
-    change(other);
-    return faultOf(other);
-  };
-  CHECK(with([](auto& c) { c.matter->spacing_mm = 0; }) == "matter");
-  CHECK(with([](auto& c) { c.matter->tool.radius_mm = 0; }) == "matter.tool.radius_mm");
-  CHECK(with([](auto& c) { c.matter->periodic[0] = true; }).starts_with("matter"));
-  CHECK(with([](auto& c) { c.brush.emplace(); }) == "brush.kind");
-  CHECK(with([](auto& c) { c.motion.emplace(); }) == "motion.kind");
-  CHECK(with([](auto& c) { c.stream.emplace(); }) == "stream");
-  CHECK(with([](auto& c) { c.tool.kind = ToolKind::ball; }) == "tool.kind");
-}
-
-TEST_CASE("a scene of a soft body is kept whole in the text, and allows tools of many points") {
-  SessionConfig config{.model = {.file = "jelly"}, .tool = {.kind = ToolKind::pad}};
-  config.matter = MatterScene{.matter = Matter::soft,
-                              .box_mm = {60, 70, 80},
-                              .fill_mm = {60, 20, 30},
-                              .spacing_mm = 7,
-                              .viscosity_Pa_s = 0.25,
-                              .young_Pa = 12345,
-                              .poisson = 0.25,
-                              .shape = SoftShape::ball,
-                              .hole_mm = 3,
-                              .pinned_mm = {{DVec3(1, 2, 3), DVec3(4, 5, 6)}},
-                              .gain = 2};
-  CHECK(parseConfig(configText(config)) == config);
-  CHECK(faultOf(config).empty());
-  config.matter->shape = SoftShape::box;
-  config.matter->model = "scan.ply";
-  config.matter->pinned_mm.reset();
-  CHECK(parseConfig(configText(config)) == config);
-  config.matter->gain = 0;
-  CHECK(faultOf(config) == "matter.gain");
-  config.matter->gain = 1;
-  config.brush = BrushConfig{.radius_mm = config.matter->spacing_mm};
-  CHECK(faultOf(config).empty());
-  config.brush->kind = BrushKind::carve;
-  CHECK(faultOf(config) == "brush.kind");
-  config.brush = BrushConfig{.radius_mm = config.matter->spacing_mm / 2};
-  CHECK(faultOf(config) == "brush.radius_mm");
-}
-
 TEST_CASE("fields missing in a text have their defaults") {
   CHECK(parseConfig(R"({"version": 1})") == SessionConfig{});
   SessionConfig sculpting;

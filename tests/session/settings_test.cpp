@@ -51,7 +51,7 @@ std::string with(const std::string& path, const std::string& value) {
 TEST_CASE("each setting has a path, an option and a help text of its own, and the help names its unit") {
   std::set<std::string> paths, flags;
   const std::vector<SettingFacts> all = allSettings();
-  CHECK(all.size() > 80);
+  CHECK(all.size() > 60);
   for (const SettingFacts& setting : all) {
     CAPTURE(setting.path);
     CHECK(paths.insert(setting.path).second);

@@ -4,10 +4,11 @@
 #include <map>
 
 #include "engine/core/clock.hpp"
-#include "haptics/session/matter_scenes.hpp"
 #include "haptics/session/session.hpp"
+#include "haptics/session/simulation.hpp"
 #include "haptics/sharing/brick_cloud.hpp"
 #include "haptics/sharing/brick_matter.hpp"
+#include "haptics/simulation/matter_choice.hpp"
 
 namespace palpate::joined_matter_test {
 
@@ -86,7 +87,7 @@ TEST_CASE("joined water is felt as water, shown as particles, and not felt where
   SessionConfig config{.model = {.file = "pool"}, .backend = {.name = "cpu"}};
   config.join = JoinConfig{};
   config.realtime = true;
-  Session session(config, joinedPool(sceneText(pool())), {.backend = *cpu, .threads = 1});
+  Session session(config, joinedPool(sceneRef(pool())->text()), {.backend = *cpu, .threads = 1});
   CHECK(session.model().discRadius() > 0);
   CHECK(session.model().ballRadius() == 20);
   REQUIRE(session.model().container());
@@ -152,11 +153,11 @@ TEST_CASE("particles from bricks have the numbers of the whole simulation, in me
 
 TEST_CASE("invalid water from a server is refused with a reason") {
   CHECK_THROWS_AS(joinedPool("{\"matter\": 3}"), Error);
-  CHECK_THROWS_WITH_AS(joinedPool(sceneText(*matterScene("jelly"))), doctest::Contains("soft body"), Error);
+  CHECK_THROWS_WITH_AS(joinedPool(sceneNamed("jelly")->text()), doctest::Contains("soft body"), Error);
   MatterScene scene = pool();
   scene.spacing_mm = 1e-9;
-  CHECK_THROWS_AS(joinedPool(sceneText(scene)), Error);
-  CHECK_THROWS_WITH_AS(joinedPool(sceneText(pool()), 1'000'000), doctest::Contains("are missing"), Error);
+  CHECK_THROWS_AS(joinedPool(sceneRef(scene)->text()), Error);
+  CHECK_THROWS_WITH_AS(joinedPool(sceneRef(pool())->text(), 1'000'000), doctest::Contains("are missing"), Error);
 }
 
 }  // namespace palpate::joined_matter_test

@@ -1,5 +1,6 @@
 /** @file
- * palpate's C interface: scenes of moving matter, in sessions and alone. palpate.h includes this. */
+ * palpate's C interface: scenes of moving matter, in sessions and alone. palpate.h includes this. In a library built
+ * without PALPATE_SIMULATION a scene gives PP_ERROR_UNSUPPORTED. */
 #ifndef PALPATE_MATTER_H
 #define PALPATE_MATTER_H
 #ifndef PALPATE_H
@@ -8,6 +9,9 @@
 
 /** @defgroup matter Matter: water, sand and soft bodies
  * @{ */
+
+/** 1 if this library was built with PALPATE_SIMULATION, else 0. */
+PP_API uint32_t pp_can_simulate(void);
 
 /** A parameter of a scene that can be changed while the scene moves. */
 typedef struct pp_parameter {

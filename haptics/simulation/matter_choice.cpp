@@ -1,0 +1,130 @@
+#include "haptics/simulation/matter_choice.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include "engine/core/named_values.hpp"
+#include "engine/matter/matter_parameters.hpp"
+#include "engine/matter/matter_scene_json.hpp"
+#include "engine/matter/soft_scene.hpp"
+#include "engine/matter/tool_body.hpp"
+#include "haptics/session/simulation.hpp"
+#include "haptics/simulation/matter_hands.hpp"
+#include "haptics/simulation/matter_run.hpp"
+#include "haptics/simulation/scene_model.hpp"
+#include "haptics/simulation/scene_names.hpp"
+#include "haptics/simulation/simulator.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A brush smaller than a cell has no cell of its own to move.
+void checkBrush(const BrushConfig& brush, const MatterScene& scene, double mm_per_unit) {
+  const double least_mm = scene.spacing_mm * (mm_per_unit > 0 ? mm_per_unit : 1);
+  if (brush.radius_mm < least_mm)
+    throw ConfigError("brush.radius_mm",
+                      "is {:g}; the cells of the body are {:g} mm wide, and the brush must not be smaller",
+                      brush.radius_mm, least_mm);
+}
+
+void checkPlan(const MatterScene& scene, std::uint64_t memory_bytes) {
+  try {
+    planOf(scene, memory_bytes);
+  } catch (const Error& error) {
+    throw ConfigError("matter", "{}", error.what());
+  }
+}
+
+class MatterChoice final : public SimulatedScene {
+ public:
+  explicit MatterChoice(MatterScene scene) : scene_(std::move(scene)) {}
+
+  const MatterScene& scene() const { return scene_; }
+  bool equals(const SimulatedScene& other) const override {
+    return scene_ == static_cast<const MatterChoice&>(other).scene_;
+  }
+
+  bool isSoft() const override { return scene_.matter == Matter::soft; }
+  SceneReport report() const override {
+    SceneReport report{
+        .matter = nameOf(kMatters, scene_.matter), .substeps = planOf(scene_).substeps, .gain = scene_.gain};
+    if (isSoft())
+      report.elasticity = elasticityInWords(scene_);
+    else
+      report.coupling_N_mm = 1e-3 * couplingStiffness_N_m(scene_);
+    return report;
+  }
+  BodyStiffness stiffness(double radius_mm) const override {
+    if (!isSoft()) return {.why = "water and sand have none"};
+    if (scene_.preset == SoftPreset::shapeMatching) return {.why = "not calibrated for shape matching"};
+    return {.N_per_mm = scene_.gain * 1e-3 / halfSpaceCompliance_m_N(scene_, 1e-3 * radius_mm), .why = {}};
+  }
+  std::string text() const override { return textOf(scene_); }
+  std::string servedText() const override {
+    if (isSoft()) return {};
+    MatterScene served = scene_;
+    served.model = std::filesystem::path(served.model).filename().string();
+    return textOf(served);
+  }
+  SceneRef with(std::string_view parameter, double value) const override {
+    MatterScene changed = scene_;
+    setParameter(changed, parameter, value);
+    return sceneRef(std::move(changed));
+  }
+
+  void check(const SessionConfig& config) const override {
+    checkPlan(scene_, kAnyMemory);
+    if (scene_.periodic != MatterScene{}.periodic)
+      throw ConfigError("matter.periodic", "requires a simulation without a hand");
+    if (config.stream) throw ConfigError("stream", "the model is a scene of matter; leave it out");
+    if (isSoft()) {
+      if (config.brush) checkBrush(*config.brush, scene_, config.model.mm_per_unit);
+      if (!(scene_.gain > 0)) throw ConfigError("matter.gain", "is 0; pressing a soft body requires more");
+      return;
+    }
+    if (scene_.tool.radius_mm == 0) throw ConfigError("matter.tool.radius_mm", "is 0; the hand requires a ball");
+    if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
+  }
+  void check(const BackendKind& backend) const override { checkPlan(scene_, simulatorOf(backend).memory_bytes()); }
+  Model load(const SessionConfig& config, const ModelLoading& loading) const override {
+    return sceneModel(scene_, config, loading);
+  }
+  std::unique_ptr<TouchBackend> touch(const BackendKind& backend, const BackendRequest& request) const override {
+    return touchMatter(scene_, backend, request);
+  }
+  std::unique_ptr<FreeSimulation> run(const BackendKind& backend, const std::string& name,
+                                      const ModelLoading& loading) const override {
+    const MatterSimulator& simulator = simulatorOf(backend);
+    planOf(scene_, simulator.memory_bytes());  // before a file is read
+    const Model model = load({.model = {.file = name}}, loading);
+    MatterOptions options{.threads = loading.threads, .model = standingOf(model)};
+    options.soft = softBodyOf(model);
+    return runFreely(simulator.simulate(scene_, options));
+  }
+
+ private:
+  static std::string textOf(const MatterScene& scene) {
+    SettingsJson json;
+    writeSettings(json, sceneSettings(), scene);
+    return json.dump();
+  }
+
+  MatterScene scene_;
+};
+
+}  // namespace
+
+SceneRef sceneRef(MatterScene scene) { return SceneRef(std::make_shared<const MatterChoice>(std::move(scene))); }
+
+const MatterScene& matterOf(const SceneRef& scene) {
+  return static_cast<const MatterChoice&>(*scene).scene();  // all scenes are made here
+}
+
+SceneRef parseScene(std::string_view path, std::string_view text) {
+  const SettingsJson json = SettingsJson::parse(text, nullptr, false);
+  if (json.is_discarded()) throw Error("{}: is not valid JSON", path);
+  return sceneRef(readScene(path, json));
+}
+
+}  // namespace palpate
