@@ -10,7 +10,7 @@ struct TouchCapabilities {
   bool allSurfaces = true;    ///< every SurfaceKind; otherwise the averaged surface alone
   bool localRadius = true;    ///< supports a local support radius
   bool manyPoints = true;     ///< tools of many points (ToolShape)
-  bool manyHands = true;     ///< answers more than one hand
+  bool manyHands = true;      ///< answers more than one hand
   bool allBrushes = true;     ///< every BrushKind; otherwise push alone
   bool followsMotion = true;  ///< a source can move the cloud
   bool fusesFrames = false;   ///< fuses depth frames into a map itself; otherwise a source does, on the host
