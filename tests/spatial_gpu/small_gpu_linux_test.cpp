@@ -17,7 +17,7 @@ TEST_SUITE_BEGIN(kPortable);
 TEST_CASE("a GPU with small workgroups and 16 KiB of shared memory sorts with look-back") {
   const LostGpuLayer layer(kMinGpu);
   Device device({.gpu = "", .validation = askedCoreValidation()});
-  constexpr std::uint32_t kCount = 20'011, kBits = 32;
+  constexpr std::uint32_t kCount = 20'011, kBits = 12;
   std::mt19937 random(3);
   std::vector<std::uint32_t> keys(kCount), order(kCount);
   for (std::uint32_t& key : keys) key = static_cast<std::uint32_t>(random());
@@ -35,7 +35,7 @@ TEST_CASE("a GPU with small workgroups and 16 KiB of shared memory sorts with lo
       sort.record(list, {from.address(), values.address(), to.address(), valuesTo.address(), scratch}, kCount);
   list.end();
   device.latencyQueue().run(list);
-  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return keys[i]; });
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return keys[i] % (1u << kBits); });
   CHECK(download<std::uint32_t>(device, sorted.values == values.address() ? values : valuesTo, kCount) == order);
   CHECK(device.instance().messages().take().empty());
 }
