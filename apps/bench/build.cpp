@@ -102,7 +102,7 @@ void benchBuild(Context& context, const Subject& subject, const TimeBenchOptions
     Device& device = context.device();
     for (const Input& input : inputs) {
       for (const SortMethod sort : {SortMethod::radix, SortMethod::radixLookBack, SortMethod::counting}) {
-        if (sort == SortMethod::radixLookBack && !canLookBack(device)) continue;
+        if (sort == SortMethod::radixLookBack && !LookBackSort::fits(device, bucketBits(grid))) continue;
         add("vulkan", nameOf(kSortMethods, sort), input.name,
             measureVulkan(device, input.cloud, grid, sort, BucketOrder::stable, options), {});
       }

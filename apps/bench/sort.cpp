@@ -58,7 +58,7 @@ void benchSort(Context& context, const Subject& subject, const TimeBenchOptions&
   if (options.wants("vulkan")) {
     Device& device = context.device();
     add("vulkan", "radix", measureVulkan(device, RadixSort(device, kKeyBits), keys, options));
-    if (canLookBack(device))
+    if (LookBackSort::fits(device, kKeyBits))
       add("vulkan", "radix-lookback", measureVulkan(device, LookBackSort(device, kKeyBits), keys, options));
   }
   if (options.wants("cuda"))

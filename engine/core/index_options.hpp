@@ -16,7 +16,7 @@ inline constexpr std::array<std::pair<std::string_view, IndexFollow>, 2> kIndexF
 /// How a build sorts the points into buckets. If stable, all methods give the same order, bit by bit.
 enum class SortMethod {
   radix,          ///< sorts (bucket, number) pairs; runs everywhere
-  radixLookBack,  ///< the same with half the memory traffic, where canLookBack(); fastest on points in random order
+  radixLookBack,  ///< the same with half the memory traffic; fastest on points in random order, where measured
   counting        ///< counts the points of each bucket; fastest on points that are almost in order, runs everywhere
 };
 inline constexpr std::array<std::pair<std::string_view, SortMethod>, 3> kSortMethods{

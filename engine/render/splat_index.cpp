@@ -121,7 +121,7 @@ void SplatIndex::recordNear(CommandList& list, shared::SplatNearArgs args) const
   args.lastOf = following_->lastOf.address();
   args.listed = changes().count;
   args.listedBefore = following_->listedBefore;
-  list.dispatch(following_->near, std::uint64_t{args.listed} * device_.subgroupSize(), args);
+  list.dispatch(following_->near, std::uint64_t{shared::kSplatNearLayers} * args.listed * device_.subgroupSize(), args);
   list.copy(following_->cells, following_->cellsRead, sizeof(shared::ChangedCells));
 }
 

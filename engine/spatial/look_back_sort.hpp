@@ -4,11 +4,19 @@
 
 namespace palpate {
 
+struct LookBackOptions {
+  /// Looks at an earlier tile without news, before a workgroup counts that tile itself.
+  std::uint32_t mostLooks = 256;
+  std::uint32_t silent = 0;  ///< for tests: not 0, every so many tiles never tell their counts
+};
+
 /// LSD radix sort that reads and writes every pair once per digit ("onesweep", Adinets and Merrill 2022). Workgroups
-/// wait for earlier ones, so it requires a driver that guarantees progress of started workgroups: see canLookBack().
+/// wait for the counts of earlier ones, but not longer than it takes to count again ("decoupled fallback", Smith,
+/// Levien and Owens 2025): it assumes no progress of other workgroups, and any subgroup size.
 class LookBackSort final : public PairSort {
  public:
-  LookBackSort(Device& device, std::uint32_t keyBits);
+  /// Requires fits().
+  LookBackSort(Device& device, std::uint32_t keyBits, const LookBackOptions& options = {});
   /// Whether a workgroup's tile, and a histogram for each of its subgroups, fit the device's shared memory.
   static bool fits(const Device& device, std::uint32_t keyBits);
 
@@ -20,14 +28,16 @@ class LookBackSort final : public PairSort {
   struct Sweep {
     RadixDigit digit;
     ComputePipeline pipeline;
+
+    std::uint64_t tiles(std::uint64_t count) const;
+    std::uint64_t tileBytes(std::uint64_t count) const;
   };
 
   ComputePipeline histogram_;
   std::vector<Sweep> sweeps_;
 };
 
-/// Whether workgroups of this device may wait for earlier ones. True only for drivers known to allow it, never for a
-/// software driver.
-bool canLookBack(const Device& device);
+/// Whether this is the faster of the two radix sorts, as measured: on NVIDIA's driver.
+bool prefersLookBack(const Device& device);
 
 }  // namespace palpate

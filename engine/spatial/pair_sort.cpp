@@ -1,12 +1,10 @@
 #include "engine/spatial/pair_sort.hpp"
 
-#include "shaders/shared/radix_sort.h"
-
 namespace palpate {
 
-std::vector<RadixDigit> radixDigits(std::uint32_t keyBits) {
+std::vector<RadixDigit> radixDigits(std::uint32_t keyBits, std::uint32_t mostBits) {
   PALPATE_CHECK_LE(keyBits, 32u);
-  const std::uint32_t passes = (keyBits + shared::kSortMaxDigitBits - 1) / shared::kSortMaxDigitBits;
+  const std::uint32_t passes = (keyBits + mostBits - 1) / mostBits;
   std::vector<RadixDigit> digits;
   std::uint32_t shift = 0;
   for (std::uint32_t pass = 0; pass < passes; ++pass) {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "engine/gpu/command_list.hpp"
+#include "shaders/shared/radix_sort.h"
 
 namespace palpate {
 
@@ -28,8 +29,8 @@ class PairSort {
 struct RadixDigit {
   std::uint32_t shift, bits;
 };
-/// The digits of `keyBits` (0 to 32), least significant first, at most eight bits each and as even as possible: 20 bits
+/// The digits of `keyBits` (0 to 32), least significant first, at most `mostBits` each and as even as possible: 20 bits
 /// make 7 + 7 + 6.
-std::vector<RadixDigit> radixDigits(std::uint32_t keyBits);
+std::vector<RadixDigit> radixDigits(std::uint32_t keyBits, std::uint32_t mostBits = shared::kSortMaxDigitBits);
 
 }  // namespace palpate

@@ -12,11 +12,6 @@ namespace {
 
 std::unique_ptr<PairSort> makePairSort(Device& device, SortMethod sort, std::uint32_t keyBits) {
   if (sort == SortMethod::radix) return std::make_unique<RadixSort>(device, keyBits);
-  if (!canLookBack(device))
-    throw GpuError(
-        "{}: the sort radix-lookback needs a driver that is known to let workgroups wait for each other; take radix or "
-        "counting",
-        device.name());
   if (!LookBackSort::fits(device, keyBits))
     throw GpuError(
         "{}: the sort radix-lookback needs more shared memory than its workgroups have; take radix or counting",

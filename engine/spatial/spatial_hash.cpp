@@ -19,7 +19,7 @@ std::uint32_t keyBits(const HashGrid& grid, Slots slots) {
 
 SortMethod fallbackFor(const Device& device, SortMethod sort, std::uint32_t keyBits) {
   if (sort != SortMethod::counting) return sort;
-  return canLookBack(device) && LookBackSort::fits(device, keyBits) ? SortMethod::radixLookBack : SortMethod::radix;
+  return prefersLookBack(device) && LookBackSort::fits(device, keyBits) ? SortMethod::radixLookBack : SortMethod::radix;
 }
 
 Buffer makeRanges(Device& device, std::uint32_t buckets) {

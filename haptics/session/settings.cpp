@@ -59,7 +59,7 @@ constexpr Setting<IndexConfig> kIndex[]{
      "hash key: teschner scatters the cells, morton keeps neighbouring cells together in memory"},
     {"sort", words<&IndexConfig::sort, kSortMethods>(), "--sort",
      "sort of the index: counting (falls back to radix for crowded buckets), radix, or "
-     "radix-lookback (requires forward progress between workgroups)"},
+     "radix-lookback (half the memory traffic of radix)"},
     {"cell_mm", &IndexConfig::cell_mm, "--cell", "edge of a hash cell, mm (default: the support radius)", "mm",
      kLengthOrZero},
     {"cells_along_side",

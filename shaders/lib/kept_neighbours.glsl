@@ -5,7 +5,7 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 
 const bool kWalkNormals = false;
-const uint kWalkedInBucket = 0xffffffffu;
+uint walkedInBucket() { return 0xffffffffu; }
 #include "shaders/lib/neighbour_walk.glsl"
 
 // Neighbours that a workgroup keeps, each subgroup its part: at least as many as a step of its walk may find.

@@ -1,6 +1,6 @@
 // Walk of one subgroup through the points of the cells around a position: each invocation looks up one cell, and then
-// all share the points of those cells evenly. The including file defines kWalkNormals, and kWalkedInBucket: of a bucket
-// with more points than this only the first are visited.
+// all share the points of those cells evenly. The including file defines kWalkNormals, and walkedInBucket(): of a
+// bucket with more points than this only the first are visited.
 #ifndef PALPATE_LIB_NEIGHBOUR_WALK_GLSL
 #define PALPATE_LIB_NEIGHBOUR_WALK_GLSL
 
@@ -16,10 +16,10 @@ const uint kNeighbourRoundWork = 4;
 const uint kWalkUnlimited = 0xffffffffu;
 // The budget for this many points, or as many empty cells.
 uint walkBudget(uint points) { return kNeighbourRoundWork * points / gl_SubgroupSize; }
-// Points of the last step: slot; xyz and bits of the id; whether it is a neighbour.
+// Points of the last step: slot; xyz and bits of the id; whether it is in the visited cells, and a neighbour.
 uint walkedSlots[kWalkedAtOnce];
 vec4 walkedPositions[kWalkedAtOnce];
-bool walkedNear[kWalkedAtOnce];
+bool walkedInBox[kWalkedAtOnce], walkedNear[kWalkedAtOnce];
 vec3 walkedNormals[kWalkedAtOnce];  // if the including file sets kWalkNormals
 
 ivec3 walkLow;
@@ -27,7 +27,7 @@ uvec3 walkSize;
 uint walkCells;     // total
 uint walkNextCell;  // those before it have been looked up
 uint walkWork;
-bool walkIsCut;  // a bucket that this invocation looked up has more points than kWalkedInBucket
+bool walkIsCut;  // a bucket that this invocation looked up has more points than walkedInBucket()
 // Of the cells that were looked up last: points before this invocation's cell; its first slot minus that; points in all
 // of them; points visited.
 uint walkStart, walkSlotAtZero, walkTotal, walkTaken;
@@ -68,7 +68,7 @@ void lookUpCells() {
   const ivec3 cell = walkLow + ivec3(c - row * walkSize.x, row - layer * walkSize.y, layer);
   uvec2 range = uvec2(0);
   if (c < walkCells) range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cell)];
-  const uint count = min(range.y - range.x, kWalkedInBucket);
+  const uint count = min(range.y - range.x, walkedInBucket());
   walkIsCut = walkIsCut || count < range.y - range.x;
   walkStart = subgroupExclusiveAdd(count);
   walkSlotAtZero = range.x - walkStart;
@@ -90,20 +90,20 @@ bool walkOn(vec3 center, float radius, uint budget) {
     const uint k = walkTaken + i * gl_SubgroupSize + gl_SubgroupInvocationID;
     owners[i] = ownerOf(walkStart, k);
     walkedSlots[i] = subgroupShuffle(walkSlotAtZero, owners[i]) + k;
-    walkedNear[i] = k < walkTotal;
+    walkedInBox[i] = k < walkTotal;
   }
   [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i)
-    walkedPositions[i] = args.cloud.positions.at[walkedNear[i] ? walkedSlots[i] : 0];
+    walkedPositions[i] = args.cloud.positions.at[walkedInBox[i] ? walkedSlots[i] : 0];
   if (kWalkNormals)
     [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i)
-      walkedNormals[i] = args.cloud.normals.at[walkedNear[i] ? walkedSlots[i] : 0].xyz;
+      walkedNormals[i] = args.cloud.normals.at[walkedInBox[i] ? walkedSlots[i] : 0].xyz;
   [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i) {
     const vec3 d = walkedPositions[i].xyz - center;
     // Another of these cells may share the bucket: its points are visited with that cell.
     const uvec3 inBox = uvec3(cellOf(args.cloud.grid, walkedPositions[i].xyz) - walkLow);
     const uint c = inBox.x + walkSize.x * (inBox.y + walkSize.y * inBox.z);
-    walkedNear[i] =
-        walkedNear[i] && dot(d, d) < radius * radius && c + gl_SubgroupSize == walkNextCell + owners[i];
+    walkedInBox[i] = walkedInBox[i] && c + gl_SubgroupSize == walkNextCell + owners[i];
+    walkedNear[i] = walkedInBox[i] && dot(d, d) < radius * radius;
   }
   walkTaken += kWalkedAtOnce * gl_SubgroupSize;
   walkWork += kWalkedAtOnce * kNeighbourRoundWork;

@@ -3,7 +3,7 @@
 #define PALPATE_LIB_NEIGHBOURS_GLSL
 
 const bool kWalkNormals = true;  // of all candidates: a later load would be a second wait
-const uint kWalkedInBucket = 0xffffffffu;
+uint walkedInBucket() { return 0xffffffffu; }
 #include "shaders/lib/neighbour_walk.glsl"
 
 // The including file defines the processing of a neighbour at the offset `d`. One invocation of the subgroup calls it.

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Catching up with the edit log, the first pass: finds each point's last entry, since a point may occur several times in a
-// range and invocations run in no order.
+// Catching up with the edit log, the first pass: finds each point's last entry, since a point may occur several times
+// in a range and invocations run in no order.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/drawn_cloud.h"
 

@@ -46,8 +46,8 @@ void listCell(bool changes, ivec3 cell) {
   const uvec2 range = args.cloud.ranges.at[bucket];
   const bool fits = at < args.lists.at[0].mostCells;
   if (fits) cells.at[at] = cell;
-  if (!fits || range.y - range.x > kSplatMostInBucket || any(greaterThan(abs(cell), ivec3(kSplatFarCell))))
-    cells.about.everywhere = 1;
+  const bool crowded = range.y - range.x > splatMostInBucket(gl_SubgroupSize);
+  if (!fits || crowded || any(greaterThan(abs(cell), ivec3(kSplatFarCell)))) cells.about.everywhere = 1;
   atomicMax(args.lists.at[0].lastOf.at[bucket], args.listedBefore + at + 1);
 }
 

@@ -12,7 +12,7 @@
 
 layout(push_constant, scalar) uniform Push { SplatRadiusArgs args; };
 const bool kWalkNormals = true;
-const uint kWalkedInBucket = kSplatMostInBucket;
+uint walkedInBucket() { return splatMostInBucket(gl_SubgroupSize); }
 #include "shaders/lib/neighbour_walk.glsl"
 
 // cos and sin of 0, 30, ... 150 degrees; the other six directions are their opposites.
@@ -77,17 +77,17 @@ void visitNeighbour(uint id, vec3 other, vec3 d) {
   behindB = max(behindB, countedFrom(least, -second));
 }
 
-// Visits all points nearer than `radius`, each once, or the first `most` of them in the order of the cells and of the
-// ids. Returns their number. The whole subgroup calls it together.
+// Visits all points nearer than `radius`, each once, of all points in the cells around or the first `most` of them, in
+// the order of the cells and of the ids. Returns their number. The whole subgroup calls it together.
 uint visitNeighbours(vec3 center, float radius, uint most) {
   uint visited = 0;
   beginWalk(center, radius);
   while (visited < most && walkOn(center, radius, kWalkUnlimited)) {
     [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i) {
-      const uvec4 near = subgroupBallot(walkedNear[i]);
-      if (walkedNear[i] && visited + subgroupBallotExclusiveBitCount(near) < most)
+      const uvec4 inBox = subgroupBallot(walkedInBox[i]);
+      if (walkedNear[i] && visited + subgroupBallotExclusiveBitCount(inBox) < most)
         visitNeighbour(floatBitsToUint(walkedPositions[i].w), walkedNormals[i], walkedPositions[i].xyz - center);
-      visited += subgroupBallotBitCount(near);
+      visited += subgroupBallotBitCount(inBox);
     }
   }
   return min(visited, most);
@@ -96,7 +96,7 @@ uint visitNeighbours(vec3 center, float radius, uint most) {
 // Visits the points nearer than `radius` that the last search has not visited. The whole subgroup calls it together.
 void search(vec3 center, float radius) {
   neighbours = 0;
-  visits += visitNeighbours(center, radius, kSplatMostVisits - visits);
+  visits += visitNeighbours(center, radius, splatMostVisits(gl_SubgroupSize) - visits);
   aheadA = subgroupMax(aheadA);
   aheadB = subgroupMax(aheadB);
   behindA = subgroupMax(behindA);
@@ -110,7 +110,7 @@ vec2 clipLine(vec3 center, float radius) {
   clipCloseness = 0;
   clipDirection = vec2(0);
   clipId = kEmptySlot;
-  visitNeighbours(center, kSplatEdgeReach * radius, kSplatMostEdgeVisits);
+  visitNeighbours(center, kSplatEdgeReach * radius, splatMostEdgeVisits(gl_SubgroupSize));
   const float nearest = subgroupMax(clipCloseness);
   if (nearest * radius <= 1) return vec2(0);
   const bool isNearest = clipCloseness == nearest;
@@ -195,7 +195,7 @@ void main() {
       radius = min(kSplatWithoutPlane * reach * sqrt(3.14159265 / float(met + 1)), 2 * radiusAlone());
       enough = met >= kSplatFewest;
     }
-    if (enough || reach >= farthest || visits >= kSplatMostVisits) break;
+    if (enough || reach >= farthest || visits >= splatMostVisits(gl_SubgroupSize)) break;
     seen = reach;
     reach = min(2 * reach, farthest);
   }

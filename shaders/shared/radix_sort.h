@@ -6,7 +6,7 @@ PALPATE_SHARED_BEGIN
 
 const uint kSortMaxDigitBits = 8;  // digits of one pass; the histograms in shared memory grow with two to this power
 const uint kSortRadix = 1 << kSortMaxDigitBits;
-const uint kSortMaxPasses = 4;
+const uint kSortMaxPasses = 8;  // of digits with fewer bits, where shared memory is small
 // Keys per invocation of the reduce-then-scan form. Fewer give more workgroups to hide latency, and more counts to
 // scan; 8 is faster than 16 for a million keys on a large GPU and costs one byte of scratch a key.
 const uint kSortItems = 8;

@@ -11,6 +11,9 @@ PALPATE_SHARED_BEGIN
 // Cells farther than this from the first one are too far to be found by their distance from others: positions there are
 // rounded by parts of a cell.
 const int kSplatFarCell = 1 << 16;
+// The box around a changed cell in which points may have visited it has at most so many layers of cells. One subgroup
+// visits a layer.
+const uint kSplatNearLayers = 9;
 // Of a bucket near a changed cell with more points than this not all are visited.
 const uint kSplatMostNearInBucket = 1u << 16;
 

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // One pass of a look-back radix sort ("onesweep", Adinets and Merrill 2022): each workgroup counts a tile of keys by
 // digit, determines from the preceding tiles where its own keys go, and writes them there. Every key is read and
-// written once a pass. A tile waits for earlier ones, so this requires forward progress of workgroups that have
-// started; tiles are numbered as they start, and the earliest unfinished one never waits.
+// written once a pass. A tile waits for the counts of earlier ones, but only for a limited time: then it counts them
+// itself ("decoupled fallback", Smith, Levien and Owens 2025), so that no workgroup has to make progress for another.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
@@ -15,6 +15,9 @@
 layout(constant_id = 1) const uint kSubgroups = 12;  // per workgroup
 layout(constant_id = 2) const uint kItems = 10;      // keys per invocation
 layout(constant_id = 3) const uint kDigitBits = 7;
+layout(constant_id = 4) const uint kMostLooks = 256;  // without news, before this tile counts an earlier one
+// For tests: not 0, every so many tiles never tell their counts.
+layout(constant_id = 5) const uint kSilent = 0;
 
 layout(push_constant, scalar) uniform Push { RadixSweepArgs args; };
 
@@ -28,38 +31,74 @@ const uint kWindow = 4;  // tiles in one step back: their words are in flight to
 shared uint pool[kCounters > kTile ? kCounters : kTile];
 shared uint destination[kRadix];  // of a digit's first key here, minus its index in the sorted tile
 shared uint sharedTile;
+shared uint sharedMissing;  // 1 + the last tile whose count is missing; 0 if none is
 
 uint digitOf(uint key) { return bitfieldExtract(key, int(args.shift), int(kDigitBits)); }
 
-// The next index for a key of this digit, in the order of the subgroup's keys.
-uint takePlace(uint digit, uint counters) {
-  uint peers = subgroupBallot(true).x;  // the invocations whose key has the same digit
+// The invocations whose key has the same digit.
+uvec4 peersOf(uint digit) {
+  uvec4 peers = subgroupBallot(true);
   [[unroll]] for (uint bit = 0; bit < kDigitBits; ++bit) {
     const bool set = ((digit >> bit) & 1) != 0;
-    const uint ballot = subgroupBallot(set).x;
+    const uvec4 ballot = subgroupBallot(set);
     peers &= set ? ballot : ~ballot;
   }
-  const uint before = bitCount(peers & gl_SubgroupLtMask.x);
-  uint first = 0;
-  if (before == 0) first = atomicAdd(pool[counters + digit], bitCount(peers));
-  return subgroupShuffle(first, findLSB(peers)) + before;
+  return peers;
 }
 
-// Keys of digit `d` in all preceding tiles, plus the digit's first index in the output.
-uint lookBack(uint tile, uint d) {
-  uint sum = 0;
-  uint end = tile;  // of the tiles that are not summed yet
-  while (true) {
+// The next index for a key of this digit, in the order of the subgroup's keys.
+uint takePlace(uint digit, uint counters) {
+  const uvec4 peers = peersOf(digit);
+  uint before, all, leader;
+  if (kSubgroupSize <= 32) {
+    before = bitCount(peers.x & gl_SubgroupLtMask.x);
+    all = bitCount(peers.x);
+    leader = findLSB(peers.x);
+  } else {
+    before = subgroupBallotExclusiveBitCount(peers);
+    all = subgroupBallotBitCount(peers);
+    leader = subgroupBallotFindLSB(peers);
+  }
+  uint first = 0;
+  if (before == 0) first = atomicAdd(pool[counters + digit], all);
+  return subgroupShuffle(first, leader) + before;
+}
+
+// Adds to `sum` the keys of digit `d` in the tiles before `end`, which ends at the first that has not told its count.
+// True if all are known: `sum` is then where the digit's keys of this tile go.
+bool lookBack(inout uint end, inout uint sum, uint d) {
+  uint looks = 0;
+  while (looks < kMostLooks) {
     uint words[kWindow];
     [[unroll]] for (uint k = 0; k < kWindow; ++k)
       words[k] = k < end ? args.tiles.at[(end - 1 - k) * kRadix + d] : 0;
+    ++looks;
     [[unroll]] for (uint k = 0; k < kWindow; ++k) {
       if (words[k] < kSweepOwn) break;  // not known yet: read again
       sum += words[k] & kSweepCountMask;
-      if (words[k] >= kSweepAll) return sum;
+      if (words[k] >= kSweepAll) return true;
       --end;
+      looks = 0;
     }
   }
+  return false;
+}
+
+// Counts the keys of each digit in an earlier tile, into `destination`. The whole workgroup calls it together.
+void countTile(uint tile) {
+  for (uint i = gl_LocalInvocationIndex; i < kRadix; i += gl_WorkGroupSize.x) destination[i] = 0;
+  barrier();
+  [[dont_unroll]] for (uint item = 0; item < kItems; ++item) {
+    const uint i = tile * kTile + item * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
+    atomicAdd(destination[digitOf(args.keysIn.at[i])], 1);
+  }
+  barrier();
+}
+
+// Tells the count of a tile that has not told it; returns its word.
+uint tellFor(uint tile, uint d, uint word) {
+  const uint told = atomicCompSwap(args.tiles.at[tile * kRadix + d], 0, word);
+  return told == 0 ? word : told;
 }
 
 void main() {
@@ -70,6 +109,7 @@ void main() {
   const uint start = tile * kTile;
   if (start >= args.count) return;
   const uint inTile = min(kTile, args.count - start);
+  const bool tells = kSilent == 0 || tile % max(kSilent, 1) != 0;
 
   // A subgroup takes consecutive keys, one row of its size after another, so that rank follows the order of the input.
   const uint mine = gl_SubgroupID * kSubgroupSize * kItems + gl_SubgroupInvocationID;
@@ -83,13 +123,14 @@ void main() {
   const uint counters = gl_SubgroupID * kRadix;
   [[unroll]] for (uint item = 0; item < kItems; ++item) atomicAdd(pool[counters + digitOf(keys[item])], 1);
   barrier();
+  if (gl_LocalInvocationIndex == 0) sharedMissing = 0;
 
   // One invocation for each digit: its keys in this tile.
   const uint d = scanIndex();
   uint own = 0;
   if (d < kRadix) {
     for (uint s = 0; s < kSubgroups; ++s) own += pool[s * kRadix + d];
-    if (tile != 0) args.tiles.at[tile * kRadix + d] = kSweepOwn | own;
+    if (tile != 0 && tells) args.tiles.at[tile * kRadix + d] = kSweepOwn | own;
   }
   uint total;
   const uint startHere = workgroupExclusiveScan(own, total);
@@ -114,12 +155,40 @@ void main() {
     const uint i = mine + item * kSubgroupSize;
     if (i < inTile) values[item] = args.valuesIn.at[start + i];
   }
+  uint end = tile, before = 0;
+  bool knows = true;
   if (d < kRadix) {
-    const uint before = tile == 0 ? startOfAll : lookBack(tile, d);
-    args.tiles.at[tile * kRadix + d] = kSweepAll | (before + own);
-    destination[d] = before - startHere;
+    if (tile == 0)
+      before = startOfAll;
+    else
+      knows = lookBack(end, before, d);
+    if (knows) {
+      if (tells) args.tiles.at[tile * kRadix + d] = kSweepAll | (before + own);
+      destination[d] = before - startHere;
+    } else {
+      atomicMax(sharedMissing, end);
+    }
   }
   barrier();
+  while (sharedMissing != 0) {
+    const uint missing = sharedMissing;
+    barrier();
+    if (gl_LocalInvocationIndex == 0) sharedMissing = 0;
+    countTile(missing - 1);
+    uint first = 0;
+    if (missing == 1) first = workgroupExclusiveScan(d < kRadix ? args.histogram.at[d] : 0, total);
+    if (!knows && end == missing) {
+      const uint word = tellFor(missing - 1, d, (missing == 1 ? kSweepAll : kSweepOwn) | (first + destination[d]));
+      before += word & kSweepCountMask;
+      --end;
+      knows = word >= kSweepAll || lookBack(end, before, d);
+      if (knows && tells) args.tiles.at[tile * kRadix + d] = kSweepAll | (before + own);
+    }
+    barrier();
+    if (d < kRadix && knows) destination[d] = before - startHere;
+    if (!knows) atomicMax(sharedMissing, end);
+    barrier();
+  }
   [[unroll]] for (uint item = 0; item < kItems; ++item) {
     const uint place = item * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
     const uint key = pool[place];

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// After a full build: lists the slots whose points changed, if a list is given, and finds where the empty slots begin. A
-// compaction in progress is abandoned.
+// After a full build: lists the slots whose points changed, if a list is given, and finds where the empty slots begin.
+// A compaction in progress is abandoned.
 #extension GL_EXT_buffer_reference_uvec2 : require
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_update.glsl"

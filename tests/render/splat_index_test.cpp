@@ -281,7 +281,7 @@ TEST_CASE_FIXTURE(SplatIndexFixture,
       for (int z = 0; z < 3; ++z) cloud.positions.emplace_back(x, y, z);
   std::mt19937 random(5);
   std::uniform_real_distribution<float> share(-1, 1);
-  for (std::uint32_t i = 0; i < shared::kSplatMostVisits + 50; ++i)
+  for (std::uint32_t i = 0; i < shared::splatMostVisits(device.subgroupSize()) + 50; ++i)
     cloud.positions.emplace_back(0.4f * share(random), 5 + 0.4f * share(random), 1.5f);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     cloud.normals.push_back(i % 3 == 0 ? Vec3(0, 0, 1) : glm::normalize(Vec3(0, 1, i % 2 == 0 ? 1 : -1)));
@@ -299,7 +299,9 @@ TEST_CASE_FIXTURE(SplatIndexFixture, "discs follow a far crowd that shares their
   // The crowd is first in the file: of a bucket with too many points, those behind it are not visited.
   std::uint32_t crowd = 0, spare = 0;
   SUBCASE("points without normals, and a crowd that comes") { spare = 60; }
-  SUBCASE("a crowd that leaves room for others in its bucket") { crowd = shared::kSplatMostInBucket + 5; }
+  SUBCASE("a crowd that leaves room for others in its bucket") {
+    crowd = shared::splatMostInBucket(device.subgroupSize()) + 5;
+  }
   const std::uint32_t places = crowd + static_cast<std::uint32_t>(sphere.size()) + spare;
   const HashGrid grid =
       makeHashGrid(Vec3(boundsOf(sphere).min), static_cast<double>(shared::kSplatFirstSearch) * spacing, places);

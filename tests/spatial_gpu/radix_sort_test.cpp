@@ -1,7 +1,6 @@
 #include "engine/spatial/radix_sort.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <numeric>
 #include <random>
 
@@ -22,18 +21,16 @@ class RadixSortFixture : public GpuFixture {
     std::vector<std::uint32_t> keys, values;
   };
 
-  // One driver thread runs workgroups one after another, so that no workgroup waits.
-  bool mayLookBack() const {
-    const char* threads = std::getenv("LP_NUM_THREADS");
-    return canLookBack(device) || (device.isCpu() && threads && std::string_view(threads) == "1");
+  std::vector<std::unique_ptr<PairSort>> radixSort(std::uint32_t keyBits) {
+    std::vector<std::unique_ptr<PairSort>> one;
+    one.push_back(std::make_unique<RadixSort>(device, keyBits));
+    return one;
   }
-  // Every sort method that this device supports.
-  std::vector<std::unique_ptr<PairSort>> sorts(std::uint32_t keyBits) {
-    std::vector<std::unique_ptr<PairSort>> all;
-    all.push_back(std::make_unique<RadixSort>(device, keyBits));
-    if (mayLookBack() && LookBackSort::fits(device, keyBits))
-      all.push_back(std::make_unique<LookBackSort>(device, keyBits));
-    return all;
+  std::vector<std::unique_ptr<PairSort>> lookBackSort(std::uint32_t keyBits, const LookBackOptions& options = {}) {
+    REQUIRE(LookBackSort::fits(device, keyBits));
+    std::vector<std::unique_ptr<PairSort>> one;
+    one.push_back(std::make_unique<LookBackSort>(device, keyBits, options));
+    return one;
   }
 
   Pairs sortOnGpu(const PairSort& sort, const std::vector<std::uint32_t>& keys) {
@@ -59,11 +56,16 @@ class RadixSortFixture : public GpuFixture {
 
   // The pairs are sorted by the low bits of the key, and stable.
   void checkSorts(const std::vector<std::uint32_t>& keys, std::uint32_t keyBits) {
+    checkSorts(keys, keyBits, radixSort(keyBits));
+    checkSorts(keys, keyBits, lookBackSort(keyBits));
+  }
+  void checkSorts(const std::vector<std::uint32_t>& keys, std::uint32_t keyBits,
+                  const std::vector<std::unique_ptr<PairSort>>& sorts) {
     const std::uint64_t mask = (std::uint64_t{1} << keyBits) - 1;
     std::vector<std::uint32_t> expected(keys.size());
     std::iota(expected.begin(), expected.end(), 0u);
     std::ranges::stable_sort(expected, {}, [&](std::uint32_t i) { return keys[i] & mask; });
-    for (const auto& sort : sorts(keyBits)) {
+    for (const auto& sort : sorts) {
       const Pairs sorted = sortOnGpu(*sort, keys);
       CHECK(sorted.values == expected);
       for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -84,7 +86,6 @@ std::vector<std::uint32_t> randomWords(std::size_t count, std::uint32_t seed) {
 }  // namespace
 
 TEST_CASE_FIXTURE(RadixSortFixture, "pairs of any count are sorted stably") {
-  if (!mayLookBack()) MESSAGE("skipped: look-back, because workgroups of this driver cannot wait for each other");
   // Around the sizes of subgroups, workgroups, the tiles of both sorts and those of the look-back histogram.
   for (const std::size_t count :
        {0,    1,    2,    7,    8,    9,    31,   32,   33,   255,    256,    257,    2047,
@@ -98,7 +99,11 @@ TEST_CASE_FIXTURE(RadixSortFixture, "a radix sort uses only the requested key bi
   const auto keys = randomWords(10'007, 7);
   for (std::uint32_t bits = 1; bits <= 32; ++bits) {
     CAPTURE(bits);
-    checkSorts(keys, bits);
+    checkSorts(keys, bits, radixSort(bits));
+  }
+  for (const std::uint32_t bits : {1u, 5u, 13u, 21u, 32u}) {  // a driver translates each length of a digit for itself
+    CAPTURE(bits);
+    checkSorts(keys, bits, lookBackSort(bits));
   }
 }
 
@@ -127,18 +132,37 @@ TEST_CASE_FIXTURE(RadixSortFixture, "long runs of equal keys, and single keys am
   checkSorts(keys, 21);
 }
 
-TEST_CASE("radix digits cover the key's bits without a gap, at most eight each") {
-  for (std::uint32_t bits = 0; bits <= 32; ++bits) {
-    std::uint32_t next = 0;
-    for (const RadixDigit& digit : radixDigits(bits)) {
-      CHECK(digit.shift == next);
-      CHECK(digit.bits >= 1);
-      CHECK(digit.bits <= 8);
-      next += digit.bits;
+TEST_CASE_FIXTURE(RadixSortFixture,
+                  "a sort needs no progress of other workgroups: tiles that never tell their counts") {
+  constexpr std::size_t kTile = 3840;  // 2,560 on a device with small workgroups
+  struct Silence {
+    std::uint32_t each, looks;
+  };
+  // All tiles, the first and every other one, and some.
+  for (const auto [each, looks] : {Silence{1, 0}, Silence{2, 1}, Silence{3, 64}}) {
+    CAPTURE(each);
+    const auto sorts = lookBackSort(21, {.mostLooks = looks, .silent = each});
+    for (const std::size_t count :
+         {std::size_t{0}, std::size_t{1}, kTile - 1, kTile, kTile + 1, 2 * kTile, 5 * kTile + 7, 23 * kTile + 1}) {
+      CAPTURE(count);
+      checkSorts(randomWords(count, static_cast<std::uint32_t>(count)), 21, sorts);
     }
-    CHECK(next == bits);
-    CHECK(radixDigits(bits).size() == (bits + 7) / 8);
   }
+}
+
+TEST_CASE("radix digits cover the key's bits without a gap, at most as many as are allowed each") {
+  for (std::uint32_t bits = 0; bits <= 32; ++bits)
+    for (const std::uint32_t most : {4u, 6u, 7u, 8u}) {
+      std::uint32_t next = 0;
+      for (const RadixDigit& digit : radixDigits(bits, most)) {
+        CHECK(digit.shift == next);
+        CHECK(digit.bits >= 1);
+        CHECK(digit.bits <= most);
+        next += digit.bits;
+      }
+      CHECK(next == bits);
+      CHECK(radixDigits(bits, most).size() == (bits + most - 1) / most);
+    }
 }
 
 TEST_CASE_FIXTURE(RadixSortFixture, "a million pairs are sorted stably") { checkSorts(randomWords(1'000'003, 1), 21); }

@@ -33,12 +33,7 @@ std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float e
 
 class SpatialHashFixture : public GpuFixture {
  protected:
-  // Sort methods that this device supports; on NVIDIA all.
-  std::vector<SortMethod> sorts() const {
-    std::vector<SortMethod> all{SortMethod::radix, SortMethod::counting};
-    if (canLookBack(device)) all.push_back(SortMethod::radixLookBack);
-    return all;
-  }
+  static constexpr std::array kSorts{SortMethod::radix, SortMethod::counting, SortMethod::radixLookBack};
 
   // Order, ranges and attributes on the GPU equal those of the CPU, after a first and a second build, for every sort
   // and both kinds of buckets.
@@ -49,7 +44,7 @@ class SpatialHashFixture : public GpuFixture {
       reference.build(cloud.positions);
       std::vector<std::uint32_t> order;
       for (const SortedGrid::Placed& point : reference.placed()) order.push_back(point.number);
-      for (const SortMethod sort : sorts()) {
+      for (const SortMethod sort : kSorts) {
         CAPTURE(static_cast<int>(sort));
         LiveCloud live(device, cloud);
         SpatialHash hash(device, grid, live.count(), sort);
@@ -129,15 +124,6 @@ TEST_CASE_FIXTURE(SpatialHashFixture,
   const SpatialHash hash(device, grid, static_cast<std::uint32_t>(cloud.size()));
   CHECK(hash.bytes() < 40 * cloud.size() + (1 << 16));
   checkBuild(cloud, grid);
-}
-
-TEST_CASE_FIXTURE(SpatialHashFixture, "a look-back sort is refused if workgroups cannot wait for each other") {
-  if (canLookBack(device)) {
-    MESSAGE("skipped: workgroups of this driver can wait for each other");
-    return;
-  }
-  CHECK_THROWS_WITH_AS(SpatialHash(device, makeHashGrid(Vec3(0), 1, 100), 100, SortMethod::radixLookBack),
-                       doctest::Contains("take radix or counting"), GpuError);
 }
 
 TEST_CASE_FIXTURE(SpatialHashFixture, "in arrival order every bucket contains the same complete points") {
