@@ -30,6 +30,15 @@ HashGrid makeHashGrid(const Vec3& origin, double cell, std::uint64_t count, Buck
           .blockBits = key == BucketKey::morton ? kMortonBlockBits : 0};
 }
 
+CellBall::CellBall(const HashGrid& grid, const DVec3& center, double radius)
+    : center_((center - DVec3(grid.origin)) * static_cast<double>(grid.inverseCell)) {
+  const double inCells = radius * static_cast<double>(grid.inverseCell);
+  // cellOf() rounds twice, each time by at most half a unit in the last place.
+  const double farthest = std::max({std::abs(center_.x), std::abs(center_.y), std::abs(center_.z)}) + inCells;
+  const double reach = inCells + 1e-3 + 2 * static_cast<double>(std::numeric_limits<float>::epsilon()) * farthest;
+  squared_ = reach * reach;
+}
+
 CellBox cellsAround(const HashGrid& grid, const DVec3& center, double radius) {
   // cellOf is monotonic in each coordinate, so corners rounded outwards miss no point.
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
