@@ -32,6 +32,7 @@ set_source_files_properties(core/last_words_linux_test.cpp PROPERTIES COMPILE_DE
 palpate_tests(cloud LINKS palpate::io palpate::cloud)
 palpate_tests(io LINKS palpate::io)
 palpate_tests(motion LINKS palpate::motion palpate::io)
+palpate_tests(spatial LINKS palpate::spatial_host)
 palpate_tests(contact LINKS palpate::touch_host)
 palpate_tests(edit LINKS palpate::edit_host)
 palpate_tests(touch LINKS palpate::touch_host)

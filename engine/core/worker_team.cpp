@@ -32,15 +32,19 @@ void WorkerTeam::run(std::size_t parts, Call call, void* context) {
     context_ = context;
     stopsBy_ = jobStop;
     next_ = 0;
-    busy_ = workers_.size();
+    isOpen_ = true;
     ++turn_;
   }
-  wake_.notify_all();
+  if (parts <= workers_.size())
+    for (std::size_t part = 1; part < parts; ++part) wake_.notify_one();
+  else
+    wake_.notify_all();
   {
     const JobStopScope whole(JobStopScope::whole());  // for each part
     takeParts();
   }
   std::unique_lock hold(lock_);
+  isOpen_ = false;
   idle_.wait(hold, [this] { return busy_ == 0; });
   throwIfStopWanted();
 }
@@ -50,9 +54,10 @@ void WorkerTeam::work() {
   std::size_t done = 0;
   std::unique_lock hold(lock_);
   while (true) {
-    wake_.wait(hold, [&] { return stop_ || turn_ != done; });
+    wake_.wait(hold, [&] { return stop_ || (isOpen_ && turn_ != done); });
     if (stop_) return;
     done = turn_;
+    ++busy_;
     hold.unlock();
     takeParts();
     hold.lock();

@@ -14,7 +14,8 @@
 namespace palpate {
 
 /// A persistent thread pool for repeated parallel work: starting a job creates no threads and does not allocate. Used
-/// by one thread at a time, which takes part itself.
+/// by one thread at a time, which takes part itself, and never waits for a thread that has not begun a part: where the
+/// others wake late it does all the work.
 class WorkerTeam {
  public:
   /// `threads`: including the caller; 0: one per core.
@@ -44,7 +45,8 @@ class WorkerTeam {
   std::mutex lock_;
   std::condition_variable wake_, idle_;
   std::size_t turn_ = 0;  // incremented by every job
-  std::size_t busy_ = 0;  // workers that have not finished this job
+  std::size_t busy_ = 0;  // workers that take parts of this job
+  bool isOpen_ = false;   // workers may still join this job
   bool stop_ = false;
   std::size_t parts_ = 0;
   std::atomic<std::size_t> next_ = 0;

@@ -12,7 +12,11 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kBatch = 64;  // points taken by a thread at a time
+// Fewest points that a thread takes at a time: as many as take longer than to wake it. A gather takes microseconds,
+// most brushes some ten nanoseconds.
+constexpr std::size_t kFewestGathers = 8, kFewestBrushed = 512;
+constexpr std::size_t kAhead = 8;  // points whose memory is fetched ahead of a brush
+constexpr std::size_t kTurns = 8;  // of a thread, so that all end at about the same time
 // Number of neighbours that a point examines before it decides on insertion or removal. More are within its
 // neighbourhood radius only where many points coincide: they are merged with the examined ones, and no new point is
 // requested.
@@ -21,12 +25,13 @@ constexpr std::size_t kMaxNeighbours = 2048;
 // is more; the others follow in later edits.
 constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
 
-// Calls body(i) for every i below `count`, on all threads.
+// Calls body(i) for every i below `count`, on all threads; a thread takes `fewest` at a time, or more.
 template <class Body>
-void forEachOf(WorkerTeam& team, std::size_t count, Body&& body) {
-  team.forEach((count + kBatch - 1) / kBatch, [&](std::size_t batch) {
-    const std::size_t end = std::min(count, (batch + 1) * kBatch);
-    for (std::size_t i = batch * kBatch; i < end; ++i) body(i);
+void forEachOf(WorkerTeam& team, std::size_t count, std::size_t fewest, Body&& body) {
+  const std::size_t batch = std::max(fewest, count / (kTurns * team.size()));
+  team.forEach((count + batch - 1) / batch, [&](std::size_t k) {
+    const std::size_t end = std::min(count, (k + 1) * batch);
+    for (std::size_t i = k * batch; i < end; ++i) body(i);
   });
 }
 
@@ -72,13 +77,13 @@ void CpuSculpture::measureSpacings() {
   const double least = static_cast<double>(shared::kMinSpacing) * options_.radius;
   const double most = static_cast<double>(shared::kMaxSpacing) * options_.radius;
   std::vector<std::uint8_t> counts(points_.size());  // nonzero: the first of coincident points
-  forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
+  forEachOf(grid_.team(), points_.size(), kFewestGathers, [&](std::size_t i) {
     counts[i] = 1;
     grid_.forEachNear(DVec3(points_.positions[i]), least,
                       [&](const SortedGrid::Placed& near) { counts[i] = counts[i] && near.number >= i; });
   });
   points_.spacings.resize(points_.size());
-  forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
+  forEachOf(grid_.team(), points_.size(), kFewestGathers, [&](std::size_t i) {
     points_.spacings[i] = static_cast<float>(std::clamp(spacingAt(static_cast<std::uint32_t>(i), counts), least, most));
   });
 }
@@ -175,9 +180,11 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
   grid_.forEachNear(brush.center(), brush.radius(),
                     [&](const SortedGrid::Placed& point) { reached_.push_back(point.number); });
   places_.resize(reached_.size());
-  forEachOf(grid_.team(), reached_.size(), [&](std::size_t i) {
+  const bool smooths = brush.kind() == BrushKind::smooth, paints = brush.kind() == BrushKind::paint;
+  forEachOf(grid_.team(), reached_.size(), smooths ? kFewestGathers : kFewestBrushed, [&](std::size_t i) {
     const std::uint32_t point = reached_[i];
-    if (brush.kind() == BrushKind::smooth)
+    if (i + kAhead < reached_.size()) points_.prefetch(reached_[i + kAhead]);
+    if (smooths)
       places_[i] = {smoothed(brush, point)};
     else
       places_[i] = brush.brushed(DVec3(points_.positions[point]), DVec3(points_.normals[point]), found(brush, point));
@@ -186,15 +193,16 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
   for (std::size_t i = 0; i < reached_.size(); ++i) {
     const std::uint32_t point = reached_[i];
     const Vec3 place(places_[i].position);
+    const std::uint32_t before = points_.colors[point];
     const std::uint32_t color =
-        brush.painted(DVec3(points_.positions[point]), found(brush, point), points_.colors[point]);
+        paints ? brush.painted(DVec3(points_.positions[point]), found(brush, point), before) : before;
     if (places_[i].taken && cuts_) {  // removed with the next edit, so that the near sheet still sees the far one
       swallowed_.push_back(point);
       continue;
     }
     const bool moved = place != points_.positions[point];
     if (moved) points_.founds[point] = points_.found(point, brush.stroke());
-    if (moved || places_[i].taken || color != points_.colors[point]) tellOf(point);
+    if (moved || places_[i].taken || color != before) tellOf(point);
     points_.positions[point] = place;
     points_.colors[point] = color;
     points_.there[point] = !places_[i].taken;
@@ -263,7 +271,8 @@ Vec3 CpuSculpture::refitted(std::uint32_t point) const {
 // and its previous side is then meaningless. The far sheet of a plate does not count.
 void CpuSculpture::refit() {
   normals_.resize(unsettled_.size());
-  forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });
+  forEachOf(grid_.team(), unsettled_.size(), kFewestGathers,
+            [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     Vec3& normal = points_.normals[unsettled_[i]];
     if (normal != normals_[i]) tellOf(unsettled_[i]);
@@ -283,7 +292,7 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbo
                              .rest = DVec3(points_.rests[number]),
                              .spacing = points_.spacing(number),
                              .isNew = number >= points_.fromFile,
-                             .atRest = isAtRest(number),
+                             .atRest = carves_ && isAtRest(number),
                              .number = number,
                              .unsettled = points_.unsettled[number] != 0};
   };
@@ -316,7 +325,7 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbo
 
 void CpuSculpture::resample() {
   requests_.resize(unsettled_.size());
-  forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) {
+  forEachOf(grid_.team(), unsettled_.size(), kFewestGathers, [&](std::size_t i) {
     thread_local Neighbours neighbours;
     static_cast<ResampleRequest&>(requests_[i]) = requestOf(unsettled_[i], neighbours);
     if (!requests_[i].inserts) return;

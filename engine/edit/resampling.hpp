@@ -24,7 +24,7 @@ struct ResampleNeighbour {
   DVec3 rest{0};             ///< position in the cloud as loaded; of a new point, between its ends'; model units
   double spacing = 0;        ///< target, model units
   bool isNew = false;        ///< not in the cloud as loaded
-  bool atRest = false;       ///< still at its position as loaded
+  bool atRest = false;       ///< still at its position as loaded; matters while a ball carves
   std::uint32_t number = 0;  ///< of the point; in the order of ids
   bool unsettled = false;    ///< moved, new, or with a pending request
 };

@@ -37,6 +37,23 @@ struct CellBox {
   }
 };
 
+/// Which of the cells around a ball may contain points in it, allowing for single-precision rounding: half of those in
+/// its box do not.
+class CellBall {
+ public:
+  CellBall(const HashGrid& grid, const DVec3& center, double radius);
+
+  bool mayReach(const IVec3& cell) const {
+    const DVec3 low = DVec3(cell) - center_;
+    const DVec3 beside = glm::max(glm::max(low, -low - 1.0), DVec3(0));
+    return glm::dot(beside, beside) <= squared_;
+  }
+
+ private:
+  DVec3 center_;  // in cells, as the squared radius
+  double squared_;
+};
+
 /// The cells that may contain points nearer than `radius` to `center`, allowing for single-precision rounding.
 CellBox cellsAround(const HashGrid& grid, const DVec3& center, double radius);
 

@@ -97,6 +97,8 @@ class SortedGrid final : public NeighbourSearch {
 
   template <class Visit>
   void visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const;
+  template <class Visit>
+  void visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const;
   // Visits the near ones of some points, without unpredictable branches.
   template <class Visit>
   static void visitNear(std::span<const Placed> points, const DVec3& center, double squared, Visit&& visit);
@@ -138,14 +140,37 @@ void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) 
   if (box.cells() <= kFewCells) {
     visitFewCells(box, center, squared, visit);
   } else if (box.cells() < static_cast<double>(size_)) {
-    box.forEach([&](const IVec3& cell) {
-      visitNear(bucket(bucketOf(grid_, cell)), center, squared, [&](const Placed& point) {
-        if (cellOf(grid_, point.position) == cell) visit(point);
-      });
-    });
+    visitCells(box, center, radius, visit);
   } else {  // a pass over all points is cheaper
     for (std::uint32_t b = 0; b <= grid_.bucketMask; ++b) visitNear(bucket(b), center, squared, visit);
   }
+}
+
+// In batches, whose memory accesses overlap: most cells of a wide ball are empty, and each bucket is a cache miss.
+template <class Visit>
+void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const {
+  constexpr std::size_t kBatch = 64;
+  const CellBall ball(grid_, center, radius);
+  std::array<IVec3, kBatch> cells;
+  std::array<const Bucket*, kBatch> found;
+  std::size_t count = 0;
+  const auto visitBatch = [&] {
+    for (std::size_t i = 0; i < count; ++i)
+      if (found[i]->count > 0) __builtin_prefetch(at(found[i]->begin));
+    for (std::size_t i = 0; i < count; ++i)
+      visitNear({at(found[i]->begin), found[i]->count}, center, radius * radius, [&](const Placed& point) {
+        if (cellOf(grid_, point.position) == cells[i]) visit(point);
+      });
+    count = 0;
+  };
+  box.forEach([&](const IVec3& cell) {
+    if (!ball.mayReach(cell)) return;
+    cells[count] = cell;
+    found[count] = &buckets_[bucketOf(grid_, cell)];
+    __builtin_prefetch(found[count]);
+    if (++count == kBatch) visitBatch();
+  });
+  visitBatch();
 }
 
 template <class Visit>

@@ -82,6 +82,30 @@ TEST_CASE("bench edit sculpts with every brush" * kMoreInFull) {
   }
 }
 
+TEST_CASE("bench edit measures the CPU, whose index follows edits without a build") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "cpu.json").string();
+  const Outcome outcome =
+      palpate("bench edit --sizes 3000 9000 --touched 60 --backend cpu --repeat 8 --limit 0 --json " + json);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  const auto edit = jsonOf(json)["edit"];
+  REQUIRE(edit["costs"].size() == 2 * 2);  // sizes, methods of following
+  for (const auto& cost : edit["costs"]) {
+    CAPTURE(cost.dump());
+    CHECK(cost["backend"] == "cpu");
+    CHECK(cost["edits"] == 8);
+    CHECK((cost["builds"] > 0) == (cost["index"] == "rebuild"));
+    CHECK(cost["touched"]["p50"].get<double>() == near(60, 0.5));
+    CHECK(cost["edit_us"]["p50"] > 0);
+    CHECK(cost["query_us"].is_null());  // part of the step
+    CHECK(cost["memory"]["over_plain"] >= 1);
+    CHECK(cost["memory"]["over_plain"] < 1.5);
+  }
+  REQUIRE(edit["growths"].size() == 2);
+  CHECK(edit["growths"][0]["backend"] == "cpu");
+  CHECK(outcome.text.find("cpu, incremental, 60 asked") != std::string::npos);
+}
+
 TEST_CASE("bench edit reports the cost of compactions if spare slots are few") {
   const ScratchFolder folder;
   const std::string json = (folder / "c.json").string();
@@ -128,7 +152,7 @@ TEST_CASE("bench edit sculpts in real time, and refuses what it cannot measure" 
   CHECK(cost["step_us"]["n"] > 0);
   CHECK(cost["step_us"]["p999"] >= cost["step_us"]["p99"]);
   CHECK(cost["stroke"]["fresh_fraction"] <= 1.0);
-  CHECK(palpate("bench edit --sizes 2000 --backend cpu").code == 2);
+  CHECK(palpate("bench edit --sizes 2000 --backend cuda").code == 2);
   CHECK(palpate("bench edit build --sizes 2000").code == 2);
   CHECK(palpate("bench edit --sizes 2000 --edit hammer").code == 2);
   const Outcome fast = palpate(bench + "--rate 10000 --duration 0.05");

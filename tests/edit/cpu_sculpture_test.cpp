@@ -1,0 +1,129 @@
+// Sculpting on the CPU at the cost of the touched points: its index and its lists against fresh ones.
+#include "engine/edit/cpu_sculpture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <numbers>
+#include <random>
+
+#include "engine/cloud/analytic_shape.hpp"
+#include "tests/edit/tool_at.hpp"
+#include "tests/labels.hpp"
+
+namespace palpate::cpu_sculpture_test {
+
+namespace {
+
+constexpr double kShapeRadius = 50;  // of the sphere, model units
+
+PointCloud ballOf(std::size_t count) { return sampleShape(*makeShape("sphere", 2 * kShapeRadius), {.count = count}); }
+
+double supportFor(std::size_t count) {
+  return 4 * kShapeRadius * std::sqrt(4 * std::numbers::pi / static_cast<double>(count));
+}
+
+CpuSculpture sculptureOf(const PointCloud& cloud, unsigned threads) {
+  const double radius = supportFor(cloud.size());
+  return {cloud, makeHashGrid(Vec3(-kShapeRadius), radius, cloud.size()), {.radius = radius, .threads = threads}};
+}
+
+void checkIndex(const CpuSculpture& sculpture) {
+  SortedGrid fresh(sculpture.grid().grid(), 1);
+  fresh.build(sculpture.points().positions, sculpture.points().there);
+  REQUIRE(sculpture.grid().size() == fresh.size());
+  std::size_t wrong = 0;
+  for (std::uint32_t b = 0; b <= fresh.grid().bucketMask; ++b)
+    wrong += !std::ranges::equal(sculpture.grid().bucket(b), fresh.bucket(b),
+                                 [](const SortedGrid::Placed& one, const SortedGrid::Placed& other) {
+                                   return one.number == other.number && one.position == other.position;
+                                 });
+  REQUIRE(wrong == 0);
+}
+
+// Edits of every kind at random places, now and then undone.
+class RandomSculpting {
+ public:
+  RandomSculpting(CpuSculpture& sculpture, double radius, std::uint32_t seed)
+      : sculpture_(sculpture), radius_(radius), random_(seed) {}
+
+  void one() {
+    constexpr std::array kBrushes{BrushKind::push, BrushKind::carve,   BrushKind::inflate, BrushKind::smooth,
+                                  BrushKind::grab, BrushKind::flatten, BrushKind::paint};
+    const BrushOptions brush{
+        .kind = kBrushes[pick(kBrushes.size())], .tau = 0.5, .beta = 0.5, .radius = 4.0 + pick(20)};
+    const DVec3 outward = glm::normalize(DVec3(share(), share(), share()) + DVec3(0, 0, 1e-3));
+    const double depth = 0.5 + 3 * std::abs(share());
+    const PlacedBrush placed = brushAt(brush, radius_, (kShapeRadius - depth) * outward, depth * outward);
+    for (std::uint32_t tick = 0; tick < 3; ++tick) {
+      note();
+      sculpture_.edit(placed);
+      checkIndex(sculpture_);
+    }
+    if (pick(3) == 0) undo();
+  }
+
+ private:
+  std::uint32_t pick(std::size_t n) {
+    return std::uniform_int_distribution<std::uint32_t>(0, static_cast<std::uint32_t>(n) - 1)(random_);
+  }
+  double share() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
+  void note() {
+    before_.clear();
+    for (std::uint32_t i = 0; i < sculpture_.points().size(); ++i) before_.push_back(sculpture_.points().state(i));
+  }
+  // The last tick: its new points are removed.
+  void undo() {
+    std::vector<PointChange> changes;
+    for (std::uint32_t i = 0; i < sculpture_.points().size(); ++i) {
+      const PointState now = sculpture_.points().state(i);
+      PointState then = now;
+      if (i < before_.size())
+        then = before_[i];
+      else
+        then.id |= PointState::kGone;
+      if (!(then == now)) changes.push_back({now, then});
+    }
+    sculpture_.set(changes);
+    checkIndex(sculpture_);
+    CHECK(sculpture_.settled());
+  }
+
+  CpuSculpture& sculpture_;
+  double radius_;
+  std::mt19937 random_;
+  std::vector<PointState> before_;
+};
+
+}  // namespace
+
+TEST_CASE("whatever is sculpted and undone, the CPU's index is that of a fresh build" * kMoreInFull) {
+  std::vector<Vec3> first;
+  for (const unsigned threads : {1u, 3u}) {
+    const PointCloud cloud = ballOf(3000);
+    CpuSculpture sculpture = sculptureOf(cloud, threads);
+    RandomSculpting random(sculpture, supportFor(cloud.size()), 5);
+    for (int edit = 0; edit < byTier(100, 3000); ++edit) random.one();
+    CHECK(sculpture.followed() > 10);
+    CHECK(sculpture.points().size() > cloud.size());
+    if (first.empty()) first = sculpture.points().positions;
+    CHECK(sculpture.points().positions == first);
+  }
+}
+
+TEST_CASE("a new point copies no array of a sculpture, and no edit of a few points builds the index") {
+  const PointCloud cloud = ballOf(60'000);
+  CpuSculpture sculpture = sculptureOf(cloud, 1);
+  const double radius = supportFor(cloud.size());
+  const Vec3* const positions = sculpture.points().positions.data();
+  const auto* const founds = sculpture.points().founds.data();
+  const BrushOptions push{.kind = BrushKind::push, .tau = 0.5, .beta = 0.3, .radius = 5};
+  for (int tick = 0; tick < 60; ++tick) sculpture.edit(brushAt(push, radius, DVec3(0, 0, 44), DVec3(0, 0, 6)));
+  CHECK(sculpture.points().size() > cloud.size() + 20);
+  CHECK(sculpture.points().positions.data() == positions);
+  CHECK(sculpture.points().founds.data() == founds);
+  CHECK(sculpture.rebuilds() == 0);
+  CHECK(sculpture.followed() >= 40);
+  CHECK(sculpture.grid().written() < 60u * 1000u);
+}
+
+}  // namespace palpate::cpu_sculpture_test
