@@ -202,7 +202,7 @@ TEST_CASE("bench touch compares a scan with its mesh, and refuses one without th
 }
 
 TEST_CASE("bench matter measures stirred matter and its passes on each back end") {
-  if (!canSimulate()) return;
+  if (!hasScenes()) return;
   const ScratchFolder folder;
   const std::string json = (folder / "matter.json").string();
   works("bench matter --sizes 200 --backend vulkan,cpu --repeat 2 --passes --json " + json);

@@ -42,7 +42,7 @@ bool isLeftOut(const std::string& arguments) {
          (!kHasSimulation && std::ranges::any_of(kOfSimulation, names));
 }
 
-bool canSimulate() {
+bool hasScenes() {
   if (!isLeftOut("simulate")) return true;
   MESSAGE("skipped: this palpate was built without PALPATE_SIMULATION");
   return false;

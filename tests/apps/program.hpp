@@ -31,7 +31,7 @@ void works(const std::string& arguments);
 /// Whether a command needs PALPATE_STUDY or PALPATE_SIMULATION, and this palpate was built without.
 bool isLeftOut(const std::string& arguments);
 /// False, with a message, if this palpate was built without PALPATE_SIMULATION: the case is skipped.
-bool canSimulate();
+bool hasScenes();
 
 Result jsonOf(const std::filesystem::path& file);
 

@@ -136,7 +136,7 @@ TEST_CASE("a client with only nearby points sculpts like the file, byte for byte
 }
 
 TEST_CASE("a served moving model is felt as it moves, and a served soft body yields to remote hands" * kClock) {
-  if (!isBuilt() || !canSimulate()) return;
+  if (!isBuilt() || !hasScenes()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make plane -n 10000 -o " + in("m.ply"));
@@ -199,7 +199,7 @@ TEST_CASE("a served moving model is felt as it moves, and a served soft body yie
 }
 
 TEST_CASE("served water that two hands beat until it fails restarts, and their program and a window report it") {
-  if (!isBuilt() || !canSimulate()) return;
+  if (!isBuilt() || !hasScenes()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   // So fine and weightless that its speed of sound is below the speed of the hand.
@@ -249,7 +249,7 @@ TEST_CASE("served water that two hands beat until it fails restarts, and their p
 }
 
 TEST_CASE("a remote hand feels served water through its ball, which displaces it, and the water is shown" * kClock) {
-  if (!isBuilt() || !canSimulate()) return;
+  if (!isBuilt() || !hasScenes()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   std::ofstream(in("pool.json"))

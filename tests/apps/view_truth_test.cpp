@@ -294,7 +294,7 @@ TEST_CASE("file names are shown in their own script") {
 }
 
 TEST_CASE("recent models are those that can be read; a missing one is reported, and a scene keeps its name") {
-  if (!canSimulate()) return;
+  if (!hasScenes()) return;
   if (!hasDisplay()) return;
   const auto played = play("--size 480x360 --rate 250 --backend cpu", R"(
 0.1 click gone.ply
