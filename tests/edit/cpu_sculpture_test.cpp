@@ -50,7 +50,7 @@ class RandomSculpting {
     constexpr std::array kBrushes{BrushKind::push, BrushKind::carve,   BrushKind::inflate, BrushKind::smooth,
                                   BrushKind::grab, BrushKind::flatten, BrushKind::paint};
     const BrushOptions brush{
-        .kind = kBrushes[pick(kBrushes.size())], .tau = 0.5, .beta = 0.5, .radius = 4.0 + pick(20)};
+        .kind = kBrushes[pick(kBrushes.size())], .yieldDepth = 0.5, .pushRate = 0.5, .radius = 4.0 + pick(20)};
     const DVec3 outward = glm::normalize(DVec3(share(), share(), share()) + DVec3(0, 0, 1e-3));
     const double depth = 0.5 + 3 * std::abs(share());
     const PlacedBrush placed = brushAt(brush, radius_, (kShapeRadius - depth) * outward, depth * outward);
@@ -116,7 +116,7 @@ TEST_CASE("a new point copies no array of a sculpture, and no edit of a few poin
   const double radius = supportFor(cloud.size());
   const Vec3* const positions = sculpture.points().positions.data();
   const auto* const founds = sculpture.points().founds.data();
-  const BrushOptions push{.kind = BrushKind::push, .tau = 0.5, .beta = 0.3, .radius = 5};
+  const BrushOptions push{.kind = BrushKind::push, .yieldDepth = 0.5, .pushRate = 0.3, .radius = 5};
   for (int tick = 0; tick < 60; ++tick) sculpture.edit(brushAt(push, radius, DVec3(0, 0, 44), DVec3(0, 0, 6)));
   CHECK(sculpture.points().size() > cloud.size() + 20);
   CHECK(sculpture.points().positions.data() == positions);
