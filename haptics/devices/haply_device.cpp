@@ -20,7 +20,7 @@ constexpr std::int64_t kLost_ns = 1000 * kNs_per_ms;  // without a good state; t
 constexpr std::int64_t kShortestExchange_ns = kNs_per_ms / 4;
 /// Longer than the dropout after which ForceGate goes on where it was.
 constexpr std::int64_t kQuiet_ns = 150 * kNs_per_ms;
-constexpr double kStale_s = 0.02, kFirst_s = 2, kAsk_s = 0.5, kPatience_s = 0.02, kZeroWait_us = 5000;
+constexpr double kStale_s = 0.02, kPatience_s = 0.02, kZeroWait_us = 5000;
 constexpr double kSmallestJump_mm = 1;
 /// Middle of the reach, in palpate's axes, and half the edge of a cube within it.
 constexpr DVec3 kMiddle_mm{0, 150, 120};
@@ -28,48 +28,12 @@ constexpr double kReach_mm = 80, kReachOfMinverse_mm = 30;
 
 std::int64_t now_ns() noexcept { return machineClock().now_ns(); }
 
-std::string listOf(const std::vector<haply::Inverse>& inverses) {
-  std::string list;
-  for (const haply::Inverse& inverse : inverses)
-    list += fmt::format("{}haply:{} ({} hand{})", list.empty() ? "" : ", ", inverse.id, inverse.handedness,
-                        inverse.inUse ? ", in use" : "");
-  return list;
-}
-
-HaplyLink connected(const haply::Ports& ports) try { return HaplyLink(ports.simulation); } catch (const Error& error) {
-  throw Error(
-      "haply: the Haply service does not answer ({}); install it from Haply, and start it: sudo systemctl start "
-      "haply-inverse-service, or the Haply Hub",
-      error.what());
-}
-
 }  // namespace
-
-HaplyService::HaplyService() : ports(haply::servicePorts()), link(connected(ports)) {
-  const Stopwatch since;
-  while (link.hear(kFirst_s, first) != HaplyLink::Heard::message)
-    if (since.elapsed_s() >= kFirst_s)
-      throw Error("haply: the Haply service takes connections but tells no devices; start it again");
-  auto found = haply::inventoryIn(first);
-  if (!found) throw Error("haply: the Haply service's first message is no JSON; update the service");
-  inventory = std::move(*found);
-  for (const std::uint16_t port : ports.http)
-    for (const char* path : {"/version", "/3.1/version", "/3.0/version"})
-      if (version.empty())
-        if (const auto answer = askHaplyService(port, path, kAsk_s)) version = haply::versionIn(*answer);
-  try {
-    events = std::make_unique<HaplyLink>(ports.events);
-  } catch (const Error&) {
-    events.reset();
-  }
-}
 
 HaplyDevice::HaplyDevice(const HaplyOptions& options) : options_(options), service_(std::make_unique<HaplyService>()) {
   choose();
-  chooseGrip();
   values_ = haply::saysValues(service_->version);
-  if (!service_->events && options_.say)
-    options_.say("the Haply service has no channel of events: a stop by its safety is seen only as a stale state");
+  if (!service_->events) say("the Haply service has no channel of events, so it does not tell a stop by the safety");
   good_ns_ = now_ns();
   state_ = haply::stateIn(service_->first, choice_, state_);  // no jump from the origin
   accept(service_->first, good_ns_);
@@ -80,56 +44,37 @@ HaplyDevice::HaplyDevice(const HaplyOptions& options) : options_(options), servi
 HaplyDevice::~HaplyDevice() = default;
 
 void HaplyDevice::choose() {
-  const std::vector<haply::Inverse>& inverses = service_->inventory.inverses;
-  if (inverses.empty())
-    throw Error("haply: the Haply service has no Inverse3; check its cable and power supply, and the Haply Hub");
-  if (options_.serial.empty() && inverses.size() > 1)
-    throw Error("haply: there are {} devices; choose one by its serial number: {}", inverses.size(), listOf(inverses));
-  const auto chosen =
-      options_.serial.empty() ? inverses.begin() : std::ranges::find(inverses, options_.serial, &haply::Inverse::id);
-  if (chosen == inverses.end())
-    throw Error("haply: there is no device '{}'; there is {}", options_.serial, listOf(inverses));
-  if (chosen->inUse && !options_.shares)
-    throw Error(
-        "haply: another program uses {}, and the forces of both would add up; close it, or ask for it all the same: "
-        "haply:{}:shared",
-        chosen->id, chosen->id);
-  const auto axes = haply::axesOf(chosen->permutation);
+  const haply::Inverse& chosen = service_->device(options_.serial, options_.shares);
+  const auto axes = haply::axesOf(chosen.permutation);
   if (!axes)
     throw Error("haply: the axes of {} are '{}', which is no permutation of XYZ; reset its basis in the Haply Hub",
-                chosen->id, chosen->permutation);
-  choice_.id = chosen->id;
-  choice_.axes = *axes;
-  facts_ = {.model = fmt::format("{} {}", chosen->small ? "Minverse" : "Inverse3", chosen->id),
-            .serial = chosen->id,
+                chosen.id, chosen.permutation);
+  choice_ = {.id = chosen.id, .axes = *axes};
+  facts_ = {.model = fmt::format("{} {}", chosen.small ? "Minverse" : "Inverse3", chosen.id),
+            .serial = chosen.id,
             .driver = fmt::format("service {}, firmware {}", service_->version.empty() ? "unknown" : service_->version,
-                                  chosen->firmware.empty() ? "unknown" : chosen->firmware)};
-  const double reach_mm = chosen->small ? kReachOfMinverse_mm : kReach_mm;
+                                  chosen.firmware.empty() ? "unknown" : chosen.firmware),
+            .handedness = chosen.handedness,
+            .axes = chosen.permutation};
+  const double reach_mm = chosen.small ? kReachOfMinverse_mm : kReach_mm;
   facts_.workspaceMin_mm = kMiddle_mm - DVec3(reach_mm);
   facts_.workspaceMax_mm = kMiddle_mm + DVec3(reach_mm);
   limits_ = {.forceDelay_ticks = 1};
-  if (!options_.say) return;
-  options_.say(fmt::format("the stylus is {}, set up for the {} hand", facts_.model, chosen->handedness));
-  if (chosen->permutation != "XYZ")
-    options_.say(
-        fmt::format("{}: its axes are permuted ({}), which palpate undoes", facts_.model, chosen->permutation));
+  say(fmt::format("the stylus is {}, set up for the {} hand", facts_.model, chosen.handedness));
+  if (chosen.permutation != "XYZ")
+    say(fmt::format("{}: its axes are permuted ({}), which palpate undoes", facts_.model, chosen.permutation));
+  const haply::Grip* grip = service_->gripOf(chosen);
+  if (!grip) return;
+  choice_.grip = grip->id;
+  choice_.wireless = grip->wireless;
+  limits_.buttons = grip->wireless ? 2 : 1;
+  say(fmt::format("{}: orientation and buttons of the {} grip {}{}", facts_.model,
+                  grip->wireless ? "wireless" : "wired", grip->id,
+                  grip->battery ? fmt::format(", battery {:.0f} %", 100 * *grip->battery) : ""));
 }
 
-/// With several devices, the grip at the device's place.
-void HaplyDevice::chooseGrip() {
-  std::vector<haply::Grip> grips = service_->inventory.grips;
-  std::erase_if(grips, [](const haply::Grip& grip) { return !grip.connected; });
-  if (grips.empty()) return;
-  const std::vector<haply::Inverse>& inverses = service_->inventory.inverses;
-  const auto place = std::ranges::find(inverses, choice_.id, &haply::Inverse::id) - inverses.begin();
-  const haply::Grip& grip = grips[std::min(static_cast<std::size_t>(place), grips.size() - 1)];
-  choice_.grip = grip.id;
-  choice_.wireless = grip.wireless;
-  limits_.buttons = grip.wireless ? 2 : 1;
-  if (options_.say)
-    options_.say(fmt::format("{}: orientation and buttons of the {} grip {}{}", facts_.model,
-                             grip.wireless ? "wireless" : "wired", grip.id,
-                             grip.battery ? fmt::format(", battery {:.0f} %", 100 * *grip.battery) : ""));
+void HaplyDevice::say(const std::string& sentence) {
+  if (options_.say) options_.say(sentence);
 }
 
 void HaplyDevice::exchange(const std::stop_token& stop) {
@@ -208,8 +153,7 @@ void HaplyDevice::enter(Trouble trouble, std::int64_t now_ns) {
 }
 
 void HaplyDevice::tell(Trouble trouble) {
-  if (std::exchange(told_, trouble) != trouble && options_.say)
-    options_.say(fmt::format("{} {}", facts_.model, haply::meaningOf(trouble)));
+  if (std::exchange(told_, trouble) != trouble) say(fmt::format("{} {}", facts_.model, haply::meaningOf(trouble)));
 }
 
 void HaplyDevice::publish(std::int64_t now_ns) {

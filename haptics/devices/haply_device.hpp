@@ -8,8 +8,7 @@
 #include <thread>
 
 #include "engine/core/latest_value.hpp"
-#include "haptics/devices/haply_link.hpp"
-#include "haptics/devices/haply_protocol.hpp"
+#include "haptics/devices/haply_service.hpp"
 #include "haptics/devices/haptic_device.hpp"
 
 namespace palpate {
@@ -18,18 +17,6 @@ struct HaplyOptions {
   std::string serial;                           ///< empty: the only device
   bool shares = false;                          ///< takes a device that another program uses, whose forces add to these
   std::function<void(const std::string&)> say;  ///< messages for the user, also from the thread of the exchange
-};
-
-/// Connection of a session: what the service answered first. Throws Error that says what is missing and what to do.
-struct HaplyService {
-  HaplyService();
-
-  haply::Ports ports;
-  HaplyLink link;
-  std::string first;  ///< message
-  haply::Inventory inventory;
-  std::string version;                ///< empty if it does not tell
-  std::unique_ptr<HaplyLink> events;  ///< null if the service has no such channel
 };
 
 /// A thread of its own exchanges messages with the service, at most 4000 times a second: each tells the newest force
@@ -55,7 +42,7 @@ class HaplyDevice final : public HapticDevice {
 
  private:
   void choose();
-  void chooseGrip();
+  void say(const std::string& sentence);
   void exchange(const std::stop_token& stop);
   /// False at the end of the session.
   bool exchangeOnce(std::string& message);

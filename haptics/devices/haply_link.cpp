@@ -1,5 +1,7 @@
 #include "haptics/devices/haply_link.hpp"
 
+#include <utility>  // Boost 1.74 uses std::exchange without it
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
