@@ -48,7 +48,8 @@ if(NOT PALPATE_STUDY)
   set(without_study bench[a-z_]* coexist locality)  # they run the benches
 endif()
 palpate_tests(apps LINKS palpate::haptics palpate::io palpate::sharing third_party::stb
-              WITH apps/program.cpp apps/result.cpp fake_devices/fake_haply.cpp WITHOUT ${without_sharing} ${without_study})
+              WITH apps/program.cpp apps/result.cpp fake_devices/fake_haply.cpp
+              WITHOUT ${without_sharing} ${without_study})
 set_source_files_properties(apps/program.cpp PROPERTIES COMPILE_DEFINITIONS
   "PALPATE_PROGRAM=\"$<TARGET_FILE:palpate>\";PALPATE_HAS_STUDY=$<BOOL:${PALPATE_STUDY}>")
 add_dependencies(tests_apps palpate fake_drivers)

@@ -20,7 +20,7 @@ struct HaplyOptions {
 };
 
 /// A thread of its own exchanges messages with the service, at most 4000 times a second: each tells the newest force
-/// and is answered with the newest state. read() and write() exchange both with that thread and wait for nobody. The
+/// and is answered with the newest state. read() and write() exchange both with that thread and never wait. The
 /// thread itself takes the force away as soon as a state shows a fault, none comes for 20 ms, or no force was written
 /// for 20 ms; it stays away for so long that ForceGate then waits for free space.
 class HaplyDevice final : public HapticDevice {

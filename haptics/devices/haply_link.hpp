@@ -31,7 +31,7 @@ class HaplyLink {
   std::unique_ptr<System> system_;
 };
 
-/// Body of the answer to GET; empty if nobody answers within `patience_s`, or with an error.
+/// Body of the answer to GET; empty if no answer comes within `patience_s`, or with an error.
 std::optional<std::string> askHaplyService(std::uint16_t port, const std::string& path, double patience_s);
 
 }  // namespace palpate

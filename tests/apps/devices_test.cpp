@@ -249,8 +249,8 @@ TEST_CASE("a Haply device is felt through its service, and doctor describes it" 
   const Scene scene;
   std::vector<PathKey> hand;  // taps, since the session starts some time after the device
   for (double t_s = 0; t_s < 12; t_s += 0.6)
-    for (const PathKey& key : {PathKey{0, {0, 40, 0}}, PathKey{0.2, {0, 40, 0}}, PathKey{0.3, {0, 26, 0}},
-                               PathKey{0.5, {0, 26, 0}}})
+    for (const PathKey& key :
+         {PathKey{0, {0, 40, 0}}, PathKey{0.2, {0, 40, 0}}, PathKey{0.3, {0, 26, 0}}, PathKey{0.5, {0, 26, 0}}})
       hand.push_back({t_s + key.t_s, key.position});
   {
     const FakeHaply service({.hand = hand});
