@@ -35,7 +35,7 @@ const Json* memberOf(const Json& json, std::initializer_list<const char*> path) 
   return at;
 }
 
-std::string textAt(const Json& json, std::initializer_list<const char*> path, std::string otherwise = {}) {
+std::string textAt(const Json& json, std::initializer_list<const char*> path, const std::string& otherwise = {}) {
   const Json* text = memberOf(json, path);
   return text && text->is_string() ? text->get<std::string>() : otherwise;
 }
