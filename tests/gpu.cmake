@@ -61,8 +61,8 @@ else()
   set(without_simulation matter simulate)
 endif()
 palpate_tests(apps LINKS palpate::haptics palpate::io palpate::sharing third_party::stb
-              WITH apps/program.cpp apps/result.cpp WITHOUT ${without_sharing} ${without_study}
-              ${without_simulation})
+              WITH apps/program.cpp apps/result.cpp fake_devices/fake_haply.cpp
+              WITHOUT ${without_sharing} ${without_study} ${without_simulation})
 set(annexes "PALPATE_HAS_STUDY=$<BOOL:${PALPATE_STUDY}>;PALPATE_HAS_SIMULATION=$<BOOL:${PALPATE_SIMULATION}>")
 set_source_files_properties(apps/program.cpp PROPERTIES COMPILE_DEFINITIONS
   "PALPATE_PROGRAM=\"$<TARGET_FILE:palpate>\";${annexes}")

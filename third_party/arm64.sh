@@ -9,7 +9,7 @@ cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 place=$PWD/build/arm64-libraries
 root=$place/root
 packages=(libc6-dev libstdc++6 libfmt-dev libglm-dev nlohmann-json3-dev libhidapi-dev libnanoflann-dev libstb-dev
-          zlib1g-dev doctest-dev)
+          libboost-dev zlib1g-dev doctest-dev)
 
 usage() { sed -n '2,5s/^# \{0,1\}//p' "$0"; }
 

@@ -33,6 +33,7 @@ packages=(
   zlib1g-dev                 # ZIP and gzip
   libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
   libpugixml-dev             # the XML of E57
+  libboost-dev               # Boost.Beast: WebSocket, as which the service of Haply devices answers (headers only)
   libhidapi-dev              # 3D mice and gamepads (its back end over the kernel's nodes: libhidapi-hidraw0)
   pybind11-dev               # the Python module
   python3-dev                # headers for the Python module

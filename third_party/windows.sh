@@ -12,7 +12,7 @@ prefix=$place/prefix
 sources=(fmtlib glfw3 hidapi imgui zlib)  # Debian's source packages of the libraries
 # Header-only libraries: equal on every system, copied from the packages that install.sh installs.
 headers=(libglm-dev nlohmann-json3-dev libcli11-dev doctest-dev libnanoflann-dev libstb-dev libvulkan-dev
-         libvulkan-volk-dev)
+         libvulkan-volk-dev libboost1.74-dev)
 
 usage() { sed -n '2,6s/^# \{0,1\}//p' "$0"; }
 

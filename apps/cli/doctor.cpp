@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "apps/cli/context.hpp"
+#include "apps/cli/doctor_device.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/tick_times.hpp"
 #include "apps/view/copied_presentation.hpp"
@@ -9,6 +10,7 @@
 #include "haptics/devices/hid_choice.hpp"
 #include "haptics/pace_check.hpp"
 #include "haptics/realtime_priority.hpp"
+#include "haptics/session/devices.hpp"
 #include "haptics/tick_pacer.hpp"
 
 namespace palpate {
@@ -134,27 +136,12 @@ Json describe(std::FILE* out, const DriverFinding& driver) {
   return json;
 }
 
-/// Collects the commands that grant missing permissions, each once.
-class Mending {
- public:
-  void add(const std::string& command) {
-    if (!command.empty() && std::ranges::find(commands_, command) == commands_.end()) commands_.push_back(command);
-  }
-  Json print(std::FILE* out) const {
-    if (!commands_.empty()) fmt::print(out, "To grant missing permissions:\n");
-    for (const std::string& command : commands_) fmt::print(out, "  {}\n", command);
-    return commands_;
-  }
-
- private:
-  std::vector<std::string> commands_;
-};
-
 Json hapticDevices(std::FILE* out) {
   Mending mending;
   Json json{{"drivers", Json::array()}, {"nodes", Json::array()}};
   for (const DriverFinding& driver : {surveyOpenHaptics(), surveyForceDimension()})
     json["drivers"].push_back(describe(out, driver));
+  json["haply"] = haplyService(out);
   const std::vector<NodeFinding> nodes = surveySerialPorts();
   for (const NodeFinding& node : nodes) {
     fmt::print(out, "{}: {}, {}\n", node.path, node.what, node.usable ? "usable" : "no permission for this user");
@@ -163,10 +150,12 @@ Json hapticDevices(std::FILE* out) {
   }
   const auto transport = hidapiTransport();
   const auto candidates = hidCandidates(*transport);
-  if (candidates.empty()) fmt::print(out, "--device hid: no 3D mouse and no DualSense is plugged in\n");
+  if (std::ranges::all_of(candidates, isStylus))
+    fmt::print(out, "--device hid: no 3D mouse and no DualSense is plugged in\n");
   json["hid"] = Json::array();
   for (const HidCandidate& hid : candidates) {
-    fmt::print(out, "--device hid: {} at {}, {}\n", hid.name, hid.info.path, hid.usable ? "ready" : hid.whyNot);
+    fmt::print(out, "--device {}: {} at {}, {}\n", isStylus(hid) ? "openhaptics" : "hid", hid.name, hid.info.path,
+               hid.usable ? "ready" : hid.whyNot);
     json["hid"].push_back({{"name", hid.name},
                            {"path", hid.info.path},
                            {"vendor", hid.info.vendorId},
@@ -191,6 +180,7 @@ Json hapticDevices(std::FILE* out) {
 struct DoctorOptions {
   double servo_s = 0, rate_Hz = 1000;
   bool network = false;
+  std::string device;
   NetworkOptions which;
 };
 
@@ -283,6 +273,10 @@ void doctor(Context& context, const DoctorOptions& options) {
   if (options.which.config() != NetworkConfig{})
     throw UsageError("--interface, --peer, --domain and --security require --network, which lists sessions");
   std::FILE* out = context.tables();
+  if (!options.device.empty()) {
+    context.writeJson({{"device", examineDevice(out, options.device, context.log())}});
+    return;
+  }
   Json result{{"gpus", gpus(out)}};
   result["haptics"] = hapticDevices(out);
   result["display"] = display(out);
@@ -316,6 +310,15 @@ void addDoctor(Options& app, Context& context, Command& command) {
       .check(between(1, 100'000))
       .needs(servo)
       .showDefault();
+  sub.add("--device", options->device,
+          "only examine this device: serial number, workspace, force limits, axes, permissions; " + heldDevicesHelp())
+      .check(Check{[](const std::string& device) {
+                     return isHeldDevice(device) ? std::string()
+                                                 : "'" + device + "' is not a device; devices are " + heldDevicesHelp();
+                   },
+                   "DEVICE"})
+      .offers({"openhaptics", "dhd", "haply", "hid"})
+      .excludes(servo);
   sub.addFlag("--network", options->network,
               "only list the sessions on the network (palpate serve), with round trips and losses")
       .excludes(servo);

@@ -134,7 +134,8 @@ constexpr DescribedKey kKeys[]{{"folder", "", "folder of the keys"},
                                {"until", "", "last day of validity"}};
 
 constexpr DescribedKey kDoctor[]{{"gpus", "", "GPUs, with their queues, features and memory"},
-                                 {"haptics", "", "haptic libraries, devices and permissions"},
+                                 {"haptics", "", "haptic libraries, the Haply service, devices and permissions"},
+                                 {"device", "", "the examined device (--device), and nothing else"},
                                  {"display", "", "how pictures reach the display"},
                                  {"in_use", "", "GPU in use; null: none"},
                                  {"servo", "", "ticks that this machine misses (--servo)"},

@@ -175,7 +175,7 @@ void addView(Options& app, Context& context, Command& command) {
                                 : "'" + device + "' is not a device; devices are mouse, " + heldDevicesHelp();
                    },
                    "DEVICE"})
-      .offers({"mouse", "openhaptics", "dhd", "hid"})
+      .offers({"mouse", "openhaptics", "dhd", "haply", "hid"})
       .showDefault();
   sub.add("--scheduler", options->scheduler, "thread that runs the ticks of an OpenHaptics device, as in palpate touch")
       .check(oneOf({"device", "own"}))

@@ -8,6 +8,7 @@
 #include "engine/core/error.hpp"
 #include "haptics/devices/dhd.hpp"
 #include "haptics/devices/force_dimension_device.hpp"
+#include "haptics/devices/haply_service.hpp"
 #include "haptics/devices/openhaptics_device.hpp"
 #include "haptics/devices/system_devices.hpp"
 
@@ -50,6 +51,27 @@ DriverFinding surveyForceDimension() {
     finding.device = device.facts();
     finding.limits = device.limits();
   });
+}
+
+HaplyFinding surveyHaply() {
+  HaplyFinding finding;
+  try {
+    finding.port = haply::servicePorts().simulation;
+    HaplyService service;
+    finding.version = service.version;
+    finding.tellsEvents = service.events != nullptr;
+    finding.inventory = std::move(service.inventory);
+  } catch (const Error& error) {
+    finding.problem = error.what();
+  }
+  return finding;
+}
+
+std::string readinessOf(const haply::Inverse& inverse) {
+  if (inverse.inUse) return fmt::format("is used by another program; haply:{}:shared adds to its forces", inverse.id);
+  return std::string(meaningOf(!inverse.powered      ? haply::Trouble::noPower
+                               : !inverse.calibrated ? haply::Trouble::notCalibrated
+                                                     : haply::Trouble::none));
 }
 
 std::vector<std::string> surveySurroundings() {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "haptics/devices/haply_protocol.hpp"
 #include "haptics/devices/haptic_device.hpp"
 #include "haptics/devices/vendor_library.hpp"
 
@@ -25,6 +26,19 @@ struct DriverFinding {
 /// Loads the libraries and opens their first device briefly, without waiting for a manual calibration.
 DriverFinding surveyOpenHaptics();
 DriverFinding surveyForceDimension();
+
+/// Result for the service of Haply devices.
+struct HaplyFinding {
+  std::uint16_t port = 0;
+  std::string version;       ///< empty if it does not tell
+  bool tellsEvents = false;  ///< it has the channel that tells a stop by the safety
+  haply::Inventory inventory;
+  std::string problem;  ///< what is wrong and what to do; empty if the service answers
+};
+/// Asks it for its devices, without a command to one.
+HaplyFinding surveyHaply();
+/// As a sentence without a subject: why a device gives no force, or that it is ready.
+std::string readinessOf(const haply::Inverse& inverse);
 
 /// A device node that a driver needs.
 struct NodeFinding {

@@ -34,8 +34,9 @@ constexpr std::uint32_t kFrozenTicks = 100;
 constexpr double kHot = 0.95, kCooled = 0.85;
 constexpr std::uint32_t kTicksBetweenChecks = 100;
 constexpr std::uint32_t kPausedTicks = 1000;  // after each error, if the driver does not report the temperature
-constexpr int kMaxComplaints = 32;            // errors read at a time: the stack must not delay a tick
-constexpr double kStall_s = 1;                // without a call; then the driver's scheduler is considered dead
+constexpr std::uint32_t kUncalibratedTicks = 200;
+constexpr int kMaxComplaints = 32;  // errors read at a time: the stack must not delay a tick
+constexpr double kStall_s = 1;      // without a call; then the driver's scheduler is considered dead
 constexpr double kZeroWait_us = 5000;
 constexpr std::size_t kMaxMotors = 8;
 constexpr double kDriverRate_Hz = 1000;
@@ -215,6 +216,20 @@ void OpenHapticsDevice::calibrate() {
   if (told && options_.say) options_.say(fmt::format("{}: calibrated", calledName()));
 }
 
+void OpenHapticsDevice::tendCalibration() {
+  const Enum state = calibration_.load(std::memory_order_relaxed);
+  if (state == kNeedsUpdate) {
+    hd_.makeCurrentDevice(device_);
+    hd_.updateCalibration(hd_.checkCalibrationStyle ? hd_.checkCalibrationStyle() : kByInkwell);
+  }
+  const bool isLost = state != kCalibrated;
+  if (std::exchange(tellsLost_, isLost) == isLost || !options_.say) return;
+  options_.say(isLost ? fmt::format("{}: the calibration is lost, so the pose is wrong and there is no force; put the "
+                                    "stylus into the inkwell",
+                                    calledName())
+                      : fmt::format("{}: calibrated; the force returns in free space", calledName()));
+}
+
 void OpenHapticsDevice::testPosition() {
   // One of the driver's ticks with another position is enough; a stylus at rest is not frozen.
   for (std::uint32_t i = 0; i < kFrozenTicks; ++i) {
@@ -269,6 +284,7 @@ bool OpenHapticsDevice::pace(double /*rate_Hz*/, const std::function<bool()>& ti
   Stopwatch since;
   while (!calls_->ended.load()) {
     std::this_thread::sleep_for(2ms);
+    tendCalibration();
     if (std::exchange(beats, calls_->beats.load(std::memory_order_relaxed)) != beats || calls_->busy.load())
       since = Stopwatch();
     if (since.elapsed_s() < kStall_s) continue;
@@ -295,6 +311,8 @@ DeviceState OpenHapticsDevice::read(double /*time_s*/) noexcept {
   hd_.getIntegerv(kCurrentButtons, &buttons);
   const DQuat held = tellsTurn_ ? turn() : DQuat(1, 0, 0, 0);
   watchMotors();
+  const Enum calibration = hd_.checkCalibration();
+  calibration_.store(calibration, std::memory_order_relaxed);
   const Severity worst = std::max(complaints(), std::exchange(pending_, Severity::none));
   frozenTicks_ = isFrozen(position_mm) ? frozenTicks_ + 1 : 0;
   if (frozenTicks_ >= kFrozenTicks)
@@ -306,9 +324,16 @@ DeviceState OpenHapticsDevice::read(double /*time_s*/) noexcept {
     sendInFrame(DVec3(0));
     return {};
   }
+  if (calibration != kCalibrated) {
+    // The gate waits for free space after that long, since the pose jumps when it is calibrated.
+    uncalibratedTicks_ = kUncalibratedTicks;
+  } else if (uncalibratedTicks_ > 0) {
+    --uncalibratedTicks_;
+  }
   if (worst == Severity::pause) pausedTicks_ = kPausedTicks;
   if (pausedTicks_ > 0) --pausedTicks_;
-  const bool renders = worst == Severity::none && !hot_ && pausedTicks_ == 0 && frozenTicks_ == 0;
+  const bool renders =
+      worst == Severity::none && !hot_ && pausedTicks_ == 0 && frozenTicks_ == 0 && uncalibratedTicks_ == 0;
   return {.position = {position_mm[0], position_mm[1], position_mm[2]},
           .turn = held,
           .buttons = static_cast<std::uint32_t>(buttons),

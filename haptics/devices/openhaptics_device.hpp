@@ -59,6 +59,8 @@ class OpenHapticsDevice final : public HapticDevice {
   void learnFacts();
   void learnLimits();
   void calibrate();
+  /// Outside of ticks, during a session: tells that the calibration is lost, or that it is back, and renews it.
+  void tendCalibration();
   void testPosition();
   /// Throws Error if the driver reports an error that ends a session.
   void demandSuccess(const std::string& doing);
@@ -82,8 +84,10 @@ class OpenHapticsDevice final : public HapticDevice {
   // Used by the thread that ticks.
   bool inFrame_ = false, hot_ = false;
   hdapi::Severity pending_ = hdapi::Severity::none;  // of the last write, for the next read
-  std::uint32_t ticksToCheck_ = 0, pausedTicks_ = 0, frozenTicks_ = 0;
+  std::uint32_t ticksToCheck_ = 0, pausedTicks_ = 0, frozenTicks_ = 0, uncalibratedTicks_ = 0;
   std::atomic<double> temperature_ = 0;
+  std::atomic<hdapi::Enum> calibration_ = hdapi::kCalibrated;  // of the last tick
+  bool tellsLost_ = false;                                     // used by the thread in pace()
 
   struct Fault {
     const char* what = nullptr;

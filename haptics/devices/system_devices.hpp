@@ -21,4 +21,7 @@ struct TouchConfiguration {
 };
 TouchConfiguration touchConfiguration();
 
+/// The configuration file of the service of Haply devices; it exists only if a setting was changed.
+std::filesystem::path haplyConfiguration();
+
 }  // namespace palpate

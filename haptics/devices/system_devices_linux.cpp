@@ -31,6 +31,8 @@ TouchConfiguration touchConfiguration() {
   return found;
 }
 
+fs::path haplyConfiguration() { return "/etc/haply-inverse-service/haply-inverse-service-config.json"; }
+
 std::vector<NodeFinding> surveySerialPorts() {
   std::vector<NodeFinding> found;
   std::error_code ignored;

@@ -28,6 +28,11 @@ TouchConfiguration touchConfiguration() {
   return found;
 }
 
+fs::path haplyConfiguration() {
+  const wchar_t* data = ::_wgetenv(L"PROGRAMDATA");
+  return fs::path(data ? data : L"C:\\ProgramData") / "Haply" / "Inverse" / "haply-inverse-service-config.json";
+}
+
 // From the registry; ports of USB modems, such as a Touch, have names of that driver.
 std::vector<NodeFinding> surveySerialPorts() {
   std::vector<NodeFinding> found;

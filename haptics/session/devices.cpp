@@ -7,6 +7,7 @@
 
 #include "engine/core/error.hpp"
 #include "haptics/devices/force_dimension_device.hpp"
+#include "haptics/devices/haply_device.hpp"
 #include "haptics/devices/hid_choice.hpp"
 #include "haptics/devices/hid_device.hpp"
 #include "haptics/devices/openhaptics_device.hpp"
@@ -67,14 +68,31 @@ OpenedDevice openForceDimension(const std::string& number, const DeviceOpening&)
   return {std::move(device), facts};
 }
 
+OpenedDevice openHaply(const std::string& which, const DeviceOpening& opening) {
+  constexpr std::string_view kShared = "shared";
+  HaplyOptions options{.serial = which,
+                       .say = [&log = opening.log](const std::string& words) { log.say("{}", words); }};
+  const std::size_t colon = which.rfind(':');
+  const std::size_t word = colon == std::string::npos ? 0 : colon + 1;
+  if (which.substr(word) == kShared) {
+    options.shares = true;
+    options.serial.resize(colon == std::string::npos ? 0 : colon);
+  }
+  auto device = std::make_unique<HaplyDevice>(options);
+  const HapticDeviceFacts facts = device->facts();
+  return {std::move(device), facts};
+}
+
 /// A kind of held device: its name, and the function that opens the device named after the colon.
 struct HeldDevice {
   std::string_view name, help;
   OpenedDevice (*open)(const std::string& which, const DeviceOpening& opening);
 };
-constexpr std::array<HeldDevice, 3> kHeldDevices{{
+constexpr std::array<HeldDevice, 4> kHeldDevices{{
     {"openhaptics", "[:NAME] (Geomagic Touch and compatible, with the driver of the vendor)", openOpenHaptics},
     {"dhd", "[:NUMBER] (Force Dimension)", openForceDimension},
+    {"haply", "[:SERIAL][:shared] (Haply Inverse3 and VerseGrip, with Haply's service; shared: beside another program)",
+     openHaply},
     {"hid", "[:WHICH] (3D mouse or DualSense that steers a hand; WHICH: /dev/hidraw*, serial number or VID:PID)",
      openHid},
 }};

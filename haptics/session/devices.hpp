@@ -18,7 +18,8 @@ struct OpenedDevice {
   HapticDeviceFacts facts;
 };
 
-/// Whether `spec` (HandConfig::device) names a held device: openhaptics[:NAME], dhd[:NUMBER] or hid[:WHICH].
+/// Whether `spec` (HandConfig::device) names a held device: openhaptics[:NAME], dhd[:NUMBER],
+/// haply[:SERIAL][:shared] or hid[:WHICH].
 bool isHeldDevice(const std::string& spec);
 /// List of the held devices, for a help text and for the error about an unknown one.
 std::string heldDevicesHelp();

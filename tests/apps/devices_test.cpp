@@ -3,6 +3,7 @@
 
 #include "tests/apps/running_program.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
+#include "tests/fake_devices/fake_haply.hpp"
 #include "tests/labels.hpp"
 #include "tests/says.hpp"
 
@@ -244,6 +245,65 @@ TEST_CASE("doctor reports how many ticks an idle servo loop misses on this machi
   CHECK(says(palpate("doctor --servo -1").text, "--servo"));
 }
 
+TEST_CASE("a Haply device is felt through its service, and doctor describes it" * kClock) {
+  const Scene scene;
+  std::vector<PathKey> hand;  // taps, since the session starts some time after the device
+  for (double t_s = 0; t_s < 12; t_s += 0.6)
+    for (const PathKey& key :
+         {PathKey{0, {0, 40, 0}}, PathKey{0.2, {0, 40, 0}}, PathKey{0.3, {0, 26, 0}}, PathKey{0.5, {0, 26, 0}}})
+      hand.push_back({t_s + key.t_s, key.position});
+  {
+    const FakeHaply service({.hand = hand});
+    works(scene.touch("--device haply --realtime --duration 1.6 --json " + scene.file("out.json")));
+    double most_N = 0;
+    const auto commands = service.commands();
+    for (const FakeHaply::Command& command : commands) most_N = std::max(most_N, command.force_N.y);
+    CHECK(most_N > 0.3);
+    CHECK(commands.back().force_N == DVec3(0));
+    CHECK(jsonOf(scene.folder / "out.json")["contact_ticks"].get<int>() > 10);
+  }
+  {
+    const FakeHaply service({.calibrated = false});
+    const Outcome outcome = palpate("doctor --json " + scene.file("doctor.json"));
+    CHECK(says(outcome.text, "Inverse3, serial number 049D, firmware 7.4, right hand, axes XYZ: is not calibrated"));
+    CHECK(says(outcome.text, "wireless grip 61548: connected: yes, battery 80 %"));
+    const auto haply = jsonOf(scene.folder / "doctor.json")["haptics"]["haply"];
+    CHECK(haply["version"] == "3.5.0");
+    CHECK(haply["devices"][0]["serial"] == "049D");
+    CHECK(haply["devices"][0]["calibrated"] == false);
+    CHECK(service.commands().empty());
+    const Outcome two = palpate("doctor --device haply:1234");
+    CHECK(two.code == 1);
+    CHECK(says(two.text, "there is no device '1234'; there is haply:049D (right hand)"));
+  }
+  {
+    const FakeHaply service({.handedness = "left"});
+    works("doctor --device haply:049D --json " + scene.file("doctor.json"));
+    const auto device = jsonOf(scene.folder / "doctor.json")["device"];
+    CHECK(device["serial"] == "049D");
+    CHECK(device["handedness"] == "left");
+    CHECK(device["renders_force"] == true);
+    CHECK(device["peak_force_N"] == 3.3);
+  }
+  const Variable none("PALPATE_HAPLY_CONFIG", scene.file("none.json"));
+  std::ofstream(scene.folder / "none.json") << R"({"communication/websocket/port": 1})";
+  CHECK(says(palpate(scene.held("", "haply")).text, "the Haply service does not answer"));
+}
+
+TEST_CASE("doctor examines one device, and says which permission its kind lacks") {
+  const ScratchFolder folder;
+  const FakeDriver driver;
+  works("doctor --device openhaptics --json " + (folder / "doctor.json").string());
+  const auto device = jsonOf(folder / "doctor.json")["device"];
+  CHECK(device["model"] == "Touch");
+  CHECK(device["serial"] == "FAKE-0001");
+  CHECK(device["workspace_max_mm"][0] == 80);
+  CHECK(device["renders_force"] == true);
+  CHECK(driver.lastForce_N() == DVec3(0));
+  CHECK(driver.note().closed == 1);
+  CHECK(says(palpate("doctor --device stick").text, "'stick' is not a device; devices are openhaptics[:NAME]"));
+}
+
 /// Programs started during its lifetime see the HID device of a script (fake_hidapi.cpp).
 class FakeHid {
  public:
@@ -277,6 +337,13 @@ TEST_CASE("doctor lists a 3D mouse, and says what to do if it cannot be opened")
     const FakeHid hid(std::string(kMouse) + "denied\n");
     CHECK(mice()[0]["usable"] == false);
     CHECK(mice()[0]["reason"].get<std::string>().size() > 5);
+  }
+  {
+    // A Touch without a serial port is opened by its driver, and steers nothing by itself.
+    const FakeHid hid("device /dev/null 2988 0301 ff00 1 Touch\ndenied\n");
+    const Outcome outcome = palpate("doctor");
+    CHECK(says(outcome.text, "--device openhaptics: Touch (2988:0301) at /dev/null, "));
+    CHECK(says(outcome.text, "no 3D mouse and no DualSense is plugged in"));
   }
   {
     // A keyboard of the same vendor.

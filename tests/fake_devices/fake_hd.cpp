@@ -270,7 +270,7 @@ const char* hdGetString(Enum parameter) {
 
 Enum hdCheckCalibration() {
   Stylus* stylus = called();
-  if (!stylus) return kNeedsManualInput;
+  if (!stylus || stylus->device->faultNow("uncalibrated")) return kNeedsManualInput;
   const FakeFault* fault = stylus->device->fault("calibration");
   return fault && stylus->checks++ < fault->number ? kNeedsManualInput
          : fault && stylus->checks < 1'000'000     ? kNeedsUpdate

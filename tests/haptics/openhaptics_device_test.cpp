@@ -151,6 +151,24 @@ TEST_CASE("a session waits for a stylus that must be in its inkwell to calibrate
   }
 }
 
+TEST_CASE("a stylus that loses its calibration gives no force, says so, and gives one again only in free space") {
+  std::mutex guard;
+  std::string words;
+  const auto say = [&](const std::string& text) {
+    const std::scoped_lock lock(guard);
+    words += text + "\n";
+  };
+  const FakeDriver driver("fake_hd", "fault uncalibrated 0 0.45 0.1", kPressing);
+  const Felt felt = feel({.say = say}, 1);
+  CHECK_FALSE(felt.result.deviceFailed);
+  CHECK(driver.note().mostForce_N > 0.1);
+  CHECK(driver.note().lateForces == 0);
+  CHECK(felt.result.trace().rows.back().contact);
+  CHECK(felt.result.trace().rows.back().force_N == DVec3(0));
+  CHECK(says(words, "Touch: the calibration is lost, so the pose is wrong and there is no force; put the stylus into"));
+  CHECK(says(words, "Touch: calibrated; the force returns in free space"));
+}
+
 TEST_CASE("a driver error during a touch stops the force as its meaning requires") {
   SUBCASE("no communication: the session ends") {
     const FakeDriver driver("fake_hd", "fault error 770 0.45", kPressing);

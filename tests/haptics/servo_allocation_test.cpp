@@ -1,9 +1,11 @@
 #include <doctest/doctest.h>
 
+#include "haptics/devices/haply_device.hpp"
 #include "haptics/devices/hid_device.hpp"
 #include "haptics/devices/rumbling_device.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/allocation_count.hpp"
+#include "tests/fake_devices/fake_haply.hpp"
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/haptics/fake_hid.hpp"
 
@@ -92,6 +94,26 @@ TEST_CASE("a tick of a 3D mouse with a rumbling gamepad allocates no memory, als
   countedThread = std::thread::id();
   CHECK(allocations == 0);
   CHECK(!rendered);
+}
+
+TEST_CASE("a tick of a Haply device allocates no memory, while its own thread speaks with the service") {
+  const FakeHaply service({});
+  HaplyDevice device({});
+  countedThread = std::this_thread::get_id();
+  allocations = 0;
+  counting = true;
+  bool rendered = false, written = true;
+  for (int i = 0; i < 400; ++i) {
+    rendered = device.read(0).rendersForce || rendered;
+    written = device.write({0, 0.1, 0}) && written;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  counting = false;
+  countedThread = std::thread::id();
+  CHECK(allocations == 0);
+  CHECK(rendered);
+  CHECK(written);
+  CHECK(service.commands().size() > 20);
 }
 
 }  // namespace palpate::servo_allocation_test

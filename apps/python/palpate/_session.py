@@ -240,7 +240,7 @@ class Session(_palpate._Session):
         """Starts ticks against the wall clock, on a servo thread that runs no Python code.
 
         Args:
-            device: openhaptics[:NAME], dhd[:NUMBER], hid[:WHICH], sim, replay:FILE or path; None: path.
+            device: openhaptics[:NAME], dhd[:NUMBER], haply[:SERIAL], hid[:WHICH], sim, replay:FILE or path; None: path.
             rate: ticks per second; 0: the session's.
             on_ticks: called with blocks of ticks (tick_dtype), on a thread of its own; with several hands their shape
                 is (ticks, hands).

@@ -13,7 +13,8 @@
 typedef struct pp_live_options {
   uint32_t size;           /**< bytes of this struct */
   uint32_t reserved;       /**< not used */
-  const char* device;      /**< openhaptics[:NAME] dhd[:NUMBER] hid[:WHICH] sim replay:FILE path; null: path */
+  const char* device;      /**< openhaptics[:NAME] dhd[:NUMBER] haply[:SERIAL] hid[:WHICH] sim replay:FILE path;
+                                null: path */
   const char* builtin;     /**< for sim and path: "press", "slide", "scan" or "orbit", instead of `path` */
   const pp_path* path;     /**< for path: followed against the clock, after which the hand stays; copied */
   double rate_Hz;          /**< ticks per second; 0: the session's */

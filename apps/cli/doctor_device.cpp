@@ -1,0 +1,146 @@
+#include "apps/cli/doctor_device.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "engine/core/error.hpp"
+#include "haptics/devices/driver_survey.hpp"
+#include "haptics/session/devices.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::milliseconds kTick{1};
+constexpr int kTicks = 200;  // for the first pose to come
+
+const char* yesNo(bool yes) { return yes ? "yes" : "no"; }
+
+/// Permissions that concern the devices of `spec`.
+Json permissionsFor(std::FILE* out, const std::string& spec) {
+  Mending mending;
+  const bool isTouch = spec.starts_with("openhaptics");
+  if (isTouch)
+    for (const NodeFinding& node : surveySerialPorts()) mending.add(node.mend);
+  if (isTouch || spec.starts_with("hid")) {
+    const auto transport = hidapiTransport();
+    for (const HidCandidate& hid : hidCandidates(*transport))
+      if (isStylus(hid) == isTouch) mending.add(hid.mend);
+  }
+  return mending.print(out);
+}
+
+/// After some ticks without a force.
+DeviceState poseOf(HapticDevice& device) {
+  DeviceState state;
+  int tick = 0;
+  const auto once = [&] {
+    state = device.read(1e-3 * tick);
+    return device.write(DVec3(0)) && state.ok && ++tick < kTicks;
+  };
+  if (device.paces()) {
+    device.pace(1000, once);
+    return state;
+  }
+  while (once()) std::this_thread::sleep_for(kTick);
+  return state;
+}
+
+}  // namespace
+
+void Mending::add(const std::string& command) {
+  if (!command.empty() && std::ranges::find(commands_, command) == commands_.end()) commands_.push_back(command);
+}
+
+Json Mending::print(std::FILE* out) const {
+  if (!commands_.empty()) fmt::print(out, "To grant missing permissions:\n");
+  for (const std::string& command : commands_) fmt::print(out, "  {}\n", command);
+  return commands_;
+}
+
+bool isStylus(const HidCandidate& hid) { return hid.kind == HidKind::hapticStylus; }
+
+Json haplyService(std::FILE* out) {
+  const HaplyFinding found = surveyHaply();
+  const bool answers = found.problem.empty();
+  fmt::print(out, "--device haply: Haply service\n");
+  Json json{{"answers", answers},       {"port", found.port},       {"version", found.version},
+            {"problem", found.problem}, {"devices", Json::array()}, {"grips", Json::array()}};
+  if (!answers) {
+    fmt::print(out, "  not usable: {}\n", found.problem);
+    return json;
+  }
+  fmt::print(out, "  version {} at 127.0.0.1:{}{}\n", found.version.empty() ? "unknown" : found.version, found.port,
+             found.tellsEvents ? "" : ", without a channel of events");
+  if (found.inventory.inverses.empty()) fmt::print(out, "  no Inverse3; check its cable and power supply\n");
+  for (const haply::Inverse& inverse : found.inventory.inverses) {
+    const char* model = inverse.small ? "Minverse" : "Inverse3";
+    const std::string readiness = readinessOf(inverse);
+    fmt::print(out, "  {}, serial number {}, firmware {}, {} hand, axes {}: {}\n", model, inverse.id,
+               inverse.firmware.empty() ? "unknown" : inverse.firmware, inverse.handedness, inverse.permutation,
+               readiness);
+    json["devices"].push_back({{"model", model},
+                               {"serial", inverse.id},
+                               {"firmware", inverse.firmware},
+                               {"handedness", inverse.handedness},
+                               {"axes", inverse.permutation},
+                               {"calibrated", inverse.calibrated},
+                               {"power_supply", inverse.powered},
+                               {"in_use", inverse.inUse},
+                               {"state", readiness}});
+  }
+  for (const haply::Grip& grip : found.inventory.grips) {
+    fmt::print(out, "  {} grip {}: connected: {}{}\n", grip.wireless ? "wireless" : "wired", grip.id,
+               yesNo(grip.connected), grip.battery ? fmt::format(", battery {:.0f} %", 100 * *grip.battery) : "");
+    json["grips"].push_back({{"serial", grip.id},
+                             {"wireless", grip.wireless},
+                             {"connected", grip.connected},
+                             {"battery", grip.battery ? Json(*grip.battery) : Json(nullptr)}});
+  }
+  return json;
+}
+
+Json examineDevice(std::FILE* out, const std::string& spec, Log& log) {
+  OpenedDevice opened;
+  try {
+    opened = openDevice(spec, {.log = log});
+  } catch (const Error&) {
+    permissionsFor(out, spec);
+    throw;
+  }
+  const HapticDeviceFacts& facts = opened.facts;
+  const DeviceLimits limits = opened.device->limits();
+  const DVec3 low = facts.workspaceMin_mm, high = facts.workspaceMax_mm;
+  const DeviceState state = poseOf(*opened.device);
+  if (!state.ok) throw Error("{}", opened.device->faultText());
+  const auto known = [](const std::string& text) { return text.empty() ? "not told by the device" : text.c_str(); };
+  fmt::print(out, "{}\n", spec);
+  fmt::print(out, "  model           {}\n  serial number   {}\n  driver          {}\n", facts.model,
+             known(facts.serial), known(facts.driver));
+  fmt::print(out,
+             "  workspace       right {:.0f} to {:.0f}, up {:.0f} to {:.0f}, towards the user {:.0f} to {:.0f} mm\n",
+             low.x, high.x, low.y, high.y, low.z, high.z);
+  fmt::print(out, "  force           at most {:.3g} N, {:.3g} N continuously\n", limits.peakForce_N,
+             limits.continuousForce_N);
+  fmt::print(out, "  buttons         {}\n  hand            {}\n  axes            {}\n", limits.buttons,
+             known(facts.handedness), known(facts.axes));
+  fmt::print(out, "  stylus          at {:.1f}, {:.1f}, {:.1f} mm; {}\n", state.position.x, state.position.y,
+             state.position.z, state.rendersForce ? "ready to give forces" : "gives no force now");
+  Json json{{"device", spec},
+            {"model", facts.model},
+            {"serial", facts.serial},
+            {"driver", facts.driver},
+            {"workspace_min_mm", vectorJson(low)},
+            {"workspace_max_mm", vectorJson(high)},
+            {"peak_force_N", limits.peakForce_N},
+            {"continuous_force_N", limits.continuousForce_N},
+            {"buttons", limits.buttons},
+            {"handedness", facts.handedness},
+            {"axes", facts.axes},
+            {"position_mm", vectorJson(state.position)},
+            {"renders_force", state.rendersForce}};
+  json["mend"] = permissionsFor(out, spec);
+  return json;
+}
+
+}  // namespace palpate

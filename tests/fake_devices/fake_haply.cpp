@@ -1,0 +1,327 @@
+#include "tests/fake_devices/fake_haply.hpp"
+
+#include <utility>  // Boost 1.74 uses std::exchange without it
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <deque>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "engine/core/clock.hpp"
+#include "haptics/devices/simulated_touch.hpp"
+
+namespace palpate {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using asio::ip::tcp;
+using Failure = boost::system::error_code;
+using Json = nlohmann::json;
+
+/// In the program's axes: its axis i is Haply's axis that the letter i names, with the sign before it.
+Json permuted(const std::string& permutation, const DVec3& palpate) {
+  const DVec3 haply(palpate.x, -palpate.z, palpate.y);
+  Json out;
+  int axis = 0;
+  double sign = 1;
+  for (const char letter : permutation) {
+    if (letter == '-') sign = -1;
+    if (letter < 'X') continue;
+    out[std::string(1, "xyz"[axis++])] = sign * haply[letter - 'X'];
+    sign = 1;
+  }
+  return out;
+}
+
+DVec3 unpermuted(const std::string& permutation, const Json& vector) {
+  DVec3 haply(0);
+  int axis = 0;
+  double sign = 1;
+  for (const char letter : permutation) {
+    if (letter == '-') sign = -1;
+    if (letter < 'X') continue;
+    haply[letter - 'X'] = sign * vector[std::string(1, "xyz"[axis++])].get<double>();
+    sign = 1;
+  }
+  return {haply.x, haply.z, -haply.y};
+}
+
+}  // namespace
+
+struct FakeHaply::Service {
+  using Socket = beast::websocket::stream<tcp::socket>;
+  /// A connection to either port.
+  struct Client {
+    explicit Client(tcp::socket socket, bool isEvents) : web(std::move(socket)), events(isEvents) {
+      web.next_layer().set_option(tcp::no_delay(true));
+    }
+    Socket web;
+    bool events, writes = false;
+    beast::flat_buffer buffer;
+    beast::http::request<beast::http::string_body> request;
+    beast::http::response<beast::http::string_body> answer;
+    std::deque<std::string> out;
+  };
+  using ClientPtr = std::shared_ptr<Client>;
+
+  explicit Service(FakeHaplyOptions given)
+      : options(std::move(given)),
+        simulation(io, {asio::ip::address_v4::loopback(), 0}),
+        events(io, {asio::ip::address_v4::loopback(), 0}),
+        hand(Path(options.hand), {}) {
+    accept(simulation, false);
+    accept(events, true);
+  }
+
+  void accept(tcp::acceptor& door, bool isEvents) {
+    door.async_accept([this, &door, isEvents](const Failure& failure, tcp::socket socket) {
+      if (failure) return;
+      const auto client = std::make_shared<Client>(std::move(socket), isEvents);
+      beast::http::async_read(client->web.next_layer(), client->buffer, client->request,
+                              [this, client](const Failure& unread, std::size_t) {
+                                if (!unread) greet(client);
+                              });
+      accept(door, isEvents);
+    });
+  }
+
+  void greet(const ClientPtr& client) {
+    if (beast::websocket::is_upgrade(client->request)) {
+      client->web.async_accept(client->request, [this, client](const Failure& failure) {
+        if (failure) return;
+        if (client->events) {
+          listener = client;
+        } else {
+          say(client, state(true).dump());
+          hear(client);
+        }
+      });
+      return;
+    }
+    // Up to 3.4 the version has the number of the format before it.
+    const bool old = options.version < "3.5";
+    const bool known = client->request.target() == (old ? "/3.0/version" : "/version");
+    client->answer.result(known ? beast::http::status::ok : beast::http::status::not_found);
+    client->answer.body() = Json{{"build_time", "2025-01-07T16:00:00"}, {"version", options.version}}.dump();
+    client->answer.prepare_payload();
+    beast::http::async_write(client->web.next_layer(), client->answer, [client](const Failure&, std::size_t) {
+      Failure ignored;
+      client->web.next_layer().shutdown(tcp::socket::shutdown_both, ignored);
+    });
+  }
+
+  void say(const ClientPtr& client, std::string text) {
+    client->out.push_back(std::move(text));
+    if (!client->writes) write(client);
+  }
+  void write(const ClientPtr& client) {
+    if (client->out.empty()) return;
+    client->writes = true;
+    client->web.async_write(asio::buffer(client->out.front()), [this, client](const Failure& failure, std::size_t) {
+      client->writes = false;
+      if (failure) return;
+      client->out.pop_front();
+      write(client);
+    });
+  }
+
+  void hear(const ClientPtr& client) {
+    client->web.async_read(client->buffer, [this, client](const Failure& failure, std::size_t) {
+      if (failure) return;
+      const Json message = Json::parse(beast::buffers_to_string(client->buffer.data()));
+      client->buffer.consume(client->buffer.size());
+      take(message);
+      hear(client);
+      answer(client);
+    });
+  }
+
+  void take(const Json& message) {
+    const std::scoped_lock lock(guard);
+    const double now_s = since.elapsed_s();
+    if (!began_s) began_s = now_s;
+    for (const Json& entry : message.at("inverse3")) {
+      const Json& command = entry.at("commands").at("set_cursor_force");
+      Command told{.time_s = now_s,
+                   .id = entry.at("device_id"),
+                   .values = command.contains("values"),
+                   .profile = message.contains("session"),
+                   .position_mm = sent_mm,
+                   .duringFault = faultIsOn(now_s),
+                   .afterFault = fault_s >= 0};
+      told.force_N = unpermuted(options.permutation, command.at(told.values ? "values" : "vector"));
+      felt = glm::length(told.force_N) >= kFelt_N ? felt + 1 : 0;
+      hand.write(told.force_N);
+      if (step_mm && steppedAt_s && std::abs(told.force_N.y - *step_mm) < 0.05) {
+        latencies.push_back(1e6 * (now_s - *steppedAt_s));
+        steppedAt_s.reset();
+      }
+      commands.push_back(std::move(told));
+    }
+  }
+
+  bool faultIsOn(double now_s) const { return fault_s >= 0 && now_s < fault_s + options.fault_s; }
+  bool faultIs(const char* name) const { return options.fault == name && faultIsOn(since.elapsed_s()); }
+
+  void answer(const ClientPtr& client) {
+    const double now_s = since.elapsed_s();
+    {
+      const std::scoped_lock lock(guard);
+      if (fault_s < 0 && !options.fault.empty() && felt >= 30) fault_s = now_s;
+    }
+    if (faultIs("closed")) {
+      Failure ignored;
+      client->web.next_layer().close(ignored);
+    } else if (faultIs("half")) {
+      // A frame of 1000 bytes of text, of which ten come.
+      if (!std::exchange(halved, true))
+        asio::write(client->web.next_layer(), asio::buffer(std::string("\x81\x7e\x03\xe8{\"inverse3", 14)));
+    } else if (faultIs("mute")) {
+      after(fault_s + options.fault_s, client);
+    } else if (options.rate_Hz > 0) {
+      due_s = std::max(now_s, due_s + 1 / options.rate_Hz);
+      after(due_s, client);
+    } else {
+      reply(client);
+    }
+  }
+  void after(double at_s, const ClientPtr& client) {
+    const auto timer = std::make_shared<asio::steady_timer>(
+        io, std::chrono::duration_cast<std::chrono::nanoseconds>(
+                std::chrono::duration<double>(std::max(0.0, at_s - since.elapsed_s()))));
+    timer->async_wait([this, client, timer](const Failure& failure) {
+      if (!failure) reply(client);
+    });
+  }
+
+  void reply(const ClientPtr& client) {
+    if (listener && options.fault == "safety" && fault_s >= 0 && stage < (faultIsOn(since.elapsed_s()) ? 1 : 2)) {
+      ++stage;
+      say(listener, Json{{"name", "device-safety-triggered"},
+                         {"category", "device"},
+                         {"level", stage == 1 ? "error" : "notice"},
+                         {"data",
+                          {{"device_id", options.ids.front()},
+                           {"safety_type", stage == 1 ? "ebrake_triggered" : "ebrake_released"}}},
+                         {"message", ""}}
+                        .dump());
+    }
+    std::string text = state(false).dump();
+    if (faultIs("nan")) {
+      const std::size_t x = text.find("\"x\":");
+      text.replace(x, text.find_first_of(",}", x) - x, "\"x\":NaN");
+    }
+    say(client, text);
+  }
+
+  DVec3 position_mm() {
+    const double now_s = since.elapsed_s(), time_s = began_s ? now_s - *began_s : 0;
+    if (options.step_s > 0) {
+      const double wanted = std::fmod(time_s, 2 * options.step_s) < options.step_s ? 0 : kStep_mm;
+      if (!step_mm || wanted != *step_mm) steppedAt_s = now_s;
+      step_mm = wanted;
+      return {0, wanted, 0};
+    }
+    const DVec3 jump(0, 0, faultIs("jump") ? 30 : 0);
+    return hand.read(time_s).position + jump;
+  }
+
+  Json state(bool whole) {
+    const std::scoped_lock lock(guard);
+    sent_mm = position_mm();
+    Json json;
+    if (whole) json["session_id"] = 7;
+    json["inverse3"] = Json::array();
+    for (const std::string& id : options.ids) {
+      if (faultIs("gone")) continue;
+      Json entry{{"device_id", id},
+                 {"state", {{"cursor_position", permuted(options.permutation, 1e-3 * (kMiddle_mm + sent_mm))}}},
+                 {"status",
+                  {{"calibrated", options.calibrated && !faultIs("uncalibrated")},
+                   {"in_use", options.inUse},
+                   {"power_supply", !faultIs("unpowered")},
+                   {"ready", true}}}};
+      if (faultIs("null")) entry["state"]["cursor_position"]["x"] = nullptr;
+      if (whole)
+        entry["config"] = {{"type", "inverse3"},
+                           {"device_info", {{"major_version", 7}, {"minor_version", 4}}},
+                           {"handedness", options.handedness},
+                           {"basis", {{"permutation", options.permutation}}}};
+      json["inverse3"].push_back(entry);
+    }
+    if (!options.grips) return json;
+    const double half = std::sqrt(0.5);
+    if (options.wireless)
+      json["wireless_verse_grip"] = {{{"device_id", "61548"},
+                                      {"state",
+                                       {{"orientation", {{"w", half}, {"x", 0}, {"y", 0}, {"z", half}}},
+                                        {"buttons", {{"a", false}, {"b", options.pressed}, {"c", false}}},
+                                        {"battery_level", 0.8}}},
+                                      {"status", {{"connected", true}}}}};
+    else
+      json["verse_grip"] = {
+          {{"device_id", "1"},
+           {"state",
+            {{"button", options.pressed}, {"hall", 0}, {"orientation", {{"w", 1}, {"x", 0}, {"y", 0}, {"z", 0}}}}}}};
+    return json;
+  }
+
+  FakeHaplyOptions options;
+  asio::io_context io{1};
+  tcp::acceptor simulation, events;
+  ClientPtr listener;
+  Stopwatch since;
+  mutable std::mutex guard;  // of what follows
+  SimulatedTouch hand;
+  std::optional<double> began_s, step_mm, steppedAt_s;
+  double fault_s = -1, due_s = 0;
+  int felt = 0, stage = 0;
+  bool halved = false;
+  DVec3 sent_mm{0};
+  std::vector<Command> commands;
+  std::vector<double> latencies;
+};
+
+FakeHaply::FakeHaply(FakeHaplyOptions options)
+    : service_(std::make_unique<Service>(std::move(options))),
+      config_("PALPATE_HAPLY_CONFIG", (folder_ / "haply.json").string()),
+      thread_([this] { service_->io.run(); }) {
+  const std::uint16_t port = service_->simulation.local_endpoint().port();
+  std::ofstream(folder_ / "haply.json") << Json{
+      {"communication/websocket/port", port},
+      {"communication/http/port", port},
+      {"communication/events/port", service_->events.local_endpoint().port()}};
+}
+
+FakeHaply::~FakeHaply() { service_->io.stop(); }
+
+std::vector<FakeHaply::Command> FakeHaply::commands() const {
+  const std::scoped_lock lock(service_->guard);
+  return service_->commands;
+}
+
+double FakeHaply::faultBegan_s() const {
+  const std::scoped_lock lock(service_->guard);
+  return service_->fault_s;
+}
+
+int FakeHaply::forcesAfterFault() const {
+  int count = 0;
+  for (const Command& command : commands()) count += command.afterFault && command.force_N != DVec3(0);
+  return count;
+}
+
+std::vector<double> FakeHaply::latencies_us() const {
+  const std::scoped_lock lock(service_->guard);
+  return service_->latencies;
+}
+
+}  // namespace palpate

@@ -1,0 +1,66 @@
+// A service of Haply devices in this process, with a simulated hand behind it and faults on demand. It answers on ports
+// of its own, which the program finds through PALPATE_HAPLY_CONFIG.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engine/core/vec.hpp"
+#include "haptics/path.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/surroundings.hpp"
+
+namespace palpate {
+
+struct FakeHaplyOptions {
+  std::vector<PathKey> hand{{0, DVec3(0)}};  ///< about kMiddle_mm, in palpate's axes; time since the first command
+  std::string version = "3.5.0", permutation = "XYZ", handedness = "right";
+  std::vector<std::string> ids{"049D"};
+  bool inUse = false, calibrated = true, wireless = true, grips = true, pressed = false;
+  double rate_Hz = 0;  ///< of its answers at most; 0: at once
+  double step_s = 0;   ///< if not 0, the cursor steps by kStep_mm each time
+  /// Begins once a force of kFelt_N was felt in 30 commands in a row: mute, half, closed, nan, null, uncalibrated,
+  /// unpowered, safety, jump, gone.
+  std::string fault;
+  double fault_s = 0.2;
+};
+
+class FakeHaply {
+ public:
+  static constexpr DVec3 kMiddle_mm{0, 150, 120};
+  static constexpr double kFelt_N = 0.2, kStep_mm = 0.5;
+
+  explicit FakeHaply(FakeHaplyOptions options);
+  ~FakeHaply();
+
+  /// A command that came.
+  struct Command {
+    double time_s = 0;     ///< since the service began
+    std::string id;        ///< of the device
+    bool values = false;   ///< spelling of the force
+    bool profile = false;  ///< it names the program
+    DVec3 force_N{0};      ///< in palpate's axes
+    DVec3 position_mm{0};  ///< of the state before it, about kMiddle_mm
+    bool duringFault = false, afterFault = false;
+  };
+  std::vector<Command> commands() const;
+  /// When the first faulty state was sent, or not sent; negative if none was.
+  double faultBegan_s() const;
+  /// Commands with a force that came after the first faulty state.
+  int forcesAfterFault() const;
+  /// From the first state with a new position to the first force that answers it, microseconds (step_s).
+  std::vector<double> latencies_us() const;
+  const ScratchFolder& folder() const { return folder_; }
+
+ private:
+  struct Service;
+  ScratchFolder folder_;
+  std::unique_ptr<Service> service_;
+  Variable config_;
+  std::jthread thread_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,347 @@
+// A Haply device against a service in this process, over real sockets.
+// ctest: waits
+#include "haptics/devices/haply_device.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+
+#include "engine/core/error.hpp"
+#include "haptics/servo_loop.hpp"
+#include "haptics/tick_pacer.hpp"
+#include "tests/fake_devices/fake_haply.hpp"
+#include "tests/haptics/contact_doubles.hpp"
+#include "tests/labels.hpp"
+#include "tests/near.hpp"
+#include "tests/says.hpp"
+
+namespace palpate::haply_device_test {
+namespace {
+
+constexpr double kStiffness_N_per_mm = 0.4, kRadius_mm = 20;
+constexpr DVec3 kMiddle_mm = FakeHaply::kMiddle_mm;
+/// Above the sphere, then 3 mm deep in it.
+const std::vector<PathKey> kPressing{{0, {0, 26, 0}}, {0.2, {0, 26, 0}}, {0.4, {0, 14, 0}}};
+
+/// Sentences, from any thread.
+class Sentences {
+ public:
+  std::function<void(const std::string&)> sink() {
+    return [this](const std::string& sentence) {
+      const std::scoped_lock lock(guard_);
+      text_ += sentence + "\n";
+    };
+  }
+  std::string text() const {
+    const std::scoped_lock lock(guard_);
+    return text_;
+  }
+
+ private:
+  mutable std::mutex guard_;
+  std::string text_;
+};
+
+struct Felt {
+  ServoResult result;
+  std::string said;
+};
+Felt feel(double duration_s, HaplyOptions options = {}) {
+  Sentences sentences;
+  options.say = sentences.sink();
+  HaplyDevice device(options);
+  SphereContact sphere(kRadius_mm, kMiddle_mm);
+  ServoLoop loop(device, sphere, ForceLaw({.stiffness_N_per_mm = kStiffness_N_per_mm}, {}),
+                 {.duration_s = duration_s, .realtime = true});
+  ServoResult result = loop.run();
+  return {std::move(result), sentences.text()};
+}
+
+std::string complaintOf(const HaplyOptions& options = {}) {
+  try {
+    const HaplyDevice device(options);
+    return "no complaint";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+double most_N(const std::vector<FakeHaply::Command>& commands, double from_s, double to_s) {
+  double most = 0;
+  for (const FakeHaply::Command& command : commands)
+    if (command.time_s >= from_s && command.time_s < to_s) most = std::max(most, glm::length(command.force_N));
+  return most;
+}
+
+/// A state that is ready for forces.
+DeviceState settled(HaplyDevice& device) {
+  for (int i = 0; i < 2000; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (const DeviceState state = device.read(0); state.ok && state.rendersForce) return state;
+  }
+  return {};
+}
+
+/// A wall pushes along +y with stiffness times depth.
+void checkWall(const FakeHaply& service) {
+  const auto commands = service.commands();
+  double force_N = 0, expected_N = 0, sideways_N = 0;
+  int count = 0;
+  for (const FakeHaply::Command& command : commands) {
+    if (command.time_s < 1.0 || command.time_s > 1.25) continue;
+    const double depth_mm = kRadius_mm - glm::length(command.position_mm);
+    force_N += command.force_N.y;
+    expected_N += kStiffness_N_per_mm * depth_mm;
+    sideways_N = std::max(sideways_N, std::hypot(command.force_N.x, command.force_N.z));
+    ++count;
+  }
+  REQUIRE(count > 20);
+  MESSAGE("a wall's force: " << force_N / count << " N arrive for " << expected_N / count << " N, " << count
+                             << " commands");
+  CHECK(expected_N / count > 0.3);
+  CHECK(force_N == near(expected_N, 0.02));
+  CHECK(sideways_N < 0.02);
+  CHECK(commands.back().force_N == DVec3(0));
+}
+
+}  // namespace
+
+TEST_CASE("the force of a wall arrives at a Haply device with its direction and size, in either spelling" * kClock) {
+  FakeHaplyOptions options{.hand = kPressing};
+  bool values = false;
+  SUBCASE("service 3.5 says vector") {}
+  SUBCASE("service 3.1 says values, and tells its version elsewhere") {
+    options.version = "3.1.2";
+    values = true;
+  }
+  SUBCASE("a permuted basis is undone") { options.permutation = "ZXY"; }
+  SUBCASE("a mirrored basis of a device for the left hand") {
+    options.permutation = "X-ZY";
+    options.handedness = "left";
+  }
+  SUBCASE("a service with 4000 states a second") { options.rate_Hz = 4000; }
+  SUBCASE("a service with 200 states a second") { options.rate_Hz = 200; }
+  const FakeHaply service(options);
+  const Felt felt = feel(1.4);
+  CHECK_MESSAGE(!felt.result.deviceFailed, felt.result.fault);
+  checkWall(service);
+  const auto commands = service.commands();
+  CHECK(commands.front().profile);
+  CHECK_FALSE(commands.back().profile);
+  CHECK(std::ranges::all_of(commands, [&](const auto& command) { return command.values == values; }));
+  if (options.permutation != "XYZ") CHECK(says(felt.said, "its axes are permuted (" + options.permutation + ")"));
+  CHECK(says(felt.said, "set up for the " + options.handedness + " hand"));
+}
+
+namespace {
+
+struct FaultRow {
+  int forces = 0;      // commands with a force that came after the first faulty state
+  double zero_ms = 0;  // from that state to the last of them
+  bool ended = false;  // the session
+};
+
+/// Presses, has a fault, and keeps pressing until the end.
+FaultRow checkFault(const std::string& name, const std::string& sentence, bool ends, double fault_s = 0.15) {
+  FakeHaplyOptions options{.hand = kPressing, .fault = name, .fault_s = fault_s};
+  const FakeHaply service(options);
+  const Felt felt = feel(ends ? 5 : 1.6);
+  FaultRow row{.forces = service.forcesAfterFault(), .ended = felt.result.deviceFailed};
+  REQUIRE_MESSAGE(service.faultBegan_s() > 0, felt.said);
+  for (const FakeHaply::Command& command : service.commands())
+    if (command.afterFault && command.force_N != DVec3(0))
+      row.zero_ms = std::max(row.zero_ms, 1e3 * (command.time_s - service.faultBegan_s()));
+  CHECK(row.forces <= 1);
+  CHECK(row.ended == ends);
+  CHECK(says(felt.said + felt.result.fault, sentence));
+  const FakeHaply::Command last = service.commands().back();
+  CHECK((last.force_N == DVec3(0) || !last.afterFault));  // through a closed connection none comes any more
+  MESSAGE("| " << name << " | " << row.forces << " | " << row.zero_ms << " | " << std::string(ends ? "ends" : "goes on")
+               << " |");
+  return row;
+}
+
+}  // namespace
+
+TEST_CASE("a fault of a Haply device takes the force within two ticks, and it stays away while the hand presses" *
+          kClock) {
+  SUBCASE("no calibration") { checkFault("uncalibrated", "is not calibrated (purple light)", false); }
+  SUBCASE("no power supply") { checkFault("unpowered", "has no power supply", false); }
+  SUBCASE("its safety") { checkFault("safety", "was stopped by its safety (cyan light)", false); }
+  SUBCASE("a jump") { checkFault("jump", "jumped faster than a hand can move", false); }
+  SUBCASE("text that is no JSON") { checkFault("nan", "sent a message that is no JSON", false); }
+  SUBCASE("a position that is no number") { checkFault("null", "a position that is not a number", false); }
+  SUBCASE("gone for a moment") { checkFault("gone", "is no longer connected", false); }
+  SUBCASE("no state for a moment") { checkFault("mute", "gives no data (red light)", false); }
+}
+
+TEST_CASE("a Haply device that is lost ends the session without a force" * kClock) {
+  SUBCASE("unplugged") { checkFault("gone", "is no longer connected", true, 1e9); }
+  SUBCASE("a mute service") { checkFault("mute", "gives no data", true, 1e9); }
+  SUBCASE("half a frame") { checkFault("half", "gives no data", true, 1e9); }
+  SUBCASE("a closed connection") { checkFault("closed", "the Haply service closed the connection", true, 1e9); }
+}
+
+TEST_CASE("after a fault of a Haply device the force returns from free space" * kClock) {
+  std::vector<PathKey> hand = kPressing;
+  for (const PathKey& key :
+       {PathKey{1.2, {0, 14, 0}}, PathKey{1.3, {0, 26, 0}}, PathKey{1.4, {0, 26, 0}}, PathKey{1.6, {0, 14, 0}}})
+    hand.push_back(key);
+  const FakeHaply service({.hand = hand, .fault = "uncalibrated", .fault_s = 0.15});
+  const Felt felt = feel(2.2);
+  const auto commands = service.commands();
+  const double fault_s = service.faultBegan_s();
+  REQUIRE(fault_s > 0);
+  CHECK(most_N(commands, 0, fault_s) > FakeHaply::kFelt_N);
+  CHECK(most_N(commands, fault_s + 0.01, 1.2) == 0);
+  CHECK(most_N(commands, 1.7, 2.2) > 0.3);
+  CHECK(says(felt.said, "is ready (white light"));
+}
+
+TEST_CASE("a Haply device's pose has palpate's axes, and its grip's orientation and buttons") {
+  FakeHaplyOptions options{.hand = {{0, {11, 22, -33}}}, .pressed = true};
+  DQuat turn(std::sqrt(0.5), 0, std::sqrt(0.5), 0);  // about Haply's z, which is palpate's y
+  std::uint32_t buttons = 2;
+  int count = 2;
+  SUBCASE("wireless") {}
+  SUBCASE("wired") {
+    options.wireless = false;
+    turn = {1, 0, 0, 0};
+    buttons = count = 1;
+  }
+  SUBCASE("without a grip") {
+    options.grips = false;
+    turn = {1, 0, 0, 0};
+    buttons = 0;
+    count = 0;
+  }
+  const FakeHaply service(options);
+  HaplyDevice device({});
+  const DeviceState state = settled(device);
+  REQUIRE(state.ok);
+  CHECK(glm::distance(state.position, kMiddle_mm + DVec3(11, 22, -33)) < 0.1);
+  CHECK(std::abs(glm::dot(state.turn, turn)) == near(1, 1e-9));
+  CHECK(state.buttons == buttons);
+  CHECK(device.limits().buttons == count);
+}
+
+TEST_CASE("a mirrored basis turns a Haply grip the right way") {
+  // A quarter about the first of the program's axes, in a frame whose second axis is negated.
+  const auto axes = haply::axesOf("X-YZ");
+  REQUIRE(axes.has_value());
+  const std::string message =
+      R"({"inverse3":[{"device_id":"A","state":{"cursor_position":{"x":0.001,"y":0.002,"z":0.003}}}],
+          "verse_grip":[{"device_id":"1","state":{"orientation":{"w":1,"x":0,"y":0,"z":1}}}]})";
+  const haply::State state = haply::stateIn(message, {.id = "A", .grip = "1", .wireless = false, .axes = *axes}, {});
+  CHECK(glm::distance(state.position_mm, DVec3(1, 3, 2)) < 1e-9);
+  // Mirrored, a turn about up goes the other way round.
+  CHECK(std::abs(glm::dot(state.turn, DQuat(std::sqrt(0.5), 0, -std::sqrt(0.5), 0))) == near(1, 1e-9));
+  CHECK_FALSE(haply::axesOf("XXY").has_value());
+  CHECK_FALSE(haply::axesOf("XY").has_value());
+}
+
+TEST_CASE("two Haply devices are told apart by their serial numbers") {
+  const FakeHaply service({.ids = {"049D", "0815"}});
+  CHECK(
+      says(complaintOf(), "there are 2 devices; choose one by its serial number: haply:049D (right hand), haply:0815"));
+  CHECK(says(complaintOf({.serial = "1234"}), "there is no device '1234'; there is haply:049D"));
+  {
+    HaplyDevice device({.serial = "0815"});
+    settled(device);
+    CHECK(device.facts().serial == "0815");
+  }
+  const auto commands = service.commands();
+  REQUIRE_FALSE(commands.empty());
+  CHECK(std::ranges::all_of(commands, [](const auto& command) { return command.id == "0815"; }));
+}
+
+TEST_CASE("a Haply device in another program's use is refused, unless it is asked for") {
+  const FakeHaply service({.inUse = true});
+  CHECK(says(complaintOf(), "another program uses 049D, and the forces of both would add up"));
+  CHECK(service.commands().empty());
+  CHECK(complaintOf({.shares = true}) == "no complaint");
+}
+
+TEST_CASE("without a Haply service, a device or a readable configuration an error says what to do") {
+  const ScratchFolder folder;
+  const Variable config("PALPATE_HAPLY_CONFIG", (folder / "haply.json").string());
+  const auto complains = [&](const std::string& text, const std::string& part) {
+    std::ofstream(folder / "haply.json") << text;
+    CHECK(says(complaintOf(), part));
+  };
+  complains(R"({"communication/websocket/port": 1})", "the Haply service does not answer (127.0.0.1:1: ");
+  complains(R"({"communication/websocket/port": 70000})", "haply.json: communication/websocket/port is not a port");
+  complains("{", "haply.json: is not the JSON of the Haply service's configuration");
+  const FakeHaply service({.ids = {}});
+  CHECK(says(complaintOf(), "the Haply service has no Inverse3; check its cable and power supply"));
+}
+
+TEST_CASE("a crash leaves a Haply device without a force") {
+  const FakeHaply service({});
+  HaplyDevice device({});
+  settled(device);
+  for (int i = 0; i < 5000 && most_N(service.commands(), 0, 1e9) == 0; ++i) {
+    CHECK(device.write({0, 1, 0}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  device.emergencyStop();
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  CHECK(service.commands().back().force_N == DVec3(0));
+  CHECK(device.write({0, 1, 0}));
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  CHECK(service.commands().back().force_N == DVec3(0));
+}
+
+TEST_CASE("a session that no longer writes forces to a Haply device leaves it without one") {
+  const FakeHaply service({});
+  HaplyDevice device({});
+  settled(device);
+  for (int i = 0; i < 5000 && most_N(service.commands(), 0, 1e9) == 0; ++i) {
+    CHECK(device.write({0, 1, 0}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  CHECK(service.commands().back().force_N == DVec3(0));
+  CHECK_FALSE(device.write({std::nan(""), 0, 0}));
+  CHECK(device.write({0, 100, 0}));
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  CHECK(most_N(service.commands(), 0, 1e9) <= device.limits().peakForce_N + 1e-9);
+}
+
+TEST_CASE("the force answers a Haply device's pose within a few milliseconds" * kMoreInFull * kClock) {
+  const int steps = byTier(150, 3000);
+  constexpr double kStep_s = 0.006;
+  const FakeHaply service({.step_s = kStep_s});
+  HaplyDevice device({});
+  settled(device);
+  const TickPacer pacer(1000, false);
+  const std::size_t before = service.latencies_us().size();
+  for (std::uint64_t tick = 0; static_cast<double>(tick) < steps * kStep_s * 1000; tick = pacer.waitFor(tick + 1)) {
+    const DeviceState state = device.read(0);
+    REQUIRE(device.write({0, state.position.y - kMiddle_mm.y, 0}));
+  }
+  std::vector<double> all = service.latencies_us();
+  std::vector<double> latencies(all.begin() + static_cast<std::ptrdiff_t>(before), all.end());
+  REQUIRE(latencies.size() > static_cast<std::size_t>(steps) / 2);
+  std::ranges::sort(latencies);
+  const auto at = [&](double share) {
+    return latencies[std::min(latencies.size() - 1,
+                              static_cast<std::size_t>(share * static_cast<double>(latencies.size())))];
+  };
+  MESSAGE("pose to force: median " << at(0.5) << " us, p99.9 " << at(0.999) << " us, N " << latencies.size());
+  CHECK(at(0.5) < 4000);
+}
+
+TEST_CASE("the version of a Haply service decides the spelling of the force") {
+  CHECK(haply::versionIn(R"({"build_time": "2024-08-07T16:00:00", "version": "3.0.5"})") == "3.0.5");
+  CHECK(haply::versionIn("3.5.1-rc") == "3.5.1");
+  CHECK(haply::versionIn("no number").empty());
+  CHECK(haply::saysValues("3.0.5"));
+  CHECK(haply::saysValues("3.1"));
+  CHECK_FALSE(haply::saysValues("3.2.0"));
+  CHECK_FALSE(haply::saysValues(""));
+}
+
+}  // namespace palpate::haply_device_test
