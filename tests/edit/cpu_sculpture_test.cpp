@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <numbers>
 #include <random>
 
@@ -46,18 +47,23 @@ class RandomSculpting {
   RandomSculpting(CpuSculpture& sculpture, double radius, std::uint32_t seed)
       : sculpture_(sculpture), radius_(radius), random_(seed) {}
 
+  std::size_t removed() const { return removed_; }
   void one() {
     constexpr std::array kBrushes{BrushKind::push, BrushKind::carve,   BrushKind::inflate, BrushKind::smooth,
                                   BrushKind::grab, BrushKind::flatten, BrushKind::paint};
     const BrushOptions brush{
         .kind = kBrushes[pick(kBrushes.size())], .yieldDepth = 0.5, .pushRate = 0.5, .radius = 4.0 + pick(20)};
-    const DVec3 outward = glm::normalize(DVec3(share(), share(), share()) + DVec3(0, 0, 1e-3));
+    const std::uint32_t under = pick(2000);
+    if (pick(4) == 0) crowd(under);  // so that points merge
+    const DVec3 outward = glm::normalize(DVec3(sculpture_.points().positions[under]));
     const double depth = 0.5 + 3 * std::abs(share());
     const PlacedBrush placed = brushAt(brush, radius_, (kShapeRadius - depth) * outward, depth * outward);
     for (std::uint32_t tick = 0; tick < 3; ++tick) {
       note();
       sculpture_.edit(placed);
       checkIndex(sculpture_);
+      removed_ += static_cast<std::size_t>(std::ranges::count_if(
+          sculpture_.changed(), [&](std::uint32_t point) { return !sculpture_.points().there[point]; }));
     }
     if (pick(3) == 0) undo();
   }
@@ -67,6 +73,16 @@ class RandomSculpting {
     return std::uniform_int_distribution<std::uint32_t>(0, static_cast<std::uint32_t>(n) - 1)(random_);
   }
   double share() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
+  void crowd(std::uint32_t under) {
+    std::vector<PointChange> changes;
+    for (std::uint32_t i = under + 1; i < under + 6; ++i) {
+      changes.push_back({sculpture_.points().state(i), sculpture_.points().state(under)});
+      changes.back().to.id = i;
+      changes.back().to.parent = i;
+    }
+    sculpture_.set(changes);
+    checkIndex(sculpture_);
+  }
   void note() {
     before_.clear();
     for (std::uint32_t i = 0; i < sculpture_.points().size(); ++i) before_.push_back(sculpture_.points().state(i));
@@ -92,6 +108,7 @@ class RandomSculpting {
   double radius_;
   std::mt19937 random_;
   std::vector<PointState> before_;
+  std::size_t removed_ = 0;
 };
 
 }  // namespace
@@ -105,6 +122,7 @@ TEST_CASE("whatever is sculpted and undone, the CPU's index is that of a fresh b
     for (int edit = 0; edit < byTier(100, 3000); ++edit) random.one();
     CHECK(sculpture.followed() > 10);
     CHECK(sculpture.points().size() > cloud.size());
+    CHECK(random.removed() > 0);
     if (first.empty()) first = sculpture.points().positions;
     CHECK(sculpture.points().positions == first);
   }
