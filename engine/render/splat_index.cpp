@@ -23,8 +23,9 @@ SplatIndex::Following::Following(Device& device, const SpatialHash& hash, const 
     : update(device, device.throughputQueue(), hash, options),
       follow(device, shader_code::render_splat_follow, followPipeline(update.dispatch())),
       near(device, shader_code::render_splat_near, {.pushBytes = sizeof(shared::SplatNearArgs)}),
-      cells(device, sizeof(shared::ChangedCells) + sizeof(IVec3) * std::uint64_t{update.mostMoves()}, Memory::device,
-            "changed cells"),
+      // Room for a vec4 at the end: the validation layer of Debian 12 takes the store of an ivec3 for one.
+      cells(device, sizeof(shared::ChangedCells) + sizeof(IVec3) * std::uint64_t{update.mostMoves()} + sizeof(float),
+            Memory::device, "changed cells"),
       cellsRead(Buffer::of<shared::ChangedCells>(device, 1, Memory::readback, "read number of changed cells")),
       lastOf(Buffer::of<std::uint32_t>(device, std::uint64_t{hash.grid().bucketMask} + 1, Memory::device,
                                        "last changed cells")),

@@ -63,7 +63,8 @@ HashUpdate::HashUpdate(Device& device, Queue& queue, const SpatialHash& hash, co
       template_(Buffer::of<shared::HashUpdate>(device, 1, Memory::device, "empty update")),
       counters_(Buffer::of<shared::HashUpdate>(device, 1, Memory::device, "update counters")),
       report_(Buffer::of<shared::HashUpdate>(device, 1, Memory::readback, "update report")),
-      moves_(Buffer::of<shared::PointMove>(device, mostMoves_, Memory::device, "point moves")),
+      // One more, since the validation layer of Debian 12 overestimates the size of the store of a whole move.
+      moves_(Buffer::of<shared::PointMove>(device, std::uint64_t{mostMoves_} + 1, Memory::device, "point moves")),
       marks_(deviceWords(device, hash.grid().bucketMask + 1, "bucket marks")),
       touched_(
           deviceWords(device, (kBucketsPerMove + kWordsPerArrival) * std::uint64_t{mostMoves_}, "touched buckets")),

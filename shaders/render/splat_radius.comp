@@ -77,20 +77,23 @@ void visitNeighbour(uint id, vec3 other, vec3 d) {
   behindB = max(behindB, countedFrom(least, -second));
 }
 
-// Visits all points nearer than `radius`, each once, of all points in the cells around or the first `most` of them, in
-// the order of the cells and of the ids. Returns their number. The whole subgroup calls it together.
+uint visitsOfCells() { return kSplatVisitsOfCell * min(walkNextCell, walkCells); }
+
+// Visits all points nearer than `radius`, each once, of all points in the cells around or, with those cells, the first
+// `most` of them, in the order of the cells and of the ids. Returns their number. The whole subgroup calls it together.
 uint visitNeighbours(vec3 center, float radius, uint most) {
-  uint visited = 0;
+  uint points = 0;
   beginWalk(center, radius);
-  while (visited < most && walkOn(center, radius, kWalkUnlimited)) {
+  while (points + visitsOfCells() < most && walkOn(center, radius, kWalkUnlimited)) {
+    const uint cells = visitsOfCells();
     [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i) {
       const uvec4 inBox = subgroupBallot(walkedInBox[i]);
-      if (walkedNear[i] && visited + subgroupBallotExclusiveBitCount(inBox) < most)
+      if (walkedNear[i] && cells + points + subgroupBallotExclusiveBitCount(inBox) < most)
         visitNeighbour(floatBitsToUint(walkedPositions[i].w), walkedNormals[i], walkedPositions[i].xyz - center);
-      visited += subgroupBallotBitCount(inBox);
+      points += subgroupBallotBitCount(inBox);
     }
   }
-  return min(visited, most);
+  return min(points + visitsOfCells(), most);
 }
 
 // Visits the points nearer than `radius` that the last search has not visited. The whole subgroup calls it together.

@@ -51,8 +51,9 @@ const float kSplatSharpest = -0.5f;
 // In radii: the other side of an edge counts if it has points this near.
 const float kSplatEdgeReach = 2.0f;
 // Points of the cells around a disc that all its searches visit together, and the search for the other side of an
-// edge: so many for each invocation of a subgroup, of 8 at least. Beyond it the result uses the points visited so far:
-// only in dense clusters of points.
+// edge: so many for each invocation of a subgroup, of 8 at least. A cell counts as the points that share its bucket on
+// average. Beyond it the result uses the points visited so far: only in dense clusters of points.
+const uint kSplatVisitsOfCell = 4;
 const uint kSplatVisitsEach = 124, kSplatEdgeVisitsEach = 100;
 PALPATE_FUNCTION uint splatMostVisits(uint subgroup) { return kSplatVisitsEach * (subgroup < 8u ? 8u : subgroup); }
 PALPATE_FUNCTION uint splatMostEdgeVisits(uint subgroup) {
