@@ -97,6 +97,7 @@ def metadata(version: str) -> str:
              f"Summary: {project['description']}", "License: none has been chosen by the owner; all rights reserved",
              f"Requires-Python: {project['requires-python']}"]
     lines += [f"Requires-Dist: {dependency}" for dependency in project["dependencies"]]
+    lines += [f"Classifier: {classifier}" for classifier in project["classifiers"]]
     lines += ["Description-Content-Type: text/markdown", "", (HERE / project["readme"]).read_text()]
     return "\n".join(lines)
 

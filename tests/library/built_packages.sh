@@ -6,6 +6,7 @@ set -euo pipefail
 packages=$(cd "$1" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+cd "$scratch"
 fail() { echo "built_packages: $*" >&2; exit 1; }
 
 if command -v lintian > /dev/null; then
@@ -22,6 +23,7 @@ clean() {  # COMMAND...: without the settings of this session
   env -i PATH=/usr/bin:/bin HOME="$scratch" LC_ALL=C.UTF-8 PYTHONDONTWRITEBYTECODE=1 "$@"
 }
 works_without_a_gpu() {  # PROGRAM
+  rm -f "$scratch"/cloud.*
   local program=(clean "LD_LIBRARY_PATH=$scratch/no_loader" "$1") cloud=$scratch/cloud.ply said=$scratch/said
   "${program[@]}" make sculpture -n 5000 -o "$cloud" 2> "$said" || fail "$(cat "$said")"
   "${program[@]}" info "$cloud" > "$said" || fail "info: $(cat "$said")"
@@ -31,7 +33,7 @@ works_without_a_gpu() {  # PROGRAM
   for part in 'GPU: none' '--device hid' 'work on the processor'; do
     grep -q -e "$part" "$said" || fail "doctor does not report '$part': $(cat "$said")"
   done
-  for command in 'touch --backend vulkan' render 'mesh -o mesh.ply'; do
+  for command in 'touch --backend vulkan' 'render -o out.png' 'mesh -o out.ply'; do
     # shellcheck disable=SC2086
     if "${program[@]}" $command "$cloud" > "$said" 2>&1; then fail "$command ran on a GPU without a loader"; fi
     [ "$(grep -c 'install the package libvulkan1' "$said")" = 1 ] || fail "$command: $(cat "$said")"
