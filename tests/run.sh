@@ -8,7 +8,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_RESULTS=$PWD/build/tests/cases
 
-legs=(plain windows searched one_thread fuzz lint links thread swiftshader layer mutations truths address arm64)
+legs=(plain windows searched one_thread fuzz lint links thread swiftshader layer mutations truths address arm64
+      packages)
 build() { cmake --preset "$1" > /dev/null && cmake --build --preset "$1" --target "${@:2}"; }  # PRESET TARGETS...
 tests() {  # PRESET [CTEST OPTIONS...]: two slots per core, since some entries sleep (tests/CMakeLists.txt)
   ctest --preset "$1" -j $((2 * $(nproc) + 2)) --no-tests=error "${@:2}"
@@ -41,6 +42,13 @@ windows() {
   build release palpate && build windows palpate all_tests && xvfb-run -a bash third_party/wine.sh wineboot > /dev/null
   PALPATE_TESTS_VALIDATE=0 xvfb-run -a ctest --preset windows -j 2 -R '^(core|io|haptics|session|gpu)\.' &&
     bash tests/windows_session.sh
+}
+packages() {  # the Debian packages, the archive and the wheel; with root and debootstrap also in a bare Debian
+  local made=build/packages/packages
+  build packages all && cpack --preset packages > /dev/null && bash tests/library/built_packages.sh $made || return
+  [ "$(id -u)" -eq 0 ] && command -v debootstrap > /dev/null || { skip 'bare Debian: no root or debootstrap'; return; }
+  PYTHONPATH=apps/python python3 -c "import wheel_backend as wheel
+wheel.build_wheel('$made', {'build': 'build/packages'})" && bash third_party/try_packages.sh
 }
 arm64() { bash third_party/install.sh --arm64 && bash third_party/arm64.sh; }
 

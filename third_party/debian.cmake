@@ -1,5 +1,5 @@
 # `cpack --preset packages`: Debian packages libpalpate0, libpalpate-dev, palpate and python3-palpate, for the Debian
-# release of this machine; they depend on the libraries they are linked to.
+# release of this machine, which depend on the libraries they are linked to; and an archive of all of them.
 set(files ${CMAKE_CURRENT_LIST_DIR}/debian)
 set(made ${CMAKE_BINARY_DIR}/debian)
 
@@ -24,6 +24,18 @@ foreach(pair "library;libpalpate0" "dev;libpalpate-dev" "program;palpate" "pytho
   list(GET pair 0 component)
   list(GET pair 1 package)
   install(FILES ${files}/copyright ${made}/changelog.gz DESTINATION share/doc/${package} COMPONENT ${component})
+  set(overrides ${files}/lintian-overrides.in)
+  if(component STREQUAL library)
+    list(APPEND overrides ${files}/lintian-overrides-library.in)
+  endif()
+  set(overridden "")
+  foreach(file ${overrides})
+    file(READ ${file} text)
+    string(CONFIGURE "${text}" text @ONLY)
+    string(APPEND overridden "${text}")
+  endforeach()
+  file(WRITE ${made}/${package} "${overridden}")
+  install(FILES ${made}/${package} DESTINATION share/lintian/overrides COMPONENT ${component})
   if(NOT component STREQUAL dev)  # it contains only palpate's headers
     install(FILES ${made}/third-party-notices DESTINATION share/doc/${package} COMPONENT ${component})
   endif()
@@ -38,12 +50,17 @@ if(TARGET palpate)
   install(FILES ${files}/palpate.bash RENAME palpate DESTINATION share/bash-completion/completions COMPONENT program)
   install(FILES ${files}/palpate.zsh RENAME _palpate DESTINATION share/zsh/vendor-completions COMPONENT program)
   install(FILES ${files}/palpate.desktop DESTINATION share/applications COMPONENT program)
+  string(TIMESTAMP release_day "%Y-%m-%d" UTC)
+  configure_file(${files}/palpate.metainfo.xml.in ${made}/palpate.metainfo.xml @ONLY)
+  install(FILES ${made}/palpate.metainfo.xml DESTINATION share/metainfo COMPONENT program)
   install(FILES ${files}/palpate.svg DESTINATION share/icons/hicolor/scalable/apps COMPONENT program)
   install(FILES ${files}/palpate.xml DESTINATION share/mime/packages COMPONENT program)
   install(FILES ${CMAKE_CURRENT_LIST_DIR}/70-palpate.rules DESTINATION lib/udev/rules.d COMPONENT program)
 endif()
 
-set(CPACK_GENERATOR DEB)
+set(CPACK_GENERATOR DEB TGZ)
+set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_CURRENT_LIST_DIR}/archive.cmake)
+set(CPACK_PACKAGE_FILE_NAME palpate-${PROJECT_VERSION}-linux-${CMAKE_SYSTEM_PROCESSOR})
 set(CPACK_PACKAGE_CONTACT "The owner of palpate <palpate@localhost>")
 set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -54,6 +71,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR})
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "feel, see and sculpt point clouds in real time")
+set(for_a_gpu "libvulkan1, mesa-vulkan-drivers | vulkan-icd")  # loaded at run time; without them the CPU answers
 set(no_licence "No licence has been chosen by the owner of palpate.")
 
 # package(COMPONENT NAME SECTION TEXT DEPENDS)
@@ -71,15 +89,16 @@ if(TARGET palpate)
           "The program: a point cloud of millions of points is felt with a haptic\nstylus or a mouse, seen and \
 sculpted, on any Vulkan GPU or without one."
           "fonts-dejavu-core")
-  set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libvulkan1, mesa-vulkan-drivers")
-  set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "fonts-noto-cjk | fonts-droid-fallback")
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "${for_a_gpu}")
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS
+      "fonts-noto-cjk | fonts-droid-fallback, python3-palpate, vulkan-validationlayers")
 endif()
 if(TARGET palpate_library)
   package(library libpalpate0 libs "The shared library: haptic sessions for other programs, with a C interface." "")
   set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
   set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${files}/triggers)
-  set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "libvulkan1")
+  set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "${for_a_gpu}")
   package(dev libpalpate-dev libdevel
           "Development files: headers for C and C++, and files for CMake and\npkg-config."
           "libpalpate0 (= ${PROJECT_VERSION})")

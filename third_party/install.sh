@@ -54,6 +54,11 @@ packages=(
   iproute2                   # a slow link between two network namespaces, for the tests of sharing
   libfastrtps-dev            # another vendor's DDS, for interoperability tests of sharing
   libfastcdr-dev             # message encoding of that DDS
+  desktop-file-utils         # checks the desktop entry of the packages
+  appstream                  # checks their description for software centres
+  lintian                    # checks the packages
+  patchelf                   # lets the wheel and the archive find the libraries inside them
+  python3-venv               # installs the wheel in a test
   tshark                     # decodes the traffic in the tests of sharing
   python3-pysph              # another program's dam break, compared with palpate's in tests
   python3-matplotlib         # forces.png

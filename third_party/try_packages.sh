@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs the packages of `cpack --preset packages` into a bare Debian 12 and uses each of them there: the program
-# without a GPU driver and with one, Python, and programs in C and C++ that see only the installed headers. Removes the
-# packages again and looks for remaining files. Requires root; debootstrap recreates that Debian below build/ each time.
+# Installs the packages of `cpack --preset packages` into a bare Debian 12 and uses each of them there: the archive and,
+# if there is one among the packages, the wheel, before any package is installed; the program without a GPU driver and
+# with one, Python, and programs in C and C++ that see only the installed headers. Removes all of them again and looks
+# for remaining files. Requires root; debootstrap recreates that Debian below build/ each time.
 #   third_party/try_packages.sh [FOLDER_OF_PACKAGES]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -29,7 +30,8 @@ mount --rbind /dev "$debian/dev"
 cp /etc/resolv.conf "$debian/etc/resolv.conf" 2> /dev/null || true
 cp -r /etc/apt/apt.conf.d/. "$debian/etc/apt/apt.conf.d/"  # how this machine reaches the network
 mkdir "$debian/packages"
-cp "$packages"/*.deb "$debian/packages/"
+cp "$packages"/*.deb "$packages"/*.tar.gz "$debian/packages/"
+cp "$packages"/*.whl "$debian/packages/" 2> /dev/null || echo "try_packages.sh: skipped: no wheel in $packages"
 cp -r apps/examples "$debian/examples"
 
 inside() {  # COMMANDS: runs them there in a clean environment
@@ -46,6 +48,22 @@ inside 'find / -xdev -path /packages -prune -o -path /examples -prune -o -iname 
   > build/clean_debian.log
 [ -s build/clean_debian.log ] && fail "files of palpate exist already: $(cat build/clean_debian.log)"
 
+# A model written by hand: a plane with a hump.
+inside 'awk "BEGIN {print \"x,y,z\"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++j)
+  printf \"%g,%g,%g\\n\", i, j, 20 * exp(-(i * i + j * j) / 800)}" > hump.csv'
+
+say "the archive"
+inside 'tar xzf /packages/palpate-*.tar.gz; cd palpate-*/bin
+  ./palpate make sculpture -n 20000 -o cloud.ply; ./palpate convert cloud.ply cloud.laz; ./palpate info cloud.laz
+  ./palpate touch cloud.laz --backend cpu; if ./palpate doctor; then echo "a GPU without a loader"; exit 1; fi'
+
+say "the wheel"
+if compgen -G "$debian/packages/*.whl" > /dev/null; then
+  install python3-numpy python3-venv
+  inside 'python3 -m venv --system-site-packages venv; venv/bin/pip install -q --no-index /packages/*.whl
+    venv/bin/python /examples/dent.py hump.csv dented.ply; test "$(head -c 3 dented.ply)" = ply; rm -r venv dented.ply'
+fi
+
 say "the program, without a GPU driver"
 install '/packages/palpate_*.deb'
 inside 'palpate --version; palpate make sculpture -n 200000 -o cloud.ply
@@ -59,10 +77,6 @@ say "the program, with lavapipe"
 install mesa-vulkan-drivers libvulkan1
 inside 'palpate doctor | head -n 30; palpate touch cloud.laz --backend vulkan; palpate render cloud.laz -o picture.png
   test "$(head -c 4 picture.png | tail -c 3)" = PNG'
-
-# A model written by hand: a plane with a hump.
-inside 'awk "BEGIN {print \"x,y,z\"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++j)
-  printf \"%g,%g,%g\\n\", i, j, 20 * exp(-(i * i + j * j) / 800)}" > hump.csv'
 
 say "Python"
 install '/packages/libpalpate0_*.deb' '/packages/python3-palpate_*.deb'
