@@ -26,15 +26,15 @@ using Failure = boost::system::error_code;
 constexpr double kHandshake_s = 2, kGoodbye_s = 0.05;
 constexpr std::size_t kLongestMessage = 1 << 20;
 
-/// Runs handlers until `done`, but not longer than `patience_s`. Returns done().
+/// Runs handlers until `done`, but not longer than `timeout_s`. Returns done().
 template <typename Done>
-bool runUntil(asio::io_context& io, double patience_s, const Done& done) {
+bool runUntil(asio::io_context& io, double timeout_s, const Done& done) {
   using Clock = std::chrono::steady_clock;
   const auto until =
-      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience_s));
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));
   while (!done()) {
     io.restart();
-    if (patience_s <= 0) {
+    if (timeout_s <= 0) {
       if (io.poll_one() == 0) break;
     } else if (io.run_one_until(until) == 0 && Clock::now() >= until) {
       break;
@@ -90,7 +90,7 @@ HaplyLink::~HaplyLink() {
   s.socket.next_layer().close(ignored);
 }
 
-HaplyLink::Heard HaplyLink::hear(double patience_s, std::string& message) {
+HaplyLink::Heard HaplyLink::hear(double timeout_s, std::string& message) {
   System& s = *system_;
   if (!s.listens && !s.arrived && !s.closed) {
     s.listens = true;
@@ -99,7 +99,7 @@ HaplyLink::Heard HaplyLink::hear(double patience_s, std::string& message) {
       s.arrived = !s.isOver(failure);
     });
   }
-  runUntil(s.io, patience_s, [&s] { return s.arrived || s.closed; });
+  runUntil(s.io, timeout_s, [&s] { return s.arrived || s.closed; });
   if (!s.arrived) return s.closed ? Heard::closed : Heard::nothing;
   s.arrived = false;
   message.assign(static_cast<const char*>(s.heard.data().data()), s.heard.size());
@@ -107,7 +107,7 @@ HaplyLink::Heard HaplyLink::hear(double patience_s, std::string& message) {
   return Heard::message;
 }
 
-bool HaplyLink::say(std::string message, double patience_s) {
+bool HaplyLink::say(std::string message, double timeout_s) {
   System& s = *system_;
   if (s.closed || s.speaks) return false;
   s.said = std::move(message);
@@ -116,12 +116,12 @@ bool HaplyLink::say(std::string message, double patience_s) {
     s.speaks = false;
     s.isOver(failure);
   });
-  runUntil(s.io, patience_s, [&s] { return !s.speaks; });
+  runUntil(s.io, timeout_s, [&s] { return !s.speaks; });
   s.closed = s.closed || s.speaks;
   return !s.closed;
 }
 
-std::optional<std::string> askHaplyService(std::uint16_t port, const std::string& path, double patience_s) {
+std::optional<std::string> askHaplyService(std::uint16_t port, const std::string& path, double timeout_s) {
   asio::io_context io{1};
   tcp::socket socket(io);
   Failure failure;
@@ -143,7 +143,7 @@ std::optional<std::string> askHaplyService(std::uint16_t port, const std::string
       good = !unread && answer.result() == beast::http::status::ok;
     });
   });
-  runUntil(io, patience_s, [&done] { return done; });
+  runUntil(io, timeout_s, [&done] { return done; });
   return good ? std::optional(answer.body()) : std::nullopt;
 }
 

@@ -22,16 +22,16 @@ class HaplyLink {
 
   enum class Heard { message, nothing, closed };
   /// Waits for the next message. After `nothing`, part of one may have come; the next call continues.
-  Heard hear(double patience_s, std::string& message);
+  Heard hear(double timeout_s, std::string& message);
   /// False if the connection is closed, or takes nothing for that long and is given up.
-  bool say(std::string message, double patience_s);
+  bool say(std::string message, double timeout_s);
 
  private:
   struct System;
   std::unique_ptr<System> system_;
 };
 
-/// Body of the answer to GET; empty if no answer comes within `patience_s`, or with an error.
-std::optional<std::string> askHaplyService(std::uint16_t port, const std::string& path, double patience_s);
+/// Body of the answer to GET; empty if no answer comes within `timeout_s`, or with an error.
+std::optional<std::string> askHaplyService(std::uint16_t port, const std::string& path, double timeout_s);
 
 }  // namespace palpate
