@@ -28,7 +28,7 @@ def draw(axis, costs, along, of, label):
         axis.plot(places, [cost["step_us"]["p50"] for cost in line], marker=marker, linestyle=style, color=colour,
                   label=f"{label(key)}, {index}")
         # An update that exceeds the lists ends in a full build.
-        built = [cost for cost in line if index == "incremental" and cost["builds"] > 0]
+        built = [cost for cost in line if index == "incremental" and cost["index_rebuilds"] > 0]
         axis.plot([along(cost) for cost in built], [cost["step_us"]["p50"] for cost in built], linestyle="none",
                   marker="o", markersize=12, markerfacecolor="none", color=colour)
     axis.set(xscale="log", yscale="log", ylabel="us, median, pose to force with the edit")

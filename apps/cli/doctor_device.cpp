@@ -65,7 +65,7 @@ Json haplyService(std::FILE* out) {
   const bool answers = found.problem.empty();
   fmt::print(out, "--device haply: Haply service\n");
   Json json{{"answers", answers},       {"port", found.port},       {"version", found.version},
-            {"problem", found.problem}, {"devices", Json::array()}, {"grips", Json::array()}};
+            {"reason", found.problem}, {"devices", Json::array()}, {"grips", Json::array()}};
   if (!answers) {
     fmt::print(out, "  not usable: {}\n", found.problem);
     return json;
@@ -139,7 +139,7 @@ Json examineDevice(std::FILE* out, const std::string& spec, Log& log) {
             {"axes", facts.axes},
             {"position_mm", vectorJson(state.position)},
             {"renders_force", state.rendersForce}};
-  json["mend"] = permissionsFor(out, spec);
+  json["fix"] = permissionsFor(out, spec);
   return json;
 }
 

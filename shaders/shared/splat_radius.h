@@ -51,17 +51,17 @@ const float kSplatSharpest = -0.5f;
 // In radii: the other side of an edge counts if it has points this near.
 const float kSplatEdgeReach = 2.0f;
 // Points of the cells around a disc that all its searches visit together, and the search for the other side of an
-// edge: so many for each invocation of a subgroup, of 8 at least. A cell counts as the points that share its bucket on
+// edge: so many for each invocation of a subgroup, of 16 at least. A cell counts as the points that share its bucket on
 // average. Beyond it the result uses the points visited so far: only in dense clusters of points.
 const uint kSplatVisitsOfCell = 4;
 const uint kSplatVisitsEach = 124, kSplatEdgeVisitsEach = 100;
-PALPATE_FUNCTION uint splatMostVisits(uint subgroup) { return kSplatVisitsEach * (subgroup < 8u ? 8u : subgroup); }
+PALPATE_FUNCTION uint splatMostVisits(uint subgroup) { return kSplatVisitsEach * (subgroup < 16u ? 16u : subgroup); }
 PALPATE_FUNCTION uint splatMostEdgeVisits(uint subgroup) {
-  return kSplatEdgeVisitsEach * (subgroup < 8u ? 8u : subgroup);
+  return kSplatEdgeVisitsEach * (subgroup < 16u ? 16u : subgroup);
 }
 // Of a bucket with more points than this only the first are visited.
 const uint kSplatInBucketEach = 128;
-PALPATE_FUNCTION uint splatMostInBucket(uint subgroup) { return kSplatInBucketEach * (subgroup < 8u ? 8u : subgroup); }
+PALPATE_FUNCTION uint splatMostInBucket(uint subgroup) { return kSplatInBucketEach * (subgroup < 16u ? 16u : subgroup); }
 
 // In `reaches`: the disc is listed to be measured again.
 const uint kSplatListed = 0x80000000u;

@@ -230,7 +230,7 @@ TEST_CASE("incompatible versions are refused on both sides with a reason, and so
     const bool isServed = session["name"].get<std::string>() == "here";
     CHECK(session["round_trip_ms"].is_null() != isServed);
     if (isServed) CHECK(session["lost_percent"] < 50);
-    if (!session["fits"].get<bool>()) CHECK(session["lost_percent"].is_null());
+    if (!session["compatible"].get<bool>()) CHECK(session["lost_percent"].is_null());
   }
   CHECK(has(listed.text, "older: 1000 points"));
   CHECK(has(listed.text, fmt::format("another version of palpate ({}), cannot be joined", sharing::kVersion - 1)));

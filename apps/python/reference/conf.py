@@ -23,7 +23,7 @@ nitpicky = True
 autodoc_member_order = "bysource"
 autodoc_default_options = {
     "members": True,
-    "inherited-members": "object,tuple,pybind11_object,BaseException,AttributeError",
+    "inherited-members": "object,dict,tuple,pybind11_object,BaseException,AttributeError",
 }
 
 # Names of other projects, and what the docstrings of the compiled part return, in words.
