@@ -64,7 +64,7 @@ Json haplyService(std::FILE* out) {
   const HaplyFinding found = surveyHaply();
   const bool answers = found.problem.empty();
   fmt::print(out, "--device haply: Haply service\n");
-  Json json{{"answers", answers},       {"port", found.port},       {"version", found.version},
+  Json json{{"answers", answers},      {"port", found.port},       {"version", found.version},
             {"reason", found.problem}, {"devices", Json::array()}, {"grips", Json::array()}};
   if (!answers) {
     fmt::print(out, "  not usable: {}\n", found.problem);

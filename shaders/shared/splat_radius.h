@@ -61,7 +61,9 @@ PALPATE_FUNCTION uint splatMostEdgeVisits(uint subgroup) {
 }
 // Of a bucket with more points than this only the first are visited.
 const uint kSplatInBucketEach = 128;
-PALPATE_FUNCTION uint splatMostInBucket(uint subgroup) { return kSplatInBucketEach * (subgroup < 16u ? 16u : subgroup); }
+PALPATE_FUNCTION uint splatMostInBucket(uint subgroup) {
+  return kSplatInBucketEach * (subgroup < 16u ? 16u : subgroup);
+}
 
 // In `reaches`: the disc is listed to be measured again.
 const uint kSplatListed = 0x80000000u;
