@@ -26,9 +26,9 @@ struct GpuChoice {
   const char* gpu = nullptr;               ///< number or part of a name; "cpu": none; null: one if available
   const pp_vulkan_device* lent = nullptr;  ///< instead of one by name
 };
-/// Name of the back end that answers. `backend`: auto, vulkan or cpu; null: auto. `automaticIsGpu`: what auto is
-/// without a named or lent GPU. Throws UsageError for another word, or if it conflicts with the GPU.
-std::string backendOf(const char* backend, const GpuChoice& choice, bool automaticIsGpu);
+/// Name of the back end that answers. `backend`: auto, vulkan or cpu; null: auto. `automaticIsGpu`: called for
+/// auto without a named or lent GPU. Throws UsageError for another word, or if it conflicts with the GPU.
+std::string backendOf(const char* backend, const GpuChoice& choice, bool (*automaticIsGpu)());
 /// Throws UnsupportedError without Vulkan, FileError.
 void writePicture(const std::string& file, const Image& image);
 

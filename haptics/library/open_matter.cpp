@@ -11,7 +11,8 @@ namespace {
 
 // Soft bodies are moved by the CPU unless the program asks for a GPU.
 std::string backendFor(const SimulatedScene& scene, const pp_matter_options& options) {
-  return backendOf(options.backend, {options.gpu, options.vulkan}, !scene.isSoft() && hasRealGpu());
+  const auto never = [] { return false; };
+  return backendOf(options.backend, {options.gpu, options.vulkan}, scene.isSoft() ? never : hasRealGpu);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ SessionConfig configFrom(const Subject& subject, const pp_session_options& optio
   config.hands.resize(handsFrom(options));
   config.rate_Hz = options.rate_Hz;
   config.undo.memory_MiB = options.undo_memory_MiB;
-  config.backend.name = backendOf(options.backend, {options.gpu, options.vulkan}, hasRealGpu());
+  config.backend.name = backendOf(options.backend, {options.gpu, options.vulkan}, hasRealGpu);
   validate(config);
   return config;
 }

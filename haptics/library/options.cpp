@@ -84,7 +84,7 @@ ToolConfig toolFrom(const pp_tool& given) {
   return tool;
 }
 
-std::string backendOf(const char* backend, const GpuChoice& choice, bool automaticIsGpu) {
+std::string backendOf(const char* backend, const GpuChoice& choice, bool (*automaticIsGpu)()) {
   const std::string word = backend ? backend : "auto", gpu = choice.gpu ? choice.gpu : "";
   constexpr std::array<std::string_view, 3> kWords{"auto", "vulkan", "cpu"};
   if (std::ranges::find(kWords, word) == kWords.end())
@@ -95,7 +95,7 @@ std::string backendOf(const char* backend, const GpuChoice& choice, bool automat
   if (word == "cpu" && namesGpu)
     throw UsageError("backend: cpu conflicts with {}; leave one of them out",
                      choice.lent ? "the given device" : "gpu '" + gpu + "'");
-  return word != "auto" ? word : gpu != "cpu" && (namesGpu || automaticIsGpu) ? "vulkan" : "cpu";
+  return word != "auto" ? word : gpu != "cpu" && (namesGpu || automaticIsGpu()) ? "vulkan" : "cpu";
 }
 
 std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name) {
