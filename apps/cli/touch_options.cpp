@@ -4,6 +4,7 @@
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
 #include "haptics/builtin_path.hpp"
+#include "haptics/session/abilities.hpp"
 #include "haptics/session/devices.hpp"
 #include "haptics/session/simulation.hpp"
 
