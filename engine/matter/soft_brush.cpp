@@ -8,7 +8,7 @@ namespace {
 
 // Radius of the surface positions that support a position's surface, in cell spacings: as many as the points of any
 // cloud.
-const double kSupport_spacings = static_cast<double>(shared::kSupportSpacings) / kPlacesOfSpacing;
+const double kSupport_cells = static_cast<double>(shared::kSupportSpacings) / kPlacesOfSpacing;
 
 struct NowPlace {
   std::uint32_t number;
@@ -25,7 +25,7 @@ SurfaceMeasure sculpt(SoftSculpture& sculpture, const PlacedBrush& brush, double
   const SoftBody& body = sculpture.body();
   const SoftSurface& surface = sculpture.surface();
   const bool smooths = brush.kind() == BrushKind::smooth;
-  const double support = kSupport_spacings * body.lattice().spacing_m() / unit_m;
+  const double support = kSupport_cells * body.lattice().spacing_m() / unit_m;
   const double reach = brush.radius() + (smooths ? support : 0);
   std::vector<NowPlace> near;
   for (std::uint32_t i = 0; i < surface.size(); ++i)
