@@ -31,7 +31,7 @@ def get_requires_for_build_wheel(config_settings: dict[str, str] | None = None) 
 
 
 def build_sdist(sdist_directory: str, config_settings: dict[str, str] | None = None) -> str:
-    raise UnsupportedOperation("there is no source archive of the module alone; build it in palpate's tree")
+    raise UnsupportedOperation("a source archive is not supported; build the wheel in the source tree of palpate")
 
 
 def build_wheel(wheel_directory: str, config_settings: dict[str, str] | None = None,

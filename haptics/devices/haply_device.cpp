@@ -47,7 +47,7 @@ void HaplyDevice::choose() {
   const haply::Inverse& chosen = service_->device(options_.serial, options_.shares);
   const auto axes = haply::axesOf(chosen.permutation);
   if (!axes)
-    throw Error("haply: the axes of {} are '{}', which is no permutation of XYZ; reset its basis in the Haply Hub",
+    throw Error("haply: the axes of {} are '{}', which is not a permutation of XYZ; reset its basis in the Haply Hub",
                 chosen.id, chosen.permutation);
   choice_ = {.id = chosen.id, .axes = *axes};
   facts_ = {.model = fmt::format("{} {}", chosen.small ? "Minverse" : "Inverse3", chosen.id),

@@ -76,7 +76,7 @@ HaplyLink::HaplyLink(std::uint16_t port) : system_(std::make_unique<System>()) {
     s.isOver(problem);
   });
   runUntil(s.io, kHandshake_s, [&s] { return !s.speaks; });
-  if (s.speaks || s.closed) throw Error("127.0.0.1:{}: what answers there is no WebSocket", port);
+  if (s.speaks || s.closed) throw Error("127.0.0.1:{}: the service there is not a WebSocket", port);
 }
 
 HaplyLink::~HaplyLink() {

@@ -45,7 +45,7 @@ bool flagAt(const Json& json, std::initializer_list<const char*> path, bool othe
   return flag && flag->is_boolean() ? flag->get<bool>() : otherwise;
 }
 
-/// NaN if it is no number.
+/// NaN if it is not a number.
 double numberAt(const Json& json, const char* name) {
   const Json* number = memberOf(json, {name});
   return number && number->is_number() ? number->get<double>() : std::numeric_limits<double>::quiet_NaN();
@@ -130,7 +130,7 @@ std::string_view meaningOf(Trouble trouble) {
     case Trouble::silent:
       return "gives no data (red light), so there is no force; check the Haply service, cable and power";
     case Trouble::unreadable:
-      return "cannot be read: the Haply service sent a message that is no JSON, so there is no force; update the "
+      return "cannot be read: the Haply service sent a message that is not JSON, so there is no force; update the "
              "service";
     case Trouble::gone:
       return "is no longer connected (red light if its program lost it), so there is no force; check cable and power";

@@ -26,7 +26,7 @@ enum class Trouble : std::uint8_t {
   none,
   closed,         ///< the service closed the connection
   silent,         ///< no state for 20 ms
-  unreadable,     ///< a message that is no JSON
+  unreadable,     ///< a message that is not JSON
   gone,           ///< the device is missing in the states
   noNumber,       ///< a position that is not a number
   jumped,         ///< faster than a hand
@@ -42,7 +42,7 @@ constexpr bool hasPose(Trouble trouble) {
 std::string_view meaningOf(Trouble trouble);
 
 /// Axes of positions and forces, from a permutation as in `config/basis/permutation` (XYZ, X-ZY...), to x right, y up,
-/// z towards the user. Its inverse is its transpose. Empty if it is no permutation.
+/// z towards the user. Its inverse is its transpose. Empty if it is not a permutation.
 std::optional<glm::dmat3> axesOf(std::string_view permutation);
 
 /// A device as in the first message after a connection.
@@ -84,7 +84,7 @@ bool saysValues(std::string_view version);
 /// `force_N`: in palpate's axes. `profile`: whether the message tells the program's name, as the first one does.
 std::string forceMessage(const Choice& choice, const DVec3& force_N, bool values, bool profile);
 
-/// Number of the version in an answer of /version, as in "3.5.0"; empty if it has none.
+/// Number of the version in an answer of /version, as in "3.5.0"; empty without one.
 std::string versionIn(std::string_view answer);
 
 /// What an event of the service means for a device.

@@ -33,7 +33,7 @@ HaplyService::HaplyService() : ports(haply::servicePorts()), link(connected(port
     if (since.elapsed_s() >= kFirst_s)
       throw Error("haply: the Haply service takes connections but tells no devices; start it again");
   auto found = haply::inventoryIn(first);
-  if (!found) throw Error("haply: the Haply service's first message is no JSON; update the service");
+  if (!found) throw Error("haply: the Haply service's first message is not JSON; update the service");
   inventory = std::move(*found);
   for (const std::uint16_t port : ports.http)
     for (const char* path : {"/version", "/3.1/version", "/3.0/version"})

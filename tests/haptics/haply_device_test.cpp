@@ -171,8 +171,8 @@ TEST_CASE("a fault of a Haply device takes the force within two ticks, and it st
   SUBCASE("no power supply") { checkFault("unpowered", "has no power supply", false); }
   SUBCASE("its safety") { checkFault("safety", "was stopped by its safety (cyan light)", false); }
   SUBCASE("a jump") { checkFault("jump", "jumped faster than a hand can move", false); }
-  SUBCASE("text that is no JSON") { checkFault("nan", "sent a message that is no JSON", false); }
-  SUBCASE("a position that is no number") { checkFault("null", "a position that is not a number", false); }
+  SUBCASE("text that is not JSON") { checkFault("nan", "sent a message that is not JSON", false); }
+  SUBCASE("a position that is not a number") { checkFault("null", "a position that is not a number", false); }
   SUBCASE("gone for a moment") { checkFault("gone", "is no longer connected", false); }
   SUBCASE("no state for a moment") { checkFault("mute", "gives no data (red light)", false); }
 }

@@ -122,7 +122,7 @@ class Sharing:
         host: machine of its server.
         model: its server's description of the points.
         sculptable: False: served read-only; after joining nothing is exchanged, and all counts are 0.
-        connected: False: the server has been silent for so long that there is no force, until it is heard again.
+        connected: False if the server has been silent for too long: there is no force then.
         silent_s: time since the server was last heard, s.
         longest_silent_s: maximum of silent_s so far.
         round_trip_ms: median of the last pings, ms; None if none was answered yet.

@@ -85,7 +85,7 @@ PP_API pp_status pp_session_join(const char* name, const pp_join_options* join, 
 typedef struct pp_sharing {
   uint32_t size;           /**< bytes of this struct */
   uint32_t sculptable;     /**< 0: served read-only: the counts of strokes are 0 */
-  uint32_t connected;      /**< 0: the server has been silent for so long that there is no force */
+  uint32_t connected;      /**< 0: no force, since the server has been silent for too long */
   uint32_t delivered;      /**< 1: the server has taken all edits of this hand */
   uint32_t idle;           /**< 1: and all edits of others are in effect here */
   uint32_t same;           /**< 1: at rest, and the points are the server's, bit by bit */
