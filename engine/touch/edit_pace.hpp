@@ -17,7 +17,8 @@ class EditPace {
  public:
   explicit EditPace(double longest_s) : longest_s_(longest_s) {}
 
-  bool mayEdit(double time_s) const { return time_s >= restUntil_s_; }
+  /// After an edit in time always, whatever the time: a hand that was finished has run ahead of the next query.
+  bool mayEdit(double time_s) const { return rest_s_ == 0 || time_s >= restUntil_s_; }
   /// The edit that began at `time_s` took `duration_s`.
   void took(double time_s, double duration_s) {
     rest_s_ = duration_s > longest_s_ ? std::clamp(2 * rest_s_, duration_s, kMaxRests * duration_s) : 0;

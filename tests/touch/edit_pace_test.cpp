@@ -47,4 +47,12 @@ TEST_CASE("however often edits are slow, the pause is at most ten times as long 
   CHECK(pace.mayEdit(70.211));
 }
 
+TEST_CASE("an edit in time never makes the next one wait, also when it began after the next one's time") {
+  EditPace pace(0.02);
+  pace.took(0.005, 0.001);  // the edits that bring a hand to its end run ahead of the session's time
+  CHECK(pace.mayEdit(0.003));
+  pace.took(0.005, 0.05);
+  CHECK_FALSE(pace.mayEdit(0.003));
+}
+
 }  // namespace palpate::edit_pace_test
