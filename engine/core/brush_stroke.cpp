@@ -113,6 +113,7 @@ shared::BrushTool sharedTool(const BrushStroke::Tool& tool) {
           .sampling = tool.sampling,
           .closes = tool.closes,
           .cell = static_cast<float>(tool.cell),
+          .touched = Vec3(tool.touched),
           .entersFrom = Vec3(tool.entersFrom),
           .connectedFrom = Vec3(tool.connectedFrom)};
 }
@@ -129,12 +130,19 @@ void SurfaceMeasure::add(const shared::MeasuredPoint& point) {
   heights += static_cast<std::uint32_t>(point.height);
 }
 
-void SurfaceMeasure::see(shared::uint cell) {
-  if (cell != shared::kOutsideSheet) seen[cell / 32] |= 1u << cell % 32;
+void SurfaceMeasure::enter(shared::uint entered) {
+  if (entered == shared::kOutsideSheet) return;
+  const shared::uint cell = entered % shared::kSheetCells;
+  seen[cell / 32] |= 1u << cell % 32;
+  nearest = std::min(nearest, entered);
 }
 
 SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b) {
-  SurfaceMeasure gap{.weights = a.weights - b.weights, .normals = {}, .heights = a.heights - b.heights, .seen = a.seen};
+  SurfaceMeasure gap{.weights = a.weights - b.weights,
+                     .normals = {},
+                     .heights = a.heights - b.heights,
+                     .seen = a.seen,
+                     .nearest = a.nearest};
   for (std::size_t k = 0; k < 3; ++k) gap.normals[k] = a.normals[k] - b.normals[k];
   return gap;
 }
@@ -179,7 +187,7 @@ void BrushStroke::begin(const Place& place) {
   edited_ = false;
   ++number_;
   outward_ = place.outward;
-  foundAt_ = heldAt_ = place.found;
+  foundAt_ = heldAt_ = touchedAt_ = place.found;
   place_ = heldFrom_ = place.hip;
   wayCount_ = 0;
   isLifted_ = false;
@@ -194,6 +202,7 @@ void BrushStroke::goOnTo(const Place& place) {
   // The last position follows the hand as long as it is near the position before it.
   if (!jumps && wayCount_ > 0 && glm::distance(hipAt(2), place.hip) < kWayStep * brush_.radius) {
     at(wayCount_ - 1).hip = place.hip;
+    at(wayCount_ - 1).found = place.found;
     return;
   }
   if (wayCount_ == kMaxWay) {
@@ -227,11 +236,13 @@ void BrushStroke::advance(double most) {
       beginSheet();
     } else if (length > most) {
       place_ += (most / length) * (to.hip - place_);
+      touchedAt_ += (most / length) * (to.found - touchedAt_);
       return;
     } else {
       most -= length;
     }
     place_ = to.hip;
+    touchedAt_ = to.found;
     wayFirst_ = (wayFirst_ + 1) % kMaxWay;
     --wayCount_;
   }
@@ -250,15 +261,9 @@ DVec3 BrushStroke::sheetCorner() const {
   return middle - 0.5 * shared::kSheetSide * sheetCell();
 }
 
-// The surface under the hand, in cells from the corner of a grid.
-DVec3 BrushStroke::surfaceIn(const DVec3& corner) const {
-  const DVec3& surface = brush_.kind == BrushKind::grab ? heldAt_ : foundAt_;
-  return shared::sheetPlace(corner, sheetCell(), surface, outward_);
-}
-
 void BrushStroke::beginSheet() {
   connectedFrom_ = sheetCorner();
-  connected_ = cellsAround(surfaceIn(connectedFrom_));
+  connected_ = cellsAround(shared::sheetPlace(connectedFrom_, sheetCell(), foundAt_, outward_));
 }
 
 const BrushStroke::Tool& BrushStroke::next(double time_s) {
@@ -297,6 +302,7 @@ void BrushStroke::placeTool() {
   tool_.sampling = sampling();
   tool_.hand = place_;
   tool_.cell = sheetCell();
+  tool_.touched = brush_.kind == BrushKind::grab ? heldAt_ : touchedAt_;
   tool_.entersFrom = sheetCorner();
   tool_.connectedFrom = connectedFrom_;
   tool_.connected = connected_;
@@ -331,8 +337,9 @@ void BrushStroke::placeTool() {
 void BrushStroke::note(const SurfaceMeasure& measure) {
   if (tool_.acts == 0 || tool_.stroke != number_) return;
   takeIn(measure);
+  if (measure.nearest == shared::kOutsideSheet) return;
   connectedFrom_ = tool_.entersFrom;
-  connected_ = connectedCells(measure.seen, surfaceIn(connectedFrom_));
+  connected_ = connectedCells(measure.seen, measure.nearest % shared::kSheetCells);
 }
 
 void BrushStroke::takeIn(const SurfaceMeasure& measure) {

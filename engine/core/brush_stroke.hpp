@@ -18,10 +18,12 @@ struct SurfaceMeasure {
   std::uint32_t weights = 0;
   std::array<std::uint32_t, 3> normals{};
   std::uint32_t heights = 0;
-  SheetCells seen{};  ///< cells with points that the stroke found; those of a difference are of the later measure
+  // Of the points that the stroke found around the hand; those of a difference are of the later measure.
+  SheetCells seen{};                             ///< their cells
+  shared::uint nearest = shared::kOutsideSheet;  ///< smallest of their results of entered()
 
   void add(const shared::MeasuredPoint& point);
-  void see(shared::uint cell);  ///< kOutsideSheet: nothing
+  void enter(shared::uint entered);  ///< result of entered()
   friend SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b);
 };
 
@@ -72,9 +74,9 @@ class BrushStroke {
   static constexpr std::size_t kMaxWay = 1024;
   struct Place {
     DVec3 hip{0};
-    bool jumps = false;  // the surface did not yield on the path to here; outward and found then apply
+    bool jumps = false;  // the surface did not yield on the path to here; outward then applies
     DVec3 outward{0};    // outward direction of the surface here
-    DVec3 found{0};      // position of the surface here
+    DVec3 found{0};      // position of the surface here: of the proxy
   };
 
   void begin(const Place& place);
@@ -85,7 +87,6 @@ class BrushStroke {
   std::uint32_t sampling() const;
   DVec3 sheetCorner() const;
   double sheetCell() const;
-  DVec3 surfaceIn(const DVec3& corner) const;
   void beginSheet();
   void takeIn(const SurfaceMeasure& measure);
   void placeTool();
@@ -96,13 +97,14 @@ class BrushStroke {
   std::uint32_t number_ = 0;
   bool open_ = false, acts_ = false, knowsLast_ = false, touched_ = false, isLifted_ = false;
   double lastTouch_s_ = 0, lastEdit_s_ = 0;
-  bool edited_ = false;            // whether this stroke has edited
-  std::uint32_t idleEdits_ = 0;    // edits since the last with an effect, kMaxFilling at most
-  DVec3 lastHip_{0};               // HIP of the last answer
-  DVec3 outward_{0, 0, 1};         // outward normal of the surface as the stroke found it
-  DVec3 foundAt_{0};               // a position on that surface
-  DVec3 place_{0};                 // position of the hand that the tool has reached
-  DVec3 connectedFrom_{0};         // corner of the grid of the connected cells
+  bool edited_ = false;          // whether this stroke has edited
+  std::uint32_t idleEdits_ = 0;  // edits since the last with an effect, kMaxFilling at most
+  DVec3 lastHip_{0};             // HIP of the last answer
+  DVec3 outward_{0, 0, 1};       // outward normal of the surface as the stroke found it
+  DVec3 foundAt_{0};             // a position on that surface
+  DVec3 place_{0};               // position of the hand that the tool has reached
+  DVec3 touchedAt_{0};           // position of the proxy when the hand was at place_
+  DVec3 connectedFrom_{0};       // corner of the grid of the connected cells
   SheetCells connected_{};
   DVec3 heldAt_{0}, heldFrom_{0};  // grab: position of the held surface and of the hand at the start
   // Remaining path, a ring buffer.

@@ -1,9 +1,6 @@
 #include "engine/core/connected_cells.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <limits>
-#include <optional>
 #include <utility>
 
 namespace palpate {
@@ -39,22 +36,6 @@ void forEachAdjacent(std::size_t row, Visit&& visit) {
       visit(static_cast<std::size_t>(j + kSide * k));
 }
 
-// The first of the occupied cells nearest to a position.
-std::optional<shared::uint> nearestCell(const Rows& rows, const DVec3& place) {
-  std::optional<shared::uint> nearest;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < kRows; ++i)
-    for (unsigned left = rows[i]; left != 0; left &= left - 1) {
-      const unsigned x = static_cast<unsigned>(std::countr_zero(left));
-      const DVec3 offset = DVec3(x, i % shared::kSheetSide, i / shared::kSheetSide) + 0.5 - place;
-      if (const double squared = glm::dot(offset, offset); squared < least) {
-        least = squared;
-        nearest = x + shared::kSheetSide * static_cast<shared::uint>(i);
-      }
-    }
-  return nearest;
-}
-
 }  // namespace
 
 SheetCells cellsAround(const DVec3& place) noexcept {
@@ -65,10 +46,8 @@ SheetCells cellsAround(const DVec3& place) noexcept {
   return cellsOf(rows);
 }
 
-SheetCells connectedCells(const SheetCells& occupied, const DVec3& place) noexcept {
+SheetCells connectedCells(const SheetCells& occupied, shared::uint first) noexcept {
   const Rows rows = rowsOf(occupied);
-  const std::optional<shared::uint> first = nearestCell(rows, place);
-  if (!first) return {};
   Rows reached{};
   std::array<std::uint8_t, kRows> waiting;  // rows whose neighbours have still to be visited, each once
   std::array<bool, kRows> waits{};
@@ -82,7 +61,7 @@ SheetCells connectedCells(const SheetCells& occupied, const DVec3& place) noexce
     if (std::exchange(waits[row], true)) return;
     waiting[count++] = static_cast<std::uint8_t>(row);
   };
-  reach(*first / shared::kSheetSide, static_cast<std::uint16_t>(1u << *first % shared::kSheetSide));
+  reach(first / shared::kSheetSide, static_cast<std::uint16_t>(1u << first % shared::kSheetSide));
   while (count > 0) {
     const std::size_t row = waiting[--count];
     waits[row] = false;

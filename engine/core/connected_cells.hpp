@@ -17,8 +17,8 @@ inline bool hasCell(const SheetCells& cells, shared::uint cell) { return (cells[
 /// The cell at `place`, in cells from the grid's corner, and the cells adjacent to it, also across edges and corners.
 SheetCells cellsAround(const DVec3& place) noexcept;
 
-/// The cells of `occupied` that are connected with the one of them nearest to `place`: each adjacent to another, also
-/// across edges and corners. Allocates nothing.
-SheetCells connectedCells(const SheetCells& occupied, const DVec3& place) noexcept;
+/// The cells of `occupied` that are connected with `first`, which is one of them: each adjacent to another, also across
+/// edges and corners. Allocates nothing.
+SheetCells connectedCells(const SheetCells& occupied, shared::uint first) noexcept;
 
 }  // namespace palpate

@@ -148,10 +148,10 @@ bool CudaTouch::State::editDone() {
   if (!editEnd_.reached("editing")) return false;
   editOut_ = false;
   const cu::PushEdit::Sums& sums = push_->sums();
-  SurfaceMeasure measured{.weights = sums.weights,
-                          .normals = {sums.normals[0], sums.normals[1], sums.normals[2]},
-                          .heights = sums.heights};
+  SurfaceMeasure measured{
+      .weights = sums.weights, .normals = {sums.normals[0], sums.normals[1], sums.normals[2]}, .heights = sums.heights};
   std::ranges::copy(sums.seen, measured.seen.begin());
+  measured.nearest = sums.nearest;
   stroke_.note(measured - std::exchange(measured_, measured));
   if (editTimes_us.size() < editTimes_us.capacity()) editTimes_us.push_back(editEnd_.since_us(editStart_));
   return true;

@@ -1,5 +1,7 @@
 #include "engine/cuda/push_edit.hpp"
 
+#include <array>
+
 #include "engine/cuda/gather_plan.cuh"
 #include "shaders/shared/brush.h"
 #include "shaders/shared/plane_fit.h"
@@ -13,6 +15,11 @@ constexpr unsigned kBlock = 256;
 using Sums = PushEdit::Sums;
 
 unsigned blocksFor(std::uint32_t threads) { return threads / kBlock + (threads % kBlock != 0); }
+
+__device__ bool isActedOn(const PlacedTool& placed, const FoundPoint& found) {
+  const uint cell = connectedCell(placed.tool, found);
+  return (placed.connected[cell / 32] >> cell % 32 & 1) != 0;
+}
 
 __global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* normals, const PlacedTool* tools,
                                                      Found* founds, Sums* sums, uint count, const Brush brush) {
@@ -28,18 +35,19 @@ __global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* 
   if (known.stroke == tool.stroke) found = {known.position, known.normal};
   if (isSampled(id, tool.sampling)) {
     const MeasuredPoint says = measured(brush, tool, found);
-    if (says.weight != 0) {
+    if (says.weight != 0 && isActedOn(*tools, found)) {
       atomicAdd(&sums->weights, uint(says.weight));
       for (int k = 0; k < 3; ++k) atomicAdd(&sums->normals[k], uint(says.normal[k]));
       atomicAdd(&sums->heights, uint(says.height));
     }
-    const uint seen = enteredCell(tool, found);
-    if (seen != kOutsideSheet) atomicOr(&sums->seen[seen / 32], 1u << seen % 32);
+    const uint near = entered(brush, tool, from, found);
+    if (near != kOutsideSheet) {
+      atomicOr(&sums->seen[near % kSheetCells / 32], 1u << near % 32);
+      atomicMin(&sums->nearest, near);
+    }
   }
   const vec3 to = brushed(brush, tool, from, found.normal, found).position;
-  if (to == from) return;
-  const uint cell = connectedCell(tool, found);
-  if ((tools->connected[cell / 32] >> cell % 32 & 1) == 0) return;
+  if (to == from || !isActedOn(*tools, found)) return;
   known = {found.position, tool.stroke, found.normal};
   positions[i] = make_float4(to.x, to.y, to.z, point.w);
   normals[i].w = kMarkRefit;
@@ -48,6 +56,7 @@ __global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* 
 __global__ void tellSums(Sums* sums, Sums* told) {
   *told = *sums;
   for (uint& word : sums->seen) word = 0;
+  sums->nearest = kOutsideSheet;
 }
 
 // Collects the slots of the marked points, in any order: the cost of the refit depends on their number and not on the
@@ -131,7 +140,7 @@ PushEdit::PushEdit(const Brush& brush, double radius, const Stream& stream, std:
       moved_(points),
       movedCount_(1) {
   founds_.clear(stream);
-  sums_.clear(stream);
+  sums_.upload(std::array{Sums{}}, stream);
 }
 
 void PushEdit::recordPush(const Stream& stream, const CloudHalf& half, std::uint32_t count) const {

@@ -13,7 +13,8 @@ class PushEdit {
   /// wrap around, as only differences are used.
   struct Sums {
     shared::uint weights = 0, normals[3]{}, heights = 0;
-    shared::uint seen[shared::kSheetWords]{};  ///< of the last edit: cells with points that it found
+    // Of the last edit alone.
+    shared::uint seen[shared::kSheetWords]{}, nearest = shared::kOutsideSheet;
   };
 
   /// `radius`: support radius, model units.

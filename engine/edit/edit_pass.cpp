@@ -155,6 +155,7 @@ SurfaceMeasure EditPass::measure() const {
   SurfaceMeasure measure{
       .weights = sums.weights, .normals = {sums.normals[0], sums.normals[1], sums.normals[2]}, .heights = sums.heights};
   std::ranges::copy(sums.seen, measure.seen.begin());
+  measure.nearest = sums.nearest;
   return measure;
 }
 

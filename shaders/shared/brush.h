@@ -66,18 +66,19 @@ PALPATE_STRUCT(BrushTool) {
   // Of the grids of the surface around the hand: side of the cells, corner of the one that this edit fills, and corner
   // of the one whose connected cells are known.
   Real cell;
+  PALPATE_VEC3 touched;  // the proxy; grab: the surface where it took hold
   PALPATE_VEC3 entersFrom;
   PALPATE_VEC3 connectedFrom;
 };
 PALPATE_SINGLE(BrushTool);
-PALPATE_SIZE(BrushTool, 124);
+PALPATE_SIZE(BrushTool, 136);
 
 // A tool with the cells of the surface on which it acts.
 struct PlacedTool {
   BrushTool tool;
   uint connected[kSheetWords];  // a bit for each cell
 };
-PALPATE_SIZE(PlacedTool, 636);
+PALPATE_SIZE(PlacedTool, 648);
 
 // A point as the stroke found it.
 PALPATE_STRUCT(FoundPoint) {
@@ -149,11 +150,17 @@ PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) t
   return tool.share * facingShare(tool, foundNormal) * brushWeight(brush, length(position - tool.center));
 }
 
-// The cell in which a point is entered, kOutsideSheet if in none: sides of the model that face away do not connect what
-// the brush acts on.
-PALPATE_FORMULA uint enteredCell(PALPATE_OF(BrushTool) tool, PALPATE_OF(FoundPoint) found) {
+// The cell in which a point is entered, in the lower bits, and over them its distance from the surface that the hand
+// touches: the smallest of all names the cell of that surface. kOutsideSheet if in none: sides of the model that face
+// away do not connect what the brush acts on.
+PALPATE_FORMULA uint entered(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                             PALPATE_OF(FoundPoint) found) {
   const PALPATE_VEC3 place = sheetPlace(tool.entersFrom, tool.cell, found.position, found.normal);
-  return facingShare(tool, found.normal) > Real(0.0) && isInSheet(place) ? sheetCellAt(place) : kOutsideSheet;
+  if (!(facingShare(tool, found.normal) > Real(0.0)) || !isInSheet(place)) return kOutsideSheet;
+  PALPATE_VEC3 offset = position - tool.touched;
+  if (brush.kind == kBrushGrab) offset = found.position - tool.touched;
+  const Real share = min(Real(1.0), length(offset) / (Real(2.0) * tool.reach));
+  return uint(Real(kSheetSteps) * share) * kSheetCells + sheetCellAt(place);
 }
 
 // The cell that must be connected with the surface under the hand if the brush is to act on the point.

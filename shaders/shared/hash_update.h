@@ -84,9 +84,11 @@ struct HashUpdate {
   uint weights;
   uint normals[3];
   uint heights;
-  uint seen[kSheetWords];  // cells with points that a brush has found (sheet_grid.h); zero between updates
+  // The points that a brush has entered (shaders/shared/brush.h); cleared between updates.
+  uint seen[kSheetWords];  // their cells
+  uint nearest;            // smallest result of entered()
 };
-const uint kUpdateBytes = 636;
+const uint kUpdateBytes = 640;
 PALPATE_SIZE(HashUpdate, kUpdateBytes);
 const uint kUpdateBegins = 88;  // bytes of the first part
 const uint kUpdateSeen = 124;   // bytes before the cells

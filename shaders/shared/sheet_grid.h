@@ -11,6 +11,7 @@ const uint kSheetSide = 16u;  // cells along each axis
 const uint kSheetCells = kSheetSide * kSheetSide * kSheetSide;
 const uint kSheetWords = kSheetCells / 32u;
 const uint kOutsideSheet = 0xffffffffu;
+const float kSheetSteps = 1048574.0f;  // distances are compared in so many steps, in the bits over those of a cell
 // In cells: points are entered this far inside the solid, so that two solids whose surfaces face each other are not in
 // adjacent cells, unless the gap between them is narrower than half a cell.
 const float kSheetInside = 0.75f;
