@@ -40,7 +40,7 @@ __global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* 
       for (int k = 0; k < 3; ++k) atomicAdd(&sums->normals[k], uint(says.normal[k]));
       atomicAdd(&sums->heights, uint(says.height));
     }
-    const uint near = entered(brush, tool, from, found);
+    const uint near = entered(brush, tool, from, xyz(normals[i]), found);
     if (near != kOutsideSheet) {
       atomicOr(&sums->seen[near % kSheetCells / 32], 1u << near % 32);
       atomicMin(&sums->nearest, near);

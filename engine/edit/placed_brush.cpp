@@ -17,9 +17,9 @@ PlacedBrush::Point PlacedBrush::brushed(const DVec3& place, const DVec3& normal,
 
 shared::MeasuredPoint PlacedBrush::measured(const Found& found) const { return shared::measured(brush_, tool_, found); }
 
-void PlacedBrush::measure(const DVec3& place, const Found& found, SurfaceMeasure& measure) const {
+void PlacedBrush::measure(const DVec3& place, const DVec3& normal, const Found& found, SurfaceMeasure& measure) const {
   if (actsOn(found)) measure.add(measured(found));
-  measure.enter(shared::entered(brush_, tool_, place, found));
+  measure.enter(shared::entered(brush_, tool_, place, normal, found));
 }
 
 DVec3 PlacedBrush::smoothed(const DVec3& place, const Found& found, const SurfaceSample& surface) const {

@@ -48,8 +48,8 @@ class PlacedBrush {
   bool measures(std::uint32_t id) const { return shared::isSampled(id, tool_.sampling); }
   /// Its contribution to the measure of the surface under the tool.
   shared::MeasuredPoint measured(const Found& found) const;
-  /// Adds it to the measure if the brush acts on the point, and the point's cell.
-  void measure(const DVec3& place, const Found& found, SurfaceMeasure& measure) const;
+  /// Adds it to the measure if the brush acts on the point, and the point's cell. `normal`: the current one, unit.
+  void measure(const DVec3& place, const DVec3& normal, const Found& found, SurfaceMeasure& measure) const;
 
  private:
   bool actsOn(const Found& found) const;

@@ -154,9 +154,12 @@ PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) t
 // touches: the smallest of all names the cell of that surface. kOutsideSheet if in none: sides of the model that face
 // away do not connect what the brush acts on.
 PALPATE_FORMULA uint entered(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
-                             PALPATE_OF(FoundPoint) found) {
-  const PALPATE_VEC3 place = sheetPlace(tool.entersFrom, tool.cell, found.position, found.normal);
-  if (!(facingShare(tool, found.normal) > Real(0.0)) || !isInSheet(place)) return kOutsideSheet;
+                             PALPATE_VEC3 normal, PALPATE_OF(FoundPoint) found) {
+  // A point that has stopped at such a side counts as a part of it (kStopMargin), although it faces the tool.
+  PALPATE_VEC3 side = found.normal;
+  if (!(facingShare(tool, side) > Real(0.0)) && dot(normal, tool.outward) > Real(0.0)) side = -side;
+  const PALPATE_VEC3 place = sheetPlace(tool.entersFrom, tool.cell, found.position, side);
+  if (!(facingShare(tool, side) > Real(0.0)) || !isInSheet(place)) return kOutsideSheet;
   PALPATE_VEC3 offset = position - tool.touched;
   if (brush.kind == kBrushGrab) offset = found.position - tool.touched;
   const Real share = min(Real(1.0), length(offset) / (Real(2.0) * tool.reach));

@@ -144,12 +144,24 @@ inline double depthUnder(const PointCloud& cloud, const LimbPlace& place) {
   return -height;
 }
 
+inline DVec3 ballAt(const LimbPlace& place, double depth) {
+  return place.position + (kLimbTau + kLimbBrush - depth) * place.outward;
+}
+
 /// Points of the first `count` inside the ball of a push at that depth.
 inline std::size_t insideBall(const PointCloud& cloud, std::size_t count, const LimbPlace& place, double depth) {
-  const DVec3 center = place.position + (kLimbTau + kLimbBrush - depth) * place.outward;
   std::size_t inside = 0;
-  for (std::size_t i = 0; i < count; ++i) inside += glm::distance(DVec3(cloud.positions[i]), center) < kLimbBrush;
+  for (std::size_t i = 0; i < count; ++i)
+    inside += glm::distance(DVec3(cloud.positions[i]), ballAt(place, depth)) < kLimbBrush;
   return inside;
+}
+
+/// How deep in that ball the deepest point is.
+inline double deepestInBall(const PointCloud& cloud, const LimbPlace& place, double depth) {
+  double deepest = 0;
+  for (const Vec3& position : cloud.positions)
+    deepest = std::max(deepest, kLimbBrush - glm::distance(DVec3(position), ballAt(place, depth)));
+  return deepest;
 }
 
 // Two rods of 6 mm along y, the pressed one about (0, y, -6), on its flank towards the other.
@@ -172,7 +184,7 @@ inline void checkRods(const MakeLimbTouch& make) {
       CAPTURE(gap);
       const Limbs limbs = twoRods(gap * kLimbBrush, random);
       const std::size_t other = limbs.size() / 2;
-      if (gap < 0.9) CHECK(insideBall(limbs.cloud(), other, place, 4) > 20);  // which a push without a limit would move
+      if (gap < 0.9) CHECK(insideBall(limbs.cloud(), other, place, 4) > 5);  // which a push without a limit would move
       const PointCloud after = stroked(make, limbs, BrushKind::push, pressed({place}, 4));
       CHECK(changedOf(limbs.cloud(), after, 0, other) == 0);
       CHECK(depthUnder(after, place) == near(4 - kLimbTau, random ? 0.15 : 0.05));
@@ -219,13 +231,14 @@ inline void checkPlates(const MakeLimbTouch& make) {
     CAPTURE(gap);
     const LimbPlace place{{0.3, 0.2, 0}, {0, 0, 1}};
     Limbs limbs(false);
-    limbs.addPlate({0, 0, -2 - gap * kLimbBrush}, 40, 2);
+    limbs.addPlate({0, 0, -4 - gap * kLimbBrush}, 40, 4);
     const std::size_t other = limbs.size();
-    limbs.addPlate({0, 0, 0}, 40, 2);
-    CHECK(insideBall(limbs.cloud(), other, place, 7.5) > 20);
-    const PointCloud after = stroked(make, limbs, BrushKind::push, pressed({place}, 7.5));
+    limbs.addPlate({0, 0, 0}, 40, 4);
+    const double depth = 4 + gap * kLimbBrush + 2;
+    CHECK(insideBall(limbs.cloud(), other, place, depth) > 20);
+    const PointCloud after = stroked(make, limbs, BrushKind::push, pressed({place}, depth));
     CHECK(changedOf(limbs.cloud(), after, 0, other) == 0);
-    CHECK(depthUnder(after, place) > 1);
+    CHECK(depthUnder(after, place) > 2);
   }
 }
 
@@ -262,27 +275,25 @@ inline void checkMerged(const MakeLimbTouch& make) {
   CHECK(changedOf(limbs.cloud(), after, first, limbs.size()) > 30);
 }
 
-// The walls of a dent belong to the next stroke, which widens and deepens it: nothing stays in its ball.
+// The walls of a dent belong to the next stroke, which deepens and widens it.
 inline void checkOwnDent(const MakeLimbTouch& make) {
   Limbs limbs(false);
   limbs.addSheet({-25, -25, 0}, {50, 0, 0}, {0, 50, 0});
   const auto touch = make(limbs.cloud(), kLimbSupport, limbBrush(BrushKind::push));
   double time_s = 0;
   const auto press = [&](const LimbPlace& place, double depth) {
-    const PointCloud after = stroked(*touch, limbs.cloud(), pressed({place}, depth), time_s);
-    const DVec3 center = place.position + (kLimbTau + kLimbBrush - depth) * place.outward;
-    double deepest = 0;
-    for (const Vec3& position : after.positions)
-      deepest = std::max(deepest, kLimbBrush - glm::distance(DVec3(position), center));
-    CHECK(deepest < 0.25);
-    time_s += 1;
-    double away_s = time_s;
-    return stroked(*touch, limbs.cloud(), {{0, 0, 20}, {0, 0, 21}}, time_s = away_s);
+    stroked(*touch, limbs.cloud(), {{0, 0, 20}, {0, 0, 21}}, time_s += 1);  // the stroke before is over
+    return stroked(*touch, limbs.cloud(), pressed({place}, depth), time_s);
   };
-  const LimbPlace middle{{0.3, 0.2, 0}, {0, 0, 1}}, beside{{4.3, 0.2, 0}, {0, 0, 1}};
-  CHECK(depthUnder(press(middle, 8), middle) == near(7.5, 0.05));
-  press(beside, 8);
-  CHECK(depthUnder(press(middle, 10), middle) == near(9.5, 0.05));
+  const LimbPlace middle{{-8.3, 0.2, 0}, {0, 0, 1}}, first{{8.3, 0.2, 0}, {0, 0, 1}}, beside{{11.3, 0.2, 0}, {0, 0, 1}};
+  press(middle, 3);
+  const PointCloud deeper = press(middle, 9);
+  CHECK(depthUnder(deeper, middle) == near(8.5, 0.05));
+  CHECK(deepestInBall(deeper, middle, 9) < 0.1);
+  CHECK(depthUnder(press(first, 3), first) == near(2.5, 0.05));
+  const PointCloud wider = press(beside, 3);
+  CHECK(depthUnder(wider, first) == near(2.5, 0.1));
+  CHECK(depthUnder(wider, beside) == near(2.5, 0.1));
 }
 
 // One press that is dragged from one rod to the other presses both.
