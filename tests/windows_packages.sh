@@ -67,7 +67,7 @@ serves_programs() {  # FOLDER: the library exports the C interface alone, needs 
   local dll=$1/bin/palpate.dll
   x86_64-w64-mingw32-objdump -p "$dll" > "$scratch/dump"
   diff <(bash "$tests/consumers/declared.sh" "$1/include/palpate") \
-    <(sed -n 's/^\t*\[ *[0-9]*\] \(+base.*\] *[0-9a-f]* \)\?\([a-zA-Z_].*\)$/\2/p' "$scratch/dump" | sort) ||
+    <(sed -n '/Ordinal\/Name Pointer/,/^$/s/^\t*\[ *[0-9]*\] *\(.*\)$/\1/p' "$scratch/dump" | sort) ||
     fail "headers and $dll differ"
   local others
   others=$(sed -n 's/.*DLL Name: //p' "$scratch/dump" | grep -i -E 'gcc|stdc|winpthread|glfw|vulkan' || true)
@@ -80,9 +80,10 @@ serves_programs() {  # FOLDER: the library exports the C interface alone, needs 
   awk '!($2 > 0.6 && $2 < 0.9) { exit 1 }' "$scratch/said" || fail "press: $(cat "$scratch/said")"
   cat "$scratch/said"
   awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++j)
-    printf "%g,%g,%g\n", i, j, 20 * exp(-(i * i + j * j) / 800)}' > 'höcker.csv'
-  quietly "${wine[@]}" "$scratch/built/dent.exe" 'höcker.csv' dented.ply
+    printf "%g,%g,%g\n", i, j, 20 * exp(-(i * i + j * j) / 800)}' > hump.csv
+  quietly "${wine[@]}" "$scratch/built/dent.exe" hump.csv dented.ply
   [ "$(head -c 3 dented.ply)" = ply ] || fail 'nothing was saved'
+  quietly "${wine[@]}" "$scratch/built/stir.exe"
   unset WINEPATH
   rm -r "$scratch/built"
 }
@@ -157,5 +158,6 @@ left=$(diff <(grep -i palpate "$scratch/before.reg") <(registry | grep -i palpat
 long=$(printf 'C:\\long%.0s;' $(seq 200))
 quietly "${wine[@]}" reg add 'HKCU\Environment' /v Path /t REG_EXPAND_SZ /d "$long" /f
 quietly "${wine[@]}" "$installer" /S /PATH
-quietly "${wine[@]}" "$WINEPREFIX/drive_c/users/$USER/AppData/Local/Programs/palpate/uninstall.exe" /S
-echo "windows_packages.sh: installed, used, removed: $(cd "$packages" && du -h palpate-*.exe palpate-*.zip | tr '\n\t' ', ')"
+[ "$(registry | grep -c '^"Path".*long.*long;"$')" = 1 ] || fail 'a long search path was changed'
+sizes=$(cd "$packages" && du -h palpate-*.exe palpate-*.zip | tr '\n\t' ', ')
+echo "windows_packages.sh: installed, used, removed: $sizes"

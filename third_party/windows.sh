@@ -101,6 +101,7 @@ build_libraries() {
   cmake_library fmtlib -DFMT_DOC=OFF -DFMT_TEST=OFF
   cmake_library glfw3 -DGLFW_BUILD_DOCS=OFF -DGLFW_BUILD_TESTS=OFF -DGLFW_BUILD_EXAMPLES=OFF
   cmake_library hidapi -DHIDAPI_BUILD_HIDTEST=OFF
+  x86_64-w64-mingw32-objcopy --remove-section=.drectve "$prefix/lib/libhidapi.a"  # or palpate.dll would export it
   cmake_library pugixml
   build_imgui
   build_zlib
