@@ -7,12 +7,10 @@
 #include <string_view>
 
 #include "engine/core/log.hpp"
+#include "haptics/library/callbacks.hpp"
 #include "haptics/library/watch.hpp"
 
 namespace palpate::library {
-
-/// This thread is in a log function of the program: calls from there could wait for the caller, and are refused.
-inline thread_local bool isInLogFunction = false;
 
 /// Passes messages to the program.
 class Messages final : public LogListener {
@@ -24,12 +22,8 @@ class Messages final : public LogListener {
   Log& sink() { return sink_; }
   void said(std::string_view line) override {
     if (!log_) return;
-    struct Inside {
-      Inside() { isInLogFunction = true; }
-      ~Inside() { isInLogFunction = false; }
-    };
     const std::string whole(line);
-    const Inside inside;
+    const InCallback inside;
     log_(user_, whole.c_str());
   }
   /// Waits for a call of the program's function in progress; no further calls are made.

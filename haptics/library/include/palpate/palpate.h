@@ -15,14 +15,14 @@
  *
  * Threads: clouds, meshes, frames and logs are immutable, and any number of threads may use them. On a session, one
  * thread (its servo thread) may call pp_touch(), pp_touch_hands() and pp_touch_lift() while another one calls the
- * functions that look at it: pp_session_apply_edits(), pp_session_render(), pp_session_mesh(), pp_session_get_info(),
- * pp_session_frame(), the functions that control matter (pp_session_pause() and those after it in matter.h),
- * pp_session_get_sharing(), pp_session_other_hands(), pp_session_cameras(), pp_session_publish_camera(),
- * pp_live_read_ticks(), pp_live_get_state(). Where budget_us is 0, the first five and the last two of these conflict
- * with pp_touch(), too. All other calls on a session, and all calls on a pp_matter, need exclusive access. A pp_server
- * may be used by any number of threads. A call that conflicts with one in progress returns PP_ERROR_THREAD and does
- * nothing. In a forked process, the parent's sessions, matter and servers give PP_ERROR_STATE, and closing them there
- * does not affect the parent.
+ * functions that look at it: pp_session_apply_edits(), pp_session_render(), pp_session_mesh(), pp_session_nearest(),
+ * pp_session_raycast(), pp_session_rows(), pp_session_get_info(), pp_session_frame(), the functions that control matter
+ * (pp_session_pause() and those after it in matter.h), pp_session_get_sharing(), pp_session_other_hands(),
+ * pp_session_cameras(), pp_session_publish_camera(), pp_live_read_ticks(), pp_live_get_state(). Where budget_us is 0,
+ * the first eight and the last two of these conflict with pp_touch(), too. All other calls on a session, and all calls
+ * on a pp_matter, need exclusive access. A pp_server may be used by any number of threads. A call that conflicts with
+ * one in progress returns PP_ERROR_THREAD and does nothing. In a forked process, the parent's sessions, matter and
+ * servers give PP_ERROR_STATE, and closing them there does not affect the parent.
  *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function and then changed. That function is
  * compiled into the program and passes the size that the program knows to pp_init_…(), which a program in another
@@ -248,7 +248,9 @@ typedef struct pp_pose {
   uint32_t reserved; /**< not used */
 } pp_pose;
 
-/** Answer of the surface to a pose. */
+/** Answer of the surface to a pose. It is fresh (from the pose's own query), held (`valid` and not `fresh`: bridged
+ * within the budget; the force fades as age_s grows, and is zero within 0.2 s) or none (not `valid`: a fault; no
+ * force). */
 typedef struct pp_contact {
   double proxy[3];       /**< position on the surface, model units; equals the HIP without contact */
   double normal[3];      /**< unit length, outward; zero if no surface was within reach */
@@ -259,6 +261,7 @@ typedef struct pp_contact {
   uint8_t fresh;         /**< 1: from this pose's own query; 0: bridged, because the answer would have been late */
   uint8_t valid;         /**< 0: a fault occurred, and the force is zero */
   uint8_t reserved;      /**< not used */
+  double age_s;          /**< age of the data from which it was computed, s: 0 if fresh; negative: there are none */
 } pp_contact;
 
 /** One tick of the haptic loop. */
@@ -398,9 +401,12 @@ PP_API pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t
 PP_API pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity,
                                   uint64_t* count);
 
-/** One tick, for a servo loop of the program. The first one after any other call begins a new contact and may take
- * long. Later ones allocate nothing unless points are edited, and with a budget do not exceed it by much. Returns PP_OK
- * even if contact->valid is 0. PP_ERROR_ARGUMENT for numbers that are not finite. */
+/** One tick, for a servo loop of the program, such as one at 1 kHz: takes a pose with its time and returns contact and
+ * force. The first one after any other call begins a new contact and may take long: call it before the device has a
+ * force. Later ones allocate nothing unless points are edited, take no lock that another thread holds for longer than
+ * the copy of a pointer, and with pp_session_options.budget_us wait for no query beyond it: an answer that is late is
+ * held (pp_contact). Times increase by the duration of a tick. Returns PP_OK even if contact->valid is 0; with any
+ * other status there is no force. PP_ERROR_ARGUMENT for numbers that are not finite. */
 PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact);
 /** One tick for all hands of a session: `poses`, `contacts`, `orientations` and `torques_mNm` have an entry for each of
  * the `hands` hands. The time of the first pose is used for all. `orientations`: rotation of each hand's tool, unit
@@ -459,11 +465,14 @@ PP_API pp_status pp_session_cloud(pp_session session, pp_cloud* cloud);
 
 /** @} */
 
+#include <palpate/contacts.h>
 #include <palpate/frames.h>
 #include <palpate/live.h>
 #include <palpate/logs.h>
 #include <palpate/matter.h>
 #include <palpate/pictures.h>
+#include <palpate/placed_clouds.h>
+#include <palpate/queries.h>
 #include <palpate/sharing.h>
 
 #ifdef __cplusplus
