@@ -119,7 +119,7 @@ void OpenSession::end() noexcept {
     leave();
     endRecording();
   } catch (const std::exception& error) {  // the log has all that could be written
-    messages_.sink().say("{}", error.what());
+    messages_.sink().warn("{}", error.what());
   }
   messages_.end();
 }
@@ -231,7 +231,7 @@ void OpenSession::beginRecording(const OpenHand& hand, const RunOptions& run) {
   if (!recordTo_) return;
   const std::string file = *std::exchange(recordTo_, std::nullopt);
   session_->record(
-      file, hand, [this](const std::string& what) { messages_.sink().say("{}", what); }, run);
+      file, hand, [this](const std::string& what) { messages_.sink().warn("{}", what); }, run);
 }
 
 void OpenSession::endRecording() {
@@ -259,7 +259,7 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
       try {
         of.setBrushBetween(brush);
       } catch (const std::exception& error) {
-        of.messages_.sink().say("{}", error.what());
+        of.messages_.sink().warn("{}", error.what());
       }
     }
     OpenSession& of;
@@ -330,7 +330,7 @@ std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   if (joined_) {
     session_->settleShared(joined_->timeout_s());
     if (session_->shared() && !session_->shared()->counts().delivered)
-      messages_.sink().say(
+      messages_.sink().warn(
           "'{}': the server has not confirmed yet what was undone or redone here; settling waits for it",
           config_.model.file);
   }

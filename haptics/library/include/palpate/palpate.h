@@ -24,6 +24,12 @@
  * one in progress returns PP_ERROR_THREAD and does nothing. In a forked process, the parent's sessions, matter and
  * servers give PP_ERROR_STATE, and closing them there does not affect the parent.
  *
+ * Memory comes from the C++ library's operator new and, for large arrays, from the system; on a GPU from Vulkan. There
+ * is no allocator hook: the standard library and the drivers would not obey it, and half a hook would say less than
+ * this: opening, building and meshing allocate in proportion to the points, edits in proportion to the points that they
+ * change, and a tick of pp_touch() that edits nothing allocates nothing (counted by the test "a tick of a host's own
+ * servo loop allocates nothing"). Nothing that palpate returns has to be freed but by closing its handle.
+ *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function and then changed. That function is
  * compiled into the program and passes the size that the program knows to pp_init_…(), which a program in another
  * language calls directly. A library newer than the program therefore uses the defaults for fields that the program
@@ -99,9 +105,18 @@ PP_API const char* pp_last_error_file(void);
 /** Line of that file, from 1; 0 if unknown. */
 PP_API uint64_t pp_last_error_line(void);
 
-/** Receives messages, one line each, without the newline. Called on any thread of the call, session or server that it
- * was given to, until that ends. Calls on sessions, matter and servers from within it give PP_ERROR_STATE. */
-typedef void (*pp_log_function)(void* user, const char* line);
+/** Weight of a message. What makes a call fail is no message, but its status and pp_last_error(). */
+typedef enum pp_log_level {
+  PP_LOG_NOTE = 0,   /**< what palpate does or has found, such as that normals are estimated */
+  PP_LOG_WARNING = 1 /**< points, frames, strokes or parts of a file are lost, or may be */
+} pp_log_level;
+
+/** Receives messages, one line each, without the newline. `level`: a pp_log_level. Called on any thread of the call,
+ * session or server that it was given to, except on a servo thread, until that ends: on the calling thread while a call
+ * runs, and on threads of palpate for devices and the network. One call at a time for each object. Calls on sessions,
+ * matter and servers from within it give PP_ERROR_STATE. Without it there are no messages; the library never writes to
+ * stdout or stderr. */
+typedef void (*pp_log_function)(void* user, int32_t level, const char* line);
 
 /** Watches calls that take long. Both functions may be null. They are called some 50 times a second on the calling
  * thread, which waits while a thread of palpate does the work and calls log functions and force laws. They must return
