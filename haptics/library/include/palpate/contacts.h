@@ -30,8 +30,9 @@ typedef void (*pp_contact_function)(void* user, const pp_contact_event* event);
  * With pp_touch() it is called before that call returns, on the thread that ticks. By path it is called once the path
  * has been followed, on the calling thread, for all its ticks in order, and a contact ends with the path. Live, the
  * servo thread never calls it: pp_live_read_ticks() does, on its own thread, for the ticks that it returns, so a
- * program that reads thirty times a second hears of a contact within 33 ms. Ticks that were dropped because nobody read
- * them have no events. The contact of a live session that has ended ends once all its ticks have been read.
+ * program that reads thirty times a second hears of a contact within 33 ms. Ticks that were dropped because they were
+ * not read in time have no events. The contact of a live session that has ended ends once all its ticks have been read.
+ * Any other call that ends a contact, such as pp_session_undo(), tells its end.
  *
  * PP_ERROR_STATE while the session is live. */
 PP_API pp_status pp_session_on_contact(pp_session session, pp_contact_function function, void* user);

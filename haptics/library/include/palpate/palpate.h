@@ -25,10 +25,10 @@
  * servers give PP_ERROR_STATE, and closing them there does not affect the parent.
  *
  * Memory comes from the C++ library's operator new and, for large arrays, from the system; on a GPU from Vulkan. There
- * is no allocator hook: the standard library and the drivers would not obey it, and half a hook would say less than
- * this: opening, building and meshing allocate in proportion to the points, edits in proportion to the points that they
- * change, and a tick of pp_touch() that edits nothing allocates nothing (counted by the test "a tick of a host's own
- * servo loop allocates nothing"). Nothing that palpate returns has to be freed but by closing its handle.
+ * is no allocator hook: it would not reach what drivers and other libraries allocate. What can be relied on: opening,
+ * building and meshing allocate in proportion to the points, edits in proportion to the points that they change, and a
+ * tick of pp_touch() that edits nothing makes no allocation, which a test counts. What palpate returns is freed by
+ * closing its handle alone.
  *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function and then changed. That function is
  * compiled into the program and passes the size that the program knows to pp_init_…(), which a program in another
