@@ -60,6 +60,9 @@ awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++
   printf "%g,%g,%g\n", i, j, 20 * exp(-(i * i + j * j) / 800)}' > "$scratch/hump.csv"
 "$scratch/build/examples/dent" "$scratch/hump.csv" "$scratch/dented.ply"
 [ "$(head -c 3 "$scratch/dented.ply")" = ply ] || fail "nothing was saved"
+"$scratch/build/examples/probe" "$scratch/hump.csv" | tee "$scratch/probe.txt" || fail "probe failed"
+# The middle of the hump is 20 units high.
+awk '/^hit/ {found = $2 > 19 && $2 < 20.1} END {exit !found}' "$scratch/probe.txt" || fail "the ray missed the hump"
 "$scratch/build/examples/stir" || [ $? = 77 ] || fail "stir failed"
 
 # One program serves a cloud, and two others dent it.
