@@ -5,7 +5,7 @@
 
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
-#include "engine/edit/normal_fit.hpp"
+#include "engine/edit/normal_refit.hpp"
 #include "shaders/shared/contact.h"
 
 namespace palpate {
@@ -250,29 +250,19 @@ void CpuSculpture::findUnsettled() {
   std::ranges::sort(unsettled_);
 }
 
-Vec3 CpuSculpture::refitted(std::uint32_t point) const {
-  const DVec3 place(points_.positions[point]);
-  NormalFit fit(options_.radius);
-  DVec3 side(0);
-  const Vec3 old = points_.normals[point];
-  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
-    const Vec3 theirs = points_.normals[near.number];
-    const double share = shared::fitShare(glm::dot(theirs, old));
-    if (share <= 0) return;
-    const DVec3 offset = DVec3(near.position) - place;
-    fit.add(offset, share);
-    side += share * wendland(glm::length(offset) / options_.radius) * DVec3(theirs);
-  });
-  const DVec3 normal = fit.normal(DVec3(old)).normal;
-  return Vec3(glm::dot(normal, side) < 0 ? -normal : normal);
-}
-
-// A normal takes the side of most normals around it: at a fresh edge a normal may rotate by a right angle in one tick,
-// and its previous side is then meaningless. The far sheet of a plate does not count.
 void CpuSculpture::refit() {
   normals_.resize(unsettled_.size());
-  forEachOf(grid_.team(), unsettled_.size(), kFewestGathers,
-            [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });
+  groups_.assign(grid_.grid(), unsettled_.size(), [&](std::size_t i) {
+    return std::pair(DVec3(points_.positions[unsettled_[i]]), options_.radius);
+  });
+  groups_.forEach(grid_.team(), kFewestGathers, [&](const CellGroups::Group& group) {
+    thread_local NormalRefit refit;
+    refit.gather(grid_, group.balls, points_.normals);
+    for (const std::uint32_t i : groups_.members(group)) {
+      const std::uint32_t point = unsettled_[i];
+      normals_[i] = refit.refitted(DVec3(points_.positions[point]), points_.normals[point], options_.radius);
+    }
+  });
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     Vec3& normal = points_.normals[unsettled_[i]];
     if (normal != normals_[i]) tellOf(unsettled_[i]);
@@ -285,32 +275,46 @@ std::optional<DVec3> CpuSculpture::pushedFrom(std::uint32_t point) const {
   return pushes_->outward();
 }
 
-ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbours) const {
-  const auto seen = [&](std::uint32_t number, const DVec3& offset) {
-    return ResampleNeighbour{.offset = offset,
-                             .normal = DVec3(points_.normals[number]),
-                             .rest = DVec3(points_.rests[number]),
-                             .spacing = points_.spacing(number),
-                             .isNew = number >= points_.fromFile,
-                             .atRest = carves_ && isAtRest(number),
-                             .number = number,
-                             .unsettled = points_.unsettled[number] != 0};
-  };
-  neighbours.clear();
+ResampleNeighbour CpuSculpture::seen(std::uint32_t number) const {
+  return {.normal = DVec3(points_.normals[number]),
+          .rest = DVec3(points_.rests[number]),
+          .spacing = points_.spacing(number),
+          .isNew = number >= points_.fromFile,
+          .atRest = carves_ && isAtRest(number),
+          .number = number,
+          .unsettled = points_.unsettled[number] != 0};
+}
+
+double CpuSculpture::neighbourhoodOf(std::uint32_t point) const {
+  return double{
+      shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius))};
+}
+
+void CpuSculpture::Surroundings::gather(const CpuSculpture& sculpture, const GatheredPoints::Balls& balls) {
+  points_.gather(sculpture.grid_, balls);
+  all_.clear();
+  for (const std::uint32_t number : points_.numbers()) all_.push_back(sculpture.seen(number));
+}
+
+bool CpuSculpture::Surroundings::look(std::uint32_t point, const DVec3& place, double radius) {
+  const GatheredPoints::Near near = points_.near(place, radius);
+  neighbours_.clear();
+  for (std::size_t k = 0; k < near.count; ++k) {
+    const ResampleNeighbour& neighbour = all_[near.index[k]];
+    if (neighbour.number == point) continue;
+    if (neighbours_.size() == kMaxNeighbours) return false;
+    neighbours_.push_back(neighbour);
+    neighbours_.back().offset = {near.x[k], near.y[k], near.z[k]};
+  }
+  return true;
+}
+
+ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Surroundings& surroundings) const {
   const DVec3 place(points_.positions[point]);
-  const double radius =
-      shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius));
-  bool complete = true;
-  grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
-    if (near.number == point) return;
-    if (neighbours.size() < kMaxNeighbours)
-      neighbours.push_back(seen(near.number, DVec3(near.position) - place));
-    else
-      complete = false;
-  });
+  const bool complete = surroundings.look(point, place, neighbourhoodOf(point));
   const SculptedPoints::Found as = cuts_ ? points_.found(point, cuts_->stroke()) : SculptedPoints::Found{};
-  return resampleRequest(seen(point, DVec3(0)),
-                         {.neighbours = neighbours,
+  return resampleRequest(seen(point),
+                         {.neighbours = surroundings.neighbours(),
                           .reach = reachOf(point),
                           .fills = fills_ && complete,
                           .carves = carves_,
@@ -325,12 +329,19 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbo
 
 void CpuSculpture::resample() {
   requests_.resize(unsettled_.size());
-  forEachOf(grid_.team(), unsettled_.size(), kFewestGathers, [&](std::size_t i) {
-    thread_local Neighbours neighbours;
-    static_cast<ResampleRequest&>(requests_[i]) = requestOf(unsettled_[i], neighbours);
-    if (!requests_[i].inserts) return;
-    requests_[i].place = Vec3(DVec3(points_.positions[unsettled_[i]]) + requests_[i].offset);
-    requests_[i].reach = static_cast<float>(reachOf(unsettled_[i]) - glm::length(requests_[i].offset));
+  groups_.assign(grid_.grid(), unsettled_.size(), [&](std::size_t i) {
+    return std::pair(DVec3(points_.positions[unsettled_[i]]), neighbourhoodOf(unsettled_[i]));
+  });
+  groups_.forEach(grid_.team(), kFewestGathers, [&](const CellGroups::Group& group) {
+    thread_local Surroundings surroundings;
+    surroundings.gather(*this, group.balls);
+    for (const std::uint32_t i : groups_.members(group)) {
+      const std::uint32_t point = unsettled_[i];
+      static_cast<ResampleRequest&>(requests_[i]) = requestOf(point, surroundings);
+      if (!requests_[i].inserts) continue;
+      requests_[i].place = Vec3(DVec3(points_.positions[point]) + requests_[i].offset);
+      requests_[i].reach = static_cast<float>(reachOf(point) - glm::length(requests_[i].offset));
+    }
   });
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     const std::uint32_t point = unsettled_[i];

@@ -4,6 +4,7 @@
 #include "engine/edit/placed_brush.hpp"
 #include "engine/edit/resampling.hpp"
 #include "engine/edit/sculpted_points.hpp"
+#include "engine/spatial/cell_groups.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 
 namespace palpate {
@@ -51,7 +52,18 @@ class CpuSculpture {
   void set(std::span<const PointChange> changes);
 
  private:
-  using Neighbours = std::vector<ResampleNeighbour>;
+  // The points around a group of unsettled ones.
+  class Surroundings {
+   public:
+    void gather(const CpuSculpture& sculpture, const GatheredPoints::Balls& balls);
+    // Finds the neighbours of one of them. False: there are more than are examined.
+    bool look(std::uint32_t point, const DVec3& place, double radius);
+    std::span<const ResampleNeighbour> neighbours() const { return neighbours_; }
+
+   private:
+    GatheredPoints points_;
+    std::vector<ResampleNeighbour> all_, neighbours_;  // all_: without offsets
+  };
   void measureSpacings();
   double spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const;
   double reachOf(std::uint32_t point) const;
@@ -68,9 +80,10 @@ class CpuSculpture {
   void measure(const PlacedBrush& brush);
   void findUnsettled();
   void refit();
-  Vec3 refitted(std::uint32_t point) const;
   std::optional<DVec3> pushedFrom(std::uint32_t point) const;
-  ResampleRequest requestOf(std::uint32_t point, Neighbours& neighbours) const;
+  ResampleNeighbour seen(std::uint32_t number) const;
+  double neighbourhoodOf(std::uint32_t point) const;
+  ResampleRequest requestOf(std::uint32_t point, Surroundings& surroundings) const;
   void resample();
   void insertClaimed();
   void tellOf(std::uint32_t point);
@@ -95,6 +108,7 @@ class CpuSculpture {
     Vec3 place{0};  // of the new point
     float reach = 0;
   };
+  CellGroups groups_;                                         // of the unsettled points
   std::vector<std::uint32_t> reached_, unsettled_, changed_;  // numbers of points
   std::vector<std::uint32_t> swallowed_;                      // by the carving ball: removed with the next edit
   std::vector<PlacedBrush::Point> places_;                    // of the reached points

@@ -22,7 +22,11 @@ bool crowd(const ResampleNeighbour& a, const ResampleNeighbour& b) {
   const bool anyNew = a.isNew || b.isNew;
   const double least = std::min(a.spacing, b.spacing);
   const double closest = static_cast<double>(shared::kCrowded) * (anyNew ? std::max(a.spacing, b.spacing) : least);
-  const double distance = glm::distance(a.offset, b.offset);
+  const DVec3 between = b.offset - a.offset;
+  // Most pairs are far apart, which needs no square root.
+  constexpr double kSurely = 1 + 1e-9;
+  if (glm::dot(between, between) > closest * closest * kSurely) return false;
+  const double distance = glm::length(between);
   if (distance >= closest || !sameSheet(a.normal, b.normal)) return false;
   const double before = glm::distance(a.rest, b.rest);
   return anyNew || distance < static_cast<double>(shared::kComeNearer) * before ||

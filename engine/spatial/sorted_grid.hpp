@@ -62,6 +62,18 @@ class SortedGrid final : public NeighbourSearch {
   /// Calls visit(Placed) for every point strictly nearer than `radius` to `center`, once.
   template <class Visit>
   void forEachNear(const DVec3& center, double radius, Visit&& visit) const;
+  /// The same in layers, for several threads: the points of layer 0, then those of 1 and so on are those of
+  /// forEachNear() in its order.
+  std::size_t layers(const DVec3& center, double radius) const;
+  template <class Visit>
+  void forEachNear(const DVec3& center, double radius, std::size_t layer, Visit&& visit) const;
+
+  /// The most cells of a box whose buckets are visited whole.
+  static constexpr std::uint32_t kFewCells = 64;
+  /// Calls visit(points) for the buckets of a box of at most kFewCells cells, each once, in the order in which
+  /// forEachNear() visits them for a ball with this box.
+  template <class Visit>
+  void forEachBucket(const CellBox& box, Visit&& visit) const;
 
  private:
   // Slots: those of the last build, then the spare ones.
@@ -74,7 +86,6 @@ class SortedGrid final : public NeighbourSearch {
     bool enters;
   };
 
-  static constexpr std::uint32_t kFewCells = 64;
   // After the end of the build's slots, where its last buckets may begin if they are empty.
   std::uint32_t firstSpare() const { return static_cast<std::uint32_t>(sort_.items().size()) + 1; }
   const Placed* at(std::uint32_t slot) const {
@@ -95,8 +106,9 @@ class SortedGrid final : public NeighbourSearch {
   void moveTo(std::uint32_t bucket, std::uint32_t slot);
   void shrink(std::uint32_t bucket);
 
-  template <class Visit>
-  void visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const;
+  bool hasManyCells(const CellBox& box) const {
+    return box.cells() > kFewCells && box.cells() < static_cast<double>(size_);
+  }
   template <class Visit>
   void visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const;
   // Visits the near ones of some points, without unpredictable branches.
@@ -138,12 +150,25 @@ void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) 
   const CellBox box = cellsAround(grid_, center, radius);
   const double squared = radius * radius;
   if (box.cells() <= kFewCells) {
-    visitFewCells(box, center, squared, visit);
-  } else if (box.cells() < static_cast<double>(size_)) {
+    forEachBucket(box, [&](std::span<const Placed> points) { visitNear(points, center, squared, visit); });
+  } else if (hasManyCells(box)) {
     visitCells(box, center, radius, visit);
   } else {  // a pass over all points is cheaper
     for (std::uint32_t b = 0; b <= grid_.bucketMask; ++b) visitNear(bucket(b), center, squared, visit);
   }
+}
+
+inline std::size_t SortedGrid::layers(const DVec3& center, double radius) const {
+  const CellBox box = cellsAround(grid_, center, radius);
+  return hasManyCells(box) ? static_cast<std::size_t>(box.high.z - box.low.z) + 1 : 1;
+}
+
+template <class Visit>
+void SortedGrid::forEachNear(const DVec3& center, double radius, std::size_t layer, Visit&& visit) const {
+  CellBox box = cellsAround(grid_, center, radius);
+  if (!hasManyCells(box)) return forEachNear(center, radius, visit);
+  box.low.z = box.high.z = box.low.z + static_cast<int>(layer);
+  visitCells(box, center, radius, visit);
 }
 
 // In batches, whose memory accesses overlap: most cells of a wide ball are empty, and each bucket is a cache miss.
@@ -174,7 +199,7 @@ void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radi
 }
 
 template <class Visit>
-void SortedGrid::visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const {
+void SortedGrid::forEachBucket(const CellBox& box, Visit&& visit) const {
   // Prefetches all buckets before visiting their points, so that memory accesses overlap. Two cells may share a bucket,
   // whose points are then visited once: cheaper than computing each point's cell.
   std::array<std::uint32_t, kFewCells> begins;
@@ -190,7 +215,7 @@ void SortedGrid::visitFewCells(const CellBox& box, const DVec3& center, double s
     begins[count] = found.begin;
     visited[count++] = {points, found.count};
   });
-  for (std::size_t i = 0; i < count; ++i) visitNear(visited[i], center, squared, visit);
+  for (std::size_t i = 0; i < count; ++i) visit(visited[i]);
 }
 
 }  // namespace palpate
