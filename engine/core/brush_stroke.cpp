@@ -117,6 +117,12 @@ void SurfaceMeasure::add(const shared::MeasuredPoint& point) {
   heights += static_cast<std::uint32_t>(point.height);
 }
 
+void SurfaceMeasure::add(const SurfaceMeasure& other) {
+  weights += other.weights;
+  for (std::size_t k = 0; k < normals.size(); ++k) normals[k] += other.normals[k];
+  heights += other.heights;
+}
+
 SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b) {
   SurfaceMeasure gap{.weights = a.weights - b.weights, .normals = {}, .heights = a.heights - b.heights};
   for (std::size_t k = 0; k < 3; ++k) gap.normals[k] = a.normals[k] - b.normals[k];

@@ -19,6 +19,7 @@ struct SurfaceMeasure {
   std::uint32_t heights = 0;
 
   void add(const shared::MeasuredPoint& point);
+  void add(const SurfaceMeasure& other);
   friend SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b);
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 // Fewest points that a thread takes at a time: as many as take longer than to wake it. A gather takes microseconds,
 // most brushes some ten nanoseconds.
-constexpr std::size_t kFewestGathers = 8, kFewestBrushed = 512;
+constexpr std::size_t kFewestGathers = 8, kFewestBrushed = 512, kFewestCells = 2048;
 constexpr std::size_t kAhead = 8;  // points whose memory is fetched ahead of a brush
 constexpr std::size_t kTurns = 8;  // of a thread, so that all end at about the same time
 // Number of neighbours that a point examines before it decides on insertion or removal. More are within its
@@ -176,9 +176,7 @@ void CpuSculpture::tellOf(std::uint32_t point) {
 
 // Every point reads the previous positions of the others.
 void CpuSculpture::applyBrush(const PlacedBrush& brush) {
-  reached_.clear();
-  grid_.forEachNear(brush.center(), brush.radius(),
-                    [&](const SortedGrid::Placed& point) { reached_.push_back(point.number); });
+  reach(brush);
   places_.resize(reached_.size());
   const bool smooths = brush.kind() == BrushKind::smooth, paints = brush.kind() == BrushKind::paint;
   forEachOf(grid_.team(), reached_.size(), smooths ? kFewestGathers : kFewestBrushed, [&](std::size_t i) {
@@ -189,7 +187,6 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
     else
       places_[i] = brush.brushed(DVec3(points_.positions[point]), DVec3(points_.normals[point]), found(brush, point));
   });
-  measure(brush);
   for (std::size_t i = 0; i < reached_.size(); ++i) {
     const std::uint32_t point = reached_[i];
     const Vec3 place(places_[i].position);
@@ -219,9 +216,24 @@ PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t p
   return {DVec3(found.position), DVec3(found.normal)};
 }
 
-void CpuSculpture::measure(const PlacedBrush& brush) {
-  for (const std::uint32_t point : reached_)
-    if (brush.measures(point)) measure_.add(brush.measured(found(brush, point)));
+// Finds the points that the brush may affect, and measures the surface under it.
+void CpuSculpture::reach(const PlacedBrush& brush) {
+  layers_.resize(std::max(layers_.size(), grid_.layers(brush.center(), brush.radius())));
+  const std::size_t layers = grid_.layers(brush.center(), brush.radius());
+  forEachOf(grid_.team(), layers, std::max<std::size_t>(1, kFewestCells / (layers * layers)), [&](std::size_t k) {
+    Layer& layer = layers_[k];
+    layer.reached.clear();
+    layer.measure = {};
+    grid_.forEachNear(brush.center(), brush.radius(), k, [&](const SortedGrid::Placed& near) {
+      if (brush.measures(near.number)) layer.measure.add(brush.measured(found(brush, near.number)));
+      if (brush.mayAffect(DVec3(near.position))) layer.reached.push_back(near.number);
+    });
+  });
+  reached_.clear();
+  for (const Layer& layer : std::span(layers_).first(layers)) {
+    reached_.insert(reached_.end(), layer.reached.begin(), layer.reached.end());
+    measure_.add(layer.measure);
+  }
 }
 
 DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) const {

@@ -77,7 +77,7 @@ class CpuSculpture {
   void applyBrush(const PlacedBrush& brush);
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
   DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;
-  void measure(const PlacedBrush& brush);
+  void reach(const PlacedBrush& brush);
   void findUnsettled();
   void refit();
   std::optional<DVec3> pushedFrom(std::uint32_t point) const;
@@ -109,6 +109,11 @@ class CpuSculpture {
     float reach = 0;
   };
   CellGroups groups_;                                         // of the unsettled points
+  struct Layer {
+    std::vector<std::uint32_t> reached;  // numbers of points
+    SurfaceMeasure measure;
+  };
+  std::vector<Layer> layers_;
   std::vector<std::uint32_t> reached_, unsettled_, changed_;  // numbers of points
   std::vector<std::uint32_t> swallowed_;                      // by the carving ball: removed with the next edit
   std::vector<PlacedBrush::Point> places_;                    // of the reached points

@@ -16,7 +16,7 @@ constexpr std::uint32_t kShareFree = 8, kShareUsed = 4;
 }  // namespace
 
 SortedGrid::SortedGrid(const HashGrid& grid, unsigned threads)
-    : grid_(grid), team_(threads), sort_(grid.bucketMask + 1), buckets_(std::size_t{grid.bucketMask} + 1, Bucket()) {}
+    : grid_(grid), team_(threads), sort_(grid.bucketMask + 1), buckets_(std::size_t{grid.bucketMask} + 1, Bucket()), occupied_(buckets_.size() / kWord + 1) {}
 
 void SortedGrid::build(std::span<const Vec3> positions, std::span<const std::uint8_t> there) {
   PALPATE_CHECK(there.empty() || there.size() == positions.size());
@@ -30,11 +30,14 @@ void SortedGrid::build(std::span<const Vec3> positions, std::span<const std::uin
     placed.number = static_cast<std::uint32_t>(i);
   });
   spare_.clear();
-  constexpr std::size_t kPart = std::size_t{1} << 15;  // buckets
+  constexpr std::size_t kPart = std::size_t{1} << 15;  // buckets: whole words of their bits
   team_.forEach((buckets_.size() + kPart - 1) / kPart, [&](std::size_t part) {
     const std::span<const std::uint32_t> starts = sort_.starts();
     const std::size_t end = std::min(buckets_.size(), (part + 1) * kPart);
-    for (std::size_t b = part * kPart; b < end; ++b) buckets_[b] = {starts[b], starts[b + 1] - starts[b]};
+    for (std::size_t b = part * kPart; b < end; ++b) {
+      buckets_[b] = {starts[b], starts[b + 1] - starts[b]};
+      note(static_cast<std::uint32_t>(b));
+    }
   });
   size_ = sort_.items().size();
   isFresh_ = true;
@@ -98,6 +101,13 @@ void SortedGrid::transfer(std::span<const Transfer> transfers) {
   size_ += 2 * entering;
   size_ -= transfers.size();
   shrink(number);
+  note(number);
+}
+
+void SortedGrid::note(std::uint32_t bucket) {
+  std::uint64_t& word = occupied_[bucket / kWord];
+  const std::uint64_t bit = std::uint64_t{1} << bucket % kWord;
+  word = buckets_[bucket].count > 0 ? word | bit : word & ~bit;
 }
 
 void SortedGrid::leave(Bucket& bucket, std::span<const Transfer> transfers) {
@@ -161,7 +171,7 @@ void SortedGrid::near(const DVec3& center, double radius, std::vector<std::uint3
 }
 
 std::size_t SortedGrid::bytes() const {
-  return sort_.bytes() + buckets_.size() * sizeof(Bucket) + spare_.bytes() + transfers_.capacity() * sizeof(Transfer);
+  return sort_.bytes() + buckets_.size() * sizeof(Bucket) + occupied_.size() * sizeof(std::uint64_t) + spare_.bytes() + transfers_.capacity() * sizeof(Transfer);
 }
 
 }  // namespace palpate

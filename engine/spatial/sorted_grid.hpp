@@ -106,9 +106,13 @@ class SortedGrid final : public NeighbourSearch {
   void moveTo(std::uint32_t bucket, std::uint32_t slot);
   void shrink(std::uint32_t bucket);
 
+  static constexpr std::size_t kMaxSide = 2048;
   bool hasManyCells(const CellBox& box) const {
     return box.cells() > kFewCells && box.cells() < static_cast<double>(size_);
   }
+  // One bit for each bucket: whether it has points. Fits into the first caches.
+  static constexpr std::uint32_t kWord = 64;
+  void note(std::uint32_t bucket);
   template <class Visit>
   void visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const;
   // Visits the near ones of some points, without unpredictable branches.
@@ -121,6 +125,7 @@ class SortedGrid final : public NeighbourSearch {
   std::span<const std::uint8_t> there_;
   BucketSort<Placed> sort_;  // its keys follow updates
   BareVector<Bucket> buckets_;
+  std::vector<std::uint64_t> occupied_;
   SpareBlocks<Placed> spare_;
   std::size_t size_ = 0;
   bool isFresh_ = true;
@@ -177,24 +182,33 @@ void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radi
   constexpr std::size_t kBatch = 64;
   const CellBall ball(grid_, center, radius);
   std::array<IVec3, kBatch> cells;
-  std::array<const Bucket*, kBatch> found;
+  std::array<std::span<const Placed>, kBatch> found;
   std::size_t count = 0;
   const auto visitBatch = [&] {
     for (std::size_t i = 0; i < count; ++i)
-      if (found[i]->count > 0) __builtin_prefetch(at(found[i]->begin));
-    for (std::size_t i = 0; i < count; ++i)
-      visitNear({at(found[i]->begin), found[i]->count}, center, radius * radius, [&](const Placed& point) {
+      visitNear(found[i], center, radius * radius, [&](const Placed& point) {
         if (cellOf(grid_, point.position) == cells[i]) visit(point);
       });
     count = 0;
   };
-  box.forEach([&](const IVec3& cell) {
-    if (!ball.mayReach(cell)) return;
-    cells[count] = cell;
-    found[count] = &buckets_[bucketOf(grid_, cell)];
-    __builtin_prefetch(found[count]);
-    if (++count == kBatch) visitBatch();
-  });
+  // The number of a bucket is the exclusive or of those of its coordinates.
+  std::array<std::uint32_t, kMaxSide> columns;
+  PALPATE_CHECK_LT(box.high.x - box.low.x, static_cast<int>(kMaxSide));
+  for (int x = box.low.x; x <= box.high.x; ++x)
+    columns[static_cast<std::size_t>(x - box.low.x)] = bucketOf(grid_, {x, 0, 0});
+  for (int z = box.low.z; z <= box.high.z; ++z)
+    for (int y = box.low.y; y <= box.high.y; ++y) {
+      const auto [begin, end] = ball.row(y, z, box);
+      const std::uint32_t row = bucketOf(grid_, {0, y, z});
+      for (int x = begin; x < end; ++x) {
+        const std::uint32_t number = columns[static_cast<std::size_t>(x - box.low.x)] ^ row;
+        if ((occupied_[number / kWord] >> number % kWord & 1) == 0) continue;
+        cells[count] = {x, y, z};
+        found[count] = bucket(number);
+        __builtin_prefetch(found[count].data());
+        if (++count == kBatch) visitBatch();
+      }
+    }
   visitBatch();
 }
 
