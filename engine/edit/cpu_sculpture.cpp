@@ -223,11 +223,16 @@ void CpuSculpture::reach(const PlacedBrush& brush) {
   forEachOf(grid_.team(), layers, std::max<std::size_t>(1, kFewestCells / (layers * layers)), [&](std::size_t k) {
     Layer& layer = layers_[k];
     layer.reached.clear();
+    layer.measured.clear();
     layer.measure = {};
     grid_.forEachNear(brush.center(), brush.radius(), k, [&](const SortedGrid::Placed& near) {
-      if (brush.measures(near.number)) layer.measure.add(brush.measured(found(brush, near.number)));
+      if (brush.measures(near.number)) layer.measured.push_back(near.number);
       if (brush.mayAffect(DVec3(near.position))) layer.reached.push_back(near.number);
     });
+    for (std::size_t i = 0; i < layer.measured.size(); ++i) {
+      if (i + kAhead < layer.measured.size()) points_.prefetch(layer.measured[i + kAhead]);
+      layer.measure.add(brush.measured(found(brush, layer.measured[i])));
+    }
   });
   reached_.clear();
   for (const Layer& layer : std::span(layers_).first(layers)) {
@@ -302,31 +307,12 @@ double CpuSculpture::neighbourhoodOf(std::uint32_t point) const {
       shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius))};
 }
 
-void CpuSculpture::Surroundings::gather(const CpuSculpture& sculpture, const GatheredPoints::Balls& balls) {
-  points_.gather(sculpture.grid_, balls);
-  all_.clear();
-  for (const std::uint32_t number : points_.numbers()) all_.push_back(sculpture.seen(number));
-}
-
-bool CpuSculpture::Surroundings::look(std::uint32_t point, const DVec3& place, double radius) {
-  const GatheredPoints::Near near = points_.near(place, radius);
-  neighbours_.clear();
-  for (std::size_t k = 0; k < near.count; ++k) {
-    const ResampleNeighbour& neighbour = all_[near.index[k]];
-    if (neighbour.number == point) continue;
-    if (neighbours_.size() == kMaxNeighbours) return false;
-    neighbours_.push_back(neighbour);
-    neighbours_.back().offset = {near.x[k], near.y[k], near.z[k]};
-  }
-  return true;
-}
-
-ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Surroundings& surroundings) const {
+ResampleRequest CpuSculpture::requestOf(std::uint32_t point, ResampleNeighbours& neighbours) const {
   const DVec3 place(points_.positions[point]);
-  const bool complete = surroundings.look(point, place, neighbourhoodOf(point));
+  const bool complete = neighbours.look(place, neighbourhoodOf(point), point, kMaxNeighbours);
   const SculptedPoints::Found as = cuts_ ? points_.found(point, cuts_->stroke()) : SculptedPoints::Found{};
   return resampleRequest(seen(point),
-                         {.neighbours = surroundings.neighbours(),
+                         {.neighbours = neighbours,
                           .reach = reachOf(point),
                           .fills = fills_ && complete,
                           .carves = carves_,
@@ -345,11 +331,11 @@ void CpuSculpture::resample() {
     return std::pair(DVec3(points_.positions[unsettled_[i]]), neighbourhoodOf(unsettled_[i]));
   });
   groups_.forEach(grid_.team(), kFewestGathers, [&](const CellGroups::Group& group) {
-    thread_local Surroundings surroundings;
-    surroundings.gather(*this, group.balls);
+    thread_local ResampleNeighbours neighbours;
+    neighbours.gather(grid_, group.balls, [&](std::uint32_t number) { return seen(number); });
     for (const std::uint32_t i : groups_.members(group)) {
       const std::uint32_t point = unsettled_[i];
-      static_cast<ResampleRequest&>(requests_[i]) = requestOf(point, surroundings);
+      static_cast<ResampleRequest&>(requests_[i]) = requestOf(point, neighbours);
       if (!requests_[i].inserts) continue;
       requests_[i].place = Vec3(DVec3(points_.positions[point]) + requests_[i].offset);
       requests_[i].reach = static_cast<float>(reachOf(point) - glm::length(requests_[i].offset));

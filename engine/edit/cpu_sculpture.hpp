@@ -52,18 +52,6 @@ class CpuSculpture {
   void set(std::span<const PointChange> changes);
 
  private:
-  // The points around a group of unsettled ones.
-  class Surroundings {
-   public:
-    void gather(const CpuSculpture& sculpture, const GatheredPoints::Balls& balls);
-    // Finds the neighbours of one of them. False: there are more than are examined.
-    bool look(std::uint32_t point, const DVec3& place, double radius);
-    std::span<const ResampleNeighbour> neighbours() const { return neighbours_; }
-
-   private:
-    GatheredPoints points_;
-    std::vector<ResampleNeighbour> all_, neighbours_;  // all_: without offsets
-  };
   void measureSpacings();
   double spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const;
   double reachOf(std::uint32_t point) const;
@@ -83,7 +71,7 @@ class CpuSculpture {
   std::optional<DVec3> pushedFrom(std::uint32_t point) const;
   ResampleNeighbour seen(std::uint32_t number) const;
   double neighbourhoodOf(std::uint32_t point) const;
-  ResampleRequest requestOf(std::uint32_t point, Surroundings& surroundings) const;
+  ResampleRequest requestOf(std::uint32_t point, ResampleNeighbours& neighbours) const;
   void resample();
   void insertClaimed();
   void tellOf(std::uint32_t point);
@@ -110,7 +98,7 @@ class CpuSculpture {
   };
   CellGroups groups_;                                         // of the unsettled points
   struct Layer {
-    std::vector<std::uint32_t> reached;  // numbers of points
+    std::vector<std::uint32_t> reached, measured;  // numbers of points
     SurfaceMeasure measure;
   };
   std::vector<Layer> layers_;

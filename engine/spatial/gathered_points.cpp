@@ -54,13 +54,13 @@ void GatheredPoints::gather(const SortedGrid& grid, const Balls& balls) {
   });
 }
 
-GatheredPoints::Near GatheredPoints::near(const DVec3& place, double radius) {
+GatheredPoints::Near GatheredPoints::near(const DVec3& place, double radius, std::uint32_t without) {
   squaredDistances(x_.data(), y_.data(), z_.data(), count_, place, squared_.data());
   const double squared = radius * radius;
   std::size_t count = 0;
   for (std::size_t i = 0; i < count_; ++i) {  // without unpredictable branches
     near_[count] = static_cast<std::uint32_t>(i);
-    count += squared_[i] < squared;
+    count += (squared_[i] < squared) & (numbers_[i] != without);
   }
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t i = near_[k];

@@ -32,9 +32,12 @@ class GatheredPoints {
     const std::uint32_t* index;    ///< in numbers()
     const double *x, *y, *z;       ///< offset from the position
   };
-  Near near(const DVec3& place, double radius);
+  Near near(const DVec3& place, double radius) { return near(place, radius, kNone); }
+  /// But for the point with the number `without`.
+  Near near(const DVec3& place, double radius, std::uint32_t without);
 
  private:
+  static constexpr std::uint32_t kNone = 0xffffffff;
   void add(const SortedGrid::Placed& point, bool keep);
 
   std::size_t count_ = 0;

@@ -1,0 +1,95 @@
+#include "engine/edit/resample_neighbours.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/widest_lanes.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct Coordinates {
+  const double *x, *y, *z;
+};
+
+PALPATE_WIDEST_LANES
+void dots(std::size_t count, const Coordinates& a, const DVec3& b, double* dots) {
+  const double *ax = a.x, *ay = a.y, *az = a.z;
+  const double bx = b.x, by = b.y, bz = b.z;
+  for (std::size_t k = 0; k < count; ++k) dots[k] = ax[k] * bx + ay[k] * by + az[k] * bz;
+}
+
+PALPATE_WIDEST_LANES
+void squares(std::size_t count, const Coordinates& a, double* squares) {
+  const double *ax = a.x, *ay = a.y, *az = a.z;
+  for (std::size_t k = 0; k < count; ++k) squares[k] = ax[k] * ax[k] + ay[k] * ay[k] + az[k] * az[k];
+}
+
+PALPATE_WIDEST_LANES
+void project(std::size_t count, const Coordinates& a, const Frame3& frame, double* distances, float* u, float* v) {
+  const double *ax = a.x, *ay = a.y, *az = a.z;
+  const double ux = frame.u.x, uy = frame.u.y, uz = frame.u.z, vx = frame.v.x, vy = frame.v.y, vz = frame.v.z;
+  for (std::size_t k = 0; k < count; ++k) distances[k] = std::sqrt(ax[k] * ax[k] + ay[k] * ay[k] + az[k] * az[k]);
+  for (std::size_t k = 0; k < count; ++k) u[k] = static_cast<float>(ax[k] * ux + ay[k] * uy + az[k] * uz);
+  for (std::size_t k = 0; k < count; ++k) v[k] = static_cast<float>(ax[k] * vx + ay[k] * vy + az[k] * vz);
+}
+
+}  // namespace
+
+ResampleNeighbours::ResampleNeighbours(std::span<const ResampleNeighbour> neighbours)
+    : points_(neighbours.begin(), neighbours.end()) {
+  for (const ResampleNeighbour& each : points_) {
+    all_.push_back(static_cast<std::uint32_t>(all_.size()));
+    x_.push_back(each.offset.x);
+    y_.push_back(each.offset.y);
+    z_.push_back(each.offset.z);
+    widest_ = std::max(widest_, each.spacing);
+  }
+  near_ = {all_.size(), all_.data(), x_.data(), y_.data(), z_.data()};
+  setNormals();
+}
+
+bool ResampleNeighbours::look(const DVec3& place, double radius, std::uint32_t self, std::size_t most) {
+  near_ = gathered_.near(place, radius, self);
+  const bool complete = near_.count <= most;
+  near_.count = std::min(near_.count, most);
+  setNormals();
+  return complete;
+}
+
+void ResampleNeighbours::setNormals() {
+  for (std::vector<double>* each : {&normalX_, &normalY_, &normalZ_, &squared_, &cosine_, &distance_})
+    if (each->size() < size()) each->resize(2 * size());
+  for (std::vector<float>* each : {&u_, &v_})
+    if (each->size() < size()) each->resize(2 * size());
+  for (std::size_t k = 0; k < size(); ++k) {
+    const DVec3& normal = points_[near_.index[k]].normal;
+    normalX_[k] = normal.x;
+    normalY_[k] = normal.y;
+    normalZ_[k] = normal.z;
+  }
+}
+
+ResampleNeighbour ResampleNeighbours::operator[](std::size_t k) const {
+  ResampleNeighbour neighbour = points_[near_.index[k]];
+  neighbour.offset = {near_.x[k], near_.y[k], near_.z[k]};
+  return neighbour;
+}
+
+const double* ResampleNeighbours::squaredDistances() {
+  squares(size(), {near_.x, near_.y, near_.z}, squared_.data());
+  return squared_.data();
+}
+
+const double* ResampleNeighbours::cosines(const DVec3& normal) {
+  dots(size(), {normalX_.data(), normalY_.data(), normalZ_.data()}, normal, cosine_.data());
+  return cosine_.data();
+}
+
+ResampleNeighbours::Planar ResampleNeighbours::planar(const Frame3& frame) {
+  project(size(), {near_.x, near_.y, near_.z}, frame, distance_.data(), u_.data(), v_.data());
+  return {distance_.data(), u_.data(), v_.data()};
+}
+
+}  // namespace palpate
