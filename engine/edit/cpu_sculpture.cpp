@@ -6,6 +6,7 @@
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/edit/normal_refit.hpp"
+#include "engine/edit/spacing_measure.hpp"
 #include "shaders/shared/contact.h"
 
 namespace palpate {
@@ -53,26 +54,6 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
   if (options.resample) measureSpacings();
 }
 
-double CpuSculpture::spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const {
-  const DVec3 place(points_.positions[point]), normal(points_.normals[point]);
-  const Frame3 frame = frameAround(normal);
-  double weights = 0;
-  SectorDistances nearest;
-  nearest.fill(std::numeric_limits<double>::infinity());
-  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
-    if (!counts[near.number] || glm::dot(normal, DVec3(points_.normals[near.number])) <= shared::kSameSheet) return;
-    const DVec3 offset = DVec3(near.position) - place;
-    const double distance = glm::length(offset);
-    weights += wendland(distance / options_.radius);
-    if (distance == 0) return;
-    double& inSector = nearest[shared::sectorOf(static_cast<float>(glm::dot(offset, frame.u)),
-                                                static_cast<float>(glm::dot(offset, frame.v)))];
-    inSector = std::min(inSector, distance);
-  });
-  return std::max(shared::spacingFrom(options_.radius, std::max(weights, static_cast<double>(shared::kMinWeights))),
-                  sectorSpacing(nearest));
-}
-
 void CpuSculpture::measureSpacings() {
   const double least = static_cast<double>(shared::kMinSpacing) * options_.radius;
   const double most = static_cast<double>(shared::kMaxSpacing) * options_.radius;
@@ -83,8 +64,23 @@ void CpuSculpture::measureSpacings() {
                       [&](const SortedGrid::Placed& near) { counts[i] = counts[i] && near.number >= i; });
   });
   points_.spacings.resize(points_.size());
-  forEachOf(grid_.team(), points_.size(), kFewestGathers, [&](std::size_t i) {
-    points_.spacings[i] = static_cast<float>(std::clamp(spacingAt(static_cast<std::uint32_t>(i), counts), least, most));
+  // In the order of the index, so that points of a cell are together.
+  constexpr std::size_t kPart = 4096;
+  const std::span<const SortedGrid::Placed> all = grid_.placed();
+  grid_.team().forEach((all.size() + kPart - 1) / kPart, [&](std::size_t part) {
+    thread_local CellGroups groups;
+    thread_local SpacingMeasure measure;
+    const std::span<const SortedGrid::Placed> points = all.subspan(part * kPart, std::min(kPart, all.size() - part * kPart));
+    groups.assign(grid_.grid(), points.size(),
+                  [&](std::size_t i) { return std::pair(DVec3(points[i].position), options_.radius); });
+    for (const CellGroups::Group& group : groups.groups()) {
+      measure.gather(grid_, group.balls, points_.normals, counts);
+      for (const std::uint32_t i : groups.members(group)) {
+        const std::uint32_t point = points[i].number;
+        const double spacing = measure.at(DVec3(points[i].position), DVec3(points_.normals[point]), options_.radius);
+        points_.spacings[point] = static_cast<float>(std::clamp(spacing, least, most));
+      }
+    }
   });
 }
 

@@ -53,7 +53,6 @@ class CpuSculpture {
 
  private:
   void measureSpacings();
-  double spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const;
   double reachOf(std::uint32_t point) const;
   float mostReach() const;
   bool isAtRest(std::uint32_t point) const;

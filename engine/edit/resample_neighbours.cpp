@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/widest_lanes.hpp"
+#include "shaders/shared/resample.h"
 
 namespace palpate {
 
@@ -27,12 +28,13 @@ void squares(std::size_t count, const Coordinates& a, double* squares) {
 }
 
 PALPATE_WIDEST_LANES
-void project(std::size_t count, const Coordinates& a, const Frame3& frame, double* distances, float* u, float* v) {
+void sectorsOf(std::size_t count, const Coordinates& a, const Frame3& frame, double* distances, shared::uint* sectors) {
   const double *ax = a.x, *ay = a.y, *az = a.z;
   const double ux = frame.u.x, uy = frame.u.y, uz = frame.u.z, vx = frame.v.x, vy = frame.v.y, vz = frame.v.z;
   for (std::size_t k = 0; k < count; ++k) distances[k] = std::sqrt(ax[k] * ax[k] + ay[k] * ay[k] + az[k] * az[k]);
-  for (std::size_t k = 0; k < count; ++k) u[k] = static_cast<float>(ax[k] * ux + ay[k] * uy + az[k] * uz);
-  for (std::size_t k = 0; k < count; ++k) v[k] = static_cast<float>(ax[k] * vx + ay[k] * vy + az[k] * vz);
+  for (std::size_t k = 0; k < count; ++k)
+    sectors[k] = shared::sectorOf(static_cast<float>(ax[k] * ux + ay[k] * uy + az[k] * uz),
+                                  static_cast<float>(ax[k] * vx + ay[k] * vy + az[k] * vz));
 }
 
 }  // namespace
@@ -61,8 +63,7 @@ bool ResampleNeighbours::look(const DVec3& place, double radius, std::uint32_t s
 void ResampleNeighbours::setNormals() {
   for (std::vector<double>* each : {&normalX_, &normalY_, &normalZ_, &squared_, &cosine_, &distance_})
     if (each->size() < size()) each->resize(2 * size());
-  for (std::vector<float>* each : {&u_, &v_})
-    if (each->size() < size()) each->resize(2 * size());
+  sectors_.resize(distance_.size());
   for (std::size_t k = 0; k < size(); ++k) {
     const DVec3& normal = points_[near_.index[k]].normal;
     normalX_[k] = normal.x;
@@ -87,9 +88,9 @@ const double* ResampleNeighbours::cosines(const DVec3& normal) {
   return cosine_.data();
 }
 
-ResampleNeighbours::Planar ResampleNeighbours::planar(const Frame3& frame) {
-  project(size(), {near_.x, near_.y, near_.z}, frame, distance_.data(), u_.data(), v_.data());
-  return {distance_.data(), u_.data(), v_.data()};
+ResampleNeighbours::Sectors ResampleNeighbours::sectors(const Frame3& frame) {
+  sectorsOf(size(), {near_.x, near_.y, near_.z}, frame, distance_.data(), sectors_.data());
+  return {distance_.data(), sectors_.data()};
 }
 
 }  // namespace palpate

@@ -46,12 +46,12 @@ class ResampleNeighbours {
   /// By neighbour, until the next call: squared distance, and cosine between its normal and another one.
   const double* squaredDistances();
   const double* cosines(const DVec3& normal);
-  /// By neighbour: its distance, and its coordinates in a tangent plane.
-  struct Planar {
+  /// By neighbour: its distance, and its sector in a tangent plane (shared::sectorOf()).
+  struct Sectors {
     const double* distance;
-    const float *u, *v;
+    const std::uint32_t* sector;
   };
-  Planar planar(const Frame3& frame);
+  Sectors sectors(const Frame3& frame);
 
  private:
   void setNormals();
@@ -64,7 +64,7 @@ class ResampleNeighbours {
   std::vector<double> x_, y_, z_;               // offsets, where all are near
   std::vector<double> normalX_, normalY_, normalZ_;  // of the near ones
   std::vector<double> squared_, cosine_, distance_;
-  std::vector<float> u_, v_;
+  std::vector<std::uint32_t> sectors_;
 };
 
 template <class Seen>

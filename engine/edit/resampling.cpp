@@ -51,11 +51,11 @@ struct SectorView {
 SectorView nearestInSectors(const ResampleNeighbour& self, ResampleNeighbours& neighbours) {
   SectorView view{};
   view.distance.fill(kFar);
-  const auto [distances, u, v] = neighbours.planar(frameAround(self.normal));
+  const auto [distances, sectors] = neighbours.sectors(frameAround(self.normal));
   const double* const cosines = neighbours.cosines(self.normal);
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     if (!(cosines[i] > static_cast<double>(shared::kSameSheet))) continue;
-    const shared::uint sector = shared::sectorOf(u[i], v[i]);
+    const shared::uint sector = sectors[i];
     const double distance = distances[i];
     if (distance > view.distance[sector]) continue;
     if (distance == view.distance[sector] && neighbours[i].number > neighbours[view.nearest[sector]].number) continue;

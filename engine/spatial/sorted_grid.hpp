@@ -182,11 +182,16 @@ void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radi
   constexpr std::size_t kBatch = 64;
   const CellBall ball(grid_, center, radius);
   std::array<IVec3, kBatch> cells;
-  std::array<std::span<const Placed>, kBatch> found;
+  std::array<const Bucket*, kBatch> found;
   std::size_t count = 0;
   const auto visitBatch = [&] {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Placed* const points = at(found[i]->begin);
+      __builtin_prefetch(points);
+      __builtin_prefetch(points + found[i]->count - 1);
+    }
     for (std::size_t i = 0; i < count; ++i)
-      visitNear(found[i], center, radius * radius, [&](const Placed& point) {
+      visitNear({at(found[i]->begin), found[i]->count}, center, radius * radius, [&](const Placed& point) {
         if (cellOf(grid_, point.position) == cells[i]) visit(point);
       });
     count = 0;
@@ -204,8 +209,8 @@ void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radi
         const std::uint32_t number = columns[static_cast<std::size_t>(x - box.low.x)] ^ row;
         if ((occupied_[number / kWord] >> number % kWord & 1) == 0) continue;
         cells[count] = {x, y, z};
-        found[count] = bucket(number);
-        __builtin_prefetch(found[count].data());
+        found[count] = &buckets_[number];
+        __builtin_prefetch(found[count]);
         if (++count == kBatch) visitBatch();
       }
     }
