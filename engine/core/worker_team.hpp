@@ -41,13 +41,15 @@ class WorkerTeam {
   void run(std::size_t parts, Call call, void* context);
   void work();
   void takeParts();
+  template <class Done>
+  static void spinUntil(Done&& done);
 
   std::mutex lock_;
   std::condition_variable wake_, idle_;
-  std::size_t turn_ = 0;  // incremented by every job
-  std::size_t busy_ = 0;  // workers that take parts of this job
-  bool isOpen_ = false;   // workers may still join this job
-  bool stop_ = false;
+  std::atomic<std::size_t> turn_ = 0;  // incremented by every job
+  std::atomic<std::size_t> busy_ = 0;  // workers that take parts of this job
+  bool isOpen_ = false;                // workers may still join this job
+  std::atomic<bool> stop_ = false;
   std::size_t parts_ = 0;
   std::atomic<std::size_t> next_ = 0;
   Call call_ = nullptr;

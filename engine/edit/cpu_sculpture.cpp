@@ -15,7 +15,7 @@ namespace {
 
 // Fewest points that a thread takes at a time: as many as take longer than to wake it. A gather takes microseconds,
 // most brushes some ten nanoseconds.
-constexpr std::size_t kFewestGathers = 8, kFewestBrushed = 512, kFewestCells = 2048;
+constexpr std::size_t kFewestGathers = 16, kFewestBrushed = 512, kFewestCells = 2048;
 constexpr std::size_t kAhead = 8;  // points whose memory is fetched ahead of a brush
 constexpr std::size_t kTurns = 8;  // of a thread, so that all end at about the same time
 // Number of neighbours that a point examines before it decides on insertion or removal. More are within its
@@ -44,7 +44,10 @@ double claimSpacing(const SculptOptions& options) {
 }  // namespace
 
 CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options)
-    : options_(options), points_(cloud), grid_(grid, options.threads), claims_(claimSpacing(options)) {
+    : options_(options),
+      points_(cloud),
+      grid_(grid, options.threads, SortedGrid::CellTags::on),
+      claims_(claimSpacing(options)) {
   PALPATE_CHECK_LT(0.0, options.radius);
   const Stopwatch watch;
   grid_.build(points_.positions, points_.there);
@@ -70,7 +73,8 @@ void CpuSculpture::measureSpacings() {
   grid_.team().forEach((all.size() + kPart - 1) / kPart, [&](std::size_t part) {
     thread_local CellGroups groups;
     thread_local SpacingMeasure measure;
-    const std::span<const SortedGrid::Placed> points = all.subspan(part * kPart, std::min(kPart, all.size() - part * kPart));
+    const std::span<const SortedGrid::Placed> points =
+        all.subspan(part * kPart, std::min(kPart, all.size() - part * kPart));
     groups.assign(grid_.grid(), points.size(),
                   [&](std::size_t i) { return std::pair(DVec3(points[i].position), options_.radius); });
     for (const CellGroups::Group& group : groups.groups()) {
@@ -265,9 +269,8 @@ void CpuSculpture::findUnsettled() {
 
 void CpuSculpture::refit() {
   normals_.resize(unsettled_.size());
-  groups_.assign(grid_.grid(), unsettled_.size(), [&](std::size_t i) {
-    return std::pair(DVec3(points_.positions[unsettled_[i]]), options_.radius);
-  });
+  groups_.assign(grid_.grid(), unsettled_.size(),
+                 [&](std::size_t i) { return std::pair(DVec3(points_.positions[unsettled_[i]]), options_.radius); });
   groups_.forEach(grid_.team(), kFewestGathers, [&](const CellGroups::Group& group) {
     thread_local NormalRefit refit;
     refit.gather(grid_, group.balls, points_.normals);
@@ -307,18 +310,17 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, ResampleNeighbours&
   const DVec3 place(points_.positions[point]);
   const bool complete = neighbours.look(place, neighbourhoodOf(point), point, kMaxNeighbours);
   const SculptedPoints::Found as = cuts_ ? points_.found(point, cuts_->stroke()) : SculptedPoints::Found{};
-  return resampleRequest(seen(point),
-                         {.neighbours = neighbours,
-                          .reach = reachOf(point),
-                          .fills = fills_ && complete,
-                          .carves = carves_,
-                          .moved = isMoved(point),
-                          .pushedFrom = pushedFrom(point),
-                          .found = DVec3(as.position) - place,
-                          .foundNormal = DVec3(as.normal),
-                          .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity(),
-                          .claims = &claims_,
-                          .place = place});
+  return resampleRequest(seen(point), {.neighbours = neighbours,
+                                       .reach = reachOf(point),
+                                       .fills = fills_ && complete,
+                                       .carves = carves_,
+                                       .moved = isMoved(point),
+                                       .pushedFrom = pushedFrom(point),
+                                       .found = DVec3(as.position) - place,
+                                       .foundNormal = DVec3(as.normal),
+                                       .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity(),
+                                       .claims = &claims_,
+                                       .place = place});
 }
 
 void CpuSculpture::resample() {

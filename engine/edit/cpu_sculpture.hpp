@@ -95,7 +95,7 @@ class CpuSculpture {
     Vec3 place{0};  // of the new point
     float reach = 0;
   };
-  CellGroups groups_;                                         // of the unsettled points
+  CellGroups groups_;  // of the unsettled points
   struct Layer {
     std::vector<std::uint32_t> reached, measured;  // numbers of points
     SurfaceMeasure measure;

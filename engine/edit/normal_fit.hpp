@@ -16,8 +16,8 @@ class NormalFit {
   /// Over neighbours at these offsets with weights w.
   struct Sums {
     double weights = 0;
-    DVec3 offsets{0};           ///< of w times the offset
-    SymmetricMatrix3 squares;   ///< of the squares of the square root of w times the offset
+    DVec3 offsets{0};          ///< of w times the offset
+    SymmetricMatrix3 squares;  ///< of the squares of the square root of w times the offset
     std::uint32_t neighbours = 0;
   };
 

@@ -21,8 +21,8 @@ struct NearNormals {
 // As NormalFit::add(), and of the weighted normals; `rows`: kTerms of them, `stride` apart. A neighbour
 // without a share has terms of zero, which leave every sum as it is.
 PALPATE_WIDEST_LANES
-void termsOf(const GatheredPoints::Near& near, const NearNormals& normals, const Vec3& old, double radius,
-             double* rows, std::size_t stride) {
+void termsOf(const GatheredPoints::Near& near, const NearNormals& normals, const Vec3& old, double radius, double* rows,
+             std::size_t stride) {
   const float oldX = old.x, oldY = old.y, oldZ = old.z;
   const double inverseRadius = 1.0 / radius;
   const double *nearX = near.x, *nearY = near.y, *nearZ = near.z;
@@ -58,7 +58,8 @@ void termsOf(const GatheredPoints::Near& near, const NearNormals& normals, const
 
 void NormalRefit::makeRoom(std::size_t points) {
   if (normalX_.size() >= points) return;
-  for (std::vector<float>* each : {&normalX_, &normalY_, &normalZ_, &nearX_, &nearY_, &nearZ_}) each->resize(2 * points);
+  for (std::vector<float>* each : {&normalX_, &normalY_, &normalZ_, &nearX_, &nearY_, &nearZ_})
+    each->resize(2 * points);
   terms_.resize(kTerms * 2 * points);
 }
 

@@ -11,8 +11,8 @@
 namespace palpate {
 
 /// Fits the normals of the points among gathered ones. A neighbour weighs less the more its normal differs
-/// (shared::fitShare()). The new normal takes the side of most normals around it: at a fresh edge a normal may rotate by
-/// a right angle in one tick, and its previous side is then meaningless. Used by one thread.
+/// (shared::fitShare()). The new normal takes the side of most normals around it: at a fresh edge a normal may rotate
+/// by a right angle in one tick, and its previous side is then meaningless. Used by one thread.
 class NormalRefit {
  public:
   /// Gathers the points around these positions, and their normals, of all points by number.

@@ -60,8 +60,8 @@ class ResampleNeighbours {
   GatheredPoints::Near near_{};
   std::vector<ResampleNeighbour> points_;  // gathered ones
   double widest_ = 0;
-  std::vector<std::uint32_t> all_;              // indices, where all are near
-  std::vector<double> x_, y_, z_;               // offsets, where all are near
+  std::vector<std::uint32_t> all_;                   // indices, where all are near
+  std::vector<double> x_, y_, z_;                    // offsets, where all are near
   std::vector<double> normalX_, normalY_, normalZ_;  // of the near ones
   std::vector<double> squared_, cosine_, distance_;
   std::vector<std::uint32_t> sectors_;

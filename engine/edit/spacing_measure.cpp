@@ -52,8 +52,7 @@ void SpacingMeasure::gather(const SortedGrid& grid, const GatheredPoints::Balls&
   points_.gather(grid, balls);
   const std::span<const std::uint32_t> numbers = points_.numbers();
   if (normalX_.size() < numbers.size()) {
-    for (std::vector<double>* each :
-         {&normalX_, &normalY_, &normalZ_, &nearX_, &nearY_, &nearZ_, &weight_, &distance_})
+    for (std::vector<double>* each : {&normalX_, &normalY_, &normalZ_, &nearX_, &nearY_, &nearZ_, &weight_, &distance_})
       each->resize(2 * numbers.size());
     sector_.resize(2 * numbers.size());
   }

@@ -24,7 +24,9 @@ class CellGroups {
   void assign(const HashGrid& grid, std::size_t count, Ball&& ball);
   std::span<const Group> groups() const { return groups_; }
   /// The indices of a group, ascending.
-  std::span<const std::uint32_t> members(const Group& group) const { return {members_.data() + group.first, group.count}; }
+  std::span<const std::uint32_t> members(const Group& group) const {
+    return {members_.data() + group.first, group.count};
+  }
 
   /// Calls body(group) for all groups, on the threads of a team; a thread takes groups with at least `fewest` positions
   /// at a time.

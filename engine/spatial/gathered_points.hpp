@@ -29,8 +29,8 @@ class GatheredPoints {
   /// SortedGrid::forEachNear() visits them; until the next call.
   struct Near {
     std::size_t count;
-    const std::uint32_t* index;    ///< in numbers()
-    const double *x, *y, *z;       ///< offset from the position
+    const std::uint32_t* index;  ///< in numbers()
+    const double *x, *y, *z;     ///< offset from the position
   };
   Near near(const DVec3& place, double radius) { return near(place, radius, kNone); }
   /// But for the point with the number `without`.

@@ -15,8 +15,13 @@ constexpr std::uint32_t kShareFree = 8, kShareUsed = 4;
 
 }  // namespace
 
-SortedGrid::SortedGrid(const HashGrid& grid, unsigned threads)
-    : grid_(grid), team_(threads), sort_(grid.bucketMask + 1), buckets_(std::size_t{grid.bucketMask} + 1, Bucket()), occupied_(buckets_.size() / kWord + 1) {}
+SortedGrid::SortedGrid(const HashGrid& grid, unsigned threads, CellTags cellTags)
+    : grid_(grid),
+      team_(threads),
+      sort_(grid.bucketMask + 1),
+      buckets_(std::size_t{grid.bucketMask} + 1, Bucket()),
+      cellTags_(cellTags),
+      tags_(buckets_.size()) {}
 
 void SortedGrid::build(std::span<const Vec3> positions, std::span<const std::uint8_t> there) {
   PALPATE_CHECK(there.empty() || there.size() == positions.size());
@@ -30,13 +35,13 @@ void SortedGrid::build(std::span<const Vec3> positions, std::span<const std::uin
     placed.number = static_cast<std::uint32_t>(i);
   });
   spare_.clear();
-  constexpr std::size_t kPart = std::size_t{1} << 15;  // buckets: whole words of their bits
+  constexpr std::size_t kPart = std::size_t{1} << 15;  // buckets
   team_.forEach((buckets_.size() + kPart - 1) / kPart, [&](std::size_t part) {
     const std::span<const std::uint32_t> starts = sort_.starts();
     const std::size_t end = std::min(buckets_.size(), (part + 1) * kPart);
     for (std::size_t b = part * kPart; b < end; ++b) {
       buckets_[b] = {starts[b], starts[b + 1] - starts[b]};
-      note(static_cast<std::uint32_t>(b));
+      tags_[b] = tagsOf(bucket(static_cast<std::uint32_t>(b)));
     }
   });
   size_ = sort_.items().size();
@@ -80,6 +85,7 @@ void SortedGrid::replace(std::uint32_t number) {
   Placed* const found = std::ranges::lower_bound(begin, end, number, {}, &Placed::number);
   if (found == end || found->number != number) return;
   found->position = positions_[number];
+  tag(key, found->position);
   ++written_;
 }
 
@@ -101,13 +107,14 @@ void SortedGrid::transfer(std::span<const Transfer> transfers) {
   size_ += 2 * entering;
   size_ -= transfers.size();
   shrink(number);
-  note(number);
+  if (bucket.count == 0) tags_[number] = 0;
 }
 
-void SortedGrid::note(std::uint32_t bucket) {
-  std::uint64_t& word = occupied_[bucket / kWord];
-  const std::uint64_t bit = std::uint64_t{1} << bucket % kWord;
-  word = buckets_[bucket].count > 0 ? word | bit : word & ~bit;
+std::uint8_t SortedGrid::tagsOf(std::span<const Placed> points) const {
+  if (cellTags_ == CellTags::off) return points.empty() ? 0 : 0xff;
+  std::uint8_t tags = 0;
+  for (const Placed& point : points) tags |= tagOf(cellOf(grid_, point.position));
+  return tags;
 }
 
 void SortedGrid::leave(Bucket& bucket, std::span<const Transfer> transfers) {
@@ -138,6 +145,7 @@ void SortedGrid::enter(Bucket& bucket, std::span<const Transfer> transfers, std:
     if (!next->enters) continue;
     for (; from != begin && (from - 1)->number > next->number; ++written_) *--to = *--from;
     *--to = {positions_[next->number], next->number};
+    tag(next->bucket, to->position);
   }
 }
 
@@ -171,7 +179,8 @@ void SortedGrid::near(const DVec3& center, double radius, std::vector<std::uint3
 }
 
 std::size_t SortedGrid::bytes() const {
-  return sort_.bytes() + buckets_.size() * sizeof(Bucket) + occupied_.size() * sizeof(std::uint64_t) + spare_.bytes() + transfers_.capacity() * sizeof(Transfer);
+  return sort_.bytes() + buckets_.size() * sizeof(Bucket) + tags_.size() + spare_.bytes() +
+         transfers_.capacity() * sizeof(Transfer);
 }
 
 }  // namespace palpate

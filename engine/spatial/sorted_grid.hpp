@@ -22,8 +22,11 @@ class SortedGrid final : public NeighbourSearch {
     std::uint32_t number;
   };
 
+  /// Whether a build costs a pass over the points more, so that a wide ball need not visit buckets whose points are
+  /// those of other cells.
+  enum class CellTags { off, on };
   /// `threads`: 0: one per core.
-  explicit SortedGrid(const HashGrid& grid, unsigned threads = 0);
+  explicit SortedGrid(const HashGrid& grid, unsigned threads = 0, CellTags cellTags = CellTags::off);
 
   void build(std::span<const Vec3> positions) override { build(positions, {}); }
   /// `there`: zero for each point to leave out; empty: all points are included.
@@ -110,9 +113,15 @@ class SortedGrid final : public NeighbourSearch {
   bool hasManyCells(const CellBox& box) const {
     return box.cells() > kFewCells && box.cells() < static_cast<double>(size_);
   }
-  // One bit for each bucket: whether it has points. Fits into the first caches.
-  static constexpr std::uint32_t kWord = 64;
-  void note(std::uint32_t bucket);
+  // A bucket has a bit for each cell of its points; two cells may have the same. Bits of cells that its points have
+  // left stay until it is empty.
+  static std::uint8_t tagOf(const IVec3& cell) { return static_cast<std::uint8_t>(1u << (tagHash(cell) >> 29)); }
+  static std::uint32_t tagHash(const IVec3& cell) {
+    const UVec3 c(cell);
+    return c.x * 0x9e3779b1u + c.y * 0x85ebca77u + c.z * 0xc2b2ae3du;
+  }
+  void tag(std::uint32_t bucket, const Vec3& position) { tags_[bucket] |= tagOf(cellOf(grid_, position)); }
+  std::uint8_t tagsOf(std::span<const Placed> points) const;
   template <class Visit>
   void visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const;
   // Visits the near ones of some points, without unpredictable branches.
@@ -125,7 +134,8 @@ class SortedGrid final : public NeighbourSearch {
   std::span<const std::uint8_t> there_;
   BucketSort<Placed> sort_;  // its keys follow updates
   BareVector<Bucket> buckets_;
-  std::vector<std::uint64_t> occupied_;
+  CellTags cellTags_;
+  std::vector<std::uint8_t> tags_;  // by bucket
   SpareBlocks<Placed> spare_;
   std::size_t size_ = 0;
   bool isFresh_ = true;
@@ -207,7 +217,7 @@ void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radi
       const std::uint32_t row = bucketOf(grid_, {0, y, z});
       for (int x = begin; x < end; ++x) {
         const std::uint32_t number = columns[static_cast<std::size_t>(x - box.low.x)] ^ row;
-        if ((occupied_[number / kWord] >> number % kWord & 1) == 0) continue;
+        if ((tags_[number] & tagOf({x, y, z})) == 0) continue;
         cells[count] = {x, y, z};
         found[count] = &buckets_[number];
         __builtin_prefetch(found[count]);
