@@ -269,14 +269,25 @@ void CpuSculpture::findUnsettled() {
 
 void CpuSculpture::refit() {
   normals_.resize(unsettled_.size());
+  // No neighbourhood of a point is wider, also after rounding.
+  const double radius = std::max(options_.radius, double{static_cast<float>(options_.radius)});
   groups_.assign(grid_.grid(), unsettled_.size(),
-                 [&](std::size_t i) { return std::pair(DVec3(points_.positions[unsettled_[i]]), options_.radius); });
-  groups_.forEach(grid_.team(), kFewestGathers, [&](const CellGroups::Group& group) {
+                 [&](std::size_t i) { return std::pair(DVec3(points_.positions[unsettled_[i]]), radius); });
+  surroundings_.resize(std::max(surroundings_.size(), groups_.groups().size()));
+  groups_.forEach(grid_.team(), kFewestGathers, [&](std::size_t number, const CellGroups::Group& group) {
     thread_local NormalRefit refit;
-    refit.gather(grid_, group.balls, points_.normals);
+    thread_local NearPoints near;
+    Surroundings& around = surroundings_[number];
+    around.points.gather(grid_, group.balls);
+    around.near.clear();
+    around.ends.clear();
+    refit.gather(around.points, points_.normals);
     for (const std::uint32_t i : groups_.members(group)) {
       const std::uint32_t point = unsettled_[i];
-      normals_[i] = refit.refitted(DVec3(points_.positions[point]), points_.normals[point], options_.radius);
+      around.points.near(DVec3(points_.positions[point]), radius, near);
+      normals_[i] = refit.refitted(near, points_.normals[point], options_.radius);
+      around.near.insert(around.near.end(), near.indices().begin(), near.indices().end());
+      around.ends.push_back(static_cast<std::uint32_t>(around.near.size()));
     }
   });
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
@@ -306,9 +317,10 @@ double CpuSculpture::neighbourhoodOf(std::uint32_t point) const {
       shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius))};
 }
 
-ResampleRequest CpuSculpture::requestOf(std::uint32_t point, ResampleNeighbours& neighbours) const {
+ResampleRequest CpuSculpture::requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
+                                        ResampleNeighbours& neighbours) const {
   const DVec3 place(points_.positions[point]);
-  const bool complete = neighbours.look(place, neighbourhoodOf(point), point, kMaxNeighbours);
+  const bool complete = neighbours.look({place, neighbourhoodOf(point), point}, near, kMaxNeighbours);
   const SculptedPoints::Found as = cuts_ ? points_.found(point, cuts_->stroke()) : SculptedPoints::Found{};
   return resampleRequest(seen(point), {.neighbours = neighbours,
                                        .reach = reachOf(point),
@@ -325,18 +337,17 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, ResampleNeighbours&
 
 void CpuSculpture::resample() {
   requests_.resize(unsettled_.size());
-  groups_.assign(grid_.grid(), unsettled_.size(), [&](std::size_t i) {
-    return std::pair(DVec3(points_.positions[unsettled_[i]]), neighbourhoodOf(unsettled_[i]));
-  });
-  groups_.forEach(grid_.team(), kFewestGathers, [&](const CellGroups::Group& group) {
+  groups_.forEach(grid_.team(), kFewestGathers, [&](std::size_t number, const CellGroups::Group& group) {
     thread_local ResampleNeighbours neighbours;
-    neighbours.gather(grid_, group.balls, [&](std::uint32_t number) { return seen(number); });
-    for (const std::uint32_t i : groups_.members(group)) {
-      const std::uint32_t point = unsettled_[i];
-      static_cast<ResampleRequest&>(requests_[i]) = requestOf(point, neighbours);
-      if (!requests_[i].inserts) continue;
-      requests_[i].place = Vec3(DVec3(points_.positions[point]) + requests_[i].offset);
-      requests_[i].reach = static_cast<float>(reachOf(point) - glm::length(requests_[i].offset));
+    const Surroundings& around = surroundings_[number];
+    neighbours.gather(around.points, [&](std::uint32_t each) { return seen(each); });
+    for (std::size_t member = 0; member < group.count; ++member) {
+      const std::uint32_t i = groups_.members(group)[member], point = unsettled_[i];
+      Request& request = requests_[i];
+      static_cast<ResampleRequest&>(request) = requestOf(point, around.nearOf(member), neighbours);
+      if (!request.inserts) continue;
+      request.place = Vec3(DVec3(points_.positions[point]) + request.offset);
+      request.reach = static_cast<float>(reachOf(point) - glm::length(request.offset));
     }
   });
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {

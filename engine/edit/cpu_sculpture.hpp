@@ -70,7 +70,8 @@ class CpuSculpture {
   std::optional<DVec3> pushedFrom(std::uint32_t point) const;
   ResampleNeighbour seen(std::uint32_t number) const;
   double neighbourhoodOf(std::uint32_t point) const;
-  ResampleRequest requestOf(std::uint32_t point, ResampleNeighbours& neighbours) const;
+  ResampleRequest requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
+                            ResampleNeighbours& neighbours) const;
   void resample();
   void insertClaimed();
   void tellOf(std::uint32_t point);
@@ -96,6 +97,17 @@ class CpuSculpture {
     float reach = 0;
   };
   CellGroups groups_;  // of the unsettled points
+  // The points around a group, and those near each of its members: indices in `points`, up to `ends` by member.
+  struct Surroundings {
+    GatheredPoints points;
+    std::vector<std::uint32_t> near, ends;
+
+    std::span<const std::uint32_t> nearOf(std::size_t member) const {
+      const std::uint32_t begin = member == 0 ? 0 : ends[member - 1];
+      return std::span(near).subspan(begin, ends[member] - begin);
+    }
+  };
+  std::vector<Surroundings> surroundings_;  // by group
   struct Layer {
     std::vector<std::uint32_t> reached, measured;  // numbers of points
     SurfaceMeasure measure;

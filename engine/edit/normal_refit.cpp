@@ -21,19 +21,20 @@ struct NearNormals {
 // As NormalFit::add(), and of the weighted normals; `rows`: kTerms of them, `stride` apart. A neighbour
 // without a share has terms of zero, which leave every sum as it is.
 PALPATE_WIDEST_LANES
-void termsOf(const GatheredPoints::Near& near, const NearNormals& normals, const Vec3& old, double radius, double* rows,
+void termsOf(const NearPoints& near, const NearNormals& normals, const Vec3& old, double radius, double* rows,
              std::size_t stride) {
   const float oldX = old.x, oldY = old.y, oldZ = old.z;
-  const double inverseRadius = 1.0 / radius;
-  const double *nearX = near.x, *nearY = near.y, *nearZ = near.z;
-  const std::size_t count = near.count;
+  const double inverseRadius = 1.0 / radius, mostSquared = radius * radius;
+  const double *nearX = near.x(), *nearY = near.y(), *nearZ = near.z();
+  const std::size_t count = near.size();
 #pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const float nx = normals.x[k], ny = normals.y[k], nz = normals.z[k];
     const float given = shared::fitShare(nx * oldX + ny * oldY + nz * oldZ);
-    const double share{given};
     const double x = nearX[k], y = nearY[k], z = nearZ[k];
-    const double length = std::sqrt(x * x + y * y + z * z);
+    const double squared = x * x + y * y + z * z;
+    const double share = squared < mostSquared ? double{given} : 0.0;
+    const double length = std::sqrt(squared);
     const double w = share * wendland(length * inverseRadius), side = share * wendland(length / radius);
     const double root = std::sqrt(w);
     const double rx = root * x, ry = root * y, rz = root * z;
@@ -63,9 +64,8 @@ void NormalRefit::makeRoom(std::size_t points) {
   terms_.resize(kTerms * 2 * points);
 }
 
-void NormalRefit::gather(const SortedGrid& grid, const GatheredPoints::Balls& balls, std::span<const Vec3> normals) {
-  points_.gather(grid, balls);
-  const std::span<const std::uint32_t> numbers = points_.numbers();
+void NormalRefit::gather(const GatheredPoints& points, std::span<const Vec3> normals) {
+  const std::span<const std::uint32_t> numbers = points.numbers();
   makeRoom(numbers.size());
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const Vec3& normal = normals[numbers[i]];
@@ -75,10 +75,9 @@ void NormalRefit::gather(const SortedGrid& grid, const GatheredPoints::Balls& ba
   }
 }
 
-Vec3 NormalRefit::refitted(const DVec3& place, const Vec3& old, double radius) {
-  const GatheredPoints::Near near = points_.near(place, radius);
-  for (std::size_t k = 0; k < near.count; ++k) {
-    const std::uint32_t i = near.index[k];
+Vec3 NormalRefit::refitted(const NearPoints& near, const Vec3& old, double radius) {
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    const std::uint32_t i = near.indices()[k];
     nearX_[k] = normalX_[i];
     nearY_[k] = normalY_[i];
     nearZ_[k] = normalZ_[i];
@@ -86,7 +85,7 @@ Vec3 NormalRefit::refitted(const DVec3& place, const Vec3& old, double radius) {
   const std::size_t stride = nearX_.size();
   termsOf(near, {nearX_.data(), nearY_.data(), nearZ_.data()}, old, radius, terms_.data(), stride);
   std::array<double, kTerms> sums{};
-  for (std::size_t k = 0; k < near.count; ++k)
+  for (std::size_t k = 0; k < near.size(); ++k)
     for (std::size_t term = 0; term < kTerms; ++term) sums[term] += terms_[term * stride + k];
   const NormalFit::Sums fit{
       .weights = sums[0],

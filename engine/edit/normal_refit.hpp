@@ -10,19 +10,18 @@
 
 namespace palpate {
 
-/// Fits the normals of the points among gathered ones. A neighbour weighs less the more its normal differs
+/// Fits the normals of points among gathered ones. A neighbour weighs less the more its normal differs
 /// (shared::fitShare()). The new normal takes the side of most normals around it: at a fresh edge a normal may rotate
 /// by a right angle in one tick, and its previous side is then meaningless. Used by one thread.
 class NormalRefit {
  public:
-  /// Gathers the points around these positions, and their normals, of all points by number.
-  void gather(const SortedGrid& grid, const GatheredPoints::Balls& balls, std::span<const Vec3> normals);
-  /// The new normal, unit, of a point at one of these positions with this normal. `radius`: support radius, model
-  /// units.
-  Vec3 refitted(const DVec3& place, const Vec3& old, double radius);
+  /// Collects the normals of gathered points; `normals` are of all points by number.
+  void gather(const GatheredPoints& points, std::span<const Vec3> normals);
+  /// The new normal, unit, of a point with this normal and these neighbours, itself included. `radius`: support radius,
+  /// model units; neighbours that are further away do not count.
+  Vec3 refitted(const NearPoints& near, const Vec3& old, double radius);
 
  private:
-  GatheredPoints points_;
   void makeRoom(std::size_t points);
 
   std::vector<float> normalX_, normalY_, normalZ_;  // of the gathered points

@@ -41,21 +41,19 @@ void sectorsOf(std::size_t count, const Coordinates& a, const Frame3& frame, dou
 
 ResampleNeighbours::ResampleNeighbours(std::span<const ResampleNeighbour> neighbours)
     : points_(neighbours.begin(), neighbours.end()) {
+  std::vector<DVec3> offsets;
   for (const ResampleNeighbour& each : points_) {
-    all_.push_back(static_cast<std::uint32_t>(all_.size()));
-    x_.push_back(each.offset.x);
-    y_.push_back(each.offset.y);
-    z_.push_back(each.offset.z);
+    offsets.push_back(each.offset);
     widest_ = std::max(widest_, each.spacing);
   }
-  near_ = {all_.size(), all_.data(), x_.data(), y_.data(), z_.data()};
+  near_ = NearPoints(offsets);
   setNormals();
 }
 
-bool ResampleNeighbours::look(const DVec3& place, double radius, std::uint32_t self, std::size_t most) {
-  near_ = gathered_.near(place, radius, self);
-  const bool complete = near_.count <= most;
-  near_.count = std::min(near_.count, most);
+bool ResampleNeighbours::look(const Self& self, std::span<const std::uint32_t> among, std::size_t most) {
+  gathered_->near(self.place, self.radius, among, self.number, near_);
+  const bool complete = size() <= most;
+  near_.truncate(most);
   setNormals();
   return complete;
 }
@@ -65,7 +63,7 @@ void ResampleNeighbours::setNormals() {
     if (each->size() < size()) each->resize(2 * size());
   sectors_.resize(distance_.size());
   for (std::size_t k = 0; k < size(); ++k) {
-    const DVec3& normal = points_[near_.index[k]].normal;
+    const DVec3& normal = points_[near_.indices()[k]].normal;
     normalX_[k] = normal.x;
     normalY_[k] = normal.y;
     normalZ_[k] = normal.z;
@@ -73,13 +71,13 @@ void ResampleNeighbours::setNormals() {
 }
 
 ResampleNeighbour ResampleNeighbours::operator[](std::size_t k) const {
-  ResampleNeighbour neighbour = points_[near_.index[k]];
-  neighbour.offset = {near_.x[k], near_.y[k], near_.z[k]};
+  ResampleNeighbour neighbour = points_[near_.indices()[k]];
+  neighbour.offset = {near_.x()[k], near_.y()[k], near_.z()[k]};
   return neighbour;
 }
 
 const double* ResampleNeighbours::squaredDistances() {
-  squares(size(), {near_.x, near_.y, near_.z}, squared_.data());
+  squares(size(), {near_.x(), near_.y(), near_.z()}, squared_.data());
   return squared_.data();
 }
 
@@ -89,7 +87,7 @@ const double* ResampleNeighbours::cosines(const DVec3& normal) {
 }
 
 ResampleNeighbours::Sectors ResampleNeighbours::sectors(const Frame3& frame) {
-  sectorsOf(size(), {near_.x, near_.y, near_.z}, frame, distance_.data(), sectors_.data());
+  sectorsOf(size(), {near_.x(), near_.y(), near_.z()}, frame, distance_.data(), sectors_.data());
   return {distance_.data(), sectors_.data()};
 }
 

@@ -30,15 +30,20 @@ class ResampleNeighbours {
   /// These, all of them near.
   explicit ResampleNeighbours(std::span<const ResampleNeighbour> neighbours);
 
-  /// Gathers the points around these positions: seen(number) gives each, without its offset.
+  /// Collects gathered points, which have to stay: seen(number) gives each, without its offset.
   template <class Seen>
-  void gather(const SortedGrid& grid, const GatheredPoints::Balls& balls, Seen&& seen);
-  /// Finds those nearer than `radius` to one of these positions but `self`, the number of the point there: the first
-  /// `most`. False: there are more.
-  bool look(const DVec3& place, double radius, std::uint32_t self, std::size_t most);
+  void gather(const GatheredPoints& points, Seen&& seen);
+  /// Finds the neighbours of the point with the number `self`: those of the points with the indices `among` that are
+  /// nearer than `radius` to its position, the first `most`. False: there are more.
+  struct Self {
+    DVec3 place;
+    double radius;
+    std::uint32_t number;
+  };
+  bool look(const Self& self, std::span<const std::uint32_t> among, std::size_t most);
 
   /// Number of neighbours.
-  std::size_t size() const { return near_.count; }
+  std::size_t size() const { return near_.size(); }
   ResampleNeighbour operator[](std::size_t k) const;
   /// Maximum target spacing of the gathered points, model units.
   double widest() const { return widest_; }
@@ -56,23 +61,21 @@ class ResampleNeighbours {
  private:
   void setNormals();
 
-  GatheredPoints gathered_;
-  GatheredPoints::Near near_{};
+  const GatheredPoints* gathered_ = nullptr;
+  NearPoints near_;
   std::vector<ResampleNeighbour> points_;  // gathered ones
   double widest_ = 0;
-  std::vector<std::uint32_t> all_;                   // indices, where all are near
-  std::vector<double> x_, y_, z_;                    // offsets, where all are near
   std::vector<double> normalX_, normalY_, normalZ_;  // of the near ones
   std::vector<double> squared_, cosine_, distance_;
   std::vector<std::uint32_t> sectors_;
 };
 
 template <class Seen>
-void ResampleNeighbours::gather(const SortedGrid& grid, const GatheredPoints::Balls& balls, Seen&& seen) {
-  gathered_.gather(grid, balls);
+void ResampleNeighbours::gather(const GatheredPoints& points, Seen&& seen) {
+  gathered_ = &points;
   points_.clear();
   widest_ = 0;
-  for (const std::uint32_t number : gathered_.numbers()) {
+  for (const std::uint32_t number : points.numbers()) {
     points_.push_back(seen(number));
     widest_ = std::max(widest_, points_.back().spacing);
   }

@@ -23,14 +23,14 @@ struct Terms {
 };
 
 PALPATE_WIDEST_LANES
-void termsOf(const GatheredPoints::Near& near, const NearNormals& normals, const Frame3& frame, double radius,
+void termsOf(const NearPoints& near, const NearNormals& normals, const Frame3& frame, double radius,
              const Terms& terms) {
-  const double *x = near.x, *y = near.y, *z = near.z, *nx = normals.x, *ny = normals.y, *nz = normals.z;
+  const double *x = near.x(), *y = near.y(), *z = near.z(), *nx = normals.x, *ny = normals.y, *nz = normals.z;
   const double ux = frame.u.x, uy = frame.u.y, uz = frame.u.z, vx = frame.v.x, vy = frame.v.y, vz = frame.v.z,
                wx = frame.n.x, wy = frame.n.y, wz = frame.n.z;
   double *weight = terms.weight, *distance = terms.distance;
   std::uint32_t* sector = terms.sector;
-  const std::size_t count = near.count;
+  const std::size_t count = near.size();
 #pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const double length = std::sqrt(x[k] * x[k] + y[k] * y[k] + z[k] * z[k]);
@@ -65,19 +65,19 @@ void SpacingMeasure::gather(const SortedGrid& grid, const GatheredPoints::Balls&
 }
 
 double SpacingMeasure::at(const DVec3& place, const DVec3& normal, double radius) {
-  const GatheredPoints::Near near = points_.near(place, radius);
-  for (std::size_t k = 0; k < near.count; ++k) {
-    const std::uint32_t i = near.index[k];
+  points_.near(place, radius, near_);
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const std::uint32_t i = near_.indices()[k];
     nearX_[k] = normalX_[i];
     nearY_[k] = normalY_[i];
     nearZ_[k] = normalZ_[i];
   }
-  termsOf(near, {nearX_.data(), nearY_.data(), nearZ_.data()}, frameAround(normal), radius,
+  termsOf(near_, {nearX_.data(), nearY_.data(), nearZ_.data()}, frameAround(normal), radius,
           {weight_.data(), distance_.data(), sector_.data()});
   double weights = 0;
   SectorDistances nearest;
   nearest.fill(kFar);
-  for (std::size_t k = 0; k < near.count; ++k) {
+  for (std::size_t k = 0; k < near_.size(); ++k) {
     weights += weight_[k];
     double& inSector = nearest[sector_[k]];
     inSector = std::min(inSector, distance_[k]);

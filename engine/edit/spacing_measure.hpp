@@ -22,6 +22,7 @@ class SpacingMeasure {
 
  private:
   GatheredPoints points_;
+  NearPoints near_;
   std::vector<double> normalX_, normalY_, normalZ_;  // of the gathered points; NaN for one that does not count
   std::vector<double> nearX_, nearY_, nearZ_;        // of the near ones
   std::vector<double> weight_, distance_;            // of the near ones

@@ -28,13 +28,13 @@ class CellGroups {
     return {members_.data() + group.first, group.count};
   }
 
-  /// Calls body(group) for all groups, on the threads of a team; a thread takes groups with at least `fewest` positions
-  /// at a time.
+  /// Calls body(k, groups()[k]) for all groups, on the threads of a team; a thread takes groups with at least `fewest`
+  /// positions at a time.
   template <class Body>
   void forEach(WorkerTeam& team, std::size_t fewest, Body&& body) {
     share(std::max(fewest, groupOf_.size() / (kTurns * team.size())));
     team.forEach(parts_.size() - 1, [&](std::size_t part) {
-      for (std::uint32_t k = parts_[part]; k < parts_[part + 1]; ++k) body(groups_[k]);
+      for (std::uint32_t k = parts_[part]; k < parts_[part + 1]; ++k) body(std::size_t{k}, groups_[k]);
     });
   }
 

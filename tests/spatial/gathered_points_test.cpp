@@ -35,12 +35,15 @@ Found oneByOne(const SortedGrid& grid, const DVec3& place, double radius) {
   return found;
 }
 
-Found gathered(GatheredPoints& points, const DVec3& place, double radius) {
-  const GatheredPoints::Near near = points.near(place, radius);
+Found gathered(const GatheredPoints& points, const DVec3& place, double radius) {
+  NearPoints near, again;
+  points.near(place, radius, near);
+  points.near(place, radius, near.indices(), GatheredPoints::kNone, again);
+  CHECK(std::ranges::equal(near.indices(), again.indices()));
   Found found;
-  for (std::size_t k = 0; k < near.count; ++k) {
-    found.numbers.push_back(points.numbers()[near.index[k]]);
-    found.offsets.emplace_back(near.x[k], near.y[k], near.z[k]);
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    found.numbers.push_back(points.numbers()[near.indices()[k]]);
+    found.offsets.emplace_back(near.x()[k], near.y()[k], near.z()[k]);
   }
   return found;
 }
@@ -82,7 +85,7 @@ TEST_CASE("all threads together take each group once") {
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, positions.size()}) {
     groups.assign(grid.grid(), count, [&](std::size_t i) { return std::pair(DVec3(positions[i]), 1.0); });
     std::vector<std::atomic<int>> met(count);
-    groups.forEach(grid.team(), 16, [&](const CellGroups::Group& group) {
+    groups.forEach(grid.team(), 16, [&](std::size_t, const CellGroups::Group& group) {
       for (const std::uint32_t i : groups.members(group)) ++met[i];
     });
     CHECK(std::ranges::count(met, 1) == static_cast<std::ptrdiff_t>(count));
