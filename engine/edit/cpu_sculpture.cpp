@@ -218,8 +218,8 @@ PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t p
 
 // Finds the points that the brush may affect, and measures the surface under it.
 void CpuSculpture::reach(const PlacedBrush& brush) {
-  layers_.resize(std::max(layers_.size(), grid_.layers(brush.center(), brush.radius())));
   const std::size_t layers = grid_.layers(brush.center(), brush.radius());
+  layers_.resize(std::max(layers_.size(), layers));
   forEachOf(grid_.team(), layers, std::max<std::size_t>(1, kFewestCells / (layers * layers)), [&](std::size_t k) {
     Layer& layer = layers_[k];
     layer.reached.clear();
