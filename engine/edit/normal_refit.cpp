@@ -35,7 +35,7 @@ void termsOf(const NearPoints& near, const NearNormals& normals, const Vec3& old
     const double squared = x * x + y * y + z * z;
     const double share = squared < mostSquared ? double{given} : 0.0;
     const double length = std::sqrt(squared);
-    const double w = share * wendland(length * inverseRadius), side = share * wendland(length / radius);
+    const double w = share * wendland(length * inverseRadius);
     const double root = std::sqrt(w);
     const double rx = root * x, ry = root * y, rz = root * z;
     rows[k] = w;
@@ -48,9 +48,9 @@ void termsOf(const NearPoints& near, const NearNormals& normals, const Vec3& old
     rows[7 * stride + k] = rx * ry;
     rows[8 * stride + k] = rx * rz;
     rows[9 * stride + k] = ry * rz;
-    rows[10 * stride + k] = side * double{nx};
-    rows[11 * stride + k] = side * double{ny};
-    rows[12 * stride + k] = side * double{nz};
+    rows[10 * stride + k] = w * double{nx};
+    rows[11 * stride + k] = w * double{ny};
+    rows[12 * stride + k] = w * double{nz};
     rows[13 * stride + k] = share > 0 ? 1 : 0;
   }
 }
