@@ -44,7 +44,7 @@ TEST_CASE(
 TEST_CASE("a brush changes no point that it says is out of its reach") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(-1, 1);
-  const auto somewhere = [&](double far) { return far * DVec3(share(random), share(random), share(random)); };
+  const auto somewhere = [&](double far) { return far * DVec3{share(random), share(random), share(random)}; };
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);
     std::size_t reached = 0, skipped = 0, wrong = 0;

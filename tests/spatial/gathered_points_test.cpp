@@ -16,7 +16,7 @@ std::vector<Vec3> somewhere(std::size_t count, float height) {
   std::uniform_real_distribution<float> share(-1, 1);
   std::vector<Vec3> places;
   for (std::size_t i = 0; i < count; ++i)
-    places.emplace_back(10 * share(random), 10 * share(random), height * share(random));
+    places.push_back(Vec3{10 * share(random), 10 * share(random), height * share(random)});
   return places;
 }
 
