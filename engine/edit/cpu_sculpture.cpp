@@ -231,7 +231,8 @@ void CpuSculpture::reach(const PlacedBrush& brush) {
     });
     for (std::size_t i = 0; i < layer.measured.size(); ++i) {
       if (i + kAhead < layer.measured.size()) points_.prefetch(layer.measured[i + kAhead]);
-      layer.measure.add(brush.measured(found(brush, layer.measured[i])));
+      const std::uint32_t point = layer.measured[i];
+      brush.measure(DVec3(points_.positions[point]), DVec3(points_.normals[point]), found(brush, point), layer.measure);
     }
   });
   reached_.clear();

@@ -41,8 +41,10 @@
 #define PALPATE_VERSION_MINOR 1 /**< second number */
 #define PALPATE_VERSION_PATCH 0 /**< third number */
 
-#if defined(_WIN32)
-#define PP_API
+#if defined(_WIN32) && defined(PALPATE_BUILDS_LIBRARY)
+#define PP_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define PP_API __declspec(dllimport)
 #else
 /** Exports a function. */
 #define PP_API __attribute__((visibility("default")))
