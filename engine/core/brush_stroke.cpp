@@ -130,6 +130,14 @@ void SurfaceMeasure::add(const shared::MeasuredPoint& point) {
   heights += static_cast<std::uint32_t>(point.height);
 }
 
+void SurfaceMeasure::add(const SurfaceMeasure& other) {
+  weights += other.weights;
+  for (std::size_t k = 0; k < normals.size(); ++k) normals[k] += other.normals[k];
+  heights += other.heights;
+  for (std::size_t k = 0; k < seen.size(); ++k) seen[k] |= other.seen[k];
+  nearest = std::min(nearest, other.nearest);
+}
+
 void SurfaceMeasure::enter(shared::uint entered) {
   if (entered == shared::kOutsideSheet) return;
   const shared::uint cell = entered % shared::kSheetCells;

@@ -23,6 +23,7 @@ struct SurfaceMeasure {
   shared::uint nearest = shared::kOutsideSheet;  ///< smallest of their results of entered()
 
   void add(const shared::MeasuredPoint& point);
+  void add(const SurfaceMeasure& other);
   void enter(shared::uint entered);  ///< result of entered()
   friend SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b);
 };

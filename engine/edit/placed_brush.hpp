@@ -32,6 +32,8 @@ class PlacedBrush {
   bool fills() const { return tool_.closes == 0; }
   const DVec3& outward() const { return tool_.outward; }  ///< unit, the tool's axis
 
+  /// False: the brush has no effect on a point here, however the stroke found it. Cheaper than the effect itself.
+  bool mayAffect(const DVec3& place) const;
   struct Point {
     DVec3 position;
     bool taken = false;  ///< the point is removed
