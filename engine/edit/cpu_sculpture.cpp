@@ -221,7 +221,8 @@ PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t p
 
 void CpuSculpture::measure(const PlacedBrush& brush) {
   for (const std::uint32_t point : reached_)
-    if (brush.measures(point)) measure_.add(brush.measured(found(brush, point)));
+    if (brush.measures(point))
+      brush.measure(DVec3(points_.positions[point]), DVec3(points_.normals[point]), found(brush, point), measure_);
 }
 
 DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) const {
