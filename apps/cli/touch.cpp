@@ -40,7 +40,7 @@ class Outputs {
 [[noreturn]] void saveAndThrow(const Error& error, Session& session, const std::string& saveFile) {
   if (!session.journal() || saveFile.empty()) throw;
   saveKeeping(saveFile, session.sculpted().cloud);
-  throw Error("{}; {} has the points as they were last told", error.what(), saveFile);
+  throw Error("{}; {} contains the last known points", error.what(), saveFile);
 }
 
 std::vector<HandSource> openHands(Context& context, const Model& model, const SessionConfig& config) {
@@ -288,15 +288,15 @@ SharedCounts checkShared(Outputs& outputs, Session& session, const TouchCommandO
   SharedCounts counts = session.shared()->counts();
   outputs.write([&] { session.checkFollower(); });
   if (!counts.delivered)
-    outputs.failed(
-        fmt::format("'{}' has not taken all that this hand has done; {}", session.config().model.file,
-                    options.saveFile.empty() ? "it is kept nowhere (--save)" : options.saveFile + " has it"));
+    outputs.failed(fmt::format(
+        "'{}' has not received all edits of this hand; {}", session.config().model.file,
+        options.saveFile.empty() ? "they are lost (--save keeps them)" : options.saveFile + " contains them"));
   return counts;
 }
 
 /// Throws if the session was interrupted, or if ticks had no valid answer.
 void checkTicks(const TouchReport& report) {
-  if (report.interrupted) throw Error("interrupted after {} ticks; what they gave is kept", report.trace.ticks);
+  if (report.interrupted) throw Error("interrupted after {} ticks; their results are kept", report.trace.ticks);
   std::uint64_t faults = report.trace.faultTicks;
   for (const FurtherHandReport& hand : report.hands) faults = std::max(faults, hand.trace.faultTicks);
   if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
