@@ -71,7 +71,11 @@ void bindTouch(py::class_<PySession>& session) {
             return std::make_shared<PyCloud>(self.with([](pp::Session& open) { return open.cloud(); }), isSingle);
           },
           "cloud() -> Cloud\n\n"
-          "A copy of the present points.")
+          "A copy of the present points.");
+}
+
+void bindLive(py::class_<PySession>& session) {
+  session
       .def("add_frame", &PySession::addFrame, py::arg("t_s"), py::arg("xyz"), py::arg("normals"),
            py::arg("velocities") = py::none(),
            "add_frame(t_s, xyz, normals, velocities=None)\n\n"
@@ -103,12 +107,7 @@ void bindTouch(py::class_<PySession>& session) {
       .def("_live_stop", &PySession::stopLive);
 }
 
-}  // namespace
-
-void bindSessions(py::module_& module) {
-  const pp_contact_options contact = pp_default_contact_options();
-  const pp_session_options usual = pp_default_session_options();
-  const pp_tool tools = pp_default_tool();
+void bindSource(py::module_& module) {
   py::class_<Source>(module, "_Source")
       .def(py::init([](const CloudPointer& cloud, const std::optional<std::string>& scene,
                        const std::optional<std::string>& folder, bool moving, bool stable_rows,
@@ -122,7 +121,12 @@ void bindSessions(py::module_& module) {
            py::arg("clouds") = py::list())
       .def_property_readonly("is_scene", [](const Source& self) { return self.scene.has_value(); })
       .def_property_readonly("is_joined", [](const Source& self) { return self.join.has_value(); });
-  py::class_<PySession> session(module, "_Session");
+}
+
+void bindOpening(py::class_<PySession>& session) {
+  const pp_contact_options contact = pp_default_contact_options();
+  const pp_session_options usual = pp_default_session_options();
+  const pp_tool tools = pp_default_tool();
   session
       .def(py::init([](const Source& source, const std::optional<std::string>& gpu, std::optional<double> mm_per_unit,
                        const std::string& backend, const std::string& surface, std::optional<double> radius_mm,
@@ -154,22 +158,25 @@ void bindSessions(py::module_& module) {
           "messages", &PySession::messages,
           "Messages since the session was opened, one line each: what of a file is not kept, which GPU\n"
           "answers.")
-      .def("_info",
-           [](PySession& self) {
-             const pp_session_info info = self.with([](pp::Session& open) { return open.info(); });
-             py::dict told;
-             told["points"] = info.points;
-             told["mm_per_unit"] = info.mm_per_unit;
-             told["spacing_mm"] = info.spacing_mm;
-             told["radius_mm"] = info.radius_mm;
-             told["rate_Hz"] = info.rate_Hz;
-             told["undo_count"] = info.undo_count;
-             told["redo_count"] = info.redo_count;
-             told["live"] = info.live != 0;
-             told["backend"] = std::string(info.backend);
-             told["machine"] = std::string(info.machine);
-             return told;
-           })
+      .def("_info", [](PySession& self) {
+        const pp_session_info info = self.with([](pp::Session& open) { return open.info(); });
+        py::dict told;
+        told["points"] = info.points;
+        told["mm_per_unit"] = info.mm_per_unit;
+        told["spacing_mm"] = info.spacing_mm;
+        told["radius_mm"] = info.radius_mm;
+        told["rate_Hz"] = info.rate_Hz;
+        told["undo_count"] = info.undo_count;
+        told["redo_count"] = info.redo_count;
+        told["live"] = info.live != 0;
+        told["backend"] = std::string(info.backend);
+        told["machine"] = std::string(info.machine);
+        return told;
+      });
+}
+
+void bindPictures(py::class_<PySession>& session) {
+  session
       .def(
           "render",
           [](PySession& self, const std::pair<std::uint32_t, std::uint32_t>& size, const std::optional<Vector>& eye,
@@ -211,7 +218,17 @@ void bindSessions(py::module_& module) {
           "Meshes the present points by marching cubes. resolution: cells along the longest side, 1 to 2048.\n"
           "surface: sphere, average, sharp or density. radius_mm: support radius; None: from the spacing of\n"
           "the points.");
+}
+
+}  // namespace
+
+void bindSessions(py::module_& module) {
+  bindSource(module);
+  py::class_<PySession> session(module, "_Session");
+  bindOpening(session);
+  bindPictures(session);
   bindTouch(session);
+  bindLive(session);
   bindSessionsQueries(session);
   bindSessionsMatter(session);
   bindSessionsSharing(session);

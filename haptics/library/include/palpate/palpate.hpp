@@ -6,6 +6,8 @@
 #define PALPATE_HPP
 
 #include <palpate/palpate.h>
+#include <palpate/clouds.hpp>
+#include <palpate/handles.hpp>
 
 #include <cstdint>
 #include <exception>
@@ -20,40 +22,6 @@
 /// palpate's C interface with lifetimes and exceptions.
 namespace pp {
 
-/// A failed call: its status, a description, and the file and line that it is about.
-class Error : public std::runtime_error {
- public:
-  /// The text is what what() returns; null is not allowed.
-  Error(pp_status status, const char* text, const char* file, std::uint64_t line)
-      : std::runtime_error(text), status_(status), file_(file), line_(line) {}
-
-  pp_status status() const { return status_; }       ///< kind of the failure; never PP_OK
-  const std::string& file() const { return file_; }  ///< empty if it is about no file
-  std::uint64_t line() const { return line_; }       ///< from 1; 0 if unknown
-
- private:
-  pp_status status_;
-  std::string file_;
-  std::uint64_t line_;
-};
-
-/// Throws Error with the last failure of this thread, unless `status` is PP_OK.
-inline void check(pp_status status) {
-  if (status != PP_OK) throw Error(status, pp_last_error(), pp_last_error_file(), pp_last_error_line());
-}
-
-/// Version of the library at run time, such as "0.1.0".
-inline std::string version() { return pp_version(); }
-
-/// Contiguous rows of three numbers, one for each point. The numbers are not copied.
-inline pp_rows rows(const float* data) { return {data, PP_FLOAT32, 0, 0}; }
-/// The same for double.
-inline pp_rows rows(const double* data) { return {data, PP_FLOAT64, 0, 0}; }
-/// The same for colours of 0 to 255.
-inline pp_rows rows(const std::uint8_t* data) { return {data, PP_UINT8, 0, 0}; }
-/// The same for colours of 0 to 65535.
-inline pp_rows rows(const std::uint16_t* data) { return {data, PP_UINT16, 0, 0}; }
-
 /// How far an answer of touch() can be relied on (pp_contact).
 enum class Validity {
   fresh,  ///< from the pose's own query
@@ -65,112 +33,6 @@ inline Validity validityOf(const pp_contact& contact) {
   if (!contact.valid) return Validity::none;
   return contact.fresh ? Validity::fresh : Validity::held;
 }
-
-/// A path of `count` positions x y z, model units: one for each tick. The numbers are not copied.
-inline pp_path path(const double* positions, std::uint64_t count) {
-  pp_path path = pp_default_path();
-  path.data = positions;
-  path.rows = count;
-  return path;
-}
-/// A path of `count` rows t x y z, seconds first.
-inline pp_path timedPath(const double* rows, std::uint64_t count) {
-  pp_path timed = path(rows, count);
-  timed.columns = 4;
-  return timed;
-}
-
-/// What the classes below have in common.
-namespace detail {
-
-/// A handle that is closed on destruction. Move-only.
-template <class Handle, pp_status (*kClose)(Handle)>
-class Owned {
- public:
-  Owned() = default;  ///< closed
-  /// Owns a handle of the C interface.
-  explicit Owned(Handle handle) : handle_(handle) {}
-  /// Leaves the other one closed.
-  Owned(Owned&& other) noexcept : handle_(std::exchange(other.handle_, Handle{})) {}
-  /// Exchanges the handles.
-  Owned& operator=(Owned&& other) noexcept {
-    std::swap(handle_, other.handle_);
-    return *this;
-  }
-  ~Owned() { close(); }  ///< Closes the handle.
-  Owned(const Owned&) = delete;
-  Owned& operator=(const Owned&) = delete;
-
-  /// For calls of the C interface.
-  Handle handle() const { return handle_; }
-  /// False after close(), and of an object that was moved from.
-  bool isOpen() const { return handle_.id != 0; }
-  /// Closes the handle early; has no effect if it is already closed.
-  void close() {
-    if (isOpen()) kClose(std::exchange(handle_, Handle{}));
-  }
-
- private:
-  Handle handle_{};
-};
-
-}  // namespace detail
-
-/// Points with normals and colours; immutable.
-class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
- public:
-  using Owned::Owned;
-  /// Copies arrays of the program (pp_cloud_create()).
-  explicit Cloud(const pp_cloud_arrays& arrays) : Owned(created(arrays)) {}
-  /// Reads a file of any supported format. Throws Error with file and line.
-  static Cloud read(const std::string& file, const pp_read_options& options = pp_default_read_options()) {
-    pp_cloud cloud{};
-    check(pp_cloud_read(file.c_str(), &options, &cloud));
-    return Cloud(cloud);
-  }
-
-  /// Writes a file in the format of its extension (pp_cloud_write()).
-  void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
-    check(pp_cloud_write(handle(), file.c_str(), &options));
-  }
-  /// Read-only view, valid while this is open; nothing is copied.
-  pp_points view() const {
-    pp_points points{};
-    check(pp_cloud_view(handle(), &points));
-    return points;
-  }
-  /// Number of points.
-  std::uint64_t size() const { return view().count; }
-  /// Copies x y z of each point, in file coordinates.
-  std::vector<double> positions() const {
-    std::vector<double> positions(3 * size());
-    check(pp_cloud_copy_positions(handle(), positions.data(), size()));
-    return positions;
-  }
-
- private:
-  static pp_cloud created(const pp_cloud_arrays& arrays) {
-    pp_cloud cloud{};
-    check(pp_cloud_create(&arrays, &cloud));
-    return cloud;
-  }
-};
-
-/// A mesh of points; immutable.
-class Mesh : public detail::Owned<pp_mesh, pp_mesh_close> {
- public:
-  using Owned::Owned;
-  /// Read-only view, valid while this is open; nothing is copied.
-  pp_triangles view() const {
-    pp_triangles triangles{};
-    check(pp_mesh_view(handle(), &triangles));
-    return triangles;
-  }
-  /// Writes a file in the format of its extension (pp_mesh_write()).
-  void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
-    check(pp_mesh_write(handle(), file.c_str(), &options));
-  }
-};
 
 /// Moving points at one time; immutable.
 class Frame : public detail::Owned<pp_frame, pp_frame_close> {
