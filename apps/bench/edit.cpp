@@ -26,9 +26,9 @@ constexpr std::uint64_t kWarmUpEdits = 10;    // edits before the first measured
 constexpr std::uint64_t kTicksPerEdit = 4;    // maximum in virtual time, on a surface that is worth measuring
 constexpr std::uint64_t kTicksToLand = 1000;  // maximum
 constexpr std::uint64_t kFewest = 5;
-constexpr int kTrials = 2;  // strokes to find the brush
+constexpr int kTrials = 2, kMoreTrials = 6;  // strokes to find the brush, and as long as it is far off
 constexpr std::int64_t kTrialEdits = 10;
-constexpr double kCloseEnough = 0.05;  // allowed relative error of the number of touched points
+constexpr double kCloseEnough = 0.05, kFarOff = 0.3;  // relative errors of the number of touched points
 constexpr double kRealtimeRate_Hz = 1000, kHighestRate_Hz = 1e5;
 
 // What happened in one tick.
@@ -267,14 +267,17 @@ Stroke strokeFor(const EditScene& scene, const EditBenchOptions& options, const 
   };
   const auto wanted = static_cast<double>(touched);
   double count = wanted, best = wanted, leastOff = std::numeric_limits<double>::max();
-  for (int k = 0; k < kTrials && leastOff > kCloseEnough; ++k) {
+  double tooFew = 0, tooMany = static_cast<double>(scene.subject.model.cloud.size());  // counts tried so far
+  for (int k = 0; k < kMoreTrials && leastOff > (k < kTrials ? kCloseEnough : kFarOff); ++k) {
     const double reached = sculpt(scene, trial, reaching(count, trial), backend, "incremental").touched.p50;
     const double ratio = std::max(1.0, reached) / wanted;
     if (std::abs(std::log(ratio)) < leastOff) {
       leastOff = std::abs(std::log(ratio));
       best = count;
     }
+    (ratio < 1 ? tooFew : tooMany) = count;
     count /= ratio;
+    if (count <= tooFew || count >= tooMany) count = std::sqrt(std::max(1.0, tooFew) * tooMany);
   }
   return reaching(best, options);
 }

@@ -77,7 +77,7 @@ TEST_CASE("sculpted points are saved when the GPU is lost, during the session or
       const Outcome outcome = palpate(session + " --undo 1");
       CHECK(outcome.code == 1);
       CHECK(outcome.text.find("VK_ERROR_DEVICE_LOST") != std::string::npos);
-      CHECK(outcome.text.find(saved + " has the points") != std::string::npos);
+      CHECK(outcome.text.find(saved + " contains the last known points") != std::string::npos);
       CHECK(std::ranges::count(outcome.text, '\n') == 1);
       REQUIRE(std::filesystem::exists(saved));
       const bool isUntouched = contentOf(saved) == untouched, isSculpted = contentOf(saved) == sculpted;
