@@ -23,10 +23,6 @@ DeviceCheckStage stageAfter(DeviceCheckStage stage) {
   return static_cast<DeviceCheckStage>(static_cast<std::uint8_t>(stage) + 1);
 }
 
-DVec3 forceOfWall(void* user, const Contact&, const Pose&, double, const DVec3&) noexcept {
-  return static_cast<const DeviceCheckQuery*>(user)->force_N();
-}
-
 }  // namespace
 
 std::string_view instructionOf(DeviceCheckStage stage) {
@@ -199,15 +195,13 @@ Contact DeviceCheckQuery::answerTo(const Pose& pose, double /*budget_us*/) noexc
           .normal = normal,
           .touching = touching,
           .fresh = true,
-          .valid = true};
+          .valid = true,
+          .force_N = DVec3(0, touching ? share_ * now_N_per_mm_ * depth_mm_ : 0, 0)};
 }
-
-DVec3 DeviceCheckQuery::force_N() const noexcept { return {0, share_ * now_N_per_mm_ * std::max(0.0, depth_mm_), 0}; }
 
 DeviceCheckResult checkDevice(HapticDevice& device, DeviceCheckQuery& query) {
   constexpr double kLongest_s = 600;  // in virtual time
-  ForceLaw law({.stiffness_N_per_mm = query.options().stiffest_N_per_mm, .damping_N_s_per_mm = 0}, {});
-  law.setCustom({.function = forceOfWall, .user = &query});
+  const ForceLaw law({.stiffness_N_per_mm = query.options().stiffest_N_per_mm, .damping_N_s_per_mm = 0}, {});
   const DeviceCheckOptions& options = query.options();
   ServoLoop loop(device, query, law,
                  {.rate_Hz = options.rate_Hz,

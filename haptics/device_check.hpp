@@ -39,7 +39,7 @@ struct DeviceCheckResult {
   double triedStiffness_N_per_mm = 0;              ///< stiffest wall that was leaned on
   std::optional<double> stableStiffness_N_per_mm;  ///< stiffest wall without oscillation; empty: none
   bool oscillated = false;                         ///< an oscillation ended the steps
-  double oscillation_s = 0;                        ///< longest one, from its first sign until the force was zero
+  double oscillation_s = 0;                        ///< longest one, from Oscillation::kBegins until the force was zero
   double leastEnergy_mJ = 0;                       ///< minimum energy that the wall took in (Passivity)
   double peakForce_N = 0;
   std::string fault;  ///< of the device, in words; empty if it did not fail
@@ -62,9 +62,6 @@ class DeviceCheckQuery final : public OneHandQuery {
   DeviceCheckQuery(const DeviceCheckOptions& options, const DeviceLimits& limits);
 
   Contact answerTo(const Pose& pose, double budget_us) noexcept override;
-  /// Force of the wall at the answer of this tick, N, before all limits.
-  DVec3 force_N() const noexcept;
-
   /// May be read on any thread.
   DeviceCheckStage stage() const noexcept { return stage_.load(std::memory_order_relaxed); }
   double stiffness_N_per_mm() const noexcept { return shown_.load(std::memory_order_relaxed); }

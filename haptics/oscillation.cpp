@@ -24,9 +24,12 @@ bool Oscillation::update(double depth_mm, double stiffness_N_per_mm, double dt_s
   power_mm2_ += std::min(1.0, dt_s / kPower_s) * (fast_mm_ * fast_mm_ - power_mm2_);
   mean_N_ += std::min(1.0, dt_s / kMean_s) * (stiffness_N_per_mm * std::max(0.0, depth_mm) - mean_N_);
   const double size_N = stiffness_N_per_mm * std::sqrt(power_mm2_);
-  const bool isOn = size_N > std::max(kSmallest_N, (lasts_s_ > 0 ? kEnds : kBegins) * mean_N_);
-  lasts_s_ = isOn ? lasts_s_ + dt_s : 0;
-  return lasts_s_ >= kLasts_s;
+  isOn_ = size_N > std::max(kSmallest_N, (isOn_ ? kEnds : kBegins) * mean_N_);
+  maxPower_mm2_ = std::max(maxPower_mm2_, power_mm2_);
+  const bool isSustained = isOn_ && power_mm2_ > kSustained * maxPower_mm2_;
+  if (!isSustained) maxPower_mm2_ = power_mm2_;
+  sustained_s_ = isSustained ? sustained_s_ + dt_s : 0;
+  return sustained_s_ >= kLasts_s;
 }
 
 }  // namespace palpate

@@ -313,21 +313,21 @@ void addDoctor(Options& app, Context& context, Command& command) {
       .check(between(1, 100'000))
       .needs(servo)
       .showDefault();
-  Option device = sub.add("--device", options->device,
-                          "only examine this device: serial number, workspace, force limits, axes, permissions; " +
-                              heldDevicesHelp())
-                      .check(Check{[](const std::string& device) {
-                                     return isHeldDevice(device)
-                                                ? std::string()
-                                                : "'" + device + "' is not a device; devices are " + heldDevicesHelp();
-                                   },
-                                   "DEVICE"})
-                      .offers({"openhaptics", "dhd", "haply", "hid"})
-                      .excludes(servo);
+  Option named = sub.add("--device", options->device,
+                         "only examine this device: serial number, workspace, force limits, axes, permissions; " +
+                             heldDevicesHelp())
+                     .check(Check{[](const std::string& device) {
+                                    return isHeldDevice(device)
+                                               ? std::string()
+                                               : "'" + device + "' is not a device; devices are " + heldDevicesHelp();
+                                  },
+                                  "DEVICE"})
+                     .offers({"openhaptics", "dhd", "haply", "hid"})
+                     .excludes(servo);
   sub.addFlag("--test", options->test,
               "test the device in your hand, step by step: poses and force in free space, directions, and the stiffest "
               "wall that does not hum")
-      .needs(device);
+      .needs(named);
   sub.addFlag("--network", options->network,
               "only list the sessions on the network (palpate serve), with round trips and losses")
       .excludes(servo);

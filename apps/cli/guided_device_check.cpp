@@ -93,7 +93,7 @@ Json guideDeviceCheck(std::FILE* out, const std::string& spec, Log& log) {
           {"largest_gap_s", result.largestGap_s},
           {"noise_mm", result.noise_mm},
           {"free_force_N", result.freeForce_N},
-          {"axes", result.axes},
+          {"axes", {result.axes[0], result.axes[1], result.axes[2]}},
           {"peak_force_N", result.peakForce_N},
           {"oscillated", result.oscillated},
           {"oscillation_s", result.oscillation_s},
