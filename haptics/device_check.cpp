@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double kWallBelow_mm = 5;  // the hand when the wall appears, which is so approached from free space
-constexpr double kMove_mm = 40;      // in a direction
+constexpr double kMove_mm = 20;      // in a direction; small devices reach 35 mm from their middle
 constexpr double kClear_mm = 2;      // above the wall: lifted
 constexpr double kLeast_N = 0.2;     // a hand that leans
 constexpr double kMostShare = 0.8;   // of the peak
@@ -30,11 +30,11 @@ std::string_view instructionOf(DeviceCheckStage stage) {
     case DeviceCheckStage::freeSpace:
       return "Hold the stylus still in the middle of its workspace.";
     case DeviceCheckStage::right:
-      return "Move the stylus 5 cm to the right.";
+      return "Move the stylus 3 cm to the right.";
     case DeviceCheckStage::up:
-      return "Move the stylus 5 cm up.";
+      return "Move the stylus 3 cm up.";
     case DeviceCheckStage::towards:
-      return "Move the stylus 5 cm towards you.";
+      return "Move the stylus 3 cm towards you.";
     case DeviceCheckStage::lean:
       return "There is a wall 5 mm below the stylus. Lean on it gently and stay: it becomes stiffer until it hums.";
     case DeviceCheckStage::lift:
@@ -62,9 +62,9 @@ DeviceCheckQuery::DeviceCheckQuery(const DeviceCheckOptions& options, const Devi
         "a wall from {} to {} N/mm in steps by a factor of {}: stiffness must be above 0 and ascend, by {} "
         "at most",
         options.softest_N_per_mm, options.stiffest_N_per_mm, options.factor, kMaxStepFactor);
-  if (!(options.freeSpace_s > 0 && options.patience_s > 0))
+  if (!(options.freeSpace_s > 0 && options.stageTimeout_s > 0))
     throw UsageError("{} s in free space and {} s for each step: both must be above 0", options.freeSpace_s,
-                     options.patience_s);
+                     options.stageTimeout_s);
   options_.stiffest_N_per_mm = std::min(options.stiffest_N_per_mm, limits.mostStiffness_N_per_mm);
   options_.softest_N_per_mm = std::min(options.softest_N_per_mm, options_.stiffest_N_per_mm);
   stiffness_N_per_mm_ = now_N_per_mm_ = options_.softest_N_per_mm;
@@ -104,7 +104,7 @@ void DeviceCheckQuery::direction(const Pose& pose, int which) noexcept {
     if (std::abs(way_mm[k]) > std::abs(way_mm[most])) most = k;
   const bool isMoved = std::abs(way_mm[most]) >= kMove_mm;
   if (isMoved) result_.axes[static_cast<std::size_t>(which)] = way_mm[most] > 0 ? most + 1 : -(most + 1);
-  if (isMoved || pose.time_s - since_s_ > options_.patience_s) enter(stageAfter(stage()), pose);
+  if (isMoved || pose.time_s - since_s_ > options_.stageTimeout_s) enter(stageAfter(stage()), pose);
 }
 
 void DeviceCheckQuery::nextStep() noexcept {
@@ -143,11 +143,11 @@ void DeviceCheckQuery::lean(const Pose& pose, double dt_s) noexcept {
     since_s_ = pose.time_s;
     if (isLast) return enter(DeviceCheckStage::done, pose);
   }
-  if (pose.time_s - since_s_ > options_.patience_s) enter(DeviceCheckStage::done, pose);
+  if (pose.time_s - since_s_ > options_.stageTimeout_s) enter(DeviceCheckStage::done, pose);
 }
 
 void DeviceCheckQuery::lift(const Pose& pose) noexcept {
-  if (pose.time_s - since_s_ > options_.patience_s) return enter(DeviceCheckStage::done, pose);
+  if (pose.time_s - since_s_ > options_.stageTimeout_s) return enter(DeviceCheckStage::done, pose);
   if (depth_mm_ > -kClear_mm) return;
   stiffness_N_per_mm_ = now_N_per_mm_ = *result_.stableStiffness_N_per_mm;
   enter(DeviceCheckStage::leanAgain, pose);

@@ -22,7 +22,7 @@ std::string_view instructionOf(DeviceCheckStage stage);
 struct DeviceCheckOptions {
   double rate_Hz = 1000;
   double freeSpace_s = 3;
-  double patience_s = 30;  ///< for each stage; then the test ends with what it knows
+  double stageTimeout_s = 30;  ///< for each stage; then the test ends with what it knows
   double softest_N_per_mm = 0.1, stiffest_N_per_mm = 4, factor = 1.15;  ///< steps of the wall
   bool realtime = true;                     ///< false: in virtual time, for a simulated device
   const std::atomic<bool>* stop = nullptr;  ///< ends the test early

@@ -64,8 +64,8 @@ void print(std::FILE* out, const DeviceCheckResult& result) {
                *result.stableStiffness_N_per_mm, result.oscillated ? "" : " at least", *offered);
   else
     fmt::print(out, "  stable            unknown: {}\n",
-               result.triedStiffness_N_per_mm > 0 ? "no wall was stable, or nobody leaned on it for long enough"
-                                                  : "nobody leaned on the wall");
+               result.triedStiffness_N_per_mm > 0 ? "each wall hummed, or the contact was too short"
+                                                  : "the stylus did not press on the wall");
 }
 
 }  // namespace

@@ -293,14 +293,14 @@ TEST_CASE("doctor guides a person through the test of a device, with zero force 
   const ScratchFolder folder;
   // Moves right, up and towards the user after three seconds, then leans on the wall that appears 5 mm below.
   const FakeDriver driver("fake_hd", "hurry",
-                          "0,0,0,0\n3.5,0,0,0\n4.5,50,0,0\n5.5,50,50,0\n6.5,50,50,50\n7.5,50,35,45\n30,50,35,45\n");
+                          "0,0,0,0\n3.5,0,0,0\n4.5,30,0,0\n5.5,30,30,0\n6.5,30,30,30\n7.5,30,20,30\n30,30,20,30\n");
   RunningProgram test("doctor --device openhaptics --test --json " + (folder / "out.json").string(), folder / "said");
   const auto said = [&] { return contentOf(folder / "said"); };
   REQUIRE_MESSAGE(test.waitFor([&] { return says(said(), "Lean on it gently") && driver.note().mostForce_N > 0.2; }),
                   said());
   test.wait(SIGTERM);
   CHECK(says(said(), "Hold the stylus still"));
-  CHECK(says(said(), "Move the stylus 5 cm to the right"));
+  CHECK(says(said(), "Move the stylus 3 cm to the right"));
   CHECK(driver.lastForce_N() == DVec3(0));
   CHECK(says(palpate("doctor --test").text, "--device"));
 }
