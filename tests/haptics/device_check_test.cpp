@@ -61,7 +61,7 @@ class ObedientHand {
   double speed_mm_per_s_;
   const DeviceCheckQuery* query_ = nullptr;
   DeviceCheckStage stage_ = DeviceCheckStage::freeSpace;
-  DVec3 place_mm_{0, 0, 0}, from_mm_{0}, wall_mm_{0};
+  DVec3 place_mm_{0, -0.5, 0}, from_mm_{0}, wall_mm_{0};
   double time_s_ = 0;
 };
 
