@@ -151,6 +151,26 @@ Json measureAlone(Context& context, const BenchOptions& options, const std::stri
   return result[name];
 }
 
+void listBenchResults(std::vector<ResultFacts>& all) {
+  listTimeResults(all);
+  constexpr DescribedKey machines[]{{"machines", "", "machine of each back end"}};
+  using List = void (*)(std::vector<ResultFacts>&);
+  for (const auto& [bench, list] :
+       std::initializer_list<std::pair<const char*, List>>{{"bench touch", &listTouchBenchResults},
+                                                           {"bench edit", &listEditBenchResults},
+                                                           {"bench mesh", &listMeshBenchResults},
+                                                           {"bench splat", &listSplatBenchResults},
+                                                           {"bench coexist", &listCoexistBenchResults},
+                                                           {"bench stream", &listStreamBenchResults},
+                                                           {"bench locality", &listLocalityBenchResults},
+                                                           {"bench matter", &listMatterBenchResults},
+                                                           {"bench read", &listReadBenchResults},
+                                                           {"bench share", &listShareBenchResults}}) {
+    listResults(all, bench, "", machines);
+    list(all);
+  }
+}
+
 void addBench(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("bench", "measure on this machine; each bench has its own options");
   sub.requireSubcommands(1, 0);

@@ -3,6 +3,7 @@
 
 #include "apps/bench/plot.hpp"
 #include "apps/cli/backend.hpp"
+#include "apps/cli/results.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/core/statistics.hpp"
@@ -70,6 +71,12 @@ Json measureAlone(Context& context, const BenchOptions& options, const std::stri
 /// The quantiles of the samples; null without samples.
 Json summaryOf(const Summary& summary);
 
+/// The value of a row that is a summary.
+template <auto member>
+std::optional<Json> quantiles(decltype(ownerOf(member)) report) {
+  return summaryOf(std::invoke(member, report));
+}
+
 /// Repeats `once` `repeat` times, or until the time limit has passed and at least five samples exist.
 template <class Once>
 void repeatMeasurement(const BenchOptions& options, Once&& once) {
@@ -80,6 +87,25 @@ void repeatMeasurement(const BenchOptions& options, Once&& once) {
     once(i);
   }
 }
+
+/// Appends the results of a bench that runs alone: their keys begin with its name.
+template <class Rows>
+void listAlone(std::vector<ResultFacts>& all, std::string_view name, std::string_view before, const Rows& rows) {
+  listResults(all, fmt::format("bench {}", name), fmt::format("{}{}", name, before), rows);
+}
+
+/// The keys of the results of each bench.
+void listTimeResults(std::vector<ResultFacts>& all);
+void listTouchBenchResults(std::vector<ResultFacts>& all);
+void listEditBenchResults(std::vector<ResultFacts>& all);
+void listMeshBenchResults(std::vector<ResultFacts>& all);
+void listSplatBenchResults(std::vector<ResultFacts>& all);
+void listCoexistBenchResults(std::vector<ResultFacts>& all);
+void listStreamBenchResults(std::vector<ResultFacts>& all);
+void listLocalityBenchResults(std::vector<ResultFacts>& all);
+void listMatterBenchResults(std::vector<ResultFacts>& all);
+void listReadBenchResults(std::vector<ResultFacts>& all);
+void listShareBenchResults(std::vector<ResultFacts>& all);
 
 /// The benches: each file adds its subcommand to `bench`; those measured together share one function.
 void addTimeBenches(Options& bench, Context& context, Command& command);  ///< build, sort, query and step

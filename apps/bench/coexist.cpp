@@ -264,9 +264,7 @@ Json benchCoexist(Context& context, const CoexistBenchOptions& options) {
              "\ncoexist, {} x {}, samples of a pixel: {}; {:g} ticks per second, us from pose to force\n", width,
              height, options.samples, realtimeRate_Hz(options));
   printCoexistences(context.tables(), all);
-  Json result{{"size", {width, height}}, {"samples", options.samples}, {"rows", Json::array()}};
-  for (const Coexistence& found : all) result["rows"].push_back(toJson(found));
-  return result;
+  return toJson({width, height, options.samples, std::move(all)});
 }
 
 void addOptions(Options& bench, CoexistBenchOptions& options) {

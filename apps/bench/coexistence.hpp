@@ -35,6 +35,11 @@ struct Coexistence {
 };
 
 void printCoexistences(std::FILE* out, const std::vector<Coexistence>& all);
-Json toJson(const Coexistence& found);
+
+struct CoexistenceResults {
+  std::uint32_t width = 0, height = 0, samples = 1;  ///< of the pictures; samples of a pixel
+  std::vector<Coexistence> rows;
+};
+Json toJson(const CoexistenceResults& results);
 
 }  // namespace palpate

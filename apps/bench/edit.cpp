@@ -304,11 +304,7 @@ Json benchEdit(Context& context, const EditBenchOptions& options) {
   }
   if (costs.empty()) throw UsageError("bench edit: --touched exceeds half the points of each model");
   printEditTables(context.tables(), costs);
-  Json result{{"costs", Json::array()}, {"growths", Json::array()}, {"crossovers", Json::array()}};
-  for (const EditCost& cost : costs) result["costs"].push_back(toJson(cost));
-  for (const EditGrowth& growth : growths(costs)) result["growths"].push_back(toJson(growth));
-  for (const EditCrossover& crossover : crossovers(costs)) result["crossovers"].push_back(toJson(crossover));
-  return result;
+  return toJson(costs);
 }
 
 void addOptions(Options& bench, EditBenchOptions& options) {

@@ -177,52 +177,98 @@ void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
         realtime);
 }
 
-Json toJson(const EditCost& cost) {
-  Json json{{"subject", cost.subject},
-            {"backend", cost.backend},
-            {"points", cost.points},
-            {"brush", cost.brush},
-            {"index", cost.index},
-            {"asked", cost.asked},
-            {"brush_radius_mm", cost.brushRadius_mm},
-            {"spacing_mm", cost.spacing_mm},
-            {"touched", summaryOf(cost.touched)},
-            {"query_us", summaryOf(cost.query_us)},
-            {"edit_us", summaryOf(cost.edit_us)},
-            {"query_and_edit_us", summaryOf(cost.indexed_us)},
-            {"requests_us", summaryOf(cost.requests_us)},
-            {"step_us", summaryOf(cost.step_us)},
-            {"edits", cost.edits},
-            {"index_rebuilds", cost.builds},
-            {"compactions", cost.compactions},
-            {"compacting_step_us", summaryOf(cost.compactingStep_us)},
-            {"longest_compaction_end_us", cost.longestCompactionEnd_us},
-            {"landings", cost.landings},
-            {"memory",
-             {{"points_bytes", cost.memory.edited.points},
-              {"index_bytes", cost.memory.edited.index},
-              {"lists_bytes", cost.memory.edited.lists},
-              {"plain_bytes", cost.memory.plain},
-              {"over_plain", cost.memory.overPlain()}}}};
-  if (const auto& stroke = cost.stroke)
-    json["stroke"] = {{"rate_Hz", stroke->rate_Hz},           {"duration_s", stroke->duration_s},
-                      {"fresh_fraction", stroke->freshShare}, {"edits_per_s", stroke->editsPerSecond},
-                      {"missed_ticks", stroke->missedTicks},  {"dropped_edits", stroke->leftOut},
-                      {"held_up_edits", stroke->heldUp}};
-  return json;
-}
+namespace {
 
-Json toJson(const EditCrossover& crossover) {
-  return {{"subject", crossover.subject},
-          {"backend", crossover.backend},
-          {"points", crossover.points},
-          {"share", crossover.share},
-          {"found", crossover.found}};
-}
+using Value = std::optional<Json>;
 
-Json toJson(const EditGrowth& growth) {
-  return {{"backend", growth.backend},  {"index", growth.index},  {"asked", growth.asked},
-          {"from_points", growth.from}, {"to_points", growth.to}, {"factor", growth.factor}};
+constexpr Reported<EditStroke> kRealtimeStroke[]{
+    {"rate_Hz", "Hz", "ticks per second", field<&EditStroke::rate_Hz>},
+    {"duration_s", "s", "duration", field<&EditStroke::duration_s>},
+    {"fresh_fraction", "1", "fraction of ticks answered in time", field<&EditStroke::freshShare>},
+    {"edits_per_s", "1/s", "edits per second", field<&EditStroke::editsPerSecond>},
+    {"missed_ticks", "", "ticks skipped because their time had passed", field<&EditStroke::missedTicks>},
+    {"dropped_edits", "", "edits dropped for lack of time, or because the edit log was full",
+     field<&EditStroke::leftOut>},
+    {"held_up_edits", "", "edits that waited for a compaction", field<&EditStroke::heldUp>},
+};
+
+constexpr Reported<EditCost> kEditCosts[]{
+    {"subject", "", "model", field<&EditCost::subject>},
+    {"backend", "", "back end", field<&EditCost::backend>},
+    {"points", "", "points of the model", field<&EditCost::points>},
+    {"brush", "", "brush", field<&EditCost::brush>},
+    {"index", "", "how the index follows edits: incremental or rebuild", field<&EditCost::index>},
+    {"asked", "", "points that an edit should touch", field<&EditCost::asked>},
+    {"brush_radius_mm", "mm", "radius of the brush", field<&EditCost::brushRadius_mm>},
+    {"spacing_mm", "mm", "mean distance of neighbouring points", field<&EditCost::spacing_mm>},
+    {"touched", "", "points that an edit moved, changed or removed", quantiles<&EditCost::touched>},
+    {"query_us", "us", "query on the GPU, in ticks with an edit; null: not measured", quantiles<&EditCost::query_us>},
+    {"edit_us", "us", "brush, index, normals and edit log on the answering machine", quantiles<&EditCost::edit_us>},
+    {"query_and_edit_us", "us", "in virtual time: query and edit of a tick together, on the GPU; else null",
+     quantiles<&EditCost::indexed_us>},
+    {"requests_us", "us", "after the edit: where the next one should insert and remove points",
+     quantiles<&EditCost::requests_us>},
+    {"step_us", "us", "time from pose to force; in virtual time including the whole edit",
+     quantiles<&EditCost::step_us>},
+    {"edits", "", "measured edits", field<&EditCost::edits>},
+    {"index_rebuilds", "", "rebuilds of the index for these edits", field<&EditCost::builds>},
+    {"compactions", "", "compactions of the index in the background", field<&EditCost::compactions>},
+    {"compacting_step_us", "us", "step_us during a compaction; null: none", quantiles<&EditCost::compactingStep_us>},
+    {"longest_compaction_end_us", "us", "longest wait of touch for the end of a compaction",
+     field<&EditCost::longestCompactionEnd_us>},
+    {"landings", "", "times that the brush was lowered onto the surface", field<&EditCost::landings>},
+    {"memory.points_bytes", "B", "memory of the points",
+     [](const EditCost& c) -> Value { return c.memory.edited.points; }},
+    {"memory.index_bytes", "B", "memory of the index",
+     [](const EditCost& c) -> Value { return c.memory.edited.index; }},
+    {"memory.lists_bytes", "B", "memory of the lists of an edit",
+     [](const EditCost& c) -> Value { return c.memory.edited.lists; }},
+    {"memory.plain_bytes", "B", "points and index of the same cloud where nothing is edited",
+     [](const EditCost& c) -> Value { return c.memory.plain; }},
+    {"memory.over_plain", "1", "ratio of the sum to that",
+     [](const EditCost& c) -> Value { return c.memory.overPlain(); }},
+    {"stroke", "", "the stroke, in real time (--duration)",
+     [](const EditCost& c) -> Value { return partBy(kRealtimeStroke, c.stroke); }},
+};
+
+constexpr Reported<EditCrossover> kCrossovers[]{
+    {"subject", "", "model", field<&EditCrossover::subject>},
+    {"backend", "", "back end", field<&EditCrossover::backend>},
+    {"points", "", "points of the model", field<&EditCrossover::points>},
+    {"share", "1", "fraction of touched points above which a rebuild of the index is cheaper",
+     field<&EditCrossover::share>},
+    {"found", "", "false: the fraction is the largest one measured, and the update was still cheaper",
+     field<&EditCrossover::found>},
+};
+
+constexpr Reported<EditGrowth> kGrowths[]{
+    {"backend", "", "back end", field<&EditGrowth::backend>},
+    {"index", "", "how the index follows edits", field<&EditGrowth::index>},
+    {"asked", "", "points that an edit should touch", field<&EditGrowth::asked>},
+    {"from_points", "", "points of the smallest model", field<&EditGrowth::from>},
+    {"to_points", "", "points of the largest model", field<&EditGrowth::to>},
+    {"factor", "1", "ratio of their median steps", field<&EditGrowth::factor>},
+};
+
+constexpr Reported<std::vector<EditCost>> kEditBench[]{
+    {"costs", "", "one for each model, number of touched points, back end and index",
+     [](const std::vector<EditCost>& costs) -> Value { return arrayBy(kEditCosts, costs); }},
+    {"growths", "", "how the cost grows with the points of the model",
+     [](const std::vector<EditCost>& costs) -> Value { return arrayBy(kGrowths, growths(costs)); }},
+    {"crossovers", "", "sizes of an edit above which a rebuild of the index is cheaper",
+     [](const std::vector<EditCost>& costs) -> Value { return arrayBy(kCrossovers, crossovers(costs)); }},
+};
+
+}  // namespace
+
+Json toJson(const std::vector<EditCost>& costs) { return jsonBy(kEditBench, costs); }
+
+void listEditBenchResults(std::vector<ResultFacts>& all) {
+  listAlone(all, "edit", ".", kEditBench);
+  listAlone(all, "edit", ".costs[].", kEditCosts);
+  listAlone(all, "edit", ".costs[].stroke.", kRealtimeStroke);
+  listAlone(all, "edit", ".growths[].", kGrowths);
+  listAlone(all, "edit", ".crossovers[].", kCrossovers);
 }
 
 }  // namespace palpate

@@ -47,7 +47,7 @@ struct EditCost {
   EditMemory memory;
   std::optional<EditStroke> stroke;
 };
-Json toJson(const EditCost& cost);
+Json toJson(const std::vector<EditCost>& costs);
 
 /// The size above which an edit with a full build is cheaper than an update of the index.
 struct EditCrossover {
@@ -59,7 +59,6 @@ struct EditCrossover {
 /// One for each model and back end measured with both methods, from the edits' times. Only updates without a build
 /// count.
 std::vector<EditCrossover> crossovers(const std::vector<EditCost>& costs);
-Json toJson(const EditCrossover& crossover);
 
 /// The edited step of the largest model relative to that of the smallest, for the same number of points.
 struct EditGrowth {
@@ -68,7 +67,6 @@ struct EditGrowth {
   double factor = 0;                        ///< ratio of the median steps
 };
 std::vector<EditGrowth> growths(const std::vector<EditCost>& costs);
-Json toJson(const EditGrowth& growth);
 
 void printEditTables(std::FILE* out, const std::vector<EditCost>& costs);
 

@@ -2,6 +2,10 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
+#include "apps/bench/bench.hpp"
+
 namespace palpate {
 
 namespace {
@@ -11,10 +15,6 @@ constexpr std::string_view kRow =
 
 double share(std::size_t part, std::size_t all) {
   return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0;
-}
-
-Json toJson(const IdleRecord& idle) {
-  return {{"ticks", idle.ticks}, {"moved", idle.moved}, {"inserted", idle.inserted}, {"removed", idle.removed}};
 }
 
 }  // namespace
@@ -27,39 +27,91 @@ std::vector<std::string_view> StrokeRecord::broken(bool strict) const {
   return broken;
 }
 
-Json toJson(const StrokeRecord& record) {
-  const EditVerdict& v = record.verdict;
-  return {{"subject", record.subject},
-          {"points", record.points},
-          {"backend", record.backend},
-          {"brush", record.brush},
-          {"gesture", record.gesture},
-          {"spacing_mm", record.spacing_mm},
-          {"radius_mm", record.radius_mm},
-          {"brush_radius_mm", record.brushRadius_mm},
-          {"ticks", record.ticks},
-          {"acting_ticks", record.acting},
-          {"moved", v.moved},
-          {"painted", v.painted},
-          {"inserted", v.inserted},
-          {"removed", v.removed},
-          {"farthest_moved_R", v.farthestMoved},
-          {"farthest_inserted_R", v.farthestInserted},
-          {"crowded_share", share(v.crowded, v.inserted)},
-          {"nearest_spacings", v.nearest},
-          {"outside", v.outside},
-          {"farthest_outside_R", v.farthestOutside},
-          {"deepest_mm", record.deepest_mm},
-          {"highest_mm", record.highest_mm},
-          {"doubled_share", share(v.doubled, v.changed)},
-          {"normals", {{"fitted", v.fitted}, {"p95_deg", v.normal_deg}, {"sided", v.sided}, {"turned", v.turned}}},
-          {"turned_at_rest", v.turnedAtRest},
-          {"settling_ticks", record.settling},
-          {"settled", record.settled},
-          {"look_before", toJson(record.before)},
-          {"look_after", toJson(record.after)},
-          {"broken", record.broken()},
-          {"strictly_broken", record.broken(true)}};
+namespace {
+
+using Value = std::optional<Json>;
+
+constexpr Reported<IdleRecord> kLook[]{
+    {"ticks", "", "ticks in which the brush acted", field<&IdleRecord::ticks>},
+    {"moved", "", "points moved", field<&IdleRecord::moved>},
+    {"inserted", "", "points inserted", field<&IdleRecord::inserted>},
+    {"removed", "", "points removed", field<&IdleRecord::removed>},
+};
+
+constexpr Reported<StrokeRecord> kStrokes[]{
+    {"subject", "", "model", field<&StrokeRecord::subject>},
+    {"points", "", "its points", field<&StrokeRecord::points>},
+    {"backend", "", "back end", field<&StrokeRecord::backend>},
+    {"brush", "", "brush", field<&StrokeRecord::brush>},
+    {"gesture", "", "press or slide", field<&StrokeRecord::gesture>},
+    {"spacing_mm", "mm", "mean distance of neighbouring points", field<&StrokeRecord::spacing_mm>},
+    {"radius_mm", "mm", "support radius", field<&StrokeRecord::radius_mm>},
+    {"brush_radius_mm", "mm", "radius of the brush", field<&StrokeRecord::brushRadius_mm>},
+    {"ticks", "", "ticks of the stroke", field<&StrokeRecord::ticks>},
+    {"acting_ticks", "", "ticks in which the brush acted", field<&StrokeRecord::acting>},
+    {"moved", "", "points moved", [](const StrokeRecord& r) -> Value { return r.verdict.moved; }},
+    {"painted", "", "points painted", [](const StrokeRecord& r) -> Value { return r.verdict.painted; }},
+    {"inserted", "", "points inserted", [](const StrokeRecord& r) -> Value { return r.verdict.inserted; }},
+    {"removed", "", "points removed", [](const StrokeRecord& r) -> Value { return r.verdict.removed; }},
+    {"farthest_moved_R", "support radii", "largest distance of moved points beyond the brush's radius from its path",
+     [](const StrokeRecord& r) -> Value { return r.verdict.farthestMoved; }},
+    {"farthest_inserted_R", "support radii", "the same of inserted points",
+     [](const StrokeRecord& r) -> Value { return r.verdict.farthestInserted; }},
+    {"crowded_share", "1", "fraction of the inserted points closer than 0.4 spacings to a neighbour",
+     [](const StrokeRecord& r) -> Value { return share(r.verdict.crowded, r.verdict.inserted); }},
+    {"nearest_spacings", "spacings", "smallest distance of an inserted point from a neighbour",
+     [](const StrokeRecord& r) -> Value { return r.verdict.nearest; }},
+    {"outside", "", "inserted points off the old surface",
+     [](const StrokeRecord& r) -> Value { return r.verdict.outside; }},
+    {"farthest_outside_R", "support radii", "how far they are off it at most",
+     [](const StrokeRecord& r) -> Value { return r.verdict.farthestOutside; }},
+    {"deepest_mm", "mm", "largest distance of changed points under the old surface", field<&StrokeRecord::deepest_mm>},
+    {"highest_mm", "mm", "the same over it", field<&StrokeRecord::highest_mm>},
+    {"doubled_share", "1", "fraction of the changed points with one that faces the other way within half a spacing",
+     [](const StrokeRecord& r) -> Value { return share(r.verdict.doubled, r.verdict.changed); }},
+    {"normals.fitted", "", "changed points whose normal was compared with a plane fit",
+     [](const StrokeRecord& r) -> Value { return r.verdict.fitted; }},
+    {"normals.p95_deg", "deg", "95th percentile of the angle between them",
+     [](const StrokeRecord& r) -> Value { return r.verdict.normal_deg; }},
+    {"normals.sided", "", "changed points whose side is known",
+     [](const StrokeRecord& r) -> Value { return r.verdict.sided; }},
+    {"normals.turned", "", "of these, with a normal that faces the wrong way",
+     [](const StrokeRecord& r) -> Value { return r.verdict.turned; }},
+    {"turned_at_rest", "", "points at rest with a normal that faces the wrong way",
+     [](const StrokeRecord& r) -> Value { return r.verdict.turnedAtRest; }},
+    {"settling_ticks", "", "ticks in the air until the last change", field<&StrokeRecord::settling>},
+    {"settled", "", "false: it still changed at the last tick observed", field<&StrokeRecord::settled>},
+    {"look_before", "", "changes by a brush without effect before the stroke",
+     [](const StrokeRecord& r) -> Value { return jsonBy(kLook, r.before); }},
+    {"look_after", "", "the same after it", [](const StrokeRecord& r) -> Value { return jsonBy(kLook, r.after); }},
+    {"broken", "", "broken promises, in words", [](const StrokeRecord& r) -> Value { return r.broken(); }},
+    {"strictly_broken", "", "the same without any tolerance",
+     [](const StrokeRecord& r) -> Value { return r.broken(true); }},
+};
+
+constexpr Reported<LocalityResults> kLocality[]{
+    {"strokes", "", "one for each stroke",
+     [](const LocalityResults& r) -> Value { return arrayBy(kStrokes, r.strokes); }},
+    {"broken", "", "strokes that broke a promise of edits",
+     [](const LocalityResults& r) -> Value { return r.broken(); }},
+    {"strictly_broken", "", "the same without any tolerance",
+     [](const LocalityResults& r) -> Value { return r.broken(true); }},
+};
+
+}  // namespace
+
+std::size_t LocalityResults::broken(bool strict) const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(strokes, [&](const StrokeRecord& stroke) { return !stroke.broken(strict).empty(); }));
+}
+
+Json toJson(const LocalityResults& results) { return jsonBy(kLocality, results); }
+
+void listLocalityBenchResults(std::vector<ResultFacts>& all) {
+  listAlone(all, "locality", ".", kLocality);
+  listAlone(all, "locality", ".strokes[].", kStrokes);
+  for (const char* look : {".strokes[].look_before.", ".strokes[].look_after."})
+    listAlone(all, "locality", look, kLook);
 }
 
 void printStrokeHeading(std::FILE* out) {

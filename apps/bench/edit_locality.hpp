@@ -29,7 +29,14 @@ struct StrokeRecord {
   /// Broken promises in words, including those of EditVerdict; empty without any. `strict`: as there.
   std::vector<std::string_view> broken(bool strict = false) const;
 };
-Json toJson(const StrokeRecord& record);
+
+struct LocalityResults {
+  std::vector<StrokeRecord> strokes;
+
+  /// Strokes that broke a promise. `strict`: as there.
+  std::size_t broken(bool strict = false) const;
+};
+Json toJson(const LocalityResults& results);
 
 /// The table is printed row by row: a stroke may take minutes.
 void printStrokeHeading(std::FILE* out);

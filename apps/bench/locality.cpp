@@ -317,8 +317,7 @@ Json benchLocality(Context& context, const LocalityBenchOptions& options) {
         subjects.emplace_back(
             [&context, cloud, size] { return unevenSubject(context, cloud, static_cast<std::size_t>(size)); });
   if (subjects.empty()) throw UsageError("bench locality: --clouds none requires --models");
-  std::size_t broken = 0, strictlyBroken = 0;
-  Json strokes = Json::array();
+  LocalityResults results;
   printStrokeHeading(context.tables());
   for (const auto& makeOne : subjects) {
     const LocalitySubject subject = makeOne();
@@ -328,19 +327,17 @@ Json benchLocality(Context& context, const LocalityBenchOptions& options) {
         for (const std::string& gesture : options.gestures) {
           context.log().say("locality: {}, {} points, {}, {}, {}", subject.name, subject.model.cloud.size(), backend,
                             brush, gesture);
-          const StrokeRecord record =
+          results.strokes.push_back(
               playStroke(context, subject, judge,
-                         {.subject = subject.name, .backend = backend, .brush = brush, .gesture = gesture}, options);
-          broken += !record.broken().empty();
-          strictlyBroken += !record.broken(true).empty();
-          strokes.push_back(toJson(record));
-          printStroke(context.tables(), record);
+                         {.subject = subject.name, .backend = backend, .brush = brush, .gesture = gesture}, options));
+          printStroke(context.tables(), results.strokes.back());
         }
   }
   fmt::print(context.tables(),
              "\n{} of {} strokes keep every promise within the judge's tolerance, {} without any tolerance\n",
-             strokes.size() - broken, strokes.size(), strokes.size() - strictlyBroken);
-  return {{"strokes", std::move(strokes)}, {"broken", broken}, {"strictly_broken", strictlyBroken}};
+             results.strokes.size() - results.broken(), results.strokes.size(),
+             results.strokes.size() - results.broken(true));
+  return toJson(results);
 }
 
 void addOptions(Options& bench, LocalityBenchOptions& options) {

@@ -339,6 +339,27 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
 
 }  // namespace
 
+void listMatterBenchResults(std::vector<ResultFacts>& all) {
+  constexpr DescribedKey keys[]{
+      {"", "", "one for each matter, size and back end"},
+      {"[].matter", "", "water, sand or soft"},
+      {"[].backend", "", "back end"},
+      {"[].particles", "", "particles, or nodes of a soft body"},
+      {"[].depth_mm", "mm", "depth of the filling"},
+      {"[].substeps", "", "substeps per millisecond"},
+      {"[].step.gpu_us", "us", "time of a millisecond on the GPU; null: not measured"},
+      {"[].step.wall_us", "us", "time of a millisecond in all"},
+      {"[].substep.gpu_us", "us", "the same for a substep; null: not measured"},
+      {"[].substep.wall_us", "us", "the same for a substep"},
+      {"[].presses", "", "hands that press (--presses)"},
+      {"[].compliance", "us", "time of a compliance query: wall_us; null: nothing presses"},
+      {"[].frame", "us", "a frame of a soft body: points, gpu_us, wall_us, fetched_us; else null"},
+      {"[].passes_bytes", "B", "bytes that each pass moved and asked for (--passes)"},
+      {"[].passes_us", "us", "time of each pass (--passes)"},
+  };
+  listAlone(all, "matter", "", keys);
+}
+
 void addMatterBench(Options& bench, Context& context, Command& command) {
   Options& sub =
       bench.addSubcommand("matter", "a millisecond of water, sand or a soft body that a hand stirs or presses");

@@ -215,6 +215,39 @@ void addOptions(Options& bench, MeshBenchOptions& options) {
 
 }  // namespace
 
+void listMeshBenchResults(std::vector<ResultFacts>& all) {
+  constexpr DescribedKey keys[]{
+      {".records", "", "one for each model, resolution and surface"},
+      {".records[].subject", "", "model"},
+      {".records[].points", "", "its points"},
+      {".records[].resolution", "", "cells along the longest side"},
+      {".records[].surface", "", "meshed surface"},
+      {".records[].blocks", "", "blocks of cells at the surface"},
+      {".records[].vertices", "", "vertices"},
+      {".records[].triangles", "", "triangles"},
+      {".records[].gpu_bytes", "B", "memory on the GPU"},
+      {".records[].gpu_us", "us", "time on the GPU, by pass and in all"},
+      {".records[].wall_us", "us", "time in all"},
+      {".records[].edit.points", "", "points of an edit"},
+      {".records[].edit.treated_blocks", "", "blocks that its update computed again"},
+      {".records[].edit.gpu_us", "us", "time of the update on the GPU"},
+      {".truth", "", "one for each shape, resolution and surface"},
+      {".truth[].shape", "", "shape"},
+      {".truth[].points", "", "points of its cloud"},
+      {".truth[].spacing_mm", "mm", "mean distance of neighbouring points"},
+      {".truth[].resolution", "", "cells along the longest side"},
+      {".truth[].surface", "", "meshed surface"},
+      {".truth[].vertices", "", "vertices"},
+      {".truth[].closed", "", "whether there is no border"},
+      {".truth[].euler", "", "Euler's characteristic"},
+      {".truth[].flat_triangles", "", "triangles without area"},
+      {".truth[].distance_mm", "mm", "distance of the vertices from the shape: rms and max"},
+      {".truth[].distance_spacings", "spacings", "the same in spacings"},
+      {".truth[].normal_deg", "deg", "error of their normals: mean, p95 and max"},
+  };
+  listAlone(all, "mesh", "", keys);
+}
+
 void addMeshBench(Options& bench, Context& context, Command& command) {
   Options& sub = bench.addSubcommand("mesh", "marching cubes");
   const auto options = std::make_shared<MeshBenchOptions>();

@@ -6,6 +6,8 @@
 
 namespace palpate {
 
+void listMatterBenchResults(std::vector<ResultFacts>&) {}
+
 void addMatterBench(Options& bench, Context&, Command& command) {
   Options& sub = bench.addSubcommand("matter",
                                      "a millisecond of matter; this palpate was built without "

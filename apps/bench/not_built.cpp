@@ -2,9 +2,12 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/cli/context.hpp"
+#include "apps/cli/results.hpp"
 #include "engine/core/error.hpp"
 
 namespace palpate {
+
+void listBenchResults(std::vector<ResultFacts>&) {}
 
 void addBench(Options& app, Context&, Command& command) {
   Options& sub = app.addSubcommand("bench", "measure on this machine; this palpate was built without PALPATE_STUDY");

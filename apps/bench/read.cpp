@@ -12,16 +12,13 @@ namespace palpate {
 
 namespace {
 
-/// Entries of ReadRecord::stages, by their name in the table and the record.
-constexpr std::array<const char*, 5> kStages{"open_s", "points_s", "finish_s", "free_s", "waited_s"};
-
 struct ReadRecord {
   std::string file, format;
   std::size_t points = 0;
   unsigned threads = 1;
   std::uintmax_t bytes = 0;
   Summary time_s;
-  // Medians of the stages, and of page faults.
+  // Medians of the stages (header, points, finish, free, wait for memory), and of page faults.
   std::array<double, 5> stages{};
   std::optional<double> faults;
 
@@ -35,7 +32,7 @@ ReadRecord measure(Context& context, const std::string& file, const BenchOptions
   record.bytes = std::filesystem::file_size(file, isFolder);
   if (isFolder) record.bytes = 0;
   std::vector<double> times_s, faults;
-  std::array<std::vector<double>, kStages.size()> stages;
+  std::array<std::vector<double>, 5> stages;
   const auto once = [&] {
     ReadStages now;
     const std::uint64_t before = pageFaults().value_or(0);
@@ -46,8 +43,7 @@ ReadRecord measure(Context& context, const std::string& file, const BenchOptions
     stored.reset();
     times_s.push_back(watch.elapsed_s());
     faults.push_back(static_cast<double>(pageFaults().value_or(0) - before));
-    const std::array<double, kStages.size()> all{now.open_s, now.points_s, now.finish_s, times_s.back() - read_s,
-                                                 now.waited_s};
+    const std::array<double, 5> all{now.open_s, now.points_s, now.finish_s, times_s.back() - read_s, now.waited_s};
     for (std::size_t k = 0; k < all.size(); ++k) stages[k].push_back(all[k]);
   };
   once();  // brings the file into the page cache
@@ -60,12 +56,28 @@ ReadRecord measure(Context& context, const std::string& file, const BenchOptions
   return record;
 }
 
-Json stagesOf(const ReadRecord& record) {
-  Json json = Json::object();
-  for (std::size_t k = 0; k < kStages.size(); ++k) json[kStages[k]] = record.stages[k];
-  json["page_faults"] = record.faults ? Json(*record.faults) : Json();
-  return json;
-}
+using Value = std::optional<Json>;
+
+constexpr Reported<ReadRecord> kRead[]{
+    {"file", "", "read file", field<&ReadRecord::file>},
+    {"format", "", "its format", field<&ReadRecord::format>},
+    {"points", "", "its points", field<&ReadRecord::points>},
+    {"bytes", "B", "its size; 0: a folder", [](const ReadRecord& r) -> Value { return std::uint64_t{r.bytes}; }},
+    {"threads", "", "threads that read", field<&ReadRecord::threads>},
+    {"time_s", "s", "time of a read, and to free it", quantiles<&ReadRecord::time_s>},
+    {"stages.open_s", "s", "median time of the header", [](const ReadRecord& r) -> Value { return r.stages[0]; }},
+    {"stages.points_s", "s", "of the points", [](const ReadRecord& r) -> Value { return r.stages[1]; }},
+    {"stages.finish_s", "s", "to finish them", [](const ReadRecord& r) -> Value { return r.stages[2]; }},
+    {"stages.free_s", "s", "to free them", [](const ReadRecord& r) -> Value { return r.stages[3]; }},
+    {"stages.waited_s", "s", "in which threads waited for memory, summed over threads",
+     [](const ReadRecord& r) -> Value { return r.stages[4]; }},
+    {"stages.page_faults", "", "median number of page faults; null: unknown",
+     [](const ReadRecord& r) -> Value { return orNull(r.faults); }},
+    {"points_per_s", "1/s", "points per second",
+     [](const ReadRecord& r) -> Value { return r.perSecond(static_cast<double>(r.points)); }},
+    {"bytes_per_s", "B/s", "bytes per second",
+     [](const ReadRecord& r) -> Value { return r.perSecond(static_cast<double>(r.bytes)); }},
+};
 
 void printStages(std::FILE* out, const ReadRecord& record) {
   fmt::print(out, "  header {:.3f} s, points {:.3f} s (waited for memory: {:.3f} s of {} threads together), ",
@@ -88,20 +100,18 @@ Json benchRead(Context& context, const BenchOptions& options, bool withStages) {
                std::filesystem::path(file).filename().string(), record.format, record.points, record.time_s.count,
                record.time_s.p50, record.time_s.max, points, bytes);
     if (withStages) printStages(out, record);
-    records.push_back({{"file", record.file},
-                       {"format", record.format},
-                       {"points", record.points},
-                       {"bytes", record.bytes},
-                       {"threads", record.threads},
-                       {"time_s", summaryOf(record.time_s)},
-                       {"stages", stagesOf(record)},
-                       {"points_per_s", points * 1e6},
-                       {"bytes_per_s", bytes * 1e9}});
+    records.push_back(jsonBy(kRead, record));
   }
   return records;
 }
 
 }  // namespace
+
+void listReadBenchResults(std::vector<ResultFacts>& all) {
+  constexpr DescribedKey records[]{{"read", "", "one for each file"}};
+  listResults(all, "bench read", "", records);
+  listAlone(all, "read", "[].", kRead);
+}
 
 void addReadBench(Options& bench, Context& context, Command& command) {
   Options& sub = bench.addSubcommand("read", "reading speed of files in the system's page cache");

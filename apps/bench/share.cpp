@@ -176,6 +176,7 @@ Felt pressAndRest(SharedHand& presser, SharedHand& rester, std::int64_t trials) 
 
 /// Result of one back end.
 struct ShareRecord {
+  std::string backend;
   Felt felt;
   SharedCounts rests, presses;
   double trip_ms = 0;  // round trip, mean of both hands
@@ -193,8 +194,10 @@ ShareRecord measureShare(Context& context, const ShareOptions& share, const std:
   SharedHand rester(context, config, "rests", clock);
   config.brush = BrushConfig{.resample = false};
   SharedHand presser(context, config, "presses", clock);
-  ShareRecord record{
-      .felt = pressAndRest(presser, rester, presses), .rests = rester.counts(), .presses = presser.counts()};
+  ShareRecord record{.backend = backend,
+                     .felt = pressAndRest(presser, rester, presses),
+                     .rests = rester.counts(),
+                     .presses = presser.counts()};
   record.trip_ms = (record.rests.link.roundTrip_ms.value_or(0) + record.presses.link.roundTrip_ms.value_or(0)) / 2;
   const ServoResult& result = rester.end();
   presser.end();
@@ -214,9 +217,9 @@ Summary beyondTrip_ms(const ShareRecord& record) {
   return summarize(beyond_ms);
 }
 
-void print(std::FILE* out, const std::string& backend, const ShareRecord& record) {
+void print(std::FILE* out, const ShareRecord& record) {
   const auto pair = [](const Summary& summary) { return fmt::format("{:.1f} / {:.1f}", summary.p50, summary.p99); };
-  fmt::print(out, "{:<8} {:>14.1f} {:>8.1f} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", backend, record.trip_ms,
+  fmt::print(out, "{:<8} {:>14.1f} {:>8.1f} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", record.backend, record.trip_ms,
              record.rests.link.lost_percent.value_or(0), record.felt.after_ms.size(),
              pair(summarize(record.felt.after_ms)), pair(beyondTrip_ms(record)), record.felt.notFelt,
              fmt::format("{} of {}", record.missed, record.ticks + record.missed), record.aged);
@@ -233,24 +236,32 @@ void print(std::FILE* out, const std::string& backend, const ShareRecord& record
         record.editsTooSlow);
 }
 
-Json toJson(const std::string& backend, const ShareRecord& record) {
-  const LinkCounts& link = record.rests.link;
-  return {{"backend", backend},
-          {"round_trip_ms", record.trip_ms},
-          {"lost_percent", link.lost_percent ? Json(*link.lost_percent) : Json(nullptr)},
-          {"felt_ms", summaryOf(summarize(record.felt.after_ms))},
-          {"beyond_ms", summaryOf(beyondTrip_ms(record))},
-          {"goal_ms", kGoal_ms},
-          {"not_felt", record.felt.notFelt},
-          {"not_pressed", record.felt.notPressed},
-          {"unsteady", record.felt.unsteady},
-          {"dropped_edits", record.editsTooSlow},
-          {"copied", record.rests.copied},
-          {"ticks", record.ticks},
-          {"missed_ticks", record.missed},
-          {"aged_ticks", record.aged},
-          {"same", record.same}};
-}
+using Value = std::optional<Json>;
+
+constexpr Reported<ShareRecord> kShare[]{
+    {"backend", "", "back end", field<&ShareRecord::backend>},
+    {"round_trip_ms", "ms", "round trip to the server, mean of both hands", field<&ShareRecord::trip_ms>},
+    {"lost_percent", "%", "pings lost; null: no ping was sent",
+     [](const ShareRecord& r) -> Value { return orNull(r.rests.link.lost_percent); }},
+    {"felt_ms", "ms", "time from the press of one hand to the change of force on the other",
+     [](const ShareRecord& r) -> Value { return summaryOf(summarize(r.felt.after_ms)); }},
+    {"beyond_ms", "ms", "the same without the round trip",
+     [](const ShareRecord& r) -> Value { return summaryOf(beyondTrip_ms(r)); }},
+    {"goal_ms", "ms", "its goal", [](const ShareRecord&) -> Value { return kGoal_ms; }},
+    {"not_felt", "", "presses that were not felt", [](const ShareRecord& r) -> Value { return r.felt.notFelt; }},
+    {"not_pressed", "", "presses without an edit, where there was nothing to feel",
+     [](const ShareRecord& r) -> Value { return r.felt.notPressed; }},
+    {"unsteady", "", "positions at which the resting hand did not come to rest",
+     [](const ShareRecord& r) -> Value { return r.felt.unsteady; }},
+    {"dropped_edits", "", "edits dropped or postponed because an edit took too long",
+     field<&ShareRecord::editsTooSlow>},
+    {"copied", "", "messages of the server whose best-effort copy arrived first",
+     [](const ShareRecord& r) -> Value { return r.rests.copied; }},
+    {"ticks", "", "ticks of the resting hand", field<&ShareRecord::ticks>},
+    {"missed_ticks", "", "ticks skipped because their time had passed", field<&ShareRecord::missed>},
+    {"aged_ticks", "", "ticks with reduced force, as the server was silent", field<&ShareRecord::aged>},
+    {"same", "", "whether the points of both hands equal the server's", field<&ShareRecord::same>},
+};
 
 Json benchShare(Context& context, const BenchOptions& options, const ShareOptions& share) {
   Json records = Json::array();
@@ -259,13 +270,19 @@ Json benchShare(Context& context, const BenchOptions& options, const ShareOption
              "presses", "felt p50 / p99 ms", "beyond it p50 / p99 ms", "not felt", "ticks missed", "faded");
   for (const std::string& backend : options.backends) {
     const ShareRecord record = measureShare(context, share, backend, options.repeat);
-    print(out, backend, record);
-    records.push_back(toJson(backend, record));
+    print(out, record);
+    records.push_back(jsonBy(kShare, record));
   }
   return records;
 }
 
 }  // namespace
+
+void listShareBenchResults(std::vector<ResultFacts>& all) {
+  constexpr DescribedKey records[]{{"share", "", "one for each back end"}};
+  listResults(all, "bench share", "", records);
+  listAlone(all, "share", "[].", kShare);
+}
 
 void addShareBench(Options& bench, Context& context, Command& command) {
   Options& sub = bench.addSubcommand("share", "time until one hand's edit of a shared cloud is felt by another");

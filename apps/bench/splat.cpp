@@ -268,40 +268,77 @@ void printLives(std::FILE* out, const std::vector<SplatCost>& costs) {
   }
 }
 
-Json toJson(const Summary& s) { return {{"n", s.count}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}}; }
+// Without extremes.
+Json middleQuantilesOf(const Summary& s) { return {{"n", s.count}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}}; }
 
-Json toJson(const SplatCost& cost) {
-  Json passes = Json::object(), lives = Json::object();
-  for (const auto& [name, time] : cost.times.passes) passes[name] = toJson(time);
-  for (const auto& life : cost.lives) lives[life.pass] = life.longest_us;
-  return {{"subject", cost.subject},
-          {"raster", cost.raster},
-          {"points", cost.points},
-          {"passes_ms", passes},
-          {"gpu_ms", toJson(cost.times.gpu_ms)},
-          {"picture_ms", toJson(cost.times.wall_ms)},
-          {"fps", cost.fps()},
-          {"made_ms", toJson(cost.made_ms)},
-          {"fps_with_remesh", cost.fpsRemeshed()},
-          {"longest_workgroup_us", lives},
-          {"bytes", cost.bytes}};
-}
+using Value = std::optional<Json>;
 
-Json toJson(const SplatQuality& q) {
-  Json quality{{"shape", q.shape},
-               {"condition", q.condition},
-               {"raster", q.raster},
-               {"smooth_px", q.smooth_px},
-               {"points", q.points},
-               {"spacing", q.spacing},
-               {"pixels", q.picture.pixels},
-               {"hole_pixels", q.picture.holes},
-               {"overlap_percent", q.picture.overlap},
-               {"depth_rms_spacings", q.picture.depthRms},
-               {"normal_deg", {{"mean", q.picture.normalMean_deg}, {"p95", q.picture.normalP95_deg}}}};
-  if (q.cost) quality["cost"] = toJson(*q.cost);
-  return quality;
-}
+constexpr Reported<SplatCost> kSplatCosts[]{
+    {"subject", "", "model", field<&SplatCost::subject>},
+    {"raster", "", "rasteriser, or the mesh", field<&SplatCost::raster>},
+    {"points", "", "points of the model", field<&SplatCost::points>},
+    {"passes_ms", "ms", "time on the GPU, by pass",
+     [](const SplatCost& c) -> Value {
+       Json passes = Json::object();
+       for (const auto& [name, time] : c.times.passes) passes[name] = middleQuantilesOf(time);
+       return passes;
+     }},
+    {"gpu_ms", "ms", "of all passes", [](const SplatCost& r) -> Value { return middleQuantilesOf(r.times.gpu_ms); }},
+    {"picture_ms", "ms", "time of a picture from its submission to its completion",
+     [](const SplatCost& r) -> Value { return middleQuantilesOf(r.times.wall_ms); }},
+    {"fps", "1/s", "pictures per second", field<&SplatCost::fps>},
+    {"made_ms", "ms", "time on the GPU to build the mesh",
+     [](const SplatCost& r) -> Value { return middleQuantilesOf(r.made_ms); }},
+    {"fps_with_remesh", "1/s", "pictures per second, each with a new mesh", field<&SplatCost::fpsRemeshed>},
+    {"longest_workgroup_us", "us", "longest life of a workgroup, by pass",
+     [](const SplatCost& c) -> Value {
+       Json lives = Json::object();
+       for (const auto& life : c.lives) lives[life.pass] = life.longest_us;
+       return lives;
+     }},
+    {"bytes", "B", "memory of the drawn data and of the picture's images", field<&SplatCost::bytes>},
+};
+
+constexpr Reported<SplatQuality> kSplatQualities[]{
+    {"shape", "", "shape, or the scan", field<&SplatQuality::shape>},
+    {"condition", "", "clean, uneven or scan", field<&SplatQuality::condition>},
+    {"raster", "", "rasteriser, or the mesh", field<&SplatQuality::raster>},
+    {"smooth_px", "px", "radius over which depth is smoothed", field<&SplatQuality::smooth_px>},
+    {"points", "", "points of the cloud", field<&SplatQuality::points>},
+    {"spacing", "model units", "mean distance of neighbouring points", field<&SplatQuality::spacing>},
+    {"pixels", "", "compared pixels on the surface", [](const SplatQuality& r) -> Value { return r.picture.pixels; }},
+    {"hole_pixels", "", "of these, pixels without surface, or with one more than three spacings behind",
+     [](const SplatQuality& r) -> Value { return r.picture.holes; }},
+    {"overlap_percent", "%", "intersection of the two silhouettes over their union",
+     [](const SplatQuality& r) -> Value { return r.picture.overlap; }},
+    {"depth_rms_spacings", "spacings", "root mean square of the error of depth",
+     [](const SplatQuality& r) -> Value { return r.picture.depthRms; }},
+    {"normal_deg.mean", "deg", "mean angle to the true normal",
+     [](const SplatQuality& r) -> Value { return r.picture.normalMean_deg; }},
+    {"normal_deg.p95", "deg", "its 95th percentile",
+     [](const SplatQuality& r) -> Value { return r.picture.normalP95_deg; }},
+    {"cost", "", "cost of the same picture, as in costs, if meshes are compared (--mesh)",
+     [](const SplatQuality& r) -> Value { return partBy(kSplatCosts, r.cost); }},
+};
+
+struct SplatResults {
+  UVec2 size;
+  std::uint32_t samples = 1;
+  std::vector<SplatCost> costs;
+  std::vector<SplatQuality> qualities;
+};
+
+constexpr Reported<SplatResults> kSplatBench[]{
+    {"size", "px", "width and height of a picture",
+     [](const SplatResults& r) -> Value {
+       return Json{r.size.x, r.size.y};
+     }},
+    {"samples", "", "samples of a pixel", field<&SplatResults::samples>},
+    {"costs", "", "one for each model and rasteriser",
+     [](const SplatResults& r) -> Value { return arrayBy(kSplatCosts, r.costs); }},
+    {"qualities", "", "one for each picture compared with the truth",
+     [](const SplatResults& r) -> Value { return arrayBy(kSplatQualities, r.qualities); }},
+};
 
 Json benchSplat(Context& context, const SplatBenchOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
@@ -335,11 +372,7 @@ Json benchSplat(Context& context, const SplatBenchOptions& options) {
     printQualities(context.tables(), qualities, size);
   else if (!qualities.empty())
     printWays(context.tables(), qualities, size, options.samples);
-  Json result{
-      {"size", {width, height}}, {"samples", options.samples}, {"costs", Json::array()}, {"qualities", Json::array()}};
-  for (const SplatCost& cost : costs) result["costs"].push_back(toJson(cost));
-  for (const SplatQuality& quality : qualities) result["qualities"].push_back(toJson(quality));
-  return result;
+  return jsonBy(kSplatBench, SplatResults{size, options.samples, std::move(costs), std::move(qualities)});
 }
 
 void addOptions(Options& bench, SplatBenchOptions& options) {
@@ -372,6 +405,12 @@ void addOptions(Options& bench, SplatBenchOptions& options) {
 }
 
 }  // namespace
+
+void listSplatBenchResults(std::vector<ResultFacts>& all) {
+  listAlone(all, "splat", ".", kSplatBench);
+  listAlone(all, "splat", ".costs[].", kSplatCosts);
+  listAlone(all, "splat", ".qualities[].", kSplatQualities);
+}
 
 void addSplatBench(Options& bench, Context& context, Command& command) {
   Options& sub = bench.addSubcommand("splat", "cost and accuracy of a picture");

@@ -236,6 +236,41 @@ Json benchStream(Context& context, const StreamBenchOptions& options) {
 
 }  // namespace
 
+void listStreamBenchResults(std::vector<ResultFacts>& all) {
+  constexpr DescribedKey keys[]{
+      {".rows", "", "one for each size of frames and of the map"},
+      {".rows[].frames", "px", "size of the frames"},
+      {".rows[].surfels", "", "points of the map"},
+      {".rows[].matched", "", "pixels matched with points of the map, in the last frame"},
+      {".rows[].appended", "", "points appended by it"},
+      {".rows[].removed", "", "points removed by it"},
+      {".rows[].fuse_us", "us", "time to fuse a frame on the GPU"},
+      {".rows[].index_us", "us", "time to index the map on the GPU"},
+      {".rows[].arrival_us", "us", "time from a decoded frame to the points that a hand feels"},
+      {".rows[].passes", "", "median time of each pass alone: pass and us"},
+      {".felt", "", "touch while frames arrive (--felt)"},
+      {".felt[].situation", "", "still, latest or fused"},
+      {".felt[].ticks", "", "ticks"},
+      {".felt[].contact_ticks", "", "ticks in contact"},
+      {".felt[].missed_ticks", "", "ticks skipped because their time had passed"},
+      {".felt[].fresh_fraction", "1", "fraction of ticks answered in time"},
+      {".felt[].step_us", "us", "time from pose to force"},
+      {".felt[].frames", "", "frames that were felt"},
+      {".felt[].frames_dropped", "", "frames dropped, as a newer one had arrived"},
+      {".felt[].frames_drawn", "", "frames that were drawn"},
+      {".felt[].pictures_per_s", "1/s", "pictures per second"},
+      {".felt[].frames_of", "px", "size of the frames"},
+      {".felt[].surfels", "", "points of the map"},
+      {".truth", "", "one for each size of frames: a map that began empty"},
+      {".truth[].frames", "", "its frames"},
+      {".truth[].points", "", "its points"},
+      {".truth[].depth_rms_mm", "mm", "root mean square distance of the measured depths from the shape"},
+      {".truth[].map_rms_mm", "mm", "root mean square distance of the map's points from the shape"},
+      {".truth[].size", "px", "size of the frames"},
+  };
+  listAlone(all, "stream", "", keys);
+}
+
 void addStreamBench(Options& bench, Context& context, Command& command) {
   Options& sub = bench.addSubcommand("stream", "fusion of depth frames into a map and its index");
   const auto options = std::make_shared<StreamBenchOptions>();

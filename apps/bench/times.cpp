@@ -11,16 +11,27 @@ namespace palpate {
 
 namespace {
 
-Json toJson(const BenchRecord& record) {
-  return {{"bench", record.bench},
-          {"backend", record.backend},
-          {"way", record.way},
-          {"input", record.input},
-          {"subject", record.subject},
-          {"points", record.points},
-          {"gpu_us", summaryOf(record.gpu_us)},
-          {"wall_us", summaryOf(record.wall_us)}};
-}
+struct TimeResults {
+  Json machines;
+  std::vector<BenchRecord> records;
+};
+
+constexpr Reported<BenchRecord> kTimeRecords[]{
+    {"bench", "", "build, sort, query or step", field<&BenchRecord::bench>},
+    {"backend", "", "back end", field<&BenchRecord::backend>},
+    {"way", "", "method and what distinguishes it", field<&BenchRecord::way>},
+    {"input", "", "order of the input", field<&BenchRecord::input>},
+    {"subject", "", "model", field<&BenchRecord::subject>},
+    {"points", "", "its points", field<&BenchRecord::points>},
+    {"gpu_us", "us", "time on the GPU; null: not measured", quantiles<&BenchRecord::gpu_us>},
+    {"wall_us", "us", "time in all; null: not measured", quantiles<&BenchRecord::wall_us>},
+};
+
+constexpr Reported<TimeResults> kTimes[]{
+    {"machines", "", "machine of each back end", field<&TimeResults::machines>},
+    {"records", "", "one for each measurement",
+     [](const TimeResults& r) -> std::optional<Json> { return arrayBy(kTimeRecords, r.records); }},
+};
 
 // One table in the layout of the thesis (Tables 4.1 and 5.4): a row per model, by size, and a column per method;
 // medians and 99.9th percentiles of `time`, us. Methods that were not measured have no column.
@@ -88,8 +99,7 @@ void measure(Context& context, const std::vector<std::string>& names, const Time
       if (name == "step") benchStep(context, subject, options, records);
     }
   }
-  Json result{{"machines", sayMachines(context, options)}, {"records", Json::array()}};
-  for (const BenchRecord& record : records) result["records"].push_back(toJson(record));
+  const Json result = jsonBy(kTimes, TimeResults{sayMachines(context, options), records});
   std::FILE* out = context.tables();
   fmt::print(out, "us, median / p99.9\n");
   for (const std::string& name : names) printTables(out, name, records);
@@ -184,6 +194,13 @@ Summary measureSection(Device& device, const CommandList& list, std::string_view
     times.push_back(list.sectionTime_us(section));
   });
   return summarize(times);
+}
+
+void listTimeResults(std::vector<ResultFacts>& all) {
+  for (const TimeBench& bench : timeBenches()) {
+    listResults(all, fmt::format("bench {}", bench.name), "", kTimes);
+    listResults(all, fmt::format("bench {}", bench.name), "records[].", kTimeRecords);
+  }
 }
 
 void addTimeBenches(Options& bench, Context& context, Command& command) {

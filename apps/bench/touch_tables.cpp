@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "apps/bench/bench.hpp"
+
 namespace palpate {
 
 namespace {
@@ -118,52 +120,128 @@ void printStability(std::FILE* out, const TouchResults& results) {
                s.controlled ? "controlled" : "observed", s.largest_N_per_mm, s.leastEnergy_mJ);
 }
 
-Json toJson(const SlideJudgement& s, double spacing_mm) {
-  return {{"speed_mm_per_s", s.speed_mm_per_s},
-          {"held_share", s.heldShare},
-          {"M1_angle_deg", {{"mean", s.angle.mean_deg}, {"p95", s.angle.p95_deg}, {"max", s.angle.max_deg}}},
-          {"M2_height",
-           {{"bias_mm", s.height.bias_mm},
-            {"rms_mm", s.height.rms_mm},
-            {"bias_spacings", s.height.bias_mm / spacing_mm},
-            {"rms_spacings", s.height.rms_mm / spacing_mm}}},
-          {"M3_force_relative_rms", s.forceError},
-          {"M4_continuity",
-           {{"p99_N_per_s", s.continuity.p99_N_per_s},
-            {"max_N_per_s", s.continuity.max_N_per_s},
-            {"share_50_to_500_Hz", s.continuity.roughShare},
-            {"share_50_to_500_Hz_off_edges", s.roughOffEdges}}},
-          {"M6_lag", {{"mean_mm", s.lag.mean_mm}, {"max_mm", s.lag.max_mm}, {"delay_ms", s.lag.delay_ms}}},
-          {"M10_tangential_over_normal", s.tangentialShare}};
+// Felt (0) or true (1) forces.
+Json forcesOf(const std::vector<DVec2>& pairs, int which) {
+  Json all = Json::array();
+  for (const DVec2& pair : pairs) all.push_back(pair[which]);
+  return all;
 }
 
-Json toJson(const Judgement& j) {
-  Json json{{"backend", j.backend},     {"surface", j.surface},
-            {"subject", j.subject},     {"condition", j.condition},
-            {"points", j.points},       {"spacing_mm", j.spacing_mm},
-            {"radius_mm", j.radius_mm}, {"measured_noise_spacings", j.noise_spacings},
-            {"slides", Json::array()}};
-  for (const SlideJudgement& s : j.slides) json["slides"].push_back(toJson(s, j.spacing_mm));
-  json["M7_step_us"] = {{"p50", j.step_us.p50},
-                        {"p99", j.step_us.p99},
-                        {"p999", j.step_us.p999},
-                        {"max", j.step_us.max},
-                        {"late_share", j.lateShare}};
-  json["M8_free_force_N"] = j.free_N ? Json(*j.free_N) : Json(nullptr);
-  json["M10_friction"] = {{"mu", j.friction}, {"drift_mm", j.drift_mm}};
-  json["M11_edit"] = nullptr;
-  if (j.edit)
-    json["M11_edit"] = {{"edits", j.edit->edits},
-                        {"ticks_until_equal", j.edit->ticksUntilEqual ? Json(*j.edit->ticksUntilEqual) : Json(nullptr)},
-                        {"largest_step_N", j.edit->largestStep_N}};
-  json["M12_sameness"] = {{"identical", j.identical}, {"from_cpu_N", j.fromCpu_N ? Json(*j.fromCpu_N) : Json(nullptr)}};
-  json["slide_N"] = {{"felt", Json::array()}, {"true", Json::array()}};
-  for (const DVec2& pair : j.force_N) {
-    json["slide_N"]["felt"].push_back(pair.x);
-    json["slide_N"]["true"].push_back(pair.y);
-  }
-  return json;
-}
+using Value = std::optional<Json>;
+
+struct SlideRow {
+  const SlideJudgement& slide;
+  double spacing_mm;
+};
+
+constexpr Reported<SlideRow> kSlides[]{
+    {"speed_mm_per_s", "mm/s", "speed", [](const SlideRow& r) -> Value { return r.slide.speed_mm_per_s; }},
+    {"held_share", "1", "fraction of the ticks in contact",
+     [](const SlideRow& r) -> Value { return r.slide.heldShare; }},
+    {"M1_angle_deg.mean", "deg", "M1: mean angle between felt and true force",
+     [](const SlideRow& r) -> Value { return r.slide.angle.mean_deg; }},
+    {"M1_angle_deg.p95", "deg", "its 95th percentile",
+     [](const SlideRow& r) -> Value { return r.slide.angle.p95_deg; }},
+    {"M1_angle_deg.max", "deg", "its maximum", [](const SlideRow& r) -> Value { return r.slide.angle.max_deg; }},
+    {"M2_height.bias_mm", "mm", "M2: mean height of the proxy over the true surface",
+     [](const SlideRow& r) -> Value { return r.slide.height.bias_mm; }},
+    {"M2_height.rms_mm", "mm", "its root mean square",
+     [](const SlideRow& r) -> Value { return r.slide.height.rms_mm; }},
+    {"M2_height.bias_spacings", "spacings", "the mean in spacings",
+     [](const SlideRow& r) -> Value { return r.slide.height.bias_mm / r.spacing_mm; }},
+    {"M2_height.rms_spacings", "spacings", "the root mean square in spacings",
+     [](const SlideRow& r) -> Value { return r.slide.height.rms_mm / r.spacing_mm; }},
+    {"M3_force_relative_rms", "1", "M3: root mean square of the error of the force, relative",
+     [](const SlideRow& r) -> Value { return r.slide.forceError; }},
+    {"M4_continuity.p99_N_per_s", "N/s", "M4: 99th percentile of the change of force",
+     [](const SlideRow& r) -> Value { return r.slide.continuity.p99_N_per_s; }},
+    {"M4_continuity.max_N_per_s", "N/s", "its maximum",
+     [](const SlideRow& r) -> Value { return r.slide.continuity.max_N_per_s; }},
+    {"M4_continuity.share_50_to_500_Hz", "1", "fraction of its power between 50 and 500 Hz",
+     [](const SlideRow& r) -> Value { return r.slide.continuity.roughShare; }},
+    {"M4_continuity.share_50_to_500_Hz_off_edges", "1", "the same away from edges",
+     [](const SlideRow& r) -> Value { return r.slide.roughOffEdges; }},
+    {"M6_lag.mean_mm", "mm", "M6: mean distance of the proxy from the god-object on the truth",
+     [](const SlideRow& r) -> Value { return r.slide.lag.mean_mm; }},
+    {"M6_lag.max_mm", "mm", "its maximum", [](const SlideRow& r) -> Value { return r.slide.lag.max_mm; }},
+    {"M6_lag.delay_ms", "ms", "delay of the proxy", [](const SlideRow& r) -> Value { return r.slide.lag.delay_ms; }},
+    {"M10_tangential_over_normal", "1", "M10: tangential over normal force",
+     [](const SlideRow& r) -> Value { return r.slide.tangentialShare; }},
+};
+
+constexpr Reported<EditJudgement> kJudgedEdit[]{
+    {"edits", "", "edits", field<&EditJudgement::edits>},
+    {"ticks_until_equal", "", "ticks until the surface equals one built from its points; null: never",
+     [](const EditJudgement& r) -> Value { return orNull(r.ticksUntilEqual); }},
+    {"largest_step_N", "N", "largest change of force from tick to tick", field<&EditJudgement::largestStep_N>},
+};
+
+constexpr Reported<Judgement> kJudgements[]{
+    {"backend", "", "back end", field<&Judgement::backend>},
+    {"surface", "", "surface", field<&Judgement::surface>},
+    {"subject", "", "shape or model", field<&Judgement::subject>},
+    {"condition", "", "condition of the cloud", field<&Judgement::condition>},
+    {"points", "", "its points", field<&Judgement::points>},
+    {"spacing_mm", "mm", "mean distance of neighbouring points", field<&Judgement::spacing_mm>},
+    {"radius_mm", "mm", "largest support radius", field<&Judgement::radius_mm>},
+    {"measured_noise_spacings", "spacings", "measured noise of the positions", field<&Judgement::noise_spacings>},
+    {"slides", "", "slides, by speed",
+     [](const Judgement& j) -> Value {
+       Json slides = Json::array();
+       for (const SlideJudgement& slide : j.slides) slides.push_back(jsonBy(kSlides, SlideRow{slide, j.spacing_mm}));
+       return slides;
+     }},
+    {"M7_step_us.p50", "us", "M7: median time of a tick", [](const Judgement& r) -> Value { return r.step_us.p50; }},
+    {"M7_step_us.p99", "us", "99th percentile", [](const Judgement& r) -> Value { return r.step_us.p99; }},
+    {"M7_step_us.p999", "us", "99.9th percentile", [](const Judgement& r) -> Value { return r.step_us.p999; }},
+    {"M7_step_us.max", "us", "maximum", [](const Judgement& r) -> Value { return r.step_us.max; }},
+    {"M7_step_us.late_share", "1", "fraction of the ticks that exceed their millisecond",
+     [](const Judgement& r) -> Value { return r.lateShare; }},
+    {"M8_free_force_N", "N", "M8: largest force in the air; null: not measured",
+     [](const Judgement& r) -> Value { return orNull(r.free_N); }},
+    {"M10_friction.mu", "1", "M10: requested coefficient of friction",
+     [](const Judgement& r) -> Value { return r.friction; }},
+    {"M10_friction.drift_mm", "mm", "drift at rest", [](const Judgement& r) -> Value { return r.drift_mm; }},
+    {"M11_edit", "", "M11: after an edit; null: not measured",
+     [](const Judgement& r) -> Value { return r.edit ? jsonBy(kJudgedEdit, *r.edit) : Json(nullptr); }},
+    {"M12_sameness.identical", "", "M12: whether the same path gives the same forces twice",
+     [](const Judgement& r) -> Value { return r.identical; }},
+    {"M12_sameness.from_cpu_N", "N", "largest difference from the CPU's forces; null: the CPU itself",
+     [](const Judgement& r) -> Value { return orNull(r.fromCpu_N); }},
+    {"slide_N.felt", "N", "force along the first slide at the main speed, tick by tick",
+     [](const Judgement& r) -> Value { return forcesOf(r.force_N, 0); }},
+    {"slide_N.true", "N", "the true force there", [](const Judgement& r) -> Value { return forcesOf(r.force_N, 1); }},
+};
+
+constexpr Reported<PlateJudgement> kPlates[]{
+    {"backend", "", "back end", field<&PlateJudgement::backend>},
+    {"surface", "", "surface", field<&PlateJudgement::surface>},
+    {"thickness_over_radius", "1", "thickness of the plate over the support radius",
+     field<&PlateJudgement::thicknessOverRadius>},
+    {"speed_mm_per_s", "mm/s", "speed", field<&PlateJudgement::speed_mm_per_s>},
+    {"pushes", "", "pushes", field<&PlateJudgement::pushes>},
+    {"through_share", "1", "fraction of them that came through the plate", field<&PlateJudgement::throughShare>},
+};
+
+constexpr Reported<StabilityJudgement> kStability[]{
+    {"surface", "", "plane", [](const StabilityJudgement&) -> Value { return "plane"; }},
+    {"delay_ms", "ms", "delay of the force", field<&StabilityJudgement::delay_ms>},
+    {"damping_N_s_per_mm", "N s/mm", "damping", field<&StabilityJudgement::damping_N_s_per_mm>},
+    {"passivity", "", "controlled or observed",
+     [](const StabilityJudgement& r) -> Value { return r.controlled ? "controlled" : "observed"; }},
+    {"largest_stiffness_N_per_mm", "N/mm", "largest stiffness that a hand holds steady",
+     field<&StabilityJudgement::largest_N_per_mm>},
+    {"min_energy_mJ", "mJ", "smallest energy at 0.4 N/mm", field<&StabilityJudgement::leastEnergy_mJ>},
+};
+
+constexpr Reported<TouchResults> kTouchBench[]{
+    {"judgements", "", "one for each shape, condition, surface and back end",
+     [](const TouchResults& r) -> Value { return arrayBy(kJudgements, r.judgements); }},
+    {"M5_plates", "", "M5: pushes through a plate of two sides",
+     [](const TouchResults& r) -> Value { return arrayBy(kPlates, r.plates); }},
+    {"M9_stability", "", "M9: stiffness that a hand holds steady",
+     [](const TouchResults& r) -> Value { return arrayBy(kStability, r.stability); }},
+};
 
 }  // namespace
 
@@ -177,24 +255,15 @@ void printTouchTables(std::FILE* out, const TouchResults& results, double mainSp
   if (!results.stability.empty()) printStability(out, results);
 }
 
-Json toJson(const TouchResults& results) {
-  Json json{{"judgements", Json::array()}, {"M5_plates", Json::array()}, {"M9_stability", Json::array()}};
-  for (const Judgement& judgement : results.judgements) json["judgements"].push_back(toJson(judgement));
-  for (const PlateJudgement& p : results.plates)
-    json["M5_plates"].push_back({{"backend", p.backend},
-                                 {"surface", p.surface},
-                                 {"thickness_over_radius", p.thicknessOverRadius},
-                                 {"speed_mm_per_s", p.speed_mm_per_s},
-                                 {"pushes", p.pushes},
-                                 {"through_share", p.throughShare}});
-  for (const StabilityJudgement& s : results.stability)
-    json["M9_stability"].push_back({{"surface", "plane"},
-                                    {"delay_ms", s.delay_ms},
-                                    {"damping_N_s_per_mm", s.damping_N_s_per_mm},
-                                    {"passivity", s.controlled ? "controlled" : "observed"},
-                                    {"largest_stiffness_N_per_mm", s.largest_N_per_mm},
-                                    {"min_energy_mJ", s.leastEnergy_mJ}});
-  return json;
+Json toJson(const TouchResults& results) { return jsonBy(kTouchBench, results); }
+
+void listTouchBenchResults(std::vector<ResultFacts>& all) {
+  listAlone(all, "touch", ".", kTouchBench);
+  listAlone(all, "touch", ".judgements[].", kJudgements);
+  listAlone(all, "touch", ".judgements[].slides[].", kSlides);
+  listAlone(all, "touch", ".judgements[].M11_edit.", kJudgedEdit);
+  listAlone(all, "touch", ".M5_plates[].", kPlates);
+  listAlone(all, "touch", ".M9_stability[].", kStability);
 }
 
 }  // namespace palpate

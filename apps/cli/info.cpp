@@ -1,6 +1,7 @@
 #include <fmt/ranges.h>
 
 #include "apps/cli/look.hpp"
+#include "apps/cli/results.hpp"
 #include "apps/cli/scene_info.hpp"
 #include "apps/cli/stream_options.hpp"
 #include "engine/cloud/file_coordinates.hpp"
@@ -18,91 +19,165 @@ namespace palpate {
 
 namespace {
 
-double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+/// What is known of a file of points.
+struct ModelInfo {
+  std::string_view format;
+  FileContents contents;
+  std::vector<std::string> lost;
+  std::string leftOut;
+  Model model;
+  Upright upright;
+  HeightRange heights;
+  LengthUnit unit;
+  Bounds bounds, inFile;  ///< in file coordinates: inFile
+  SpacingRange spacings;
+  ModelScale scale;
+  GpuMemory memory;
+};
+
+ModelInfo infoOf(const Context& context, const std::string& file, const LookOptions& look, bool keepUnreliable) {
+  ModelInfo info{.format = cloudFormats().toRead(file).name, .contents = contentsOf(file)};
+  StoredCloud stored = readCloud(file, nullptr, {.keepUnreliable = keepUnreliable});
+  info.lost = std::move(stored.lost);
+  info.leftOut = std::move(stored.leftOut);
+  info.model = {.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};
+  const PointCloud& cloud = info.model.cloud;
+  info.model.upright = findUp(cloud);
+  info.model.shown = coreBoundsOf(cloud);
+  info.upright = uprightOf(info.model, look);
+  info.heights = heightsOf(info.model, info.upright.up);
+  info.unit = unitOf(cloud, look);
+  info.bounds = boundsOf(cloud);
+  info.inFile = fileBoundsOf(cloud);
+  info.spacings = spacingRange(cloud, context.threads());
+  info.scale = scaleOf(cloud, 0);
+  info.memory = predictGpuMemory(cloud.size(), cloud.hasColors());
+  return info;
+}
+
+void printMemory(std::FILE* out, const GpuMemory& memory) {
+  const auto mib = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
+  fmt::print(out,
+             "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + contact {:.1f} + drawn cloud {:.1f} + "
+             "editing {:.1f} + edit log {:.1f}\n",
+             mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.contact), mib(memory.drawnCloud),
+             mib(memory.editing), mib(memory.editLog));
+}
+
+void printPoints(std::FILE* out, const ModelInfo& info) {
+  const PointCloud& cloud = info.model.cloud;
+  const double resolution = resolutionOf(info.bounds);
+  const auto corner = [&](const DVec3& place) { return coordinateText(place, isExact(cloud) ? 0 : resolution, ", "); };
+  fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
+             cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
+  fmt::print(out, "  bounding box: ({}) to ({})\n", corner(info.inFile.min), corner(info.inFile.max));
+  const DVec3 size = info.bounds.max - info.bounds.min;
+  fmt::print(out, "  size: {} x {} x {}\n", lengthText(size.x), lengthText(size.y), lengthText(size.z, info.unit));
+  fmt::print(out, "  up: {} ({}); heights from {} to {} {}\n", nameOf(info.upright.up), info.upright.why,
+             coordinateText(info.heights.low, resolution), coordinateText(info.heights.high, resolution),
+             nameOf(info.unit));
+  fmt::print(out, "  mean spacing: {}\n", lengthText(info.spacings.mean, info.unit));
+  fmt::print(out, "  touch scale: {}\n", touchScaleText(info.scale, info.bounds.longestSide(), info.unit));
+  fmt::print(out, "  noise of the positions: {:.3f} spacings\n", info.spacings.noise);
+  printMemory(out, info.memory);
+}
+
+void print(std::FILE* out, const std::string& file, const ModelInfo& info) {
+  fmt::print(out, "{}: {} points, {}\n", file, info.model.cloud.size(), info.format);
+  if (!info.contents.madeFrom.empty()) fmt::print(out, "  made from: {}\n", info.contents.madeFrom);
+  for (const FileElement& element : info.contents.elements) {
+    fmt::print(out, "  element {}: {}", element.name, element.count);
+    for (const FileElement::Property& property : element.properties) fmt::print(out, " {}", property.name);
+    fmt::print(out, "\n");
+  }
+  if (!info.lost.empty()) fmt::print(out, "  not kept: {}\n", fmt::join(info.lost, ", "));
+  if (!info.leftOut.empty()) fmt::print(out, "  left out: {}; --keep-unreliable keeps them\n", info.leftOut);
+  if (!info.model.cloud.empty()) printPoints(out, info);
+}
+
+using Value = std::optional<Json>;
+
+Json orNull(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+constexpr Reported<ModelInfo> kModelInfo[]{
+    {"points", "", "points", [](const ModelInfo& i) -> Value { return i.model.cloud.size(); }},
+    {"format", "", "format of the file", [](const ModelInfo& i) -> Value { return i.format; }},
+    {"made_from", "", "what the points were made from, as a mesh; else null",
+     [](const ModelInfo& i) -> Value { return orNull(i.contents.madeFrom); }},
+    {"elements", "", "number of each element of the file",
+     [](const ModelInfo& i) -> Value {
+       Json elements = Json::object();
+       for (const FileElement& element : i.contents.elements) elements[element.name] = element.count;
+       return elements;
+     }},
+    {"lost", "", "what palpate does not read", [](const ModelInfo& i) -> Value { return i.lost; }},
+    {"left_out", "", "points that were left out, in words; else null",
+     [](const ModelInfo& i) -> Value { return orNull(i.leftOut); }},
+    {"cameras", "", "cameras that took pictures", [](const ModelInfo& i) -> Value { return i.model.cameras.size(); }},
+    {"normals", "", "whether there are normals",
+     [](const ModelInfo& i) -> Value { return i.model.cloud.hasNormals(); }},
+    {"colors", "", "whether there are colours", [](const ModelInfo& i) -> Value { return i.model.cloud.hasColors(); }},
+    {"attributes", "", "further attributes of points",
+     [](const ModelInfo& i) -> Value {
+       Json attributes = Json::array();
+       for (const Attribute& attribute : i.model.cloud.extra) attributes.push_back(attribute.name);
+       return attributes;
+     }},
+    {"bounds.min", "file units", "lowest corner", [](const ModelInfo& i) -> Value { return vectorJson(i.inFile.min); }},
+    {"bounds.max", "file units", "highest corner",
+     [](const ModelInfo& i) -> Value { return vectorJson(i.inFile.max); }},
+    {"unit", "", "unit of the file; null: unknown",
+     [](const ModelInfo& i) -> Value { return i.unit == LengthUnit::unknown ? Json(nullptr) : Json(nameOf(i.unit)); }},
+    {"up", "", "up axis", [](const ModelInfo& i) -> Value { return nameOf(i.upright.up); }},
+    {"up_reason", "", "reason for it", [](const ModelInfo& i) -> Value { return i.upright.why; }},
+    {"heights", "file units", "lowest and highest point along up",
+     [](const ModelInfo& i) -> Value {
+       return Json{i.heights.low, i.heights.high};
+     }},
+    {"mean_spacing", "file units", "mean distance of neighbouring points",
+     [](const ModelInfo& i) -> Value { return i.spacings.mean; }},
+    {"noise_spacings", "spacings", "noise of the points", [](const ModelInfo& i) -> Value { return i.spacings.noise; }},
+    {"mm_per_unit", "mm", "touch scale: millimetres in the hand per unit",
+     [](const ModelInfo& i) -> Value { return i.scale.mm_per_unit; }},
+    {"gpu_bytes.live_cloud", "B", "memory on the GPU: the points that are felt",
+     [](const ModelInfo& i) -> Value { return i.memory.liveCloud; }},
+    {"gpu_bytes.index", "B", "their index", [](const ModelInfo& i) -> Value { return i.memory.index; }},
+    {"gpu_bytes.contact", "B", "contact queries", [](const ModelInfo& i) -> Value { return i.memory.contact; }},
+    {"gpu_bytes.drawn_cloud", "B", "the points that are drawn",
+     [](const ModelInfo& i) -> Value { return i.memory.drawnCloud; }},
+    {"gpu_bytes.editing", "B", "editing", [](const ModelInfo& i) -> Value { return i.memory.editing; }},
+    {"gpu_bytes.edit_log", "B", "the edit log", [](const ModelInfo& i) -> Value { return i.memory.editLog; }},
+    {"gpu_bytes.total", "B", "in total", [](const ModelInfo& i) -> Value { return i.memory.total(); }},
+};
 
 void info(Context& context, const std::string& file, const LookOptions& look, bool keepUnreliable) {
   std::error_code ignored;
   if (std::filesystem::is_fifo(file, ignored) || std::filesystem::is_character_file(file, ignored))
     throw Error("{}: is a pipe, which can be read only once; write it to a file first, or convert it", file);
-  const FileContents contents = contentsOf(file);
-  const std::string_view format = cloudFormats().toRead(file).name;
-  StoredCloud stored = readCloud(file, nullptr, {.keepUnreliable = keepUnreliable});
-  Model model{.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};
-  const PointCloud& cloud = model.cloud;
-  model.upright = findUp(cloud);
-  model.shown = coreBoundsOf(cloud);
-  const Upright upright = uprightOf(model, look);
-  const HeightRange heights = heightsOf(model, upright.up);
-  const LengthUnit unit = unitOf(cloud, look);
-  const Bounds bounds = boundsOf(cloud);
-  const SpacingRange spacings = spacingRange(cloud, context.threads());
-  const double spacing = spacings.mean;
-  const ModelScale scale = scaleOf(cloud, 0);
-  const GpuMemory memory = predictGpuMemory(cloud.size(), cloud.hasColors());
-  const Bounds inFile = fileBoundsOf(cloud);
-  const double resolution = isExact(cloud) ? 0 : resolutionOf(bounds);
-  const auto corner = [&](const DVec3& place) { return coordinateText(place, resolution, ", "); };
-
-  std::FILE* out = context.tables();
-  fmt::print(out, "{}: {} points, {}\n", file, cloud.size(), format);
-  if (!contents.madeFrom.empty()) fmt::print(out, "  made from: {}\n", contents.madeFrom);
-  Json elements = Json::object();
-  for (const FileElement& element : contents.elements) {
-    elements[element.name] = element.count;
-    fmt::print(out, "  element {}: {}", element.name, element.count);
-    for (const FileElement::Property& property : element.properties) fmt::print(out, " {}", property.name);
-    fmt::print(out, "\n");
-  }
-  if (!stored.lost.empty()) fmt::print(out, "  not kept: {}\n", fmt::join(stored.lost, ", "));
-  if (!stored.leftOut.empty()) fmt::print(out, "  left out: {}; --keep-unreliable keeps them\n", stored.leftOut);
-  if (!cloud.empty()) {
-    fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
-               cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
-    fmt::print(out, "  bounding box: ({}) to ({})\n", corner(inFile.min), corner(inFile.max));
-    const DVec3 size = bounds.max - bounds.min;
-    fmt::print(out, "  size: {} x {} x {}\n", lengthText(size.x), lengthText(size.y), lengthText(size.z, unit));
-    fmt::print(out, "  up: {} ({}); heights from {} to {} {}\n", nameOf(upright.up), upright.why,
-               coordinateText(heights.low, resolutionOf(bounds)), coordinateText(heights.high, resolutionOf(bounds)),
-               nameOf(unit));
-    fmt::print(out, "  mean spacing: {}\n", lengthText(spacing, unit));
-    fmt::print(out, "  touch scale: {}\n", touchScaleText(scale, bounds.longestSide(), unit));
-    fmt::print(out, "  noise of the positions: {:.3f} spacings\n", spacings.noise);
-    fmt::print(
-        out,
-        "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + contact {:.1f} + drawn cloud {:.1f} + editing "
-        "{:.1f} + edit log {:.1f}\n",
-        mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.contact), mib(memory.drawnCloud),
-        mib(memory.editing), mib(memory.editLog));
-  }
-  Json attributes = Json::array();
-  for (const Attribute& attribute : cloud.extra) attributes.push_back(attribute.name);
-  context.writeJson({{"points", cloud.size()},
-                     {"format", format},
-                     {"made_from", contents.madeFrom.empty() ? Json(nullptr) : Json(contents.madeFrom)},
-                     {"elements", elements},
-                     {"lost", stored.lost},
-                     {"left_out", stored.leftOut.empty() ? Json(nullptr) : Json(stored.leftOut)},
-                     {"cameras", model.cameras.size()},
-                     {"normals", cloud.hasNormals()},
-                     {"colors", cloud.hasColors()},
-                     {"attributes", attributes},
-                     {"bounds", {{"min", vectorJson(inFile.min)}, {"max", vectorJson(inFile.max)}}},
-                     {"unit", unit == LengthUnit::unknown ? Json(nullptr) : Json(nameOf(unit))},
-                     {"up", nameOf(upright.up)},
-                     {"up_reason", upright.why},
-                     {"heights", {heights.low, heights.high}},
-                     {"mean_spacing", spacing},
-                     {"noise_spacings", spacings.noise},
-                     {"mm_per_unit", scale.mm_per_unit},
-                     {"gpu_bytes",
-                      {{"live_cloud", memory.liveCloud},
-                       {"index", memory.index},
-                       {"contact", memory.contact},
-                       {"drawn_cloud", memory.drawnCloud},
-                       {"editing", memory.editing},
-                       {"edit_log", memory.editLog},
-                       {"total", memory.total()}}}});
+  const ModelInfo info = infoOf(context, file, look, keepUnreliable);
+  print(context.tables(), file, info);
+  context.writeJson(jsonBy(kModelInfo, info));
 }
+
+constexpr Reported<RgbdFolder> kRecordingInfo[]{
+    {"frames", "", "recorded frames", [](const RgbdFolder& f) -> Value { return f.frames(); }},
+    {"kind", "", "kind of the recording", [](const RgbdFolder& f) -> Value { return f.kind(); }},
+    {"duration_s", "s", "its duration", [](const RgbdFolder& f) -> Value { return f.duration_s(); }},
+    {"poses", "", "frames with a pose", [](const RgbdFolder& f) -> Value { return f.poses(); }},
+    {"colors", "", "frames with colours", [](const RgbdFolder& f) -> Value { return f.colors(); }},
+    {"depth_scale", "1/m", "depth values per metre", [](const RgbdFolder& f) -> Value { return f.depthScale(); }},
+    {"up", "", "up axis; null: by the shape",
+     [](const RgbdFolder& f) -> Value {
+       const auto up = f.up();
+       return up ? Json(nameOf(*up)) : Json(nullptr);
+     }},
+    {"camera.width", "px", "width of a frame", [](const RgbdFolder& f) -> Value { return f.camera().width; }},
+    {"camera.height", "px", "height of a frame", [](const RgbdFolder& f) -> Value { return f.camera().height; }},
+    {"camera.fx", "px", "focal length along x", [](const RgbdFolder& f) -> Value { return f.camera().fx; }},
+    {"camera.fy", "px", "focal length along y", [](const RgbdFolder& f) -> Value { return f.camera().fy; }},
+    {"camera.cx", "px", "principal point along x", [](const RgbdFolder& f) -> Value { return f.camera().cx; }},
+    {"camera.cy", "px", "principal point along y", [](const RgbdFolder& f) -> Value { return f.camera().cy; }},
+};
 
 /// For a recorded depth camera.
 void infoOfFrames(Context& context, const std::string& file, const StreamOptions& options) {
@@ -118,23 +193,15 @@ void infoOfFrames(Context& context, const std::string& file, const StreamOptions
   fmt::print(out, "  depth: {:g} values per metre\n", folder.depthScale());
   fmt::print(out, "  poses: {} of {}   colours: {} of {}   up: {}\n", folder.poses(), folder.frames(), folder.colors(),
              folder.frames(), up ? nameOf(*up) : "by the shape");
-  context.writeJson({{"frames", folder.frames()},
-                     {"kind", folder.kind()},
-                     {"duration_s", folder.duration_s()},
-                     {"poses", folder.poses()},
-                     {"colors", folder.colors()},
-                     {"depth_scale", folder.depthScale()},
-                     {"up", up ? Json(nameOf(*up)) : Json(nullptr)},
-                     {"camera",
-                      {{"width", camera.width},
-                       {"height", camera.height},
-                       {"fx", camera.fx},
-                       {"fy", camera.fy},
-                       {"cx", camera.cx},
-                       {"cy", camera.cy}}}});
+  context.writeJson(jsonBy(kRecordingInfo, folder));
 }
 
 }  // namespace
+
+void listInfoResults(std::vector<ResultFacts>& all) {
+  listResults(all, "info", "", kModelInfo);
+  listResults(all, "info FOLDER", "", kRecordingInfo);
+}
 
 void addInfo(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("info", "describe a model and the GPU memory it needs; nothing is uploaded");

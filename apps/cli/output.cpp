@@ -21,7 +21,8 @@ void checkPlot(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (std::ranges::find(kPlots, ending) == kPlots.end())
-    throw UsageError("{}: plots are written as {}; name it so", file.string(), fmt::join(kPlots, ", "));
+    throw UsageError("{}: plots are written as {}; use one of these extensions", file.string(),
+                     fmt::join(kPlots, ", "));
 }
 
 void checkName(const std::string& file, Output kind) {

@@ -48,48 +48,22 @@ constexpr DescribedKey kConvert[]{{"input", "", "read file"},
                                   {"unplaced", "", "of them, without a pose"},
                                   {"lost_frames", "", "of them, unreadable"}};
 
-constexpr DescribedKey kInfo[]{{"points", "", "points"},
-                               {"format", "", "format of the file"},
-                               {"made_from", "", "what the points were made from, as a mesh; else null"},
-                               {"elements", "", "number of each element of the file"},
-                               {"lost", "", "what palpate does not read"},
-                               {"left_out", "", "points that were left out, in words; else null"},
-                               {"cameras", "", "cameras that took pictures"},
-                               {"normals", "", "whether there are normals"},
-                               {"colors", "", "whether there are colours"},
-                               {"attributes", "", "further attributes of points"},
-                               {"bounds", "file units", "lowest and highest corner"},
-                               {"unit", "", "unit of the file; null: unknown"},
-                               {"up", "", "up axis"},
-                               {"up_reason", "", "reason for it"},
-                               {"heights", "file units", "lowest and highest point along up"},
-                               {"mean_spacing", "file units", "mean distance of neighbouring points"},
-                               {"noise_spacings", "spacings", "noise of the points"},
-                               {"mm_per_unit", "mm", "touch scale: millimetres in the hand per unit"},
-                               {"gpu_bytes", "B", "memory that it needs on the GPU, by part and in total"},
-                               // of a recording of a depth camera
-                               {"frames", "", "recorded frames"},
-                               {"kind", "", "kind of the recording"},
-                               {"duration_s", "s", "its duration"},
-                               {"poses", "", "frames with a pose"},
-                               {"depth_scale", "1/m", "depth values per metre"},
-                               {"camera", "px", "width, height, fx, fy, cx, cy"},
-                               // of a scene of matter
-                               {"matter", "", "kind of matter"},
-                               {"particles", "", "particles, or nodes of a soft body"},
-                               {"substeps", "", "substeps per millisecond"},
-                               {"spacing_mm", "mm", "spacing at rest"},
-                               {"box_mm", "mm", "size of the box"},
-                               {"mass_kg", "kg", "mass of all"},
-                               {"bytes", "B", "memory of the simulation"},
-                               {"gain", "1", "ratio of the felt force to the simulated one"},
-                               {"layers", "", "layers of particles along each side"},
-                               {"tool", "", "radius_mm and mass_kg of the ball in the hand"},
-                               {"preset", "", "preset of a soft body"},
-                               {"young_Pa", "Pa", "Young's modulus, or null"},
-                               {"poisson", "1", "Poisson's ratio, or null"},
-                               {"viscosity_Pa_s", "Pa s", "viscosity, or null"},
-                               {"stiffness", "1", "stiffness of shape matching, or null"}};
+// Of a scene of matter.
+constexpr DescribedKey kSceneInfo[]{{"matter", "", "kind of matter"},
+                                    {"particles", "", "particles, or nodes of a soft body"},
+                                    {"substeps", "", "substeps per millisecond"},
+                                    {"spacing_mm", "mm", "spacing at rest"},
+                                    {"box_mm", "mm", "size of the box"},
+                                    {"mass_kg", "kg", "mass of all"},
+                                    {"bytes", "B", "memory of the simulation"},
+                                    {"gain", "1", "ratio of the felt force to the simulated one"},
+                                    {"layers", "", "layers of particles along each side"},
+                                    {"tool", "", "radius_mm and mass_kg of the ball in the hand"},
+                                    {"preset", "", "preset of a soft body"},
+                                    {"young_Pa", "Pa", "Young's modulus, or null"},
+                                    {"poisson", "1", "Poisson's ratio, or null"},
+                                    {"viscosity_Pa_s", "Pa s", "viscosity, or null"},
+                                    {"stiffness", "1", "stiffness of shape matching, or null"}};
 
 constexpr DescribedKey kSimulate[]{{"time_s", "s", "simulated time"},
                                    {"backend", "", "back end that simulated"},
@@ -152,24 +126,14 @@ constexpr DescribedKey kDoctor[]{
     {"servo", "", "ticks that this machine misses (--servo)"},
     {"network", "", "sessions on the network (--network)"}};
 
-constexpr DescribedKey kTimes[]{{"machines", "", "machine of each back end"},
-                                {"records", "", "one for each measurement"},
-                                {"records[].bench", "", "build, sort, query or step"},
-                                {"records[].backend", "", "back end"},
-                                {"records[].way", "", "method and what distinguishes it"},
-                                {"records[].input", "", "order of the input"},
-                                {"records[].subject", "", "model"},
-                                {"records[].points", "", "its points"},
-                                {"records[].gpu_us", "us", "time on the GPU; null: not measured"},
-                                {"records[].wall_us", "us", "time in all; null: not measured"}};
-
 }  // namespace
 
 std::vector<ResultFacts> allResults() {
   std::vector<ResultFacts> all;
   listTouchResults(all);
   listReplayResults(all);
-  listResults(all, "info", "", kInfo);
+  listInfoResults(all);
+  listResults(all, "info", "", kSceneInfo);
   listResults(all, "make", "", kMake);
   listResults(all, "convert", "", kConvert);
   listResults(all, "render", "", kRender);
@@ -178,8 +142,7 @@ std::vector<ResultFacts> allResults() {
   listResults(all, "serve", "", kServe);
   listResults(all, "keys", "", kKeys);
   listResults(all, "doctor", "", kDoctor);
-  for (const char* bench : {"bench build", "bench sort", "bench query", "bench step"})
-    listResults(all, bench, "", kTimes);
+  listBenchResults(all);
   return all;
 }
 

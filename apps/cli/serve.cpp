@@ -55,7 +55,7 @@ SessionConfig servedConfig(Context& context, const ServeOptions& options) {
   config.matter = sceneNamed(config.model.file);
   validate(config);
   if (config.moves() && (!options.journalFile.empty() || !options.saveFile.empty() || !options.ros.name.empty()))
-    throw UsageError("--journal, --save and --ros: are for what stands still; {} moves", config.model.file);
+    throw UsageError("--journal, --save and --ros: require a model that does not move; {} moves", config.model.file);
   return config;
 }
 

@@ -40,13 +40,17 @@ class Outputs {
 [[noreturn]] void saveAndThrow(const Error& error, Session& session, const std::string& saveFile) {
   if (!session.journal() || saveFile.empty()) throw;
   saveKeeping(saveFile, session.sculpted().cloud);
-  throw Error("{}; {} has the points as they were last told", error.what(), saveFile);
+  throw Error("{}; {} contains the last known points", error.what(), saveFile);
 }
 
-HandSource openHand(Context& context, const Model& model, const SessionConfig& config, const HandConfig& hand) {
-  const StopBySignal stop;  // the device may have to be calibrated by hand
-  return openHand(
-      hand, {.model = model, .rate_Hz = config.rate_Hz, .log = context.log(), .stop = &StopBySignal::requested()});
+std::vector<HandSource> openHands(Context& context, const Model& model, const SessionConfig& config) {
+  const StopBySignal stop;  // a device may have to be calibrated by hand
+  std::vector<HandSource> hands;
+  hands.reserve(config.hands.size());
+  for (const HandConfig& hand : config.hands)
+    hands.push_back(openHand(
+        hand, {.model = model, .rate_Hz = config.rate_Hz, .log = context.log(), .stop = &StopBySignal::requested()}));
+  return hands;
 }
 
 /// Of the hands after the first.
@@ -65,8 +69,9 @@ class StartStages {
   /// Records the stage that has just ended.
   void ended(std::string_view name) {
     const double now_s = watch_.elapsed_s();
-    stages_.push_back({name, now_s - std::exchange(last_s_, now_s)});
+    add(name, now_s - std::exchange(last_s_, now_s));
   }
+  void add(std::string_view name, double time_s) { stages_.push_back({name, time_s}); }
   const std::vector<StartStage>& all() const { return stages_; }
 
  private:
@@ -203,6 +208,100 @@ void checkOutputs(Context& context, const TouchCommandOptions& options, const st
   sayWhatIsLost(options.saveFile, context.log());
 }
 
+/// Throws if the model lacks points, or refuses what the options ask for.
+void checkModel(const TouchCommandOptions& options, const SessionConfig& config, const Model& model) {
+  if (model.cloud.empty() && !model.far())
+    throw FileError(options.model.file, "contains no points; there is nothing to touch");
+  const Abilities can(modelKindOf(config, model));
+  if (!options.saveFile.empty()) can.require(Action::save, "--save");
+  if (options.undo.undo > 0) can.require(Action::undo, "--undo");
+  if (!options.logFile.empty()) can.require(Action::record, "--log");
+}
+
+Model openModel(Context& context, const TouchCommandOptions& options, const SessionConfig& config,
+                const BackendKind& kind) {
+  return loadModel(config, {.log = context.log(),
+                            .threads = context.threads(),
+                            .estimate = kind.normalEstimator(),
+                            .join = joiningHand(options.join.hand),
+                            .fetch = rosFetcher(options.join.network),
+                            .watch = rosWatcher(options.join.network, context.threads())});
+}
+
+void warnOfSmallBrush(Context& context, const TouchCommandOptions& options, const Model& model) {
+  const std::string remark =
+      remarkOnSmallBrush(options.brush.radius_mm, model.scale.toMm(model.spacing), "--brush-radius",
+                         [](double mm) { return fmt::format("{:.3g} mm", mm); });
+  if (!remark.empty()) context.log().say("{}: in the hand, {}", options.model.file, remark);
+}
+
+SessionParts partsOf(Context& context, const TouchCommandOptions& options, const SessionConfig& config,
+                     DrawnFollower*& sight) {
+  const bool keeps = config.brush && (!options.saveFile.empty() || options.undo.undo > 0);
+  return {.backend = context.backends().named(config.backend.name),
+          .threads = context.threads(),
+          .journal = keeps || !options.logFile.empty(),
+          .undo_bytes = undoBytes(config.undo),
+          .log = &context.log(),
+          .followers = sightFor(context, options, sight)};
+}
+
+ServoResult run(Context& context, Session& session, std::span<const OpenHand> hands, TickRecorder* publisher,
+                StartStages& start) {
+  const StopBySignal stop;
+  ShownTicks shown(context.log(), session.durationOf(hands), publisher);
+  ServoResult ran = session.run(hands, {.stop = &StopBySignal::requested(), .recorder = &shown});
+  if (const auto first_s = shown.first_s()) start.add("first answer", *first_s);
+  return ran;
+}
+
+void writeTraces(Outputs& outputs, const TouchCommandOptions& options, const std::vector<FurtherHand>& others,
+                 const ServoResult& result) {
+  const auto write = [&](const std::string& file, const Trace& trace) {
+    outputs.write([&] {
+      if (!file.empty()) writeTraceCsv(file, trace);
+    });
+  };
+  write(options.traceFile, result.trace());
+  for (std::size_t i = 0; i < others.size(); ++i) write(others[i].traceFile, result.hands[i + 1].trace);
+  outputs.write([&] {
+    if (!options.trajectoryFile.empty()) writeTrajectory(options.trajectoryFile, result.trace());
+  });
+}
+
+/// Ends the edits of the session and undoes strokes. After a failure of the back end: saveAndThrow().
+std::optional<UndoneStrokes> finish(Session& session, const TouchCommandOptions& options) {
+  try {
+    session.finish();
+    if (options.undo.undo == 0) return {};
+    const UndoneStrokes undone = session.undo(options.undo.undo, options.undo.redo);
+    session.settleShared(kSharedPatience_s);
+    return undone;
+  } catch (const Error& error) {
+    session.abandonEdits();
+    saveAndThrow(error, session, options.saveFile);
+  }
+}
+
+/// Reports the exchange with the other participants, and as a failure what they lack.
+SharedCounts checkShared(Outputs& outputs, Session& session, const TouchCommandOptions& options) {
+  SharedCounts counts = session.shared()->counts();
+  outputs.write([&] { session.checkFollower(); });
+  if (!counts.delivered)
+    outputs.failed(fmt::format(
+        "'{}' has not received all edits of this hand; {}", session.config().model.file,
+        options.saveFile.empty() ? "they are lost (--save keeps them)" : options.saveFile + " contains them"));
+  return counts;
+}
+
+/// Throws if the session was interrupted, or if ticks had no valid answer.
+void checkTicks(const TouchReport& report) {
+  if (report.interrupted) throw Error("interrupted after {} ticks; their results are kept", report.trace.ticks);
+  std::uint64_t faults = report.trace.faultTicks;
+  for (const FurtherHandReport& hand : report.hands) faults = std::max(faults, hand.trace.faultTicks);
+  if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
+}
+
 void touch(Context& context, const TouchCommandOptions& options) {
   StartStages start;
   const SessionConfig config = sessionConfig(options, context.log());
@@ -212,82 +311,32 @@ void touch(Context& context, const TouchCommandOptions& options) {
   checkTouchOptions(options, kind.capabilities());
   const std::vector<FurtherHand> others = furtherHands(options.hands, options.hand, config.realtime);
   checkOutputs(context, options, others);
-  Model model = loadModel(config, {.log = context.log(),
-                                   .threads = context.threads(),
-                                   .estimate = kind.normalEstimator(),
-                                   .join = joiningHand(options.join.hand),
-                                   .fetch = rosFetcher(options.join.network),
-                                   .watch = rosWatcher(options.join.network, context.threads())});
+  Model model = openModel(context, options, config, kind);
   start.ended("model");
-  if (model.cloud.empty() && !model.far())
-    throw FileError(options.model.file, "contains no points; there is nothing to touch");
-  const Abilities can(modelKindOf(config, model));
-  if (!options.saveFile.empty()) can.require(Action::save, "--save");
-  if (options.undo.undo > 0) can.require(Action::undo, "--undo");
-  if (!options.logFile.empty()) can.require(Action::record, "--log");
+  checkModel(options, config, model);
   std::optional<RosHand> ros;
   if (!options.join.ros.name.empty())
     ros.emplace(options.join.ros.publishing(options.join.network, model.scale.mm_per_unit), options.join.ros.rate_Hz);
-  std::vector<HandSource> sources;
-  sources.reserve(config.hands.size());
-  for (const HandConfig& hand : config.hands) sources.push_back(openHand(context, model, config, hand));
+  const std::vector<HandSource> sources = openHands(context, model, config);
   std::vector<OpenHand> hands;
   hands.reserve(sources.size());
   for (const HandSource& source : sources) hands.push_back(source.hand());
   start.ended("hands");
-  if (config.brush)
-    if (const std::string remark =
-            remarkOnSmallBrush(options.brush.radius_mm, model.scale.toMm(model.spacing), "--brush-radius",
-                               [](double mm) { return fmt::format("{:.3g} mm", mm); });
-        !remark.empty())
-      context.log().say("{}: in the hand, {}", options.model.file, remark);
-  const bool keeps = config.brush && (!options.saveFile.empty() || options.undo.undo > 0);
+  if (config.brush) warnOfSmallBrush(context, options, model);
   DrawnFollower* sight = nullptr;
-  Session session(config, std::move(model),
-                  {.backend = kind,
-                   .threads = context.threads(),
-                   .journal = keeps || !options.logFile.empty(),
-                   .undo_bytes = undoBytes(config.undo),
-                   .log = &context.log(),
-                   .followers = sightFor(context, options, sight)});
+  Session session(config, std::move(model), partsOf(context, options, config, sight));
   if (!options.logFile.empty())
     session.record(options.logFile, hands.front(),
                    [&context](const std::string& what) { context.log().say("{}", what); });
   start.ended("session");
-  std::vector<StartStage> stages = start.all();
-  const ServoResult result = [&] {
-    const StopBySignal stop;
-    ShownTicks shown(context.log(), session.durationOf(hands), ros ? &*ros : nullptr);
-    ServoResult ran = session.run(hands, {.stop = &StopBySignal::requested(), .recorder = &shown});
-    if (const auto first_s = shown.first_s()) stages.push_back({"first answer", *first_s});
-    return ran;
-  }();
+  const ServoResult result = run(context, session, hands, ros ? &*ros : nullptr, start);
   Outputs outputs;
   std::optional<RosHand::Counts> heard;
   outputs.write([&] {
     if (ros) heard = ros->finish();
   });
-  outputs.write([&] {
-    if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace());
-  });
-  for (std::size_t i = 0; i < others.size(); ++i)
-    outputs.write([&] {
-      if (!others[i].traceFile.empty()) writeTraceCsv(others[i].traceFile, result.hands[i + 1].trace);
-    });
-  outputs.write([&] {
-    if (!options.trajectoryFile.empty()) writeTrajectory(options.trajectoryFile, result.trace());
-  });
-  std::optional<UndoneStrokes> undone;
-  try {
-    session.finish();
-    if (options.undo.undo > 0) {
-      undone = session.undo(options.undo.undo, options.undo.redo);
-      session.settleShared(kSharedPatience_s);
-    }
-  } catch (const Error& error) {
-    session.abandonEdits();
-    saveAndThrow(error, session, options.saveFile);
-  }
+  writeTraces(outputs, options, others, result);
+  const std::optional<UndoneStrokes> undone = finish(session, options);
   SessionRecording* const recording = session.recording();
   outputs.write([&] {
     if (recording) recording->finish(checksumOf(session.model().cloud.origin, session.journal()->points()));
@@ -296,21 +345,14 @@ void touch(Context& context, const TouchCommandOptions& options) {
   const bool changes = config.brush || config.moves() || session.shared() || session.far();
   const SculptedCloud end = changes ? session.sculpted() : SculptedCloud{};
   TouchReport report = reportOf(session, result, end);
-  report.start = std::move(stages);
+  report.start = start.all();
   report.unit = unitOf(session.model().cloud, options.picture.look);
   report.ros = heard;
   report.tool = options.backend.tool;
   report.back = undone;
   report.hands = reportsOf(others, result);
   if (sources.front().recorded) report.recorded = compareForces(result.trace(), *sources.front().recorded);
-  if (SharedFollower* const shared = session.shared()) {
-    report.shared = shared->counts();
-    outputs.write([&] { session.checkFollower(); });
-    if (!report.shared->delivered)
-      outputs.failed(
-          fmt::format("'{}' has not taken all that this hand has done; {}", config.model.file,
-                      options.saveFile.empty() ? "it is kept nowhere (--save)" : options.saveFile + " has it"));
-  }
+  if (session.shared()) report.shared = checkShared(outputs, session, options);
   if (recording)
     report.log =
         LogReport{recording->writer().bytes(), recording->writer().lostTicks(), recording->writer().mergedEdits()};
@@ -327,10 +369,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   outputs.write([&] { context.writeJson(toJson(report)); });
   if (result.deviceFailed) outputs.failed(result.fault);
   outputs.check();
-  if (report.interrupted) throw Error("interrupted after {} ticks; what they gave is kept", report.trace.ticks);
-  std::uint64_t faults = report.trace.faultTicks;
-  for (const FurtherHandReport& hand : report.hands) faults = std::max(faults, hand.trace.faultTicks);
-  if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
+  checkTicks(report);
 }
 
 }  // namespace

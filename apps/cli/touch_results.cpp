@@ -13,12 +13,6 @@ using Value = std::optional<Json>;
 
 Json summary(const Summary& s) { return {{"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}}; }
 
-// The part of a report, if it has one; otherwise the key is left out.
-template <class Rows, class Part>
-Value partBy(const Rows& rows, const std::optional<Part>& part) {
-  return part ? Value(jsonBy(rows, *part)) : std::nullopt;
-}
-
 constexpr Reported<GateCounts> kSafety[]{
     {"errors", "", "times that an error closed the gate, with zero force",
      [](const GateCounts& g) -> Value { return g.errors; }},

@@ -161,7 +161,9 @@ std::shared_ptr<PyCloud> PyCloud::of(const py::object& xyz, const py::object& no
   return std::make_shared<PyCloud>(pp::Cloud(arrays), isSingle);
 }
 
-void bindClouds(py::module_& module) {
+namespace {
+
+void bindCloud(py::module_& module) {
   py::class_<PyCloud, CloudPointer>(
       module, "Cloud",
       "Cloud(xyz, normals=None, colors=None)\n\n"
@@ -232,9 +234,9 @@ void bindClouds(py::module_& module) {
           "attribute(name) -> array\n\n"
           "One of attributes: (N,), a view in the file's type and unit. Raises UnknownNameError for an\n"
           "unknown name.");
+}
 
-  bindMeshes(module);
-
+void bindFiles(py::module_& module) {
   module.def(
       "read",
       [](const py::object& path, bool keep_unreliable, bool normals_from_faces) {
@@ -269,6 +271,14 @@ void bindClouds(py::module_& module) {
       "Writes a cloud in the format of the file's extension, one of formats_written(). The file appears\n"
       "under its name only when it is complete. ascii: text, if the format has both. backup: an existing\n"
       "file is kept as NAME.EXT.bak. Raises Error with the file.");
+}
+
+}  // namespace
+
+void bindClouds(py::module_& module) {
+  bindCloud(module);
+  bindMeshes(module);
+  bindFiles(module);
 }
 
 }  // namespace palpate::python

@@ -71,7 +71,11 @@ void bindTouch(py::class_<PySession>& session) {
             return std::make_shared<PyCloud>(self.with([](pp::Session& open) { return open.cloud(); }), isSingle);
           },
           "cloud() -> Cloud\n\n"
-          "A copy of the present points.")
+          "A copy of the present points.");
+}
+
+void bindLive(py::class_<PySession>& session) {
+  session
       .def("add_frame", &PySession::addFrame, py::arg("t_s"), py::arg("xyz"), py::arg("normals"),
            py::arg("velocities") = py::none(),
            "add_frame(t_s, xyz, normals, velocities=None)\n\n"
@@ -103,37 +107,38 @@ void bindTouch(py::class_<PySession>& session) {
       .def("_live_stop", &PySession::stopLive);
 }
 
-}  // namespace
+void bindSource(py::module_& module) {
+  py::class_<Source>(module, "_Source")
+      .def(py::init([](const CloudPointer& cloud, const std::optional<std::string>& scene,
+                       const std::optional<std::string>& folder, bool moving, bool stable_rows,
+                       std::uint64_t max_points, double speed, bool loop, bool fuse,
+                       const std::optional<JoinTuple>& join, const decltype(Source::clouds)& clouds) {
+             return Source{cloud, moving, stable_rows, max_points, scene, folder, speed, loop, fuse, join, clouds};
+           }),
+           py::arg("cloud") = py::none(), py::arg("scene") = py::none(), py::arg("folder") = py::none(),
+           py::arg("moving") = false, py::arg("stable_rows") = false, py::arg("max_points") = 0, py::arg("speed") = 1.0,
+           py::arg("loop") = false, py::arg("fuse") = false, py::arg("join") = py::none(),
+           py::arg("clouds") = py::list())
+      .def_property_readonly("is_scene", [](const Source& self) { return self.scene.has_value(); })
+      .def_property_readonly("is_joined", [](const Source& self) { return self.join.has_value(); });
+}
 
-void bindSessions(py::module_& module) {
+void bindOpening(py::class_<PySession>& session) {
   const pp_contact_options contact = pp_default_contact_options();
   const pp_session_options usual = pp_default_session_options();
   const pp_tool tools = pp_default_tool();
-  py::class_<Source>(module, "_Source")
-      .def(
-          py::init([](const CloudPointer& cloud, const std::optional<std::string>& scene,
-                      const std::optional<std::string>& folder, bool moving, bool stable_rows, std::uint64_t max_points,
-                      double speed, bool loop, bool fuse, const std::optional<JoinTuple>& join) {
-            return Source{cloud, moving, stable_rows, max_points, scene, folder, speed, loop, fuse, join};
-          }),
-          py::arg("cloud") = py::none(), py::arg("scene") = py::none(), py::arg("folder") = py::none(),
-          py::arg("moving") = false, py::arg("stable_rows") = false, py::arg("max_points") = 0, py::arg("speed") = 1.0,
-          py::arg("loop") = false, py::arg("fuse") = false, py::arg("join") = py::none())
-      .def_property_readonly("is_scene", [](const Source& self) { return self.scene.has_value(); })
-      .def_property_readonly("is_joined", [](const Source& self) { return self.join.has_value(); });
-  py::class_<PySession> session(module, "_Session");
   session
       .def(py::init([](const Source& source, const std::optional<std::string>& gpu, std::optional<double> mm_per_unit,
                        const std::string& backend, const std::string& surface, std::optional<double> radius_mm,
                        double friction, double stiffness, double damping, double max_force, double rate,
                        bool estimate_normals, std::uint32_t threads, double undo_memory_MiB, std::uint32_t hands,
                        const std::string& tool, std::uint32_t tool_points, double tool_size_mm, const Vector& tool_axis,
-                       const py::object& law, bool allow_python_law) {
-             const SessionSettings settings{
-                 gpu,     backend,     mm_per_unit,  surface,          radius_mm, friction,        stiffness,
-                 damping, max_force,   rate,         estimate_normals, threads,   undo_memory_MiB, hands,
-                 tool,    tool_points, tool_size_mm, tool_axis};
-             return std::make_unique<PySession>(source, settings, Law(law, allow_python_law));
+                       const py::object& law, bool allow_python_law, double budget_us, const py::object& on_message) {
+             const SessionSettings settings{gpu,       backend,          mm_per_unit,  surface,         radius_mm,
+                                            budget_us, friction,         stiffness,    damping,         max_force,
+                                            rate,      estimate_normals, threads,      undo_memory_MiB, hands,
+                                            tool,      tool_points,      tool_size_mm, tool_axis};
+             return std::make_unique<PySession>(source, settings, Law(law, allow_python_law), on_message);
            }),
            py::arg("source"), py::arg("gpu") = py::none(), py::arg("mm_per_unit") = py::none(),
            py::arg("backend") = "auto", py::arg("surface") = "average", py::arg("radius_mm") = py::none(),
@@ -143,7 +148,8 @@ void bindSessions(py::module_& module) {
            py::arg("undo_memory_MiB") = usual.undo_memory_MiB, py::arg("hands") = usual.hands,
            py::arg("tool") = "point", py::arg("tool_points") = tools.points, py::arg("tool_size_mm") = tools.size_mm,
            py::arg("tool_axis") = Vector{tools.axis[0], tools.axis[1], tools.axis[2]}, py::arg("law") = py::none(),
-           py::arg("allow_python_law") = false)
+           py::arg("allow_python_law") = false, py::arg("budget_us") = usual.budget_us,
+           py::arg("on_message") = py::none())
       .def("close", &PySession::close,
            "close()\n\n"
            "Closes the session, and ends its live session; later calls raise ClosedError. A with statement\n"
@@ -152,22 +158,25 @@ void bindSessions(py::module_& module) {
           "messages", &PySession::messages,
           "Messages since the session was opened, one line each: what of a file is not kept, which GPU\n"
           "answers.")
-      .def("_info",
-           [](PySession& self) {
-             const pp_session_info info = self.with([](pp::Session& open) { return open.info(); });
-             py::dict told;
-             told["points"] = info.points;
-             told["mm_per_unit"] = info.mm_per_unit;
-             told["spacing_mm"] = info.spacing_mm;
-             told["radius_mm"] = info.radius_mm;
-             told["rate_Hz"] = info.rate_Hz;
-             told["undo_count"] = info.undo_count;
-             told["redo_count"] = info.redo_count;
-             told["live"] = info.live != 0;
-             told["backend"] = std::string(info.backend);
-             told["machine"] = std::string(info.machine);
-             return told;
-           })
+      .def("_info", [](PySession& self) {
+        const pp_session_info info = self.with([](pp::Session& open) { return open.info(); });
+        py::dict told;
+        told["points"] = info.points;
+        told["mm_per_unit"] = info.mm_per_unit;
+        told["spacing_mm"] = info.spacing_mm;
+        told["radius_mm"] = info.radius_mm;
+        told["rate_Hz"] = info.rate_Hz;
+        told["undo_count"] = info.undo_count;
+        told["redo_count"] = info.redo_count;
+        told["live"] = info.live != 0;
+        told["backend"] = std::string(info.backend);
+        told["machine"] = std::string(info.machine);
+        return told;
+      });
+}
+
+void bindPictures(py::class_<PySession>& session) {
+  session
       .def(
           "render",
           [](PySession& self, const std::pair<std::uint32_t, std::uint32_t>& size, const std::optional<Vector>& eye,
@@ -209,7 +218,18 @@ void bindSessions(py::module_& module) {
           "Meshes the present points by marching cubes. resolution: cells along the longest side, 1 to 2048.\n"
           "surface: sphere, average, sharp or density. radius_mm: support radius; None: from the spacing of\n"
           "the points.");
+}
+
+}  // namespace
+
+void bindSessions(py::module_& module) {
+  bindSource(module);
+  py::class_<PySession> session(module, "_Session");
+  bindOpening(session);
+  bindPictures(session);
   bindTouch(session);
+  bindLive(session);
+  bindSessionsQueries(session);
   bindSessionsMatter(session);
   bindSessionsSharing(session);
 }

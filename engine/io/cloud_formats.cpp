@@ -97,7 +97,8 @@ const CloudFormat& CloudFormats::toWrite(const std::filesystem::path& file, Writ
   if (format && isWritten(*format, what)) return *format;
   if (!format && isDeviceOrPipe(file)) return formats_.front();
   const std::string_view called = what == Written::mesh ? "meshes" : "clouds";
-  const std::string rest = fmt::format("{} are written as {}; name it so", called, endingsWritten(what));
+  const std::string rest =
+      fmt::format("{} are written as {}; use one of these extensions", called, endingsWritten(what));
   if (!format) throw UsageError("{}: {}", file.string(), rest);
   if (!format->write) throw UsageError("{}: {} is read and not written; {}", file.string(), format->name, rest);
   if (format->onlyCopied)

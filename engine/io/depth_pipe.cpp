@@ -138,8 +138,8 @@ std::optional<DepthPipe::FrameLine> DepthPipe::findLine() {
   } else {
     if (input_.isStopped()) return std::nullopt;
     ++count_;
-    why = fmt::format("begins with {} and not with 'frame'; what stands before the next one is left out",
-                      inQuotes(unread()));
+    why =
+        fmt::format("begins with {} instead of 'frame'; the input up to the next frame is skipped", inQuotes(unread()));
   }
   skipToFrame();
   lose(why);

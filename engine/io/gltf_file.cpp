@@ -72,7 +72,7 @@ Json parsed(const std::filesystem::path& path, std::span<const std::byte> bytes,
     Json json = Json::parse(text, text + bytes.size());
     if (json.is_object()) return json;
   } catch (const Json::parse_error& error) {
-    throw FileError::atByte(path, before + error.byte, "what stands here is no JSON of glTF");
+    throw FileError::atByte(path, before + error.byte, "invalid JSON");
   } catch (const Json::exception&) {  // a number that is too large
   }
   throw FileError::atByte(path, before, "the JSON from here on is none of glTF");
@@ -150,7 +150,7 @@ GltfFile::GltfFile(std::filesystem::path file) : path_(std::move(file)) {
   } else {
     json_ = parsed(path_, all, 0);
   }
-  if (!json_.is_object()) fail("holds no JSON of glTF");
+  if (!json_.is_object()) fail("is not a glTF file: its JSON is not an object");
   const auto asset = json_.find("asset");
   if (asset == json_.end() || !asset->is_object() || !asset->contains("version") || !(*asset)["version"].is_string())
     fail("does not say of which version of glTF it is");
@@ -207,7 +207,8 @@ const Json& GltfFile::named(const char* list, const Json& number) const {
 Bytes GltfFile::bytesOf(const Json& buffer, std::size_t number) const {
   const auto uri = buffer.find("uri");
   if (uri == buffer.end()) {
-    if (number != 0 || !hasPacked_) fail(fmt::format("the bytes of buffer {} are nowhere", number));
+    if (number != 0 || !hasPacked_)
+      fail(fmt::format("buffer {} has no URI, and the file contains no data for it", number));
     return packed_;
   }
   if (!uri->is_string()) fail(fmt::format("the \"uri\" of buffer {} is no text", number));

@@ -70,7 +70,7 @@ void requireWholePng(const std::filesystem::path& file, std::span<const std::byt
     if (rest.size() < kFrame + length) break;
     const std::span<const std::byte> chunk = rest.subspan(4, 4 + length);
     if (zipChecksum(chunk) != bigEndian(rest.subspan(8 + length)))
-      throw FileError::atByte(file, at, "is damaged: the checksum of what stands here does not fit it");
+      throw FileError::atByte(file, at, "is damaged: the checksum of this chunk does not match");
     if (textOf(chunk.first(4)) == "IEND") return;
     at += kFrame + length;
   }

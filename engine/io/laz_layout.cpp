@@ -132,7 +132,7 @@ LazLayout readLazLayout(const std::filesystem::path& file, const LasHeader& head
                                            packing == static_cast<unsigned>(Packing::chunked);
   if (!wanted)
     throw FileError::atByte(file, dataAt,
-                            fmt::format("packed in way {}, which points of format {} are not", packing, header.format));
+                            fmt::format("compressor {} does not apply to point format {}", packing, header.format));
   if (coder != 0) throw FileError::atByte(file, dataAt + 2, fmt::format("coder {}; expected 0", coder));
   layout.chunked = packing != static_cast<unsigned>(Packing::pointwise);
   const auto chunkPoints = loadScalar<std::uint32_t>(record.data, 12);

@@ -45,7 +45,7 @@ ImageFormat imageFormatOf(const std::filesystem::path& path) {
   const auto* known = std::ranges::find(kEndings, ending, &Ending::text);
   if (known != kEndings.end()) return known->format;
   if (ending.empty() && isDeviceOrPipe(path)) return ImageFormat::png;
-  throw UsageError("{}: pictures are written as .png, .jpg, .jpeg; name it so", path.string());
+  throw UsageError("{}: pictures are written as .png, .jpg, .jpeg; use one of these extensions", path.string());
 }
 
 void writeImage(const std::filesystem::path& path, const Image& image) {

@@ -146,14 +146,16 @@ TEST_CASE("an output with an unknown ending is refused before any work, with the
     refused("make sphere -n 500 -o ", name, "clouds are written as .ply, .las");
     refused("convert " + none + " ", name, "clouds are written as .ply, .las");
     refused("mesh " + none + " -o ", name, "meshes are written as .ply, .las");
-    refused("render " + none + " -o ", name, "pictures are written as .png, .jpg, .jpeg; name it so");
+    refused("render " + none + " -o ", name, "pictures are written as .png, .jpg, .jpeg; use one of these extensions");
     refused("simulate none.json --save ", name, "clouds are written as .ply, .las");
     refused("replay none --recover --save ", name, "clouds are written as .ply, .las");
     refused(touch + "--edit push --save ", name, "clouds are written as .ply, .las");
-    refused(touch + "--picture ", name, "pictures are written as .png, .jpg, .jpeg; name it so");
+    refused(touch + "--picture ", name, "pictures are written as .png, .jpg, .jpeg; use one of these extensions");
     refused("serve " + none + " --name a --save ", name, "clouds are written as .ply, .las");
-    refused("bench build --sizes 1000 --plot ", name, "plots are written as .png, .pdf, .svg; name it so");
-    refused("bench edit --models " + none + " --plot ", name, "plots are written as .png, .pdf, .svg; name it so");
+    refused("bench build --sizes 1000 --plot ", name,
+            "plots are written as .png, .pdf, .svg; use one of these extensions");
+    refused("bench edit --models " + none + " --plot ", name,
+            "plots are written as .png, .pdf, .svg; use one of these extensions");
   }
   refused("make sphere -n 500 -o ", "b.stl", "STL holds triangles, and these are points; clouds are written as .ply");
   refused(touch + "--edit push --save ", "b.3dgs.ply", "3DGS is written by palpate convert alone");

@@ -29,13 +29,15 @@ void addKeys(const Result& json, const std::string& before, const std::set<std::
              std::set<std::string>& keys) {
   for (const std::string& name : json.keys()) {
     const std::string path = before + name;
-    keys.insert(path);
     const Result inside = json[name];
     const bool isDescribed = [&] {
       const auto next = described.lower_bound(path + ".");
       return next != described.end() && next->starts_with(path + ".");
     }();
-    if (inside.isObject() && isDescribed) addKeys(inside, path + ".", described, keys);
+    if (inside.isObject() && isDescribed)
+      addKeys(inside, path + ".", described, keys);
+    else
+      keys.insert(path);
     if (inside.isArray() && described.lower_bound(path + "[].") != described.end() && !inside.empty())
       if (inside.front().isObject() && described.lower_bound(path + "[].")->starts_with(path + "[]."))
         addKeys(inside.front(), path + "[].", described, keys);
@@ -104,6 +106,10 @@ TEST_CASE("each key that a command writes with --json is in the reference, with 
       {"touch", "touch " + model + " --backend cpu --device replay:" + in("l")},
       {"replay", "replay " + in("l")},
       {"bench step", "bench step --sizes 500 --repeat 5 --backend cpu"},
+      {"bench edit", "bench edit --sizes 2000 --touched 50 --repeat 5 --backend cpu"},
+      {"bench locality", "bench locality --sizes 3000 --clouds plate --brushes push --gestures slide --backend cpu"},
+      {"bench matter", "bench matter --sizes 500 --matter soft --repeat 5 --backend cpu"},
+      {"bench read", "bench read " + model + " --repeat 5"},
   };
   for (const auto& [command, words] : commands) {
     CAPTURE(words);

@@ -80,7 +80,7 @@ TEST_CASE("a format is known by its ending; others are refused for writing, with
   CHECK(cloudFormats().toRead("no-ending").name == "PLY");
   CHECK_THROWS_WITH_AS(cloudFormats().toWrite("cloud.xyzzy"),
                        "cloud.xyzzy: clouds are written as .ply, .las, .laz, .pcd, .npy, .npz, .xyz, .asc, .txt, .csv, "
-                       ".pts, .obj, .stl, .off, .3dgs.ply; name it so",
+                       ".pts, .obj, .stl, .off, .3dgs.ply; use one of these extensions",
                        UsageError);
   CHECK_THROWS_AS(cloudFormats().toWrite("cloud"), UsageError);
   CHECK(cloudFormats().toSave("cloud").name == "PLY");
@@ -167,9 +167,10 @@ TEST_CASE("a format added to the table is read, written and saved like the built
 TEST_CASE("a read-only format is not written, and messages list the formats of the table") {
   CHECK(kTable.toRead("a.scan").name == "scan");
   CHECK(kTable.toSave("a.scan").name == "PLY");
-  CHECK_THROWS_WITH_AS(kTable.toWrite("a.scan"),
-                       "a.scan: scan is read and not written; clouds are written as .ply, .tally, .tly; name it so",
-                       UsageError);
+  CHECK_THROWS_WITH_AS(
+      kTable.toWrite("a.scan"),
+      "a.scan: scan is read and not written; clouds are written as .ply, .tally, .tly; use one of these extensions",
+      UsageError);
   CHECK(kTable.namesRead() == "PLY, tally, scan");
   CHECK(kTable.endingsRead() == ".ply, .tally, .tly, .scan");
   CHECK(kTable.endingsWritten() == ".ply, .tally, .tly");

@@ -174,7 +174,7 @@ TEST_CASE("bytes between frames are skipped, and reported as a dropped frame") {
   const Heard heard = hear(head() + frame(0, 0) + std::string(100'000, 'f') + "frame frame" + frame(1, 0.1));
   CHECK(heard.frames.size() == 2);
   CHECK(heard.lost.size() >= 1);
-  CHECK(says(heard.lost.at(0), "and not with 'frame'; what stands before the next one is left out"));
+  CHECK(says(heard.lost.at(0), "instead of 'frame'; the input up to the next frame is skipped"));
   CHECK(isFrame(heard.frames.back(), 1));
   CHECK(hear(head() + frame(0, 0) + "\n" + frame(1, 0.1) + "\n").lost.empty());
   CHECK(hear(head() + "frame 0" + std::string(5000, ' ') + "\n" + depths(0) + frame(1, 0.1)).frames.size() == 1);

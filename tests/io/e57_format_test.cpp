@@ -231,7 +231,7 @@ TEST_CASE("invalid E57 content under valid checksums is refused with its byte" *
   CHECK(xml("recordCount=\"3000\"", "recordCount=\"3e00\"").find("which is no number here") != std::string::npos);
   CHECK(xml("</prototype>", "</prototypo>").find("no XML") != std::string::npos);
   CHECK(xml("e57Root", "e57Ruut").starts_with(": "));
-  CHECK(xml("cartesianX", "cartesianQ").find("has no places of its points") != std::string::npos);
+  CHECK(xml("cartesianX", "cartesianQ").find("has no coordinates of its points") != std::string::npos);
   CHECK(xml("\"Float\"", "\"Flout\"").find("'Flout'") != std::string::npos);
   E57Bytes packed;
   packed.codecs = "<vectorChild/>";

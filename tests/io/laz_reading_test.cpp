@@ -112,8 +112,8 @@ TEST_CASE("a damaged or inconsistent LAZ file is refused with its byte") {
   const auto byte = [](std::size_t at) { return fmt::format(": byte {}: ", at); };
   CHECK(refusal(good) == "read");
   CHECK(with(record + 2, std::uint8_t{'m'}).starts_with(": byte 104: the points are packed (LAZ), and no record"));
-  CHECK(with(data, std::uint16_t{3}).starts_with(byte(data) + "packed in way 3"));
-  CHECK(with(data, std::uint16_t{0}).starts_with(byte(data) + "packed in way 0"));
+  CHECK(with(data, std::uint16_t{3}).starts_with(byte(data) + "compressor 3 does not apply"));
+  CHECK(with(data, std::uint16_t{0}).starts_with(byte(data) + "compressor 0 does not apply"));
   CHECK(with(data + 2, std::uint16_t{1}).starts_with(byte(data + 2) + "coder 1"));
   CHECK(with(data + 12, std::uint32_t{0}).starts_with(byte(data + 12) + "chunks of no points"));
   CHECK(with(data + 32, std::uint16_t{2}).starts_with(byte(data + 32) + "points are packed as 2 items"));

@@ -6,8 +6,14 @@
 #define PALPATE_HPP
 
 #include <palpate/palpate.h>
+#include <palpate/clouds.hpp>
+#include <palpate/handles.hpp>
 
 #include <cstdint>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -16,145 +22,17 @@
 /// palpate's C interface with lifetimes and exceptions.
 namespace pp {
 
-/// A failed call: its status, a description, and the file and line that it is about.
-class Error : public std::runtime_error {
- public:
-  /// The text is what what() returns; null is not allowed.
-  Error(pp_status status, const char* text, const char* file, std::uint64_t line)
-      : std::runtime_error(text), status_(status), file_(file), line_(line) {}
-
-  pp_status status() const { return status_; }       ///< kind of the failure; never PP_OK
-  const std::string& file() const { return file_; }  ///< empty if it is about no file
-  std::uint64_t line() const { return line_; }       ///< from 1; 0 if unknown
-
- private:
-  pp_status status_;
-  std::string file_;
-  std::uint64_t line_;
+/// How far an answer of touch() can be relied on (pp_contact).
+enum class Validity {
+  fresh,  ///< from the pose's own query
+  held,   ///< bridged within the budget
+  none    ///< a fault: there is no force
 };
-
-/// Throws Error with the last failure of this thread, unless `status` is PP_OK.
-inline void check(pp_status status) {
-  if (status != PP_OK) throw Error(status, pp_last_error(), pp_last_error_file(), pp_last_error_line());
+/// Validity of an answer.
+inline Validity validityOf(const pp_contact& contact) {
+  if (!contact.valid) return Validity::none;
+  return contact.fresh ? Validity::fresh : Validity::held;
 }
-
-/// Version of the library at run time, such as "0.1.0".
-inline std::string version() { return pp_version(); }
-
-/// Contiguous rows of three numbers, one for each point. The numbers are not copied.
-inline pp_rows rows(const float* data) { return {data, PP_FLOAT32, 0, 0}; }
-/// The same for double.
-inline pp_rows rows(const double* data) { return {data, PP_FLOAT64, 0, 0}; }
-/// The same for colours of 0 to 255.
-inline pp_rows rows(const std::uint8_t* data) { return {data, PP_UINT8, 0, 0}; }
-/// The same for colours of 0 to 65535.
-inline pp_rows rows(const std::uint16_t* data) { return {data, PP_UINT16, 0, 0}; }
-
-/// A path of `count` positions x y z, model units: one for each tick. The numbers are not copied.
-inline pp_path path(const double* positions, std::uint64_t count) {
-  pp_path path = pp_default_path();
-  path.data = positions;
-  path.rows = count;
-  return path;
-}
-/// A path of `count` rows t x y z, seconds first.
-inline pp_path timedPath(const double* rows, std::uint64_t count) {
-  pp_path timed = path(rows, count);
-  timed.columns = 4;
-  return timed;
-}
-
-/// What the classes below have in common.
-namespace detail {
-
-/// A handle that is closed on destruction. Move-only.
-template <class Handle, pp_status (*kClose)(Handle)>
-class Owned {
- public:
-  Owned() = default;  ///< closed
-  /// Owns a handle of the C interface.
-  explicit Owned(Handle handle) : handle_(handle) {}
-  /// Leaves the other one closed.
-  Owned(Owned&& other) noexcept : handle_(std::exchange(other.handle_, Handle{})) {}
-  /// Exchanges the handles.
-  Owned& operator=(Owned&& other) noexcept {
-    std::swap(handle_, other.handle_);
-    return *this;
-  }
-  ~Owned() { close(); }  ///< Closes the handle.
-  Owned(const Owned&) = delete;
-  Owned& operator=(const Owned&) = delete;
-
-  /// For calls of the C interface.
-  Handle handle() const { return handle_; }
-  /// False after close(), and of an object that was moved from.
-  bool isOpen() const { return handle_.id != 0; }
-  /// Closes the handle early; has no effect if it is already closed.
-  void close() {
-    if (isOpen()) kClose(std::exchange(handle_, Handle{}));
-  }
-
- private:
-  Handle handle_{};
-};
-
-}  // namespace detail
-
-/// Points with normals and colours; immutable.
-class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
- public:
-  using Owned::Owned;
-  /// Copies arrays of the program (pp_cloud_create()).
-  explicit Cloud(const pp_cloud_arrays& arrays) : Owned(created(arrays)) {}
-  /// Reads a file of any supported format. Throws Error with file and line.
-  static Cloud read(const std::string& file, const pp_read_options& options = pp_default_read_options()) {
-    pp_cloud cloud{};
-    check(pp_cloud_read(file.c_str(), &options, &cloud));
-    return Cloud(cloud);
-  }
-
-  /// Writes a file in the format of its extension (pp_cloud_write()).
-  void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
-    check(pp_cloud_write(handle(), file.c_str(), &options));
-  }
-  /// Read-only view, valid while this is open; nothing is copied.
-  pp_points view() const {
-    pp_points points{};
-    check(pp_cloud_view(handle(), &points));
-    return points;
-  }
-  /// Number of points.
-  std::uint64_t size() const { return view().count; }
-  /// Copies x y z of each point, in file coordinates.
-  std::vector<double> positions() const {
-    std::vector<double> positions(3 * size());
-    check(pp_cloud_copy_positions(handle(), positions.data(), size()));
-    return positions;
-  }
-
- private:
-  static pp_cloud created(const pp_cloud_arrays& arrays) {
-    pp_cloud cloud{};
-    check(pp_cloud_create(&arrays, &cloud));
-    return cloud;
-  }
-};
-
-/// A mesh of points; immutable.
-class Mesh : public detail::Owned<pp_mesh, pp_mesh_close> {
- public:
-  using Owned::Owned;
-  /// Read-only view, valid while this is open; nothing is copied.
-  pp_triangles view() const {
-    pp_triangles triangles{};
-    check(pp_mesh_view(handle(), &triangles));
-    return triangles;
-  }
-  /// Writes a file in the format of its extension (pp_mesh_write()).
-  void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
-    check(pp_mesh_write(handle(), file.c_str(), &options));
-  }
-};
 
 /// Moving points at one time; immutable.
 class Frame : public detail::Owned<pp_frame, pp_frame_close> {
@@ -274,7 +152,22 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   /// Opens a cloud (pp_session_open()).
   explicit Session(const Cloud& cloud, const pp_session_options& options = pp_default_session_options())
       : Owned(made(cloud, options)) {}
+  Session() = default;                    ///< closed
+  Session(Session&&) noexcept = default;  ///< Leaves the other one closed.
+  /// Exchanges the sessions.
+  Session& operator=(Session&& other) noexcept {
+    std::swap(listener_, other.listener_);
+    Owned::operator=(std::move(other));
+    return *this;
+  }
 
+  /// Opens several clouds as one (pp_session_open_clouds()).
+  static Session ofClouds(const std::vector<pp_placed_cloud>& clouds,
+                          const pp_session_options& options = pp_default_session_options()) {
+    pp_session session{};
+    check(pp_session_open_clouds(clouds.data(), clouds.size(), &options, &session));
+    return Session(session);
+  }
   /// Opens a scene of moving matter (pp_session_open_matter()).
   static Session ofMatter(const std::string& scene, const pp_session_options& options = pp_default_session_options()) {
     pp_session session{};
@@ -317,25 +210,32 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   std::vector<pp_tick> touch(const pp_path& path) {
     std::vector<pp_tick> ticks(ticksOf(path));
     std::uint64_t count = 0;
-    check(pp_session_touch(handle(), &path, ticks.data(), ticks.size(), &count));
+    told(pp_session_touch(handle(), &path, ticks.data(), ticks.size(), &count));
     ticks.resize(count);
     return ticks;
   }
   /// One tick of a servo loop of the program.
   pp_contact touch(const pp_pose& pose) {
     pp_contact contact;
-    check(pp_touch(handle(), &pose, &contact));
+    told(pp_touch(handle(), &pose, &contact));
     return contact;
   }
   /// One tick for all hands. `orientations`: rotations of their tools, w x y z each; null: no rotation.
   std::vector<pp_contact> touch(const std::vector<pp_pose>& poses, const double* orientations = nullptr) {
     std::vector<pp_contact> contacts(poses.size());
-    check(pp_touch_hands(handle(), poses.data(), orientations, static_cast<std::uint32_t>(poses.size()),
-                         contacts.data(), nullptr));
+    told(pp_touch_hands(handle(), poses.data(), orientations, static_cast<std::uint32_t>(poses.size()), contacts.data(),
+                        nullptr));
     return contacts;
   }
   /// Notifies the session that all hands were lifted (pp_touch_lift()).
-  void lift() { check(pp_touch_lift(handle())); }
+  void lift() { told(pp_touch_lift(handle())); }
+  /// Sets the function that is called at the beginning and the end of each contact (pp_session_on_contact()), or
+  /// removes it. What it throws is thrown by the call that delivers the event, which then returns no contact or tick.
+  void onContact(std::function<void(const pp_contact_event&)> function) {
+    auto listener = function ? std::make_unique<Listener>(Listener{std::move(function), nullptr}) : nullptr;
+    check(pp_session_on_contact(handle(), listener ? &Listener::hear : nullptr, listener.get()));
+    listener_ = std::move(listener);
+  }
   /// Each hand follows its path; the first one sculpts if `brush` is not null. Returns the rows of all hands in one
   /// tick, then those of the next tick.
   std::vector<pp_tick> touchHands(const std::vector<pp_path>& paths, const pp_brush* brush = nullptr) {
@@ -348,8 +248,8 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     }
     std::vector<pp_tick> ticks(most * paths.size());
     std::uint64_t count = 0;
-    check(pp_session_touch_hands(handle(), given.data(), static_cast<std::uint32_t>(given.size()), brush, ticks.data(),
-                                 nullptr, ticks.size(), &count));
+    told(pp_session_touch_hands(handle(), given.data(), static_cast<std::uint32_t>(given.size()), brush, ticks.data(),
+                                nullptr, ticks.size(), &count));
     ticks.resize(count);
     return ticks;
   }
@@ -364,7 +264,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   std::vector<pp_tick> stroke(const pp_path& path, const pp_brush& brush = pp_default_brush()) {
     std::vector<pp_tick> ticks(ticksOf(path));
     std::uint64_t count = 0;
-    check(pp_session_stroke(handle(), &path, &brush, ticks.data(), ticks.size(), &count));
+    told(pp_session_stroke(handle(), &path, &brush, ticks.data(), ticks.size(), &count));
     ticks.resize(count);
     return ticks;
   }
@@ -400,6 +300,33 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     pp_mesh mesh{};
     check(pp_session_mesh(handle(), &options, &mesh));
     return Mesh(mesh);
+  }
+
+  /// Nearest positions of the surface: one for each `x y z` of `positions` (pp_session_nearest()).
+  std::vector<pp_surface_point> nearest(const std::vector<double>& positions,
+                                        double max_distance = std::numeric_limits<double>::infinity()) {
+    std::vector<pp_surface_point> found(positions.size() / 3);
+    const pp_rows from = rows(positions.data());
+    check(pp_session_nearest(handle(), &from, found.size(), max_distance, found.data()));
+    return found;
+  }
+  /// First positions of the surface on rays: x y z of each origin, and of each direction (pp_session_raycast()). Throws
+  /// std::invalid_argument unless there is a direction for each origin.
+  std::vector<pp_surface_point> raycast(const std::vector<double>& origins, const std::vector<double>& directions,
+                                        double max_distance = std::numeric_limits<double>::infinity()) {
+    if (origins.size() != directions.size()) throw std::invalid_argument("raycast: each origin needs a direction");
+    std::vector<pp_surface_point> found(origins.size() / 3);
+    const pp_rows from = rows(origins.data()), along = rows(directions.data());
+    check(pp_session_raycast(handle(), &from, &along, found.size(), max_distance, found.data()));
+    return found;
+  }
+  /// Where each row of cloud() comes from (pp_session_rows()).
+  std::vector<pp_row> sourceRows() {
+    std::uint64_t count = 0;
+    check(pp_session_rows(handle(), nullptr, 0, &count));
+    std::vector<pp_row> all(count);
+    check(pp_session_rows(handle(), all.data(), all.size(), &count));
+    return all;
   }
 
   // For joined sessions.
@@ -475,7 +402,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   std::vector<pp_tick> readTicks(std::size_t most = 4096) {
     std::vector<pp_tick> ticks(most);
     std::uint64_t count = 0;
-    check(pp_live_read_ticks(handle(), ticks.data(), ticks.size(), &count));
+    told(pp_live_read_ticks(handle(), ticks.data(), ticks.size(), &count));
     ticks.resize(count);
     return ticks;
   }
@@ -491,6 +418,24 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   void stopLive() { check(pp_live_stop(handle())); }
 
  private:
+  struct Listener {
+    std::function<void(const pp_contact_event&)> function;
+    std::exception_ptr raised;
+    static void hear(void* user, const pp_contact_event* event) {
+      auto& self = *static_cast<Listener*>(user);
+      try {
+        if (!self.raised) self.function(*event);
+      } catch (...) {
+        self.raised = std::current_exception();
+      }
+    }
+  };
+  // Of a call that may deliver events.
+  void told(pp_status status) {
+    if (listener_ && listener_->raised) std::rethrow_exception(std::exchange(listener_->raised, nullptr));
+    check(status);
+  }
+
   static pp_session made(const Cloud& cloud, const pp_session_options& options) {
     pp_session session{};
     check(pp_session_open(cloud.handle(), &options, &session));
@@ -501,6 +446,8 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_path_ticks(handle(), &path, &count));
     return count;
   }
+
+  std::unique_ptr<Listener> listener_;
 };
 
 }  // namespace pp
