@@ -178,7 +178,7 @@ Json hapticDevices(std::FILE* out) {
 
 struct DoctorOptions {
   double servo_s = 0, rate_Hz = 1000;
-  bool network = false;
+  bool network = false, test = false;
   std::string device;
   NetworkOptions which;
 };
@@ -273,7 +273,10 @@ void doctor(Context& context, const DoctorOptions& options) {
     throw UsageError("--interface, --peer, --domain and --security require --network, which lists sessions");
   std::FILE* out = context.tables();
   if (!options.device.empty()) {
-    context.writeJson({{"device", examineDevice(out, options.device, context.log())}});
+    if (options.test)
+      context.writeJson({{"device_test", guideDeviceCheck(out, options.device, context.log())}});
+    else
+      context.writeJson({{"device", examineDevice(out, options.device, context.log())}});
     return;
   }
   Json result{{"gpus", gpus(out)}};
@@ -309,15 +312,21 @@ void addDoctor(Options& app, Context& context, Command& command) {
       .check(between(1, 100'000))
       .needs(servo)
       .showDefault();
-  sub.add("--device", options->device,
-          "only examine this device: serial number, workspace, force limits, axes, permissions; " + heldDevicesHelp())
-      .check(Check{[](const std::string& device) {
-                     return isHeldDevice(device) ? std::string()
-                                                 : "'" + device + "' is not a device; devices are " + heldDevicesHelp();
-                   },
-                   "DEVICE"})
-      .offers({"openhaptics", "dhd", "haply", "hid"})
-      .excludes(servo);
+  Option named = sub.add("--device", options->device,
+                         "only examine this device: serial number, workspace, force limits, axes, permissions; " +
+                             heldDevicesHelp())
+                     .check(Check{[](const std::string& device) {
+                                    return isHeldDevice(device)
+                                               ? std::string()
+                                               : "'" + device + "' is not a device; devices are " + heldDevicesHelp();
+                                  },
+                                  "DEVICE"})
+                     .offers({"openhaptics", "dhd", "haply", "hid"})
+                     .excludes(servo);
+  sub.addFlag("--test", options->test,
+              "test the device in your hand, step by step: poses and force in free space, directions, and the stiffest "
+              "wall that does not hum")
+      .needs(named);
   sub.addFlag("--network", options->network,
               "only list the sessions on the network (palpate serve), with round trips and losses")
       .excludes(servo);

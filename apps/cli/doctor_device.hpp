@@ -31,4 +31,8 @@ Json haplyService(std::FILE* out);
 /// Opens a held device, without a force, and describes it. If that fails, prints the missing permissions and throws.
 Json examineDevice(std::FILE* out, const std::string& spec, Log& log);
 
+/// Opens a held device and guides a person through the device test, in sentences (checkDevice()). Throws Error if the
+/// device cannot be opened or fails.
+Json guideDeviceCheck(std::FILE* out, const std::string& spec, Log& log);
+
 }  // namespace palpate

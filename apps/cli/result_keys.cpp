@@ -107,13 +107,24 @@ constexpr DescribedKey kKeys[]{{"folder", "", "folder of the keys"},
                                {"new_authority", "", "whether it is new"},
                                {"until", "", "last day of validity"}};
 
-constexpr DescribedKey kDoctor[]{{"gpus", "", "GPUs, with their queues, features and memory"},
-                                 {"haptics", "", "haptic libraries, the Haply service, devices and permissions"},
-                                 {"device", "", "the examined device (--device), and nothing else"},
-                                 {"display", "", "how pictures reach the display"},
-                                 {"in_use", "", "GPU in use; null: none"},
-                                 {"servo", "", "ticks that this machine misses (--servo)"},
-                                 {"network", "", "sessions on the network (--network)"}};
+constexpr DescribedKey kDoctor[]{
+    {"gpus", "", "GPUs, with their queues, features and memory"},
+    {"haptics", "", "haptic libraries, the Haply service, devices and permissions"},
+    {"device", "", "the examined device (--device), and nothing else"},
+    {"device_test", "", "the tested device (--test), and nothing else"},
+    {"device_test.free_force_N", "N", "largest force in free space; must be 0"},
+    {"device_test.largest_gap_s", "s", "longest time between two poses"},
+    {"device_test.noise_mm", "mm", "RMS noise of the position, noisiest axis"},
+    {"device_test.axes", "",
+     "axis of the pose as the hand moves right, up and towards the "
+     "user: 1 is +x, -3 is -z, 0: not moved"},
+    {"device_test.oscillation_s", "s", "duration of the hum, until the force was zero"},
+    {"device_test.stable_stiffness_N_per_mm", "N/mm", "stiffest wall that did not hum; null: none"},
+    {"device_test.recommended_stiffness_N_per_mm", "N/mm", "0.7 of it, for --stiffness"},
+    {"display", "", "how pictures reach the display"},
+    {"in_use", "", "GPU in use; null: none"},
+    {"servo", "", "ticks that this machine misses (--servo)"},
+    {"network", "", "sessions on the network (--network)"}};
 
 }  // namespace
 

@@ -288,6 +288,25 @@ TEST_CASE("doctor examines one device, and says which permission its kind lacks"
   CHECK(says(palpate("doctor --device stick").text, "'stick' is not a device; devices are openhaptics[:NAME]"));
 }
 
+TEST_CASE("doctor guides a person through the test of a device, with zero force in free space and at the end" *
+          kClock) {
+  const ScratchFolder folder;
+  // Moves right, up and towards the user after three seconds, then leans on the wall that appears 5 mm below.
+  const FakeDriver driver("fake_hd", "hurry",
+                          "0,0,0,0\n3.5,0,0,0\n4.5,30,0,0\n5.5,30,30,0\n6.5,30,30,30\n7.5,30,20,30\n30,30,20,30\n");
+  RunningProgram test("doctor --device openhaptics --test --json " + (folder / "out.json").string(), folder / "said");
+  const auto said = [&] { return contentOf(folder / "said"); };
+  REQUIRE_MESSAGE(test.waitFor([&] {
+    return said().find("Lean on it gently") != std::string::npos && driver.note().mostForce_N > 0.2;
+  }),
+                  said());
+  test.wait(SIGTERM);
+  CHECK(says(said(), "Hold the stylus still"));
+  CHECK(says(said(), "Move the stylus 3 cm to the right"));
+  CHECK(driver.lastForce_N() == DVec3(0));
+  CHECK(says(palpate("doctor --test").text, "--device"));
+}
+
 /// Programs started during its lifetime see the HID device of a script (fake_hidapi.cpp).
 class FakeHid {
  public:

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "engine/core/error.hpp"
+#include "haptics/device_check.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/tick_pacer.hpp"
 #include "tests/fake_devices/fake_haply.hpp"
@@ -342,6 +343,28 @@ TEST_CASE("the version of a Haply service decides the spelling of the force") {
   CHECK(haply::saysValues("3.1"));
   CHECK_FALSE(haply::saysValues("3.2.0"));
   CHECK_FALSE(haply::saysValues(""));
+}
+
+TEST_CASE("a Haply device that fails while its test is under way has no force within two ticks" * kClock) {
+  // Still, then right, up, towards the user, and down onto the wall.
+  const FakeHaply service({.hand = {{0, {0, 0, 0}},
+                                    {1.5, {0, 0, 0}},
+                                    {2, {30, 0, 0}},
+                                    {2.5, {30, 30, 0}},
+                                    {3, {30, 30, 30}},
+                                    {3.6, {30, 20, 30}}},
+                           .fault = "closed",
+                           .fault_s = 5});
+  HaplyDevice device({});
+  DeviceCheckQuery query({.freeSpace_s = 0.5, .softest_N_per_mm = 0.2}, device.limits());
+  const DeviceCheckResult result = checkDevice(device, query);
+  CHECK(result.axesAreRight());
+  CHECK(result.freeForce_N == 0);
+  CHECK(result.peakForce_N > FakeHaply::kFelt_N);
+  CHECK_FALSE(result.fault.empty());
+  CHECK_FALSE(result.offeredStiffness_N_per_mm());
+  CHECK(service.faultBegan_s() > 0);
+  CHECK(service.forcesAfterFault() <= 2);
 }
 
 }  // namespace palpate::haply_device_test
