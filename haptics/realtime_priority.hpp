@@ -16,6 +16,9 @@ class RealtimePriority {
   /// False if the machine does not grant it to this user; ticks then depend on the normal scheduler.
   bool granted() const { return granted_; }
 
+  /// The command that lets this user have it; empty if there is none.
+  static const char* command() noexcept;
+
   /// Typical wake-up latency of a thread that has it.
   static std::int64_t wakesWithin_ns() noexcept;
 

@@ -25,6 +25,10 @@ RealtimePriority::~RealtimePriority() {
   if (before_.slack_ns > 0) ::prctl(PR_SET_TIMERSLACK, static_cast<unsigned long>(before_.slack_ns));
 }
 
+const char* RealtimePriority::command() noexcept {
+  return "echo \"$USER - rtprio 60\" | sudo tee /etc/security/limits.d/90-palpate.conf   # then log in again";
+}
+
 std::int64_t RealtimePriority::wakesWithin_ns() noexcept { return 50'000; }
 
 }  // namespace palpate

@@ -24,6 +24,8 @@ RealtimePriority::~RealtimePriority() {
   ::timeEndPeriod(1);
 }
 
+const char* RealtimePriority::command() noexcept { return ""; }
+
 // Its timers have a resolution of half a millisecond at best.
 std::int64_t RealtimePriority::wakesWithin_ns() noexcept { return 1'000'000; }
 

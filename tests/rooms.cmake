@@ -49,6 +49,10 @@ endif()
 if(PALPATE_STUDY)
   palpate_tests(study LINKS palpate::haptics_study palpate::study_host)
 endif()
+# A Haply service for programs of any system (windows_packages.sh).
+palpate_test_program(haply_service programs/haply_service.cpp palpate::haptics)
+target_sources(haply_service PRIVATE fake_devices/fake_haply.cpp)
+palpate_system_sources(haply_service surroundings)
 # The program in the README.
 palpate_test_program(embedding programs/embedding.cpp palpate::session)
 add_dependencies(tests_session embedding)

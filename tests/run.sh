@@ -39,9 +39,10 @@ fuzz() { build asan tests_io && PALPATE_FUZZ_S=600 build/asan/tests_io --source-
 windows() {
   local missing
   missing=$(bash third_party/windows.sh --check 2>&1) || { skip "$missing"; return; }
-  build release palpate && build windows palpate all_tests && xvfb-run -a bash third_party/wine.sh wineboot > /dev/null
-  PALPATE_TESTS_VALIDATE=0 xvfb-run -a ctest --preset windows -j 2 -R '^(core|io|haptics|session|gpu)\.' &&
-    bash tests/windows_session.sh
+  build release palpate haply_service && build windows all all_tests &&
+    xvfb-run -a bash third_party/wine.sh wineboot > /dev/null
+  PALPATE_TESTS_VALIDATE=0 xvfb-run -a ctest --preset windows -j 2 -R '^(core|io|haptics|session|library|gpu)\.' &&
+    bash tests/windows_session.sh && cpack --preset windows > /dev/null && bash tests/windows_packages.sh
 }
 packages() {  # the Debian packages, the archive and the wheel; with root and debootstrap also in a bare Debian
   local made=build/packages/packages

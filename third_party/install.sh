@@ -69,6 +69,7 @@ windows_packages=(
   dpkg-dev                   # unpacks Debian's sources of the libraries
   wine64                     # runs the tests
   wine                       # the command wine
+  nsis                       # makes the installer
 )
 
 arm64_packages=(

@@ -1,8 +1,9 @@
 # palpate_system_sources(TARGET names…): adds system-dependent sources, which have one header and a file for each
-# system: NAME_linux.cpp, NAME_windows.cpp.
+# system: NAME_linux.cpp, NAME_windows.cpp. The macros of <windows.h> (near, far) conflict with names in other files.
 function(palpate_system_sources target)
   if(WIN32)
     list(TRANSFORM ARGN APPEND _windows.cpp)
+    set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   else()
     list(TRANSFORM ARGN APPEND _linux.cpp)
   endif()

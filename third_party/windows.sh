@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds palpate for Windows on Debian 12, from its own sources and Debian's: a folder with one self-contained program,
-# and a zip of it. Idempotent; downloads and builds stay below build/.
-#   third_party/windows.sh               build/windows/palpate.exe, and the zip beside it
+# Builds palpate for Windows on Debian 12, from its own sources and Debian's: program and library, an installer, and a
+# zip of the same files. Idempotent; downloads and builds stay below build/.
+#   third_party/windows.sh               build/windows/palpate-VERSION-windows-x86_64.exe, and the zip beside it
 #   third_party/windows.sh --libraries   only its libraries, in build/windows-libraries/prefix
 #   third_party/windows.sh --check       checks whether the tests can run here; if not, prints the reason, exit 1
 set -euo pipefail
@@ -9,7 +9,7 @@ cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 
 place=$PWD/build/windows-libraries
 prefix=$place/prefix
-sources=(fmtlib glfw3 hidapi imgui zlib)  # Debian's source packages of the libraries
+sources=(fmtlib glfw3 hidapi imgui pugixml zlib)  # Debian's source packages of the libraries
 # Header-only libraries: equal on every system, copied from the packages that install.sh installs.
 headers=(libglm-dev nlohmann-json3-dev libcli11-dev doctest-dev libnanoflann-dev libstb-dev libvulkan-dev
          libvulkan-volk-dev libboost1.74-dev)
@@ -73,10 +73,9 @@ build_zlib() {
 
 # A separate include folder: the system's would add the headers of Linux.
 copy_headers() {
-  local file
-  dpkg -L "${headers[@]}" | grep -E '^/usr/(include/|(lib|share)/(.*/)?cmake/)' | while read -r file; do
-    if [ -f "$file" ]; then install -D -m 644 "$file" "$prefix/${file#/usr/}"; fi
-  done
+  mkdir -p "$prefix"
+  dpkg -L "${headers[@]}" | sed -n -E 's#^/usr/((include|(lib|share)/(.*/)?cmake)/.*)#\1#p' |
+    tar --create --directory=/usr --no-recursion --dereference --files-from=- | tar --extract --directory="$prefix"
   # For packages whose files contain the prefix /usr.
   find "$prefix" -name '*.cmake' -exec sed -i "s|set(_IMPORT_PREFIX \"/usr\")|set(_IMPORT_PREFIX \"$prefix\")|" {} +
 }
@@ -102,6 +101,8 @@ build_libraries() {
   cmake_library fmtlib -DFMT_DOC=OFF -DFMT_TEST=OFF
   cmake_library glfw3 -DGLFW_BUILD_DOCS=OFF -DGLFW_BUILD_TESTS=OFF -DGLFW_BUILD_EXAMPLES=OFF
   cmake_library hidapi -DHIDAPI_BUILD_HIDTEST=OFF
+  x86_64-w64-mingw32-objcopy --remove-section=.drectve "$prefix/lib/libhidapi.a"  # or palpate.dll would export it
+  cmake_library pugixml
   build_imgui
   build_zlib
   copy_licences
@@ -112,6 +113,7 @@ build_libraries() {
 what_is_missing() {
   if [ ! -f "$place/done" ]; then echo "the libraries are not built (run third_party/windows.sh)"; fi
   if ! command -v wine > /dev/null; then echo "wine is not installed (run third_party/install.sh --windows)"; fi
+  if ! command -v makensis > /dev/null; then echo "NSIS is not installed (run third_party/install.sh --windows)"; fi
 }
 
 case "${1:-}" in
@@ -128,5 +130,5 @@ esac
 
 build_libraries
 cmake --preset windows
-cmake --build --preset windows --target palpate
+cmake --build --preset windows
 cpack --preset windows

@@ -8,4 +8,7 @@ namespace palpate {
 /// The words of the command line in UTF-8, the program's name first. The standard streams take UTF-8 from then on.
 std::vector<std::string> commandLine(int argc, char** argv);
 
+/// After an error, lets the user read it if the system opened a console for this program alone and would close it now.
+void keepConsole(int exitCode);
+
 }  // namespace palpate

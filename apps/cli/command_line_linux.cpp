@@ -4,4 +4,6 @@ namespace palpate {
 
 std::vector<std::string> commandLine(int argc, char** argv) { return {argv, argv + argc}; }
 
+void keepConsole(int) {}
+
 }  // namespace palpate

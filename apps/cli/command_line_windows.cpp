@@ -4,6 +4,7 @@
 
 #include <shellapi.h>
 
+#include <cstdio>
 #include <filesystem>
 
 namespace palpate {
@@ -18,6 +19,14 @@ std::vector<std::string> commandLine(int argc, char** argv) {
   for (int i = 0; i < count; ++i) words.push_back(std::filesystem::path(wide[i]).string());
   ::LocalFree(wide);
   return words;
+}
+
+void keepConsole(int exitCode) {
+  DWORD processes[2]{}, mode = 0;
+  const bool isOwn = ::GetConsoleProcessList(processes, 2) == 1;
+  if (exitCode == 0 || !isOwn || !::GetConsoleMode(::GetStdHandle(STD_INPUT_HANDLE), &mode)) return;
+  std::fputs("Press Enter to close this window.\n", stderr);
+  std::getchar();
 }
 
 }  // namespace palpate

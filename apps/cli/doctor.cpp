@@ -171,8 +171,7 @@ Json hapticDevices(std::FILE* out) {
   fmt::print(out, "Real-time priority for the servo loop: {}\n",
              priority ? "granted" : "not permitted for this user; the scheduler may delay ticks");
   json["realtime_priority"] = priority;
-  if (!priority)
-    mending.add("echo \"$USER - rtprio 60\" | sudo tee /etc/security/limits.d/90-palpate.conf   # then log in again");
+  if (!priority) mending.add(RealtimePriority::command());
   json["fix"] = mending.print(out);
   return json;
 }

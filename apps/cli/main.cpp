@@ -138,5 +138,7 @@ int run(std::vector<std::string> arguments) {
 int main(int argc, char** argv) {
   std::vector<std::string> words = palpate::commandLine(argc, argv);
   if (!words.empty()) words.erase(words.begin());  // the program's name, which a caller may omit
-  return palpate::run(std::move(words));
+  const int code = palpate::run(std::move(words));
+  palpate::keepConsole(code);
+  return code;
 }

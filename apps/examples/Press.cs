@@ -38,6 +38,7 @@ static class Palpate {
     public double proxy_x, proxy_y, proxy_z, normal_x, normal_y, normal_z, force_x, force_y, force_z, penetration_mm;
     public uint neighbours;
     public byte contact, fresh, valid, reserved;
+    public double age_s;
   }
 
   [DllImport(Library)] public static extern IntPtr pp_version();

@@ -28,6 +28,7 @@ using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 py::str textOf(std::string_view text);
 
 pp_rows rowsOf(const py::array& array);
+inline std::array<double, 3> vectorOf(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 /// Refusal of an argument before the library is called; `kind` is a class of palpate/_errors.py.
 class Refusal : public std::runtime_error {

@@ -19,8 +19,6 @@ struct LawInput {
 
 using Vector = std::array<double, 3>;
 
-Vector vectorOf(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
-
 }  // namespace
 
 thread_local const PythonLaw* PythonLaw::under_ = nullptr;

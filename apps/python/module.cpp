@@ -84,6 +84,7 @@ PYBIND11_MODULE(_palpate, module) {
   module.def("_tick_dtype", &palpate::python::tickType);
   module.def("_tool_tick_dtype", &palpate::python::toolTickType);
   bindClouds(module);
+  bindContacts(module);
   bindLaws(module);
   bindLogs(module);
   bindMatter(module);

@@ -84,12 +84,14 @@ Brush::Brush(const std::string& name, const py::kwargs& settings, double mm_per_
   brush.kind = kind.c_str();
 }
 
-PySession::PySession(const Source& source, const SessionSettings& settings, Law law)
+PySession::PySession(const Source& source, const SessionSettings& settings, Law law, py::object onMessage)
     : cloud_(source.cloud),
+      heard_(std::move(onMessage)),
       surface_(settings.surface),
       hands_(settings.hands),
       hasTorques_(settings.tool != "point"),
-      law_(std::move(law)) {
+      law_(std::move(law)),
+      budget_us_(settings.budget_us) {
   contact_ = pp_default_contact_options();
   contact_.friction = settings.friction;
   contact_.radius_mm = settings.radius_mm.value_or(0);
@@ -108,6 +110,7 @@ PySession::PySession(const Source& source, const SessionSettings& settings, Law 
   options.backend = settings.backend.c_str();
   options.mm_per_unit = settings.mm_per_unit.value_or(0);
   options.rate_Hz = settings.rate_Hz;
+  options.budget_us = settings.budget_us;
   options.estimate_normals = settings.estimate_normals ? 1 : 0;
   options.threads = settings.threads;
   options.undo_memory_MiB = settings.undo_memory_MiB;
@@ -120,8 +123,10 @@ PySession::PySession(const Source& source, const SessionSettings& settings, Law 
   options.log = &Heard::hear;
   options.log_user = &heard_;
   options.watch = interruption_.watch();
+  const Heard::Delivery delivery(heard_);
   py::gil_scoped_release released;
   session_ = interruption_.during([&] { return opened(source, options); });
+  handle_ = session_.handle();
 }
 
 pp::Session PySession::opened(const Source& source, const pp_session_options& options) {
@@ -131,6 +136,16 @@ pp::Session PySession::opened(const Source& source, const pp_session_options& op
     frames.stable_rows = source.stable_rows ? 1 : 0;
     frames.max_points = source.max_points;
     return pp::Session::ofFrames(source.cloud->cloud(), frames, options);
+  }
+  if (!source.clouds.empty()) {
+    std::vector<pp_placed_cloud> placed;
+    for (const auto& [cloud, position, orientation] : source.clouds) {
+      pp_placed_cloud& given = placed.emplace_back();
+      given.cloud = cloud->cloud().handle();
+      std::ranges::copy(position, given.position);
+      std::ranges::copy(orientation, given.orientation);
+    }
+    return pp::Session::ofClouds(placed, options);
   }
   if (source.cloud) return pp::Session(source.cloud->cloud(), options);
   if (source.scene) return pp::Session::ofMatter(*source.scene, options);
@@ -196,6 +211,7 @@ py::array PySession::along(const py::object& given, const pp_brush* brush) {
     throw;
   }
   if (law_.python()) law_.python()->raise();
+  if (listener_) listener_->raise();
   if (!hasTorques_) return rowsOf(felt, shape);
   py::array all(toolTickType(), shape);
   auto* row = static_cast<ToolTickRow*>(all.mutable_data());
@@ -259,6 +275,7 @@ void PySession::startLive(const std::optional<std::string>& device, double rate,
     options.path = hands[i].path ? &hands[i].path->path : nullptr;
     if (i + 1 < hands.size()) options.next = &hands[i + 1].options;
   }
+  if (listener_ && listener_->hasFailed()) throw Refusal("Error", listener_->sentence(), PP_ERROR_STATE);
   Law own(law, allowPython);
   pp_live_options& first = hands.front().options;
   first.rate_Hz = rate;
@@ -297,6 +314,11 @@ py::array PySession::readTicks() {
   auto ticks = std::make_unique<pp_tick[]>(kMax);
   std::uint64_t count = 0;
   with([&](pp::Session& session) { pp::check(pp_live_read_ticks(session.handle(), ticks.get(), kMax, &count)); });
+  if (listener_ && listener_->hasFailed()) {
+    stopLive();
+    Heard::hear(&heard_, PP_LOG_WARNING, listener_->sentence().c_str());
+    listener_->raise();
+  }
   std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(count / hands_)};
   if (hands_ > 1) shape.push_back(hands_);
   return rowsOf({ticks.get(), count}, shape);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/python/arrays.hpp"
+#include "apps/python/contacts.hpp"
 #include "apps/python/heard.hpp"
 #include "apps/python/home.hpp"
 #include "apps/python/law.hpp"
@@ -24,6 +25,7 @@ struct Source {
   double speed = 1;
   bool loop = false, fuse = false;
   std::optional<JoinTuple> join;
+  std::vector<std::tuple<CloudPointer, std::array<double, 3>, std::array<double, 4>>> clouds;  ///< with their poses
 };
 
 struct SessionSettings {
@@ -32,6 +34,7 @@ struct SessionSettings {
   std::optional<double> mm_per_unit;
   std::string surface = "average";
   std::optional<double> radius_mm;
+  double budget_us = 0;
   double friction = 0, stiffness_N_per_mm = 0, damping_N_s_per_mm = 0, max_force_N = 0, rate_Hz = 1000;
   bool estimate_normals = false;
   std::uint32_t threads = 0;
@@ -59,7 +62,8 @@ py::list brushSettings();
 /// Only one thread at a time uses it; others wait.
 class PySession {
  public:
-  PySession(const Source& source, const SessionSettings& settings, Law law);
+  /// `onMessage`: as for Heard.
+  PySession(const Source& source, const SessionSettings& settings, Law law, py::object onMessage);
   ~PySession();
   PySession(const PySession&) = delete;
   PySession& operator=(const PySession&) = delete;
@@ -70,6 +74,8 @@ class PySession {
     home_.require();
     for (const Law* law : {&law_, &liveLaw_})
       if (law->python()) law->python()->refuseWithin();
+    ContactListener::refuseWithin();
+    const Heard::Delivery delivery(heard_);
     py::gil_scoped_release released;
     const std::scoped_lock lock(inUse_);
     return interruption_.during([&] { return act(session_); });
@@ -78,6 +84,12 @@ class PySession {
   py::array touch(const py::object& path, const std::optional<std::string>& surface);
   py::array stroke(const py::object& path, const std::string& kind, const py::kwargs& settings);
   void addFrame(double t_s, const py::object& xyz, const py::object& normals, const py::object& velocities);
+  /// One tick, for all hands. `orientations`: four numbers for each hand, or none.
+  std::vector<PyContact> touchPoses(std::vector<pp_pose> poses, const std::vector<double>& orientations);
+  void onContact(const py::object& function);
+  py::array nearest(const py::object& positions, double max_distance);
+  py::array raycast(const py::object& origins, const py::object& directions, double max_distance);
+  py::array rows();
   py::array render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options);
 
   /// `others`: device, builtin and path of each hand after the first.
@@ -111,9 +123,13 @@ class PySession {
   Law law_, liveLaw_;
   Interruption interruption_;
   std::mutex inUse_;
+  double budget_us_;
+  std::unique_ptr<ContactListener> listener_;
+  pp_session handle_{};
   pp::Session session_;  // destroyed first
 };
 
+void bindSessionsQueries(py::class_<PySession>& session);
 void bindLogs(py::module_& module);
 void bindSessionsMatter(py::class_<PySession>& session);
 void bindSessionsSharing(py::class_<PySession>& session);

@@ -109,15 +109,16 @@ void bindLive(py::class_<PySession>& session) {
 
 void bindSource(py::module_& module) {
   py::class_<Source>(module, "_Source")
-      .def(
-          py::init([](const CloudPointer& cloud, const std::optional<std::string>& scene,
-                      const std::optional<std::string>& folder, bool moving, bool stable_rows, std::uint64_t max_points,
-                      double speed, bool loop, bool fuse, const std::optional<JoinTuple>& join) {
-            return Source{cloud, moving, stable_rows, max_points, scene, folder, speed, loop, fuse, join};
-          }),
-          py::arg("cloud") = py::none(), py::arg("scene") = py::none(), py::arg("folder") = py::none(),
-          py::arg("moving") = false, py::arg("stable_rows") = false, py::arg("max_points") = 0, py::arg("speed") = 1.0,
-          py::arg("loop") = false, py::arg("fuse") = false, py::arg("join") = py::none())
+      .def(py::init([](const CloudPointer& cloud, const std::optional<std::string>& scene,
+                       const std::optional<std::string>& folder, bool moving, bool stable_rows,
+                       std::uint64_t max_points, double speed, bool loop, bool fuse,
+                       const std::optional<JoinTuple>& join, const decltype(Source::clouds)& clouds) {
+             return Source{cloud, moving, stable_rows, max_points, scene, folder, speed, loop, fuse, join, clouds};
+           }),
+           py::arg("cloud") = py::none(), py::arg("scene") = py::none(), py::arg("folder") = py::none(),
+           py::arg("moving") = false, py::arg("stable_rows") = false, py::arg("max_points") = 0, py::arg("speed") = 1.0,
+           py::arg("loop") = false, py::arg("fuse") = false, py::arg("join") = py::none(),
+           py::arg("clouds") = py::list())
       .def_property_readonly("is_scene", [](const Source& self) { return self.scene.has_value(); })
       .def_property_readonly("is_joined", [](const Source& self) { return self.join.has_value(); });
 }
@@ -132,12 +133,12 @@ void bindOpening(py::class_<PySession>& session) {
                        double friction, double stiffness, double damping, double max_force, double rate,
                        bool estimate_normals, std::uint32_t threads, double undo_memory_MiB, std::uint32_t hands,
                        const std::string& tool, std::uint32_t tool_points, double tool_size_mm, const Vector& tool_axis,
-                       const py::object& law, bool allow_python_law) {
-             const SessionSettings settings{
-                 gpu,     backend,     mm_per_unit,  surface,          radius_mm, friction,        stiffness,
-                 damping, max_force,   rate,         estimate_normals, threads,   undo_memory_MiB, hands,
-                 tool,    tool_points, tool_size_mm, tool_axis};
-             return std::make_unique<PySession>(source, settings, Law(law, allow_python_law));
+                       const py::object& law, bool allow_python_law, double budget_us, const py::object& on_message) {
+             const SessionSettings settings{gpu,       backend,          mm_per_unit,  surface,         radius_mm,
+                                            budget_us, friction,         stiffness,    damping,         max_force,
+                                            rate,      estimate_normals, threads,      undo_memory_MiB, hands,
+                                            tool,      tool_points,      tool_size_mm, tool_axis};
+             return std::make_unique<PySession>(source, settings, Law(law, allow_python_law), on_message);
            }),
            py::arg("source"), py::arg("gpu") = py::none(), py::arg("mm_per_unit") = py::none(),
            py::arg("backend") = "auto", py::arg("surface") = "average", py::arg("radius_mm") = py::none(),
@@ -147,7 +148,8 @@ void bindOpening(py::class_<PySession>& session) {
            py::arg("undo_memory_MiB") = usual.undo_memory_MiB, py::arg("hands") = usual.hands,
            py::arg("tool") = "point", py::arg("tool_points") = tools.points, py::arg("tool_size_mm") = tools.size_mm,
            py::arg("tool_axis") = Vector{tools.axis[0], tools.axis[1], tools.axis[2]}, py::arg("law") = py::none(),
-           py::arg("allow_python_law") = false)
+           py::arg("allow_python_law") = false, py::arg("budget_us") = usual.budget_us,
+           py::arg("on_message") = py::none())
       .def("close", &PySession::close,
            "close()\n\n"
            "Closes the session, and ends its live session; later calls raise ClosedError. A with statement\n"
@@ -227,6 +229,7 @@ void bindSessions(py::module_& module) {
   bindPictures(session);
   bindTouch(session);
   bindLive(session);
+  bindSessionsQueries(session);
   bindSessionsMatter(session);
   bindSessionsSharing(session);
 }

@@ -219,8 +219,7 @@ void bindSessionsSharing(py::class_<PySession>& session) {
       .def(
           "hide_camera", [](PySession& self) { self.with([](pp::Session& open) { open.hideCamera(); }); },
           "hide_camera()\n\n"
-          "Stops showing a camera of this session to the others.")
-      .def("_apply_edits", [](PySession& self) { self.with([](pp::Session& open) { open.applyEdits(); }); });
+          "Stops showing a camera of this session to the others.");
 }
 
 void bindSharing(py::module_& module) {

@@ -46,8 +46,9 @@ inline Eigen3 eigenSymmetric(const SymmetricMatrix3& matrix) {
     for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
       if (a[p][q] == 0) continue;
       const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-      const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::hypot(theta, 1.0));
-      const double c = 1 / std::hypot(t, 1.0);
+      // Rounded alike on every system, unlike std::hypot. A theta whose square overflows rotates by nothing.
+      const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
+      const double c = 1 / std::sqrt(t * t + 1);
       const double s = t * c;
       const int r = 3 - p - q;
       const double arp = a[r][p], arq = a[r][q];

@@ -5,17 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-// Vectorised eight or sixteen lanes wide on processors that support it (AVX2, AVX-512, but without fused
-// multiplications, which are disabled for this file so that results are the same everywhere), where the compiler can
-// defer the choice to program start.
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PALPATE_WIDEST_LANES [[gnu::target_clones("avx512f", "avx2", "default")]]
-#define PALPATE_INTO_CALLER __attribute__((always_inline))
-#else
-#define PALPATE_WIDEST_LANES
-#define PALPATE_INTO_CALLER
-#endif
+#include "engine/core/widest_lanes.hpp"
 
 namespace palpate {
 

@@ -162,7 +162,7 @@ void fillMissingNormals(PointCloud& cloud, std::span<const std::size_t> missing,
                         double mostMissing) {
   const auto total = static_cast<double>(cloud.size());
   if (missing.size() == cloud.size() || static_cast<double>(missing.size()) > mostMissing * total) {
-    if (log) log->say("{}: {} of {} normals are zero; all are ignored", cloudName, missing.size(), cloud.size());
+    if (log) log->warn("{}: {} of {} normals are zero; all are ignored", cloudName, missing.size(), cloud.size());
     cloud.normals.clear();
     return;
   }

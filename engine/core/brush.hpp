@@ -33,7 +33,7 @@ constexpr bool changesShape(BrushKind kind) { return kind != BrushKind::carve &&
 /// not withdraw. Its tool is fixed to the hand and perpendicular to the surface as the stroke found it (BrushStroke).
 /// Push and carve use a ball with a shaft of the same width, whose tip is the yield depth before the HIP; the other
 /// brushes act around the position where the surface was found over the hand. All brushes but carve leave points of a
-/// side of the model that faces away unchanged.
+/// side of the model that faces away unchanged, and parts that are not connected with the surface under the hand.
 struct BrushOptions {
   BrushKind kind = BrushKind::push;
   double yieldDepth = 0;  ///< depth of the HIP behind the proxy from which the surface yields, model units

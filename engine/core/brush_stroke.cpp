@@ -36,6 +36,9 @@ constexpr double kHeardOver = 1.0 / 3, kHearing = 1.3;
 constexpr double kInflateHears = 0.5;
 constexpr double kMaxHeld = 1.9, kMaxHeldAside = 0.5;  // in brush radii: how far grab moves the points it holds
 constexpr double kMaxRaised = 0.9;  // in brush radii; more would raise points out of the brush's reach
+// Side of the cells of the grid of the surface: of the support radius, within which neighbours define the surface, at
+// least, and of the brush's radius, so that the grid contains the brush's ball.
+constexpr double kCellOfSupport = 0.5, kCellOfRadius = 1.0 / 7;
 constexpr double kMinLength = 0.3;  // shortest mean normal that is meaningful
 constexpr double kMaxMeasured = 8192;
 // Number of edits without the brush after which no point is inserted any more: filling every gap takes far fewer, and
@@ -108,7 +111,17 @@ shared::BrushTool sharedTool(const BrushStroke::Tool& tool) {
           .height = static_cast<float>(tool.height),
           .stroke = tool.stroke,
           .sampling = tool.sampling,
-          .closes = tool.closes};
+          .closes = tool.closes,
+          .cell = static_cast<float>(tool.cell),
+          .touched = Vec3(tool.touched),
+          .entersFrom = Vec3(tool.entersFrom),
+          .connectedFrom = Vec3(tool.connectedFrom)};
+}
+
+shared::PlacedTool placedTool(const BrushStroke::Tool& tool) {
+  shared::PlacedTool placed{.tool = sharedTool(tool), .connected = {}};
+  std::ranges::copy(tool.connected, std::begin(placed.connected));
+  return placed;
 }
 
 void SurfaceMeasure::add(const shared::MeasuredPoint& point) {
@@ -117,8 +130,27 @@ void SurfaceMeasure::add(const shared::MeasuredPoint& point) {
   heights += static_cast<std::uint32_t>(point.height);
 }
 
+void SurfaceMeasure::add(const SurfaceMeasure& other) {
+  weights += other.weights;
+  for (std::size_t k = 0; k < normals.size(); ++k) normals[k] += other.normals[k];
+  heights += other.heights;
+  for (std::size_t k = 0; k < seen.size(); ++k) seen[k] |= other.seen[k];
+  nearest = std::min(nearest, other.nearest);
+}
+
+void SurfaceMeasure::enter(shared::uint entered) {
+  if (entered == shared::kOutsideSheet) return;
+  const shared::uint cell = entered % shared::kSheetCells;
+  seen[cell / 32] |= 1u << cell % 32;
+  nearest = std::min(nearest, entered);
+}
+
 SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b) {
-  SurfaceMeasure gap{.weights = a.weights - b.weights, .normals = {}, .heights = a.heights - b.heights};
+  SurfaceMeasure gap{.weights = a.weights - b.weights,
+                     .normals = {},
+                     .heights = a.heights - b.heights,
+                     .seen = a.seen,
+                     .nearest = a.nearest};
   for (std::size_t k = 0; k < 3; ++k) gap.normals[k] = a.normals[k] - b.normals[k];
   return gap;
 }
@@ -163,10 +195,11 @@ void BrushStroke::begin(const Place& place) {
   edited_ = false;
   ++number_;
   outward_ = place.outward;
-  foundAt_ = heldAt_ = place.found;
+  foundAt_ = heldAt_ = touchedAt_ = place.found;
   place_ = heldFrom_ = place.hip;
   wayCount_ = 0;
   isLifted_ = false;
+  beginSheet();
 }
 
 void BrushStroke::goOnTo(const Place& place) {
@@ -177,6 +210,7 @@ void BrushStroke::goOnTo(const Place& place) {
   // The last position follows the hand as long as it is near the position before it.
   if (!jumps && wayCount_ > 0 && glm::distance(hipAt(2), place.hip) < kWayStep * brush_.radius) {
     at(wayCount_ - 1).hip = place.hip;
+    at(wayCount_ - 1).found = place.found;
     return;
   }
   if (wayCount_ == kMaxWay) {
@@ -207,13 +241,16 @@ void BrushStroke::advance(double most) {
       if (moved) return;  // the jump is left to the next edit
       outward_ = to.outward;
       foundAt_ = to.found;
+      beginSheet();
     } else if (length > most) {
       place_ += (most / length) * (to.hip - place_);
+      touchedAt_ += (most / length) * (to.found - touchedAt_);
       return;
     } else {
       most -= length;
     }
     place_ = to.hip;
+    touchedAt_ = to.found;
     wayFirst_ = (wayFirst_ + 1) % kMaxWay;
     --wayCount_;
   }
@@ -222,6 +259,19 @@ void BrushStroke::advance(double most) {
 std::uint32_t BrushStroke::sampling() const {
   const double across = static_cast<double>(shared::kSupportSpacings) * brush_.radius / support_;
   return static_cast<std::uint32_t>(std::clamp(std::ceil(std::log2(3.2 * across * across / kMaxMeasured)), 0.0, 31.0));
+}
+
+double BrushStroke::sheetCell() const { return std::max(kCellOfSupport * support_, kCellOfRadius * brush_.radius); }
+
+// The grid is around the surface under the hand.
+DVec3 BrushStroke::sheetCorner() const {
+  const DVec3& middle = brush_.kind == BrushKind::grab ? heldAt_ : foundAt_;
+  return middle - 0.5 * shared::kSheetSide * sheetCell();
+}
+
+void BrushStroke::beginSheet() {
+  connectedFrom_ = sheetCorner();
+  connected_ = cellsAround(shared::sheetPlace(connectedFrom_, sheetCell(), foundAt_, outward_));
 }
 
 const BrushStroke::Tool& BrushStroke::next(double time_s) {
@@ -259,6 +309,11 @@ void BrushStroke::placeTool() {
   tool_.outward = outward_;
   tool_.sampling = sampling();
   tool_.hand = place_;
+  tool_.cell = sheetCell();
+  tool_.touched = brush_.kind == BrushKind::grab ? heldAt_ : touchedAt_;
+  tool_.entersFrom = sheetCorner();
+  tool_.connectedFrom = connectedFrom_;
+  tool_.connected = connected_;
   const double hears =
       brush_.kind == BrushKind::inflate ? std::clamp(support_, kInflateHears * radius, radius) : radius;
   tool_.hearing = std::clamp(kHearing * height, hears, static_cast<double>(shared::kMaxHeight) * radius);
@@ -288,8 +343,16 @@ void BrushStroke::placeTool() {
 }
 
 void BrushStroke::note(const SurfaceMeasure& measure) {
+  if (tool_.acts == 0 || tool_.stroke != number_) return;
+  takeIn(measure);
+  if (measure.nearest == shared::kOutsideSheet) return;
+  connectedFrom_ = tool_.entersFrom;
+  connected_ = connectedCells(measure.seen, measure.nearest % shared::kSheetCells);
+}
+
+void BrushStroke::takeIn(const SurfaceMeasure& measure) {
   const double weights = asSigned(measure.weights);
-  if (tool_.acts == 0 || tool_.stroke != number_ || !(weights > 0)) return;
+  if (!(weights > 0)) return;
   const DVec3 mean = DVec3(asSigned(measure.normals[0]), asSigned(measure.normals[1]), asSigned(measure.normals[2])) /
                      (weights * normalSteps());
   const double height = asSigned(measure.heights) / (weights * static_cast<double>(shared::kHeightSteps));

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "engine/core/brush.hpp"
+#include "engine/core/connected_cells.hpp"
 #include "engine/core/contact_query.hpp"
 #include "shaders/shared/brush.h"
 
@@ -17,8 +18,13 @@ struct SurfaceMeasure {
   std::uint32_t weights = 0;
   std::array<std::uint32_t, 3> normals{};
   std::uint32_t heights = 0;
+  // Of the points that the stroke found around the hand; those of a difference are of the later measure.
+  SheetCells seen{};                             ///< their cells
+  shared::uint nearest = shared::kOutsideSheet;  ///< smallest of their results of entered()
 
   void add(const shared::MeasuredPoint& point);
+  void add(const SurfaceMeasure& other);
+  void enter(shared::uint entered);  ///< result of entered()
   friend SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b);
 };
 
@@ -26,11 +32,15 @@ struct SurfaceMeasure {
 /// yield, and completes that path after the hand has left, so that the result does not depend on how many edits a
 /// machine carries out. Its axis is the normal of the surface as the stroke found it, averaged over the brush; the
 /// direction from HIP to proxy is not used, since the proxy trails in a drag. While the hand withdraws, only grab acts.
+/// A brush acts on the part of the surface that is connected with the surface under the hand, as the edit before has
+/// found it; at first that is no more than a few cells around the hand.
 /// A stroke is one press of the button, or one contact of a hand without a button, with gaps of up to 0.3 s.
 /// Positions are relative to the cloud's origin, in model units. Allocates nothing.
 class BrushStroke {
  public:
-  using Tool = shared::BrushToolOf<double>;
+  struct Tool : shared::BrushToolOf<double> {
+    SheetCells connected{};  // of the grid at connectedFrom: the cells on which the brush acts
+  };
 
   /// `support`: support radius, model units.
   explicit BrushStroke(double support) : support_(support) {}
@@ -65,9 +75,9 @@ class BrushStroke {
   static constexpr std::size_t kMaxWay = 1024;
   struct Place {
     DVec3 hip{0};
-    bool jumps = false;  // the surface did not yield on the path to here; outward and found then apply
+    bool jumps = false;  // the surface did not yield on the path to here; outward then applies
     DVec3 outward{0};    // outward direction of the surface here
-    DVec3 found{0};      // position of the surface here
+    DVec3 found{0};      // position of the surface here: of the proxy
   };
 
   void begin(const Place& place);
@@ -76,6 +86,10 @@ class BrushStroke {
   double longestStep(double share) const;
   double found() const { return glm::dot(foundAt_ - place_, outward_); }
   std::uint32_t sampling() const;
+  DVec3 sheetCorner() const;
+  double sheetCell() const;
+  void beginSheet();
+  void takeIn(const SurfaceMeasure& measure);
   void placeTool();
   DVec3 held() const;
 
@@ -84,12 +98,15 @@ class BrushStroke {
   std::uint32_t number_ = 0;
   bool open_ = false, acts_ = false, knowsLast_ = false, touched_ = false, isLifted_ = false;
   double lastTouch_s_ = 0, lastEdit_s_ = 0;
-  bool edited_ = false;            // whether this stroke has edited
-  std::uint32_t idleEdits_ = 0;    // edits since the last with an effect, kMaxFilling at most
-  DVec3 lastHip_{0};               // HIP of the last answer
-  DVec3 outward_{0, 0, 1};         // outward normal of the surface as the stroke found it
-  DVec3 foundAt_{0};               // a position on that surface
-  DVec3 place_{0};                 // position of the hand that the tool has reached
+  bool edited_ = false;          // whether this stroke has edited
+  std::uint32_t idleEdits_ = 0;  // edits since the last with an effect, kMaxFilling at most
+  DVec3 lastHip_{0};             // HIP of the last answer
+  DVec3 outward_{0, 0, 1};       // outward normal of the surface as the stroke found it
+  DVec3 foundAt_{0};             // a position on that surface
+  DVec3 place_{0};               // position of the hand that the tool has reached
+  DVec3 touchedAt_{0};           // position of the proxy when the hand was at place_
+  DVec3 connectedFrom_{0};       // corner of the grid of the connected cells
+  SheetCells connected_{};
   DVec3 heldAt_{0}, heldFrom_{0};  // grab: position of the held surface and of the hand at the start
   // Remaining path, a ring buffer.
   std::array<Place, kMaxWay> way_;
@@ -103,5 +120,6 @@ shared::BrushOf<double> brushOf(const BrushOptions& options, double support);
 /// The brush, and the tool, as shaders read them.
 shared::Brush sharedBrush(const BrushOptions& options, double support);
 shared::BrushTool sharedTool(const BrushStroke::Tool& tool);
+shared::PlacedTool placedTool(const BrushStroke::Tool& tool);
 
 }  // namespace palpate

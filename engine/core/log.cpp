@@ -9,9 +9,9 @@ namespace palpate {
 
 Log::Log(bool quiet) : quiet_(quiet), terminal_(isErrorConsole()) {}
 
-void Log::write(std::string_view line) {
+void Log::write(std::string_view line, void (LogListener::*how)(std::string_view)) {
   const std::scoped_lock lock(lock_);
-  if (listener_) listener_->said(line);
+  if (listener_) (listener_->*how)(line);
   if (quiet_) return;
   clearBar();
   fmt::print(stderr, "{}\n", line);

@@ -16,6 +16,7 @@ class LogListener {
  public:
   virtual ~LogListener() = default;
   virtual void said(std::string_view line) = 0;
+  virtual void warned(std::string_view line) { said(line); }
   virtual void progressed(std::string_view what, double fraction) = 0;
 };
 
@@ -26,7 +27,12 @@ class Log {
 
   template <class... Args>
   void say(fmt::format_string<Args...> text, Args&&... args) {
-    write(fmt::format(text, std::forward<Args>(args)...));
+    write(fmt::format(text, std::forward<Args>(args)...), &LogListener::said);
+  }
+  /// The same for what the user has lost, or may lose: points, frames, strokes.
+  template <class... Args>
+  void warn(fmt::format_string<Args...> text, Args&&... args) {
+    write(fmt::format(text, std::forward<Args>(args)...), &LogListener::warned);
   }
   /// `fraction` from 0 to 1; lines are rationed, so it may be called often. Work shorter than a second is not shown.
   /// Throws Stopped if the job of this thread may be cut there.
@@ -42,7 +48,7 @@ class Log {
   }
 
  private:
-  void write(std::string_view line);
+  void write(std::string_view line, void (LogListener::*how)(std::string_view));
   void clearBar();
 
   std::mutex lock_;  // guards the members below

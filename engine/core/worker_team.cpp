@@ -1,9 +1,19 @@
 #include "engine/core/worker_team.hpp"
 
+#include "engine/core/clock.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/core/thread_priority.hpp"
 
 namespace palpate {
+
+// Jobs often follow each other within microseconds, in which a thread would not even fall asleep.
+template <class Done>
+void WorkerTeam::spinUntil(Done&& done) {
+  constexpr double kSpin_us = 20;
+  const Stopwatch watch;
+  while (!done() && watch.elapsed_us() < kSpin_us) {
+  }
+}
 
 WorkerTeam::WorkerTeam(unsigned threads) {
   for (unsigned i = 1; i < threadCount(threads); ++i) workers_.emplace_back([this] { work(); });
@@ -45,6 +55,11 @@ void WorkerTeam::run(std::size_t parts, Call call, void* context) {
   }
   std::unique_lock hold(lock_);
   isOpen_ = false;
+  if (busy_ > 0) {
+    hold.unlock();
+    spinUntil([this] { return busy_ == 0; });
+    hold.lock();
+  }
   idle_.wait(hold, [this] { return busy_ == 0; });
   throwIfStopWanted();
 }
@@ -54,6 +69,9 @@ void WorkerTeam::work() {
   std::size_t done = 0;
   std::unique_lock hold(lock_);
   while (true) {
+    hold.unlock();
+    spinUntil([&] { return turn_ != done || stop_; });
+    hold.lock();
     wake_.wait(hold, [&] { return stop_ || (isOpen_ && turn_ != done); });
     if (stop_) return;
     done = turn_;

@@ -134,7 +134,7 @@ Contact CudaTouch::State::held(const Pose& pose) const { return heldContact(last
 
 void CudaTouch::State::editIfYielding() {
   if (!push_ || !stroke_.acts()) return;
-  push_->setTool(sharedTool(stroke_.next(lastPose_.time_s)));
+  push_->setTool(placedTool(stroke_.next(lastPose_.time_s)));
   editStart_.record(stream_);
   edits_[live_.parity()]->launch(stream_);
   editEnd_.record(stream_);
@@ -148,7 +148,10 @@ bool CudaTouch::State::editDone() {
   if (!editEnd_.reached("editing")) return false;
   editOut_ = false;
   const cu::PushEdit::Sums& sums = push_->sums();
-  const SurfaceMeasure measured{sums.weights, {sums.normals[0], sums.normals[1], sums.normals[2]}, sums.heights};
+  SurfaceMeasure measured{
+      .weights = sums.weights, .normals = {sums.normals[0], sums.normals[1], sums.normals[2]}, .heights = sums.heights};
+  std::ranges::copy(sums.seen, measured.seen.begin());
+  measured.nearest = sums.nearest;
   stroke_.note(measured - std::exchange(measured_, measured));
   if (editTimes_us.size() < editTimes_us.capacity()) editTimes_us.push_back(editEnd_.since_us(editStart_));
   return true;

@@ -1,5 +1,7 @@
 #include "engine/cuda/push_edit.hpp"
 
+#include <array>
+
 #include "engine/cuda/gather_plan.cuh"
 #include "shaders/shared/brush.h"
 #include "shaders/shared/plane_fit.h"
@@ -14,10 +16,15 @@ using Sums = PushEdit::Sums;
 
 unsigned blocksFor(std::uint32_t threads) { return threads / kBlock + (threads % kBlock != 0); }
 
-__global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* normals, const BrushTool* tools,
+__device__ bool isActedOn(const PlacedTool& placed, const FoundPoint& found) {
+  const uint cell = connectedCell(placed.tool, found);
+  return (placed.connected[cell / 32] >> cell % 32 & 1) != 0;
+}
+
+__global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* normals, const PlacedTool* tools,
                                                      Found* founds, Sums* sums, uint count, const Brush brush) {
   const uint i = blockIdx.x * kBlock + threadIdx.x;
-  const BrushTool tool = *tools;
+  const BrushTool tool = tools->tool;
   if (i >= count || tool.acts == 0) return;
   const float4 point = positions[i];
   const vec3 from = xyz(point), away = from - tool.middle;
@@ -28,20 +35,29 @@ __global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* 
   if (known.stroke == tool.stroke) found = {known.position, known.normal};
   if (isSampled(id, tool.sampling)) {
     const MeasuredPoint says = measured(brush, tool, found);
-    if (says.weight != 0) {
+    if (says.weight != 0 && isActedOn(*tools, found)) {
       atomicAdd(&sums->weights, uint(says.weight));
       for (int k = 0; k < 3; ++k) atomicAdd(&sums->normals[k], uint(says.normal[k]));
       atomicAdd(&sums->heights, uint(says.height));
     }
+    const uint near = entered(brush, tool, from, xyz(normals[i]), found);
+    if (near != kOutsideSheet) {
+      atomicOr(&sums->seen[near % kSheetCells / 32], 1u << near % 32);
+      atomicMin(&sums->nearest, near);
+    }
   }
   const vec3 to = brushed(brush, tool, from, found.normal, found).position;
-  if (to == from) return;
+  if (to == from || !isActedOn(*tools, found)) return;
   known = {found.position, tool.stroke, found.normal};
   positions[i] = make_float4(to.x, to.y, to.z, point.w);
   normals[i].w = kMarkRefit;
 }
 
-__global__ void tellSums(const Sums* sums, Sums* told) { *told = *sums; }
+__global__ void tellSums(Sums* sums, Sums* told) {
+  *told = *sums;
+  for (uint& word : sums->seen) word = 0;
+  sums->nearest = kOutsideSheet;
+}
 
 // Collects the slots of the marked points, in any order: the cost of the refit depends on their number and not on the
 // cloud's.
@@ -124,13 +140,13 @@ PushEdit::PushEdit(const Brush& brush, double radius, const Stream& stream, std:
       moved_(points),
       movedCount_(1) {
   founds_.clear(stream);
-  sums_.clear(stream);
+  sums_.upload(std::array{Sums{}}, stream);
 }
 
 void PushEdit::recordPush(const Stream& stream, const CloudHalf& half, std::uint32_t count) const {
   if (count == 0) return;
   // Copied to the device: every thread reads it, which over the bus would take longer than the push.
-  checkCuda(cudaMemcpyAsync(toolHere_.data(), &tool_.host(), sizeof(BrushTool), cudaMemcpyHostToDevice, stream.get()),
+  checkCuda(cudaMemcpyAsync(toolHere_.data(), &tool_.host(), sizeof(PlacedTool), cudaMemcpyHostToDevice, stream.get()),
             "writing the tool");
   pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>(
       points(half.positions), points(half.normals), toolHere_.data(), founds_.data(), sums_.data(), count, brush_);

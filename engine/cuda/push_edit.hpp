@@ -13,13 +13,15 @@ class PushEdit {
   /// wrap around, as only differences are used.
   struct Sums {
     shared::uint weights = 0, normals[3]{}, heights = 0;
+    // Of the last edit alone.
+    shared::uint seen[shared::kSheetWords]{}, nearest = shared::kOutsideSheet;
   };
 
   /// `radius`: support radius, model units.
   PushEdit(const shared::Brush& brush, double radius, const Stream& stream, std::uint32_t points);
 
   /// Sets the tool for the next edit. Only while no edit is in flight.
-  void setTool(const shared::BrushTool& tool) { tool_.host() = tool; }
+  void setTool(const shared::PlacedTool& tool) { tool_.host() = tool; }
   /// Only while no edit is in flight.
   const Sums& sums() const { return told_.host(); }
   /// Submits only. Pushes the points of `half`, and marks those that move.
@@ -31,9 +33,9 @@ class PushEdit {
   shared::Brush brush_;
   double radius_;
   unsigned refitBlocks_;
-  MappedValue<shared::BrushTool> tool_;
+  MappedValue<shared::PlacedTool> tool_;
   MappedValue<Sums> told_;
-  DeviceArray<shared::BrushTool> toolHere_;
+  DeviceArray<shared::PlacedTool> toolHere_;
   DeviceArray<shared::Found> founds_;  // by id
   DeviceArray<Sums> sums_;
   DeviceArray<std::uint32_t> moved_, movedCount_;

@@ -34,8 +34,7 @@ BrushMoves::BrushMoves(Device& device, const HashUpdate& update, const HashGrid&
       collect_(device, shader_code::edit_collect, editPipeline(sizeof(shared::CollectArgs), update)),
       smooth_(device, shader_code::edit_smooth, editPipeline(sizeof(shared::SmoothArgs), update)),
       brush_(Buffer::of<shared::Brush>(device, 1, Memory::device, "brush")),
-      // One more than is read: the validation layer of Debian 12 overestimates the size of a load of a whole struct.
-      tool_(Buffer::of<shared::BrushTool>(device, 2, Memory::upload, "tool")) {
+      tool_(Buffer::of<shared::PlacedTool>(device, 1, Memory::upload, "tool")) {
   setTool({});
   setBrush(brush);
 }
@@ -47,7 +46,7 @@ void BrushMoves::setBrush(const BrushOptions& brush) {
 }
 
 void BrushMoves::setTool(const BrushStroke::Tool& tool) {
-  tool_.mapped<shared::BrushTool>()[0] = sharedTool(tool);
+  tool_.mapped<shared::PlacedTool>()[0] = placedTool(tool);
   PALPATE_CHECK_LE(tool.reach, kFar * options_.radius * (1 + 1e-9));
   box_ = tool.reach > kNear * options_.radius * (1 - 1e-6) ? Box::far : Box::near;
 }

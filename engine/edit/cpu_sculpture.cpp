@@ -5,7 +5,8 @@
 
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
-#include "engine/edit/normal_fit.hpp"
+#include "engine/edit/normal_refit.hpp"
+#include "engine/edit/spacing_measure.hpp"
 #include "shaders/shared/contact.h"
 
 namespace palpate {
@@ -14,7 +15,7 @@ namespace {
 
 // Fewest points that a thread takes at a time: as many as take longer than to wake it. A gather takes microseconds,
 // most brushes some ten nanoseconds.
-constexpr std::size_t kFewestGathers = 8, kFewestBrushed = 512;
+constexpr std::size_t kFewestGathers = 16, kFewestBrushed = 512, kFewestCells = 2048;
 constexpr std::size_t kAhead = 8;  // points whose memory is fetched ahead of a brush
 constexpr std::size_t kTurns = 8;  // of a thread, so that all end at about the same time
 // Number of neighbours that a point examines before it decides on insertion or removal. More are within its
@@ -43,7 +44,10 @@ double claimSpacing(const SculptOptions& options) {
 }  // namespace
 
 CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options)
-    : options_(options), points_(cloud), grid_(grid, options.threads), claims_(claimSpacing(options)) {
+    : options_(options),
+      points_(cloud),
+      grid_(grid, options.threads, SortedGrid::CellTags::on),
+      claims_(claimSpacing(options)) {
   PALPATE_CHECK_LT(0.0, options.radius);
   const Stopwatch watch;
   grid_.build(points_.positions, points_.there);
@@ -51,26 +55,6 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
   isChanged_.reserve(points_.positions.capacity());
   isChanged_.resize(points_.size());
   if (options.resample) measureSpacings();
-}
-
-double CpuSculpture::spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const {
-  const DVec3 place(points_.positions[point]), normal(points_.normals[point]);
-  const Frame3 frame = frameAround(normal);
-  double weights = 0;
-  SectorDistances nearest;
-  nearest.fill(std::numeric_limits<double>::infinity());
-  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
-    if (!counts[near.number] || glm::dot(normal, DVec3(points_.normals[near.number])) <= shared::kSameSheet) return;
-    const DVec3 offset = DVec3(near.position) - place;
-    const double distance = glm::length(offset);
-    weights += wendland(distance / options_.radius);
-    if (distance == 0) return;
-    double& inSector = nearest[shared::sectorOf(static_cast<float>(glm::dot(offset, frame.u)),
-                                                static_cast<float>(glm::dot(offset, frame.v)))];
-    inSector = std::min(inSector, distance);
-  });
-  return std::max(shared::spacingFrom(options_.radius, std::max(weights, static_cast<double>(shared::kMinWeights))),
-                  sectorSpacing(nearest));
 }
 
 void CpuSculpture::measureSpacings() {
@@ -83,8 +67,24 @@ void CpuSculpture::measureSpacings() {
                       [&](const SortedGrid::Placed& near) { counts[i] = counts[i] && near.number >= i; });
   });
   points_.spacings.resize(points_.size());
-  forEachOf(grid_.team(), points_.size(), kFewestGathers, [&](std::size_t i) {
-    points_.spacings[i] = static_cast<float>(std::clamp(spacingAt(static_cast<std::uint32_t>(i), counts), least, most));
+  // In the order of the index, so that points of a cell are together.
+  constexpr std::size_t kPart = 4096;
+  const std::span<const SortedGrid::Placed> all = grid_.placed();
+  grid_.team().forEach((all.size() + kPart - 1) / kPart, [&](std::size_t part) {
+    thread_local CellGroups groups;
+    thread_local SpacingMeasure measure;
+    const std::span<const SortedGrid::Placed> points =
+        all.subspan(part * kPart, std::min(kPart, all.size() - part * kPart));
+    groups.assign(grid_.grid(), points.size(),
+                  [&](std::size_t i) { return std::pair(DVec3(points[i].position), options_.radius); });
+    for (const CellGroups::Group& group : groups.groups()) {
+      measure.gather(grid_, group.balls, points_.normals, counts);
+      for (const std::uint32_t i : groups.members(group)) {
+        const std::uint32_t point = points[i].number;
+        const double spacing = measure.at(DVec3(points[i].position), DVec3(points_.normals[point]), options_.radius);
+        points_.spacings[point] = static_cast<float>(std::clamp(spacing, least, most));
+      }
+    }
   });
 }
 
@@ -176,9 +176,7 @@ void CpuSculpture::tellOf(std::uint32_t point) {
 
 // Every point reads the previous positions of the others.
 void CpuSculpture::applyBrush(const PlacedBrush& brush) {
-  reached_.clear();
-  grid_.forEachNear(brush.center(), brush.radius(),
-                    [&](const SortedGrid::Placed& point) { reached_.push_back(point.number); });
+  reach(brush);
   places_.resize(reached_.size());
   const bool smooths = brush.kind() == BrushKind::smooth, paints = brush.kind() == BrushKind::paint;
   forEachOf(grid_.team(), reached_.size(), smooths ? kFewestGathers : kFewestBrushed, [&](std::size_t i) {
@@ -189,7 +187,6 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
     else
       places_[i] = brush.brushed(DVec3(points_.positions[point]), DVec3(points_.normals[point]), found(brush, point));
   });
-  measure(brush);
   for (std::size_t i = 0; i < reached_.size(); ++i) {
     const std::uint32_t point = reached_[i];
     const Vec3 place(places_[i].position);
@@ -219,9 +216,30 @@ PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t p
   return {DVec3(found.position), DVec3(found.normal)};
 }
 
-void CpuSculpture::measure(const PlacedBrush& brush) {
-  for (const std::uint32_t point : reached_)
-    if (brush.measures(point)) measure_.add(brush.measured(found(brush, point)));
+// Finds the points that the brush may affect, and measures the surface under it.
+void CpuSculpture::reach(const PlacedBrush& brush) {
+  const std::size_t layers = grid_.layers(brush.center(), brush.radius());
+  layers_.resize(std::max(layers_.size(), layers));
+  forEachOf(grid_.team(), layers, std::max<std::size_t>(1, kFewestCells / (layers * layers)), [&](std::size_t k) {
+    Layer& layer = layers_[k];
+    layer.reached.clear();
+    layer.measured.clear();
+    layer.measure = {};
+    grid_.forEachNear(brush.center(), brush.radius(), k, [&](const SortedGrid::Placed& near) {
+      if (brush.measures(near.number)) layer.measured.push_back(near.number);
+      if (brush.mayAffect(DVec3(near.position))) layer.reached.push_back(near.number);
+    });
+    for (std::size_t i = 0; i < layer.measured.size(); ++i) {
+      if (i + kAhead < layer.measured.size()) points_.prefetch(layer.measured[i + kAhead]);
+      const std::uint32_t point = layer.measured[i];
+      brush.measure(DVec3(points_.positions[point]), DVec3(points_.normals[point]), found(brush, point), layer.measure);
+    }
+  });
+  reached_.clear();
+  for (const Layer& layer : std::span(layers_).first(layers)) {
+    reached_.insert(reached_.end(), layer.reached.begin(), layer.reached.end());
+    measure_.add(layer.measure);
+  }
 }
 
 DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) const {
@@ -250,29 +268,29 @@ void CpuSculpture::findUnsettled() {
   std::ranges::sort(unsettled_);
 }
 
-Vec3 CpuSculpture::refitted(std::uint32_t point) const {
-  const DVec3 place(points_.positions[point]);
-  NormalFit fit(options_.radius);
-  DVec3 side(0);
-  const Vec3 old = points_.normals[point];
-  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
-    const Vec3 theirs = points_.normals[near.number];
-    const double share = shared::fitShare(glm::dot(theirs, old));
-    if (share <= 0) return;
-    const DVec3 offset = DVec3(near.position) - place;
-    fit.add(offset, share);
-    side += share * wendland(glm::length(offset) / options_.radius) * DVec3(theirs);
-  });
-  const DVec3 normal = fit.normal(DVec3(old)).normal;
-  return Vec3(glm::dot(normal, side) < 0 ? -normal : normal);
-}
-
-// A normal takes the side of most normals around it: at a fresh edge a normal may rotate by a right angle in one tick,
-// and its previous side is then meaningless. The far sheet of a plate does not count.
 void CpuSculpture::refit() {
   normals_.resize(unsettled_.size());
-  forEachOf(grid_.team(), unsettled_.size(), kFewestGathers,
-            [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });
+  // No neighbourhood of a point is wider, also after rounding.
+  const double radius = std::max(options_.radius, double{static_cast<float>(options_.radius)});
+  groups_.assign(grid_.grid(), unsettled_.size(),
+                 [&](std::size_t i) { return std::pair(DVec3(points_.positions[unsettled_[i]]), radius); });
+  surroundings_.resize(std::max(surroundings_.size(), groups_.groups().size()));
+  groups_.forEach(grid_.team(), kFewestGathers, [&](std::size_t number, const CellGroups::Group& group) {
+    thread_local NormalRefit refit;
+    thread_local NearPoints near;
+    Surroundings& around = surroundings_[number];
+    around.points.gather(grid_, group.balls);
+    around.near.clear();
+    around.ends.clear();
+    refit.gather(around.points, points_.normals);
+    for (const std::uint32_t i : groups_.members(group)) {
+      const std::uint32_t point = unsettled_[i];
+      around.points.near(DVec3(points_.positions[point]), radius, near);
+      normals_[i] = refit.refitted(near, points_.normals[point], options_.radius);
+      around.near.insert(around.near.end(), near.indices().begin(), near.indices().end());
+      around.ends.push_back(static_cast<std::uint32_t>(around.near.size()));
+    }
+  });
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     Vec3& normal = points_.normals[unsettled_[i]];
     if (normal != normals_[i]) tellOf(unsettled_[i]);
@@ -285,52 +303,53 @@ std::optional<DVec3> CpuSculpture::pushedFrom(std::uint32_t point) const {
   return pushes_->outward();
 }
 
-ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbours) const {
-  const auto seen = [&](std::uint32_t number, const DVec3& offset) {
-    return ResampleNeighbour{.offset = offset,
-                             .normal = DVec3(points_.normals[number]),
-                             .rest = DVec3(points_.rests[number]),
-                             .spacing = points_.spacing(number),
-                             .isNew = number >= points_.fromFile,
-                             .atRest = carves_ && isAtRest(number),
-                             .number = number,
-                             .unsettled = points_.unsettled[number] != 0};
-  };
-  neighbours.clear();
+ResampleNeighbour CpuSculpture::seen(std::uint32_t number) const {
+  return {.normal = DVec3(points_.normals[number]),
+          .rest = DVec3(points_.rests[number]),
+          .spacing = points_.spacing(number),
+          .isNew = number >= points_.fromFile,
+          .atRest = carves_ && isAtRest(number),
+          .number = number,
+          .unsettled = points_.unsettled[number] != 0};
+}
+
+double CpuSculpture::neighbourhoodOf(std::uint32_t point) const {
+  return double{
+      shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius))};
+}
+
+ResampleRequest CpuSculpture::requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
+                                        ResampleNeighbours& neighbours) const {
   const DVec3 place(points_.positions[point]);
-  const double radius =
-      shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius));
-  bool complete = true;
-  grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
-    if (near.number == point) return;
-    if (neighbours.size() < kMaxNeighbours)
-      neighbours.push_back(seen(near.number, DVec3(near.position) - place));
-    else
-      complete = false;
-  });
+  const bool complete = neighbours.look({place, neighbourhoodOf(point), point}, near, kMaxNeighbours);
   const SculptedPoints::Found as = cuts_ ? points_.found(point, cuts_->stroke()) : SculptedPoints::Found{};
-  return resampleRequest(seen(point, DVec3(0)),
-                         {.neighbours = neighbours,
-                          .reach = reachOf(point),
-                          .fills = fills_ && complete,
-                          .carves = carves_,
-                          .moved = isMoved(point),
-                          .pushedFrom = pushedFrom(point),
-                          .found = DVec3(as.position) - place,
-                          .foundNormal = DVec3(as.normal),
-                          .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity(),
-                          .claims = &claims_,
-                          .place = place});
+  return resampleRequest(seen(point), {.neighbours = neighbours,
+                                       .reach = reachOf(point),
+                                       .fills = fills_ && complete,
+                                       .carves = carves_,
+                                       .moved = isMoved(point),
+                                       .pushedFrom = pushedFrom(point),
+                                       .found = DVec3(as.position) - place,
+                                       .foundNormal = DVec3(as.normal),
+                                       .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity(),
+                                       .claims = &claims_,
+                                       .place = place});
 }
 
 void CpuSculpture::resample() {
   requests_.resize(unsettled_.size());
-  forEachOf(grid_.team(), unsettled_.size(), kFewestGathers, [&](std::size_t i) {
-    thread_local Neighbours neighbours;
-    static_cast<ResampleRequest&>(requests_[i]) = requestOf(unsettled_[i], neighbours);
-    if (!requests_[i].inserts) return;
-    requests_[i].place = Vec3(DVec3(points_.positions[unsettled_[i]]) + requests_[i].offset);
-    requests_[i].reach = static_cast<float>(reachOf(unsettled_[i]) - glm::length(requests_[i].offset));
+  groups_.forEach(grid_.team(), kFewestGathers, [&](std::size_t number, const CellGroups::Group& group) {
+    thread_local ResampleNeighbours neighbours;
+    const Surroundings& around = surroundings_[number];
+    neighbours.gather(around.points, [&](std::uint32_t each) { return seen(each); });
+    for (std::size_t member = 0; member < group.count; ++member) {
+      const std::uint32_t i = groups_.members(group)[member], point = unsettled_[i];
+      Request& request = requests_[i];
+      static_cast<ResampleRequest&>(request) = requestOf(point, around.nearOf(member), neighbours);
+      if (!request.inserts) continue;
+      request.place = Vec3(DVec3(points_.positions[point]) + request.offset);
+      request.reach = static_cast<float>(reachOf(point) - glm::length(request.offset));
+    }
   });
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     const std::uint32_t point = unsettled_[i];

@@ -4,6 +4,7 @@
 #include "engine/edit/placed_brush.hpp"
 #include "engine/edit/resampling.hpp"
 #include "engine/edit/sculpted_points.hpp"
+#include "engine/spatial/cell_groups.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 
 namespace palpate {
@@ -51,9 +52,7 @@ class CpuSculpture {
   void set(std::span<const PointChange> changes);
 
  private:
-  using Neighbours = std::vector<ResampleNeighbour>;
   void measureSpacings();
-  double spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const;
   double reachOf(std::uint32_t point) const;
   float mostReach() const;
   bool isAtRest(std::uint32_t point) const;
@@ -65,12 +64,14 @@ class CpuSculpture {
   void applyBrush(const PlacedBrush& brush);
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
   DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;
-  void measure(const PlacedBrush& brush);
+  void reach(const PlacedBrush& brush);
   void findUnsettled();
   void refit();
-  Vec3 refitted(std::uint32_t point) const;
   std::optional<DVec3> pushedFrom(std::uint32_t point) const;
-  ResampleRequest requestOf(std::uint32_t point, Neighbours& neighbours) const;
+  ResampleNeighbour seen(std::uint32_t number) const;
+  double neighbourhoodOf(std::uint32_t point) const;
+  ResampleRequest requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
+                            ResampleNeighbours& neighbours) const;
   void resample();
   void insertClaimed();
   void tellOf(std::uint32_t point);
@@ -95,6 +96,23 @@ class CpuSculpture {
     Vec3 place{0};  // of the new point
     float reach = 0;
   };
+  CellGroups groups_;  // of the unsettled points
+  // The points around a group, and those near each of its members: indices in `points`, up to `ends` by member.
+  struct Surroundings {
+    GatheredPoints points;
+    std::vector<std::uint32_t> near, ends;
+
+    std::span<const std::uint32_t> nearOf(std::size_t member) const {
+      const std::uint32_t begin = member == 0 ? 0 : ends[member - 1];
+      return std::span(near).subspan(begin, ends[member] - begin);
+    }
+  };
+  std::vector<Surroundings> surroundings_;  // by group
+  struct Layer {
+    std::vector<std::uint32_t> reached, measured;  // numbers of points
+    SurfaceMeasure measure;
+  };
+  std::vector<Layer> layers_;
   std::vector<std::uint32_t> reached_, unsettled_, changed_;  // numbers of points
   std::vector<std::uint32_t> swallowed_;                      // by the carving ball: removed with the next edit
   std::vector<PlacedBrush::Point> places_;                    // of the reached points

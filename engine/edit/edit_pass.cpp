@@ -152,8 +152,11 @@ BrushMoves::Io EditPass::movesIo(const shared::CloudView& cloud, std::uint32_t p
 
 SurfaceMeasure EditPass::measure() const {
   const shared::HashUpdate& sums = report();
-  return {
+  SurfaceMeasure measure{
       .weights = sums.weights, .normals = {sums.normals[0], sums.normals[1], sums.normals[2]}, .heights = sums.heights};
+  std::ranges::copy(sums.seen, measure.seen.begin());
+  measure.nearest = sums.nearest;
+  return measure;
 }
 
 EditSequel::Io EditPass::sequelIo(const shared::CloudView& cloud, std::uint32_t parity, const Scratch& scratch) const {

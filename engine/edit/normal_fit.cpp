@@ -6,15 +6,16 @@
 
 namespace palpate {
 
-NormalFit::Result NormalFit::normal(const DVec3& old) const {
-  if (neighbours_ < shared::kMinNeighbours || weights_ <= 0) return {.normal = old};
-  const DVec3 mean = sum_ / weights_;
-  const SymmetricMatrix3 spread{.xx = squares_.xx / weights_ - mean.x * mean.x,
-                                .yy = squares_.yy / weights_ - mean.y * mean.y,
-                                .zz = squares_.zz / weights_ - mean.z * mean.z,
-                                .xy = squares_.xy / weights_ - mean.x * mean.y,
-                                .xz = squares_.xz / weights_ - mean.x * mean.z,
-                                .yz = squares_.yz / weights_ - mean.y * mean.z};
+NormalFit::Result NormalFit::normal(const Sums& sums, const DVec3& old) {
+  const auto& [weights, offsets, squares, neighbours] = sums;
+  if (neighbours < shared::kMinNeighbours || weights <= 0) return {.normal = old};
+  const DVec3 mean = offsets / weights;
+  const SymmetricMatrix3 spread{.xx = squares.xx / weights - mean.x * mean.x,
+                                .yy = squares.yy / weights - mean.y * mean.y,
+                                .zz = squares.zz / weights - mean.z * mean.z,
+                                .xy = squares.xy / weights - mean.x * mean.y,
+                                .xz = squares.xz / weights - mean.x * mean.z,
+                                .yz = squares.yz / weights - mean.y * mean.z};
   const Eigen3 eigen = eigenSymmetric(spread);
   // Collinear or coincident points have more than one direction of least variance.
   constexpr double kMinGap = 1e-5;

@@ -13,14 +13,22 @@ class NormalFit {
   /// `radius`: support radius, model units.
   explicit NormalFit(double radius) : inverseRadius_(1.0 / radius) {}
 
+  /// Over neighbours at these offsets with weights w.
+  struct Sums {
+    double weights = 0;
+    DVec3 offsets{0};          ///< of w times the offset
+    SymmetricMatrix3 squares;  ///< of the squares of the square root of w times the offset
+    std::uint32_t neighbours = 0;
+  };
+
   /// `offset`: from the position to a neighbour within the support radius, including the position itself. `share`: its
   /// weight, 0 to 1.
   void add(const DVec3& offset, double share = 1) {
     const double w = share * wendland(glm::length(offset) * inverseRadius_);
-    weights_ += w;
-    sum_ += w * offset;
-    squares_.addSquare(std::sqrt(w) * offset);
-    ++neighbours_;
+    sums_.weights += w;
+    sums_.offsets += w * offset;
+    sums_.squares.addSquare(std::sqrt(w) * offset);
+    ++sums_.neighbours;
   }
 
   struct Result {
@@ -28,14 +36,12 @@ class NormalFit {
     double flatness = 1;  ///< smallest over middle eigenvalue, 0 to 1: near 1 the direction is arbitrary
   };
   /// The old normal if there are too few neighbours, or they do not span a surface.
-  Result normal(const DVec3& old) const;
+  Result normal(const DVec3& old) const { return normal(sums_, old); }
+  static Result normal(const Sums& sums, const DVec3& old);
 
  private:
   double inverseRadius_;
-  double weights_ = 0;
-  std::uint32_t neighbours_ = 0;
-  DVec3 sum_{0};
-  SymmetricMatrix3 squares_;
+  Sums sums_;
 };
 
 }  // namespace palpate

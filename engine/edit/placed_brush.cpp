@@ -1,24 +1,49 @@
 #include "engine/edit/placed_brush.hpp"
 
+#include <algorithm>
+
 namespace palpate {
 
 PlacedBrush::PlacedBrush(const BrushOptions& options, double support, const BrushStroke::Tool& tool)
     : brush_(brushOf(options, support)), tool_(tool), resamples_(options.resample) {}
 
+// Whether it is in the ball or the shaft, with a margin for rounding. Inflate and grab reach points where the stroke
+// found them.
+bool PlacedBrush::mayAffect(const DVec3& place) const {
+  if (kind() == BrushKind::inflate || kind() == BrushKind::grab) return true;
+  constexpr double kMargin = 1e-6;
+  const bool hasShaft = kind() == BrushKind::push || kind() == BrushKind::carve;
+  const DVec3 offset = place - tool_.center;
+  const double along = hasShaft ? std::clamp(glm::dot(offset, tool_.outward), 0.0, tool_.shaft) : 0.0;
+  const DVec3 fromAxis = offset - along * tool_.outward;
+  return glm::dot(fromAxis, fromAxis) <= (1 + kMargin) * brush_.radius * brush_.radius;
+}
+
+bool PlacedBrush::actsOn(const Found& found) const {
+  return shared::actsOnAll(brush_.kind) || hasCell(tool_.connected, shared::connectedCell(tool_, found));
+}
+
 PlacedBrush::Point PlacedBrush::brushed(const DVec3& place, const DVec3& normal, const Found& found) const {
   const auto brushed = shared::brushed(brush_, tool_, place, normal, found);
+  if (brushed.position != place && !actsOn(found)) return {place};
   return {brushed.position, brushed.taken != 0};
 }
 
 shared::MeasuredPoint PlacedBrush::measured(const Found& found) const { return shared::measured(brush_, tool_, found); }
 
+void PlacedBrush::measure(const DVec3& place, const DVec3& normal, const Found& found, SurfaceMeasure& measure) const {
+  if (actsOn(found)) measure.add(measured(found));
+  measure.enter(shared::entered(brush_, tool_, place, normal, found));
+}
+
 DVec3 PlacedBrush::smoothed(const DVec3& place, const Found& found, const SurfaceSample& surface) const {
-  if (!surface.defined) return place;
+  if (!surface.defined || !actsOn(found)) return place;
   return shared::smoothed(brush_, tool_, place, found.normal, surface.distance, surface.normal);
 }
 
 std::uint32_t PlacedBrush::painted(const DVec3& place, const Found& found, std::uint32_t color) const {
-  return shared::painted(brush_, tool_, place, found.normal, color);
+  const std::uint32_t painted = shared::painted(brush_, tool_, place, found.normal, color);
+  return painted != color && actsOn(found) ? painted : color;
 }
 
 }  // namespace palpate

@@ -32,13 +32,15 @@ class PlacedBrush {
   bool fills() const { return tool_.closes == 0; }
   const DVec3& outward() const { return tool_.outward; }  ///< unit, the tool's axis
 
+  /// False: the brush has no effect on a point here, however the stroke found it. Cheaper than the effect itself.
+  bool mayAffect(const DVec3& place) const;
   struct Point {
     DVec3 position;
     bool taken = false;  ///< the point is removed
   };
   /// New state of a point that depends only on the point itself: for every brush but smooth, and paint, which moves
-  /// nothing. `normal`: the current one, unit. Outside the tool's reach, and if the brush does not act, the point
-  /// stays.
+  /// nothing. `normal`: the current one, unit. Outside the tool's reach, if the brush does not act, and,
+  /// except for carve, if it is not connected with the surface under the hand, the point stays.
   Point brushed(const DVec3& place, const DVec3& normal, const Found& found) const;
   /// Smooth: new position of a point. `surface`: the algebraic sphere fitted to its neighbours (SurfaceKind::sphere).
   DVec3 smoothed(const DVec3& place, const Found& found, const SurfaceSample& surface) const;
@@ -48,8 +50,12 @@ class PlacedBrush {
   bool measures(std::uint32_t id) const { return shared::isSampled(id, tool_.sampling); }
   /// Its contribution to the measure of the surface under the tool.
   shared::MeasuredPoint measured(const Found& found) const;
+  /// Adds it to the measure if the brush acts on the point, and the point's cell. `normal`: the current one, unit.
+  void measure(const DVec3& place, const DVec3& normal, const Found& found, SurfaceMeasure& measure) const;
 
  private:
+  bool actsOn(const Found& found) const;
+
   shared::BrushOf<double> brush_;
   BrushStroke::Tool tool_;
   bool resamples_;

@@ -48,22 +48,28 @@ struct SectorView {
   std::array<std::size_t, shared::kGapSectors> nearest;
 };
 
-SectorView nearestInSectors(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours) {
+SectorView nearestInSectors(const ResampleNeighbour& self, ResampleNeighbours& neighbours) {
   SectorView view{};
   view.distance.fill(kFar);
-  const Frame3 frame = frameAround(self.normal);
+  const auto [distances, sectors] = neighbours.sectors(frameAround(self.normal));
+  const double* const cosines = neighbours.cosines(self.normal);
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
-    const ResampleNeighbour& other = neighbours[i];
-    if (!sameSheet(self.normal, other.normal)) continue;
-    const shared::uint sector = shared::sectorOf(static_cast<float>(glm::dot(other.offset, frame.u)),
-                                                 static_cast<float>(glm::dot(other.offset, frame.v)));
-    const double distance = glm::length(other.offset);
+    if (!(cosines[i] > static_cast<double>(shared::kSameSheet))) continue;
+    const shared::uint sector = sectors[i];
+    const double distance = distances[i];
     if (distance > view.distance[sector]) continue;
-    if (distance == view.distance[sector] && other.number > neighbours[view.nearest[sector]].number) continue;
+    if (distance == view.distance[sector] && neighbours[i].number > neighbours[view.nearest[sector]].number) continue;
     view.distance[sector] = distance;
     view.nearest[sector] = i;
   }
   return view;
+}
+
+template <class Holds>
+bool anyOf(const ResampleNeighbours& neighbours, Holds&& holds) {
+  for (std::size_t i = 0; i < neighbours.size(); ++i)
+    if (holds(neighbours[i])) return true;
+  return false;
 }
 
 bool facesAway(const ResampleNeighbour& a, const ResampleNeighbour& b) {
@@ -78,19 +84,20 @@ struct Outside {
 const Outside kGoes{0, shared::kNearlyAll}, kStaysAway{shared::kBirthMargin, shared::kHalfOfThem};
 
 // Whether a position near `self` is through the far sheet of a plate.
-bool standsThrough(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
+bool standsThrough(const ResampleNeighbour& self, const DVec3& place, const ResampleNeighbours& neighbours,
                    float margin) {
-  return std::ranges::any_of(neighbours, [&](const ResampleNeighbour& other) {
+  return anyOf(neighbours, [&](const ResampleNeighbour& other) {
     return facesAway(self, other) &&
            shared::isThrough(Vec3(place - other.offset), Vec3(other.normal), static_cast<float>(self.spacing), margin);
   });
 }
 
 // Whether a position has risen over the points at rest around it.
-bool hasRisen(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
+bool hasRisen(const ResampleNeighbour& self, const DVec3& place, const ResampleNeighbours& neighbours,
               const Outside& outside) {
   double all = 0, above = 0;
-  for (const ResampleNeighbour& other : neighbours) {
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    const ResampleNeighbour other = neighbours[i];
     const DVec3 offset = place - other.offset;
     const double distance = glm::length(offset);
     if (!other.atRest || facesAway(self, other) || distance == 0) continue;
@@ -102,7 +109,7 @@ bool hasRisen(const ResampleNeighbour& self, const DVec3& place, std::span<const
   return above > outside.share * all;
 }
 
-bool standsOutside(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
+bool standsOutside(const ResampleNeighbour& self, const DVec3& place, const ResampleNeighbours& neighbours,
                    const Outside& outside) {
   return standsThrough(self, place, neighbours, outside.margin) || hasRisen(self, place, neighbours, outside);
 }
@@ -110,7 +117,8 @@ bool standsOutside(const ResampleNeighbour& self, const DVec3& place, std::span<
 // Depth of the nearest point of a far sheet under the point as the stroke found it.
 std::optional<double> thicknessSeen(const ResampleNeighbour& self, const ResampleView& view) {
   std::optional<double> least;
-  for (const ResampleNeighbour& other : view.neighbours) {
+  for (std::size_t i = 0; i < view.neighbours.size(); ++i) {
+    const ResampleNeighbour other = view.neighbours[i];
     if (glm::dot(other.normal, view.foundNormal) > static_cast<double>(shared::kFarSheet)) continue;
     const double along = glm::dot(other.offset, view.foundNormal);
     const DVec3 aside = other.offset - along * view.foundNormal;
@@ -119,6 +127,35 @@ std::optional<double> thicknessSeen(const ResampleNeighbour& self, const Resampl
       least = std::min(least.value_or(deep), deep);
   }
   return least;
+}
+
+// Whether a point pushed along an axis has reached a sheet that faces away from the tool.
+bool stopsBefore(const ResampleNeighbour& self, const DVec3& axis, ResampleNeighbours& neighbours) {
+  const double* const cosines = neighbours.cosines(axis);
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    if (!(cosines[i] <= static_cast<double>(shared::kOtherSide))) continue;
+    const ResampleNeighbour other = neighbours[i];
+    if (shared::isThrough(Vec3(-other.offset), Vec3(other.normal), static_cast<float>(self.spacing),
+                          shared::kStopMargin))
+      return true;
+  }
+  return false;
+}
+
+// The lowest-ranked of the neighbours that crowd a point and rank before it.
+std::optional<ResampleNeighbour> firstToCrowd(const ResampleNeighbour& self, ResampleNeighbours& neighbours) {
+  // Most are too far away for any spacing; the margin covers the rounding of the square.
+  constexpr double kMargin = 1e-9;
+  const double farthest = static_cast<double>(shared::kCrowded) * std::max(self.spacing, neighbours.widest());
+  const double most = farthest * farthest * (1 + kMargin);
+  const double* const squared = neighbours.squaredDistances();
+  std::optional<ResampleNeighbour> first;
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    if (squared[i] > most) continue;
+    const ResampleNeighbour other = neighbours[i];
+    if (hasToYield(self, other) && (!first || rank(other) < rank(*first))) first = other;
+  }
+  return first;
 }
 
 }  // namespace
@@ -130,7 +167,7 @@ double sectorSpacing(SectorDistances distances) {
 }
 
 ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleView& view) {
-  const std::span<const ResampleNeighbour> neighbours = view.neighbours;
+  ResampleNeighbours& neighbours = view.neighbours;
   ResampleRequest request;
   if (view.carves) {
     request.thick = thicknessSeen(self, view);
@@ -138,19 +175,11 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
     const double least = request.thick.value_or(view.thick) - static_cast<double>(shared::kSkin) * self.spacing;
     if (view.moved && (deep > least || standsOutside(self, DVec3(0), neighbours, kGoes))) return {.goes = true};
   }
-  request.stops = view.pushedFrom && std::ranges::any_of(neighbours, [&](const ResampleNeighbour& other) {
-                    return glm::dot(other.normal, *view.pushedFrom) <= static_cast<double>(shared::kOtherSide) &&
-                           shared::isThrough(Vec3(-other.offset), Vec3(other.normal), static_cast<float>(self.spacing),
-                                             shared::kStopMargin);
-                  });
-  const ResampleNeighbour* first = nullptr;  // lowest-ranked of those that crowd this point
-  for (const ResampleNeighbour& other : neighbours)
-    if (hasToYield(self, other) && (!first || rank(other) < rank(*first))) first = &other;
-  if (first) {
+  request.stops = view.pushedFrom && stopsBefore(self, *view.pushedFrom, neighbours);
+  if (const std::optional<ResampleNeighbour> first = firstToCrowd(self, neighbours)) {
     const auto firstYieldsTo = [&](const ResampleNeighbour& third) { return hasToYield(*first, third); };
     // A settled point stays.
-    if (!first->unsettled || std::ranges::none_of(neighbours, firstYieldsTo))
-      return {.goes = true, .stops = request.stops};
+    if (!first->unsettled || !anyOf(neighbours, firstYieldsTo)) return {.goes = true, .stops = request.stops};
     request.unsettled = true;
   }
 
@@ -160,7 +189,7 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
   for (std::size_t sector = 0; sector < shared::kGapSectors; ++sector) {
     const double gap = sectors.distance[sector];
     if (gap == kFar || gap >= narrowest) continue;
-    const ResampleNeighbour& other = neighbours[sectors.nearest[sector]];
+    const ResampleNeighbour other = neighbours[sectors.nearest[sector]];
     const double spacing = std::max(self.spacing, other.spacing);
     if (gap <= static_cast<double>(shared::kWidestGap) * spacing || !torn(self, other)) continue;
     const DVec3 place = shared::halfWay(other.offset, self.normal, other.normal);
@@ -176,7 +205,7 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
       return distance < static_cast<double>(shared::kCrowded) * std::max(spacing, point.spacing) &&
              glm::dot(facing, point.normal) > static_cast<double>(shared::kFarSheet) * glm::length(facing);
     };
-    if (blocks(self) || std::ranges::any_of(neighbours, blocks)) continue;
+    if (blocks(self) || anyOf(neighbours, blocks)) continue;
     if (view.carves && standsOutside(self, place, neighbours, kStaysAway)) continue;
     narrowest = gap;
     request.inserts = request.unsettled = true;

@@ -9,25 +9,13 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "engine/core/vec.hpp"
+#include "engine/edit/resample_neighbours.hpp"
 #include "shaders/shared/resample.h"
 
 namespace palpate {
-
-/// A neighbour of the deciding point.
-struct ResampleNeighbour {
-  DVec3 offset{0};           ///< from the deciding point, model units
-  DVec3 normal{0};           ///< unit
-  DVec3 rest{0};             ///< position in the cloud as loaded; of a new point, between its ends'; model units
-  double spacing = 0;        ///< target, model units
-  bool isNew = false;        ///< not in the cloud as loaded
-  bool atRest = false;       ///< still at its position as loaded; matters while a ball carves
-  std::uint32_t number = 0;  ///< of the point; in the order of ids
-  bool unsettled = false;    ///< moved, new, or with a pending request
-};
 
 /// The request of an unsettled point in one tick.
 struct ResampleRequest {
@@ -45,7 +33,7 @@ class InsertionClaims;
 
 /// The neighbourhood of the deciding point.
 struct ResampleView {
-  std::span<const ResampleNeighbour> neighbours;           ///< all others within the neighbourhood radius
+  ResampleNeighbours& neighbours;                          ///< all others within the neighbourhood radius
   double reach = std::numeric_limits<double>::infinity();  ///< maximum distance of a new point, model units
   /// False: no new point is requested, since the stroke is over or not all neighbours could be examined.
   bool fills = true;

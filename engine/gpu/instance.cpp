@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "engine/gpu/host_device.hpp"
+#include "engine/gpu/missing_software.hpp"
 
 namespace palpate {
 
@@ -34,12 +35,9 @@ bool hasExtension(const char* layer, const char* name) {
 
 Instance::Instance(Validation validation, std::span<const std::string> windowExtensions) : validation_(validation) {
   const bool validate = validates();
-  if (volkInitialize() != VK_SUCCESS)
-    throw GpuError(
-        "no Vulkan loader (libvulkan.so.1) was found; install the package libvulkan1 and a driver (the software driver "
-        "is mesa-vulkan-drivers)");
+  if (volkInitialize() != VK_SUCCESS) throw GpuError("{}", kNoVulkanLoader);
   if (validate && !hasLayer(kValidationLayer))
-    throw GpuError("validation: {} was not found; install the package vulkan-validationlayers", kValidationLayer);
+    throw GpuError("validation: {} was not found; install {}", kValidationLayer, kValidationLayerSource);
 
   std::vector<const char*> layers, extensions;
   for (const std::string& name : windowExtensions) {

@@ -126,8 +126,8 @@ void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, s
     if (log) log->progress(file.filename().string(), static_cast<double>(group.to) / static_cast<double>(points));
   }
   if (odd > 0 && log && layout.chunked)
-    log->say("{}: {} of {} chunks are longer than their points need: perhaps damaged", file.filename().string(),
-             odd.load(), chunks.size());
+    log->warn("{}: {} of {} chunks are longer than their points need: perhaps damaged", file.filename().string(),
+              odd.load(), chunks.size());
 }
 
 }  // namespace palpate

@@ -11,7 +11,8 @@ void remarkOnRest(ChunkedFile& file, Log* log) {
   const auto rest = file.peek(1);
   for (const std::byte b : rest) {
     if (b == std::byte{'\n'} || b == std::byte{'\r'} || b == std::byte{' '}) continue;
-    log->say("{}: what follows the last element, from byte {} on, is ignored", file.path().filename().string(), offset);
+    log->warn("{}: what follows the last element, from byte {} on, is ignored", file.path().filename().string(),
+              offset);
     return;
   }
 }

@@ -21,7 +21,7 @@ void remarkOnLostElements(const PlyInfo& info, const std::filesystem::path& path
     if (element.name == "vertex" || element.count == 0) continue;
     lost += fmt::format("{}{} {}", lost.empty() ? "" : ", ", element.count, element.name);
   }
-  if (!lost.empty()) log->say("{}: only the points are kept, not: {}", path.filename().string(), lost);
+  if (!lost.empty()) log->warn("{}: only the points are kept, not: {}", path.filename().string(), lost);
 }
 
 }  // namespace

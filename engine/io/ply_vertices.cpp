@@ -47,7 +47,7 @@ PlyVertices::PlyVertices(const std::filesystem::path& file, const PlyElement& ve
     : file_(file), badRows_(badRows) {
   for (const PlyProperty& property : vertex.properties) {
     if (property.isList) {
-      if (log) log->say("{}: the vertex list property '{}' is not kept", file.filename().string(), property.name);
+      if (log) log->warn("{}: the vertex list property '{}' is not kept", file.filename().string(), property.name);
       continue;
     }
     columns_.push_back({rowBytes_, property.type, Role::extra, 0, property.name});
@@ -256,7 +256,7 @@ PointCloud PlyVertices::finish(Log* log) {
   if (wide_) placeOrigin();
   if (rawColors_) settleColors();
   if (log)
-    for (const std::string& what : lost()) log->say("{}: not kept: {}", file_.filename().string(), what);
+    for (const std::string& what : lost()) log->warn("{}: not kept: {}", file_.filename().string(), what);
   if (!zeroNormals_.empty()) fillMissingNormals(cloud_, zeroNormals_, file_.filename().string(), log);
   return std::move(cloud_);
 }

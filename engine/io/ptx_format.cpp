@@ -199,7 +199,7 @@ StoredCloud readPtx(const std::filesystem::path& path, Log* log, const CloudRead
   if (scans.scans() == 1) std::erase_if(stored.cloud.extra, [](const Attribute& a) { return a.name == "scan"; });
   stored.cloud.storedAs.comments.emplace_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
   if (silent > 0) stored.lost.push_back(fmt::format("{} points without an echo", silent));
-  if (silent > 0 && log) log->say("{}: {} points are left out, as no echo came back", name, silent);
+  if (silent > 0 && log) log->warn("{}: {} points are left out, as no echo came back", name, silent);
   if (moved > 0) stored.lost.push_back(fmt::format("the poses of {} scans, which are applied", scans.scans()));
   if (scans.scans() > 0) stored.lost.emplace_back("the grids of the scans");
   return stored;

@@ -35,7 +35,7 @@ SurfaceMeasure sculpt(SoftSculpture& sculpture, const PlacedBrush& brush, double
   for (const NowPlace& at : near) {
     if (!(glm::distance(at.place, brush.center()) < brush.radius())) continue;
     const PlacedBrush::Found found{at.place, DVec3(at.normal)};
-    if (brush.measures(at.number)) measure.add(brush.measured(found));
+    if (brush.measures(at.number)) brush.measure(at.place, DVec3(at.normal), found, measure);
     DVec3 to;
     if (smooths) {
       const auto forEachNear = [&](double radius, auto&& visit) {

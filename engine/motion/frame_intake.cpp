@@ -41,19 +41,19 @@ void FrameIntake::fused(const CameraPose& pose, std::uint64_t refused) {
 
 void FrameIntake::sayWhereFull(std::uint64_t refused) {
   if (refused > 0 && !std::exchange(saidFull_, true) && log_)
-    log_->say("the map is full: {} points; new points are not added", options_.capacity);
+    log_->warn("the map is full: {} points; new points are not added", options_.capacity);
 }
 
 void FrameIntake::countLost(std::string_view why, std::uint64_t frames) {
   if (frames == 0) return;
   lost_ += frames;
-  if (log_) log_->say("a frame is lost: {}", why);
+  if (log_) log_->warn("a frame is lost: {}", why);
 }
 
 void FrameIntake::leaveOut(std::uint64_t number, std::string why) {
   tracker_.missed();
   why_ = std::move(why);
-  if (log_) log_->say("frame {} is not fused: {}", number, why_);
+  if (log_) log_->warn("frame {} is not fused: {}", number, why_);
 }
 
 void FrameIntake::beginAt(const std::optional<CameraPose>& seenFrom) {

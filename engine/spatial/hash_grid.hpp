@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -43,13 +45,22 @@ class CellBall {
  public:
   CellBall(const HashGrid& grid, const DVec3& center, double radius);
 
-  bool mayReach(const IVec3& cell) const {
-    const DVec3 low = DVec3(cell) - center_;
-    const DVec3 beside = glm::max(glm::max(low, -low - 1.0), DVec3(0));
-    return glm::dot(beside, beside) <= squared_;
+  /// The cells of a row of the box that may contain some: a range of x, its end excluded.
+  struct Row {
+    int begin, end;
+  };
+  Row row(int y, int z, const CellBox& box) const {
+    const double besideY = beside(y, center_.y), besideZ = beside(z, center_.z);
+    const double left = squared_ - besideY * besideY - besideZ * besideZ;
+    if (left < 0) return {box.low.x, box.low.x};
+    const double half = std::sqrt(left);
+    return {std::max(box.low.x, static_cast<int>(std::floor(center_.x - half))),
+            std::min(box.high.x, static_cast<int>(std::floor(center_.x + half))) + 1};
   }
 
  private:
+  static double beside(int cell, double center) { return std::max({cell - center, center - cell - 1, 0.0}); }
+
   DVec3 center_;  // in cells, as the squared radius
   double squared_;
 };

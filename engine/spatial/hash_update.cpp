@@ -80,7 +80,8 @@ HashUpdate::HashUpdate(Device& device, Queue& queue, const SpatialHash& hash, co
                                  .applyGroups = none,
                                  .changedGroups = UVec3(1),
                                  .head = options.points,
-                                 .points = options.points};
+                                 .points = options.points,
+                                 .nearest = shared::kOutsideSheet};
   upload(device, queue, template_, std::vector{begin});
   upload(device, queue, counters_, std::vector{begin});
   report_.mapped<shared::HashUpdate>()[0] = begin;

@@ -15,8 +15,13 @@ constexpr std::uint32_t kShareFree = 8, kShareUsed = 4;
 
 }  // namespace
 
-SortedGrid::SortedGrid(const HashGrid& grid, unsigned threads)
-    : grid_(grid), team_(threads), sort_(grid.bucketMask + 1), buckets_(std::size_t{grid.bucketMask} + 1, Bucket()) {}
+SortedGrid::SortedGrid(const HashGrid& grid, unsigned threads, CellTags cellTags)
+    : grid_(grid),
+      team_(threads),
+      sort_(grid.bucketMask + 1),
+      buckets_(std::size_t{grid.bucketMask} + 1, Bucket()),
+      cellTags_(cellTags),
+      tags_(buckets_.size()) {}
 
 void SortedGrid::build(std::span<const Vec3> positions, std::span<const std::uint8_t> there) {
   PALPATE_CHECK(there.empty() || there.size() == positions.size());
@@ -34,7 +39,10 @@ void SortedGrid::build(std::span<const Vec3> positions, std::span<const std::uin
   team_.forEach((buckets_.size() + kPart - 1) / kPart, [&](std::size_t part) {
     const std::span<const std::uint32_t> starts = sort_.starts();
     const std::size_t end = std::min(buckets_.size(), (part + 1) * kPart);
-    for (std::size_t b = part * kPart; b < end; ++b) buckets_[b] = {starts[b], starts[b + 1] - starts[b]};
+    for (std::size_t b = part * kPart; b < end; ++b) {
+      buckets_[b] = {starts[b], starts[b + 1] - starts[b]};
+      tags_[b] = tagsOf(bucket(static_cast<std::uint32_t>(b)));
+    }
   });
   size_ = sort_.items().size();
   isFresh_ = true;
@@ -77,6 +85,7 @@ void SortedGrid::replace(std::uint32_t number) {
   Placed* const found = std::ranges::lower_bound(begin, end, number, {}, &Placed::number);
   if (found == end || found->number != number) return;
   found->position = positions_[number];
+  tag(key, found->position);
   ++written_;
 }
 
@@ -98,6 +107,14 @@ void SortedGrid::transfer(std::span<const Transfer> transfers) {
   size_ += 2 * entering;
   size_ -= transfers.size();
   shrink(number);
+  if (bucket.count == 0) tags_[number] = 0;
+}
+
+std::uint8_t SortedGrid::tagsOf(std::span<const Placed> points) const {
+  if (cellTags_ == CellTags::off) return points.empty() ? 0 : 0xff;
+  std::uint8_t tags = 0;
+  for (const Placed& point : points) tags |= tagOf(cellOf(grid_, point.position));
+  return tags;
 }
 
 void SortedGrid::leave(Bucket& bucket, std::span<const Transfer> transfers) {
@@ -128,6 +145,7 @@ void SortedGrid::enter(Bucket& bucket, std::span<const Transfer> transfers, std:
     if (!next->enters) continue;
     for (; from != begin && (from - 1)->number > next->number; ++written_) *--to = *--from;
     *--to = {positions_[next->number], next->number};
+    tag(next->bucket, to->position);
   }
 }
 
@@ -161,7 +179,8 @@ void SortedGrid::near(const DVec3& center, double radius, std::vector<std::uint3
 }
 
 std::size_t SortedGrid::bytes() const {
-  return sort_.bytes() + buckets_.size() * sizeof(Bucket) + spare_.bytes() + transfers_.capacity() * sizeof(Transfer);
+  return sort_.bytes() + buckets_.size() * sizeof(Bucket) + tags_.size() + spare_.bytes() +
+         transfers_.capacity() * sizeof(Transfer);
 }
 
 }  // namespace palpate

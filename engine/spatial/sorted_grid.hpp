@@ -22,8 +22,11 @@ class SortedGrid final : public NeighbourSearch {
     std::uint32_t number;
   };
 
+  /// Whether a build costs a pass over the points more, so that a wide ball need not visit buckets whose points are
+  /// those of other cells.
+  enum class CellTags { off, on };
   /// `threads`: 0: one per core.
-  explicit SortedGrid(const HashGrid& grid, unsigned threads = 0);
+  explicit SortedGrid(const HashGrid& grid, unsigned threads = 0, CellTags cellTags = CellTags::off);
 
   void build(std::span<const Vec3> positions) override { build(positions, {}); }
   /// `there`: zero for each point to leave out; empty: all points are included.
@@ -62,6 +65,18 @@ class SortedGrid final : public NeighbourSearch {
   /// Calls visit(Placed) for every point strictly nearer than `radius` to `center`, once.
   template <class Visit>
   void forEachNear(const DVec3& center, double radius, Visit&& visit) const;
+  /// The same in layers, for several threads: the points of layer 0, then those of 1 and so on are those of
+  /// forEachNear() in its order.
+  std::size_t layers(const DVec3& center, double radius) const;
+  template <class Visit>
+  void forEachNear(const DVec3& center, double radius, std::size_t layer, Visit&& visit) const;
+
+  /// The most cells of a box whose buckets are visited whole.
+  static constexpr std::uint32_t kFewCells = 64;
+  /// Calls visit(points) for the buckets of a box of at most kFewCells cells, each once, in the order in which
+  /// forEachNear() visits them for a ball with this box.
+  template <class Visit>
+  void forEachBucket(const CellBox& box, Visit&& visit) const;
 
  private:
   // Slots: those of the last build, then the spare ones.
@@ -74,7 +89,6 @@ class SortedGrid final : public NeighbourSearch {
     bool enters;
   };
 
-  static constexpr std::uint32_t kFewCells = 64;
   // After the end of the build's slots, where its last buckets may begin if they are empty.
   std::uint32_t firstSpare() const { return static_cast<std::uint32_t>(sort_.items().size()) + 1; }
   const Placed* at(std::uint32_t slot) const {
@@ -95,8 +109,19 @@ class SortedGrid final : public NeighbourSearch {
   void moveTo(std::uint32_t bucket, std::uint32_t slot);
   void shrink(std::uint32_t bucket);
 
-  template <class Visit>
-  void visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const;
+  static constexpr std::size_t kMaxSide = 2048;
+  bool hasManyCells(const CellBox& box) const {
+    return box.cells() > kFewCells && box.cells() < static_cast<double>(size_);
+  }
+  // A bucket has a bit for each cell of its points; two cells may have the same. Bits of cells that its points have
+  // left stay until it is empty.
+  static std::uint8_t tagOf(const IVec3& cell) { return static_cast<std::uint8_t>(1u << (tagHash(cell) >> 29)); }
+  static std::uint32_t tagHash(const IVec3& cell) {
+    const UVec3 c(cell);
+    return c.x * 0x9e3779b1u + c.y * 0x85ebca77u + c.z * 0xc2b2ae3du;
+  }
+  void tag(std::uint32_t bucket, const Vec3& position) { tags_[bucket] |= tagOf(cellOf(grid_, position)); }
+  std::uint8_t tagsOf(std::span<const Placed> points) const;
   template <class Visit>
   void visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const;
   // Visits the near ones of some points, without unpredictable branches.
@@ -109,6 +134,8 @@ class SortedGrid final : public NeighbourSearch {
   std::span<const std::uint8_t> there_;
   BucketSort<Placed> sort_;  // its keys follow updates
   BareVector<Bucket> buckets_;
+  CellTags cellTags_;
+  std::vector<std::uint8_t> tags_;  // by bucket
   SpareBlocks<Placed> spare_;
   std::size_t size_ = 0;
   bool isFresh_ = true;
@@ -138,12 +165,25 @@ void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) 
   const CellBox box = cellsAround(grid_, center, radius);
   const double squared = radius * radius;
   if (box.cells() <= kFewCells) {
-    visitFewCells(box, center, squared, visit);
-  } else if (box.cells() < static_cast<double>(size_)) {
+    forEachBucket(box, [&](std::span<const Placed> points) { visitNear(points, center, squared, visit); });
+  } else if (hasManyCells(box)) {
     visitCells(box, center, radius, visit);
   } else {  // a pass over all points is cheaper
     for (std::uint32_t b = 0; b <= grid_.bucketMask; ++b) visitNear(bucket(b), center, squared, visit);
   }
+}
+
+inline std::size_t SortedGrid::layers(const DVec3& center, double radius) const {
+  const CellBox box = cellsAround(grid_, center, radius);
+  return hasManyCells(box) ? static_cast<std::size_t>(box.high.z - box.low.z) + 1 : 1;
+}
+
+template <class Visit>
+void SortedGrid::forEachNear(const DVec3& center, double radius, std::size_t layer, Visit&& visit) const {
+  CellBox box = cellsAround(grid_, center, radius);
+  if (!hasManyCells(box)) return forEachNear(center, radius, visit);
+  box.low.z = box.high.z = box.low.z + static_cast<int>(layer);
+  visitCells(box, center, radius, visit);
 }
 
 // In batches, whose memory accesses overlap: most cells of a wide ball are empty, and each bucket is a cache miss.
@@ -155,26 +195,40 @@ void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radi
   std::array<const Bucket*, kBatch> found;
   std::size_t count = 0;
   const auto visitBatch = [&] {
-    for (std::size_t i = 0; i < count; ++i)
-      if (found[i]->count > 0) __builtin_prefetch(at(found[i]->begin));
+    for (std::size_t i = 0; i < count; ++i) {
+      const Placed* const points = at(found[i]->begin);
+      __builtin_prefetch(points);
+      __builtin_prefetch(points + found[i]->count - 1);
+    }
     for (std::size_t i = 0; i < count; ++i)
       visitNear({at(found[i]->begin), found[i]->count}, center, radius * radius, [&](const Placed& point) {
         if (cellOf(grid_, point.position) == cells[i]) visit(point);
       });
     count = 0;
   };
-  box.forEach([&](const IVec3& cell) {
-    if (!ball.mayReach(cell)) return;
-    cells[count] = cell;
-    found[count] = &buckets_[bucketOf(grid_, cell)];
-    __builtin_prefetch(found[count]);
-    if (++count == kBatch) visitBatch();
-  });
+  // The number of a bucket is the exclusive or of those of its coordinates.
+  std::array<std::uint32_t, kMaxSide> columns;
+  PALPATE_CHECK_LT(box.high.x - box.low.x, static_cast<int>(kMaxSide));
+  for (int x = box.low.x; x <= box.high.x; ++x)
+    columns[static_cast<std::size_t>(x - box.low.x)] = bucketOf(grid_, {x, 0, 0});
+  for (int z = box.low.z; z <= box.high.z; ++z)
+    for (int y = box.low.y; y <= box.high.y; ++y) {
+      const auto [begin, end] = ball.row(y, z, box);
+      const std::uint32_t row = bucketOf(grid_, {0, y, z});
+      for (int x = begin; x < end; ++x) {
+        const std::uint32_t number = columns[static_cast<std::size_t>(x - box.low.x)] ^ row;
+        if ((tags_[number] & tagOf({x, y, z})) == 0) continue;
+        cells[count] = {x, y, z};
+        found[count] = &buckets_[number];
+        __builtin_prefetch(found[count]);
+        if (++count == kBatch) visitBatch();
+      }
+    }
   visitBatch();
 }
 
 template <class Visit>
-void SortedGrid::visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const {
+void SortedGrid::forEachBucket(const CellBox& box, Visit&& visit) const {
   // Prefetches all buckets before visiting their points, so that memory accesses overlap. Two cells may share a bucket,
   // whose points are then visited once: cheaper than computing each point's cell.
   std::array<std::uint32_t, kFewCells> begins;
@@ -190,7 +244,7 @@ void SortedGrid::visitFewCells(const CellBox& box, const DVec3& center, double s
     begins[count] = found.begin;
     visited[count++] = {points, found.count};
   });
-  for (std::size_t i = 0; i < count; ++i) visitNear(visited[i], center, squared, visit);
+  for (std::size_t i = 0; i < count; ++i) visit(visited[i]);
 }
 
 }  // namespace palpate

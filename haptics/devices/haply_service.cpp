@@ -4,6 +4,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
+#include "haptics/devices/system_devices.hpp"
 
 namespace palpate {
 namespace {
@@ -19,10 +20,8 @@ std::string listOf(const std::vector<haply::Inverse>& inverses) {
 }
 
 HaplyLink connected(const haply::Ports& ports) try { return HaplyLink(ports.simulation); } catch (const Error& error) {
-  throw Error(
-      "haply: the Haply service does not answer ({}); install it from Haply, and start it: sudo systemctl start "
-      "haply-inverse-service, or the Haply Hub",
-      error.what());
+  throw Error("haply: the Haply service does not answer ({}); install it from Haply, and start it: {}", error.what(),
+              haplyStart());
 }
 
 }  // namespace

@@ -23,5 +23,7 @@ TouchConfiguration touchConfiguration();
 
 /// The configuration file of the service of Haply devices; it exists only if a setting was changed.
 std::filesystem::path haplyConfiguration();
+/// How a user starts that service.
+std::string_view haplyStart();
 
 }  // namespace palpate

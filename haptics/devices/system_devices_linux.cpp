@@ -33,6 +33,8 @@ TouchConfiguration touchConfiguration() {
 
 fs::path haplyConfiguration() { return "/etc/haply-inverse-service/haply-inverse-service-config.json"; }
 
+std::string_view haplyStart() { return "sudo systemctl start haply-inverse-service, or the Haply Hub"; }
+
 std::vector<NodeFinding> surveySerialPorts() {
   std::vector<NodeFinding> found;
   std::error_code ignored;

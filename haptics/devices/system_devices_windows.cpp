@@ -33,6 +33,8 @@ fs::path haplyConfiguration() {
   return fs::path(data ? data : L"C:\\ProgramData") / "Haply" / "Inverse" / "haply-inverse-service-config.json";
 }
 
+std::string_view haplyStart() { return "open the Haply Hub, or the list of services (services.msc)"; }
+
 // From the registry; ports of USB modems, such as a Touch, have names of that driver.
 std::vector<NodeFinding> surveySerialPorts() {
   std::vector<NodeFinding> found;

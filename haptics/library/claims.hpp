@@ -4,14 +4,14 @@
 #include <atomic>
 
 #include "engine/core/system_file.hpp"
+#include "haptics/library/callbacks.hpp"
 #include "haptics/library/failures.hpp"
-#include "haptics/library/messages.hpp"
 
 namespace palpate::library {
 
 /// Throws StateError.
-inline void refuseInLogFunction() {
-  if (isInLogFunction) throw StateError("a log function cannot call a session, matter or a server");
+inline void refuseInCallback() {
+  if (isInCallback) throw StateError("a log or contact function cannot call a session, matter or a server");
 }
 
 /// The process in which an object was opened: after a fork, its threads, locks and GPU remain in the parent.
@@ -35,7 +35,7 @@ class Claims {
   const HomeProcess& home() const { return home_; }
 
   /// Held for the duration of a call. Throws ThreadError if another thread holds a conflicting claim, StateError in a
-  /// log function and in another process.
+  /// log or contact function and in another process.
   class Held {
    public:
     Held(Claims& claims, Claim claim) : claims_(claims), bits_(static_cast<unsigned>(claim)) { claims_.take(bits_); }
@@ -50,7 +50,7 @@ class Claims {
 
  private:
   void take(unsigned bits) {
-    refuseInLogFunction();
+    refuseInCallback();
     home_.require();
     unsigned before = taken_.load(std::memory_order_relaxed);
     do {

@@ -22,16 +22,26 @@ pp_force_law loaded(const std::string& library) {
 
 }  // namespace
 
-pp_contact contactOf(const Contact& contact, const DVec3& hip, const DVec3& force_N, double mm_per_unit) {
+namespace {
+
+double ageOf(const Contact& contact, double now_s) {
+  if (contact.valid && contact.fresh) return 0;
+  return contact.valid && contact.dataTime_s >= 0 ? now_s - contact.dataTime_s : -1;
+}
+
+}  // namespace
+
+pp_contact contactOf(const Contact& contact, const Pose& pose, const DVec3& force_N, double mm_per_unit) {
   pp_contact told{};
   putVector(contact.proxy, told.proxy);
   putVector(contact.normal, told.normal);
   putVector(force_N, told.force_N);
-  told.penetration_mm = contact.touching ? mm_per_unit * glm::length(contact.proxy - hip) : 0;
+  told.penetration_mm = contact.touching ? mm_per_unit * glm::length(contact.proxy - pose.hip) : 0;
   told.neighbours = contact.neighbours;
   told.contact = contact.touching;
   told.fresh = contact.fresh;
   told.valid = contact.valid;
+  told.age_s = ageOf(contact, pose.time_s);
   return told;
 }
 
@@ -45,7 +55,7 @@ DVec3 ForceFunction::call(void* user, const Contact& contact, const Pose& pose, 
   told.t_s = pose.time_s;
   putVector(pose.hip, told.hip);
   told.no_edit = !pose.sculpts;
-  const pp_contact answer = contactOf(contact, pose.hip, usual_N, self.mm_per_unit_);
+  const pp_contact answer = contactOf(contact, pose, usual_N, self.mm_per_unit_);
   double force_N[3]{};
   self.law_(self.user_, &told, &answer, dt_s, force_N);
   return {force_N[0], force_N[1], force_N[2]};

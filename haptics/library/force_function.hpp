@@ -27,6 +27,7 @@ class ForceFunction {
   double mm_per_unit_ = 1;
 };
 
-pp_contact contactOf(const Contact& contact, const DVec3& hip, const DVec3& force_N, double mm_per_unit);
+/// The answer to a pose, as the program receives it.
+pp_contact contactOf(const Contact& contact, const Pose& pose, const DVec3& force_N, double mm_per_unit);
 
 }  // namespace palpate::library

@@ -93,12 +93,13 @@ void LiveHands::stop() {
   if (run_) run_->pause();
 }
 
-std::uint64_t LiveHands::take(pp_tick* ticks, std::uint64_t capacity) {
+std::uint64_t LiveHands::take(pp_tick* ticks, std::uint64_t capacity, ContactEvents& events) {
   if (next_ == waiting_.size()) {
     const bool ended = run_->hasEnded();  // queried before the last ticks are read
     waiting_.clear();
     next_ = 0;
     run_->take(waiting_);
+    if (waiting_.empty() && ended) events.endAll();
     if (waiting_.empty() && ended && !stopped_ && !run_->fault().empty()) {
       if (run_->deviceFailed()) throw DeviceError("{}", run_->fault());
       throw GpuError("{}", run_->fault());
@@ -114,6 +115,7 @@ std::uint64_t LiveHands::take(pp_tick* ticks, std::uint64_t capacity) {
     lastTime_s_ = time_s;
   }
   ticks_ += count;
+  for (std::uint64_t i = 0; i < count * hands; ++i) events.felt(i % hands, ticks[i]);
   return count * hands;
 }
 

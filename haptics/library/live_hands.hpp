@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "haptics/library/contact_events.hpp"
 #include "haptics/library/force_function.hpp"
 #include "haptics/session/hand_source.hpp"
 #include "haptics/session/session.hpp"
@@ -36,9 +37,9 @@ class LiveHands {
   void start();
   bool isRunning() const { return run_ && !run_->hasEnded(); }
   void stop();
-  /// Reads rows of whole ticks, up to `capacity`, and returns their number. Throws DeviceError or GpuError if the
-  /// thread has ended because of a fault and no ticks are left.
-  std::uint64_t take(pp_tick* ticks, std::uint64_t capacity);
+  /// Reads rows of whole ticks, up to `capacity`, notifies `events` of them, and returns their number. Throws
+  /// DeviceError or GpuError if the thread has ended because of a fault and no ticks are left.
+  std::uint64_t take(pp_tick* ticks, std::uint64_t capacity, ContactEvents& events);
   std::uint64_t ticks() const { return ticks_; }
   std::uint64_t missed() const { return missed_; }
 

@@ -7,12 +7,10 @@
 #include <string_view>
 
 #include "engine/core/log.hpp"
+#include "haptics/library/callbacks.hpp"
 #include "haptics/library/watch.hpp"
 
 namespace palpate::library {
-
-/// This thread is in a log function of the program: calls from there could wait for the caller, and are refused.
-inline thread_local bool isInLogFunction = false;
 
 /// Passes messages to the program.
 class Messages final : public LogListener {
@@ -22,21 +20,20 @@ class Messages final : public LogListener {
     if (log || watch.isTold()) sink_.listen(this);
   }
   Log& sink() { return sink_; }
-  void said(std::string_view line) override {
-    if (!log_) return;
-    struct Inside {
-      Inside() { isInLogFunction = true; }
-      ~Inside() { isInLogFunction = false; }
-    };
-    const std::string whole(line);
-    const Inside inside;
-    log_(user_, whole.c_str());
-  }
+  void said(std::string_view line) override { tell(PP_LOG_NOTE, line); }
+  void warned(std::string_view line) override { tell(PP_LOG_WARNING, line); }
   /// Waits for a call of the program's function in progress; no further calls are made.
   void end() { sink_.listen(nullptr); }
   void progressed(std::string_view what, double share) override { watch_.progressed(what, share); }
 
  private:
+  void tell(pp_log_level level, std::string_view line) {
+    if (!log_) return;
+    const std::string whole(line);
+    const InCallback inside;
+    log_(user_, level, whole.c_str());
+  }
+
   pp_log_function log_;
   void* user_;
   Watch& watch_;

@@ -1,6 +1,7 @@
 #include "haptics/library/open_session.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "engine/edit/journal.hpp"
@@ -41,6 +42,22 @@ double budgetFrom(const pp_session_options& options) {
   return options.budget_us;
 }
 
+bool hasArrays(const Subject& subject) { return subject.cloud || !subject.clouds.empty(); }
+
+Model modelFrom(const Subject& subject, const SessionConfig& config, const ModelLoading& loading) {
+  if (!hasArrays(subject)) return loadModel(config, loading);
+  ModelConfig model = config.model;
+  PointCloud cloud;
+  if (subject.clouds.empty()) {
+    cloud = *subject.cloud;
+  } else {
+    cloud = mergedCloud(subject.clouds, model.normals, loading);
+    model.normals = NormalSource::keep;
+  }
+  if (cloud.empty()) throw UsageError("the cloud contains no points");
+  return modelOf(std::move(cloud), model, loading);
+}
+
 // Paths begin at 0, but the time of moving points may be later.
 Path later(const Path& path, double by_s) {
   std::vector<PathKey> keys(path.keys().begin(), path.keys().end());
@@ -57,6 +74,7 @@ class OpenSession::Followers final : public EditFollower {
   void catchUp(const EditBatch& batch) override {
     session_.edits_ += batch.points.size();
     session_.gpu_.follow(batch);
+    session_.queries_.follow(batch);
   }
 
  private:
@@ -70,14 +88,14 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
       threads_(options.threads),
       budget_us_(budgetFrom(options)),
       gpu_({options.gpu, options.vulkan}),
-      backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()) {
-  if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud contains no points");
+      backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()),
+      queries_(CloudRows(), threads_) {
   backend_->check(config_);
   ModelLoading loading{.log = messages_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
   if (subject.join) loading.join = joined_.emplace(*subject.join).joiner();
-  model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
-                                                       : loadModel(config_, loading));
-  if (subject.cloud && !knownScaleOf(*subject.cloud, config_.model.mm_per_unit))
+  model_ = std::make_shared<const Model>(modelFrom(subject, config_, loading));
+  queries_ = {subject.clouds.empty() ? CloudRows(model_->cloud.size()) : CloudRows(subject.clouds), threads_};
+  if (hasArrays(subject) && !knownScaleOf(model_->cloud, config_.model.mm_per_unit))
     messages_.sink().say(
         "the longest side, {:.6g} model units, is felt as {:.6g} mm: 1 unit is {:.6g} mm in the hand, where all "
         "lengths "
@@ -101,7 +119,7 @@ void OpenSession::end() noexcept {
     leave();
     endRecording();
   } catch (const std::exception& error) {  // the log has all that could be written
-    messages_.sink().say("{}", error.what());
+    messages_.sink().warn("{}", error.what());
   }
   messages_.end();
 }
@@ -161,6 +179,7 @@ void OpenSession::make(SessionConfig config, bool journal, bool editable) {
   undo.undo = 1;  // any number above 0, so that memory for undo is allocated
   session_.reset();
   gpu_.forgetPicture();
+  queries_.forget();
   const JobStopScope cuts(JobStopScope::cutting());
   session_ = std::make_unique<Session>(
       config, model_,
@@ -180,6 +199,7 @@ void OpenSession::make(SessionConfig config, bool journal, bool editable) {
 void OpenSession::endAsking() {
   if (isLive()) throw StateError("the session is live; stop it first");
   session_->endPulling();
+  events_.endAll();
 }
 
 void OpenSession::settle() {
@@ -211,7 +231,7 @@ void OpenSession::beginRecording(const OpenHand& hand, const RunOptions& run) {
   if (!recordTo_) return;
   const std::string file = *std::exchange(recordTo_, std::nullopt);
   session_->record(
-      file, hand, [this](const std::string& what) { messages_.sink().say("{}", what); }, run);
+      file, hand, [this](const std::string& what) { messages_.sink().warn("{}", what); }, run);
 }
 
 void OpenSession::endRecording() {
@@ -239,7 +259,7 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
       try {
         of.setBrushBetween(brush);
       } catch (const std::exception& error) {
-        of.messages_.sink().say("{}", error.what());
+        of.messages_.sink().warn("{}", error.what());
       }
     }
     OpenSession& of;
@@ -310,7 +330,7 @@ std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   if (joined_) {
     session_->settleShared(joined_->timeout_s());
     if (session_->shared() && !session_->shared()->counts().delivered)
-      messages_.sink().say(
+      messages_.sink().warn(
           "'{}': the server has not confirmed yet what was undone or redone here; settling waits for it",
           config_.model.file);
   }
@@ -357,7 +377,7 @@ void OpenSession::stopLive() {
   endRecording();
 }
 
-std::span<const PulledTick> OpenSession::touch(std::span<const Pose> poses) {
+void OpenSession::touch(std::span<const Pose> poses, std::span<pp_contact> contacts, double* torques_mNm) {
   if (poses.size() != hands())
     throw UsageError("hands: {} poses were given to a session of {} hands", poses.size(), hands());
   if (!session_->isPulled()) {
@@ -368,10 +388,21 @@ std::span<const PulledTick> OpenSession::touch(std::span<const Pose> poses) {
   reset_.store(false, std::memory_order_relaxed);
   hips_.clear();
   next_s_ = moves() ? poses.front().time_s + 1 / config_.rate_Hz : 0;
-  return session_->tick(poses);
+  const std::span<const PulledTick> ticks = session_->tick(poses);
+  std::array<pp_contact, PP_MAX_HANDS> felt;
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    felt[i] = contactOf(ticks[i].contact, poses[i], ticks[i].force_N, model_->scale.mm_per_unit);
+    events_.felt(i, poses[i].time_s, felt[i]);
+  }
+  std::copy_n(felt.begin(), ticks.size(), contacts.begin());  // after the function of the program, which may throw
+  for (std::size_t i = 0; torques_mNm && i < ticks.size(); ++i)
+    for (int k = 0; k < 3; ++k) torques_mNm[3 * i + static_cast<std::size_t>(k)] = ticks[i].torque_mNm[k];
 }
 
-void OpenSession::lift() { session_->lift(); }
+void OpenSession::lift() {
+  session_->lift();
+  events_.endAll();
+}
 
 void OpenSession::takeIn() { session_->catchUp(); }
 
@@ -416,6 +447,17 @@ Image OpenSession::draw(const PictureRequest& request) {
     gpu_.forgetPicture();  // it may be incomplete
     throw;
   }
+}
+
+const SurfaceIndex& OpenSession::surfaceIndex() {
+  takeIn();
+  return queries_.surfaceOf(*session_, moves() ? frame() : nullptr);
+}
+
+std::vector<pp_row> OpenSession::rows() {
+  if (moves()) throw StateError("the points of this session move, and have no rows of a cloud; read them as a frame");
+  takeIn();
+  return queries_.rowsOf(*session_);
 }
 
 Mesh OpenSession::mesh(const pp_mesh_options& options) {

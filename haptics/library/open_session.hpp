@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "haptics/library/claims.hpp"
+#include "haptics/library/contact_events.hpp"
 #include "haptics/library/force_function.hpp"
 #include "haptics/library/gpu_half.hpp"
 #include "haptics/library/joined_part.hpp"
@@ -17,6 +18,7 @@
 #include "haptics/library/messages.hpp"
 #include "haptics/library/objects.hpp"
 #include "haptics/library/pushed_frames.hpp"
+#include "haptics/library/session_queries.hpp"
 #include "haptics/session/session.hpp"
 
 namespace palpate::library {
@@ -25,6 +27,7 @@ namespace palpate::library {
 struct Subject {
   ModelConfig model;  ///< with the name of its file
   const PointCloud* cloud = nullptr;
+  std::vector<PlacedCloud> clouds;  ///< several, instead of `cloud`
   SceneRef scene;
   std::optional<StreamConfig> stream;       ///< a recorded depth camera, in the model's folder
   std::optional<pp_frames_options> frames;  ///< points that the program moves frame by frame
@@ -53,6 +56,8 @@ class OpenSession {
   const SessionConfig& config() const { return session_->config(); }
   const Model& model() const { return *model_; }
   std::size_t hands() const { return config_.hands.size(); }
+  /// Notified of each tick that a call returns.
+  ContactEvents& events() { return events_; }
 
   // All.
   /// Each hand follows its path in virtual time, the first one with this brush or without one.
@@ -71,8 +76,9 @@ class OpenSession {
   void stopLive();
 
   // Touch.
-  /// One tick, with a pose for each hand. Throws UsageError for another number of poses.
-  std::span<const PulledTick> touch(std::span<const Pose> poses);
+  /// One tick, with a pose for each hand. Throws UsageError for another number of poses, and what the program's contact
+  /// function throws.
+  void touch(std::span<const Pose> poses, std::span<pp_contact> contacts, double* torques_mNm);
   void lift();
 
   // Look.
@@ -89,6 +95,11 @@ class OpenSession {
   void publishCamera(const pp_camera_place* camera) { joined().publishCamera(*session_, camera); }
   Image draw(const PictureRequest& request);
   Mesh mesh(const pp_mesh_options& options);
+  /// Surface of the present points. Throws StateError if the session has none here.
+  const SurfaceIndex& surfaceIndex();
+  const SessionQueries& queries() const { return queries_; }
+  /// Where the present points come from. Throws StateError if they move.
+  std::vector<pp_row> rows();
   /// Null before the first live session.
   LiveHands* live() { return live_ ? &*live_ : nullptr; }
   bool isLive() const { return live_ && live_->isRunning(); }
@@ -157,6 +168,8 @@ class OpenSession {
   std::unique_ptr<BackendKind> backend_;
   std::optional<JoinedPart> joined_;
   std::shared_ptr<const Model> model_;
+  SessionQueries queries_;
+  ContactEvents events_;
   ForceFunction law_;
   std::shared_ptr<const FrameObject> frame_;  // newest frame
   std::unique_ptr<PushedFrames> frames_;      // if the program provides frames

@@ -47,6 +47,8 @@ void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>
     faults += row.valid ? 0 : 1;
   }
   *room.count = done * hands;
+  for (std::size_t i = 0; i < done * hands; ++i) session.events().felt(i % hands, room.ticks[i]);
+  session.events().endAll();
   if (done < ticks && isStopWanted()) throw Stopped("stopped after {} of {} ticks", done, ticks);
   if (faults > 0) throw GpuError("{} of {} ticks had no valid answer; their force was zero", faults, done * hands);
 }
@@ -153,17 +155,19 @@ pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double*
       asked[i] = poseFrom(poses[i], orientations ? orientations + 4 * i : nullptr);
       asked[i].time_s = asked[0].time_s;
     }
-    const std::span<const PulledTick> ticks = open.touch({asked.data(), hands});
-    for (std::size_t i = 0; i < hands; ++i) {
-      contacts[i] = contactOf(ticks[i].contact, asked[i].hip, ticks[i].force_N, open.model().scale.mm_per_unit);
-      for (int k = 0; torques_mNm && k < 3; ++k)
-        torques_mNm[3 * i + static_cast<std::size_t>(k)] = ticks[i].torque_mNm[k];
-    }
+    open.touch({asked.data(), hands}, {contacts, hands}, torques_mNm);
   });
 }
 
 pp_status pp_touch_lift(pp_session session) {
   return with(session, Claim::touch, [](OpenSession& open) { open.lift(); });
+}
+
+pp_status pp_session_on_contact(pp_session session, pp_contact_function function, void* user) {
+  return with(session, Claim::all, [&](OpenSession& open) {
+    if (open.isLive()) throw StateError("the session is live; stop it first");
+    open.events().listen(function, user);
+  });
 }
 
 pp_status pp_session_set_brush(pp_session session, const pp_brush* brush) {
@@ -281,7 +285,7 @@ pp_status pp_live_read_ticks(pp_session session, pp_tick* ticks, uint64_t capaci
     if (capacity > 0) required(ticks, "ticks");
     if (!open.live()) throw StateError("the session was never live; start it first");
     open.takeIn();
-    *count = open.live()->take(ticks, capacity);
+    *count = open.live()->take(ticks, capacity, open.events());
     open.checkShared();
   });
 }

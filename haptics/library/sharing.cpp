@@ -39,7 +39,7 @@ template <class Do>
 pp_status serving(pp_server server, Do&& act) {
   return guarded([&] {
     const auto found = objectOf<OpenServer>(server.id);
-    refuseInLogFunction();
+    refuseInCallback();
     found->home().require();
     act(*found);
   });
@@ -147,7 +147,7 @@ pp_status pp_server_cloud(pp_server server, pp_cloud* cloud) {
 
 pp_status pp_server_close(pp_server server) {
   return guarded([&] {
-    refuseInLogFunction();
+    refuseInCallback();
     if (!objectOf<OpenServer>(server.id)->home().isThis()) return handles().abandon(HandleKind::server, server.id);
     const auto closed = std::static_pointer_cast<OpenServer>(handles().remove(HandleKind::server, server.id));
     closed->end();

@@ -41,7 +41,7 @@ HandSource simulated(const HandConfig& config, const Path& path, const ModelScal
 HandSource replayed(const std::string& file, const Model& model, Log& log) {
   if (isSessionLog(file)) {
     SessionRecord record = readSessionLog(file);
-    for (const std::string& sentence : whatIsMissing(record)) log.say("{}: {}", file, sentence);
+    for (const std::string& sentence : whatIsMissing(record)) log.warn("{}: {}", file, sentence);
     if (record.ticks.empty()) throw FileError(file, "contains no complete tick, so it cannot be replayed");
     const RecordedSession session = parseHeader(file, record.text);
     const double duration_s = record.ticks.back().time_s;

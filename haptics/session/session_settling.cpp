@@ -73,7 +73,8 @@ bool Session::deliver(double timeout_s, double unheard_s) {
   for (const Stopwatch since; !isDelivered();) {
     if (isStopWanted() || since.elapsed_s() >= timeout_s || (since.elapsed_s() >= unheard_s && !isHeard())) {
       if (log_)
-        log_->say("'{}': the server has not confirmed all strokes of this hand, which may be lost", config_.model.file);
+        log_->warn("'{}': the server has not confirmed all strokes of this hand, which may be lost",
+                   config_.model.file);
       return false;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -120,7 +120,7 @@ void SteppedModel::restart() {
     return;  // the last reset takes effect with the next step
   sinceRestart_ = {};
   if (!wasFailing) {
-    if (log_) log_->say("the simulation {}: it is restarted", failure);
+    if (log_) log_->warn("the simulation {}: it is restarted", failure);
     const std::scoped_lock hold(lock_);
     restarts_ = {.count = restarts_.count + 1, .why = failure};
   }

@@ -60,7 +60,7 @@ bool readFrame(DepthStream& stream, DepthFrame& frame, Log& log) {
     try {
       return stream.next(frame);
     } catch (const Error& error) {
-      if (++lost <= kMaxSaid) log.say("{}", error.what());
+      if (++lost <= kMaxSaid) log.warn("{}", error.what());
     }
   }
 }

@@ -46,8 +46,9 @@ void SessionName::watch() {
           name_, other.host);
     if (isYoung || std::exchange(isTold_, true)) continue;  // the other one is about to end, or this was logged before
     if (log_)
-      log_->say("another session named '{}' is served by {}: neither can be joined by that name until one of them ends",
-                name_, other.host);
+      log_->warn(
+          "another session named '{}' is served by {}: neither can be joined by that name until one of them ends",
+          name_, other.host);
   }
 }
 

@@ -38,12 +38,13 @@ void main() {
       const uint k = base + scanIndex();
       bool moves = false, reached = false;
       PointMove move;
+      vec4 position = vec4(0.0), normal = vec4(0.0);
       FoundPoint found = FoundPoint(vec3(0.0), vec3(0.0));
       if (k < points) {
         uint cell;
         const uint slot = slotToLookAt(k, group, selecting, cell);
-        const vec4 position = args.cloud.positions.at[slot];
-        const vec4 normal = args.cloud.normals.at[slot];  // of all of them: a later load would be a second wait
+        position = args.cloud.positions.at[slot];
+        normal = args.cloud.normals.at[slot];  // of all of them: a later load would be a second wait
         const uint id = floatBitsToUint(position.w);
         reached = isInReach(id, position.xyz) && standsIn(cell, position.xyz);
         if (reached) {
@@ -53,7 +54,7 @@ void main() {
         }
         if (moves) noteReached(id, position.xyz, found);
       }
-      measure(reached, found);
+      measure(reached, position.xyz, normal.xyz, found);
       const uint at = nextMove(args.update, moves);
       if (moves) writeMove(update, at, move);
     }

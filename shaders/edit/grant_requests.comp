@@ -47,7 +47,7 @@ void orderBirths() {
     const vec3 place = args.lists.requests[granted[i]].place;
     const uint at = claimAt(claimsFor(args.radius), place);
     args.lists.grantedAt[at] = place;
-    args.lists.grantedIn[at] = args.tables.at[0].tool.at[0].stroke;
+    args.lists.grantedIn[at] = args.tables.at[0].tool.at[0].tool.stroke;
   }
   barrier();
   if (gl_LocalInvocationIndex != 0) return;

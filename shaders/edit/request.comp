@@ -382,7 +382,7 @@ void requestFor(uint id, vec3 center, uint sector) {
 
 void requestForAll() {
   tick = args.lists.now.tick;
-  fills = args.lists.now.nextId < args.tables.at[0].ids && args.tables.at[0].tool.at[0].closes == 0;
+  fills = args.lists.now.nextId < args.tables.at[0].ids && args.tables.at[0].tool.at[0].tool.closes == 0;
   firstNew = args.tables.at[0].firstNew;
   examinedOf = args.tables.at[0].examined;
   parentsOf = args.tables.at[0].parents;
@@ -390,10 +390,10 @@ void requestForAll() {
   rests = args.tables.at[0].rests;
   const uint kind = args.tables.at[0].brush.at[0].kind;
   carves = kind == kBrushCarve;
-  const bool pushing = (kind == kBrushPush || kind == kBrushGrab) && args.tables.at[0].tool.at[0].acts != 0;
-  outward = args.tables.at[0].tool.at[0].outward;
+  const bool pushing = (kind == kBrushPush || kind == kBrushGrab) && args.tables.at[0].tool.at[0].tool.acts != 0;
+  outward = args.tables.at[0].tool.at[0].tool.outward;
   brush = args.tables.at[0].brush.at[0];
-  tool = args.tables.at[0].tool.at[0];
+  tool = args.tables.at[0].tool.at[0].tool;
   cuts = carves && tool.acts != 0;
   const uint changed = args.update.at[0].changed;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
@@ -407,7 +407,7 @@ void requestForAll() {
     center = position.xyz;
     const float mostReach = kReach * args.radius;
     reach = id < firstNew ? mostReach : args.tables.at[0].reaches.at[id - firstNew];
-    pushes = pushing && args.tables.at[0].founds.at[id].stroke == args.tables.at[0].tool.at[0].stroke;
+    pushes = pushing && args.tables.at[0].founds.at[id].stroke == args.tables.at[0].tool.at[0].tool.stroke;
     moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
     swallowed = cuts && carved(brush, tool, center, self.normal).taken != 0;
     foundAt = foundNormal = vec3(0.0);

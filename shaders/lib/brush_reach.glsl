@@ -9,7 +9,7 @@ BrushTool tool;
 
 void takeUpBrush(Brushes brushes, BrushTools tools) {
   brush = brushes.at[0];
-  tool = tools.at[0];
+  tool = tools.at[0].tool;
 }
 
 // A point as the stroke found it.
@@ -44,6 +44,13 @@ bool isInReach(uint id, vec3 position) {
   return tool.acts != 0 && id != kEmptySlot && dot(away, away) < tool.reach * tool.reach;
 }
 
+// Whether the brush acts on a point in reach.
+bool isActedOn(FoundPoint found) {
+  if (actsOnAll(brush.kind)) return true;
+  const uint cell = connectedCell(tool, found);
+  return (args.tool.at[0].connected[cell / 32] >> (cell % 32) & 1) != 0;
+}
+
 // The move of a point in reach; false if the point does not change.
 bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out PointMove move) {
   const uint id = floatBitsToUint(position.w);
@@ -52,11 +59,12 @@ bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out Po
     move.toBucket = kNoBucket;
     return true;
   }
-  if (brush.kind == kBrushSmooth) return brushShare(brush, tool, position.xyz, found.normal) > 0.0;
+  if (brush.kind == kBrushSmooth)
+    return brushShare(brush, tool, position.xyz, found.normal) > 0.0 && isActedOn(found);
   if (brush.kind == kBrushPaint) {
     const uint color = colorOf(args.tables, id);
     move.mark = kMarkGiven;
-    return painted(brush, tool, position.xyz, found.normal, color) != color;
+    return painted(brush, tool, position.xyz, found.normal, color) != color && isActedOn(found);
   }
   const Brushed result = brushed(brush, tool, position.xyz, normal.xyz, found);
   if (result.taken != 0) {
@@ -67,7 +75,7 @@ bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out Po
   }
   move.position = result.position;
   move.toBucket = bucketAt(result.position);
-  return result.position != position.xyz;
+  return result.position != position.xyz && isActedOn(found);
 }
 
 #endif

@@ -17,7 +17,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Floats { flo
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Places { vec3 at[]; };
 #include "shaders/shared/edit.h"
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Brushes { Brush at[1]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer BrushTools { BrushTool at[1]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer BrushTools { PlacedTool at[1]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Founds { Found at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GivenChanges { GivenChange at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Tables { PointTables at[1]; };

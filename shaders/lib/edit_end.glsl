@@ -29,7 +29,7 @@ void endEdit(Uints report, Uints resampled, Uints empty, HashUpdates update, Res
   SharedWords counters = SharedWords(uvec2(update)), resampling = SharedWords(uvec2(lists));
   for (uint i = gl_LocalInvocationIndex; i < kUpdateBytes / kWord; i += gl_WorkGroupSize.x) {
     report.at[i] = counters.at[i];
-    if (i < kUpdateBegins / kWord) counters.at[i] = empty.at[i];
+    if (i < kUpdateBegins / kWord || i >= kUpdateSeen / kWord) counters.at[i] = empty.at[i];
   }
   if (isNull(resampled)) return;
   for (uint i = gl_LocalInvocationIndex; i < kResamplingBytes / kWord; i += gl_WorkGroupSize.x)

@@ -29,9 +29,16 @@ void noteReached(uint id, vec3 position, FoundPoint found) {
 }
 
 // Adds the points' contributions to the measured surface under the tool. The whole subgroup calls it together.
-void measure(bool counts, FoundPoint found) {
+void measure(bool counts, vec3 position, vec3 normal, FoundPoint found) {
   MeasuredPoint point = MeasuredPoint(0, ivec3(0), 0);
-  if (counts) point = measured(brush, tool, found);
+  uint near = kOutsideSheet;
+  if (counts) {
+    if (isActedOn(found)) point = measured(brush, tool, found);
+    near = entered(brush, tool, position, normal, found);
+  }
+  const uint cell = near % kSheetCells, nearest = subgroupMin(near);
+  if (near != kOutsideSheet) atomicOr(args.update.at[0].seen[cell / 32], 1u << cell % 32);
+  if (nearest != kOutsideSheet && subgroupElect()) atomicMin(args.update.at[0].nearest, nearest);
   if (!subgroupAny(point.weight != 0)) return;
   const int weights = subgroupAdd(point.weight), heights = subgroupAdd(point.height);
   const ivec3 normals = subgroupAdd(point.normal);

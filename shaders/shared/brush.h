@@ -2,6 +2,7 @@
 // square roots are used.
 #ifndef PALPATE_SHARED_BRUSH_H
 #define PALPATE_SHARED_BRUSH_H
+#include "shaders/shared/sheet_grid.h"
 #include "shaders/shared/types.h"
 
 PALPATE_SHARED_BEGIN
@@ -62,9 +63,22 @@ PALPATE_STRUCT(BrushTool) {
   uint stroke;           // number, from 1 on
   uint sampling;         // one of 2^sampling points is measured
   uint closes;           // not 0: the brush has not acted for long; no point is inserted any more
+  // Of the grids of the surface around the hand: side of the cells, corner of the one that this edit fills, and corner
+  // of the one whose connected cells are known.
+  Real cell;
+  PALPATE_VEC3 touched;  // the proxy; grab: the surface where it took hold
+  PALPATE_VEC3 entersFrom;
+  PALPATE_VEC3 connectedFrom;
 };
 PALPATE_SINGLE(BrushTool);
-PALPATE_SIZE(BrushTool, 96);
+PALPATE_SIZE(BrushTool, 136);
+
+// A tool with the cells of the surface on which it acts.
+struct PlacedTool {
+  BrushTool tool;
+  uint connected[kSheetWords];  // a bit for each cell
+};
+PALPATE_SIZE(PlacedTool, 648);
 
 // A point as the stroke found it.
 PALPATE_STRUCT(FoundPoint) {
@@ -135,6 +149,30 @@ PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) t
   if (tool.acts == 0u) return Real(0.0);
   return tool.share * facingShare(tool, foundNormal) * brushWeight(brush, length(position - tool.center));
 }
+
+// The cell in which a point is entered, in the lower bits, and over them its distance from the surface that the hand
+// touches: the smallest of all names the cell of that surface. kOutsideSheet if in none: sides of the model that face
+// away do not connect what the brush acts on.
+PALPATE_FORMULA uint entered(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                             PALPATE_VEC3 normal, PALPATE_OF(FoundPoint) found) {
+  // A point that has stopped at such a side counts as a part of it (kStopMargin), although it faces the tool.
+  PALPATE_VEC3 side = found.normal;
+  if (!(facingShare(tool, side) > Real(0.0)) && dot(normal, tool.outward) > Real(0.0)) side = -side;
+  const PALPATE_VEC3 place = sheetPlace(tool.entersFrom, tool.cell, found.position, side);
+  if (!(facingShare(tool, side) > Real(0.0)) || !isInSheet(place)) return kOutsideSheet;
+  PALPATE_VEC3 offset = position - tool.touched;
+  if (brush.kind == kBrushGrab) offset = found.position - tool.touched;
+  const Real share = min(Real(1.0), length(offset) / (Real(2.0) * tool.reach));
+  return uint(Real(kSheetSteps) * share) * kSheetCells + sheetCellAt(place);
+}
+
+// The cell that must be connected with the surface under the hand if the brush is to act on the point.
+PALPATE_FORMULA uint connectedCell(PALPATE_OF(BrushTool) tool, PALPATE_OF(FoundPoint) found) {
+  return sheetCellAt(sheetPlace(tool.connectedFrom, tool.cell, found.position, found.normal));
+}
+
+// Whether a brush acts on everything within its tool, connected or not.
+PALPATE_FUNCTION bool actsOnAll(uint kind) { return kind == kBrushCarve; }
 
 // Push (thesis section 5.2). The thesis moves every point towards the proxy, which on flat ground only crowds the
 // points. Here a point moves along the tool's axis to the underside of the ball: the brush leaves its shape, and points

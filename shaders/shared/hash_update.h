@@ -3,6 +3,7 @@
 // end; its old slots stay empty until the next build or compaction.
 #ifndef PALPATE_SHARED_HASH_UPDATE_H
 #define PALPATE_SHARED_HASH_UPDATE_H
+#include "shaders/shared/sheet_grid.h"
 #include "shaders/shared/spatial_hash.h"
 
 PALPATE_SHARED_BEGIN
@@ -83,10 +84,14 @@ struct HashUpdate {
   uint weights;
   uint normals[3];
   uint heights;
+  // The points that a brush has entered (shaders/shared/brush.h); cleared between updates.
+  uint seen[kSheetWords];  // their cells
+  uint nearest;            // smallest result of entered()
 };
-const uint kUpdateBytes = 124;
+const uint kUpdateBytes = 640;
 PALPATE_SIZE(HashUpdate, kUpdateBytes);
 const uint kUpdateBegins = 88;  // bytes of the first part
+const uint kUpdateSeen = 124;   // bytes before the cells
 
 struct HashUpdateArgs {
   CloudView cloud;

@@ -91,14 +91,15 @@ PALPATE_FUNCTION float middleThickness(float a, float b) {
 // share a slot, one of them waits for the next tick.
 const uint kClaimSlots = 65536u;
 
-// The sector of a direction, `u` and `v` its coordinates in a tangent plane: counter-clockwise from the u axis.
+// The sector of a direction, `u` and `v` its coordinates in a tangent plane: counter-clockwise from the u axis. Without
+// branches, so that compilers vectorise it.
 PALPATE_FUNCTION uint sectorOf(float u, float v) {
   const float steep = 1.7320508f;
-  const bool up = v > 0.0f || (v == 0.0f && u > 0.0f);
-  const float forward = up ? u : -u;
-  const float height = up ? v : -v;
+  const float side = v != 0.0f ? v : u;
+  const float forward = side > 0.0f ? u : -u;
+  const float height = side > 0.0f ? v : -v;
   const uint third = height >= steep * (forward < 0.0f ? -forward : forward) ? 1u : forward > 0.0f ? 0u : 2u;
-  return up ? third : third + 3u;
+  return side > 0.0f ? third : third + 3u;
 }
 
 // Factor on a bulge over the chord to a neighbour `offset` away, with which the bulge stays below the tangent plane of

@@ -19,15 +19,13 @@ library=$(find "$scratch/installed" -name 'libpalpate.so.0')
 [ -n "$library" ] || fail "there is no libpalpate.so.0"
 
 # Only the C interface is exported, all functions of the headers are, and the library has its soname.
-headers=("$scratch/installed/include/palpate/"*.h)
 symbols=$(nm -D --defined-only --with-symbol-versions "$library" | awk '$2 != "A" {print $3}' | sort)
 bare=$(grep -v '@@PALPATE_0$' <<< "$symbols" || true)
 [ -z "$bare" ] || fail "exports without the version PALPATE_0: $bare"
 exported=${symbols//@@PALPATE_0/}
 strays=$(grep -v '^pp_' <<< "$exported" || true)
 [ -z "$strays" ] || fail "unexpected exports: $strays"
-declared=$(sed -n -e 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' -e 's/^PP_OPTIONS(\([a-z_]*\))$/pp_init_\1/p' \
-  "${headers[@]}" | sort)
+declared=$(bash "$here/declared.sh" "$scratch/installed/include/palpate")
 [ "$(wc -l <<< "$declared")" -gt 50 ] || fail "the headers declare too few functions"
 [ "$declared" = "$exported" ] ||
   fail "headers and library differ: $(diff <(echo "$declared") <(echo "$exported") || true)"
@@ -62,6 +60,9 @@ awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++
   printf "%g,%g,%g\n", i, j, 20 * exp(-(i * i + j * j) / 800)}' > "$scratch/hump.csv"
 "$scratch/build/examples/dent" "$scratch/hump.csv" "$scratch/dented.ply"
 [ "$(head -c 3 "$scratch/dented.ply")" = ply ] || fail "nothing was saved"
+"$scratch/build/examples/probe" "$scratch/hump.csv" | tee "$scratch/probe.txt" || fail "probe failed"
+# The middle of the hump is 20 units high.
+awk '/^hit/ {found = $2 > 19 && $2 < 20.1} END {exit !found}' "$scratch/probe.txt" || fail "the ray missed the hump"
 "$scratch/build/examples/stir" || [ $? = 77 ] || fail "stir failed"
 
 # One program serves a cloud, and two others dent it.

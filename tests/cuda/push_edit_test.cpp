@@ -23,7 +23,7 @@ Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const
   cu::LiveCopy live(cloud, stream);
   cu::CubBuild build(makeHashGrid(Vec3(0), radius, cloud.size()), live.count());
   cu::PushEdit edit(sharedBrush(options, radius), radius, stream, live.count());
-  edit.setTool(sharedTool(toolAt(options, radius, hip, spring)));
+  edit.setTool(placedTool(toolAt(options, radius, hip, spring)));
   edit.recordPush(stream, live.half(0), live.count());
   build.record(stream, live.half(0), live.half(1), live.count());
   edit.recordRefit(stream, build.view(live.half(1), live.count()));

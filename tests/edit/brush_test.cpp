@@ -1,6 +1,8 @@
 // The laws of the brushes: single precision in C++ compared with double, and each brush's promises.
 #include "engine/edit/placed_brush.hpp"
 
+#include <random>
+
 #include "shaders/shared/edit.h"
 #include "tests/edit/brush_questions.hpp"
 #include "tests/near.hpp"
@@ -36,6 +38,35 @@ TEST_CASE(
     CHECK(shallow.brushed(place, normal, found).position == place);
     CHECK(shallow.smoothed(place, found, far) == place);
     CHECK(shallow.painted(place, found, 7) == 7);
+  }
+}
+
+TEST_CASE("a brush changes no point that it says is out of its reach") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(-1, 1);
+  const auto somewhere = [&](double far) { return far * DVec3{share(random), share(random), share(random)}; };
+  for (const auto& [name, kind] : kBrushKinds) {
+    CAPTURE(name);
+    std::size_t reached = 0, skipped = 0, wrong = 0;
+    for (const double depth : {1.0, 3.0, 9.0}) {  // the last one with a shaft
+      const BrushOptions options{.kind = kind, .yieldDepth = 0.5, .pushRate = 1, .radius = 2, .strength = 1};
+      const PlacedBrush brush = brushAt(options, kSupport, {0, 0, -depth}, {0, 0, depth}, {0.3, 0, 0});
+      for (int i = 0; i < 20'000; ++i) {
+        const DVec3 place = brush.center() + somewhere(brush.radius()), normal = glm::normalize(somewhere(1));
+        const PlacedBrush::Found found{place + somewhere(0.5), normal};
+        const SurfaceSample surface{.defined = true, .distance = 1, .normal = normal, .neighbours = 9};
+        const PlacedBrush::Point after = brush.brushed(place, normal, found);
+        const bool changes = after.position != place || after.taken || brush.painted(place, found, 7) != 7 ||
+                             (kind == BrushKind::smooth && brush.smoothed(place, found, surface) != place);
+        const bool mayAffect = brush.mayAffect(place);
+        reached += changes;
+        skipped += !mayAffect;
+        wrong += changes && !mayAffect;
+      }
+    }
+    CHECK(wrong == 0);
+    CHECK(reached > 100);
+    if (kind != BrushKind::inflate && kind != BrushKind::grab) CHECK(skipped > 10'000);
   }
 }
 

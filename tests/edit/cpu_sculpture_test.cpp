@@ -1,13 +1,19 @@
-// Sculpting on the CPU at the cost of the touched points: its index and its lists against fresh ones.
+// Sculpting on the CPU at the cost of the touched points: its index and its lists against fresh ones, and its sums
+// against those of neighbours one by one. Random edits are as many as the tier says, or for a given time:
+// PALPATE_EDITS_S=3600
 #include "engine/edit/cpu_sculpture.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <numbers>
 #include <random>
 
 #include "engine/cloud/analytic_shape.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/edit/normal_fit.hpp"
+#include "shaders/shared/resample.h"
 #include "tests/edit/tool_at.hpp"
 #include "tests/labels.hpp"
 
@@ -23,9 +29,11 @@ double supportFor(std::size_t count) {
   return 4 * kShapeRadius * std::sqrt(4 * std::numbers::pi / static_cast<double>(count));
 }
 
-CpuSculpture sculptureOf(const PointCloud& cloud, unsigned threads) {
+CpuSculpture sculptureOf(const PointCloud& cloud, unsigned threads, IndexFollow index = IndexFollow::incremental) {
   const double radius = supportFor(cloud.size());
-  return {cloud, makeHashGrid(Vec3(-kShapeRadius), radius, cloud.size()), {.radius = radius, .threads = threads}};
+  return {cloud,
+          makeHashGrid(Vec3(-kShapeRadius), radius, cloud.size()),
+          {.radius = radius, .index = index, .threads = threads}};
 }
 
 void checkIndex(const CpuSculpture& sculpture) {
@@ -113,19 +121,54 @@ class RandomSculpting {
 
 }  // namespace
 
-TEST_CASE("whatever is sculpted and undone, the CPU's index is that of a fresh build" * kMoreInFull) {
-  std::vector<Vec3> first;
-  for (const unsigned threads : {1u, 3u}) {
-    const PointCloud cloud = ballOf(3000);
-    CpuSculpture sculpture = sculptureOf(cloud, threads);
-    RandomSculpting random(sculpture, supportFor(cloud.size()), 5);
-    for (int edit = 0; edit < byTier(100, 3000); ++edit) random.one();
-    CHECK(sculpture.followed() > 10);
-    CHECK(sculpture.points().size() > cloud.size());
-    CHECK(random.removed() > 0);
-    if (first.empty()) first = sculpture.points().positions;
-    CHECK(sculpture.points().positions == first);
+TEST_CASE("whatever is sculpted and undone, the CPU's points and index are those of fresh builds" * kMoreInFull) {
+  const PointCloud cloud = ballOf(3000);
+  const double radius = supportFor(cloud.size());
+  CpuSculpture sculpture = sculptureOf(cloud, 1), rebuilt = sculptureOf(cloud, 3, IndexFollow::rebuild);
+  RandomSculpting random(sculpture, radius, 5), same(rebuilt, radius, 5);
+  const Stopwatch watch;
+  const char* const given = std::getenv("PALPATE_EDITS_S");
+  for (int edit = 0; given ? watch.elapsed_s() < std::atof(given) : edit < byTier(100, 3000); ++edit) {
+    CAPTURE(edit);
+    random.one();
+    same.one();
+    REQUIRE(sculpture.points().positions == rebuilt.points().positions);
+    REQUIRE(sculpture.points().normals == rebuilt.points().normals);
+    REQUIRE(sculpture.points().there == rebuilt.points().there);
   }
+  CHECK(sculpture.followed() > 10);
+  CHECK(sculpture.points().size() > cloud.size());
+  CHECK(random.removed() > 0);
+}
+
+TEST_CASE("the normals of sculpted points are those of their neighbours one by one, bit by bit") {
+  const PointCloud cloud = ballOf(20'000);
+  const double radius = supportFor(cloud.size());
+  CpuSculpture sculpture = sculptureOf(cloud, 2);
+  BrushOptions push{.kind = BrushKind::push, .yieldDepth = 0.5, .pushRate = 0.3, .radius = 5, .resample = false};
+  std::size_t refitted = 0;
+  for (int tick = 0; tick < 10; ++tick) {
+    const std::vector<Vec3> before = sculpture.points().normals, places = sculpture.points().positions;
+    sculpture.edit(brushAt(push, radius, DVec3(0, 0, 44), DVec3(0, 0, 6)));
+    const SculptedPoints& points = sculpture.points();
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      if (points.positions[i] == places[i]) continue;
+      const DVec3 place(points.positions[i]);
+      NormalFit fit(radius);
+      DVec3 side(0);
+      sculpture.grid().forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
+        const double share{shared::fitShare(glm::dot(before[near.number], before[i]))};
+        if (share <= 0) return;
+        const DVec3 offset = DVec3(near.position) - place;
+        fit.add(offset, share);
+        side += share * wendland(glm::length(offset) / radius) * DVec3(before[near.number]);
+      });
+      const DVec3 normal = fit.normal(DVec3(before[i])).normal;
+      REQUIRE(points.normals[i] == Vec3(glm::dot(normal, side) < 0 ? -normal : normal));
+      ++refitted;
+    }
+  }
+  CHECK(refitted >= 500);
 }
 
 TEST_CASE("a new point copies no array of a sculpture, and no edit of a few points builds the index") {

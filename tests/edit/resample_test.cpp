@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <memory>
+
 #include <numbers>
 #include <random>
 #include <set>
@@ -24,8 +26,12 @@ ResampleNeighbour pointAt(const DVec3& offset, std::uint32_t number, bool unsett
   return {.offset = offset, .normal = kUp, .rest = offset, .spacing = 1, .number = number, .unsettled = unsettled};
 }
 
+std::unique_ptr<ResampleNeighbours> these(std::span<const ResampleNeighbour> neighbours) {
+  return std::make_unique<ResampleNeighbours>(neighbours);
+}
+
 ResampleRequest requestOf(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours) {
-  return resampleRequest(self, {.neighbours = neighbours});
+  return resampleRequest(self, {.neighbours = *these(neighbours)});
 }
 
 // Six neighbours around, the first of which an edit has moved to `far` times its distance.
@@ -228,7 +234,7 @@ TEST_CASE(
   const DVec3 place(30, -7, 2);
   InsertionClaims claims(1);
   const auto request = [&] {
-    return resampleRequest(pointAt(DVec3(0), 0), {.neighbours = gap, .claims = &claims, .place = place});
+    return resampleRequest(pointAt(DVec3(0), 0), {.neighbours = *these(gap), .claims = &claims, .place = place});
   };
   claims.begin(1);
   REQUIRE(request().inserts);
@@ -293,9 +299,9 @@ TEST_CASE("a gap is measured by the coarser of its ends, whose target spacing th
 TEST_CASE("no point is requested beyond its reach, or if the list of neighbours is incomplete") {
   const auto gap = ring(1.8);
   const ResampleNeighbour self = pointAt(DVec3(0), 1);
-  CHECK(resampleRequest(self, {.neighbours = gap, .reach = 0.91}).inserts);
-  CHECK_FALSE(resampleRequest(self, {.neighbours = gap, .reach = 0.89}).inserts);
-  CHECK_FALSE(resampleRequest(self, {.neighbours = gap, .fills = false}).inserts);
+  CHECK(resampleRequest(self, {.neighbours = *these(gap), .reach = 0.91}).inserts);
+  CHECK_FALSE(resampleRequest(self, {.neighbours = *these(gap), .reach = 0.89}).inserts);
+  CHECK_FALSE(resampleRequest(self, {.neighbours = *these(gap), .fills = false}).inserts);
 }
 
 TEST_CASE("no point is added where it would crowd one with a wider target, or one of possibly the same sheet") {
@@ -341,7 +347,7 @@ TEST_CASE("while a ball carves, points outside the solid are removed, and none i
   };
   const auto request = [&](double height, bool carves) {
     const auto all = raised(height);
-    return resampleRequest(self, {.neighbours = all, .carves = carves});
+    return resampleRequest(self, {.neighbours = *these(all), .carves = carves});
   };
   CHECK(request(0.05, false).inserts);
   CHECK_FALSE(request(0.05, true).goes);
@@ -350,7 +356,7 @@ TEST_CASE("while a ball carves, points outside the solid are removed, and none i
   CHECK(request(0.15, true).goes);
   CHECK_FALSE(request(0.15, false).goes);
   const auto all = raised(0.15);
-  CHECK_FALSE(resampleRequest(self, {.neighbours = all, .carves = true, .moved = false}).goes);
+  CHECK_FALSE(resampleRequest(self, {.neighbours = *these(all), .carves = true, .moved = false}).goes);
 }
 
 namespace {

@@ -14,7 +14,7 @@ struct BrushQuestion {
   vec3 foundNormal;
   uint color;
 };
-PALPATE_SIZE(BrushQuestion, 172);
+PALPATE_SIZE(BrushQuestion, 212);
 
 struct BrushAnswer {
   Brushed brushed;

@@ -20,7 +20,7 @@ class StandingServer {
     options.network = &network_;
     options.mm_per_unit = 1;
     options.log_user = this;
-    options.log = [](void* user, const char* line) {
+    options.log = [](void* user, std::int32_t, const char* line) {
       auto& own = *static_cast<StandingServer*>(user);
       if (std::string(line).find("takes the points") == std::string::npos) return;
       for (own.stands_ = own.told_.load(); own.told_;) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -257,7 +257,7 @@ TEST_CASE("a server's log function is told of new clients, and cannot query or c
   pp_serve_options options = pp_default_serve_options();
   options.network = &network;
   options.log_user = &heard;
-  options.log = [](void* user, const char* line) {
+  options.log = [](void* user, std::int32_t, const char* line) {
     auto& to = *static_cast<Heard*>(user);
     if (std::string(line).find("takes the points") == std::string::npos) return;
     pp_server_info info = pp_default_server_info();

@@ -175,4 +175,28 @@ TEST_CASE("carving removes points, painting gives them colours") {
   CHECK(lastErrorSays("radius_mm"));
 }
 
+TEST_CASE("an answer that an edit would delay beyond the budget is held, and says how old it is") {
+  pp_session_options options = cpuOptions();
+  options.budget_us = 1;
+  const OpenBall ball(options, 100'000);
+  pp_brush brush = pp_default_brush();
+  brush.radius_mm = 12;
+  PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));
+  double fresh_s = 0;
+  int held = 0, wrong = 0;
+  for (int i = 0; i < 400; ++i) {
+    const pp_pose pose{.t_s = 1e-3 * i, .hip = {0.3, -0.2, 52 - 0.015 * i}};
+    pp_contact contact{};
+    PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
+    wrong += contact.valid == 0;
+    if (contact.fresh) fresh_s = pose.t_s;
+    held += contact.fresh == 0;
+    CHECK(contact.age_s == within(pose.t_s - fresh_s, 1e-12));
+    if (contact.age_s > 0.02) CHECK(lengthOf(contact.force_N) == 0);  // a force from old data fades
+    if (i % 30 == 0) PP_REQUIRE_OK(pp_session_apply_edits(ball.session));
+  }
+  CHECK(wrong == 0);
+  CHECK(held > 20);
+}
+
 }  // namespace palpate::strokes_test

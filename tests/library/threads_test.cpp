@@ -13,11 +13,15 @@ pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<d
 
 }  // namespace
 
-TEST_CASE("a tick of a host's own servo loop allocates nothing") {
+TEST_CASE("a tick of a host's own servo loop allocates nothing, nor does it to tell of a contact") {
   pp_session_options options = cpuOptions();
   SUBCASE("without a budget") {}
   SUBCASE("with a budget") { options.budget_us = 500; }
   const OpenBall ball(options);
+  int begun = 0;
+  PP_REQUIRE_OK(pp_session_on_contact(
+      ball.session, [](void* user, const pp_contact_event* event) { *static_cast<int*>(user) += event->begins != 0; },
+      &begun));
   pp_contact contact{};
   pp_pose pose = poseAt(0, 52);
   PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
@@ -32,6 +36,7 @@ TEST_CASE("a tick of a host's own servo loop allocates nothing") {
   counting = false;
   CHECK(wrong == 0);
   CHECK(contact.contact == 1);
+  CHECK(begun == 1);
   CHECK(allocations == 0);
   counting = true;  // control: allocations of the library are counted
   pp_cloud copy{};

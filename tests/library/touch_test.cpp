@@ -182,7 +182,7 @@ TEST_CASE("a cloud without normals can be felt, and the log function is told tha
   PP_REQUIRE_OK(pp_cloud_create(&bare, &cloud));
   std::string heard;
   pp_session_options options = cpuOptions();
-  options.log = [](void* user, const char* line) { *static_cast<std::string*>(user) += line; };
+  options.log = [](void* user, std::int32_t, const char* line) { *static_cast<std::string*>(user) += line; };
   options.log_user = &heard;
   pp_session session{};
   PP_REQUIRE_OK(pp_session_open(cloud, &options, &session));

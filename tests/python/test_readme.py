@@ -52,7 +52,9 @@ def test_the_example_of_scenes_logs_frames_and_tools_runs(ball, tmp_path, monkey
                         ('"water", hands=2', '"water", hands=2, gpu="cpu"'),
                         ("of_frames(cloud)", 'of_frames(cloud, gpu="cpu")'),
                         ("pp.Session(cloud) as r", 'pp.Session(cloud, gpu="cpu") as r'),
-                        ('tool_points=16)', 'tool_points=16, gpu="cpu")')):
+                        ('tool_points=16)', 'tool_points=16, gpu="cpu")'),
+                        ("budget_us=500)", 'budget_us=500, gpu="cpu")'),
+                        ("[cloud, cloud],", '[cloud, cloud], gpu="cpu",')):
         assert source.count(shown) == 1, shown
         source = source.replace(shown, here)
     lines = [line for line in source.splitlines() if not line.startswith("recorded = ")]
@@ -61,11 +63,13 @@ def test_the_example_of_scenes_logs_frames_and_tools_runs(ball, tmp_path, monkey
     xyz, normals = ball_arrays(5000)
     left = np.column_stack([np.full(20, 40.0), np.full(20, 50.0), np.linspace(60, 55, 20)])
     seen = {"pp": pp, "np": np, "cloud": ball, "path": press_path(1, 20, 5), "xyz": xyz, "normals": normals,
-            "velocities": np.zeros_like(xyz), "left": left, "right": left + [10, 0, 0]}
+            "velocities": np.zeros_like(xyz), "origins": 2 * xyz[:9], "directions": -xyz[:9],
+            "left": left, "right": left + [10, 0, 0]}
     exec(compile("\n".join(lines), str(README), "exec"), seen)
     assert seen["log"].ended and len(seen["log"].edits) > 0 and seen["t"].shape == (20, 2)
     assert seen["frame"].positions.shape[1] == 3
-    for name in ("film", "pad"):
+    assert seen["hits"]["found"].all() and seen["answer"].validity == "fresh"
+    for name in ("film", "pad", "both"):
         seen[name].close()
 
 

@@ -61,6 +61,19 @@ def shared(cloud: pp.Cloud) -> float:
         return (sharing and sharing.round_trip_ms) or 0.0
 
 
+def looped(cloud: pp.Cloud) -> float:
+    poses = [None, pp.Pose(position=(1, 2, 3))]
+    with pp.Session.of_clouds([cloud, cloud], poses=poses, budget_us=500, on_message=print) as session:
+        session.on_contact(lambda event: print(event.begins, event.hand, event.proxy))
+        contact: pp.Contact = session.touch_pose(0.0, (0, 0, 1))
+        both: list[pp.Contact] = session.touch_poses(0.001, np.zeros((2, 3)))
+        hits: NDArray[np.void] = session.raycast(np.zeros((4, 3)), np.ones((4, 3)))
+        print(contact.validity == "held", both[0].age_s, session.nearest([[0, 0, 0]]), session.rows()["changed"].any())
+        session.on_contact(None)
+        session.lift()
+    return float(hits["distance"].max())
+
+
 def failing() -> int | None:
     try:
         pp.read("nowhere.ply")

@@ -103,6 +103,10 @@ bool sameAnswers(const SortedGrid& grid, const SortedGrid& fresh, const DVec3& c
     grid.near(center, radius, mine);
     fresh.near(center, radius, theirs);
     if (mine != theirs) return false;
+    mine.clear();
+    for (std::size_t layer = 0; layer < grid.layers(center, radius); ++layer)
+      grid.forEachNear(center, radius, layer, [&](const SortedGrid::Placed& near) { mine.push_back(near.number); });
+    if (mine != theirs) return false;
   }
   return true;
 }
@@ -118,7 +122,7 @@ void checkFollows(std::size_t count, unsigned threads, std::uint32_t seed) {
   CAPTURE(threads);
   ChangingPoints points(count, seed);
   const HashGrid hash = makeHashGrid(Vec3(-10), 0.7, count);
-  SortedGrid grid(hash, threads), fresh(hash, 1);
+  SortedGrid grid(hash, threads, SortedGrid::CellTags::on), fresh(hash, 1);
   grid.build(points.positions(), points.there());
   const Stopwatch watch;
   for (int step = 0; !isEnough(step, watch); ++step) {

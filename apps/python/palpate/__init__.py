@@ -21,15 +21,17 @@ from ._errors import ArgumentTypeError, ClosedError, Error, UnknownAttributeErro
 from ._live import Live
 from ._logs import Recording, Replay, read_recording, replay
 from ._matter import Matter, Parameter, PortEnergy
-from ._palpate import Cloud, Frame, LawInput, Mesh, can_share, can_simulate, formats_read, formats_written, gpus
-from ._palpate import read, write
-from ._session import Hand, Session
+from ._palpate import Cloud, Contact, ContactEvent, Frame, LawInput, Mesh, can_share, can_simulate
+from ._palpate import formats_read, formats_written, gpus, read, write
+from ._session import Hand, Pose, Session
 from ._sharing import Network, OtherCamera, OtherHand, SessionInfo, Server, Sharing, serve, discover
 
 __all__ = [
     "ArgumentTypeError",
     "ClosedError",
     "Cloud",
+    "Contact",
+    "ContactEvent",
     "Error",
     "Frame",
     "Hand",
@@ -43,6 +45,7 @@ __all__ = [
     "OtherHand",
     "Parameter",
     "PortEnergy",
+    "Pose",
     "Replay",
     "SessionInfo",
     "Server",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import threading
 import time
@@ -111,23 +112,28 @@ class Live:
                 self._pass_on()
             self._stopped.wait()
             if self._on_ticks is not None and self._takes_rest:
-                self._pass_on()  # the last ticks
+                while self._pass_on():  # the last ticks, and the end of a contact
+                    pass
         except BaseException as failure:  # raised by wait() and stop(), on the calling thread
             self._failure, self._failed = failure, True
             self._over.set()
+            with contextlib.suppress(Error):  # closed meanwhile
+                self._session._live_stop()  # no force that the program no longer follows
 
     def _look_at_scene(self) -> None:
         if self._session._is_scene:
             self._diverged = self._session.failure
 
-    def _pass_on(self) -> None:
+    def _pass_on(self) -> bool:
+        """Whether there were ticks."""
         if self._on_ticks is None:
-            self._session._apply_edits()
-            return
+            self._session.apply_edits()
+            return False
         ticks = self._session._live_read_ticks()
         self._look_at_scene()
         if len(ticks):
             self._on_ticks(ticks)
+        return len(ticks) > 0
 
     def _end(self, closing: bool = False) -> None:
         """For any thread, also within on_ticks: that thread then reads the last ticks, unless it closes the session."""

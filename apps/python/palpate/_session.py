@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable
 
 from . import _palpate
-from ._errors import ArgumentTypeError, Error, described, refuse_attribute
+from ._errors import ArgumentTypeError, Error, UsageError, described, refuse_attribute
 from ._live import Live, end_live
 from ._matter import Parameter, PortEnergy, _by_name
 from ._sharing import Network, OtherCamera, OtherHand, Sharing
@@ -43,10 +43,23 @@ class Hand:
     builtin: BuiltinPath | None = None
 
 
+@dataclass(frozen=True)
+class Pose:
+    """Pose of a cloud in a session, for Session.of_clouds(): rotated by orientation, then moved by position.
+
+    Attributes:
+        position: model units of the session.
+        orientation: unit quaternion w x y z.
+    """
+
+    position: Sequence[float] = (0, 0, 0)
+    orientation: Sequence[float] = (1, 0, 0, 0)
+
+
 class Session(_palpate._Session):
-    """A cloud that is felt, seen and sculpted. Session.of_scene() opens a scene of matter, Session.of_frames() a cloud
-    whose frames the program provides, Session.of_stream() a recorded depth camera, and Session.join() a session that
-    another program serves.
+    """A cloud that is felt, seen and sculpted. Session.of_clouds() opens several clouds as one, Session.of_scene() a
+    scene of matter, Session.of_frames() a cloud whose frames the program provides, Session.of_stream() a recorded depth
+    camera, and Session.join() a session that another program serves.
 
     Args:
         cloud: the points; normals are estimated if it has none.
@@ -65,6 +78,8 @@ class Session(_palpate._Session):
         damping_N_s_per_mm: of the damper on its change, N s/mm (default 0.002).
         max_force_N: limit of the magnitude, N (default 3.3).
         rate_Hz: ticks per second (default 1000).
+        budget_us: time limit of an answer of touch_pose(), us, after which the last answer bridges it; 0: no limit
+            (default 0).
         estimate_normals: even if the cloud has normals (default False).
         threads: threads of the CPU; 0: one per core (default 0).
         undo_memory_MiB: memory of strokes that can be undone, MiB; beyond it the oldest are discarded (default 1024).
@@ -82,6 +97,10 @@ class Session(_palpate._Session):
             waits 0.3 ms; if the force is later, the last one is held for 10 ms and fades until 50 ms. Its exceptions
             are raised by touch(), wait() and stop().
 
+        on_message: called with the level ("note" or "warning": points, frames or strokes are lost) and the text of each
+            message, at the end of the call during which it came, on its thread (default None). Messages are also kept
+            in messages; nothing is printed.
+
     Raises Error, and UsageError for an argument that is out of bounds. Threads may share a session and wait for one
     another.
     """
@@ -94,6 +113,40 @@ class Session(_palpate._Session):
         **options: Unpack[SessionOptions],
     ) -> None:
         self._open(_palpate._Source(cloud=cloud), gpu, mm_per_unit, options)
+
+    @classmethod
+    def of_clouds(
+        cls,
+        clouds: Sequence[_palpate.Cloud],
+        gpu: int | str | None = None,
+        mm_per_unit: float | None = None,
+        *,
+        poses: Sequence[Pose | None] | None = None,
+        **options: Unpack[SessionOptions],
+    ) -> Session:
+        """Opens several clouds at rest, which hands feel and sculpt as one. rows(), nearest() and raycast() say which
+        cloud and row a point comes from. Their positions, normals and colours are taken; normals of a cloud without any
+        are estimated from its own points.
+
+        Args:
+            clouds: at least one; the same cloud may be placed several times.
+            gpu, mm_per_unit, options: as for Session(); mm_per_unit None: the longest side of all becomes 100 mm.
+            poses: pose of each cloud in the session; None: as it is.
+        """
+        placed = list(poses) if poses is not None else [None] * len(clouds)
+        if len(placed) != len(clouds):
+            raise UsageError(f"poses: {len(placed)} are given for {len(clouds)} clouds")
+        if not clouds:
+            raise UsageError("clouds: none is given")
+        given = []
+        for cloud, pose in zip(clouds, placed):
+            if not isinstance(cloud, _palpate.Cloud):
+                raise ArgumentTypeError(f"clouds: is a list of Cloud, and has {described(cloud)}")
+            if not isinstance(pose, (Pose, type(None))):
+                raise ArgumentTypeError(f"poses: is a list of Pose, and has {described(pose)}")
+            there = pose or Pose()
+            given.append((cloud, there.position, there.orientation))
+        return cls.__new__(cls)._open(_palpate._Source(clouds=given), gpu, mm_per_unit, options)
 
     @classmethod
     def of_scene(
@@ -243,7 +296,7 @@ class Session(_palpate._Session):
             device: openhaptics[:NAME], dhd[:NUMBER], haply[:SERIAL], hid[:WHICH], sim, replay:FILE or path; None: path.
             rate: ticks per second; 0: the session's.
             on_ticks: called with blocks of ticks (tick_dtype), on a thread of its own; with several hands their shape
-                is (ticks, hands).
+                is (ticks, hands). An exception in it ends the live session, without force.
             path: for the device path: an array as for touch(), followed once.
             builtin: for sim and path: "press", "slide", "scan" or "orbit".
             law: instead of the session's, with the same meaning.

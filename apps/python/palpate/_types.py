@@ -12,6 +12,7 @@ ColorBy = Literal["rgb", "normal", "depth", "height"]
 MeshSurface = Literal["sphere", "average", "sharp", "density"]
 SurfaceKind = Literal["average", "sphere", "sharp"]
 ToolKind = Literal["point", "pad", "ball", "spatula"]
+Validity = Literal["fresh", "held", "none"]
 
 
 
@@ -26,6 +27,7 @@ class SessionOptions(TypedDict, total=False):
     damping_N_s_per_mm: float
     max_force_N: float
     rate_Hz: float
+    budget_us: float
     estimate_normals: bool
     threads: int
     undo_memory_MiB: float
@@ -36,6 +38,7 @@ class SessionOptions(TypedDict, total=False):
     tool_axis: Sequence[float]
     law: Any
     allow_python_law: bool
+    on_message: Any
 
 
 __all__ = [
@@ -47,4 +50,5 @@ __all__ = [
     "SessionOptions",
     "SurfaceKind",
     "ToolKind",
+    "Validity",
 ]

@@ -27,7 +27,9 @@ autodoc_default_options = {
 }
 
 # Names of other projects, and what the docstrings of the compiled part return, in words.
-nitpick_ignore_regex = [("py:class", r"(numpy|collections\.abc|os)\..*|NDArray|(structured )?array|list of str")]
+nitpick_ignore_regex = [
+    ("py:class", r"(numpy|collections\.abc|os)\..*|NDArray|(structured )?array|list of (str|Contact)")
+]
 
 
 def read_sections(app: Any, what: str, name: str, thing: object, options: Any, lines: list[str]) -> None:

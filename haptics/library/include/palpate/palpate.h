@@ -15,14 +15,20 @@
  *
  * Threads: clouds, meshes, frames and logs are immutable, and any number of threads may use them. On a session, one
  * thread (its servo thread) may call pp_touch(), pp_touch_hands() and pp_touch_lift() while another one calls the
- * functions that look at it: pp_session_apply_edits(), pp_session_render(), pp_session_mesh(), pp_session_get_info(),
- * pp_session_frame(), the functions that control matter (pp_session_pause() and those after it in matter.h),
- * pp_session_get_sharing(), pp_session_other_hands(), pp_session_cameras(), pp_session_publish_camera(),
- * pp_live_read_ticks(), pp_live_get_state(). Where budget_us is 0, the first five and the last two of these conflict
- * with pp_touch(), too. All other calls on a session, and all calls on a pp_matter, need exclusive access. A pp_server
- * may be used by any number of threads. A call that conflicts with one in progress returns PP_ERROR_THREAD and does
- * nothing. In a forked process, the parent's sessions, matter and servers give PP_ERROR_STATE, and closing them there
- * does not affect the parent.
+ * functions that look at it: pp_session_apply_edits(), pp_session_render(), pp_session_mesh(), pp_session_nearest(),
+ * pp_session_raycast(), pp_session_rows(), pp_session_get_info(), pp_session_frame(), the functions that control matter
+ * (pp_session_pause() and those after it in matter.h), pp_session_get_sharing(), pp_session_other_hands(),
+ * pp_session_cameras(), pp_session_publish_camera(), pp_live_read_ticks(), pp_live_get_state(). Where budget_us is 0,
+ * the first eight and the last two of these conflict with pp_touch(), too. All other calls on a session, and all calls
+ * on a pp_matter, need exclusive access. A pp_server may be used by any number of threads. A call that conflicts with
+ * one in progress returns PP_ERROR_THREAD and does nothing. In a forked process, the parent's sessions, matter and
+ * servers give PP_ERROR_STATE, and closing them there does not affect the parent.
+ *
+ * Memory comes from the C++ library's operator new and, for large arrays, from the system; on a GPU from Vulkan. There
+ * is no allocator hook: it would not reach what drivers and other libraries allocate. What can be relied on: opening,
+ * building and meshing allocate in proportion to the points, edits in proportion to the points that they change, and a
+ * tick of pp_touch() that edits nothing makes no allocation, which a test counts. What palpate returns is freed by
+ * closing its handle alone.
  *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function and then changed. That function is
  * compiled into the program and passes the size that the program knows to pp_init_…(), which a program in another
@@ -41,8 +47,10 @@
 #define PALPATE_VERSION_MINOR 1 /**< second number */
 #define PALPATE_VERSION_PATCH 0 /**< third number */
 
-#if defined(_WIN32)
-#define PP_API
+#if defined(_WIN32) && defined(PALPATE_BUILDS_LIBRARY)
+#define PP_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define PP_API __declspec(dllimport)
 #else
 /** Exports a function. */
 #define PP_API __attribute__((visibility("default")))
@@ -99,9 +107,18 @@ PP_API const char* pp_last_error_file(void);
 /** Line of that file, from 1; 0 if unknown. */
 PP_API uint64_t pp_last_error_line(void);
 
-/** Receives messages, one line each, without the newline. Called on any thread of the call, session or server that it
- * was given to, until that ends. Calls on sessions, matter and servers from within it give PP_ERROR_STATE. */
-typedef void (*pp_log_function)(void* user, const char* line);
+/** Weight of a message. What makes a call fail is no message, but its status and pp_last_error(). */
+typedef enum pp_log_level {
+  PP_LOG_NOTE = 0,   /**< what palpate does or has found, such as that normals are estimated */
+  PP_LOG_WARNING = 1 /**< points, frames, strokes or parts of a file are lost, or may be */
+} pp_log_level;
+
+/** Receives messages, one line each, without the newline. `level`: a pp_log_level. Called on any thread of the call,
+ * session or server that it was given to, except on a servo thread, until that ends: on the calling thread while a call
+ * runs, and on threads of palpate for devices and the network. One call at a time for each object. Calls on sessions,
+ * matter and servers from within it give PP_ERROR_STATE. Without it there are no messages; the library never writes to
+ * stdout or stderr. */
+typedef void (*pp_log_function)(void* user, int32_t level, const char* line);
 
 /** Watches calls that take long. Both functions may be null. They are called some 50 times a second on the calling
  * thread, which waits while a thread of palpate does the work and calls log functions and force laws. They must return
@@ -248,7 +265,9 @@ typedef struct pp_pose {
   uint32_t reserved; /**< not used */
 } pp_pose;
 
-/** Answer of the surface to a pose. */
+/** Answer of the surface to a pose. It is fresh (from the pose's own query), held (`valid` and not `fresh`: bridged
+ * within the budget; the force fades as age_s grows, and is zero within 0.2 s) or none (not `valid`: a fault; no
+ * force). */
 typedef struct pp_contact {
   double proxy[3];       /**< position on the surface, model units; equals the HIP without contact */
   double normal[3];      /**< unit length, outward; zero if no surface was within reach */
@@ -259,6 +278,7 @@ typedef struct pp_contact {
   uint8_t fresh;         /**< 1: from this pose's own query; 0: bridged, because the answer would have been late */
   uint8_t valid;         /**< 0: a fault occurred, and the force is zero */
   uint8_t reserved;      /**< not used */
+  double age_s;          /**< age of the data from which it was computed, s: 0 if fresh; negative: there are none */
 } pp_contact;
 
 /** One tick of the haptic loop. */
@@ -398,9 +418,12 @@ PP_API pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t
 PP_API pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity,
                                   uint64_t* count);
 
-/** One tick, for a servo loop of the program. The first one after any other call begins a new contact and may take
- * long. Later ones allocate nothing unless points are edited, and with a budget do not exceed it by much. Returns PP_OK
- * even if contact->valid is 0. PP_ERROR_ARGUMENT for numbers that are not finite. */
+/** One tick, for a servo loop of the program, such as one at 1 kHz: takes a pose with its time and returns contact and
+ * force. The first one after any other call begins a new contact and may take long: call it before the device has a
+ * force. Later ones allocate nothing unless points are edited, take no lock that another thread holds for longer than
+ * the copy of a pointer, and with pp_session_options.budget_us wait for no query beyond it: an answer that is late is
+ * held (pp_contact). Times increase by the duration of a tick. Returns PP_OK even if contact->valid is 0; with any
+ * other status there is no force. PP_ERROR_ARGUMENT for numbers that are not finite. */
 PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact);
 /** One tick for all hands of a session: `poses`, `contacts`, `orientations` and `torques_mNm` have an entry for each of
  * the `hands` hands. The time of the first pose is used for all. `orientations`: rotation of each hand's tool, unit
@@ -459,11 +482,14 @@ PP_API pp_status pp_session_cloud(pp_session session, pp_cloud* cloud);
 
 /** @} */
 
+#include <palpate/contacts.h>
 #include <palpate/frames.h>
 #include <palpate/live.h>
 #include <palpate/logs.h>
 #include <palpate/matter.h>
 #include <palpate/pictures.h>
+#include <palpate/placed_clouds.h>
+#include <palpate/queries.h>
 #include <palpate/sharing.h>
 
 #ifdef __cplusplus

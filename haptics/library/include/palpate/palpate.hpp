@@ -5,71 +5,34 @@
 #ifndef PALPATE_HPP
 #define PALPATE_HPP
 
-#include <palpate/palpate.h>
+#include <palpate/clouds.hpp>
 #include <palpate/handles.hpp>
+#include <palpate/palpate.h>
 
 #include <cstdint>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// palpate's C interface with lifetimes and exceptions.
 namespace pp {
 
-/// Points with normals and colours; immutable.
-class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
- public:
-  using Owned::Owned;
-  /// Copies arrays of the program (pp_cloud_create()).
-  explicit Cloud(const pp_cloud_arrays& arrays) : Owned(created(arrays)) {}
-  /// Reads a file of any supported format. Throws Error with file and line.
-  static Cloud read(const std::string& file, const pp_read_options& options = pp_default_read_options()) {
-    pp_cloud cloud{};
-    check(pp_cloud_read(file.c_str(), &options, &cloud));
-    return Cloud(cloud);
-  }
-
-  /// Writes a file in the format of its extension (pp_cloud_write()).
-  void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
-    check(pp_cloud_write(handle(), file.c_str(), &options));
-  }
-  /// Read-only view, valid while this is open; nothing is copied.
-  pp_points view() const {
-    pp_points points{};
-    check(pp_cloud_view(handle(), &points));
-    return points;
-  }
-  /// Number of points.
-  std::uint64_t size() const { return view().count; }
-  /// Copies x y z of each point, in file coordinates.
-  std::vector<double> positions() const {
-    std::vector<double> positions(3 * size());
-    check(pp_cloud_copy_positions(handle(), positions.data(), size()));
-    return positions;
-  }
-
- private:
-  static pp_cloud created(const pp_cloud_arrays& arrays) {
-    pp_cloud cloud{};
-    check(pp_cloud_create(&arrays, &cloud));
-    return cloud;
-  }
+/// How far an answer of touch() can be relied on (pp_contact).
+enum class Validity {
+  fresh,  ///< from the pose's own query
+  held,   ///< bridged within the budget
+  none    ///< a fault: there is no force
 };
-
-/// A mesh of points; immutable.
-class Mesh : public detail::Owned<pp_mesh, pp_mesh_close> {
- public:
-  using Owned::Owned;
-  /// Read-only view, valid while this is open; nothing is copied.
-  pp_triangles view() const {
-    pp_triangles triangles{};
-    check(pp_mesh_view(handle(), &triangles));
-    return triangles;
-  }
-  /// Writes a file in the format of its extension (pp_mesh_write()).
-  void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
-    check(pp_mesh_write(handle(), file.c_str(), &options));
-  }
-};
+/// Validity of an answer.
+inline Validity validityOf(const pp_contact& contact) {
+  if (!contact.valid) return Validity::none;
+  return contact.fresh ? Validity::fresh : Validity::held;
+}
 
 /// Moving points at one time; immutable.
 class Frame : public detail::Owned<pp_frame, pp_frame_close> {
@@ -189,7 +152,22 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   /// Opens a cloud (pp_session_open()).
   explicit Session(const Cloud& cloud, const pp_session_options& options = pp_default_session_options())
       : Owned(made(cloud, options)) {}
+  Session() = default;                    ///< closed
+  Session(Session&&) noexcept = default;  ///< Leaves the other one closed.
+  /// Exchanges the sessions.
+  Session& operator=(Session&& other) noexcept {
+    std::swap(listener_, other.listener_);
+    Owned::operator=(std::move(other));
+    return *this;
+  }
 
+  /// Opens several clouds as one (pp_session_open_clouds()).
+  static Session ofClouds(const std::vector<pp_placed_cloud>& clouds,
+                          const pp_session_options& options = pp_default_session_options()) {
+    pp_session session{};
+    check(pp_session_open_clouds(clouds.data(), clouds.size(), &options, &session));
+    return Session(session);
+  }
   /// Opens a scene of moving matter (pp_session_open_matter()).
   static Session ofMatter(const std::string& scene, const pp_session_options& options = pp_default_session_options()) {
     pp_session session{};
@@ -232,25 +210,32 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   std::vector<pp_tick> touch(const pp_path& path) {
     std::vector<pp_tick> ticks(ticksOf(path));
     std::uint64_t count = 0;
-    check(pp_session_touch(handle(), &path, ticks.data(), ticks.size(), &count));
+    told(pp_session_touch(handle(), &path, ticks.data(), ticks.size(), &count));
     ticks.resize(count);
     return ticks;
   }
   /// One tick of a servo loop of the program.
   pp_contact touch(const pp_pose& pose) {
     pp_contact contact;
-    check(pp_touch(handle(), &pose, &contact));
+    told(pp_touch(handle(), &pose, &contact));
     return contact;
   }
   /// One tick for all hands. `orientations`: rotations of their tools, w x y z each; null: no rotation.
   std::vector<pp_contact> touch(const std::vector<pp_pose>& poses, const double* orientations = nullptr) {
     std::vector<pp_contact> contacts(poses.size());
-    check(pp_touch_hands(handle(), poses.data(), orientations, static_cast<std::uint32_t>(poses.size()),
-                         contacts.data(), nullptr));
+    told(pp_touch_hands(handle(), poses.data(), orientations, static_cast<std::uint32_t>(poses.size()), contacts.data(),
+                        nullptr));
     return contacts;
   }
   /// Notifies the session that all hands were lifted (pp_touch_lift()).
-  void lift() { check(pp_touch_lift(handle())); }
+  void lift() { told(pp_touch_lift(handle())); }
+  /// Sets the function that is called at the beginning and the end of each contact (pp_session_on_contact()), or
+  /// removes it. What it throws is thrown by the call that delivers the event, which then returns no contact or tick.
+  void onContact(std::function<void(const pp_contact_event&)> function) {
+    auto listener = function ? std::make_unique<Listener>(Listener{std::move(function), nullptr}) : nullptr;
+    check(pp_session_on_contact(handle(), listener ? &Listener::hear : nullptr, listener.get()));
+    listener_ = std::move(listener);
+  }
   /// Each hand follows its path; the first one sculpts if `brush` is not null. Returns the rows of all hands in one
   /// tick, then those of the next tick.
   std::vector<pp_tick> touchHands(const std::vector<pp_path>& paths, const pp_brush* brush = nullptr) {
@@ -263,8 +248,8 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     }
     std::vector<pp_tick> ticks(most * paths.size());
     std::uint64_t count = 0;
-    check(pp_session_touch_hands(handle(), given.data(), static_cast<std::uint32_t>(given.size()), brush, ticks.data(),
-                                 nullptr, ticks.size(), &count));
+    told(pp_session_touch_hands(handle(), given.data(), static_cast<std::uint32_t>(given.size()), brush, ticks.data(),
+                                nullptr, ticks.size(), &count));
     ticks.resize(count);
     return ticks;
   }
@@ -279,7 +264,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   std::vector<pp_tick> stroke(const pp_path& path, const pp_brush& brush = pp_default_brush()) {
     std::vector<pp_tick> ticks(ticksOf(path));
     std::uint64_t count = 0;
-    check(pp_session_stroke(handle(), &path, &brush, ticks.data(), ticks.size(), &count));
+    told(pp_session_stroke(handle(), &path, &brush, ticks.data(), ticks.size(), &count));
     ticks.resize(count);
     return ticks;
   }
@@ -315,6 +300,33 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     pp_mesh mesh{};
     check(pp_session_mesh(handle(), &options, &mesh));
     return Mesh(mesh);
+  }
+
+  /// Nearest positions of the surface: one for each `x y z` of `positions` (pp_session_nearest()).
+  std::vector<pp_surface_point> nearest(const std::vector<double>& positions,
+                                        double max_distance = std::numeric_limits<double>::infinity()) {
+    std::vector<pp_surface_point> found(positions.size() / 3);
+    const pp_rows from = rows(positions.data());
+    check(pp_session_nearest(handle(), &from, found.size(), max_distance, found.data()));
+    return found;
+  }
+  /// First positions of the surface on rays: x y z of each origin, and of each direction (pp_session_raycast()). Throws
+  /// std::invalid_argument unless there is a direction for each origin.
+  std::vector<pp_surface_point> raycast(const std::vector<double>& origins, const std::vector<double>& directions,
+                                        double max_distance = std::numeric_limits<double>::infinity()) {
+    if (origins.size() != directions.size()) throw std::invalid_argument("raycast: each origin needs a direction");
+    std::vector<pp_surface_point> found(origins.size() / 3);
+    const pp_rows from = rows(origins.data()), along = rows(directions.data());
+    check(pp_session_raycast(handle(), &from, &along, found.size(), max_distance, found.data()));
+    return found;
+  }
+  /// Where each row of cloud() comes from (pp_session_rows()).
+  std::vector<pp_row> sourceRows() {
+    std::uint64_t count = 0;
+    check(pp_session_rows(handle(), nullptr, 0, &count));
+    std::vector<pp_row> all(count);
+    check(pp_session_rows(handle(), all.data(), all.size(), &count));
+    return all;
   }
 
   // For joined sessions.
@@ -390,7 +402,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   std::vector<pp_tick> readTicks(std::size_t most = 4096) {
     std::vector<pp_tick> ticks(most);
     std::uint64_t count = 0;
-    check(pp_live_read_ticks(handle(), ticks.data(), ticks.size(), &count));
+    told(pp_live_read_ticks(handle(), ticks.data(), ticks.size(), &count));
     ticks.resize(count);
     return ticks;
   }
@@ -406,6 +418,24 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   void stopLive() { check(pp_live_stop(handle())); }
 
  private:
+  struct Listener {
+    std::function<void(const pp_contact_event&)> function;
+    std::exception_ptr raised;
+    static void hear(void* user, const pp_contact_event* event) {
+      auto& self = *static_cast<Listener*>(user);
+      try {
+        if (!self.raised) self.function(*event);
+      } catch (...) {
+        self.raised = std::current_exception();
+      }
+    }
+  };
+  // Of a call that may deliver events.
+  void told(pp_status status) {
+    if (listener_ && listener_->raised) std::rethrow_exception(std::exchange(listener_->raised, nullptr));
+    check(status);
+  }
+
   static pp_session made(const Cloud& cloud, const pp_session_options& options) {
     pp_session session{};
     check(pp_session_open(cloud.handle(), &options, &session));
@@ -416,6 +446,8 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_path_ticks(handle(), &path, &count));
     return count;
   }
+
+  std::unique_ptr<Listener> listener_;
 };
 
 }  // namespace pp

@@ -1,0 +1,13 @@
+// Loops as many lanes wide as the processor has: AVX-512 or AVX2 where it supports them, chosen at program start where
+// the compiler can defer the choice. Fused multiplications have to be disabled for such a file, and no reduction be
+// reordered, so that results are the same everywhere.
+#pragma once
+
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define PALPATE_WIDEST_LANES [[gnu::target_clones("avx512f", "avx2", "default")]]
+#define PALPATE_INTO_CALLER __attribute__((always_inline))
+#else
+#define PALPATE_WIDEST_LANES
+#define PALPATE_INTO_CALLER
+#endif

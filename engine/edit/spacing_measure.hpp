@@ -1,0 +1,32 @@
+// The target spacings of the points of a cloud as loaded, which edits maintain.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/core/vec.hpp"
+#include "engine/spatial/gathered_points.hpp"
+
+namespace palpate {
+
+/// Measures spacings of points from those around a group of them. Used by one thread.
+class SpacingMeasure {
+ public:
+  /// Gathers the points around these positions; `normals` and `counts` are of all points by number. A point counts if
+  /// `counts` is nonzero.
+  void gather(const SortedGrid& grid, const GatheredPoints::Balls& balls, std::span<const Vec3> normals,
+              std::span<const std::uint8_t> counts);
+  /// Spacing around one of these positions, by the points of its sheet within `radius`; model units.
+  double at(const DVec3& place, const DVec3& normal, double radius);
+
+ private:
+  GatheredPoints points_;
+  NearPoints near_;
+  std::vector<double> normalX_, normalY_, normalZ_;  // of the gathered points; NaN for one that does not count
+  std::vector<double> nearX_, nearY_, nearZ_;        // of the near ones
+  std::vector<double> weight_, distance_;            // of the near ones
+  std::vector<std::uint32_t> sector_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,73 @@
+/// @file
+/// Clouds and meshes in C++17, which palpate.hpp includes.
+#ifndef PALPATE_CLOUDS_HPP
+#define PALPATE_CLOUDS_HPP
+
+#include <palpate/palpate.h>
+#include <palpate/handles.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pp {
+
+/// Points with normals and colours; immutable.
+class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
+ public:
+  using Owned::Owned;
+  /// Copies arrays of the program (pp_cloud_create()).
+  explicit Cloud(const pp_cloud_arrays& arrays) : Owned(created(arrays)) {}
+  /// Reads a file of any supported format. Throws Error with file and line.
+  static Cloud read(const std::string& file, const pp_read_options& options = pp_default_read_options()) {
+    pp_cloud cloud{};
+    check(pp_cloud_read(file.c_str(), &options, &cloud));
+    return Cloud(cloud);
+  }
+
+  /// Writes a file in the format of its extension (pp_cloud_write()).
+  void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
+    check(pp_cloud_write(handle(), file.c_str(), &options));
+  }
+  /// Read-only view, valid while this is open; nothing is copied.
+  pp_points view() const {
+    pp_points points{};
+    check(pp_cloud_view(handle(), &points));
+    return points;
+  }
+  /// Number of points.
+  std::uint64_t size() const { return view().count; }
+  /// Copies x y z of each point, in file coordinates.
+  std::vector<double> positions() const {
+    std::vector<double> positions(3 * size());
+    check(pp_cloud_copy_positions(handle(), positions.data(), size()));
+    return positions;
+  }
+
+ private:
+  static pp_cloud created(const pp_cloud_arrays& arrays) {
+    pp_cloud cloud{};
+    check(pp_cloud_create(&arrays, &cloud));
+    return cloud;
+  }
+};
+
+/// A mesh of points; immutable.
+class Mesh : public detail::Owned<pp_mesh, pp_mesh_close> {
+ public:
+  using Owned::Owned;
+  /// Read-only view, valid while this is open; nothing is copied.
+  pp_triangles view() const {
+    pp_triangles triangles{};
+    check(pp_mesh_view(handle(), &triangles));
+    return triangles;
+  }
+  /// Writes a file in the format of its extension (pp_mesh_write()).
+  void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
+    check(pp_mesh_write(handle(), file.c_str(), &options));
+  }
+};
+
+}  // namespace pp
+
+#endif  // PALPATE_CLOUDS_HPP

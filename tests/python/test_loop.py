@@ -1,0 +1,168 @@
+"""A servo loop of the program, the beginning and end of contacts, and messages."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import numpy as np
+import palpate as pp
+import pytest
+from conftest import press_path
+
+
+def test_a_hand_feels_the_same_pose_by_pose_as_along_a_path(session):
+    path = press_path(1)
+    felt = session.touch(path)
+    for i, hip in enumerate(path):
+        contact = session.touch_pose(i / 1000, hip)
+        assert contact.validity == "fresh" and contact.age_s == 0
+        assert contact.force_N == felt[i]["force_N"].tolist()
+        assert contact.proxy == felt[i]["proxy"].tolist() and contact.contact == felt[i]["contact"]
+    assert contact.penetration_mm == pytest.approx(felt[-1]["penetration_mm"])
+    assert contact.neighbours == felt[-1]["neighbours"] and contact.torque_mNm == [0, 0, 0]
+    session.lift()
+    inside = session.touch_pose(1, [0.3, -0.2, 44])  # put down far inside
+    assert not inside.contact and inside.force_N == [0, 0, 0]
+
+
+def test_a_pose_that_cannot_be_answered_gives_no_force(session):
+    session.touch_pose(0, [0, 0, 52])
+    outside = session.touch_pose(0.001, [1e300, 0, 0])
+    assert outside.validity == "none" and outside.force_N == [0, 0, 0] and outside.age_s < 0
+    with pytest.raises(pp.UsageError, match="finite"):
+        session.touch_pose(0.002, [np.nan, 0, 0])
+    with pytest.raises(TypeError, match="three numbers"):
+        session.touch_pose(0.003, [1, 2])
+
+
+def test_several_hands_are_answered_at_once(ball):
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1, hands=2) as s:
+        for i, z in enumerate(np.linspace(52, 49, 100)):
+            first, second = s.touch_poses(i / 1000, [[0, 0, z], [0, 0, -z]])
+        assert first.force_N[2] > 0.5 and second.force_N[2] < -0.5
+        with pytest.raises(pp.UsageError, match="hands"):
+            s.touch_pose(1, [0, 0, 52])
+        with pytest.raises(pp.UsageError, match="orientations"):
+            s.touch_poses(1, [[0, 0, 52]] * 2, orientations=np.ones((1, 4)))
+
+
+def test_with_a_budget_one_thread_sculpts_while_another_looks(ball):
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1, budget_us=2000) as s:
+        s.set_brush("push", radius_mm=6)
+        before = s.raycast([[0.3, -0.2, 90]], [[0, 0, -1]])["distance"][0]
+        answers = []
+
+        def press():
+            for i, hip in enumerate(press_path(4, 300, 100)):
+                answers.append(s.touch_pose(i / 1000, hip))
+                time.sleep(0.0005)
+
+        thread = threading.Thread(target=press)
+        thread.start()
+        while thread.is_alive():
+            s.apply_edits()
+            s.raycast([[0.3, -0.2, 90]], [[0, 0, -1]])
+        thread.join()
+        assert len(answers) == 400 and all(each.validity != "none" for each in answers)
+        assert s.raycast([[0.3, -0.2, 90]], [[0, 0, -1]])["distance"][0] > before + 0.5
+
+
+def test_contacts_are_told_where_they_begin_and_end(session):
+    told = []
+    session.on_contact(lambda event: told.append((event.begins, event.hand, event.t_s, event.normal[2], event.force_N)))
+    felt = session.touch(np.vstack([press_path(1), press_path(1)[::-1]]))
+    changes = np.flatnonzero(np.diff(felt["contact"].astype(int))) + 1
+    assert [each[0] for each in told] == [True, False] and len(changes) == 2
+    assert [each[2] for each in told] == felt["t_s"][changes].tolist()
+    assert told[0][3] > 0.99 and told[0][4] == felt["force_N"][changes[0]].tolist()
+    told.clear()
+    for i, hip in enumerate(press_path(1)):
+        contact = session.touch_pose(i / 1000, hip)
+        assert bool(told) == contact.contact  # before touch_pose() returns
+    session.on_contact(None)
+    session.lift()
+    assert len(told) == 1
+
+
+def test_an_exception_at_a_contact_ends_the_force_with_a_sentence(session):
+    def broken(event):
+        raise ValueError("no bell")
+
+    session.on_contact(broken)
+    with pytest.raises(ValueError, match="no bell"):
+        for i, hip in enumerate(press_path(1)):
+            session.touch_pose(i / 1000, hip)
+    with pytest.raises(pp.Error, match="on_contact: its function has raised ValueError: no bell.*no force"):
+        session.touch_pose(1, [0.3, -0.2, 49])
+    session.on_contact(None)
+    assert session.touch_pose(1.001, [0.3, -0.2, 49]).validity == "fresh"
+    with pytest.raises(pp.ArgumentTypeError, match="a function"):
+        session.on_contact(3)
+
+
+def test_a_contact_function_cannot_call_its_session(session):
+    raised = []
+
+    def asks(event):
+        try:
+            session.undo()
+        except pp.Error as error:
+            raised.append(error.status)
+
+    session.on_contact(asks)
+    session.touch(press_path(1))
+    assert raised == ["state", "state"]
+
+
+def test_a_live_contact_is_told_on_the_thread_that_reads(session):
+    told = []
+    session.on_contact(lambda event: told.append((event.begins, threading.current_thread().name)))
+    with session.live(path=[[0, 0, 0, 52], [0.1, 0, 0, 49]], on_ticks=lambda ticks: None) as live:
+        end = time.monotonic() + 20
+        while not told and time.monotonic() < end:
+            live.wait(0.05)
+    assert told == [(True, "palpate ticks"), (False, "palpate ticks")]
+
+
+def test_an_exception_at_a_live_contact_ends_the_session_without_force(session):
+    def broken(event):
+        raise ValueError("no bell")
+
+    session.on_contact(broken)
+    live = session.live(path=[[0, 0, 0, 52], [0.1, 0, 0, 49]])
+    end = time.monotonic() + 20
+    with pytest.raises(ValueError, match="no bell"):
+        while time.monotonic() < end:
+            live.read_ticks()
+            time.sleep(0.02)
+    assert not live.running
+    assert any("no bell" in line for line in session.messages)
+    live.stop()
+    with pytest.raises(pp.Error, match="no force until on_contact"):
+        session.live(builtin="press")
+
+
+def test_an_exception_in_on_ticks_ends_the_live_session(session):
+    def broken(ticks):
+        raise ValueError("full")
+
+    live = session.live(builtin="press", on_ticks=broken)
+    with pytest.raises(ValueError, match="full"):
+        live.wait(20)
+    end = time.monotonic() + 20
+    while session._live_running() and time.monotonic() < end:
+        time.sleep(0.01)
+    assert not session._live_running()
+    live.stop()
+
+
+def test_messages_are_passed_on_with_their_level(ball, capfd):
+    heard = []
+    bare = pp.Cloud(ball.xyz)
+    with pp.Session(bare, gpu="cpu", on_message=lambda level, text: heard.append((level, text))) as s:
+        assert [text for _, text in heard] == s.messages
+        assert any(level == "note" and "normals are estimated" in text for level, text in heard)
+    with pytest.raises(pp.ArgumentTypeError, match="on_message"):
+        pp.Session(bare, gpu="cpu", on_message=3)
+    assert capfd.readouterr() == ("", "")
