@@ -5,9 +5,9 @@
 #ifndef PALPATE_HPP
 #define PALPATE_HPP
 
+#include <palpate/palpate.h>
 #include <palpate/clouds.hpp>
 #include <palpate/handles.hpp>
-#include <palpate/palpate.h>
 
 #include <cstdint>
 #include <exception>
