@@ -9,7 +9,12 @@ if [ -z "${DISPLAY:-}" ]; then exec xvfb-run -a bash tests/windows_packages.sh; 
 scratch=$(mktemp -d)
 export WINEPREFIX=$scratch/wine WINEDLLOVERRIDES='winemenubuilder.exe=d;mscoree=d;mshtml=d' LC_ALL=C.UTF-8
 export PALPATE_GPU=${PALPATE_GPU:-llvmpipe}
-end() { WINEPREFIX=$scratch/wine wineserver -k || true; rm -rf "$scratch"; }
+end() {
+  # shellcheck disable=SC2046
+  kill $(jobs -p) 2> /dev/null || true
+  wineserver -k || true
+  rm -rf "$scratch"
+}
 trap end EXIT
 packages=$PWD/build/windows tests=$PWD/tests toolchain=$PWD/third_party/windows_toolchain.cmake
 service=$PWD/build/release/haply_service wine=(bash "$PWD/third_party/wine.sh")
@@ -21,9 +26,11 @@ quietly() { "$@" > "$scratch/said" 2>&1 || fail "$*: $(cat "$scratch/said")"; }
 registry() { wineserver -w; cat "$WINEPREFIX/user.reg" "$WINEPREFIX/system.reg"; }
 below() { (cd "$1" && find . -type f | sort); }
 
+is_felt() { awk -F '[:,]' '/"peak_force_N"/ { exit !($2 > 0.3) }' "$scratch/touch.json"; }
 feels_a_haply() {  # PROGRAM: taps are felt, and the last force is zero
   mkfifo "$scratch/end"
   exec 3<> "$scratch/end"
+  rm -f "$scratch/service"
   "$service" < "$scratch/end" > "$scratch/service" 3>&- &
   local number=$! most last
   until [ -s "$scratch/service" ]; do sleep 0.1; done
@@ -31,7 +38,12 @@ feels_a_haply() {  # PROGRAM: taps are felt, and the last force is zero
   PALPATE_HAPLY_CONFIG=Z:$(head -n 1 "$scratch/service")
   quietly "$@" doctor --device haply
   says 'serial number   049D' "$scratch/said"
-  quietly "$@" touch "$model" --backend cpu --mm-per-unit 1 --map identity --device haply --realtime --duration 3
+  # On a busy machine wine's clocks stall, which takes the force away, as old states do: there are further tries.
+  for _ in 1 2 3 4; do
+    quietly "$@" touch "$model" --backend cpu --mm-per-unit 1 --stiffness 0.4 --device haply --realtime --duration 3 \
+      --json "$scratch/touch.json"
+    ! is_felt || break
+  done
   exec 3>&-
   rm "$scratch/end"
   wait "$number"
@@ -43,11 +55,11 @@ feels_a_haply() {  # PROGRAM: taps are felt, and the last force is zero
 
 feels_a_touch() {  # PROGRAM
   printf 't_s,x,y,z\n0,0,40,0\n0.4,0,28.5,0\n0.9,4,28.2,0\n1.2,4,40,0\n' > "$scratch/hand.csv"
-  printf 'hand Z:%s\n' "$scratch/hand.csv" > "$scratch/script"
+  printf 'hurry\nlead 0.5\nhand Z:%s\n' "$scratch/hand.csv" > "$scratch/script"
   PALPATE_HD_LIBRARY=Z:$packages/fake_devices/libfake_hd.dll PALPATE_FAKE_DEVICE=Z:$scratch/script quietly "$@" touch \
     "$model" --backend cpu --mm-per-unit 1 --map identity --device openhaptics --realtime --duration 1.7 \
     --json "$scratch/touch.json"
-  [ "$(sed -n 's/.*"contact_ticks": \([0-9]*\).*/\1/p' "$scratch/touch.json")" -gt 100 ] || fail 'a Touch felt nothing'
+  is_felt || fail 'a Touch felt nothing'
 }
 
 opens_a_window() {  # PROGRAM

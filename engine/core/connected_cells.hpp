@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "engine/core/vec.hpp"
-#include "shaders/shared/sheet_grid.h"
+#include "shaders/shared/brush.h"
 
 namespace palpate {
 
