@@ -71,6 +71,8 @@ void print(std::FILE* out, const DeviceCheckResult& result) {
 }  // namespace
 
 Json guideDeviceCheck(std::FILE* out, const std::string& spec, Log& log) {
+  if (spec == "hid" || spec.starts_with("hid:"))
+    throw UsageError("--test: {} steers a simulated hand; the test requires a device with force feedback", spec);
   const StopBySignal signals;
   const OpenedDevice opened = openDevice(spec, {.log = log, .stop = &StopBySignal::requested()});
   const DeviceCheckOptions options{.stop = &StopBySignal::requested()};

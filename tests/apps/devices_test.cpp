@@ -305,6 +305,7 @@ TEST_CASE("doctor guides a person through the test of a device, with zero force 
   CHECK(says(said(), "Move the stylus 3 cm to the right"));
   CHECK(driver.lastForce_N() == DVec3(0));
   CHECK(says(palpate("doctor --test").text, "--device"));
+  CHECK(says(palpate("doctor --device hid --test").text, "hid steers a simulated hand"));
 }
 
 /// Programs started during its lifetime see the HID device of a script (fake_hidapi.cpp).
