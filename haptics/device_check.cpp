@@ -13,7 +13,7 @@ constexpr double kWallBelow_mm = 5;  // the hand when the wall appears, which is
 constexpr double kMove_mm = 20;      // in a direction; small devices reach 35 mm from their middle
 constexpr double kClear_mm = 2;      // above the wall: lifted
 constexpr double kLeast_N = 0.2;     // a hand that leans
-constexpr double kMostShare = 0.8;   // of the peak
+constexpr double kMaxShare = 0.8;    // of the peak force
 constexpr double kStepRamp_s = 0.2;  // from one stiffness to the next: no knock in the hand
 constexpr double kStepHold_s = 0.5;  // leaned on at the whole stiffness
 constexpr double kMaxStepFactor = 2;
@@ -53,7 +53,7 @@ std::optional<double> DeviceCheckResult::offeredStiffness_N_per_mm() const {
 }
 
 DeviceCheckQuery::DeviceCheckQuery(const DeviceCheckOptions& options, const DeviceLimits& limits)
-    : options_(options), most_N_(kMostShare * limits.peakForce_N) {
+    : options_(options), most_N_(kMaxShare * limits.peakForce_N) {
   const bool ascends = options.softest_N_per_mm > 0 && options.stiffest_N_per_mm >= options.softest_N_per_mm &&
                        std::isfinite(options.stiffest_N_per_mm) && options.factor > 1 &&
                        options.factor <= kMaxStepFactor;

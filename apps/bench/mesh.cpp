@@ -238,7 +238,7 @@ void listMeshBenchResults(std::vector<ResultFacts>& all) {
       {".truth[].resolution", "", "cells along the longest side"},
       {".truth[].surface", "", "meshed surface"},
       {".truth[].vertices", "", "vertices"},
-      {".truth[].closed", "", "whether there is no border"},
+      {".truth[].closed", "", "true if the mesh has no border"},
       {".truth[].euler", "", "Euler's characteristic"},
       {".truth[].flat_triangles", "", "triangles without area"},
       {".truth[].distance_mm", "mm", "distance of the vertices from the shape: rms and max"},

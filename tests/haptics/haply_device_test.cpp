@@ -332,7 +332,11 @@ TEST_CASE("the force answers a Haply device's pose within a few milliseconds" * 
                               static_cast<std::size_t>(share * static_cast<double>(latencies.size())))];
   };
   MESSAGE("pose to force: median " << at(0.5) << " us, p99.9 " << at(0.999) << " us, N " << latencies.size());
+#if defined(__SANITIZE_THREAD__)
+  CHECK(at(0.5) < 20'000);  // ThreadSanitizer takes most of the time, in the service as well
+#else
   CHECK(at(0.5) < 4000);
+#endif
 }
 
 TEST_CASE("the version of a Haply service decides the spelling of the force") {
