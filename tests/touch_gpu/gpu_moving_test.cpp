@@ -160,7 +160,9 @@ TEST_CASE_FIXTURE(GpuFixture, "an inconsistent frame ends the session: no answer
       BrokenSource source(scene.cloud, fault, 0.02);
       TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
       int lost = 0, early = 0;
-      for (int i = 0; i < 100 && lost < 5; ++i) {
+      // In real time the frame arrives beside the ticks, whenever a loaded machine has made it.
+      const Stopwatch since;
+      for (int i = 0; lost < 5 && (i < 100 || (budget_us > 0 && since.elapsed_s() < 60)); ++i) {
         const Contact contact = touch.query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, budget_us);
         touch.prepare();
         if (contact.lost) ++lost;
