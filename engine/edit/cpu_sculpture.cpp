@@ -208,7 +208,7 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
     }
     const bool moved = place != points_.positions[point];
     if (moved) strain(point, glm::distance(place, points_.positions[point]));
-    if (moved) points_.founds[point] = points_.found(point, brush.stroke());
+    if (moved) points_.setFound(point, points_.found(point, brush.stroke()));
     if (moved || places_[i].taken || color != before) tellOf(point);
     points_.positions[point] = place;
     points_.colors[point] = color;
@@ -222,7 +222,13 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
 }
 
 PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t point) const {
-  const SculptedPoints::Found found = points_.found(point, brush.stroke());
+  return found(brush, point, points_.positions[point]);
+}
+
+PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t point, const Vec3& place) const {
+  // Without a copy of the state: it would be written and read back in parts of other sizes, which stalls.
+  if (points_.strokes[point] != brush.stroke()) return {DVec3(place), DVec3(points_.normals[point])};
+  const SculptedPoints::FoundState& found = points_.founds[point];
   return {DVec3(found.position), DVec3(found.normal)};
 }
 
@@ -236,13 +242,13 @@ void CpuSculpture::reach(const PlacedBrush& brush) {
     layer.measured.clear();
     layer.measure = {};
     grid_.forEachNear(brush.center(), brush.radius(), k, [&](const SortedGrid::Placed& near) {
-      if (brush.measures(near.number)) layer.measured.push_back(near.number);
+      if (brush.measures(near.number)) layer.measured.push_back(near);
       if (brush.mayAffect(DVec3(near.position))) layer.reached.push_back(near.number);
     });
     for (std::size_t i = 0; i < layer.measured.size(); ++i) {
-      if (i + kAhead < layer.measured.size()) points_.prefetch(layer.measured[i + kAhead]);
-      const std::uint32_t point = layer.measured[i];
-      brush.measure(DVec3(points_.positions[point]), DVec3(points_.normals[point]), found(brush, point), layer.measure);
+      if (i + kAhead < layer.measured.size()) points_.prefetchNormal(layer.measured[i + kAhead].number);
+      const auto& [place, point] = layer.measured[i];
+      brush.measure(DVec3(place), DVec3(points_.normals[point]), found(brush, point, place), layer.measure);
     }
   });
   reached_.clear();
@@ -331,7 +337,7 @@ void CpuSculpture::refit() {
 }
 
 std::optional<DVec3> CpuSculpture::pushedFrom(std::uint32_t point) const {
-  if (!pushes_ || points_.founds[point].stroke != pushes_->stroke()) return std::nullopt;
+  if (!pushes_ || points_.strokes[point] != pushes_->stroke()) return std::nullopt;
   return pushes_->outward();
 }
 
@@ -388,7 +394,7 @@ void CpuSculpture::resample() {
     points_.unsettled[point] = requests_[i].unsettled;
     // From now on it counts as part of the sheet that it has reached.
     if (requests_[i].stops) points_.founds[point].normal = Vec3(-pushes_->outward());
-    if (requests_[i].thick && cuts_ && points_.founds[point].stroke == cuts_->stroke())
+    if (requests_[i].thick && cuts_ && points_.strokes[point] == cuts_->stroke())
       points_.founds[point].thick = static_cast<float>(*requests_[i].thick);
     settled_ = settled_ && !requests_[i].unsettled;
     if (requests_[i].goes) remove(point);

@@ -53,7 +53,7 @@ class CpuSculpture {
   /// The points that the last edit left waiting.
   const Backlog& backlog() const { return backlog_; }
   /// Sets the state in which a continuing stroke found a point.
-  void setFound(std::uint32_t point, const SculptedPoints::Found& found) { points_.founds[point] = found; }
+  void setFound(std::uint32_t point, const SculptedPoints::Found& found) { points_.setFound(point, found); }
   /// Sets points exactly; afterwards all are settled.
   void set(std::span<const PointChange> changes);
 
@@ -69,6 +69,7 @@ class CpuSculpture {
   bool resamples(const PlacedBrush& brush) const { return options_.resample && brush.resamples(); }
   void applyBrush(const PlacedBrush& brush);
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
+  PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point, const Vec3& place) const;
   DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;
   void reach(const PlacedBrush& brush);
   void strain(std::uint32_t point, float by);
@@ -120,7 +121,8 @@ class CpuSculpture {
   };
   std::vector<Surroundings> surroundings_;  // by group
   struct Layer {
-    std::vector<std::uint32_t> reached, measured;  // numbers of points
+    std::vector<std::uint32_t> reached;  // numbers of points
+    std::vector<SortedGrid::Placed> measured;
     SurfaceMeasure measure;
   };
   std::vector<Layer> layers_;
