@@ -21,9 +21,13 @@ namespace palpate {
 /// thread accesses the sculpture.
 class CpuEdits {
  public:
-  /// Without a brush there is no thread. `radius`: support radius, model units. `origin`: of the cloud, in the poses'
-  /// coordinates. `sculpture` must outlive it.
-  CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, double radius, const DVec3& origin);
+  struct Setting {
+    double radius = 0;             ///< support radius, model units
+    DVec3 origin{0};               ///< of the cloud, in the poses' coordinates
+    std::optional<EditSize> size;  ///< default: whole in virtual time, a tick's in real time
+  };
+  /// Without a brush there is no thread. `sculpture` must outlive it.
+  CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, const Setting& setting);
 
   bool hasThread() const { return task_ != nullptr; }
   /// Sets the brush, or none, while nothing is in progress.
@@ -78,8 +82,7 @@ class CpuEdits {
 
   CpuSculpture& sculpture_;
   std::optional<BrushOptions> brush_;
-  double radius_;
-  DVec3 origin_;
+  Setting setting_;
   BrushStroke stroke_;
   Work work_;
   bool isUnderWay_ = false, inStroke_ = false;
