@@ -146,7 +146,7 @@ void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
                 {"/ plain", 9, [](const EditCost& c) { return fmt::format("{:.2f}", c.memory.overPlain()); }}}),
           paced);
     for (const EditGrowth& growth : growths(paced))
-      fmt::print(out, "{}, {}, {} asked: a step on {} points takes {:.2f} times one on {}\n", growth.backend,
+      fmt::print(out, "{}, {}, edits of {} points: a step on {} points takes {:.2f} times one on {}\n", growth.backend,
                  growth.index, growth.asked, growth.to, growth.factor, growth.from);
     for (const EditCrossover& crossover : crossovers(paced))
       fmt::print(out, "{}, {}, {} points: a full build is cheaper from {}{:.2g} of the points on\n", crossover.backend,

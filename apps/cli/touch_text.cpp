@@ -132,8 +132,8 @@ void printTicks(const Rows& rows, const TouchReport& report) {
   if (report.shape) rows.print("shape", fmt::format("{} strokes have changed the rest shape", report.shape->strokes));
   if (trace.contactTicks == 0 && !report.matter)
     rows.print("contact",
-               "none: the HIP never crossed the surface from outside; is the path right, and the support radius some "
-               "spacings wide?");
+               "none: the HIP never crossed the surface from outside; check the path, and that the support radius "
+               "is some spacings wide");
   if (report.error.ticks)
     rows.print("contact error", fmt::format("{}, largest of {} ticks against double precision{}",
                                             rows.length(report.error.worst_mm), report.error.ticks,

@@ -34,7 +34,7 @@ Json summaryJson(const Summary& summary) {
 // Throws Error with the failure and the remedy if the simulation has stopped.
 void requireRunning(const MatterSimulation& world) {
   if (world.state() == MatterState::running) return;
-  throw Error("the simulation {} after {:.3f} s; take more substeps",
+  throw Error("the simulation {} after {:.3f} s; use more substeps",
               world.state() == MatterState::diverged ? "has diverged" : "has too many particles in one place",
               world.time_s());
 }

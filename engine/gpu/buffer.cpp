@@ -42,14 +42,32 @@ OutOfGpuMemory tooLarge(const Device& device, const std::string& name, std::uint
                         name, bytes >> 20, limit >> 20);
 }
 
-}  // namespace
-
+// The best memory type among those `allowed` (a bit each); empty if none is suitable.
 std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allowed, Memory memory) {
   const auto& properties = device.memory();
   for (const VkMemoryPropertyFlags wanted : preferences(memory))
     for (std::uint32_t i = 0; i < properties.memoryTypeCount; ++i)
       if ((allowed >> i & 1) && (properties.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
   return std::nullopt;
+}
+
+}  // namespace
+
+VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, Memory memory, const std::string& name,
+                        const void* next) {
+  const auto type = memoryType(device, needs.memoryTypeBits, memory);
+  if (!type) throw GpuError("{}: no memory type suits '{}'", device.name(), name);
+  const auto& heap = device.memory().memoryHeaps[device.memory().memoryTypes[*type].heapIndex];
+  if (needs.size > heap.size) throw tooLarge(device, name, needs.size, heap.size);
+  const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                  .pNext = next,
+                                  .allocationSize = needs.size,
+                                  .memoryTypeIndex = *type};
+  VkDeviceMemory allocated = VK_NULL_HANDLE;
+  device.check(device.vk().vkAllocateMemory(device.handle(), &info, nullptr, &allocated),
+               fmt::format("vkAllocateMemory of {} MiB for '{}'", needs.size >> 20, name));
+  device.noteAllocation(needs.size);
+  return allocated;
 }
 
 Buffer::Buffer(Device& device, std::uint64_t bytes, Memory memory, std::string name)
@@ -69,23 +87,12 @@ Buffer::Buffer(Device& device, std::uint64_t bytes, Memory memory, std::string n
     device.check(device.vk().vkCreateBuffer(device.handle(), &info, nullptr, &buffer_), "vkCreateBuffer");
     VkMemoryRequirements needs;
     device.vk().vkGetBufferMemoryRequirements(device.handle(), buffer_, &needs);
-    const auto type = memoryType(device, needs.memoryTypeBits, memory);
-    if (!type) throw GpuError("{}: no memory type suits '{}'", device.name(), name_);
-    const auto& heap = device.memory().memoryHeaps[device.memory().memoryTypes[*type].heapIndex];
-    if (needs.size > heap.size) throw tooLarge(device, name_, needs.size, heap.size);
-
     const VkMemoryAllocateFlagsInfo flags{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
                                           .pNext = nullptr,
                                           .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT,
                                           .deviceMask = 0};
-    const VkMemoryAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                          .pNext = &flags,
-                                          .allocationSize = needs.size,
-                                          .memoryTypeIndex = *type};
-    device.check(device.vk().vkAllocateMemory(device.handle(), &allocation, nullptr, &memory_),
-                 fmt::format("vkAllocateMemory of {} MiB for '{}'", needs.size >> 20, name_));
+    memory_ = allocate(device, needs, memory, name_, &flags);
     allocated_ = needs.size;
-    device.noteAllocation(allocated_);
     device.check(device.vk().vkBindBufferMemory(device.handle(), buffer_, memory_, 0), "vkBindBufferMemory");
     if (memory != Memory::device) {
       void* pointer = nullptr;

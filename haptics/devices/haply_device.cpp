@@ -33,7 +33,7 @@ std::int64_t now_ns() noexcept { return machineClock().now_ns(); }
 HaplyDevice::HaplyDevice(const HaplyOptions& options) : options_(options), service_(std::make_unique<HaplyService>()) {
   choose();
   values_ = haply::saysValues(service_->version);
-  if (!service_->events) say("the Haply service has no channel of events, so it does not tell a stop by the safety");
+  if (!service_->events) say("the Haply service has no event channel, so it does not report a stop by its safety");
   good_ns_ = now_ns();
   state_ = haply::stateIn(service_->first, choice_, state_);  // no jump from the origin
   accept(service_->first, good_ns_);

@@ -52,7 +52,7 @@ namespace {
 Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
   if (!loading.fetch) throw Error("{}: ROS topics are not supported here", config.file);
   if (config.normals == NormalSource::face)
-    throw ConfigError("model.normals", "points from a ROS topic have no faces; take keep or estimate");
+    throw ConfigError("model.normals", "points from a ROS topic have no faces; use keep or estimate");
   return modelOf(loading.fetch(config.file, loading.log), config, loading);
 }
 

@@ -137,7 +137,8 @@ void StrokeServer::count(const Id& client, std::uint64_t number, Way way, Shared
     case SharedPoints::Taken::refused:
       if (counts_.refused++ == 0 && parts_.log)
         parts_.log->say(
-            "a piece of a stroke was refused, as others may be: it is invalid, or {} hands have sculpted, which is the "
+            "a piece of a stroke was refused, and others may be: it is invalid, or {} hands have sculpted, which is "
+            "the "
             "maximum",
             parts_.points.clients());
       break;

@@ -136,7 +136,7 @@ TEST_CASE("a model without cameras is drawn unchanged, with a message") {
   const Outcome outcome = palpate("render " + (folder / "s.ply").string() + " --size 200x150 --cameras -o " +
                                   (folder / "with.png").string());
   CHECK(outcome.code == 0);
-  CHECK_MESSAGE(says(outcome.text, "no cameras are drawn: the model does not say where any stood"), outcome.text);
+  CHECK_MESSAGE(says(outcome.text, "no cameras are drawn: the model has no camera poses"), outcome.text);
   CHECK(contentOf(folder / "without.png") == contentOf(folder / "with.png"));
 }
 

@@ -23,14 +23,6 @@ PointCloud cloudOf(std::vector<Vec3> positions) {
   return cloud;
 }
 
-std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float extent) {
-  std::mt19937 random(static_cast<std::uint32_t>(count));
-  std::uniform_real_distribution<float> uniform(-extent, extent);
-  std::vector<Vec3> positions(count);
-  for (auto& position : positions) position = center + Vec3{uniform(random), uniform(random), uniform(random)};
-  return positions;
-}
-
 class SpatialHashFixture : public GpuFixture {
  protected:
   static constexpr std::array kSorts{SortMethod::radix, SortMethod::counting, SortMethod::radixLookBack};
