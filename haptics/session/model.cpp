@@ -67,7 +67,7 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
                                   .pointsOnly = true,
                                   .keepUnreliable = config.keepUnreliable});
   if (!stored.leftOut.empty())
-    loading.log.warn("{}: left out are {}; all points can be requested", config.file, stored.leftOut);
+    loading.log.warn("{}: left out: {}; the setting keep_unreliable keeps them", config.file, stored.leftOut);
   Model model = modelOf(std::move(stored.cloud), config, loading);
   model.cameras = std::move(stored.cameras);
   return model;

@@ -178,7 +178,7 @@ TEST_CASE("unreliable COLMAP points are left out by info and render, and by conv
   CHECK(jsonOf(json)["points"] == 950);
   CHECK(jsonOf(json)["left_out"].is_null());
   const Outcome drawn = palpate("render " + model + " --size 64x48 -o " + (folder / "p.png").string());
-  CHECK_MESSAGE(says(drawn.text, "left out are 50 of 950 points"), drawn.text);
+  CHECK_MESSAGE(says(drawn.text, "left out: 50 of 950 points"), drawn.text);
 }
 
 TEST_CASE("the window shows a reconstruction's cameras, and a recording's camera with its path; F hides them") {

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any, Literal, TypedDict
+from collections.abc import Sequence
+from typing import Any, Callable, Literal, TypedDict
 
 Backend = Literal["auto", "vulkan", "cpu"]
 BrushKind = Literal["push", "carve", "inflate", "smooth", "grab", "paint", "flatten"]
