@@ -30,8 +30,9 @@ std::string inWords(const PlayCounts& frames) {
 
 std::string inWords(const MatterReport& matter, std::size_t particles) {
   const bool isSoft = matter.scene.matter == "soft";
-  std::string words = fmt::format("{} of {}, {} substeps per millisecond, forces times {:g}", particles,
-                                  isSoft ? "a soft body" : matter.scene.matter, matter.scene.substeps, matter.scene.gain);
+  std::string words =
+      fmt::format("{} of {}, {} substeps per millisecond, forces times {:g}", particles,
+                  isSoft ? "a soft body" : matter.scene.matter, matter.scene.substeps, matter.scene.gain);
   if (matter.scene.coupling_N_mm > 0)
     words += fmt::format(", coupling of hand and ball {:.3g} N/mm", matter.scene.coupling_N_mm);
   if (!matter.scene.elasticity.empty()) words += "; " + matter.scene.elasticity;

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/cell_box.hpp"
 #include "engine/core/index_options.hpp"
-#include "engine/spatial/cell_box.hpp"
 #include "shaders/shared/hash_grid.h"
 
 namespace palpate {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "engine/spatial/cell_box.hpp"
+#include "engine/core/cell_box.hpp"
 
 namespace palpate {
 

@@ -64,7 +64,7 @@ void StrokeServer::take(const ResumeRequest& request) {
     followers_.emplace(client, std::move(fresh));
     for (auto& [id, each] : followers_)
       each.copies.setRate(std::min(kCopies_B_per_s, kAllCopies_B_per_s / static_cast<double>(followers_.size())));
-    if (parts_.log) parts_.log->say("{} follows", printable(request.host));
+    if (parts_.log) parts_.log->say("{} receives the edits", printable(request.host));
   }
   Follower& follower = followers_[client];
   follower.lastHeard = {};

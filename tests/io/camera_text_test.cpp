@@ -65,8 +65,8 @@ TEST_CASE("invalid camera intrinsics are refused with the name of the field") {
   CHECK(refusal(std::string(100'000, '[')) == "is not valid JSON");
   const ScratchFolder folder;
   writeBytes(folder / "a.json", "{}");
-  CHECK_THROWS_WITH_AS(readCamera(folder / "a.json"), doctest::Contains("a.json: has no \"width\"; intrinsics are"),
-                       FileError);
+  CHECK_THROWS_WITH_AS(readCamera(folder / "a.json"),
+                       doctest::Contains("a.json: has no \"width\"; expected intrinsics as JSON"), FileError);
 }
 
 TEST_CASE("a matrix and a quaternion give the same pose, and positions survive the path to the camera and back") {
@@ -91,7 +91,7 @@ TEST_CASE("a rounded matrix becomes the nearest rotation, and one that is far of
   CHECK(poseRefusal(rows).find("row 1, column 4") != std::string::npos);
   rows = rowsOf(pose);
   for (const std::size_t k : {0, 4, 8}) rows[k] *= 1.1;
-  CHECK(poseRefusal(rows).find("no rotation") != std::string::npos);
+  CHECK(poseRefusal(rows).find("not a rotation") != std::string::npos);
   rows = rowsOf(pose);
   for (const std::size_t k : {0, 4, 8}) rows[k] = -rows[k];
   CHECK(poseRefusal(rows).find("mirrors") != std::string::npos);

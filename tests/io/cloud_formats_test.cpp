@@ -133,7 +133,7 @@ TEST_CASE("the longer of two endings of a file name counts, and COPC is refused 
   CHECK_THROWS_WITH_AS(cloudFormats().toWrite("a.copc.laz"),
                        doctest::Contains("a.copc.laz: COPC can be read but not written; clouds are written as .ply"),
                        UsageError);
-  CHECK_THROWS_WITH_AS(cloudFormats().toWrite("folder/A.COPC.LAZ"), doctest::Contains("COPC is read"), UsageError);
+  CHECK_THROWS_WITH_AS(cloudFormats().toWrite("folder/A.COPC.LAZ"), doctest::Contains("COPC can be read"), UsageError);
   CHECK(cloudFormats().toWrite("a.laz").name == "LAZ");
   CHECK(cloudFormats().toWrite("copc.laz").name == "LAZ");
   CHECK(cloudFormats().toWrite("a.3dgs.ply").name == "3DGS");

@@ -191,7 +191,8 @@ TEST_CASE("invalid lines of a COLMAP folder are refused with the line") {
 
   const ScratchFolder folder;
   std::ofstream(folder / "points3D.txt") << text().points;
-  CHECK_THROWS_WITH_AS(readCloud(folder.path()), doctest::Contains("has no cameras.bin and no cameras.txt"), FileError);
+  CHECK_THROWS_WITH_AS(readCloud(folder.path()), doctest::Contains("has neither cameras.bin nor cameras.txt"),
+                       FileError);
 }
 
 TEST_CASE("a real reconstruction: the normal of every point faces the cameras that saw it") {

@@ -203,7 +203,7 @@ TEST_CASE("frames with an invalid pose are dropped, and so are those without one
   const Heard heard = hear(bytes);
   CHECK(heard.times_s() == std::vector<double>{0, 3});
   REQUIRE(heard.lost.size() >= 2);
-  CHECK(says(heard.lost.front(), "no rotation"));
+  CHECK(says(heard.lost.front(), "not a rotation"));
   CHECK(says(heard.lost.back(), "has no pose, and the first one had one"));
 }
 

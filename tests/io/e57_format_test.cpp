@@ -214,22 +214,22 @@ TEST_CASE("invalid E57 content under valid checksums is refused with its byte" *
   };
   CHECK(refusalOfE57(E57Bytes::paged(good)) == "read");
   CHECK(with(8, std::uint32_t{2}).starts_with(": byte 8: E57 version 2"));
-  CHECK(with(24, std::uint64_t{1} << 40).starts_with(": byte 24: names byte"));
+  CHECK(with(24, std::uint64_t{1} << 40).starts_with(": byte 24: refers to byte"));
   CHECK(with(24, std::uint64_t{1022}).starts_with(": byte 24: refers to byte 1022, where there are no data"));
-  CHECK(with(32, std::uint64_t{1} << 40).starts_with(": byte 24: names 1099511627776 bytes"));
+  CHECK(with(32, std::uint64_t{1} << 40).starts_with(": byte 24: refers to 1099511627776 bytes"));
   CHECK(with(40, std::uint64_t{512}).starts_with(": byte 40: pages of 512"));
   CHECK(with(48, std::uint8_t{7}).starts_with(": byte 48: no section of points"));
-  CHECK(with(56, std::uint64_t{1} << 50).starts_with(": byte 56: names"));
+  CHECK(with(56, std::uint64_t{1} << 50).starts_with(": byte 56: refers to"));
   CHECK(with(64, std::uint64_t{8}).starts_with(": byte 64: the points begin at byte 8, outside"));
   CHECK(with(80, std::uint8_t{9}).starts_with(": byte 80: a packet of kind 9"));
   CHECK(with(86, std::uint16_t{0xfffb}).starts_with(": byte 86: a packet of"));
   CHECK(with(86, std::uint16_t{2}).starts_with(": byte 86: a packet of 3 bytes"));
   CHECK(with(88, std::uint16_t{3}).starts_with(": byte 88: a packet of 3 streams; the points have 7"));
   CHECK(with(90, std::uint16_t{0xffff}).starts_with(": byte 90: stream 1 has 65535 bytes"));
-  CHECK(xml("recordCount=\"3000\"", "recordCount=\"3001\"").find("3001 points, and 3000 values of cartesianX") !=
+  CHECK(xml("recordCount=\"3000\"", "recordCount=\"3001\"").find("3001 points has 3000 values of cartesianX") !=
         std::string::npos);
   CHECK(xml("recordCount=\"3000\"", "recordCount=\"3e00\"").find("; expected a number") != std::string::npos);
-  CHECK(xml("</prototype>", "</prototypo>").find("no XML") != std::string::npos);
+  CHECK(xml("</prototype>", "</prototypo>").find("not valid XML") != std::string::npos);
   CHECK(xml("e57Root", "e57Ruut").starts_with(": "));
   CHECK(xml("cartesianX", "cartesianQ").find("has no coordinates of its points") != std::string::npos);
   CHECK(xml("\"Float\"", "\"Flout\"").find("'Flout'") != std::string::npos);

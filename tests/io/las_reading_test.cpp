@@ -149,7 +149,7 @@ TEST_CASE("a damaged or inconsistent LAS file is refused with its byte") {
   CHECK(with(105, std::uint16_t{33}).starts_with(": byte 105: points of 33 bytes"));
   CHECK(with(105, std::uint16_t{34 + 4097}).starts_with(": byte 105: points of 4131 bytes; of format 3 at most 4130"));
   CHECK(
-      with(107, std::uint32_t{11}).starts_with(": byte 107: the header promises 11 points of 34 bytes, and 340 bytes"));
+      with(107, std::uint32_t{11}).starts_with(": byte 107: the header promises 11 points of 34 bytes, but 340 bytes"));
   CHECK(with(131, 0.0).starts_with(": byte 131: the scale of x is 0"));
   CHECK(with(139, std::nan("")).starts_with(": byte 139: the scale of y is nan"));
   CHECK(with(155, HUGE_VAL).starts_with(": byte 155: the offset of x is inf"));

@@ -123,7 +123,7 @@ TEST_CASE("OBJ: invalid statements are refused with their line") {
   CHECK(refusal(importObj, three + "f 1 2 4\n") == ":4: a face refers to corner 4, but only 3 precede it");
   CHECK(refusal(importObj, three + "f 1 2 -4\n") == ":4: a face refers to corner -4, but only 3 precede it");
   CHECK(refusal(importObj, three + "f 0 2 1\n") == ":4: a face refers to corner 0, but only 3 precede it");
-  CHECK(refusal(importObj, three + "f 1//1 2 3\n") == ":4: a face names normal 1, of 0 before it");
+  CHECK(refusal(importObj, three + "f 1//1 2 3\n") == ":4: a face refers to normal 1, but only 0 precede it");
   CHECK(refusal(importObj, three + "f 1 2 three\n") == ":4: found 'three', expected the number of corner");
   CHECK(refusal(importObj, three + "f 1 2 99999999999999999999\n").starts_with(":4: found "));
   CHECK(refusal(importObj, "v 0 0\n") == ":1: the line ends where a coordinate should be");
@@ -262,7 +262,7 @@ TEST_CASE("glTF: accessors beyond their buffer, cyclic nodes and compressed mesh
   CHECK(says(refusal(importGltf, "[]"), ": byte 0: "));
   const std::string glb = gltfTriangle(true);
   CHECK(refusal(importGltf, glb.substr(0, 10)) == ": byte 10: the file ends within its header");
-  CHECK(says(refusal(importGltf, glb.substr(0, glb.size() - 1)), ": byte 8: a length of "));
+  CHECK(says(refusal(importGltf, glb.substr(0, glb.size() - 1)), ": byte 8: states a length of "));
   std::string longer = glb;
   longer[13] = '\xff';
   CHECK(says(refusal(importGltf, longer), ": byte 12: a part of "));

@@ -183,7 +183,7 @@ TEST_CASE("a damaged or inconsistent NPY array is refused with its byte") {
   CHECK(refusal("hello") == ": byte 0: not an array of NumPy: it does not begin as one");
   CHECK(refusal(std::string("\x93NUMPY\x01\x00", 8)) == ": byte 8: ends inside the array's description");
   CHECK(refusal(array("'<f4'", "(1, 3)", data, false, 4)).starts_with(": byte 6: version 4"));
-  CHECK(refusal(array("'<f4'", "(2, 3)", data)).find("an array of shape (2, 3) has 24 bytes, and 12 are there") !=
+  CHECK(refusal(array("'<f4'", "(2, 3)", data)).find("an array of shape (2, 3) has 24 bytes, but 12 follow") !=
         std::string::npos);
   CHECK(refusal(array("'<f4'", "(1000000000000000000, 3)", data)).find("too many numbers") != std::string::npos);
   CHECK(refusal(array("'<f4'", "(1000000000000, 3)", data)).find("has 12000000000000 bytes") != std::string::npos);

@@ -47,8 +47,8 @@ from conftest import ball_arrays, press_path
     (lambda s: pp.Session(s.cloud(), "cpu", 1, "sharp"), "Session(): takes 3 arguments by position, the others by "
      "name, and 4 are given; it takes cloud, gpu, mm_per_unit, backend, surface, "),
     (lambda s: s.touch(press_path(1), path=3), "touch(): path is given twice"),
-    (lambda s: pp.Session(s.cloud(), gpu="cpu", radius_mm="a"), "Session(): radius_mm must be a number or None, not the "
-     "text 'a'"),
+    (lambda s: pp.Session(s.cloud(), gpu="cpu", radius_mm="a"),
+     "Session(): radius_mm must be a number or None, not the text 'a'"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", threads=-1),
      "Session(): threads must be a whole number of 0 or more, not -1"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", tool_axis=(1, 2)),
