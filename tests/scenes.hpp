@@ -26,15 +26,6 @@ inline Scene makeScene(std::string_view name, std::size_t count, const DVec3& ce
   return scene;
 }
 
-/// Uniformly random positions in a cube of edge 2 `extent`.
-inline std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float extent) {
-  std::mt19937 random(static_cast<std::uint32_t>(count));
-  std::uniform_real_distribution<float> uniform(-extent, extent);
-  std::vector<Vec3> positions(count);
-  for (auto& position : positions) position = center + Vec3{uniform(random), uniform(random), uniform(random)};
-  return positions;
-}
-
 /// Positions of a probe that wanders over a shape, in and out of it by up to `depth`, in file coordinates, starting
 /// outside.
 inline std::vector<DVec3> wanderingPath(const Scene& scene, std::size_t ticks, double depth, std::uint32_t seed) {

@@ -3,9 +3,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/gpu/buffer.hpp"
 #include "engine/gpu/compute_pipeline.hpp"
 #include "engine/gpu/device.hpp"
+#include "engine/gpu/gpu_memory.hpp"
 
 namespace palpate {
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/gpu/device.hpp"
+#include "engine/gpu/gpu_memory.hpp"
 
 namespace palpate {
 
@@ -42,7 +43,8 @@ OutOfGpuMemory tooLarge(const Device& device, const std::string& name, std::uint
                         name, bytes >> 20, limit >> 20);
 }
 
-// The best memory type among those `allowed` (a bit each); empty if none is suitable.
+}  // namespace
+
 std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allowed, Memory memory) {
   const auto& properties = device.memory();
   for (const VkMemoryPropertyFlags wanted : preferences(memory))
@@ -50,8 +52,6 @@ std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allo
       if ((allowed >> i & 1) && (properties.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
   return std::nullopt;
 }
-
-}  // namespace
 
 VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, Memory memory, const std::string& name,
                         const void* next) {

@@ -21,10 +21,8 @@ enum class Memory {
   readback,  ///< the GPU writes, the host reads; cached on the host
 };
 
-/// Memory for a buffer or image of that name, which the caller frees and reports to noteRelease(). `next` extends the
-/// request. Throws OutOfGpuMemory, and GpuError if the GPU has no memory for that use.
-VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, Memory memory, const std::string& name,
-                        const void* next = nullptr);
+/// The best memory type for that use among those `allowed` (a bit each); empty if none is suitable.
+std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allowed, Memory memory);
 
 /// A range of GPU memory that shaders access by its address. Mapped while it lives if the host may access it. Zero
 /// bytes are allowed and give a valid address. Throws OutOfGpuMemory.

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "engine/cloud/point_cloud.hpp"
-#include "engine/core/cell_box.hpp"
 #include "engine/core/index_options.hpp"
 #include "shaders/shared/hash_grid.h"
 
@@ -21,6 +20,24 @@ std::uint32_t bucketBits(const HashGrid& grid);
 /// A grid for `count` points with cells of edge `cell` (model units, positive). About four points share a bucket: on a
 /// surface with cells of the support radius that is about one occupied cell per four buckets.
 HashGrid makeHashGrid(const Vec3& origin, double cell, std::uint64_t count, BucketKey key = BucketKey::teschner);
+
+/// A box of cells, both corners included.
+struct CellBox {
+  IVec3 low, high;
+
+  /// Number of cells; a double, since it may be very large.
+  double cells() const {
+    const DVec3 sides = DVec3(high) - DVec3(low) + 1.0;
+    return sides.x * sides.y * sides.z;
+  }
+  /// Calls visit(cell) for every cell, x fastest.
+  template <class Visit>
+  void forEach(Visit&& visit) const {
+    for (int z = low.z; z <= high.z; ++z)
+      for (int y = low.y; y <= high.y; ++y)
+        for (int x = low.x; x <= high.x; ++x) visit(IVec3(x, y, z));
+  }
+};
 
 /// Which of the cells around a ball may contain points in it, allowing for single-precision rounding: half of those in
 /// its box do not.

@@ -6,12 +6,29 @@
 #include <cmath>
 #include <cstdint>
 
-#include "engine/core/cell_box.hpp"
+#include "engine/core/vec.hpp"
 
 namespace palpate {
 
 /// Packed coordinates of a brick; identical at both ends of a link.
 using BrickKey = std::uint64_t;
+
+/// Bricks from one corner to the other, both included.
+struct BrickBox {
+  IVec3 low{0}, high{-1};
+
+  /// Number of bricks; a double, since it may exceed any integer type.
+  double count() const {
+    const DVec3 sides = DVec3(high) - DVec3(low) + 1.0;
+    return sides.x * sides.y * sides.z;
+  }
+  template <class Visit>
+  void forEach(Visit&& visit) const {
+    for (int z = low.z; z <= high.z; ++z)
+      for (int y = low.y; y <= high.y; ++y)
+        for (int x = low.x; x <= high.x; ++x) visit(IVec3(x, y, z));
+  }
+};
 
 /// Bricks of one edge length (model units), starting at the cloud's origin. Positions beyond the outermost brick belong
 /// to it.
@@ -28,7 +45,7 @@ class BrickGrid {
     return brick;
   }
   BrickKey keyAt(const DVec3& place) const { return keyOf(brickAt(place)); }
-  CellBox boxOf(const DVec3& low, const DVec3& high) const { return {brickAt(low), brickAt(high)}; }
+  BrickBox boxOf(const DVec3& low, const DVec3& high) const { return {brickAt(low), brickAt(high)}; }
   /// Distance from the brick to the position; 0 inside it.
   double distance(const IVec3& brick, const DVec3& place) const {
     const DVec3 low = DVec3(brick) * edge_;

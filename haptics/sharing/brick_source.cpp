@@ -32,8 +32,8 @@ std::uint64_t BrickSource::versionOf(double frame_s) const noexcept {
 
 bool BrickSource::covers(double frame_s, const DVec3& low, const DVec3& high) const noexcept {
   const Made* const felt = madeFor(frame_s);
-  const CellBox box = grid_.boxOf(low, high);
-  if (!felt || !isFinite(low) || !isFinite(high) || box.cells() > kMaxBricks) return false;
+  const BrickBox box = grid_.boxOf(low, high);
+  if (!felt || !isFinite(low) || !isFinite(high) || box.count() > kMaxBricks) return false;
   bool all = true;
   box.forEach([&](const IVec3& brick) {
     all = all && std::binary_search(felt->keys.begin(), felt->keys.end(), BrickGrid::keyOf(brick));
@@ -44,8 +44,8 @@ bool BrickSource::covers(double frame_s, const DVec3& low, const DVec3& high) co
 bool BrickSource::knows(const HandReaches& hands) const {
   bool all = true;
   for (std::uint32_t i = 0; i < hands.count && all; ++i) {
-    const CellBox box = grid_.boxOf(hands.hands[i].low, hands.hands[i].high);
-    if (box.cells() > kMaxBricks) return false;
+    const BrickBox box = grid_.boxOf(hands.hands[i].low, hands.hands[i].high);
+    if (box.count() > kMaxBricks) return false;
     box.forEach([&](const IVec3& brick) { all = all && now_.bricks.contains(BrickGrid::keyOf(brick)); });
   }
   return all;
@@ -72,7 +72,7 @@ void BrickSource::giveUp() {
 bool BrickSource::isReached(const HandReaches& hands, BrickKey key) const {
   const IVec3 at = BrickGrid::brickOf(key);
   return std::any_of(hands.hands.begin(), hands.hands.begin() + hands.count, [&](const HandReach& hand) {
-    const CellBox box = grid_.boxOf(hand.low, hand.high);
+    const BrickBox box = grid_.boxOf(hand.low, hand.high);
     return glm::all(glm::lessThanEqual(box.low, at)) && glm::all(glm::lessThanEqual(at, box.high));
   });
 }
@@ -119,7 +119,7 @@ void BrickSource::forget() {
 
 void BrickSource::pointsIn(const DVec3& low, const DVec3& high, std::vector<PointState>& points) const {
   const std::scoped_lock hold(lock_);
-  const CellBox box = grid_.boxOf(low, high);
+  const BrickBox box = grid_.boxOf(low, high);
   const auto isIn = [&](const Vec3& place) {
     return glm::all(glm::lessThanEqual(low, DVec3(place))) && glm::all(glm::lessThanEqual(DVec3(place), high));
   };
@@ -132,7 +132,7 @@ void BrickSource::pointsIn(const DVec3& low, const DVec3& high, std::vector<Poin
                           .color = brick.colors.empty() ? 0 : brick.colors[i],
                           .parent = brick.ids[i]});
   };
-  if (box.cells() > static_cast<double>(now_.bricks.size())) {
+  if (box.count() > static_cast<double>(now_.bricks.size())) {
     for (const auto& [key, brick] : now_.bricks) take(*brick);
     return;
   }

@@ -5,7 +5,7 @@
 #include "engine/cuda/live_copy.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
-#include "tests/scenes.hpp"
+#include "tests/random_positions.hpp"
 
 namespace palpate::cub_hash_build_test {
 

@@ -46,7 +46,7 @@ struct World {
     came.resize(kPoints);
     own.resize(kPoints);
     isNew.resize(kPoints);
-    CellBox{IVec3(0), IVec3(kSide - 1)}.forEach([&](const IVec3& at) { keys.push_back(BrickGrid::keyOf(at)); });
+    BrickBox{IVec3(0), IVec3(kSide - 1)}.forEach([&](const IVec3& at) { keys.push_back(BrickGrid::keyOf(at)); });
   }
   PointState shownOf(std::uint32_t id) const { return own[id] ? *own[id] : theirs[id]; }
 

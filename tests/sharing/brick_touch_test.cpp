@@ -92,7 +92,7 @@ TEST_CASE("in virtual time a hand that waits for its bricks feels the whole clou
           const HandReach& reach = asked->hands[0];
           BrickUpdate update = hand.bricks.around(reach.low, reach.high);
           std::erase_if(update.bricks, [&](const auto& brick) { return given.contains(brick.first); });
-          const CellBox box = hand.source.grid().boxOf(reach.low - 2 * scene.radius, reach.high + 2 * scene.radius);
+          const BrickBox box = hand.source.grid().boxOf(reach.low - 2 * scene.radius, reach.high + 2 * scene.radius);
           std::set<BrickKey> near;
           box.forEach([&](const IVec3& brick) { near.insert(BrickGrid::keyOf(brick)); });
           for (const BrickKey key : given)

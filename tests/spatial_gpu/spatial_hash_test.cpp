@@ -8,6 +8,7 @@
 #include "engine/spatial/sorted_grid.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
+#include "tests/random_positions.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate::spatial_hash_test {

@@ -11,7 +11,7 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 #include "engine/study/multimap_hash.hpp"
-#include "tests/scenes.hpp"
+#include "tests/random_positions.hpp"
 
 namespace palpate::neighbour_search_test {
 
