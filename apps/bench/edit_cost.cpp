@@ -225,7 +225,7 @@ constexpr Reported<EditCost> kEditCosts[]{
      [](const EditCost& c) -> Value { return c.memory.edited.lists; }},
     {"memory.plain_bytes", "B", "points and index of the same cloud where nothing is edited",
      [](const EditCost& c) -> Value { return c.memory.plain; }},
-    {"memory.over_plain", "1", "ratio of the sum to that",
+    {"memory.over_plain", "1", "memory of points, index and lists relative to plain_bytes",
      [](const EditCost& c) -> Value { return c.memory.overPlain(); }},
     {"stroke", "", "the stroke, in real time (--duration)",
      [](const EditCost& c) -> Value { return partBy(kRealtimeStroke, c.stroke); }},

@@ -67,7 +67,8 @@ class PcdBody {
     const auto bytes = file_.peek(packed);
     if (bytes.size() < packed)
       failAt(file_.offset() + bytes.size(), fmt::format("the file ends inside its {} compressed bytes", packed));
-    if (whole / kMaxPerLzfByte > packed) failAt(at, fmt::format("{} bytes cannot be as many as {}", packed, whole));
+    if (whole / kMaxPerLzfByte > packed)
+      failAt(at, fmt::format("{} compressed bytes cannot become {} bytes", packed, whole));
     std::vector<std::byte> columns(whole);
     if (const auto bad = unpackLzf(bytes.first(packed), columns))
       failAt(file_.offset() + *bad, "damaged compressed points");

@@ -227,7 +227,7 @@ TEST_CASE("a damaged or inconsistent PCD file is refused with its line or byte")
   CHECK(refusal(packed + body.substr(0, 20)).find("ends inside its 25 compressed bytes") != std::string::npos);
   CHECK(refusal(packed + stored(std::string(36, '\0'))).find("36 bytes of points, where 2 of 12") != std::string::npos);
   const std::string huge = header("x y z", "4 4 4", "F F F", 300000000, "binary_compressed");
-  CHECK(refusal(huge + bytesOf(std::uint32_t{3}, std::uint32_t{3600000000}) + "abc").find("cannot be as many") !=
+  CHECK(refusal(huge + bytesOf(std::uint32_t{3}, std::uint32_t{3600000000}) + "abc").find("cannot become") !=
         std::string::npos);
 }
 
