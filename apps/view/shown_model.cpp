@@ -40,7 +40,7 @@ void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measur
   try {
     if (session.config().moves()) throw Error("a moving model cannot be shown as triangles");
     if (!mesh_.follow(session, static_cast<std::uint32_t>(view.resolution), edited_.points))
-      messages.say("making triangles");
+      messages.say("making the triangles");
   } catch (const DeviceLost&) {
     throw;
   } catch (const std::exception& error) {

@@ -293,7 +293,7 @@ TEST_CASE("touching, sculpting and meshing in the window cause no Vulkan validat
   CAPTURE(played->outcome.text);
   CHECK(played->outcome.code == 0);
   const auto mesh = played->state("mesh.json"), undone = played->state("undone.json");
-  CHECK(played->state("announced.json")["last_message"] == "making triangles");
+  CHECK(played->state("announced.json")["last_message"] == "making the triangles");
   CHECK(mesh["mesh_triangles"] > 1000);
   CHECK(played->state("carved.json")["edits"] > 0);
   CHECK(played->state("carved.json")["mesh_triangles"] != mesh["mesh_triangles"]);
