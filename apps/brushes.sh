@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A rough ball before, and after the same stroke with each brush (grab: pressed and pulled out), as shown in
+# A ball before, and after the same stroke with each brush (grab: pressed and pulled out), as shown in
 # engine/edit/README.md; needs python3-pil and fonts-dejavu-core:
 #   bash apps/brushes.sh OUT.png
 set -euo pipefail
@@ -13,7 +13,7 @@ palpate=${PALPATE:-$(dirname "$0")/../build/release/palpate}
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-"$palpate" --quiet make bumpy-sphere -n 100000 --noise 0.2 -o "$folder/ball.ply"
+"$palpate" --quiet make bumpy-sphere -n 100000 --noise 0.07 -o "$folder/ball.ply"
 # 3 mm deep along a line; and in, then out by 10 mm.
 python3 - "$folder" <<'PYTHON'
 import sys
