@@ -103,7 +103,7 @@ TEST_CASE("an invalid scene of matter is refused with the field") {
   CHECK(says(refusal(waterWith(R"("gravity_m_s2": [0, 1, "2"])")), "gravity_m_s2: is"));
   CHECK(says(refusal(waterWith(R"("substeps": 1.5)")), "substeps: is 1.5, not a whole number"));
   CHECK(says(refusal(waterWith(R"("tool": 3)")), "tool: is not an object"));
-  CHECK(says(refusal(waterWith(R"("tool": {"colour": 3})")), "tool.colour: is not known"));
+  CHECK(says(refusal(waterWith(R"("tool": {"colour": 3})")), "tool.colour: is unknown"));
   CHECK(says(refusal(waterWith(R"("tool": {"mass_kg": "3"})")), "tool.mass_kg: is"));
 }
 
