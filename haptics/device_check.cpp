@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kWallBelow_mm = 5;  // the hand when the wall appears, which is so approached from free space
+constexpr double kWallBelow_mm = 5;  // the hand when the wall appears, so that it is approached from free space
 constexpr double kMove_mm = 20;      // in a direction; small devices reach 35 mm from their middle
 constexpr double kClear_mm = 2;      // above the wall: lifted
 constexpr double kLeast_N = 0.2;     // a hand that leans

@@ -240,7 +240,7 @@ Json complianceTimes(Stirred& stirred) {
   for (int k = 0; k < kAskedCompliances; ++k) {
     stirred.step();
     const Stopwatch watch;
-    if (!(stirred.compliance_m_N() > 0)) throw Error("the surface gives way to no force");
+    if (!(stirred.compliance_m_N() > 0)) throw Error("the surface does not yield to a force");
     wall_us.push_back(watch.elapsed_us());
   }
   return {{"wall_us", summaryOf(summarize(wall_us))}};
@@ -282,7 +282,7 @@ std::string said(const Json& summary) {
 std::string inWords(const Json& bytes, const Json& times) {
   const double moved = bytes["moved"].get<double>(), asked = bytes["asked"].get<double>();
   const double time_us = times[bytes["early_exit"].get<bool>() ? "max" : "p50"].get<double>();
-  return fmt::format("  {:.1f} MB moved, {:.3g} GB/s; {:.1f} MB asked for", moved * 1e-6,
+  return fmt::format("  {:.1f} MB moved, {:.3g} GB/s; {:.1f} MB requested", moved * 1e-6,
                      moved * 1e-3 / std::max(time_us, 1e-3), asked * 1e-6);
 }
 
@@ -304,7 +304,7 @@ void print(std::FILE* out, const Json& records) {
                  frame["points"].get<std::size_t>(), said(frame["gpu_us"]), said(frame["wall_us"]),
                  said(frame["fetched_us"]));
     if (const Json& compliance = record["compliance"]; !compliance.is_null())
-      fmt::print(out, "  with {} presses; how the surface gives way: {} in all\n", record["presses"].get<std::size_t>(),
+      fmt::print(out, "  compliance query with {} presses: {} in all\n", record["presses"].get<std::size_t>(),
                  said(compliance["wall_us"]));
     for (const auto& [name, times] : record["passes_us"].items()) {
       fmt::print(out, "  {:<24}{:>24}", name, said(times));
@@ -354,7 +354,7 @@ void listMatterBenchResults(std::vector<ResultFacts>& all) {
       {"[].presses", "", "hands that press (--presses)"},
       {"[].compliance", "us", "time of a compliance query: wall_us; null: nothing presses"},
       {"[].frame", "us", "a frame of a soft body: points, gpu_us, wall_us, fetched_us; else null"},
-      {"[].passes_bytes", "B", "bytes that each pass moved and asked for (--passes)"},
+      {"[].passes_bytes", "B", "bytes that each pass moved and requested (--passes)"},
       {"[].passes_us", "us", "time of each pass (--passes)"},
   };
   listAlone(all, "matter", "", keys);

@@ -121,7 +121,8 @@ std::vector<FurtherHand> furtherHands(const std::vector<std::string>& hands, con
     const FurtherHand hand = furtherHand(text);
     checkHandOptions(choicesFor(first, hand), realtime);
     if (isHeldDevice(hand.device) && std::ranges::find(devices, hand.device) != devices.end())
-      throw UsageError("--hand {}: {} is in another hand; name another one, as in openhaptics:NAME", text, hand.device);
+      throw UsageError("--hand {}: {} is already used by another hand; name another device, as in openhaptics:NAME",
+                       text, hand.device);
     devices.push_back(hand.device);
     all.push_back(hand);
   }

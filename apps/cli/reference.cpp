@@ -172,7 +172,7 @@ std::string referencePage(const Options& program) {
   page += "\n## Columns of a trace\n\n" + head({"column", "unit", "meaning"});
   for (const TraceColumn& column : traceColumns())
     page += row({code(std::string(column.name)), std::string(column.unit), std::string(column.meaning)});
-  page += "\n## Events of a window script\n\nOne a line: `TIME_S EVENT`; `#` begins a comment.\n\n" +
+  page += "\n## Events of a window script\n\nOne per line: `TIME_S EVENT`; `#` begins a comment.\n\n" +
           head({"event", "effect"});
   for (const ScriptEvent& event : scriptEvents())
     page += row(

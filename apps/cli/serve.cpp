@@ -124,7 +124,7 @@ void serve(Context& context, const ServeOptions& options) {
                     options.name, counts.clients, counts.clients == 1 ? "" : "s", counts.blocks, counts.sculptors,
                     counts.states, counts.pieces);
   if (counts.near > 0)
-    context.log().say("{} client{} had the points around their hands alone: {} in {} steps{}", counts.near,
+    context.log().say("{} client{} streamed only the points around their hands: {} points in {} steps{}", counts.near,
                       counts.near == 1 ? "" : "s", counts.nearPoints, counts.nearSteps,
                       config.moves() ? fmt::format(", of {} frames", counts.frames) : std::string());
   if (!options.saveFile.empty()) saveKeeping(options.saveFile, editedCloud(model.cloud, server.points()));

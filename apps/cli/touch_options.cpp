@@ -108,11 +108,11 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
   if (options.edit == "none") {
     if (!options.saveFile.empty() && options.stream.fuse != "on" && options.join.name.empty() &&
         !sceneNamed(options.model.file))
-      throw UsageError("--save: nothing changes with --edit none");
-    if (options.undo.undo > 0) throw UsageError("--undo: nothing changes with --edit none");
+      throw UsageError("--save: requires a brush (--edit); without one no point changes");
+    if (options.undo.undo > 0) throw UsageError("--undo: requires a brush (--edit); without one no point changes");
   }
   if (options.undo.redo > 0 && options.undo.undo == 0)
-    throw UsageError("--redo: only what --undo took back can be done again");
+    throw UsageError("--redo: requires --undo; only undone strokes can be redone");
   if (options.picture.printFrame && options.pictureFile.empty()) throw UsageError("--print-frame: needs --picture");
   if (!options.logFile.empty())
     Abilities(ModelKind::cloud, can, options.backend.backend).require(Action::record, "--log");

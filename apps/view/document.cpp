@@ -106,7 +106,7 @@ void Document::openAtScale(double mm_per_unit) {
   WindowOptions options = opened_;
   options.config.model.file = file_;
   options.config.model.mm_per_unit = mm_per_unit;
-  read(std::move(options), fmt::format("opening it again at {:.6g} mm per unit", mm_per_unit));
+  read(std::move(options), fmt::format("reopening it at {:.6g} mm per unit", mm_per_unit));
 }
 
 void Document::leave(const std::string& what, std::function<void()> then) {

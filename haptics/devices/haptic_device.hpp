@@ -46,7 +46,7 @@ constexpr std::uint32_t kSculptButton = 1, kClutchButton = 2;  ///< bits of Devi
 /// Facts that a device reports.
 struct HapticDeviceFacts {
   std::string model, serial, driver;
-  std::string handedness, axes;  ///< as it is set up, in words; empty if it does not tell
+  std::string handedness, axes;  ///< as set up, in words; empty if unknown
   DVec3 workspaceMin_mm{0}, workspaceMax_mm{0};
 };
 

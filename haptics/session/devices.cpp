@@ -114,7 +114,7 @@ std::string heldDevicesHelp() {
 OpenedDevice openDevice(const std::string& spec, const DeviceOpening& opening) {
   for (const HeldDevice& kind : kHeldDevices)
     if (const auto which = argumentOf(spec, kind.name)) return kind.open(*which, opening);
-  throw ConfigError("hands.device", "'{}' is not a device for a hand; there is {}", spec, heldDevicesHelp());
+  throw ConfigError("hands.device", "'{}' is not a device for a hand; devices are {}", spec, heldDevicesHelp());
 }
 
 std::unique_ptr<HapticDevice> withRumble(std::unique_ptr<HapticDevice> device, Log& log) {

@@ -69,7 +69,7 @@ HandSource replayed(const std::string& file, const Model& model, Log& log) {
 
 std::string deviceComplaint(const std::string& device) {
   if (device == "path" || device == "sim" || device.starts_with(kReplay) || isHeldDevice(device)) return {};
-  return fmt::format("'{}' is not a device; there is path, sim, replay:FILE and {}", device, heldDevicesHelp());
+  return fmt::format("'{}' is not a device; devices are path, sim, replay:FILE and {}", device, heldDevicesHelp());
 }
 
 HandSource openHand(const HandConfig& config, const HandOpening& opening) {

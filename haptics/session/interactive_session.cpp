@@ -55,7 +55,7 @@ class InteractiveSession::Follower final : public EditFollower {
   void catchUp(const EditBatch& batch) override {
     try {
       session_.take(batch);
-    } catch (...) {  // reported by takeIn(), so that this follower goes on
+    } catch (...) {  // reported by takeIn(), so that this follower continues
       session_.takeFailure_ = std::current_exception();
     }
   }

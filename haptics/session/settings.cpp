@@ -108,7 +108,7 @@ constexpr Setting<ToolConfig> kTool[]{
     {"size_mm", &ToolConfig::size_mm, "--tool-size", "diameter of a pad or ball, length of a spatula, mm", "mm",
      kLength},
     {"axis", &ToolConfig::axis, "--tool-axis",
-     "direction in which the face of a pad or spatula looks while the stylus is not rotated, model "
+     "direction of the face of a pad or spatula while the stylus is not rotated, model "
      "axes (default 0,0,-1)"},
 };
 
@@ -119,7 +119,7 @@ constexpr Setting<BrushConfig> kBrush[]{
     {"yield_depth_mm",
      &BrushConfig::yieldDepth_mm,
      "--yield-depth",
-     "depth of the HIP behind the proxy from which on the surface yields, mm",
+     "depth of the HIP behind the proxy from which the surface yields, mm",
      "mm",
      {0, bounds::kLongest_mm},
      {0, 5}},
@@ -289,7 +289,7 @@ constexpr Setting<HandConfig> kHand[]{
      "fit: scale and centre the path (or the model, for a held device) into the workspace; "
      "identity: one to one, origins together"},
     {"passivity", words<&HandConfig::passivity, kPassivityModes>(), "--passivity",
-     "when the surface gives more energy than it took: on (brake), observe (only count) or off "
+     "if the surface returns more energy than it received: on (brake), observe (only count) or off "
      "(default: on for a device or sim, off for a path)"},
     {"stiffness_N_per_mm",
      &HandConfig::stiffness_N_per_mm,

@@ -163,7 +163,7 @@ struct CloudServer::Link {
       clients.erase(last);
     }
     ++counts.clients;
-    if (parts.log) parts.log->say("{}: {} takes the points", parts.name, printable(request.host));
+    if (parts.log) parts.log->say("{}: {} fetches the points", parts.name, printable(request.host));
     Client client;
     client.blocks = Writer<Block>(participant, topics.blocks, reliableQos(false, partitionOf(request.client)));
     return &clients.emplace(id, std::move(client)).first->second;

@@ -145,7 +145,7 @@ TEST_CASE("without a driver library, or with a broken or old one, an error says 
     CHECK(says(complaint("dhd"), "invalid ELF header"));
   }
   const FakeDriver driver("fake_hd", "fault init 769");
-  CHECK(says(complaint("openhaptics:Nobody"), "the device 'Nobody' cannot be opened: another program has the device"));
+  CHECK(says(complaint("openhaptics:Nobody"), "the device 'Nobody' cannot be opened: another program uses the device"));
 }
 
 TEST_CASE("devices that conflict with other options are wrong usage") {
@@ -157,7 +157,7 @@ TEST_CASE("devices that conflict with other options are wrong usage") {
   };
   wrong("--device openhaptics", "--device openhaptics requires --realtime");
   wrong("--device openhaptics --realtime", "--device openhaptics requires --duration");
-  wrong("--device stick", "'stick' is not a device; there is path, sim, replay:FILE");
+  wrong("--device stick", "'stick' is not a device; devices are path, sim, replay:FILE");
   wrong("--device dhd:two --realtime --duration 1", "is not the number of a device, 0 to 63");
   wrong("--device replay:x.csv --map identity", "--map");
 }

@@ -122,7 +122,7 @@ TEST_CASE("each key that a command writes with --json is in the reference, with 
   }
 }
 
-TEST_CASE("the comments of the C header state the bounds of the settings") {
+TEST_CASE("the comments of the C headers state the bounds of the settings") {
   // Bounds in a comment, as in "falloff ...; 0 to 16".
   static const std::regex field(R"(^  \w+ (\w+); */\*.*[ ;,](\d+) to (\d+) \*/)");
   std::map<std::string, std::string> bounds;
@@ -131,7 +131,8 @@ TEST_CASE("the comments of the C header state the bounds of the settings") {
     if (key.starts_with("brush.") || key.starts_with("force.") || key.starts_with("tool."))
       bounds[key.substr(key.find('.') + 1)] = setting["bounds"].get<std::string>();
   }
-  std::istringstream header(contentOf(sourceFolder() / "haptics/library/include/palpate/palpate.h"));
+  const auto headers = sourceFolder() / "haptics/library/include/palpate";
+  std::istringstream header(contentOf(headers / "sessions.h") + contentOf(headers / "touch.h"));
   std::size_t compared = 0;
   std::string section;
   for (std::string line; std::getline(header, line);) {

@@ -194,7 +194,7 @@ TEST_CASE("a window, a program with only nearby points and one with all points s
                         folder / "bert.said");
     RunningProgram carla(touch + "200 --hand-name Carla --json " + in("c.json"), folder / "carla.said");
     const auto areNear = [&] {
-      const std::string said = contentOf(folder / "said"), part = "feels the points around its hands";
+      const std::string said = contentOf(folder / "said"), part = "streams the points around its hands";
       const std::size_t first = said.find(part);
       return first != std::string::npos && said.rfind(part) != first;
     };

@@ -7,6 +7,7 @@
 
 #include "haptics/session/backends.hpp"
 #include "haptics/session/simulation.hpp"
+#include "tests/error_of.hpp"
 #include "tests/session/session_scene.hpp"
 
 namespace palpate::abilities_test {
@@ -40,12 +41,7 @@ std::map<ModelKind, SessionConfig> configured() {
 // What a check says of a configuration; empty: nothing.
 template <class Check>
 std::string saidBy(Check check) {
-  try {
-    check();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return {};
+  return errorOf<ConfigError>([&] { check(); });
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "haptics/sharing/joined_session.hpp"
 #include "tests/labels.hpp"
 #include "tests/sharing/honest_hand.hpp"
+#include "tests/sharing/served_square.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
 extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // not every compiler provides its header
@@ -167,12 +168,10 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   const JoinedCloud joined = joinCloud("attacked", {.network = ownNetwork(), .near = true});
   BrickSource& source = joined.far->source();
   const auto comesTo = [&](double y) {
-    HandReaches hands{.time_s = steadyNow_s(), .steady_s = steadyNow_s(), .count = 1};
-    const DVec3 hip(50, y, 0);
-    hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
+    const HandReaches hands = handAt({50, y, 0});
     source.ask(hands);
-    return source.await(
-        hands, 30);  // up to 64 others are served first, each for some milliseconds, ten times that with sanitizers
+    // Up to 64 others are served first, each for some milliseconds, ten times that with sanitizers.
+    return source.await(hands, 30);
   };
   REQUIRE(comesTo(20));
   HostileSide side(attack, seconds);

@@ -242,19 +242,19 @@ for way in '0 0' '100 1' '1000 5'; do
     trip_ms=$(sed -n 's/.*round trip \([0-9]*\).*/\1/p' <<< "$listed")
     [ "${trip_ms:-0}" -ge 95 ] && [ "$trip_ms" -le 250 ] || fail "the round trip is listed as: $listed"
     # The cable is disconnected for three seconds while the points are being sent.
-    begun=$(lines_of "$folder/serve.log" 'takes the points')
+    begun=$(lines_of "$folder/serve.log" 'fetches the points')
     joined "$folder/joined.csv" &
     client=$!
-    await_line "$folder/serve.log" 'takes the points' $((begun + 1)) "$client"
+    await_line "$folder/serve.log" 'fetches the points' $((begun + 1)) "$client"
     touch "$folder/cut"; sleep 3; rm "$folder/cut"
     wait "$client" || fail 'a cable that was out for three seconds ended it'
     cmp "$folder/joined.csv" "$folder/own.csv" || fail 'another trace after the cable was out'
     echo 'over_slow_link: a cable that was out for three seconds: the same trace'
     # Killed in the middle: it is reported, and the next server can have the name.
-    begun=$(lines_of "$folder/serve.log" 'takes the points')
+    begun=$(lines_of "$folder/serve.log" 'fetches the points')
     joined "$folder/joined.csv" &
     client=$!
-    await_line "$folder/serve.log" 'takes the points' $((begun + 1)) "$client"
+    await_line "$folder/serve.log" 'fetches the points' $((begun + 1)) "$client"
     end_server KILL
     if wait "$client"; then fail 'what was killed was joined'; fi
     grep -qE 'nothing received|no session named' "$folder/touch.log" || fail 'a killed server was not said'
