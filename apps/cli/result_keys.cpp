@@ -95,9 +95,9 @@ constexpr DescribedKey kServe[]{{"name", "", "name of the session"},
                                 {"copied", "", "best-effort copies received first"},
                                 {"duplicate_pieces", "", "pieces received more than once"},
                                 {"sent", "", "messages about edits sent"},
-                                {"near", "", "programs that streamed the points around their hand"},
-                                {"near_points", "", "points sent to them"},
-                                {"near_steps", "", "updates sent to them"},
+                                {"partial", "", "programs that streamed the points around their hand"},
+                                {"partial_points", "", "points sent to them"},
+                                {"partial_steps", "", "updates sent to them"},
                                 {"frames", "", "frames of a moving model"},
                                 {"edited", "", "points that edits changed"}};
 

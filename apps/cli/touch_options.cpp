@@ -96,7 +96,7 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
        "--stiffness",   "--damping",  "--max-force",   "--surface",      "--friction",  "--radius",   "--edit",
        "--yield-depth", "--strength", "--paint-color", "--brush-radius", "--undo",      "--trace",    "--picture",
        "--save",        "--log",      "--up",          "--size",         "--camera",    "--color",    "--motion",
-       "--live",        "--fuse",     "--join",        "--near",         "--interface", "--backend",  "--tool",
+       "--live",        "--fuse",     "--join",        "--partial",      "--interface", "--backend",  "--tool",
        "--tool-size",   "--device",   "--map",         "--hand"});
 }
 

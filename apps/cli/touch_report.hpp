@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/cli/model.hpp"
+#include "apps/cli/sharing_results.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/contact/surface.hpp"
 #include "engine/motion/play_counts.hpp"
@@ -8,7 +9,6 @@
 #include "engine/touch/touch_backend.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/session/edit_relay.hpp"
-#include "haptics/session/far_cloud.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/trajectory.hpp"
 
@@ -57,12 +57,6 @@ struct MatterReport {
   double duration_s = 0;               ///< of the session
   SurfaceHolds holds = {};             ///< of a soft body
   std::vector<PortEnergy> ports = {};  ///< of each hand
-};
-
-/// Transmission of the points around the hands.
-struct FarReport {
-  FarCounts counts;
-  UnknownTicks ticks;
 };
 
 /// A stage between the beginning of the command and the first answer, and its duration.

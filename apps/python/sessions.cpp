@@ -223,6 +223,7 @@ void bindSessions(py::module_& module) {
   bindPictures(session);
   bindTouch(session);
   bindLive(session);
+  bindSessionsTicks(session);
   bindSessionsQueries(session);
   bindSessionsMatter(session);
   bindSessionsSharing(session);

@@ -214,7 +214,7 @@ void addView(Options& app, Context& context, Command& command) {
   sub.heading("Options");
   sub.helpShows({"--mm-per-unit", "--up",        "--unit",   "--size", "--script",      "--realtime",   "--device",
                  "--backend",     "--surface",   "--edit",   "--rate", "--undo-memory", "--present",    "--join",
-                 "--near",        "--interface", "--motion", "--live", "--fuse",        "--intrinsics", "--speed"});
+                 "--partial",     "--interface", "--motion", "--live", "--fuse",        "--intrinsics", "--speed"});
   sub.footer(
       "Hold Space and move the mouse over the model: it is the stylus now. Press the left button to "
       "touch, and to sculpt once a brush is chosen (keys 2 to 8). H shows all keys.\n");

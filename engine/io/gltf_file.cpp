@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 
@@ -66,11 +67,12 @@ int digitOf(char c) {
 }
 
 /// `before`: number of bytes of the file before the text.
-Json parsed(const std::filesystem::path& path, std::span<const std::byte> bytes, std::size_t before) {
+std::unique_ptr<const Json> parsed(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                                   std::size_t before) {
   const auto* text = reinterpret_cast<const char*>(bytes.data());
   try {
-    Json json = Json::parse(text, text + bytes.size());
-    if (json.is_object()) return json;
+    auto json = std::make_unique<const Json>(Json::parse(text, text + bytes.size()));
+    if (json->is_object()) return json;
   } catch (const Json::parse_error& error) {
     throw FileError::atByte(path, before + error.byte, "invalid JSON");
   } catch (const Json::exception&) {  // a number that is too large
@@ -150,13 +152,15 @@ GltfFile::GltfFile(std::filesystem::path file) : path_(std::move(file)) {
   } else {
     json_ = parsed(path_, all, 0);
   }
-  if (!json_.is_object()) fail("is not a glTF file: its JSON is not an object");
-  const auto asset = json_.find("asset");
-  if (asset == json_.end() || !asset->is_object() || !asset->contains("version") || !(*asset)["version"].is_string())
+  if (!json_) fail("is not a glTF file: its JSON is not an object");
+  const auto asset = json_->find("asset");
+  if (asset == json_->end() || !asset->is_object() || !asset->contains("version") || !(*asset)["version"].is_string())
     fail("does not state its version of glTF");
   const std::string version = (*asset)["version"];
   if (!version.starts_with("2.")) fail(fmt::format("is glTF {}; only versions 2.x can be read", inQuotes(version)));
 }
+
+GltfFile::~GltfFile() = default;
 
 void GltfFile::readGlb(const Bytes& all) {
   constexpr std::size_t kHead = 12, kChunkHead = 8;
@@ -194,8 +198,8 @@ std::size_t GltfFile::whole(const Json& object, const char* name, std::size_t ot
 }
 
 const Json& GltfFile::named(const char* list, const Json& number) const {
-  const auto all = json_.find(list);
-  const std::size_t count = all != json_.end() && all->is_array() ? all->size() : 0;
+  const auto all = json_->find(list);
+  const std::size_t count = all != json_->end() && all->is_array() ? all->size() : 0;
   if (!number.is_number_unsigned() || number.get<std::size_t>() >= count)
     fail(fmt::format("\"{}\" has {} elements; {} is out of range", list, count,
                      inQuotes(number.dump(-1, ' ', true, Json::error_handler_t::replace))));
@@ -239,7 +243,7 @@ GltfNumbers GltfFile::numbers(const Json& accessor, std::initializer_list<unsign
   const Json number = view.contains("buffer") ? view["buffer"] : Json();
   const Json& buffer = named("buffers", number);
   const std::size_t which = number.get<std::size_t>();
-  if (buffers_.empty()) buffers_.resize(json_["buffers"].size());
+  if (buffers_.empty()) buffers_.resize((*json_)["buffers"].size());
   if (buffers_[which].empty()) buffers_[which] = bytesOf(buffer, which);
 
   GltfNumbers numbers{.count = whole(json, "count", 0)};

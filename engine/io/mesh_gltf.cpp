@@ -2,6 +2,7 @@
 #include <array>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "engine/io/color_scale.hpp"

@@ -141,7 +141,7 @@ struct JoinConfig {
   std::vector<std::string> peers;  ///< addresses of machines to ask, if the network has no multicast
   std::uint32_t domain = 0;        ///< of DDS
   std::string security;            ///< a folder of keys; empty: nothing is encrypted
-  bool near = false;               ///< fetches only the points around the hands; always so for a moving model
+  bool partial = false;            ///< fetches only the points around the hands; always so for a moving model
 
   bool operator==(const JoinConfig&) const = default;
 };

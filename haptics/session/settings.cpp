@@ -271,7 +271,7 @@ constexpr Setting<JoinConfig> kJoin[]{
     {"security", &JoinConfig::security, "--security",
      "folder of keys (see palpate keys): encrypts everything; only holders of keys of the same "
      "authority can join"},
-    {"near", &JoinConfig::near, "--near",
+    {"partial", &JoinConfig::partial, "--partial",
      "stream only the points around the hand, for models too large to download; they can be "
      "sculpted, but not saved or undone. Moving models are always joined so, and cannot be "
      "sculpted"},

@@ -180,10 +180,10 @@ TEST_CASE("a window reports the effect of a silent server on the force") {
   serving.program.wait(SIGKILL);
   window.get();
   CAPTURE(contentOf(folder / "view.said"));
-  const Result begin = jsonOf(in("begin.json"))["others"], end = jsonOf(in("end.json"));
-  CHECK(begin["force_share"] == 1);
-  CHECK(end["others"]["force_share"] == 0);
-  CHECK(end["others"]["age_s"] > 2);
+  const Result begin = jsonOf(in("begin.json")), end = jsonOf(in("end.json"));
+  CHECK(begin["shared"]["force_share"] == 1);
+  CHECK(end["shared"]["force_share"] == 0);
+  CHECK(end["shared"]["age_s"] > 2);
   CHECK(has(end["last_message"].get<std::string>(), "there is no force until it is"));
 }
 

@@ -33,8 +33,8 @@ std::map<ModelKind, SessionConfig> configured() {
   }
   made[ModelKind::shared] = file;
   made[ModelKind::shared].join = JoinConfig{};
-  made[ModelKind::near] = file;
-  made[ModelKind::near].join = JoinConfig{.near = true};
+  made[ModelKind::partial] = file;
+  made[ModelKind::partial].join = JoinConfig{.partial = true};
   return made;
 }
 

@@ -165,7 +165,7 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   CAPTURE(attack);
   const PointCloud cloud = flatCloud(20'000);
   Served served(cloud, "attacked");
-  const JoinedCloud joined = joinCloud("attacked", {.network = ownNetwork(), .near = true});
+  const JoinedCloud joined = joinCloud("attacked", {.network = ownNetwork(), .partial = true});
   BrickSource& source = joined.far->source();
   const auto comesTo = [&](double y) {
     const HandReaches hands = handAt({50, y, 0});
@@ -188,7 +188,7 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   const NearOutcome outcome{.hand = during, .served = served.end()};
   MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times resumed; {} clients, {} refused",
                       attack, outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1),
-                      outcome.hand.resumed, outcome.served.near, outcome.served.refused));
+                      outcome.hand.resumed, outcome.served.partial, outcome.served.refused));
   CHECK(outcome.hand.longestSilent_s < 1 + stood_s);
   return outcome;
 }
@@ -201,7 +201,7 @@ TEST_CASE("repeated requests for all points around eight hands delay no other cl
 
 TEST_CASE("ten thousand requesters of nearby points stay within the limit and displace no client" * kClock) {
   const NearOutcome many = attackedNear("nears", 1);
-  CHECK(many.served.near <= 64);
+  CHECK(many.served.partial <= 64);
   CHECK(many.served.refused > 1000);
 }
 

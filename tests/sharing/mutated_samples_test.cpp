@@ -296,7 +296,7 @@ TEST_CASE("a client that joins amid corrupted blocks receives the announced poin
 TEST_CASE("a client with only nearby points continues amid corrupted requests, facts and bricks") {
   const PointCloud cloud = flatCloud(20'000);
   Served served(cloud, "mutated");
-  const JoinedCloud joined = joinCloud("mutated", {.network = ownNetwork(), .near = true});
+  const JoinedCloud joined = joinCloud("mutated", {.network = ownNetwork(), .partial = true});
   BrickSource& source = joined.far->source();
   const auto comesTo = [&](double y) {
     const HandReaches hands = handAt({50, y, 0});
