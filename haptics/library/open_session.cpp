@@ -8,6 +8,7 @@
 #include "haptics/devices/path_device.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/options.hpp"
+#include "haptics/session/backend_choice.hpp"
 
 namespace palpate::library {
 
@@ -40,6 +41,12 @@ double budgetFrom(const pp_session_options& options) {
   if (!(options.budget_us >= 0 && options.budget_us <= kLongest_us))
     throw UsageError("budget_us: {} is not between 0 and {}", options.budget_us, kLongest_us);
   return options.budget_us;
+}
+
+// Whether the program leaves the back end to this library.
+bool isOpen(const pp_session_options& options) {
+  const std::string backend = textOf(options.backend);
+  return (backend.empty() || backend == "auto") && textOf(options.gpu).empty() && !options.vulkan;
 }
 
 bool hasArrays(const Subject& subject) { return subject.cloud || !subject.clouds.empty(); }
@@ -95,6 +102,7 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
   if (subject.join) loading.join = joined_.emplace(*subject.join).joiner();
   model_ = std::make_shared<const Model>(modelFrom(subject, config_, loading));
   queries_ = {subject.clouds.empty() ? CloudRows(model_->cloud.size()) : CloudRows(subject.clouds), threads_};
+  if (isOpen(options) && budget_us_ > 0 && !subject.frames) takeSooner();
   if (hasArrays(subject) && !knownScaleOf(model_->cloud, config_.model.mm_per_unit))
     messages_.sink().say(
         "the longest side, {:.6g} model units, is felt as {:.6g} mm: 1 unit is {:.6g} mm in the hand, where all "
@@ -112,6 +120,17 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
 }
 
 OpenSession::~OpenSession() { end(); }
+
+void OpenSession::takeSooner() {
+  if (config_.backend.name == "cpu") return;
+  std::unique_ptr<BackendKind> cpu = cpuBackend();
+  const BackendKind& sooner = soonerBackend(
+      config_, *model_,
+      {.gpu = *backend_, .cpu = *cpu, .threads = threads_, .log = messages_.sink(), .laterBrush = BrushConfig{}});
+  if (&sooner != cpu.get()) return;
+  config_.backend.name = cpu->name();
+  backend_ = std::move(cpu);
+}
 
 void OpenSession::end() noexcept {
   try {

@@ -119,6 +119,8 @@ class OpenSession {
 
  private:
   class Followers;
+  // Replaces the GPU by the CPU if that answers sooner.
+  void takeSooner();
   /// Ends touching tick by tick. Throws StateError while the session is live.
   void endAsking();
   /// endAsking(), then takes in all edits and ends a recording.
