@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr double kRate_Hz = 1000, kServo_s = 0.5, kStroke_s = 0.2;
-constexpr double kStart_s = 2;  // nothing begins later, so that the last measurement ends within three seconds
+constexpr double kStart_s = 2;  // no GPU begins later, so that its measurement ends within three seconds
 constexpr std::size_t kPoints = 1'000'000;
 constexpr std::array<std::size_t, 2> kTouched{100, 1000};
 
@@ -83,7 +83,7 @@ Json machineSpeed(std::FILE* out, Context& context) {
   std::vector<std::string> names{"cpu"};
   if (context.hasRealGpu()) names.emplace_back("vulkan");
   for (const std::string& name : names)
-    result["backends"].push_back(edits(out, context, name, scene, watch.elapsed_s() < kStart_s));
+    result["backends"].push_back(edits(out, context, name, scene, name == "cpu" || watch.elapsed_s() < kStart_s));
   result["measured_s"] = watch.elapsed_s();
   fmt::print(out, "  (measured for {:.1f} s)\n", watch.elapsed_s());
   return result;

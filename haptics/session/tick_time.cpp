@@ -7,7 +7,9 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kWarmUp = 20;  // ticks at full depth that do not count, if others follow
+constexpr std::size_t kWarmUp = 20;    // ticks at full depth that do not count, if others follow
+constexpr std::size_t kFewest = 10;    // ticks at full depth, for which a slow machine gets more time
+constexpr double kMostDurations = 10;  // of that time
 
 // One hand with the configured tool, and nothing that moves the points.
 SessionConfig alone(SessionConfig config) {
@@ -20,7 +22,12 @@ Summary strokeTimes(TouchBackend& backend, SculptingHand hand, const TickTimeReq
   std::vector<double> times_us;
   times_us.reserve(request.ticks + kWarmUp);
   const Stopwatch all;
-  for (std::uint64_t i = 0; times_us.size() < request.ticks + kWarmUp && all.elapsed_s() < request.duration_s; ++i) {
+  const auto goesOn = [&] {
+    const double durations = all.elapsed_s() / request.duration_s;
+    return durations < 1 ? times_us.size() < request.ticks + kWarmUp
+                         : durations < kMostDurations && times_us.size() < kFewest;
+  };
+  for (std::uint64_t i = 0; goesOn(); ++i) {
     const bool counts = hand.sculpts();
     const Stopwatch tick;
     const double time_s = static_cast<double>(i) / request.config.rate_Hz;
