@@ -14,13 +14,11 @@ constexpr std::size_t kMaxOffered = 1 << 12;  // changes: they take less than th
 
 }  // namespace
 
-CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, double radius,
-                   const DVec3& origin)
+CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, const Setting& setting)
     : sculpture_(sculpture),
       brush_(brush),
-      radius_(radius),
-      origin_(origin),
-      stroke_(radius),
+      setting_(setting),
+      stroke_(setting.radius),
       pace_(kStalest_s),
       offered_(brush && !brush->resample ? kMaxOffered : 0) {
   collect();
@@ -41,7 +39,7 @@ void CpuEdits::setBrush(const std::optional<BrushOptions>& brush) {
 void CpuEdits::feel(const Contact& contact, const Pose& pose) {
   if (!brush_) return;
   const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
-  stroke_.feel(contact, pose.hip - origin_, spring, pose.press(), pose.time_s);
+  stroke_.feel(contact, pose.hip - setting_.origin, spring, pose.press(), pose.time_s);
   if (!stroke_.isGoingOn() && sculpture_.settled()) markStroke();
 }
 
@@ -51,7 +49,8 @@ bool CpuEdits::editIfYielding(double time_s, bool realtime) {
     ++statistics_.shortfalls.editsTooSlow;
     return false;
   }
-  work_.brush.emplace(*brush_, radius_, stroke_.next(time_s));
+  work_.brush.emplace(*brush_, setting_.radius, stroke_.next(time_s, sculpture_.backlog()));
+  work_.size = setting_.size.value_or(realtime ? EditSize::tick : EditSize::whole);
   if (work_.brush->acts() && std::exchange(strokeMarked_, stroke_.number()) != stroke_.number()) markStroke();
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
   time_s_ = time_s;
@@ -101,7 +100,7 @@ void CpuEdits::report(std::size_t count, bool inStroke) {
 void CpuEdits::edit() {
   if (work_.isOffer) return carryOut();
   const Stopwatch watch;
-  sculpture_.edit(*work_.brush);
+  sculpture_.edit(*work_.brush, work_.size);
   const auto changed = sculpture_.changed();
   queue_.append(changed.size(), [&](std::size_t i) { return sculpture_.points().state(changed[i]); });
   work_.states += changed.size();

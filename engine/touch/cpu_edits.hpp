@@ -21,9 +21,13 @@ namespace palpate {
 /// thread accesses the sculpture.
 class CpuEdits {
  public:
-  /// Without a brush there is no thread. `radius`: support radius, model units. `origin`: of the cloud, in the poses'
-  /// coordinates. `sculpture` must outlive it.
-  CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, double radius, const DVec3& origin);
+  struct Setting {
+    double radius = 0;             ///< support radius, model units
+    DVec3 origin{0};               ///< of the cloud, in the poses' coordinates
+    std::optional<EditSize> size;  ///< default: whole in virtual time, a tick's in real time
+  };
+  /// Without a brush there is no thread. `sculpture` must outlive it.
+  CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, const Setting& setting);
 
   bool hasThread() const { return task_ != nullptr; }
   /// Sets the brush, or none, while nothing is in progress.
@@ -65,6 +69,7 @@ class CpuEdits {
   // The thread's working data; only the thread accesses it while an edit runs.
   struct Work {
     std::optional<PlacedBrush> brush;
+    EditSize size = EditSize::whole;
     bool isOffer = false, inStroke = false;  // isOffer: applies the offered changes instead of the brush
     double time_us = 0;                      // of the last edit
     std::uint64_t states = 0;                // appended to the queue so far
@@ -77,8 +82,7 @@ class CpuEdits {
 
   CpuSculpture& sculpture_;
   std::optional<BrushOptions> brush_;
-  double radius_;
-  DVec3 origin_;
+  Setting setting_;
   BrushStroke stroke_;
   Work work_;
   bool isUnderWay_ = false, inStroke_ = false;

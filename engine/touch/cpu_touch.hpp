@@ -26,6 +26,7 @@ struct CpuTouchOptions {
   /// Tool of each hand, model units; default: one hand, HIP only. Only the first hand may have a brush.
   std::vector<ToolShape> tools = std::vector<ToolShape>(1);
   std::optional<BrushOptions> brush;  ///< edit while touching, at the HIP
+  std::optional<EditSize> editSize;   ///< default: whole in virtual time, a tick's in real time
   unsigned threads = 0;               ///< threads that build the index and refit normals; 0: one per core
   CloudSource* source = nullptr;      ///< moves the points and excludes a brush; must outlive the touch side
   std::optional<PointExtent>
