@@ -130,7 +130,7 @@ TEST_CASE("auto measures a GPU against the CPU in real time alone, says so, reme
   };
   CHECK(touch("").find("Back end:") == std::string::npos);
   CHECK(jsonOf(json)["backend"] == "vulkan");
-  CHECK(!std::filesystem::exists(folder / "cache"));
+  CHECK(!std::filesystem::exists(folder / "cache" / "palpate"));
 
   const std::string first = touch(" --realtime --duration 0.1");
   CHECK(says(first, "p99 of a tick with an edit, measured for"));
