@@ -8,6 +8,7 @@
 #include "engine/spatial/look_back_sort.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 #include "engine/spatial/spatial_hash.hpp"
+#include "engine/study/dynamic_tree.hpp"
 #include "engine/study/multimap_hash.hpp"
 
 namespace palpate {
@@ -118,7 +119,8 @@ void benchBuild(Context& context, const Subject& subject, const TimeBenchOptions
     MultimapHash multimap(grid);
     SortedGrid sorted(grid, context.threads());
     PointTree tree;
-    for (NeighbourSearch* search : std::initializer_list<NeighbourSearch*>{&multimap, &sorted, &tree}) {
+    DynamicTree dynamic;
+    for (NeighbourSearch* search : std::initializer_list<NeighbourSearch*>{&multimap, &sorted, &tree, &dynamic}) {
       for (const Input& input : inputs)
         add("cpu", search->name(), input.name, {}, measureCpu(*search, input.cloud, options));
       add("cpu", search->name(), "1000 points moved", {},

@@ -5,7 +5,6 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/coexistence.hpp"
-#include "apps/bench/sculpting_hand.hpp"
 #include "apps/cli/look.hpp"
 #include "apps/cli/parse_list.hpp"
 #include "apps/cli/picture.hpp"
@@ -14,6 +13,7 @@
 #include "engine/render/frame.hpp"
 #include "engine/spatial/hash_update.hpp"
 #include "engine/touch/gpu_points.hpp"
+#include "haptics/session/sculpting_hand.hpp"
 #include "haptics/tick_pacer.hpp"
 
 namespace palpate {

@@ -6,8 +6,8 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/edit_cost.hpp"
-#include "apps/bench/sculpting_hand.hpp"
 #include "engine/touch/memory.hpp"
+#include "haptics/session/sculpting_hand.hpp"
 #include "haptics/tick_pacer.hpp"
 
 namespace palpate {

@@ -5,10 +5,10 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/edit_locality.hpp"
-#include "apps/bench/sculpting_hand.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/study/uneven_clouds.hpp"
+#include "haptics/session/sculpting_hand.hpp"
 #include "haptics/surface_walk.hpp"
 
 namespace palpate {

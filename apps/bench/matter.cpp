@@ -371,7 +371,7 @@ constexpr Reported<MatterCost> kMatterBench[]{
      }},
     {"frame", "us", "a frame of a soft body; else null",
      [](const MatterCost& c) -> Value { return orNull(partBy(kFrame, c.frame)); }},
-    {"passes_bytes", "B", "bytes that each pass moved and asked for (--passes)",
+    {"passes_bytes", "B", "bytes that each pass moved and requested (--passes)",
      [](const MatterCost& c) -> Value {
        Json passes = Json::object();
        for (const auto& [name, bytes] : c.passes_bytes) passes[name] = jsonBy(kPassBytes, bytes);

@@ -4,6 +4,7 @@
 #include "apps/bench/times.hpp"
 #include "engine/cloud/point_tree.hpp"
 #include "engine/spatial/sorted_grid.hpp"
+#include "engine/study/dynamic_tree.hpp"
 #include "engine/study/multimap_hash.hpp"
 #include "haptics/builtin_path.hpp"
 
@@ -148,7 +149,8 @@ void benchQuery(Context& context, const Subject& subject, const TimeBenchOptions
   MultimapHash multimap(grid);
   SortedGrid sorted(grid, context.threads());
   PointTree tree;
-  for (NeighbourSearch* search : std::initializer_list<NeighbourSearch*>{&multimap, &sorted, &tree}) {
+  DynamicTree dynamic;
+  for (NeighbourSearch* search : std::initializer_list<NeighbourSearch*>{&multimap, &sorted, &tree, &dynamic}) {
     search->build(subject.model.cloud.positions);
     std::vector<double> times;
     std::vector<std::uint32_t> found;

@@ -203,7 +203,7 @@ void addTouchBench(Options& bench, Context& context, Command& command) {
       "path twice, and the CPU against the back end.\n");
   sub.whenNamed([&, options, backends] {
     command = [&context, options, chosen = backends.given()] {
-      if (!chosen) options->backends = {chooseBackend(context, {.backend = "auto"})};
+      if (!chosen) options->backends = {chooseBackend(context, {.backend = "auto"}).name};
       measureAlone(
           context, *options, "touch", [&] { return benchTouch(context, *options); }, PlotScript::touch);
     };

@@ -7,6 +7,7 @@
 #include "apps/cli/parse_list.hpp"
 #include "apps/cli/setting_options.hpp"
 #include "engine/core/named_values.hpp"
+#include "haptics/session/backend_choice.hpp"
 #include "haptics/session/vulkan_backend.hpp"
 #include "haptics/study/cuda_backend.hpp"
 
@@ -103,13 +104,25 @@ void setBackend(SessionConfig& config, const BackendOptions& options) {
   config.realtime = options.realtime;
 }
 
-std::string chooseBackend(const Context& context, const BackendOptions& options) {
-  if (options.backend != "auto") return options.backend;
+ChosenBackend chooseBackend(const Context& context, const BackendOptions& options) {
+  if (options.backend != "auto") return {options.backend};
   const bool vulkansMethod =
       std::ranges::any_of(kQueryMethods, [&](const auto& known) { return options.method == known.first; });
-  if (vulkansMethod || !options.wait.empty() || options.ahead == "on" || options.timePasses) return "vulkan";
-  if (options.method == "direct") return "cpu";
-  return context.hasRealGpu() ? "vulkan" : "cpu";
+  if (vulkansMethod || !options.wait.empty() || options.ahead == "on" || options.timePasses) return {"vulkan"};
+  if (options.method == "direct" || !context.hasRealGpu()) return {"cpu"};
+  return {.name = "vulkan", .isOpen = !context.asksForGpu()};
+}
+
+std::string soonerBackend(Context& context, const SessionConfig& config, const Model& model,
+                          const std::optional<BrushConfig>& laterBrush) {
+  const Backends& backends = context.backends();
+  return std::string(soonerBackend(config, model,
+                                   {.gpu = backends.named("vulkan"),
+                                    .cpu = backends.named("cpu"),
+                                    .threads = context.threads(),
+                                    .log = context.log(),
+                                    .laterBrush = laterBrush})
+                         .name());
 }
 
 std::vector<std::string> backendChoices() { return {"vulkan", "cuda", "cpu"}; }

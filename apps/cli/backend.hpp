@@ -32,10 +32,19 @@ void addToolOptions(Options& command, BackendOptions& options);
 void setBackend(SessionConfig& config, const BackendOptions& options);
 /// Layout and build of the index, and the wait for the GPU; included in addBackendOptions().
 void addIndexOptions(Options& command, BackendOptions& options);
-/// The name of the answering back end: the given one or, for `auto`, the one that the other options require, else
-/// Vulkan on a GPU, or the CPU if there is none or only a software driver, which is far slower and feels the same.
-/// Throws GpuError for a GPU that is requested by name and missing.
-std::string chooseBackend(const Context& context, const BackendOptions& options);
+/// The answering back end before a model is loaded.
+struct ChosenBackend {
+  std::string name;
+  bool isOpen = false;  ///< a GPU that `auto` took without an option that requires it: the CPU may answer sooner
+};
+/// The given one or, for `auto`, the one that the other options require, else Vulkan on a GPU, or the CPU if there is
+/// none or only a software driver, which is far slower and feels the same. Throws GpuError for a GPU that is requested
+/// by name and missing.
+ChosenBackend chooseBackend(const Context& context, const BackendOptions& options);
+/// For a back end that is open, in real time: which of GPU and CPU answers this session sooner (soonerBackend()).
+/// `laterBrush`: a brush that the session may get; empty: it keeps the configured one, or none.
+std::string soonerBackend(Context& context, const SessionConfig& config, const Model& model,
+                          const std::optional<BrushConfig>& laterBrush = {});
 /// Names of this program's back ends.
 std::vector<std::string> backendChoices();
 /// Throws ConfigError for options that the back end does not support; before anything is loaded.

@@ -2,6 +2,7 @@
 
 #include "apps/cli/context.hpp"
 #include "apps/cli/doctor_device.hpp"
+#include "apps/cli/doctor_speed.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/tick_times.hpp"
 #include "apps/view/copied_presentation.hpp"
@@ -11,6 +12,7 @@
 #include "haptics/pace_check.hpp"
 #include "haptics/realtime_priority.hpp"
 #include "haptics/session/devices.hpp"
+#include "haptics/session/measured_backends.hpp"
 #include "haptics/tick_pacer.hpp"
 
 namespace palpate {
@@ -178,7 +180,7 @@ Json hapticDevices(std::FILE* out) {
 
 struct DoctorOptions {
   double servo_s = 0, rate_Hz = 1000;
-  bool network = false, test = false;
+  bool network = false, test = false, forget = false, speed = false;
   std::string device;
   NetworkOptions which;
 };
@@ -264,7 +266,23 @@ Json display(std::FILE* out) {
   }
 }
 
+// Removes the measurements of --backend auto.
+Json forgetBackends(std::FILE* out) {
+  const MeasuredBackends memory;
+  const std::size_t count = memory.count();
+  const bool existed = memory.forget();
+  fmt::print(out, "{}\n",
+             existed ? fmt::format("{}: {} measurement{} removed; --backend auto measures again",
+                                   memory.file().string(), count, count == 1 ? "" : "s")
+                     : "--backend auto has measured nothing yet");
+  return existed ? Json(count) : Json(0);
+}
+
 void doctor(Context& context, const DoctorOptions& options) {
+  if (options.forget) {
+    context.writeJson({{"forgotten", forgetBackends(context.tables())}});
+    return;
+  }
   if (options.network) {
     context.writeJson({{"network", network(context.tables(), options.which.config())}});
     return;
@@ -284,6 +302,7 @@ void doctor(Context& context, const DoctorOptions& options) {
   result["display"] = display(out);
   result["in_use"] = nullptr;
   if (options.servo_s > 0) result["servo"] = servoPace(out, options);
+  if (options.speed) result["speed"] = machineSpeed(out, context);
   try {
     result["in_use"] = context.device().name();
   } catch (const Error&) {
@@ -330,6 +349,15 @@ void addDoctor(Options& app, Context& context, Command& command) {
   sub.addFlag("--network", options->network,
               "only list the sessions on the network (palpate serve), with round trips and losses")
       .excludes(servo);
+  sub.addFlag(
+         "--speed", options->speed,
+         "measure what this machine can do, for at most 3 s: the rate of a servo loop, and edits of a million points "
+         "on the CPU and on a GPU")
+      .excludes(named);
+  sub.addFlag("--forget", options->forget,
+              "only forget which of GPU and CPU answers sooner, so that --backend auto measures it again")
+      .excludes(servo)
+      .excludes(named);
   addNetworkOptions(sub, options->which);
   sub.whenNamed([&, options] { command = [&context, options] { doctor(context, *options); }; });
 }

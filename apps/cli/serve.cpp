@@ -48,7 +48,7 @@ void serveWith(CloudServer& server, RosCloud& ros, const PointCloud& cloud, doub
 // The configuration of the served model and its motion.
 SessionConfig servedConfig(Context& context, const ServeOptions& options) {
   SessionConfig config{.model = options.model.config()};
-  config.backend.name = chooseBackend(context, {.backend = options.backend});
+  config.backend.name = chooseBackend(context, {.backend = options.backend}).name;
   config.realtime = true;
   config.motion = motionConfig(options.motion);
   config.stream = streamConfig(options.stream, config.model.file);

@@ -102,15 +102,16 @@ class ShownTicks final : public TickRecorder {
   std::optional<double> first_s_;
 };
 
-/// Chooses the back end. With `auto`, --gpu and --validate mean that GPU, even a software driver.
-void chooseBackend(const Context& context, BackendOptions& options) {
+/// With `auto`, --gpu and --validate mean that GPU, even a software driver.
+ChosenBackend chosenBackend(const Context& context, const BackendOptions& options) {
   const bool means = options.backend == "auto" && options.method != "direct" && context.asksForGpu();
-  options.backend = means ? "vulkan" : palpate::chooseBackend(context, options);
+  return means ? ChosenBackend{"vulkan"} : chooseBackend(context, options);
 }
 
 /// Maker of the drawn cloud that follows the session, if the answering GPU also draws it. It sets `made`.
-std::vector<FollowerMaker> sightFor(Context& context, const TouchCommandOptions& options, DrawnFollower*& made) {
-  if (options.pictureFile.empty() || options.backend.backend != "vulkan") return {};
+std::vector<FollowerMaker> sightFor(Context& context, const std::string& pictureFile, const SessionConfig& config,
+                                    DrawnFollower*& made) {
+  if (pictureFile.empty() || config.backend.name != "vulkan") return {};
   return {[&](const Model& model, TouchBackend& backend) {
     auto follower = std::make_unique<DrawnFollower>(context.device(), model, backend);
     made = follower.get();
@@ -243,7 +244,7 @@ SessionParts partsOf(Context& context, const TouchCommandOptions& options, const
           .journal = keeps || !options.logFile.empty(),
           .undo_bytes = undoBytes(config.undo),
           .log = &context.log(),
-          .followers = sightFor(context, options, sight)};
+          .followers = sightFor(context, options.pictureFile, config, sight)};
 }
 
 ServoResult run(Context& context, Session& session, std::span<const OpenHand> hands, TickRecorder* publisher,
@@ -302,9 +303,9 @@ void checkTicks(const TouchReport& report) {
   if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
 }
 
-void touch(Context& context, const TouchCommandOptions& options) {
+void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   StartStages start;
-  const SessionConfig config = sessionConfig(options, context.log());
+  SessionConfig config = sessionConfig(options, context.log());
   const BackendKind& kind = context.backends().named(config.backend.name);
   validate(config);
   kind.check(config);
@@ -314,6 +315,10 @@ void touch(Context& context, const TouchCommandOptions& options) {
   Model model = openModel(context, options, config, kind);
   start.ended("model");
   checkModel(options, config, model);
+  if (isOpen && config.realtime) {
+    config.backend.name = soonerBackend(context, config, model);
+    start.ended("choice of the back end");
+  }
   std::optional<RosHand> ros;
   if (!options.join.ros.name.empty())
     ros.emplace(options.join.ros.publishing(options.join.network, model.scale.mm_per_unit), options.join.ros.rate_Hz);
@@ -386,8 +391,9 @@ void addTouch(Options& app, Context& context, Command& command) {
       "force, and the columns torque (x, y, z; about the HIP, mN m) follow.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {
-      chooseBackend(context, options->backend);
-      touch(context, *options);
+      const ChosenBackend chosen = chosenBackend(context, options->backend);
+      options->backend.backend = chosen.name;
+      touch(context, *options, chosen.isOpen);
     };
   });
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "apps/cli/backend.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "engine/gpu/vulkan.hpp"
 
@@ -72,6 +73,8 @@ Loader::Result Loader::load() {
     mayBuild_.get_future().wait();
     if (cancelled_) return {};
     enter("preparing touch and sight", kReading);
+    if (options_.backendIsOpen)
+      options_.config.backend.name = soonerBackend(context_, options_.config, model, BrushConfig{});
     return {std::make_unique<WindowSession>(context_, sight_, std::move(model), options_, brush_, feel_), {}};
   } catch (const Cancelled&) {
     return {};

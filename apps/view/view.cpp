@@ -124,7 +124,9 @@ void view(Context& context, const ViewCommandOptions& options) {
   context.showInWindows(copies ? std::vector<std::string>() : window.extensions());
   const RunningThreads ours;
   Device& touch = context.device();
-  view.session.config.backend.name = chooseBackend(context, {.backend = options.backend});
+  const ChosenBackend chosen = chooseBackend(context, {.backend = options.backend});
+  view.session.config.backend.name = chosen.name;
+  view.session.backendIsOpen = chosen.isOpen && realtime;
   if (touch.isCpu()) ours.laterOnesGiveWay();  // threads of the software driver
   Device& sight = options.sightGpu.empty() ? touch : context.sightDevice(options.sightGpu);
   const StopBySignal stop;

@@ -6,6 +6,7 @@
 
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/gpu_memory.hpp"
+#include "engine/gpu/unified_memory.hpp"
 
 namespace palpate {
 
@@ -19,15 +20,16 @@ constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
 constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
-// Best first. Vulkan guarantees the last of each.
-std::span<const VkMemoryPropertyFlags> preferences(Memory memory) {
+// Best first. Vulkan guarantees the last of each. `unified`: the host writes the GPU's own buffers in place.
+std::span<const VkMemoryPropertyFlags> preferences(Memory memory, bool unified) {
   static constexpr std::array kDevice{kLocal, VkMemoryPropertyFlags{0}};
+  static constexpr std::array kUnified{kLocal | kHost, kLocal, VkMemoryPropertyFlags{0}};
   static constexpr std::array kUpload{kLocal | kHost, kHost};
   static constexpr std::array kStaging{kHost};
   static constexpr std::array kReadback{kHost | kCached, kHost};
   switch (memory) {
     case Memory::device:
-      return kDevice;
+      return unified ? std::span<const VkMemoryPropertyFlags>(kUnified) : kDevice;
     case Memory::upload:
       return kUpload;
     case Memory::staging:
@@ -47,7 +49,7 @@ OutOfGpuMemory tooLarge(const Device& device, const std::string& name, std::uint
 
 std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allowed, Memory memory) {
   const auto& properties = device.memory();
-  for (const VkMemoryPropertyFlags wanted : preferences(memory))
+  for (const VkMemoryPropertyFlags wanted : preferences(memory, unifiedMemory(device).writes))
     for (std::uint32_t i = 0; i < properties.memoryTypeCount; ++i)
       if ((allowed >> i & 1) && (properties.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
   return std::nullopt;
@@ -94,7 +96,7 @@ Buffer::Buffer(Device& device, std::uint64_t bytes, Memory memory, std::string n
     memory_ = allocate(device, needs, memory, name_, &flags);
     allocated_ = needs.size;
     device.check(device.vk().vkBindBufferMemory(device.handle(), buffer_, memory_, 0), "vkBindBufferMemory");
-    if (memory != Memory::device) {
+    if (memory != Memory::device || unifiedMemory(device).writes) {
       void* pointer = nullptr;
       device.check(device.vk().vkMapMemory(device.handle(), memory_, 0, VK_WHOLE_SIZE, 0, &pointer), "vkMapMemory");
       mapped_ = static_cast<std::byte*>(pointer);

@@ -8,6 +8,7 @@
 
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/device.hpp"
+#include "engine/gpu/unified_memory.hpp"
 
 namespace palpate {
 
@@ -26,6 +27,12 @@ void inPieces(std::uint64_t total, Step&& step) {
 
 void uploadMade(Device& device, Queue& queue, const Buffer& to, std::uint64_t bytes,
                 const std::function<void(std::uint64_t, std::span<std::byte>)>& make) {
+  if (unifiedMemory(device).writes) {
+    queue.finish();  // which may still use the buffer
+    const std::span<std::byte> there = to.mapped<std::byte>();
+    inPieces(bytes, [&](std::uint64_t offset, std::uint64_t piece) { make(offset, there.subspan(offset, piece)); });
+    return;
+  }
   struct Turn {
     Turn(Device& device, Queue& queue, std::uint64_t bytes, const std::string& name)
         : staging(device, bytes, Memory::staging, "staging"), list(device, queue, "upload " + name) {}
@@ -65,6 +72,11 @@ void uploadBytes(Device& device, Queue& queue, const Buffer& to, std::span<const
 
 void downloadBytes(Device& device, Queue& queue, const Buffer& from, std::span<std::byte> bytes, std::uint64_t offset) {
   if (bytes.empty()) return;
+  if (unifiedMemory(device).reads) {
+    queue.finish();  // each list ends with a barrier for the host's reads
+    std::memcpy(bytes.data(), from.mapped<std::byte>().data() + offset, bytes.size());
+    return;
+  }
   const Buffer staging(device, std::min<std::uint64_t>(bytes.size(), kStagingBytes), Memory::readback, "download");
   CommandList list(device, queue, "download " + from.name());
   inPieces(bytes.size(), [&](std::uint64_t done, std::uint64_t piece) {

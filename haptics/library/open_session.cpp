@@ -8,6 +8,7 @@
 #include "haptics/devices/path_device.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/options.hpp"
+#include "haptics/session/backend_choice.hpp"
 
 namespace palpate::library {
 
@@ -40,6 +41,12 @@ double budgetFrom(const pp_session_options& options) {
   if (!(options.budget_us >= 0 && options.budget_us <= kLongest_us))
     throw UsageError("budget_us: {} is not between 0 and {}", options.budget_us, kLongest_us);
   return options.budget_us;
+}
+
+// Whether the program leaves the back end to this library.
+bool isOpen(const pp_session_options& options) {
+  const std::string backend = textOf(options.backend);
+  return (backend.empty() || backend == "auto") && textOf(options.gpu).empty() && !options.vulkan;
 }
 
 bool hasArrays(const Subject& subject) { return subject.cloud || !subject.clouds.empty(); }
@@ -84,7 +91,7 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
                                                       .join = joined_ ? joined_->joiner() : SessionJoiner()}))),
       law_(options.law, options.law_user, textOf(options.law_library), model_->scale.mm_per_unit),
       frames_(subject.frames, *model_),
-      session_({.config = config,
+      session_({.config = takeSooner(subject, options, config),
                 .model = model_,
                 .backend = *backend_,
                 .threads = options.threads,
@@ -105,6 +112,21 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
 }
 
 OpenSession::~OpenSession() { end(); }
+
+SessionConfig OpenSession::takeSooner(const Subject& subject, const pp_session_options& options, SessionConfig config) {
+  if (!isOpen(options) || budget_us_ <= 0 || subject.frames || config.backend.name == "cpu") return config;
+  std::unique_ptr<BackendKind> cpu = cpuBackend();
+  const BackendKind& sooner = soonerBackend(config, *model_,
+                                            {.gpu = *backend_,
+                                             .cpu = *cpu,
+                                             .threads = options.threads,
+                                             .log = messages_.sink(),
+                                             .laterBrush = BrushConfig{}});
+  if (&sooner != cpu.get()) return config;
+  config.backend.name = cpu->name();
+  backend_ = std::move(cpu);
+  return config;
+}
 
 void OpenSession::end() noexcept {
   try {

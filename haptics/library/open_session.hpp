@@ -123,6 +123,9 @@ class OpenSession {
  private:
   OpenSession(const Subject& subject, const pp_session_options& options, std::shared_ptr<Watch> watch,
               const SessionConfig& config);
+  // Replaces the GPU by the CPU if that answers sooner, where the program leaves the choice to this library. Returns
+  // the configuration with the one chosen.
+  SessionConfig takeSooner(const Subject& subject, const pp_session_options& options, SessionConfig config);
   /// Ends touching tick by tick. Throws StateError while the session is live.
   void endAsking();
   /// endAsking(), then takes in all edits and ends a recording.

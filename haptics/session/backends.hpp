@@ -52,6 +52,8 @@ class BackendKind {
   }
   /// Name of the answering machine.
   virtual std::string machine(unsigned threads) const = 0;
+  /// The machine and its driver: while this is the same, so is its speed.
+  virtual std::string identity(unsigned threads) const { return machine(threads); }
   /// Estimator of normals for a session on it: the same for the session and for its replay.
   virtual NormalEstimator normalEstimator() const { return estimateNormalsOnCpu; }
   /// Makes a cloud that can be touched, which keeps no reference to the request. Throws Error.

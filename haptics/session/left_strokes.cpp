@@ -16,7 +16,7 @@ constexpr std::string_view kLog = "strokes-", kEnding = ".log", kKept = "model",
                            kDamaged = ".damaged";
 
 // The number in the name of a log; 0 for other files.
-unsigned numberOf(const std::string& name) {
+unsigned logNumberOf(const std::string& name) {
   if (!name.starts_with(kLog) || !name.ends_with(kEnding)) return 0;
   unsigned number = 0;
   const char* const end = name.data() + name.size() - kEnding.size();
@@ -98,7 +98,7 @@ std::vector<unsigned> StrokeFolder::logs() const {
   std::vector<unsigned> numbers;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(path_, ignored))
-    if (const unsigned number = numberOf(entry.path().filename().string())) numbers.push_back(number);
+    if (const unsigned number = logNumberOf(entry.path().filename().string())) numbers.push_back(number);
   std::ranges::sort(numbers);
   return numbers;
 }

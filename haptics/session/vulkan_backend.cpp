@@ -28,6 +28,9 @@ class VulkanBackend final : public BackendKind {
     return {.fusesFrames = true, .asksAhead = true, .choosesWait = true, .timesPasses = true, .methodOfMany = "fused"};
   }
   std::string machine(unsigned) const override { return device_().name(); }
+  std::string identity(unsigned) const override {
+    return fmt::format("{}, driver {:#x}", device_().name(), device_().properties().driverVersion);
+  }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
   const Simulator* simulator() const override { return simulator_.get(); }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {

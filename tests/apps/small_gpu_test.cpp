@@ -1,7 +1,12 @@
 // The program on GPUs with only the limits that Vulkan guarantees, or less than palpate requires.
 #include "tests/lost_gpu/lost_gpu.hpp"
 
+#include <map>
+#include <span>
+#include <vector>
+
 #include "tests/apps/program.hpp"
+#include "tests/labels.hpp"
 #include "tests/says.hpp"
 
 namespace palpate::small_gpu_test {
@@ -34,6 +39,113 @@ TEST_CASE("on a minimal GPU that doctor accepts, models are touched, sculpted, d
     CHECK_MESSAGE(outcome.code == 0, outcome.text);
     CHECK_MESSAGE(outcome.text.find("Validation Error") == std::string::npos, outcome.text);
   }
+}
+
+namespace {
+
+/// A GPU as small machines have it, made up from the driver that is here: one queue without timestamps or with them.
+struct SmallGpu {
+  int subgroup;            ///< of a software driver; others keep their own
+  bool integrated;         ///< its memory is the CPU's own
+  int shared_KiB;          ///< of a workgroup
+  bool wide, timestamped;  ///< 64-bit integers and atomics; timestamps
+};
+
+std::string layerOf(const SmallGpu& gpu) {
+  return fmt::format(
+      "{},maxComputeSharedMemorySize={},deviceType={},shaderInt64={},shaderBufferInt64Atomics={},"
+      "timestampValidBits={}",
+      kMinGpu, gpu.shared_KiB * 1024, gpu.integrated ? 1 : 0, int{gpu.wide}, int{gpu.wide}, gpu.timestamped ? 64 : 0);
+}
+
+std::string nameOf(const SmallGpu& gpu) {
+  return fmt::format("subgroups of {}, {} KiB shared{}{}{}", gpu.subgroup, gpu.shared_KiB,
+                     gpu.integrated ? ", integrated" : "", gpu.wide ? ", 64 bits" : "",
+                     gpu.timestamped ? ", timestamps" : "");
+}
+
+/// What a press that sculpts leaves, in a file and in a picture, and what was said.
+struct Left {
+  std::string points, picture, text;
+};
+
+Left sculpted(const std::string& model, const ScratchFolder& folder) {
+  const std::string saved = (folder / "dent.ply").string(), picture = (folder / "dent.png").string();
+  const Outcome outcome = palpate("touch " + model + " --backend vulkan --rate 250 --edit push --save " + saved +
+                                  " --picture " + picture + " --size 96x72");
+  CHECK_MESSAGE(outcome.code == 0, outcome.text);
+  Left left{contentOf(saved), contentOf(picture), outcome.text};
+  std::filesystem::remove(saved);
+  std::filesystem::remove(picture);
+  return left;
+}
+
+/// Each of these GPUs gives the points and the picture of the driver itself.
+void sculptAlike(std::span<const SmallGpu> gpus) {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string();
+  works("make sphere -n 5000 -o " + model);
+  std::map<int, Left> drivers;  // by the size of a subgroup
+  for (const SmallGpu& gpu : gpus) {
+    CAPTURE(nameOf(gpu));
+    ::setenv("LP_NATIVE_VECTOR_WIDTH", fmt::format("{}", 32 * gpu.subgroup).c_str(), 1);
+    Left& driver = drivers[gpu.subgroup];
+    if (driver.points.empty()) driver = sculpted(model, folder);
+    const LostGpuLayer layer(layerOf(gpu));
+    const Left small = sculpted(model, folder);
+    CHECK(!small.points.empty());
+    CHECK(small.points == driver.points);
+    CHECK(small.picture == driver.picture);
+  }
+  ::unsetenv("LP_NATIVE_VECTOR_WIDTH");
+}
+
+}  // namespace
+
+TEST_CASE("GPUs of small machines sculpt and draw the same bytes: each pair of what they may lack") {
+  constexpr SmallGpu kPairs[]{{4, false, 16, false, false}, {4, true, 32, true, true},   {8, false, 32, false, true},
+                              {8, true, 16, true, false},   {16, false, 16, true, true}, {16, true, 32, false, false}};
+  sculptAlike(kPairs);
+}
+
+TEST_CASE("GPUs of small machines sculpt and draw the same bytes in every combination of what they may lack" * kFull) {
+  std::vector<SmallGpu> all;
+  for (const int subgroup : {4, 8, 16})
+    for (const int shared_KiB : {16, 32})
+      for (int bits = 0; bits < 8; ++bits)
+        all.push_back({subgroup, (bits & 1) != 0, shared_KiB, (bits & 2) != 0, (bits & 4) != 0});
+  sculptAlike(all);
+}
+
+TEST_CASE("auto measures a GPU against the CPU in real time alone, says so, remembers it, and forgets it on request") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string(), json = (folder / "touch.json").string();
+  works("make sphere -n 5000 -o " + model);
+  ::setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1);
+  const LostGpuLayer layer(kMinGpu + ",deviceType=1");  // an integrated GPU, as slow as the software driver behind it
+  const auto touch = [&](const std::string& options) {
+    const Outcome outcome = palpate("touch " + model + " --edit push --rate 200 --json " + json + options);
+    CHECK_MESSAGE(outcome.code == 0, outcome.text);
+    return outcome.text;
+  };
+  CHECK(touch("").find("Back end:") == std::string::npos);
+  CHECK(jsonOf(json)["backend"] == "vulkan");
+  CHECK(!std::filesystem::exists(folder / "cache" / "palpate"));
+
+  const std::string first = touch(" --realtime --duration 0.1");
+  CHECK(says(first, "p99 of a tick with an edit, measured for"));
+  const std::string chosen = jsonOf(json)["backend"];
+  CHECK(says(first, chosen == "cpu" ? "Back end: cpu (" : "Back end: llvmpipe"));
+  CHECK(says(touch(" --realtime --duration 0.1"), "measured earlier; palpate doctor --forget"));
+  CHECK(jsonOf(json)["backend"] == chosen);
+  CHECK(says(palpate("doctor --forget").text, "1 measurement"));
+  CHECK(says(touch(" --realtime --duration 0.1"), "measured for"));
+  // A GPU that is named, or that an option requires, is taken as it is.
+  for (const char* meant : {" --gpu 0", " --wait block", " --backend vulkan"}) {
+    CHECK(touch(std::string(" --realtime --duration 0.1") + meant).find("Back end:") == std::string::npos);
+    CHECK(jsonOf(json)["backend"] == "vulkan");
+  }
+  ::unsetenv("XDG_CACHE_HOME");
 }
 
 }  // namespace palpate::small_gpu_test

@@ -106,6 +106,7 @@ void readMadeUp() {
 VKAPI_ATTR void VKAPI_CALL madeUpFirstProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties* told) {
   nextFirstProperties(gpu, told);
   madeUp->amend(told->limits);
+  madeUp->amend(told->deviceType);
 }
 
 VKAPI_ATTR void VKAPI_CALL madeUpProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* told) {

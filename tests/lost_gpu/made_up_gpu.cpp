@@ -37,6 +37,7 @@ Gpu::Gpu(const std::string& text)
               {"maxMemoryAllocationSize", 1 << 30},
               {"maxBufferSize", 1 << 30},
               {"subgroupSize", 128},
+              {"deviceType", 0},
               {"queueCount", 1},
               {"timestampValidBits", 0},
               {"shaderInt64", 0},
@@ -90,8 +91,13 @@ void Gpu::amend(VkPhysicalDeviceLimits& limits) const {
   limits.bufferImageGranularity = 131'072;
 }
 
+void Gpu::amend(VkPhysicalDeviceType& type) const {
+  if (const std::uint64_t made = values_.at("deviceType")) type = static_cast<VkPhysicalDeviceType>(made);
+}
+
 void Gpu::amend(VkPhysicalDeviceProperties2& properties) const {
   amend(properties.properties.limits);
+  amend(properties.properties.deviceType);
   const void* chain = properties.pNext;
   if (auto* each = inChain<VkPhysicalDeviceMaintenance3Properties>(
           chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES))

@@ -12,13 +12,15 @@ namespace madeup {
 
 /// Limits and features by Vulkan's names. All have Vulkan's minimum: no optional features, one graphics queue without
 /// timestamps, no extension except VK_KHR_portability_subset, which a program must then enable. `text` gives exceptions
-/// ("maxPushConstantsSize=256,shaderInt64=1"), which may be below the minimum too. An unknown name ends the program.
+/// ("maxPushConstantsSize=256,shaderInt64=1"), which may be below the minimum too; deviceType is a
+/// VkPhysicalDeviceType, or 0 for the driver's own. An unknown name ends the program.
 class Gpu {
  public:
   explicit Gpu(const std::string& text);
 
   /// Reduces the driver's answers to those of this GPU: never more than the driver's.
   void amend(VkPhysicalDeviceLimits& limits) const;
+  void amend(VkPhysicalDeviceType& type) const;
   void amend(VkPhysicalDeviceProperties2& properties) const;
   void amend(VkPhysicalDeviceFeatures& features) const;
   void amend(VkPhysicalDeviceFeatures2& features) const;

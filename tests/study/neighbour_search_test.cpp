@@ -10,6 +10,7 @@
 
 #include "engine/cloud/point_tree.hpp"
 #include "engine/spatial/sorted_grid.hpp"
+#include "engine/study/dynamic_tree.hpp"
 #include "engine/study/multimap_hash.hpp"
 #include "tests/random_positions.hpp"
 
@@ -25,6 +26,7 @@ std::vector<std::unique_ptr<NeighbourSearch>> everyStructure(const HashGrid& gri
   all.push_back(std::make_unique<SortedGrid>(grid, 1));
   all.push_back(std::make_unique<SortedGrid>(grid, 3));
   all.push_back(std::make_unique<PointTree>());
+  all.push_back(std::make_unique<DynamicTree>());
   return all;
 }
 

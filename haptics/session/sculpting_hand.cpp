@@ -1,4 +1,4 @@
-#include "apps/bench/sculpting_hand.hpp"
+#include "haptics/session/sculpting_hand.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kCoarse = 32'768;  // points of a sample, to choose a spot
-constexpr std::size_t kPlaces = 16;      // where the brush is lowered
+constexpr std::size_t kPlaces = 16;  // where the brush is lowered
 constexpr double kStrokeStep_mm = 0.5;
 constexpr std::size_t kStepsApart = 6;
 
@@ -63,13 +62,13 @@ DVec3 across(const DVec3& heading, const DVec3& normal) {
 
 }  // namespace
 
-WalkedSurface::WalkedSurface(const PointCloud& cloud) : points(cloud, kWalkedPoints) {
-  const TouchTarget target = chooseTarget(ThinnedCloud(cloud, kCoarse), boundsOf(cloud));
+WalkedSurface::WalkedSurface(const PointCloud& cloud, std::size_t most) : points(cloud, most) {
+  const TouchTarget target = chooseTarget(ThinnedCloud(cloud, kCoarsePoints), boundsOf(cloud));
   best = settle(points, target.position, target.normal);
 }
 
-std::vector<SurfaceSpot> sculptingPlaces(const Model& model) {
-  const WalkedSurface surface(model.cloud);
+std::vector<SurfaceSpot> sculptingPlaces(const Model& model, std::size_t most) {
+  const WalkedSurface surface(model.cloud, most);
   const SurfaceSpot& first = surface.best;
   const Frame3 frame = frameAround(first.normal);
   std::vector<SurfaceSpot> places{first};
@@ -82,6 +81,13 @@ std::vector<SurfaceSpot> sculptingPlaces(const Model& model) {
   return places;
 }
 
+Stroke strokeWith(const BrushConfig& brush, const Model& model) {
+  return {.brush = brush,
+          .depth = model.scale.toUnits(brush.yieldDepth_mm) +
+                   depthOf(brush.kind, model.scale.toUnits(brush.radius_mm), model.spacing),
+          .speed = model.scale.toUnits(kSpeed_mm_per_s)};
+}
+
 Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model, const SurfaceSpot& place,
                          double rate_Hz) {
   const double sunk = presses(kind) ? kSink : 1;
@@ -89,14 +95,12 @@ Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model
   const double footprint = radius * std::sqrt(sunk * (2 - sunk));  // the brush's radius on flat ground
   const double speed = model.scale.toUnits(kSpeed_mm_per_s);
   const double ticksOnPlace = std::max(1.0, 2 * footprint / speed * rate_Hz);
-  const double yieldDepth = kTau * model.spacing;
-  return {.brush = {.kind = kind,
-                    .yieldDepth_mm = model.scale.toMm(yieldDepth),
-                    .pushRate = 1 / ticksOnPlace,
-                    .radius_mm = model.scale.toMm(radius),
-                    .strength = presses(kind) || kind == BrushKind::paint ? 1 / ticksOnPlace : kStrokeStrength},
-          .depth = yieldDepth + depthOf(kind, radius, model.spacing),
-          .speed = speed};
+  return strokeWith({.kind = kind,
+                     .yieldDepth_mm = model.scale.toMm(kTau * model.spacing),
+                     .pushRate = 1 / ticksOnPlace,
+                     .radius_mm = model.scale.toMm(radius),
+                     .strength = presses(kind) || kind == BrushKind::paint ? 1 / ticksOnPlace : kStrokeStrength},
+                    model);
 }
 
 SculptingHand::SculptingHand(const Model& model, std::vector<SurfaceSpot> places, const Stroke& stroke, double reach)

@@ -2,33 +2,36 @@
 // it moves.
 #pragma once
 
-#include "apps/cli/model.hpp"
 #include "engine/core/contact_query.hpp"
 #include "haptics/devices/haptic_device.hpp"
 #include "haptics/session/hand_source.hpp"
+#include "haptics/session/session_config.hpp"
 #include "haptics/surface_walk.hpp"
 
 namespace palpate {
 
-/// Maximum sample size for walks over a model.
-inline constexpr std::size_t kWalkedPoints = 524'288;
+/// Maximum sample sizes for walks over a model: with its detail, and to find spots in some 10 ms.
+inline constexpr std::size_t kWalkedPoints = 524'288, kCoarsePoints = 32'768;
 
-/// A model for walks: a sample of its points, and the best spot to lower a brush; relative to the cloud's origin.
+/// A model for walks: a sample of at most `most` points, and the best spot to lower a brush; relative to the cloud's
+/// origin.
 struct WalkedSurface {
-  explicit WalkedSurface(const PointCloud& cloud);
+  explicit WalkedSurface(const PointCloud& cloud, std::size_t most = kWalkedPoints);
 
   ThinnedCloud points;
   SurfaceSpot best;
 };
 
-/// Spots on a model that suit a brush, the best first; relative to the cloud's origin.
-std::vector<SurfaceSpot> sculptingPlaces(const Model& model);
+/// Spots on a model that suit a brush, the best first; relative to the cloud's origin. From a sample of `most` points.
+std::vector<SurfaceSpot> sculptingPlaces(const Model& model, std::size_t most = kWalkedPoints);
 
 struct Stroke {
   BrushConfig brush;
   double depth = 0;  ///< of the HIP behind the proxy, model units
   double speed = 0;  ///< along the surface, model units per second
 };
+/// A stroke with this brush, deep enough that it edits.
+Stroke strokeWith(const BrushConfig& brush, const Model& model);
 /// The stroke whose brush reaches `touched` points in a tick around `place`. A tick at `rate_Hz` moves the surface so
 /// little that it yields by about the brush's depth in one pass: the number of reached points stays the same.
 Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model, const SurfaceSpot& place,
