@@ -3,6 +3,7 @@
 #include "apps/cli/context.hpp"
 #include "apps/cli/doctor_device.hpp"
 #include "apps/cli/sharing_options.hpp"
+#include "apps/cli/stop_by_signal.hpp"
 #include "apps/cli/tick_times.hpp"
 #include "apps/view/copied_presentation.hpp"
 #include "apps/view/presentation.hpp"
@@ -173,12 +174,13 @@ Json hapticDevices(std::FILE* out) {
   json["realtime_priority"] = priority;
   if (!priority) mending.add(RealtimePriority::command());
   json["fix"] = mending.print(out);
+  json["remembered"] = rememberedDevices(out);
   return json;
 }
 
 struct DoctorOptions {
   double servo_s = 0, rate_Hz = 1000;
-  bool network = false, test = false;
+  bool network = false, test = false, forget = false;
   std::string device;
   NetworkOptions which;
 };
@@ -273,10 +275,14 @@ void doctor(Context& context, const DoctorOptions& options) {
     throw UsageError("--interface, --peer, --domain and --security require --network, which lists sessions");
   std::FILE* out = context.tables();
   if (!options.device.empty()) {
-    if (options.test)
+    if (options.forget) {
+      context.writeJson({{"forgotten", forgetDevice(out, options.device)}});
+    } else if (options.test) {
       context.writeJson({{"device_test", guideDeviceCheck(out, options.device, context.log())}});
-    else
+      if (StopBySignal::requested()) throw Error("the test was interrupted; nothing is remembered");
+    } else {
       context.writeJson({{"device", examineDevice(out, options.device, context.log())}});
+    }
     return;
   }
   Json result{{"gpus", gpus(out)}};
@@ -323,10 +329,16 @@ void addDoctor(Options& app, Context& context, Command& command) {
                                   "DEVICE"})
                      .offers({"openhaptics", "dhd", "haply", "hid"})
                      .excludes(servo);
-  sub.addFlag("--test", options->test,
-              "test the device in your hand, step by step: poses and force in free space, directions, and the stiffest "
-              "wall that does not hum")
-      .needs(named);
+  Option test = sub.addFlag(
+      "--test", options->test,
+      "test the device in your hand, step by step: poses and force in free space, directions, and the stiffest "
+      "wall that does not hum; then asks whether stiffness and axes are to be used with the device from now on");
+  test.needs(named);
+  sub.addFlag("--forget", options->forget,
+              "forget what is remembered for the device (as haply:SERIAL; a kind alone: for all of them), and that the "
+              "window used it")
+      .needs(named)
+      .excludes(test);
   sub.addFlag("--network", options->network,
               "only list the sessions on the network (palpate serve), with round trips and losses")
       .excludes(servo);

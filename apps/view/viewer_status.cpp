@@ -1,5 +1,6 @@
 // The part of Viewer that reports its state: to the panels, and to a script.
 #include <algorithm>
+#include <array>
 
 #include "apps/cli/picture.hpp"
 #include "apps/cli/presence_json.hpp"
@@ -74,6 +75,39 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   state["step_us"] = {{"p50", history.step_us().quantile_us(0.5)}, {"p999", history.step_us().quantile_us(0.999)}};
   state["forces_on"] = session.forcesOn();
   state["backend"] = session.backendName();
+}
+
+std::string_view nameOf(HeldDevice::Stage stage) {
+  constexpr std::array<std::string_view, 4> kNames{"mouse", "opening", "held", "tested"};
+  return kNames[static_cast<std::size_t>(stage)];
+}
+
+Json toJson(const HeldDevice& held) {
+  Json json{{"name", held.name()},
+            {"stage", nameOf(held.stage())},
+            {"said", held.said()},
+            {"instruction", held.test() ? instructionOf(held.test()->stage()) : ""},
+            {"offers", Json::array()}};
+  if (held.offers())
+    for (const DeviceOffer& offer : *held.offers())
+      json["offers"].push_back(
+          {{"device", offer.device}, {"name", offer.name}, {"state", offer.state}, {"fix", offer.mend}});
+  if (const OpenedDevice* const opened = held.opened()) {
+    json["model"] = opened->facts.model;
+    json["serial"] = opened->facts.serial;
+    json["axes"] = opened->axes.text();
+    json["remembered"] = opened->remembered.inWords();
+  }
+  if (const auto seen = held.state()) {
+    json["position_mm"] = vectorJson(seen->position);
+    json["buttons"] = seen->buttons;
+    json["renders_force"] = seen->rendersForce;
+  }
+  if (held.found()) {
+    const auto stiffness = held.found()->offeredStiffness_N_per_mm();
+    json["found_stiffness_N_per_mm"] = stiffness ? Json(*stiffness) : Json(nullptr);
+  }
+  return json;
 }
 
 Json toJson(const PlaceInfo& info) {
@@ -153,7 +187,7 @@ ViewStatus Viewer::status() {
   status.leftQuestion = document_.leftQuestion();
   status.saveFile = document_.saveFile();
   status.stylus = pointing_.holdsStylus();
-  status.device = pointing_.deviceName();
+  status.held = &held_;
   status.gpu = screen_.sight().name();
   status.meshTime_ms = shown_.mesh().time_ms();
   status.meshTriangles = shown_.mesh().triangleCount();
@@ -191,7 +225,8 @@ void Viewer::writeState(const std::string& file) {
              {"messages", messages_.remarks()},
              {"errors", messages_.errors()},
              {"panels", settings_.view.panels},
-             {"measuring", settings_.view.measures}};
+             {"measuring", settings_.view.measures},
+             {"device", toJson(held_)}};
   if (document_.session()) addModel(state, document_, settings_.view);
   AtomicFile out(file);
   out.write(state.dump(2) + "\n");
