@@ -151,7 +151,7 @@ Json guideDeviceCheck(std::FILE* out, const std::string& spec, Log& log) {
                opened.facts.serial.empty() ? "unknown" : opened.facts.serial);
     const std::jthread guiding([&](const std::stop_token& end) { guide(out, query, end); });
     result = checkDevice(*opened.device, query);
-    opened.device.reset();  // nobody holds a device with a force while questions are asked
+    opened.device.reset();  // closed before questions are asked
   }
   if (!result.fault.empty()) throw Error("{}", result.fault);
   print(out, result);
@@ -176,9 +176,10 @@ Json rememberedDevices(std::FILE* out) {
            {"axes", device.axes}});
     }
     const std::string chosen = memory.chosen();
-    if (!chosen.empty()) fmt::print(out, "The window uses the device that it used last: {}\n", chosen);
+    const bool isDevice = !chosen.empty() && chosen != "mouse";
+    if (isDevice) fmt::print(out, "The window uses the device that it used last: {}\n", chosen);
     json["window"] = chosen;
-    if (!chosen.empty() || !devices.empty())
+    if (isDevice || !devices.empty())
       fmt::print(out, "  palpate doctor --device NAME --forget removes that from {}\n", memory.file().string());
   } catch (const Error& error) {
     fmt::print(out, "{}\n", error.what());

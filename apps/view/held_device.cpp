@@ -57,7 +57,7 @@ void HeldDevice::letGo() {
 void HeldDevice::open(const std::string& device) {
   hold(opening(device));
   name_ = device;
-  memory_.choose(device);
+  rememberChoice();
 }
 
 void HeldDevice::choose(const std::string& device) {
@@ -68,9 +68,18 @@ void HeldDevice::choose(const std::string& device) {
   letGo();
   said_.clear();
   isRemembered_ = false;
-  if (device == kMouse) return memory_.choose(device);
+  if (device == kMouse) return rememberChoice();
   name_ = device;
   stage_ = Stage::opening;
+}
+
+// A choice that cannot be kept holds for this window.
+void HeldDevice::rememberChoice() {
+  try {
+    memory_.choose(name_);
+  } catch (const Error& error) {
+    log_.warn("{}", error.what());
+  }
 }
 
 void HeldDevice::chooseLast() {
@@ -167,9 +176,8 @@ void HeldDevice::takeOpened(Messages& messages) {
   if (!isReady(opens_)) return;
   try {
     hold(opens_.get());
-    if (!isRemembered_) memory_.choose(name_);
+    if (!isRemembered_) rememberChoice();
   } catch (const Error& error) {
-    if (stage_ == Stage::held) return messages.sayError(error.what());  // only the choice is not remembered
     if (isRemembered_)
       messages.say(fmt::format("{}, used last, cannot be used; the mouse moves the stylus: {}", name_, error.what()));
     else

@@ -95,6 +95,7 @@ class HeldDevice final : private LogListener {
   void takeOpened(Messages& messages);
   void takeTested(Messages& messages);
   void remember(const RememberedDevice& wanted);
+  void rememberChoice();
   void again();
 
   HeldDeviceOptions options_;

@@ -135,7 +135,7 @@ void Panels::drawDeviceOffers(const HeldDevice& held) {
   for (const DeviceOffer& offer : *held.offers()) {
     ImGui::PushID(offer.name.c_str());
     const bool isHeld = held.stage() == HeldDevice::Stage::held && held.name() == offer.device;
-    post(noted(offer.device, ImGui::Selectable(offer.name.c_str(), isHeld)) && !isHeld, ChooseDevice{offer.device});
+    post(noted(offer.device, ImGui::Button(offer.name.c_str())) && !isHeld, ChooseDevice{offer.device});
     help("--device " + offer.device);
     faintLine(offer.state);
     if (!offer.mend.empty()) {

@@ -28,7 +28,7 @@ std::span<const Setting<RememberedDevice>> settingsOf(const RememberedDevice*);
 /// Kind and serial number, as in "haply:049D"; empty if the device tells no serial number.
 std::string deviceKey(std::string_view kind, std::string_view serial);
 
-/// The file devices.json. Each function reads it anew, since other programs write it, too; all throw FileError if it
+/// The file devices.json. Each function reads it again, since other programs write it, too; all throw FileError if it
 /// cannot be read or written, and then leave it as it is.
 class DeviceMemory {
  public:

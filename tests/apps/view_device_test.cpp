@@ -26,6 +26,13 @@ std::string started(const ScratchFolder& folder, const std::string& arguments) {
       .text;
 }
 
+/// A window that plays a script, with settings of its own.
+struct Settings {
+  ScratchFolder folder;
+  Variable home{"XDG_CONFIG_HOME", folder.path().string()};
+  std::string devices() const { return contentOf(folder / "palpate" / "devices.json"); }
+};
+
 void remember(const ScratchFolder& folder, const std::string& device) {
   std::filesystem::create_directories(folder / "palpate");
   std::ofstream(folder / "palpate" / "devices.json") << R"({"version": 1, "window": ")" << device << "\"}";
@@ -35,6 +42,7 @@ void remember(const ScratchFolder& folder, const std::string& device) {
 
 TEST_CASE("the window lists the devices, holds one, shows its state, and goes back to the mouse" * kClock) {
   if (!hasDisplay()) return;
+  const Settings settings;
   const FakeHaply service({.handedness = "left", .pressed = true});
   const auto played = play("%/sphere.ply --mm-per-unit 1 --backend cpu --realtime", R"(
 0.1 click Device
@@ -71,11 +79,12 @@ TEST_CASE("the window lists the devices, holds one, shows its state, and goes ba
   CHECK(mouse["stylus"] == false);
   CHECK(mouse["ticks"].get<int>() > held["ticks"].get<int>());
   CHECK(service.commands().back().force_N == DVec3(0));
-  CHECK(says(contentOf(played->folder / "config" / "palpate" / "devices.json"), R"("window": "mouse")"));
+  CHECK(says(settings.devices(), R"("window": "mouse")"));
 }
 
 TEST_CASE("a device that is lost while a model is felt leaves the stylus to the mouse, and says why" * kClock) {
   if (!hasDisplay()) return;
+  const Settings settings;
   const FakeHaply service({.hand = resting(3), .fault = "closed"});
   const auto played = play("%/sphere.ply --mm-per-unit 1 --backend cpu --device haply", R"(
 0.1 click Device
@@ -98,6 +107,7 @@ TEST_CASE("a device that is lost while a model is felt leaves the stylus to the 
 
 TEST_CASE("the guided test in the window finds a stiffness, which the device has once it is agreed to" * kClock) {
   if (!hasDisplay()) return;
+  const Settings settings;
   std::vector<PathKey> hand{{0, {0, 0, 0}},    {9, {0, 0, 0}},       {9.5, {30, 0, 0}},
                             {10, {30, 30, 0}}, {10.5, {30, 30, 30}}, {11, {30, 30, 30}}};
   for (double t_s = 11.5; t_s < 100; t_s += 4)
@@ -160,6 +170,7 @@ TEST_CASE("the window holds the device that it used last, and the mouse where th
 
 TEST_CASE("a script with a clock of its own holds no device, and says what it requires") {
   if (!hasDisplay()) return;
+  const Settings settings;
   const FakeHaply service({});
   const auto played = play("%/sphere.ply --size 480x360", R"(
 0.1 key tab

@@ -44,12 +44,9 @@ inline std::unique_ptr<Played> play(const std::string& arguments, const std::str
   if (prepare) prepare(folder);
   std::ofstream(folder / "script.txt") << inFolder(script, folder);
   const std::string program = std::filesystem::absolute(palpate::program()).string();
-  const std::string command = inFolder(
-                                  "cd % && XDG_STATE_HOME=%/state XDG_CONFIG_HOME=%/config xvfb-run -a -s '-screen 0 "
-                                  "1600x1000x24' timeout 900 ",
-                                  folder) +
-                              program + " " + before + " view " + inFolder(arguments, folder) +
-                              inFolder(" --script %/script.txt", folder);
+  const std::string command =
+      inFolder("cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 1600x1000x24' timeout 900 ", folder) +
+      program + " " + before + " view " + inFolder(arguments, folder) + inFolder(" --script %/script.txt", folder);
   played->outcome = run(command);
   return played;
 }
