@@ -37,6 +37,27 @@ DVec3 upOf(const std::array<int, 3>& axes) {
   return glm::cross(along(towards), along(right));
 }
 
+/// A device whose buttons do nothing: the clutch would hide the motion of the hand.
+class WithoutButtons final : public HapticDevice {
+ public:
+  explicit WithoutButtons(HapticDevice& device) : device_(device) {}
+  std::string_view name() const override { return device_.name(); }
+  DeviceLimits limits() const override { return device_.limits(); }
+  bool paces() const override { return device_.paces(); }
+  bool pace(double rate_Hz, const std::function<bool()>& tick) override { return device_.pace(rate_Hz, tick); }
+  DeviceState read(double time_s) noexcept override {
+    DeviceState state = device_.read(time_s);
+    state.buttons = 0;
+    return state;
+  }
+  bool write(const DVec3& force_N) noexcept override { return device_.write(force_N); }
+  void emergencyStop() noexcept override { device_.emergencyStop(); }
+  std::string faultText() const override { return device_.faultText(); }
+
+ private:
+  HapticDevice& device_;
+};
+
 DeviceCheckStage stageAfter(DeviceCheckStage stage) {
   return static_cast<DeviceCheckStage>(static_cast<std::uint8_t>(stage) + 1);
 }
@@ -234,7 +255,8 @@ DeviceCheckResult checkDevice(HapticDevice& device, DeviceCheckQuery& query) {
   constexpr double kLongest_s = 600;  // in virtual time
   const ForceLaw law({.stiffness_N_per_mm = query.options().stiffest_N_per_mm, .damping_N_s_per_mm = 0}, {});
   const DeviceCheckOptions& options = query.options();
-  ServoLoop loop(device, query, law,
+  WithoutButtons held(device);
+  ServoLoop loop(held, query, law,
                  {.rate_Hz = options.rate_Hz,
                   .duration_s = options.realtime ? 0 : kLongest_s,
                   .endless = options.realtime,

@@ -28,7 +28,8 @@ void Panels::drawDevice(const ViewStatus& status) {
   const HeldDevice& held = *status.held;
   if (held.stage() == HeldDevice::Stage::opening) line(held.name() + " is being opened...");
   if (held.stage() == HeldDevice::Stage::mouse) line("The mouse moves the stylus (hold Space).");
-  if (!held.said().empty()) line(held.said());
+  // A device that gives forces needs no explanation.
+  if (const auto now = held.state(); !held.said().empty() && !(now && now->rendersForce)) line(held.said());
   if (const OpenedDevice* const opened = held.opened()) {
     drawDeviceFacts(*opened);
     if (held.stage() == HeldDevice::Stage::held) drawDeviceState(held);

@@ -73,6 +73,7 @@ class WatchedDevice final : public WrappedDevice {
     DeviceState state = WrappedDevice::read(time_s);
     const DVec3 p = state.position;
     if (turned) state.position = {-p.z, p.y, p.x};
+    if (clutch) state.buttons = kClutchButton;
     if (lies) state.position = {p.x, p.z, -p.y};
     if (fails && *fails <= time_s) state.ok = false;
     if (lost && lost->first <= time_s && time_s < lost->second) state.rendersForce = false;
@@ -86,7 +87,8 @@ class WatchedDevice final : public WrappedDevice {
   std::string faultText() const override { return "the cable is unplugged"; }
 
   bool turned = false;
-  bool lies = false;  ///< on its back: its -z is up
+  bool clutch = false;  ///< the hand presses that button all the time
+  bool lies = false;    ///< on its back: its -z is up
   std::optional<double> fails;
   std::optional<std::pair<double, double>> lost;
   std::vector<double> times_s, forces_N;
@@ -206,6 +208,14 @@ TEST_CASE("the wall of the device test lies below the hand, whatever the axes of
   REQUIRE(result.stableStiffness_N_per_mm);
   Rig upright(touchWith(0.0025));
   CHECK(*result.stableStiffness_N_per_mm == near(*upright.run().stableStiffness_N_per_mm, 1e-9));
+}
+
+TEST_CASE("a hand that holds the clutch passes the device test all the same") {
+  Rig rig(touchWith(0.0025), 40, {.stiffest_N_per_mm = 0.3});
+  rig.device.clutch = true;
+  const DeviceCheckResult result = rig.run();
+  CHECK(result.axesAreRight());
+  CHECK(result.stableStiffness_N_per_mm == 0.3);
 }
 
 TEST_CASE("directions that were not all seen, or seen twice, offer no axes") {
