@@ -210,10 +210,7 @@ bool HeldDevice::follow(Messages& messages, bool mayChange) {
     const std::scoped_lock lock(guard_);
     heard.swap(heard_);
   }
-  for (const std::string& sentence : heard) {
-    messages.add(sentence);
-    said_ = sentence;
-  }
+  if (!heard.empty()) messages.add(said_ = heard.back());  // the panel shows what was said before
   if (isReady(looking_)) offers_ = looking_.get();
   if (stage_ == Stage::opening && !hasChanged_) takeOpened(messages);
   if (stage_ == Stage::tested && !hasChanged_) takeTested(messages);

@@ -115,7 +115,6 @@ TEST_CASE("the guided test in the window finds a stiffness, which the device has
       hand.push_back({t_s + after_s, {30, y_mm, 30}});
   const FakeHaply service({.hand = hand});
   const auto played = play("--device haply --size 480x360 --backend cpu %/sphere.ply --mm-per-unit 1", R"(
-0.1 key tab
 0.2 click Device
 0.3 click Test...
 0.8 state %/begun.json
@@ -173,7 +172,6 @@ TEST_CASE("a script with a clock of its own holds no device, and says what it re
   const Settings settings;
   const FakeHaply service({});
   const auto played = play("%/sphere.ply --size 480x360", R"(
-0.1 key tab
 0.2 click Device
 0.3 click Look for devices
 30 click haply:049D
