@@ -154,9 +154,10 @@ inline void checkCarvingThroughPlate(TouchBackend& touch, const Scene& plate, do
 }
 
 /// Plays the gesture on a machine that completes one tick of `every`.
-inline ClayResult mould(TouchBackend& touch, const Scene& scene, const ClayGesture& gesture, int every = 1) {
+inline ClayResult mould(TouchBackend& touch, const Scene& scene, const ClayGesture& gesture, int every = 1,
+                        double budget_us = 0) {
   for (std::size_t k = 0; k < gesture.hips.size(); k += static_cast<std::size_t>(every))
-    CHECK(touch.query({.time_s = 1e-3 * static_cast<double>(k), .hip = gesture.hips[k]}, 0).valid);
+    CHECK(touch.query({.time_s = 1e-3 * static_cast<double>(k), .hip = gesture.hips[k]}, budget_us).valid);
   touch.finish();
   PointCloud after = scene.cloud;
   touch.readBack(after);

@@ -27,10 +27,12 @@ constexpr std::size_t kIdleTicks = 100;
 constexpr double kIdleDeeper_mm = 1;  // below the stroke, so that the brush acts in the dent that the stroke left
 constexpr std::size_t kMaxSettling = 400, kQuiet = 24, kDrain = 8;  // ticks
 constexpr std::int64_t kUsualPoints = 15'000;
+constexpr double kPatient_us = 1e7;  // a budget that every edit keeps
 
 struct LocalityBenchOptions : BenchOptions {
   std::vector<std::string> clouds, brushes, gestures{"press", "slide"};
   double hold_s = 2, brushRadius_mm = 3, depth_mm = 3;
+  bool realtime = false;  // edits of the size that they have in real time
 };
 
 struct LocalitySubject {
@@ -175,10 +177,12 @@ BrushConfig brushFor(BrushKind kind, const LocalityBenchOptions& options, bool i
           .strength = idle ? 0 : kStrength};
 }
 
-// Moves the brush of a session that keeps a journal, in virtual time, and tracks the state of the points.
+// Moves the brush of a session that keeps a journal, in virtual time or in ticks with a budget, and tracks the state of
+// the points.
 class Play {
  public:
-  Play(Session& session, FoundAxes& axes) : session_(session), origin_(session.model().cloud.origin), axes_(axes) {}
+  Play(Session& session, FoundAxes& axes, double budget_us)
+      : session_(session), origin_(session.model().cloud.origin), axes_(axes), budget_us_(budget_us) {}
 
   std::span<const PointState> points() { return session_.journal()->points(); }
   /// Centres of the brush's ball, one for each acting tick since the last begin().
@@ -210,8 +214,8 @@ class Play {
  private:
   std::size_t tick(const HipPlace& place) {
     TouchBackend& backend = session_.backend();
-    const Contact contact =
-        backend.query({.time_s = static_cast<double>(ticks_++) / kQueryRate_Hz, .hip = origin_ + place.hip}, 0);
+    const Contact contact = backend.query(
+        {.time_s = static_cast<double>(ticks_++) / kQueryRate_Hz, .hip = origin_ + place.hip}, budget_us_);
     if (!contact.valid) backend.finish();  // throws the back end's failure
     backend.prepare();
     // As in engine/core/brush.hpp: a ball whose tip is the yield depth before the HIP, or a ball about the surface
@@ -233,6 +237,7 @@ class Play {
   Session& session_;
   DVec3 origin_;
   FoundAxes& axes_;
+  double budget_us_;
   BrushOptions brush_;
   std::vector<DVec3> centers_;
   std::uint64_t ticks_ = 0;
@@ -271,7 +276,7 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   record.brushRadius_mm = options.brushRadius_mm;
   record.carves = kind == BrushKind::carve;
   FoundAxes axes(model.cloud, model.scale.toUnits(options.brushRadius_mm));
-  Play play(session, axes);
+  Play play(session, axes, options.realtime ? kPatient_us : 0);
   record.before = pressIdly(play, subject, idle, options.depth_mm);
 
   const auto hips = what.gesture == "press"
@@ -362,6 +367,9 @@ void addOptions(Options& bench, LocalityBenchOptions& options) {
   bench.add("--depth", options.depth_mm, "depth of the HIP below the original surface, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
+  bench.addFlag(
+      "--realtime", options.realtime,
+      "edits as in real time: on the CPU no more at once than fits into a tick (default: as in virtual time)");
   addFrictionOption(bench, options);
   options.backends = {"vulkan", "cpu"};
   addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda does not report its edits

@@ -44,6 +44,9 @@ constexpr double kMaxMeasured = 8192;
 // Number of edits without the brush after which no point is inserted any more: filling every gap takes far fewer, and
 // from then on each change removes a point, so that the points come to rest.
 constexpr std::uint32_t kMaxFilling = 256;
+// In support radii: the tool waits while a point has moved this far since it was last resampled. A gap as wide as the
+// support radius would count as a border.
+constexpr double kMaxStrain = 0.5;
 
 // Outward direction of the surface that a hand touches. Touched from behind, it points to the hand's side.
 DVec3 outwardOf(const Contact& contact, const DVec3& spring) {
@@ -274,10 +277,11 @@ void BrushStroke::beginSheet() {
   connected_ = cellsAround(shared::sheetPlace(connectedFrom_, sheetCell(), foundAt_, outward_));
 }
 
-const BrushStroke::Tool& BrushStroke::next(double time_s) {
+const BrushStroke::Tool& BrushStroke::next(double time_s, const Backlog& backlog) {
   tool_ = {};
   tool_.stroke = number_;
-  idleEdits_ = acts() ? 0 : std::min(idleEdits_ + 1, kMaxFilling);
+  if (acts()) idleEdits_ = 0;
+  if (!acts() && !backlog.waits) idleEdits_ = std::min(idleEdits_ + 1, kMaxFilling);
   tool_.closes = idleEdits_ == kMaxFilling;
   if (!acts()) return tool_;
   const double since_s = edited_ ? time_s - lastEdit_s_ : kTick_s;
@@ -287,8 +291,9 @@ const BrushStroke::Tool& BrushStroke::next(double time_s) {
   const bool inflates = brush_.kind == BrushKind::inflate;
   const double strength = brush_.kind == BrushKind::push ? brush_.pushRate : brush_.strength;
   tool_.share = inflates ? strength * ticks : 1 - std::pow(1 - strength, ticks);
-  advance(brush_.kind == BrushKind::grab ? std::numeric_limits<double>::infinity()
-                                         : longestStep(inflates ? 1 : tool_.share));
+  const double step = brush_.kind == BrushKind::grab ? std::numeric_limits<double>::infinity()
+                                                     : longestStep(inflates ? 1 : tool_.share);
+  advance(backlog.waits ? std::min(step, std::max(0.0, kMaxStrain - backlog.strain) * support_) : step);
   placeTool();
   return tool_;
 }

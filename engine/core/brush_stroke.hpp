@@ -28,6 +28,12 @@ struct SurfaceMeasure {
   friend SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b);
 };
 
+/// Points that the last edit left to the next ones, where an edit is limited.
+struct Backlog {
+  double strain = 0;   ///< the furthest of them has moved so far since it was last resampled, support radii
+  bool waits = false;  ///< whether there are any
+};
+
 /// Consecutive strokes. The tool is fixed to the hand: it follows the path of the HIP, no faster than the points can
 /// yield, and completes that path after the hand has left, so that the result does not depend on how many edits a
 /// machine carries out. Its axis is the normal of the surface as the stroke found it, averaged over the brush; the
@@ -62,8 +68,9 @@ class BrushStroke {
   bool isGoingOn() const { return open_ || hasWay(); }
   /// Whether an edit with next() would have an effect.
   bool acts() const { return acts_ || hasWay(); }
-  /// Moves the tool along its path, for an edit at `time_s`. The tool acts only if this stroke acts.
-  const Tool& next(double time_s);
+  /// Moves the tool along its path, for an edit at `time_s`: slower, and at last not at all, while points of the last
+  /// edit wait that have moved far. The tool acts only if this stroke acts.
+  const Tool& next(double time_s, const Backlog& backlog = {});
   /// The tool that the last next() returned.
   const Tool& tool() const { return tool_; }
   /// Takes in the measure of the edit with that tool.

@@ -25,6 +25,12 @@ constexpr std::size_t kMaxNeighbours = 2048;
 // Maximum number of points that get normals and are resampled in one edit: this many, or this share of all, whichever
 // is more; the others follow in later edits.
 constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
+// The same in an edit that fits into a tick, by the work that points are: 1 for each neighbour, and as much as this for
+// the point itself.
+constexpr double kTickWork = 60'000, kOwnWork = 192;
+constexpr std::size_t kFewestAtOnce = 32;
+// Of the support radius: a point that waits gains as much on those that move in each edit, so that all have their turn.
+constexpr float kWaitStrain = 1.0f / 512;
 
 // Calls body(i) for every i below `count`, on all threads; a thread takes `fewest` at a time, or more.
 template <class Body>
@@ -47,7 +53,8 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
     : options_(options),
       points_(cloud),
       grid_(grid, options.threads, SortedGrid::CellTags::on),
-      claims_(claimSpacing(options)) {
+      claims_(claimSpacing(options)),
+      workOfPoint_(kTickWork / kFewestAtOnce) {
   PALPATE_CHECK_LT(0.0, options.radius);
   const Stopwatch watch;
   grid_.build(points_.positions, points_.there);
@@ -105,7 +112,7 @@ double CpuSculpture::reachOf(std::uint32_t point) const {
   return double{mostReach()};
 }
 
-void CpuSculpture::edit(const PlacedBrush& brush) {
+void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   for (const std::uint32_t point : changed_) isChanged_[point] = 0;
   changed_.clear();
   measure_ = {};
@@ -118,7 +125,7 @@ void CpuSculpture::edit(const PlacedBrush& brush) {
   if (carves_ && brush.acts() && resamples(brush)) cuts_ = brush;
   if ((brush.kind() == BrushKind::push || brush.kind() == BrushKind::grab) && brush.acts()) pushes_ = brush;
   if (brush.acts()) applyBrush(brush);
-  findUnsettled();
+  findUnsettled(size);
   refit();
   settled_ = !someWait_;
   if (resamples(brush))
@@ -141,10 +148,12 @@ void CpuSculpture::set(std::span<const PointChange> changes) {
     strayed_.push_back(change.to.number());
   }
   for (const std::uint32_t point : waiting_) points_.unsettled[point] = 0;
+  for (const std::uint32_t point : waiting_) strains_[point] = 0;
   waiting_.clear();
   swallowed_.clear();
   settled_ = true;
   someWait_ = false;
+  backlog_ = {};
   followInIndex();
 }
 
@@ -198,7 +207,8 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
       continue;
     }
     const bool moved = place != points_.positions[point];
-    if (moved) points_.founds[point] = points_.found(point, brush.stroke());
+    if (moved) strain(point, glm::distance(place, points_.positions[point]));
+    if (moved) points_.setFound(point, points_.found(point, brush.stroke()));
     if (moved || places_[i].taken || color != before) tellOf(point);
     points_.positions[point] = place;
     points_.colors[point] = color;
@@ -212,7 +222,13 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
 }
 
 PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t point) const {
-  const SculptedPoints::Found found = points_.found(point, brush.stroke());
+  return found(brush, point, points_.positions[point]);
+}
+
+PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t point, const Vec3& place) const {
+  // Without a copy of the state: it would be written and read back in parts of other sizes, which stalls.
+  if (points_.strokes[point] != brush.stroke()) return {DVec3(place), DVec3(points_.normals[point])};
+  const SculptedPoints::FoundState& found = points_.founds[point];
   return {DVec3(found.position), DVec3(found.normal)};
 }
 
@@ -226,13 +242,13 @@ void CpuSculpture::reach(const PlacedBrush& brush) {
     layer.measured.clear();
     layer.measure = {};
     grid_.forEachNear(brush.center(), brush.radius(), k, [&](const SortedGrid::Placed& near) {
-      if (brush.measures(near.number)) layer.measured.push_back(near.number);
+      if (brush.measures(near.number)) layer.measured.push_back(near);
       if (brush.mayAffect(DVec3(near.position))) layer.reached.push_back(near.number);
     });
     for (std::size_t i = 0; i < layer.measured.size(); ++i) {
-      if (i + kAhead < layer.measured.size()) points_.prefetch(layer.measured[i + kAhead]);
-      const std::uint32_t point = layer.measured[i];
-      brush.measure(DVec3(points_.positions[point]), DVec3(points_.normals[point]), found(brush, point), layer.measure);
+      if (i + kAhead < layer.measured.size()) points_.prefetchNormal(layer.measured[i + kAhead].number);
+      const auto& [place, point] = layer.measured[i];
+      brush.measure(DVec3(place), DVec3(points_.normals[point]), found(brush, point, place), layer.measure);
     }
   });
   reached_.clear();
@@ -253,18 +269,36 @@ DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) cons
                         }));
 }
 
-void CpuSculpture::findUnsettled() {
+void CpuSculpture::strain(std::uint32_t point, float by) {
+  strains_.resize(points_.size());
+  strains_[point] += by;
+}
+
+std::size_t CpuSculpture::mostAtOnce(EditSize size) const {
+  if (size == EditSize::tick) return std::max(kFewestAtOnce, static_cast<std::size_t>(kTickWork / workOfPoint_));
+  return std::max(kMaxAtOnce, std::size_t{points_.fromFile} / kShareAtOnce);
+}
+
+// Those that have moved furthest since their last turn, so that no gap becomes too wide to be filled.
+void CpuSculpture::findUnsettled(EditSize size) {
   std::erase_if(waiting_, [&](std::uint32_t point) { return !points_.there[point]; });
-  std::ranges::sort(waiting_);
+  strains_.resize(points_.size());
   unsettled_ = waiting_;
-  const std::size_t most = std::max(kMaxAtOnce, std::size_t{points_.fromFile} / kShareAtOnce);
+  const std::size_t most = mostAtOnce(size);
   someWait_ = unsettled_.size() > most;
-  if (!someWait_) return;
-  // Those that have waited longest: cycles through all in the order of their numbers.
-  const auto next = std::ranges::lower_bound(unsettled_, nextUnsettled_);
-  std::rotate(unsettled_.begin(), next, unsettled_.end());
-  nextUnsettled_ = unsettled_[most];
-  unsettled_.resize(most);
+  backlog_ = {};
+  if (someWait_) {
+    const auto isFirst = [&](std::uint32_t a, std::uint32_t b) {
+      return strains_[a] != strains_[b] ? strains_[a] > strains_[b] : a < b;
+    };
+    const auto end = unsettled_.begin() + static_cast<std::ptrdiff_t>(most);
+    std::ranges::nth_element(unsettled_, end, isFirst);
+    backlog_ = {.strain = double{strains_[*end]} / options_.radius, .waits = true};
+    for (auto waiting = end; waiting != unsettled_.end(); ++waiting)
+      strains_[*waiting] += kWaitStrain * static_cast<float>(options_.radius);
+    unsettled_.erase(end, unsettled_.end());
+  }
+  for (const std::uint32_t point : unsettled_) strains_[point] = 0;
   std::ranges::sort(unsettled_);
 }
 
@@ -291,6 +325,10 @@ void CpuSculpture::refit() {
       around.ends.push_back(static_cast<std::uint32_t>(around.near.size()));
     }
   });
+  double work = 0;
+  for (std::size_t k = 0; k < groups_.groups().size(); ++k)
+    work += kOwnWork * groups_.groups()[k].count + static_cast<double>(surroundings_[k].near.size());
+  if (!unsettled_.empty()) workOfPoint_ = work / static_cast<double>(unsettled_.size());
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     Vec3& normal = points_.normals[unsettled_[i]];
     if (normal != normals_[i]) tellOf(unsettled_[i]);
@@ -299,7 +337,7 @@ void CpuSculpture::refit() {
 }
 
 std::optional<DVec3> CpuSculpture::pushedFrom(std::uint32_t point) const {
-  if (!pushes_ || points_.founds[point].stroke != pushes_->stroke()) return std::nullopt;
+  if (!pushes_ || points_.strokes[point] != pushes_->stroke()) return std::nullopt;
   return pushes_->outward();
 }
 
@@ -356,7 +394,7 @@ void CpuSculpture::resample() {
     points_.unsettled[point] = requests_[i].unsettled;
     // From now on it counts as part of the sheet that it has reached.
     if (requests_[i].stops) points_.founds[point].normal = Vec3(-pushes_->outward());
-    if (requests_[i].thick && cuts_ && points_.founds[point].stroke == cuts_->stroke())
+    if (requests_[i].thick && cuts_ && points_.strokes[point] == cuts_->stroke())
       points_.founds[point].thick = static_cast<float>(*requests_[i].thick);
     settled_ = settled_ && !requests_[i].unsettled;
     if (requests_[i].goes) remove(point);

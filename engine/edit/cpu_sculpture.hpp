@@ -17,6 +17,9 @@ struct SculptOptions {
   unsigned threads = 0;  ///< 0: one per core
 };
 
+/// How much one edit does: a whole edit, or only as much as fits into a tick at 1 kHz on two cores.
+enum class EditSize { whole, tick };
+
 /// The points and their index. The result of a tick depends neither on the number of threads nor on the order of the
 /// points in the index.
 class CpuSculpture {
@@ -36,8 +39,9 @@ class CpuSculpture {
   std::uint64_t followed() const { return followed_; }
 
   /// One tick: applies the brush, if it acts; then the unsettled points get the normals of their surroundings and are
-  /// resampled. If they are more than 1024 and a sixteenth of all points, some are deferred to the next ticks.
-  void edit(const PlacedBrush& brush);
+  /// resampled: if they are more than `size` allows, those that have moved furthest since they last were; the others
+  /// follow in the next edits. A whole edit allows 1024 points or a sixteenth of all, whichever is more.
+  void edit(const PlacedBrush& brush, EditSize size = EditSize::whole);
   /// The last edit's measure of the surface under its brush.
   const SurfaceMeasure& measure() const { return measure_; }
   /// Points changed by the last edit, each once.
@@ -46,8 +50,10 @@ class CpuSculpture {
   bool settled() const { return settled_ && swallowed_.empty(); }
   /// More points are unsettled than the last edit processed.
   bool someWait() const { return someWait_ || !swallowed_.empty(); }
+  /// The points that the last edit left waiting.
+  const Backlog& backlog() const { return backlog_; }
   /// Sets the state in which a continuing stroke found a point.
-  void setFound(std::uint32_t point, const SculptedPoints::Found& found) { points_.founds[point] = found; }
+  void setFound(std::uint32_t point, const SculptedPoints::Found& found) { points_.setFound(point, found); }
   /// Sets points exactly; afterwards all are settled.
   void set(std::span<const PointChange> changes);
 
@@ -63,9 +69,12 @@ class CpuSculpture {
   bool resamples(const PlacedBrush& brush) const { return options_.resample && brush.resamples(); }
   void applyBrush(const PlacedBrush& brush);
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
+  PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point, const Vec3& place) const;
   DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;
   void reach(const PlacedBrush& brush);
-  void findUnsettled();
+  void strain(std::uint32_t point, float by);
+  std::size_t mostAtOnce(EditSize size) const;
+  void findUnsettled(EditSize size);
   void refit();
   std::optional<DVec3> pushedFrom(std::uint32_t point) const;
   ResampleNeighbour seen(std::uint32_t number) const;
@@ -84,12 +93,15 @@ class CpuSculpture {
   double buildTime_us_ = 0;
   std::uint64_t followed_ = 0;
   bool settled_ = true, carves_ = false, fills_ = true;
-  bool someWait_ = false;              // more points are unsettled than an edit processes
-  std::uint32_t nextUnsettled_ = 0;    // number of the first point of the next edit
+  bool someWait_ = false;  // more points are unsettled than an edit processes
+  Backlog backlog_;
+  double workOfPoint_;                 // mean of the last edit
   std::optional<PlacedBrush> pushes_;  // of this tick
   std::optional<PlacedBrush> cuts_;
   SurfaceMeasure measure_;
   std::vector<std::uint32_t> waiting_;  // numbers of all points that may be unsettled, each once
+  // By point: displacement since it was last resampled, model units, and what it gains by waiting.
+  std::vector<float> strains_;
   std::vector<std::uint32_t> strayed_;  // numbers of points that the index has still to follow
   // Working data of one tick.
   struct Request : ResampleRequest {
@@ -109,7 +121,8 @@ class CpuSculpture {
   };
   std::vector<Surroundings> surroundings_;  // by group
   struct Layer {
-    std::vector<std::uint32_t> reached, measured;  // numbers of points
+    std::vector<std::uint32_t> reached;  // numbers of points
+    std::vector<SortedGrid::Placed> measured;
     SurfaceMeasure measure;
   };
   std::vector<Layer> layers_;

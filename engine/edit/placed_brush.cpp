@@ -32,7 +32,7 @@ PlacedBrush::Point PlacedBrush::brushed(const DVec3& place, const DVec3& normal,
 shared::MeasuredPoint PlacedBrush::measured(const Found& found) const { return shared::measured(brush_, tool_, found); }
 
 void PlacedBrush::measure(const DVec3& place, const DVec3& normal, const Found& found, SurfaceMeasure& measure) const {
-  if (actsOn(found)) measure.add(measured(found));
+  if (const shared::MeasuredPoint point = measured(found); point.weight != 0 && actsOn(found)) measure.add(point);
   measure.enter(shared::entered(brush_, tool_, place, normal, found));
 }
 

@@ -67,8 +67,10 @@ SculptedPoints::SculptedPoints(const PointCloud& cloud) : fromFile(static_cast<s
         reaches.reserve(room - count);
       },
       [&] {
-        founds.reserve(room);
+        reserveLarge(founds, room);
         founds.resize(count);
+        reserveLarge(strokes, room);
+        strokes.resize(count);
       },
   };
   constexpr std::size_t kMany = std::size_t{1} << 18;  // points from which starting threads pays off
@@ -93,6 +95,7 @@ void SculptedPoints::set(const PointState& state) {
     there.push_back(0);
     unsettled.push_back(0);
     founds.emplace_back();
+    strokes.push_back(0);
     rests.emplace_back(std::numeric_limits<float>::quiet_NaN());
     reaches.push_back(0);
   }
@@ -102,7 +105,7 @@ void SculptedPoints::set(const PointState& state) {
   parents[point] = state.parent;
   there[point] = !state.gone();
   unsettled[point] = 0;
-  founds[point] = {};
+  strokes[point] = 0;
   if (std::isnan(rests[point].x)) rests[point] = state.position;
 }
 
@@ -116,10 +119,11 @@ std::uint32_t SculptedPoints::insertBetween(std::uint32_t point, std::uint32_t o
        .parent = parents[parent]});
   unsettled[number] = 1;
   rests[number] = 0.5f * (rests[point] + rests[other]);
-  if (const std::uint32_t stroke = std::max(founds[point].stroke, founds[other].stroke); stroke != 0) {
+  if (const std::uint32_t stroke = std::max(strokes[point], strokes[other]); stroke != 0) {
     const Found one = found(point, stroke), two = found(other, stroke);
-    founds[number] = {0.5f * (one.position + two.position), middleNormal(one.normal, two.normal), stroke,
-                      shared::middleThickness(one.thick, two.thick)};
+    setFound(number, {{0.5f * (one.position + two.position), middleNormal(one.normal, two.normal),
+                       shared::middleThickness(one.thick, two.thick)},
+                      stroke});
   }
   return number;
 }

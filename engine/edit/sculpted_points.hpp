@@ -26,13 +26,17 @@ struct SculptedPoints {
   /// Of new points: maximum distance of further points inserted because of them, model units.
   std::vector<float> reaches;
 
-  /// State in which the last stroke to change a point found it.
-  struct Found {
+  /// State in which a stroke found a point.
+  struct FoundState {
     Vec3 position{0}, normal{0};
-    std::uint32_t stroke = 0;
     float thick = 3.0e38f;  ///< depth of the far sheet under it when last seen, model units
   };
-  std::vector<Found> founds;
+  /// The same with the number of the stroke; 0: none.
+  struct Found : FoundState {
+    std::uint32_t stroke = 0;
+  };
+  std::vector<FoundState> founds;      ///< of the last stroke that changed the point
+  std::vector<std::uint32_t> strokes;  ///< its number, or 0; apart, since most points under a brush are unchanged
 
   /// Number of points of the file; these have the smaller numbers.
   std::uint32_t fromFile = 0;
@@ -46,15 +50,24 @@ struct SculptedPoints {
 
   /// State in which a stroke has found a point.
   Found found(std::uint32_t point, std::uint32_t stroke) const {
-    if (founds[point].stroke == stroke) return founds[point];
-    return {positions[point], normals[point], stroke};
+    if (strokes[point] == stroke) return lastFound(point);
+    return {{positions[point], normals[point]}, stroke};
+  }
+  /// State in which the last stroke to change it found it.
+  Found lastFound(std::uint32_t point) const { return {founds[point], strokes[point]}; }
+  void setFound(std::uint32_t point, const Found& found) {
+    founds[point] = found;
+    strokes[point] = found.stroke;
   }
 
   /// Fetches what a brush reads of a point into the cache.
   void prefetch(std::uint32_t point) const {
     __builtin_prefetch(&positions[point]);
+    prefetchNormal(point);
+  }
+  void prefetchNormal(std::uint32_t point) const {
     __builtin_prefetch(&normals[point]);
-    __builtin_prefetch(&founds[point]);
+    __builtin_prefetch(&strokes[point]);
   }
 
   PointState state(std::uint32_t point) const;

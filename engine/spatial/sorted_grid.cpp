@@ -12,6 +12,7 @@ constexpr std::size_t kShareToBuild = 16, kFewestToBuild = 1024;
 // A bucket returns to its own slots, or to a smaller block, once this share of them would stay free, so that one that
 // grows and shrinks by a few points stays where it is.
 constexpr std::uint32_t kShareFree = 8, kShareUsed = 4;
+constexpr std::uint32_t kBucketsPerBlock = 4;
 
 }  // namespace
 
@@ -21,7 +22,9 @@ SortedGrid::SortedGrid(const HashGrid& grid, unsigned threads, CellTags cellTags
       sort_(grid.bucketMask + 1),
       buckets_(std::size_t{grid.bucketMask} + 1, Bucket()),
       cellTags_(cellTags),
-      tags_(buckets_.size()) {}
+      tags_(buckets_.size()),
+      blockMask_(grid.bucketMask / kBucketsPerBlock),
+      blocks_(std::size_t{blockMask_} + 1) {}
 
 void SortedGrid::build(std::span<const Vec3> positions, std::span<const std::uint8_t> there) {
   PALPATE_CHECK(there.empty() || there.size() == positions.size());
@@ -35,6 +38,7 @@ void SortedGrid::build(std::span<const Vec3> positions, std::span<const std::uin
     placed.number = static_cast<std::uint32_t>(i);
   });
   spare_.clear();
+  std::ranges::fill(blocks_, cellTags_ == CellTags::off ? 1 : 0);
   constexpr std::size_t kPart = std::size_t{1} << 15;  // buckets
   team_.forEach((buckets_.size() + kPart - 1) / kPart, [&](std::size_t part) {
     const std::span<const std::uint32_t> starts = sort_.starts();
@@ -110,10 +114,14 @@ void SortedGrid::transfer(std::span<const Transfer> transfers) {
   if (bucket.count == 0) tags_[number] = 0;
 }
 
-std::uint8_t SortedGrid::tagsOf(std::span<const Placed> points) const {
+std::uint8_t SortedGrid::tagsOf(std::span<const Placed> points) {
   if (cellTags_ == CellTags::off) return points.empty() ? 0 : 0xff;
   std::uint8_t tags = 0;
-  for (const Placed& point : points) tags |= tagOf(cellOf(grid_, point.position));
+  for (const Placed& point : points) {
+    const IVec3 cell = cellOf(grid_, point.position);
+    tags |= tagOf(cell);
+    mark(cell);
+  }
   return tags;
 }
 
@@ -179,7 +187,7 @@ void SortedGrid::near(const DVec3& center, double radius, std::vector<std::uint3
 }
 
 std::size_t SortedGrid::bytes() const {
-  return sort_.bytes() + buckets_.size() * sizeof(Bucket) + tags_.size() + spare_.bytes() +
+  return sort_.bytes() + buckets_.size() * sizeof(Bucket) + tags_.size() + blocks_.size() + spare_.bytes() +
          transfers_.capacity() * sizeof(Transfer);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 
 #include "engine/cloud/neighbour_search.hpp"
 #include "engine/core/bucket_sort.hpp"
@@ -116,12 +117,21 @@ class SortedGrid final : public NeighbourSearch {
   // A bucket has a bit for each cell of its points; two cells may have the same. Bits of cells that its points have
   // left stay until it is empty.
   static std::uint8_t tagOf(const IVec3& cell) { return static_cast<std::uint8_t>(1u << (tagHash(cell) >> 29)); }
+  // Blocks of 4x4x4 cells without a point are skipped by wide balls. A block stays marked until the next build.
+  static constexpr int kBlock = 2;  // log2 of its side
+  void mark(const IVec3& cell) {
+    std::atomic_ref(blocks_[bucketOf(grid_, cell >> kBlock) & blockMask_]).store(1, std::memory_order_relaxed);
+  }
   static std::uint32_t tagHash(const IVec3& cell) {
     const UVec3 c(cell);
     return c.x * 0x9e3779b1u + c.y * 0x85ebca77u + c.z * 0xc2b2ae3du;
   }
-  void tag(std::uint32_t bucket, const Vec3& position) { tags_[bucket] |= tagOf(cellOf(grid_, position)); }
-  std::uint8_t tagsOf(std::span<const Placed> points) const;
+  void tag(std::uint32_t bucket, const Vec3& position) {
+    const IVec3 cell = cellOf(grid_, position);
+    tags_[bucket] |= tagOf(cell);
+    mark(cell);
+  }
+  std::uint8_t tagsOf(std::span<const Placed> points);
   template <class Visit>
   void visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const;
   // Visits the near ones of some points, without unpredictable branches.
@@ -136,6 +146,8 @@ class SortedGrid final : public NeighbourSearch {
   BareVector<Bucket> buckets_;
   CellTags cellTags_;
   std::vector<std::uint8_t> tags_;  // by bucket
+  std::uint32_t blockMask_;
+  std::vector<std::uint8_t> blocks_;  // by hash of a block: whether it may contain points
   SpareBlocks<Placed> spare_;
   std::size_t size_ = 0;
   bool isFresh_ = true;
@@ -215,7 +227,14 @@ void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radi
     for (int y = box.low.y; y <= box.high.y; ++y) {
       const auto [begin, end] = ball.row(y, z, box);
       const std::uint32_t row = bucketOf(grid_, {0, y, z});
+      const std::uint32_t blockRow = bucketOf(grid_, {0, y >> kBlock, z >> kBlock});
       for (int x = begin; x < end; ++x) {
+        constexpr int kLast = (1 << kBlock) - 1;
+        if ((x == begin || (x & kLast) == 0) &&
+            !blocks_[(bucketOf(grid_, {x >> kBlock, 0, 0}) ^ blockRow) & blockMask_]) {
+          x |= kLast;
+          continue;
+        }
         const std::uint32_t number = columns[static_cast<std::size_t>(x - box.low.x)] ^ row;
         if ((tags_[number] & tagOf({x, y, z})) == 0) continue;
         cells[count] = {x, y, z};

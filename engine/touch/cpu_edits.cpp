@@ -51,7 +51,8 @@ bool CpuEdits::editIfYielding(double time_s, bool realtime) {
     ++statistics_.shortfalls.editsTooSlow;
     return false;
   }
-  work_.brush.emplace(*brush_, radius_, stroke_.next(time_s));
+  work_.brush.emplace(*brush_, radius_, stroke_.next(time_s, sculpture_.backlog()));
+  work_.size = realtime ? EditSize::tick : EditSize::whole;
   if (work_.brush->acts() && std::exchange(strokeMarked_, stroke_.number()) != stroke_.number()) markStroke();
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
   time_s_ = time_s;
@@ -101,7 +102,7 @@ void CpuEdits::report(std::size_t count, bool inStroke) {
 void CpuEdits::edit() {
   if (work_.isOffer) return carryOut();
   const Stopwatch watch;
-  sculpture_.edit(*work_.brush);
+  sculpture_.edit(*work_.brush, work_.size);
   const auto changed = sculpture_.changed();
   queue_.append(changed.size(), [&](std::size_t i) { return sculpture_.points().state(changed[i]); });
   work_.states += changed.size();

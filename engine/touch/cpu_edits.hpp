@@ -65,6 +65,7 @@ class CpuEdits {
   // The thread's working data; only the thread accesses it while an edit runs.
   struct Work {
     std::optional<PlacedBrush> brush;
+    EditSize size = EditSize::whole;
     bool isOffer = false, inStroke = false;  // isOffer: applies the offered changes instead of the brush
     double time_us = 0;                      // of the last edit
     std::uint64_t states = 0;                // appended to the queue so far

@@ -108,7 +108,7 @@ void BrickSculptor::edit() {
       to.parent = from.number();
       work_.changes.push_back({.from = from, .to = to});
       work_.ever.insert(from.number());
-      work_.founds[from.number()] = sculpture.points().founds[number];
+      work_.founds[from.number()] = sculpture.points().lastFound(number);
     }
   }
   if (!work_.changes.empty()) work_.version = source_.make(work_.changes);

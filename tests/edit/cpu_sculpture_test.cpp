@@ -11,6 +11,7 @@
 #include <random>
 
 #include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/point_tree.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/edit/normal_fit.hpp"
 #include "shaders/shared/resample.h"
@@ -68,7 +69,7 @@ class RandomSculpting {
     const PlacedBrush placed = brushAt(brush, radius_, (kShapeRadius - depth) * outward, depth * outward);
     for (std::uint32_t tick = 0; tick < 3; ++tick) {
       note();
-      sculpture_.edit(placed);
+      sculpture_.edit(placed, pick(3) == 0 ? EditSize::tick : EditSize::whole);
       checkIndex(sculpture_);
       removed_ += static_cast<std::size_t>(std::ranges::count_if(
           sculpture_.changed(), [&](std::uint32_t point) { return !sculpture_.points().there[point]; }));
@@ -169,6 +170,61 @@ TEST_CASE("the normals of sculpted points are those of their neighbours one by o
     }
   }
   CHECK(refitted >= 500);
+}
+
+TEST_CASE("an edit for a tick refits few points, the furthest moved first, and the rest follows to the same surface") {
+  const PointCloud cloud = ballOf(60'000);
+  const double radius = 1.5 * supportFor(cloud.size());
+  const HashGrid grid = makeHashGrid(Vec3(-kShapeRadius), radius, cloud.size());
+  const BrushOptions push{.kind = BrushKind::push, .yieldDepth = 0.5, .pushRate = 0.3, .radius = 12};
+  const PlacedBrush down = brushAt(push, radius, DVec3(0, 0, 44), DVec3(0, 0, 6));
+  CpuSculpture whole(cloud, grid, {.radius = radius}), parts(cloud, grid, {.radius = radius, .threads = 1}),
+      same(cloud, grid, {.radius = radius, .threads = 3});
+  std::size_t mostMoved = 0, mostRefitted = 0, waited = 0;
+  const auto edit = [&](const PlacedBrush& brush) {
+    const std::vector<Vec3> before = parts.points().normals;
+    whole.edit(brush);
+    parts.edit(brush, EditSize::tick);
+    same.edit(brush, EditSize::tick);
+    mostMoved = std::max(mostMoved, whole.changed().size());
+    std::size_t refitted = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) refitted += parts.points().normals[i] != before[i];
+    mostRefitted = std::max(mostRefitted, refitted);
+    waited += parts.backlog().waits;
+    REQUIRE(parts.points().positions == same.points().positions);
+    REQUIRE(parts.points().normals == same.points().normals);
+  };
+  for (int tick = 0; tick < 60; ++tick) edit(down);
+  CHECK(mostMoved > 600);
+  CHECK(waited > 30);
+  CHECK(mostRefitted > 100);
+  CHECK(mostRefitted < 320);
+  CHECK(parts.backlog().strain < 1);
+  // Without the brush the others follow.
+  BrushStroke none(radius);
+  none.setBrush(push);
+  const PlacedBrush rest(push, radius, none.next(0.1));
+  int ticks = 0;
+  while (!parts.settled() && ticks++ < 400) edit(rest);
+  CHECK(parts.settled());
+  CHECK_FALSE(parts.backlog().waits);
+  const PointTree tree(whole.points().positions);
+  std::vector<std::uint32_t> near;
+  double turned = 0, farthest = 0;
+  for (std::uint32_t i = 0; i < parts.points().size(); ++i) {
+    if (!parts.points().there[i] || parts.points().positions[i] == whole.points().positions[i]) continue;
+    near.clear();
+    tree.near(DVec3(parts.points().positions[i]), radius, near);
+    REQUIRE_FALSE(near.empty());
+    const auto nearest = std::ranges::min(near, {}, [&](std::uint32_t k) {
+      return glm::distance(parts.points().positions[i], whole.points().positions[k]);
+    });
+    farthest =
+        std::max(farthest, double{glm::distance(parts.points().positions[i], whole.points().positions[nearest])});
+    turned += double{glm::dot(parts.points().normals[i], whole.points().normals[nearest])} < 0.9;
+  }
+  CHECK(farthest < 0.5 * radius);
+  CHECK(turned < 0.01 * static_cast<double>(mostMoved));
 }
 
 TEST_CASE("a new point copies no array of a sculpture, and no edit of a few points builds the index") {

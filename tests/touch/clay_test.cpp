@@ -11,9 +11,10 @@ namespace palpate::clay_test {
 
 namespace {
 
-ClayResult mouldOnCpu(const Scene& scene, const BrushOptions& brush, const ClayGesture& gesture, int every = 1) {
+ClayResult mouldOnCpu(const Scene& scene, const BrushOptions& brush, const ClayGesture& gesture, int every = 1,
+                      double budget_us = 0) {
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = brush, .threads = 1});
-  return mould(touch, scene, gesture, every);
+  return mould(touch, scene, gesture, every, budget_us);
 }
 
 }  // namespace
@@ -47,6 +48,29 @@ TEST_CASE("a gesture leaves the same trench if the machine completes only half o
       CHECK(some.trenchLeast == near(all.trenchLeast, 0.1));
     }
   }
+}
+
+TEST_CASE("in real time a dense cloud is moulded a part at a time, and to the same shape" * kMoreInFull) {
+  constexpr double kPatient_us = 1e7;  // no edit takes as long
+  for (const std::size_t count : byTier<std::vector<std::size_t>>({40'000}, {40'000, 100'000}))
+    for (const double speed : byTier<std::vector<double>>({200}, {50, 200, 500})) {
+      Scene scene = makeScene("plane", count);
+      scene.radius *= 1.5;  // as on a noisy scan: more than a hundred neighbours
+      for (const BrushKind kind : {BrushKind::push, BrushKind::carve}) {
+        CAPTURE(count);
+        CAPTURE(speed);
+        CAPTURE(static_cast<int>(kind));
+        const ClayGesture gesture = clayDrag(scene, 3, speed);
+        const ClayResult whole = mouldOnCpu(scene, clayBrush(kind), gesture);
+        const ClayResult parts = mouldOnCpu(scene, clayBrush(kind), gesture, 1, kPatient_us);
+        CHECK(parts.cloud.positions != whole.cloud.positions);
+        checkClay(parts, 3);
+        CHECK(parts.deepest == near(whole.deepest, 0.1));
+        CHECK(parts.trenchLeast == near(whole.trenchLeast, 0.15));
+        CHECK(std::abs(static_cast<double>(parts.added) - static_cast<double>(whole.added)) <=
+              0.04 * static_cast<double>(whole.changed));
+      }
+    }
 }
 
 TEST_CASE("a dwelling hand adds nothing, and lifting it changes nothing, with every brush except grab") {
