@@ -114,11 +114,11 @@ TEST_CASE("the guided test in the window finds a stiffness, which the device has
     for (const auto& [after_s, y_mm] : {std::pair{0.0, 22.0}, {3.0, 22.0}, {3.2, 35.0}, {3.6, 35.0}})
       hand.push_back({t_s + after_s, {30, y_mm, 30}});
   const FakeHaply service({.hand = hand});
-  const auto played = play("--device haply --size 480x360 --backend cpu %/sphere.ply --mm-per-unit 1", R"(
+  const auto played = play("--device haply --size 800x600 --backend cpu %/sphere.ply --mm-per-unit 1", R"(
 0.2 click Device
-0.3 click Test...
-0.8 state %/begun.json
-0.9 screenshot %/begun.png
+1.0 click Test...
+1.4 state %/begun.json
+1.5 screenshot %/begun.png
 14 state %/leans.json
 14 screenshot %/leans.png
 50 state %/done.json
