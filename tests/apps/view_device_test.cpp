@@ -111,7 +111,7 @@ TEST_CASE("the guided test in the window finds a stiffness, which the device has
   std::vector<PathKey> hand{{0, {0, 0, 0}},    {9, {0, 0, 0}},       {9.5, {30, 0, 0}},
                             {10, {30, 30, 0}}, {10.5, {30, 30, 30}}, {11, {30, 30, 30}}};
   for (double t_s = 11.5; t_s < 100; t_s += 4)
-    for (const auto& [after_s, y_mm] : {std::pair{0.0, 22.0}, {3.0, 22.0}, {3.2, 35.0}, {3.6, 35.0}})
+    for (const auto& [after_s, y_mm] : {std::pair{0.0, 19.0}, {3.0, 19.0}, {3.2, 35.0}, {3.6, 35.0}})
       hand.push_back({t_s + after_s, {30, y_mm, 30}});
   const FakeHaply service({.hand = hand});
   const auto played = play("--device haply --size 800x600 --backend cpu %/sphere.ply --mm-per-unit 1", R"(
