@@ -105,7 +105,7 @@ TEST_CASE("a device that is lost while a model is felt leaves the stylus to the 
   CHECK(service.forcesAfterFault() <= 2);
 }
 
-TEST_CASE("the guided test in the window finds a stiffness, which the device has once it is agreed to" * kClock) {
+TEST_CASE("the guided test in the window finds a stiffness, and the device is held again" * kClock) {
   if (!hasDisplay()) return;
   const Settings settings;
   std::vector<PathKey> hand{{0, {0, 0, 0}},    {9, {0, 0, 0}},       {9.5, {30, 0, 0}},
@@ -123,12 +123,7 @@ TEST_CASE("the guided test in the window finds a stiffness, which the device has
 14 screenshot %/leans.png
 50 state %/done.json
 50 screenshot %/done.png
-50.1 click Use this stiffness
-53 state %/used.json
-53 screenshot %/used.png
-53.1 click Forget
-55 state %/forgotten.json
-55.1 quit
+50.1 quit
 )",
                            "", makeSmallSphere);
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
@@ -138,9 +133,6 @@ TEST_CASE("the guided test in the window finds a stiffness, which the device has
   CHECK(done["stage"] == "held");
   const double stiffness = done["found_stiffness_N_per_mm"].get<double>();
   CHECK(stiffness > 0.1);
-  const std::string used = played->state("used.json")["device"]["remembered"].get<std::string>();
-  CHECK(used == fmt::format("stiffness at most {:.3g} N/mm", stiffness));
-  CHECK(played->state("forgotten.json")["device"]["remembered"] == "");
   CHECK(service.commands().back().force_N == DVec3(0));
 }
 
