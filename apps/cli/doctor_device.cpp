@@ -124,6 +124,7 @@ Json examineDevice(std::FILE* out, const std::string& spec, Log& log) {
              limits.continuousForce_N);
   fmt::print(out, "  buttons         {}\n  hand            {}\n  axes            {}\n", limits.buttons,
              known(facts.handedness), known(facts.axes));
+  fmt::print(out, "  remembered      {}\n", opened.remembered.isEmpty() ? "nothing" : opened.remembered.inWords());
   fmt::print(out, "  stylus          at {:.1f}, {:.1f}, {:.1f} mm; {}\n", state.position.x, state.position.y,
              state.position.z, state.rendersForce ? "ready to give forces" : "not ready to give forces");
   Json json{{"device", spec},
@@ -137,6 +138,7 @@ Json examineDevice(std::FILE* out, const std::string& spec, Log& log) {
             {"buttons", limits.buttons},
             {"handedness", facts.handedness},
             {"axes", facts.axes},
+            {"remembered", opened.remembered.inWords()},
             {"position_mm", vectorJson(state.position)},
             {"renders_force", state.rendersForce}};
   json["fix"] = permissionsFor(out, spec);

@@ -118,9 +118,11 @@ constexpr DescribedKey kDoctor[]{
     {"device_test.axes", "",
      "axis of the pose as the hand moves right, up and towards the "
      "user: 1 is +x, -3 is -z, 0: not moved"},
+    {"device_test.recommended_axes", "", "as in x,z,-y, for --axes; null: the axes are right, or not known"},
     {"device_test.oscillation_s", "s", "duration of the hum, until the force was zero"},
     {"device_test.stable_stiffness_N_per_mm", "N/mm", "stiffest wall that did not hum; null: none"},
     {"device_test.recommended_stiffness_N_per_mm", "N/mm", "0.7 of it, for --stiffness"},
+    {"forgotten", "", "devices that were forgotten (--forget), and nothing else"},
     {"display", "", "how pictures reach the display"},
     {"in_use", "", "GPU in use; null: none"},
     {"servo", "", "ticks that this machine misses (--servo)"},

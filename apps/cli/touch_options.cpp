@@ -68,7 +68,11 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
   heading("Path");
   addPathOptions(command, options);
   heading("Contact and force");
-  addSettings(command, options.force, {"stiffness_N_per_mm", "damping_N_s_per_mm", "max_N", "max_surface_power_W"});
+  options.stiffness = addSetting(command, options.force, "stiffness_N_per_mm")
+                          .describe(fmt::format("{} (default: as remembered for a device, else {})",
+                                                settingNamed<ForceOptions>("stiffness_N_per_mm").help,
+                                                ForceOptions{}.stiffness_N_per_mm));
+  addSettings(command, options.force, {"damping_N_s_per_mm", "max_N", "max_surface_power_W"});
   addSurfaceOptions(command, options.backend);
   heading("Sculpting");
   addEditOptions(command, options);

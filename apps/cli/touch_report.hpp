@@ -83,6 +83,7 @@ struct TouchReport {
   bool realtime = false;
   bool interrupted = false;
   bool edits = false;
+  double stiffness_N_per_mm = 0;
   double radius_mm = 0, cell_mm = 0, spacing_mm = 0, noise_spacings = 0, mm_per_unit = 1;
   double longestSide = 0;  ///< model units
   LengthUnit unit = LengthUnit::unknown;
@@ -99,6 +100,7 @@ struct TouchReport {
   std::vector<SeenHand> others;        ///< hands of the other participants at the end
   std::optional<FarReport> far;        ///< if another program has all of the points
   std::optional<LogReport> log;
+  std::string remembered;                   ///< for the first hand's device, in words; empty: nothing
   std::vector<FurtherHandReport> hands;     ///< after the first
   std::optional<ForceDifference> recorded;  ///< from the forces of the replayed trajectory
 };

@@ -147,6 +147,7 @@ void printTicks(const Rows& rows, const TouchReport& report) {
 void printForces(const Rows& rows, const TouchReport& report) {
   const TraceSummary& trace = report.trace;
   rows.print("peak force", fmt::format("{:.3f} N", trace.peakForce_N));
+  if (!report.remembered.empty()) rows.print("remembered", report.remembered + ", for this device");
   if (report.matter && report.matter->scene.coupling_N_mm > 0)
     rows.print("peak torque", fmt::format("{:.3g} mN m about the middle of the ball", trace.peakTorque_mNm));
   if (report.toolPoints)

@@ -218,6 +218,14 @@ void Document::install(std::unique_ptr<WindowSession> session, const std::string
                   : whereToSave(file_).string();
 }
 
+void Document::setDevice(const std::shared_ptr<TurnedDevice>& device, const HapticDeviceFacts& facts) {
+  for (WindowOptions* each : {&options_, &opened_, &opening_, before_ ? &*before_ : &options_}) {
+    each->live.device = device;
+    each->live.deviceFacts = facts;
+  }
+  if (session_) session_->setDevice(device, facts);
+}
+
 void Document::follow() {
   if (const auto fault = session_->takeRecordingFault()) messages_.sayError(*fault);
   if (const auto fault = session_->takeUnsavedFault()) messages_.sayError(*fault);

@@ -161,6 +161,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
   ImGui::PushItemWidth(em(8));
   drawModel(status);
+  drawDevice(status);
   if (status.session) {
     drawBrush(status, settings.brush, settings.view);
     drawFeel(status, settings.feel, settings.forcesOn);

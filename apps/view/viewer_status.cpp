@@ -69,7 +69,7 @@ ViewStatus Viewer::status() {
   status.leftQuestion = document_.leftQuestion();
   status.saveFile = document_.saveFile();
   status.stylus = pointing_.holdsStylus();
-  status.device = pointing_.deviceName();
+  status.held = &held_;
   status.gpu = screen_.sight().name();
   status.meshTime_ms = shown_.mesh().time_ms();
   status.meshTriangles = shown_.mesh().triangleCount();
@@ -96,7 +96,8 @@ void Viewer::writeState(const std::string& file) {
                           .camerasShown = shown_.lines().cameras(),
                           .measured = measure_.distance(),
                           .picked = picked_.info,
-                          .pickedDepth = shown_.picture().picked().depth};
+                          .pickedDepth = shown_.picture().picked().depth,
+                          .held = held_};
   AtomicFile out(file);
   out.write(toJson(state).dump(2) + "\n");
   out.commit();

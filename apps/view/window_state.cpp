@@ -1,6 +1,7 @@
 #include "apps/view/window_state.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "apps/cli/sharing_results.hpp"
 
@@ -33,6 +34,58 @@ constexpr Reported<PlaceInfo> kPicked[]{
     {"stiffness_N_per_mm", "N/mm", "stiffness that a hand feels there; null: unknown",
      [](const PlaceInfo& p) -> Value { return orNull(p.stiffness_N_mm); }},
     {"stiffness_of", "", "what has this stiffness", field<&PlaceInfo::stiffnessOf>},
+};
+
+Json offersOf(const HeldDevice& held) {
+  Json offers = Json::array();
+  if (held.offers())
+    for (const DeviceOffer& offer : *held.offers())
+      offers.push_back({{"device", offer.device}, {"name", offer.name}, {"state", offer.state}, {"fix", offer.mend}});
+  return offers;
+}
+
+template <class Of>
+Value ofOpened(const HeldDevice& held, Of&& of) {
+  const OpenedDevice* const opened = held.opened();
+  return opened ? Value(of(*opened)) : std::nullopt;
+}
+
+template <class Of>
+Value ofSeen(const HeldDevice& held, Of&& of) {
+  const std::optional<DeviceState> seen = held.state();
+  return seen ? Value(of(*seen)) : std::nullopt;
+}
+
+constexpr Reported<HeldDevice> kDevice[]{
+    {"name", "", "device as in --device, or mouse", [](const HeldDevice& h) -> Value { return h.name(); }},
+    {"stage", "", "mouse, opening, held or tested",
+     [](const HeldDevice& h) -> Value {
+       constexpr std::array<std::string_view, 4> kNames{"mouse", "opening", "held", "tested"};
+       return kNames[static_cast<std::size_t>(h.stage())];
+     }},
+    {"said", "", "the newest message about it", [](const HeldDevice& h) -> Value { return h.said(); }},
+    {"instruction", "", "of the guided test",
+     [](const HeldDevice& h) -> Value { return h.test() ? instructionOf(h.test()->stage()) : ""; }},
+    {"offers", "", "devices that are plugged in: device, name, state and fix",
+     [](const HeldDevice& h) -> Value { return offersOf(h); }},
+    {"model", "", "its model",
+     [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.facts.model; }); }},
+    {"serial", "", "its serial number",
+     [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.facts.serial; }); }},
+    {"axes", "", "its axes, as in --axes",
+     [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.axes.text(); }); }},
+    {"remembered", "", "what is remembered for it",
+     [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.remembered.inWords(); }); }},
+    {"position_mm", "mm", "its position, as the last tick read it",
+     [](const HeldDevice& h) -> Value { return ofSeen(h, [](const auto& s) { return vectorJson(s.position); }); }},
+    {"buttons", "", "its pressed buttons, one bit each",
+     [](const HeldDevice& h) -> Value { return ofSeen(h, [](const auto& s) { return s.buttons; }); }},
+    {"renders_force", "", "whether it renders forces",
+     [](const HeldDevice& h) -> Value { return ofSeen(h, [](const auto& s) { return s.rendersForce; }); }},
+    {"found_stiffness_N_per_mm", "N/mm", "stiffness that the guided test recommends; null: none",
+     [](const HeldDevice& h) -> Value {
+       return h.found() ? Value(orNull(h.found()->offeredStiffness_N_per_mm())) : std::nullopt;
+     }},
 };
 
 constexpr Reported<WindowState> kWindow[]{
@@ -80,6 +133,8 @@ constexpr Reported<WindowState> kWindow[]{
     {"panels", "", "whether the panels are shown", [](const WindowState& w) -> Value { return w.view.panels; }},
     {"measuring", "", "whether the left button picks positions",
      [](const WindowState& w) -> Value { return w.view.measures; }},
+    {"device", "", "the device that moves the stylus",
+     [](const WindowState& w) -> Value { return jsonBy(kDevice, w.held); }},
 };
 
 // What is said only of an open model.
@@ -175,6 +230,7 @@ void listWindowResults(std::vector<ResultFacts>& all) {
   const auto list = [&](std::string_view before, const auto& rows) { listResults(all, "view", before, rows); };
   list("", kWindow);
   list("picked.", kPicked);
+  list("device.", kDevice);
   list("", kModel);
   listSharingResults(all, "view");
   listCameraResults(all, "view");

@@ -5,6 +5,7 @@
 
 #include "apps/cli/results.hpp"
 #include "apps/view/document.hpp"
+#include "apps/view/held_device.hpp"
 #include "apps/view/messages.hpp"
 #include "apps/view/place_info.hpp"
 #include "apps/view/settings.hpp"
@@ -27,6 +28,7 @@ struct WindowState {
   std::optional<double> measured;  ///< distance of the two picked positions, model units
   std::optional<PlaceInfo> picked;
   double pickedDepth = 0;
+  const HeldDevice& held;
 
   const WindowSession* session() const { return document.session(); }  ///< null: no model is open
 };

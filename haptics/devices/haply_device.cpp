@@ -55,7 +55,8 @@ void HaplyDevice::choose() {
             .driver = fmt::format("service {}, firmware {}", service_->version.empty() ? "unknown" : service_->version,
                                   chosen.firmware.empty() ? "unknown" : chosen.firmware),
             .handedness = chosen.handedness,
-            .axes = chosen.permutation};
+            .axes = chosen.permutation,
+            .lights = std::string(haply::kLights)};
   const double reach_mm = chosen.small ? kReachOfMinverse_mm : kReach_mm;
   facts_.workspaceMin_mm = kMiddle_mm - DVec3(reach_mm);
   facts_.workspaceMax_mm = kMiddle_mm + DVec3(reach_mm);
@@ -68,6 +69,8 @@ void HaplyDevice::choose() {
   choice_.grip = grip->id;
   choice_.wireless = grip->wireless;
   limits_.buttons = grip->wireless ? 2 : 1;
+  facts_.grip = fmt::format("{} grip {}", grip->wireless ? "wireless" : "wired", grip->id);
+  facts_.battery = grip->battery;
   say(fmt::format("{}: orientation and buttons of the {} grip {}{}", facts_.model,
                   grip->wireless ? "wireless" : "wired", grip->id,
                   grip->battery ? fmt::format(", battery {:.0f} %", 100 * *grip->battery) : ""));

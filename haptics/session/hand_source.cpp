@@ -80,12 +80,15 @@ HandSource openHand(const HandConfig& config, const HandOpening& opening) {
   } else if (config.device.starts_with(kReplay)) {
     hand = replayed(config.device.substr(kReplay.size()), opening.model, opening.log);
   } else if (isHeldDevice(config.device)) {
-    OpenedDevice opened = openDevice(
-        config.device,
-        {.log = opening.log, .rate_Hz = opening.rate_Hz, .ownScheduler = config.ownScheduler, .stop = opening.stop});
+    OpenedDevice opened = openDevice(config.device, {.log = opening.log,
+                                                     .rate_Hz = opening.rate_Hz,
+                                                     .ownScheduler = config.ownScheduler,
+                                                     .stop = opening.stop,
+                                                     .axes = config.axes});
     hand = {.device = std::move(opened.device),
             .map = config.fit == WorkspaceFit::identity ? WorkspaceMap{.scale = scale.toUnits(1)}
-                                                        : mapInto(opened.facts, opening.model)};
+                                                        : mapInto(opened.facts, opening.model),
+            .remembered = std::move(opened.remembered)};
   } else if (config.device == "path") {
     Path path = pathFor(config, opening.model);
     const double duration_s = path.duration_s();

@@ -108,6 +108,7 @@ struct HandConfig {
   double stiffness_N_per_mm = 0, damping_N_s_per_mm = 0;  ///< of a simulated hand; 0: its default
   bool ownScheduler = false;  ///< palpate's servo thread runs the ticks, not the device's driver
   bool rumbles = false;       ///< a gamepad rumbles at each contact
+  std::string axes;  ///< of a held device, that point right, up and towards the user: "x,z,-y"; empty: as remembered
 
   bool operator==(const HandConfig&) const = default;
 };

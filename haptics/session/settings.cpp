@@ -308,6 +308,9 @@ constexpr Setting<HandConfig> kHand[]{
      "thread that runs the ticks of an OpenHaptics device: device (the driver) or own (palpate)"},
     {"rumbles", &HandConfig::rumbles, "--rumble",
      "a DualSense on a cable rumbles at each contact, whatever the device"},
+    {"axes", &HandConfig::axes, "--axes",
+     "axes of the device that point right, up and towards the user, as in x,z,-y (default: as remembered for it, "
+     "else x,y,z)"},
 };
 
 constexpr Setting<SessionConfig> kSession[]{
