@@ -1,6 +1,7 @@
 #include "haptics/session/device_memory.hpp"
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/error.hpp"
@@ -73,7 +74,8 @@ DeviceMemory::Content DeviceMemory::read() const {
     requireKnown("", json, {kVersionKey, kChosenKey, kDevicesKey});
     if (json.value(kVersionKey, SettingsJson(0)) != kVersion)
       throw ConfigError(kVersionKey, "is not {}, which this palpate reads", kVersion);
-    content.chosen = setting_json::text(kChosenKey, json.value(kChosenKey, SettingsJson("")));
+    if (const SettingsJson* const chosen = setting_json::find(json, kChosenKey))
+      setting_json::read(kChosenKey, *chosen, {}, &content.chosen);
     const SettingsJson devices = json.value(kDevicesKey, SettingsJson::object());
     requireObject(kDevicesKey, devices);
     for (const auto& [key, device] : devices.items())
