@@ -70,8 +70,8 @@ class Session(_palpate._Session):
         options: the keywords below, which all constructors have.
         backend: "vulkan" (a GPU), "cpu" (double precision), or "auto": "vulkan" if a GPU is named or there is one other
             than a software driver, else "cpu" (default "auto"). With "auto", budget_us and no named GPU, a cloud at
-            rest is answered by the one of both that takes less time for a tick with an edit, which is measured for up to
-            a second, reported in messages, and remembered in the user's cache folder.
+            rest is answered by the one of both that takes less time for a tick with an edit, which is measured for up
+            to a second, reported in messages, and remembered in the user's cache folder.
         surface: surface that the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges)
             (default "average").
         radius_mm: support radius, mm in the hand; None: from the spacing of the points (default None).
