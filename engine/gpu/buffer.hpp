@@ -43,7 +43,7 @@ class Buffer {
   std::uint64_t bytes() const { return bytes_; }
   const std::string& name() const { return name_; }
 
-  /// The host's view; only for upload, staging and readback buffers.
+  /// The host's view; not of a device buffer, except with unifiedMemory().
   template <class T>
   std::span<T> mapped() const {
     PALPATE_CHECK(mapped_ != nullptr);

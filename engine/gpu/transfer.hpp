@@ -12,7 +12,8 @@ namespace palpate {
 class Device;
 class Queue;
 
-/// Copies through a staging buffer of bounded size, on `queue`, and waits. For the thread that uses that queue.
+/// Copies through a staging buffer of bounded size on `queue`, or in place (unifiedMemory()) after its earlier work,
+/// and waits. For the thread that uses that queue.
 void uploadBytes(Device& device, Queue& queue, const Buffer& to, std::span<const std::byte> bytes);
 void downloadBytes(Device& device, Queue& queue, const Buffer& from, std::span<std::byte> bytes,
                    std::uint64_t offset = 0);

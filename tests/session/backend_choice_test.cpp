@@ -39,6 +39,16 @@ class LateTouch final : public TouchDecorator {
   double by_us_;
 };
 
+/// Gives no valid answer.
+class FaultyTouch final : public TouchDecorator {
+ public:
+  using TouchDecorator::TouchDecorator;
+  std::span<const Contact> ask(std::span<const Pose>, double) noexcept override { return {&answer_, 1}; }
+
+ private:
+  Contact answer_;
+};
+
 /// A GPU or a CPU of any speed, which counts the back ends made on it; all of them are the CPU's.
 class MadeUpKind final : public BackendKind {
  public:
@@ -52,10 +62,12 @@ class MadeUpKind final : public BackendKind {
     ++made;
     brushed = request.brush.has_value();
     points = request.model.cloud.size();
+    if (failure_ == kNoAnswer) return std::make_unique<FaultyTouch>(cpu_->make(request));
     if (!failure_.empty()) throw GpuError("{}", failure_);
     return std::make_unique<LateTouch>(cpu_->make(request), late_us_);
   }
 
+  static constexpr std::string_view kNoAnswer = "gave no valid answer";
   mutable int made = 0;
   mutable bool brushed = false;
   mutable std::size_t points = 0;
@@ -154,12 +166,16 @@ TEST_CASE("the measurement finds the sooner back end with the session's own brus
 
 TEST_CASE("a GPU that fails while it is measured leaves the session to the CPU, and is tried again at the next start") {
   const ScratchFolder folder;
-  const MadeUpKind broken("vulkan", 0, "the driver refused a pipeline"), cpu("cpu", kLate_us);
-  for (int start = 1; start <= 2; ++start) {
-    const Chosen chosen(broken, cpu, folder / "backends");
-    CHECK(chosen.name == "cpu");
-    CHECK(says(chosen.text, "made-up vulkan: not usable: the driver refused a pipeline"));
-    CHECK(broken.made == start);
+  const MadeUpKind cpu("cpu", kLate_us);
+  for (const std::string why : {"the driver refused a pipeline", "gave no valid answer"}) {
+    const MadeUpKind broken("vulkan", 0, why);
+    for (int start = 1; start <= 2; ++start) {
+      const Chosen chosen(broken, cpu, folder / "backends");
+      CHECK(chosen.name == "cpu");
+      CHECK(says(chosen.text, "made-up vulkan: not usable: "));
+      CHECK(says(chosen.text, why));
+      CHECK(broken.made == start);
+    }
   }
 }
 
