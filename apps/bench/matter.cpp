@@ -325,8 +325,7 @@ void print(std::FILE* out, const std::vector<MatterCost>& costs) {
       fmt::print(out, "  a frame of {} points: {} on the GPU, {} in all, {} on the host\n", cost.frame->points,
                  said(cost.frame->made.gpu_us), said(cost.frame->made.wall_us), said(cost.frame->fetched_us));
     if (cost.compliance_us)
-      fmt::print(out, "  compliance query with {} presses: {} in all\n", cost.presses,
-                 said(*cost.compliance_us));
+      fmt::print(out, "  compliance query with {} presses: {} in all\n", cost.presses, said(*cost.compliance_us));
     for (const auto& [name, time_us] : cost.passes_us) {
       fmt::print(out, "  {:<24}{:>24}", name, said(time_us));
       if (const auto bytes = cost.passes_bytes.find(name); bytes != cost.passes_bytes.end())
