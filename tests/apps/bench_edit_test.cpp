@@ -103,7 +103,7 @@ TEST_CASE("bench edit measures the CPU, whose index follows edits without a buil
   }
   REQUIRE(edit["growths"].size() == 2);
   CHECK(edit["growths"][0]["backend"] == "cpu");
-  CHECK(outcome.text.find("cpu, incremental, 60 asked") != std::string::npos);
+  CHECK(outcome.text.find("cpu, incremental, edits of 60 points") != std::string::npos);
 }
 
 TEST_CASE("bench edit reports the cost of compactions if spare slots are few") {
