@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Four states of the window in one picture, without a display, as it stands in the READMEs:
+# Four states of the window in one picture, without a display, as shown in the READMEs:
 #   bash apps/window.sh OUT.png
 set -euo pipefail
 [ $# -eq 1 ] || { sed -n '3s/^# *//p' "$0" >&2; exit 2; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "engine/core/error.hpp"
 #include "haptics/servo_loop.hpp"
@@ -9,7 +10,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kWallBelow_mm = 5;  // the hand when the wall appears, which is so approached from free space
+constexpr double kWallBelow_mm = 5;  // the hand when the wall appears, so that it is approached from free space
 constexpr double kMove_mm = 20;      // in a direction; small devices reach 35 mm from their middle
 constexpr double kClear_mm = 2;      // above the wall: lifted
 constexpr double kLeast_N = 0.2;     // a hand that leans
@@ -18,6 +19,44 @@ constexpr double kStepRamp_s = 0.2;  // from one stiffness to the next: no knock
 constexpr double kStepHold_s = 0.5;  // leaned on at the whole stiffness
 constexpr double kMaxStepFactor = 2;
 constexpr double kHumFade_s = 0.03;  // of the force after an oscillation
+constexpr double kPause_s = 0.05;    // between two poses, from which on the hand may be anywhere (ForceGate)
+
+/// Unit vector along an axis as in DeviceCheckResult::axes.
+DVec3 along(int axis) {
+  DVec3 vector(0);
+  vector[std::abs(axis) - 1] = axis < 0 ? -1 : 1;
+  return vector;
+}
+
+/// Up, in the axes of the pose. If the hand was not moved up, it follows from the two other directions, since up is
+/// towards the user times right; else it is +y.
+DVec3 upOf(const std::array<int, 3>& axes) {
+  const auto [right, up, towards] = axes;
+  if (up != 0) return along(up);
+  if (right == 0 || towards == 0 || std::abs(right) == std::abs(towards)) return {0, 1, 0};
+  return glm::cross(along(towards), along(right));
+}
+
+/// A device whose buttons do nothing: the clutch would hide the motion of the hand.
+class WithoutButtons final : public HapticDevice {
+ public:
+  explicit WithoutButtons(HapticDevice& device) : device_(device) {}
+  std::string_view name() const override { return device_.name(); }
+  DeviceLimits limits() const override { return device_.limits(); }
+  bool paces() const override { return device_.paces(); }
+  bool pace(double rate_Hz, const std::function<bool()>& tick) override { return device_.pace(rate_Hz, tick); }
+  DeviceState read(double time_s) noexcept override {
+    DeviceState state = device_.read(time_s);
+    state.buttons = 0;
+    return state;
+  }
+  bool write(const DVec3& force_N) noexcept override { return device_.write(force_N); }
+  void emergencyStop() noexcept override { device_.emergencyStop(); }
+  std::string faultText() const override { return device_.faultText(); }
+
+ private:
+  HapticDevice& device_;
+};
 
 DeviceCheckStage stageAfter(DeviceCheckStage stage) {
   return static_cast<DeviceCheckStage>(static_cast<std::uint8_t>(stage) + 1);
@@ -52,6 +91,11 @@ std::optional<double> DeviceCheckResult::offeredStiffness_N_per_mm() const {
   return kStiffnessMargin * *stableStiffness_N_per_mm;
 }
 
+std::optional<DeviceAxes> DeviceCheckResult::offeredAxes() const {
+  if (!fault.empty() || axesAreRight()) return std::nullopt;
+  return DeviceAxes::of(axes);
+}
+
 DeviceCheckQuery::DeviceCheckQuery(const DeviceCheckOptions& options, const DeviceLimits& limits)
     : options_(options), most_N_(kMaxShare * limits.peakForce_N) {
   const bool ascends = options.softest_N_per_mm > 0 && options.stiffest_N_per_mm >= options.softest_N_per_mm &&
@@ -73,7 +117,10 @@ DeviceCheckQuery::DeviceCheckQuery(const DeviceCheckOptions& options, const Devi
 void DeviceCheckQuery::enter(DeviceCheckStage stage, const Pose& pose) noexcept {
   since_s_ = pose.time_s;
   from_mm_ = pose.hip;
-  if (stage == DeviceCheckStage::lean) wall_mm_ = pose.hip.y - kWallBelow_mm;
+  if (stage == DeviceCheckStage::lean) {
+    up_ = upOf(result_.axes);
+    wall_mm_ = glm::dot(pose.hip, up_) - kWallBelow_mm;
+  }
   if (stage == DeviceCheckStage::lean || stage == DeviceCheckStage::leanAgain) oscillation_.reset();
   share_ = 1;
   leaned_s_ = 0;
@@ -154,6 +201,12 @@ void DeviceCheckQuery::lift(const Pose& pose) noexcept {
 }
 
 void DeviceCheckQuery::advance(const Pose& pose, double dt_s) noexcept {
+  if (dt_s > kPause_s && stage() != DeviceCheckStage::freeSpace) {  // the machine slept: the step begins again
+    since_s_ += dt_s;
+    leaned_s_ = 0;
+    oscillation_.reset();
+    return;
+  }
   switch (stage()) {
     case DeviceCheckStage::freeSpace:
       return freeSpace(pose, dt_s);
@@ -182,28 +235,28 @@ Contact DeviceCheckQuery::answerTo(const Pose& pose, double /*budget_us*/) noexc
   }
   if (options_.stop && options_.stop->load(std::memory_order_relaxed)) enter(DeviceCheckStage::done, pose);
   result_.peakForce_N = std::max(result_.peakForce_N, pose.felt.got_N);
-  depth_mm_ = wall_mm_ - pose.hip.y;
+  depth_mm_ = wall_mm_ - glm::dot(pose.hip, up_);
   advance(pose, pose.time_s - last_.time_s);
   before_ = {pose.hip, before_[0]};
   last_ = pose;
   shown_.store(now_N_per_mm_, std::memory_order_relaxed);
   const bool isWall = stage() == DeviceCheckStage::lean || stage() == DeviceCheckStage::leanAgain;
-  depth_mm_ = wall_mm_ - pose.hip.y;
+  depth_mm_ = wall_mm_ - glm::dot(pose.hip, up_);
   const bool touching = isWall && depth_mm_ > 0;
-  const DVec3 normal(0, 1, 0);
-  return {.proxy = touching ? pose.hip + depth_mm_ * normal : pose.hip,
-          .normal = normal,
+  return {.proxy = touching ? pose.hip + depth_mm_ * up_ : pose.hip,
+          .normal = up_,
           .touching = touching,
           .fresh = true,
           .valid = true,
-          .force_N = DVec3(0, touching ? share_ * now_N_per_mm_ * depth_mm_ : 0, 0)};
+          .force_N = touching ? share_ * now_N_per_mm_ * depth_mm_ * up_ : DVec3(0)};
 }
 
 DeviceCheckResult checkDevice(HapticDevice& device, DeviceCheckQuery& query) {
   constexpr double kLongest_s = 600;  // in virtual time
   const ForceLaw law({.stiffness_N_per_mm = query.options().stiffest_N_per_mm, .damping_N_s_per_mm = 0}, {});
   const DeviceCheckOptions& options = query.options();
-  ServoLoop loop(device, query, law,
+  WithoutButtons held(device);
+  ServoLoop loop(held, query, law,
                  {.rate_Hz = options.rate_Hz,
                   .duration_s = options.realtime ? 0 : kLongest_s,
                   .endless = options.realtime,

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "engine/core/contact_query.hpp"
+#include "haptics/devices/device_axes.hpp"
 #include "haptics/devices/haptic_device.hpp"
 #include "haptics/oscillation.hpp"
 
@@ -47,6 +48,8 @@ struct DeviceCheckResult {
   /// Stiffness for sessions: kStiffnessMargin of the stiffest wall without oscillation.
   std::optional<double> offeredStiffness_N_per_mm() const;
   bool axesAreRight() const { return axes == std::array{1, 2, 3}; }
+  /// The axes with which the stylus moves as the hand does; empty if it does already, or if not all were seen.
+  std::optional<DeviceAxes> offeredAxes() const;
 };
 /// Another grip and another pose have less damping than the tested one.
 inline constexpr double kStiffnessMargin = 0.7;
@@ -92,6 +95,7 @@ class DeviceCheckQuery final : public OneHandQuery {
   double since_s_ = 0;             ///< begin of the stage
   DVec3 from_mm_{0};               ///< the position then
   DVec3 curvature2_mm2_{0};        ///< sum of squared second differences
+  DVec3 up_{0, 1, 0};              ///< of the person, as the pose shows it: the normal of the wall
   double wall_mm_ = 0, depth_mm_ = 0;
   double stiffness_N_per_mm_ = 0;  ///< of the step
   double now_N_per_mm_ = 0;        ///< ramps towards it

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// What a tick knows of its own force.
+/// Facts about a tick that decide on its force.
 struct TickSigns {
   bool on = true;        ///< the user wants forces
   bool answered = true;  ///< the query gave a valid answer

@@ -129,7 +129,7 @@ DVec3 ForceLaw::update(const Contact& whole, std::span<const PointContact> point
     }
     const DVec3 force_N = point.share * spring(point.contact, point.hip, dt_s, pointRates_[i]);
     asked_N += force_N;
-    // NaN goes on into the sum.
+    // NaN propagates into the sum.
     if (glm::dot(force_N, point.contact.normal) <= 0) continue;
     sum_N += force_N;
     torque_mNm += glm::cross(scale_.mm_per_unit * (point.hip - pose.hip), force_N);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSmallestJump_mm = 1;  // encoder steps and late reads look fast from tick to tick
 
-/// The answer as it is, or, if it is a fault or has non-finite numbers, "nothing touched, not valid".
+/// The answer unchanged, or, if it is a fault or has non-finite numbers, "nothing touched, not valid".
 Contact trusted(const Contact& contact, const DVec3& hip) {
   const bool sane = contact.valid && isFinite(contact.proxy) && isFinite(contact.normal) &&
                     isFinite(contact.velocity) && isFinite(contact.force_N.value_or(DVec3(0)));

@@ -35,7 +35,7 @@ struct ServoOptions {
   double begin_s = 0;     ///< the time of the first tick
   bool endless = false;   ///< in real time until `stop`, whatever the duration; only a recorder sees the ticks
   bool realtime = false;  ///< the wall clock paces the ticks; otherwise they run as fast as possible
-  /// Replaces the machine's clock in real time. It stands still during a tick, so that a query may take any time and no
+  /// Replaces the machine's clock in real time. It is constant during a tick, so that a query may take any time and no
   /// tick is late, at any pace; must outlive the loop.
   SteppedClock* clock = nullptr;
   double reserve_us =

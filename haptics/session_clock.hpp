@@ -18,7 +18,7 @@ class SessionClock {
 /// The machine's monotonic clock. Stateless: one instance serves all.
 SessionClock& machineClock() noexcept;
 
-/// Stands still during a tick, however long that takes, and advances while the session waits for the next one: at once
+/// Is constant during a tick, however long that takes, and advances while the session waits for the next one: at once
 /// while it is let go, as it is initially, otherwise as far as another thread permits. So a session does the same on
 /// the slowest machine. One session at a time.
 class SteppedClock final : public SessionClock {

@@ -27,7 +27,7 @@ class SessionLogFile {
   void append(const Content& content);
   /// Flushes the written data to the disk.
   void sync();
-  /// No data follow. Throws FileError that says how much is missing if not all of it could be written.
+  /// Ends the file. Throws FileError that says how much is missing if not all of it could be written.
   void close();
 
   bool isOpen() const { return output_.isOpen(); }

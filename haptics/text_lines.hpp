@@ -52,7 +52,7 @@ class TextLines {
   double number(std::string_view field) const {
     double value = 0;
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (error == std::errc::result_out_of_range) fail(fmt::format("'{}' does not fit a double", field));
+    if (error == std::errc::result_out_of_range) fail(fmt::format("'{}' is out of range", field));
     if (error != std::errc() || end != field.data() + field.size()) fail(fmt::format("'{}' is not a number", field));
     if (!std::isfinite(value)) fail(fmt::format("'{}' is not finite", field));
     return value;

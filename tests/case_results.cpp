@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "tests/surroundings.hpp"
+#include "tests/unmoved_reporter.hpp"
 
 namespace palpate {
 
@@ -52,21 +53,6 @@ class Watch {
   Result at_;
   double processor_s_ = 0;
   std::chrono::steady_clock::time_point wall_;
-};
-
-struct Unmoved : doctest::IReporter {
-  void report_query(const doctest::QueryData&) override {}
-  void test_run_start() override {}
-  void test_run_end(const doctest::TestRunStats&) override {}
-  void test_case_start(const doctest::TestCaseData&) override {}
-  void test_case_reenter(const doctest::TestCaseData&) override {}
-  void test_case_end(const doctest::CurrentTestCaseStats&) override {}
-  void test_case_exception(const doctest::TestCaseException&) override {}
-  void subcase_start(const doctest::SubcaseSignature&) override {}
-  void subcase_end() override {}
-  void log_assert(const doctest::AssertData&) override {}
-  void log_message(const doctest::MessageData&) override {}
-  void test_case_skipped(const doctest::TestCaseData&) override {}
 };
 
 /// Writes each line with one call, so that concurrent programs can share the file.

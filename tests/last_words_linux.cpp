@@ -2,6 +2,7 @@
 // The code here neither allocates nor locks. A debugger, if available, prints the position of each thread; without one
 // the C library prints that of the signalled thread.
 #include "tests/last_words.hpp"
+#include "tests/unmoved_reporter.hpp"
 
 #include <doctest/doctest.h>
 #include <execinfo.h>
@@ -118,7 +119,7 @@ extern "C" void sayThenGo(int signal) {
 }
 
 // Reports nothing; records the current case.
-struct CaseKeeper final : doctest::IReporter {
+struct CaseKeeper final : Unmoved {
   explicit CaseKeeper(const doctest::ContextOptions&) {}
   void test_case_start(const doctest::TestCaseData& of) override {
     caseFile = of.m_file.c_str();
@@ -130,17 +131,6 @@ struct CaseKeeper final : doctest::IReporter {
     caseName = nullptr;
     ::alarm(limit_s);  // the code after the last case may hang, too
   }
-
-  void report_query(const doctest::QueryData&) override {}
-  void test_run_start() override {}
-  void test_run_end(const doctest::TestRunStats&) override {}
-  void test_case_reenter(const doctest::TestCaseData&) override {}
-  void test_case_exception(const doctest::TestCaseException&) override {}
-  void subcase_start(const doctest::SubcaseSignature&) override {}
-  void subcase_end() override {}
-  void log_assert(const doctest::AssertData&) override {}
-  void log_message(const doctest::MessageData&) override {}
-  void test_case_skipped(const doctest::TestCaseData&) override {}
 };
 REGISTER_LISTENER("case_keeper", 0, CaseKeeper);
 

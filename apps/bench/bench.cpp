@@ -36,7 +36,7 @@ bool BenchOptions::wants(std::string_view name) const { return std::ranges::find
 
 void addSubjectOptions(Options& bench, BenchOptions& options) {
   bench.add("--models,--model", options.models, cloudFormats().namesRead() + " files").typeName("FILE...");
-  bench.add("--sizes", options.sizes, "numbers of points; a sculpture is made for each")
+  bench.add("--sizes", options.sizes, "numbers of points; a sculpture is generated with each")
       .check(wholeBetween(1, 2e9))
       .typeName("N...");
 }

@@ -63,7 +63,7 @@ void checkMethods(const Context& context, const BenchOptions& options);
 /// Prints the machine of each measured back end; returns the machines by back end name.
 Json sayMachines(Context& context, const BenchOptions& options);
 
-/// Runs a bench whose result stands alone under its name: prints its machines, measures, writes --json, and plots with
+/// Runs a bench whose result has no other beside it: prints its machines, measures, writes --json, and plots with
 /// `script` for --plot. Returns the measurements.
 Json measureAlone(Context& context, const BenchOptions& options, const std::string& name,
                   const std::function<Json()>& measure, PlotScript script = PlotScript::bench);

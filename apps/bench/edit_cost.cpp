@@ -146,7 +146,7 @@ void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
                 {"/ plain", 9, [](const EditCost& c) { return fmt::format("{:.2f}", c.memory.overPlain()); }}}),
           paced);
     for (const EditGrowth& growth : growths(paced))
-      fmt::print(out, "{}, {}, {} asked: a step on {} points takes {:.2f} times one on {}\n", growth.backend,
+      fmt::print(out, "{}, {}, edits of {} points: a step on {} points takes {:.2f} times one on {}\n", growth.backend,
                  growth.index, growth.asked, growth.to, growth.factor, growth.from);
     for (const EditCrossover& crossover : crossovers(paced))
       fmt::print(out, "{}, {}, {} points: a full build is cheaper from {}{:.2g} of the points on\n", crossover.backend,
@@ -225,7 +225,7 @@ constexpr Reported<EditCost> kEditCosts[]{
      [](const EditCost& c) -> Value { return c.memory.edited.lists; }},
     {"memory.plain_bytes", "B", "points and index of the same cloud where nothing is edited",
      [](const EditCost& c) -> Value { return c.memory.plain; }},
-    {"memory.over_plain", "1", "ratio of the sum to that",
+    {"memory.over_plain", "1", "memory of points, index and lists relative to plain_bytes",
      [](const EditCost& c) -> Value { return c.memory.overPlain(); }},
     {"stroke", "", "the stroke, in real time (--duration)",
      [](const EditCost& c) -> Value { return partBy(kRealtimeStroke, c.stroke); }},

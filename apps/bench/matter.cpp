@@ -181,8 +181,37 @@ class Stirred {
   std::int64_t steps_ = 0;
 };
 
+// Times on the GPU, none where it was not used, and in all.
+struct Spans {
+  Summary gpu_us, wall_us;
+};
+
+Spans spansOf(const std::vector<double>& gpu_us, const std::vector<double>& wall_us) {
+  return {summarize(gpu_us), summarize(wall_us)};
+}
+
+// Frames of the points of a soft body: made where it is simulated, and fetched to the host.
+struct FrameCost {
+  std::size_t points = 0;
+  Spans made;
+  Summary fetched_us;
+};
+
+struct MatterCost {
+  std::string matter, backend;
+  std::size_t particles = 0;
+  double depth_mm = 0;
+  std::uint32_t substeps = 0;
+  Spans step, substep;
+  std::int64_t presses = 0;
+  std::optional<Summary> compliance_us;
+  std::optional<FrameCost> frame;
+  std::map<std::string, PassBytes> passes_bytes;
+  std::map<std::string, Summary> passes_us;
+};
+
 // By pass, each time that it ran, us.
-Json passTimes(Context& context, const MatterCase& one) {
+std::map<std::string, Summary> passTimes(Context& context, const MatterCase& one) {
   Stirred stirred(context, one, true);
   std::map<std::string, std::vector<double>> times;
   for (int k = 0; k < kPassSteps; ++k) {
@@ -191,18 +220,15 @@ Json passTimes(Context& context, const MatterCase& one) {
     for (const PassRecord& pass : stirred.world().passes())
       if (pass.gpu_us > 0) times[pass.name].push_back(pass.gpu_us);
   }
-  Json passes = Json::object();
-  for (const auto& [name, all] : times) passes[name] = summaryOf(summarize(all));
+  std::map<std::string, Summary> passes;
+  for (const auto& [name, all] : times) passes.emplace(name, summarize(all));
   return passes;
 }
 
 // Bytes that each working pass moves; empty where passes are not timed or not counted.
-Json passBytes(const MatterCase& one, std::size_t particles) {
-  Json passes = Json::object();
-  if (one.backend != "vulkan" || one.scene.matter == Matter::soft) return passes;
-  for (const auto& [name, bytes] : matterBytes(one.scene, particles))
-    passes[name] = {{"moved", bytes.moved}, {"asked", bytes.asked}, {"early_exit", bytes.earlyExit}};
-  return passes;
+std::map<std::string, PassBytes> passBytes(const MatterCase& one, std::size_t particles) {
+  if (one.backend != "vulkan" || one.scene.matter == Matter::soft) return {};
+  return matterBytes(one.scene, particles);
 }
 
 // All times divided by the number of substeps.
@@ -211,8 +237,8 @@ std::vector<double> eachOf(std::vector<double> times, std::uint32_t substeps) {
   return times;
 }
 
-// Times of frames made where a soft body is simulated, and on the host, each after a step of its own.
-Json frameTimes(const MatterBenchOptions& options, Stirred& stirred) {
+// Each frame after a step of its own.
+FrameCost frameCost(const MatterBenchOptions& options, Stirred& stirred) {
   std::vector<double> gpu_us, wall_us, fetched_us;
   repeatMeasurement(options, [&](std::int64_t) {
     stirred.step();
@@ -228,25 +254,22 @@ Json frameTimes(const MatterBenchOptions& options, Stirred& stirred) {
     points = stirred.fetchFrame();
     fetched_us.push_back(watch.elapsed_us());
   });
-  return {{"points", points},
-          {"gpu_us", summaryOf(summarize(gpu_us))},
-          {"wall_us", summaryOf(summarize(wall_us))},
-          {"fetched_us", summaryOf(summarize(fetched_us))}};
+  return {.points = points, .made = spansOf(gpu_us, wall_us), .fetched_us = summarize(fetched_us)};
 }
 
 // Time of a compliance query at a pressed surface.
-Json complianceTimes(Stirred& stirred) {
+Summary complianceTimes_us(Stirred& stirred) {
   std::vector<double> wall_us;
   for (int k = 0; k < kAskedCompliances; ++k) {
     stirred.step();
     const Stopwatch watch;
-    if (!(stirred.compliance_m_N() > 0)) throw Error("the surface gives way to no force");
+    if (!(stirred.compliance_m_N() > 0)) throw Error("the surface does not yield to a force");
     wall_us.push_back(watch.elapsed_us());
   }
-  return {{"wall_us", summaryOf(summarize(wall_us))}};
+  return summarize(wall_us);
 }
 
-Json measure(Context& context, const MatterCase& one, const MatterBenchOptions& options) {
+MatterCost measure(Context& context, const MatterCase& one, const MatterBenchOptions& options) {
   Stirred stirred(context, one, false);
   std::vector<double> gpu_us, wall_us;
   repeatMeasurement(options, [&](std::int64_t) {
@@ -256,69 +279,115 @@ Json measure(Context& context, const MatterCase& one, const MatterBenchOptions& 
     if (const auto time_us = stirred.world().gpuTime_us()) gpu_us.push_back(*time_us);
   });
   const std::uint32_t substeps = stirred.world().plan().substeps;
-  return {{"matter", nameOf(kMatters, one.scene.matter)},
-          {"backend", one.backend},
-          {"particles", stirred.world().particles()},
-          {"depth_mm", one.scene.fill_mm.y},
-          {"substeps", substeps},
-          {"step", {{"gpu_us", summaryOf(summarize(gpu_us))}, {"wall_us", summaryOf(summarize(wall_us))}}},
-          {"substep",
-           {{"gpu_us", summaryOf(summarize(eachOf(gpu_us, substeps)))},
-            {"wall_us", summaryOf(summarize(eachOf(wall_us, substeps)))}}},
-          {"presses", one.presses},
-          {"compliance", one.presses > 0 ? complianceTimes(stirred) : Json(nullptr)},
-          {"frame", one.scene.matter == Matter::soft ? frameTimes(options, stirred) : Json(nullptr)},
-          {"passes_bytes", options.passes ? passBytes(one, stirred.world().particles()) : Json::object()},
-          {"passes_us", options.passes ? passTimes(context, one) : Json::object()}};
+  MatterCost cost{.matter = std::string(nameOf(kMatters, one.scene.matter)),
+                  .backend = one.backend,
+                  .particles = stirred.world().particles(),
+                  .depth_mm = one.scene.fill_mm.y,
+                  .substeps = substeps,
+                  .step = spansOf(gpu_us, wall_us),
+                  .substep = spansOf(eachOf(gpu_us, substeps), eachOf(wall_us, substeps)),
+                  .presses = one.presses,
+                  .compliance_us = {},
+                  .frame = {},
+                  .passes_bytes = {},
+                  .passes_us = {}};
+  if (one.presses > 0) cost.compliance_us = complianceTimes_us(stirred);
+  if (one.scene.matter == Matter::soft) cost.frame = frameCost(options, stirred);
+  if (options.passes) {
+    cost.passes_bytes = passBytes(one, cost.particles);
+    cost.passes_us = passTimes(context, one);
+  }
+  return cost;
 }
 
-std::string said(const Json& summary) {
-  return summary.is_null()
-             ? "–"
-             : fmt::format("{:.1f} / {:.1f}", summary["p50"].get<double>(), summary["p999"].get<double>());
-}
+std::string said(const Summary& s) { return s.count == 0 ? "–" : fmt::format("{:.1f} / {:.1f}", s.p50, s.p999); }
 
 // Bytes that a pass moves, and its bandwidth while it worked.
-std::string inWords(const Json& bytes, const Json& times) {
-  const double moved = bytes["moved"].get<double>(), asked = bytes["asked"].get<double>();
-  const double time_us = times[bytes["early_exit"].get<bool>() ? "max" : "p50"].get<double>();
-  return fmt::format("  {:.1f} MB moved, {:.3g} GB/s; {:.1f} MB asked for", moved * 1e-6,
-                     moved * 1e-3 / std::max(time_us, 1e-3), asked * 1e-6);
+std::string inWords(const PassBytes& bytes, const Summary& time_us) {
+  const double worked_us = bytes.earlyExit ? time_us.max : time_us.p50;
+  return fmt::format("  {:.1f} MB moved, {:.3g} GB/s; {:.1f} MB requested", bytes.moved * 1e-6,
+                     bytes.moved * 1e-3 / std::max(worked_us, 1e-3), bytes.asked * 1e-6);
 }
 
-void print(std::FILE* out, const Json& records) {
+void print(std::FILE* out, const std::vector<MatterCost>& costs) {
   fmt::print(out, "\nmatter that a ball stirs or presses: us, median / p99.9\n{:<8}{:<9}{:>11}{:>11}{:>10}", "", "",
              "particles", "depth, mm", "substeps");
   for (const char* column : {"step, on the GPU", "in all", "substep, on the GPU", "in all"})
     fmt::print(out, "{:>24}", column);
   fmt::print(out, "\n");
-  for (const Json& record : records) {
-    fmt::print(out, "{:<8}{:<9}{:>11}{:>11.0f}{:>10}", record["matter"].get<std::string>(),
-               record["backend"].get<std::string>(), record["particles"].get<std::size_t>(),
-               record["depth_mm"].get<double>(), record["substeps"].get<std::size_t>());
-    for (const char* span : {"step", "substep"})
-      for (const char* clock : {"gpu_us", "wall_us"}) fmt::print(out, "{:>24}", said(record[span][clock]));
+  for (const MatterCost& cost : costs) {
+    fmt::print(out, "{:<8}{:<9}{:>11}{:>11.0f}{:>10}", cost.matter, cost.backend, cost.particles, cost.depth_mm,
+               cost.substeps);
+    for (const Spans& spans : {cost.step, cost.substep})
+      fmt::print(out, "{:>24}{:>24}", said(spans.gpu_us), said(spans.wall_us));
     fmt::print(out, "\n");
-    if (const Json& frame = record["frame"]; !frame.is_null())
-      fmt::print(out, "  a frame of {} points: {} on the GPU, {} in all, {} on the host\n",
-                 frame["points"].get<std::size_t>(), said(frame["gpu_us"]), said(frame["wall_us"]),
-                 said(frame["fetched_us"]));
-    if (const Json& compliance = record["compliance"]; !compliance.is_null())
-      fmt::print(out, "  with {} presses; how the surface gives way: {} in all\n", record["presses"].get<std::size_t>(),
-                 said(compliance["wall_us"]));
-    for (const auto& [name, times] : record["passes_us"].items()) {
-      fmt::print(out, "  {:<24}{:>24}", name, said(times));
-      if (const Json bytes = record["passes_bytes"].value(name, nullptr); !bytes.is_null())
-        fmt::print(out, "{}", inWords(bytes, times));
+    if (cost.frame)
+      fmt::print(out, "  a frame of {} points: {} on the GPU, {} in all, {} on the host\n", cost.frame->points,
+                 said(cost.frame->made.gpu_us), said(cost.frame->made.wall_us), said(cost.frame->fetched_us));
+    if (cost.compliance_us)
+      fmt::print(out, "  compliance query with {} presses: {} in all\n", cost.presses, said(*cost.compliance_us));
+    for (const auto& [name, time_us] : cost.passes_us) {
+      fmt::print(out, "  {:<24}{:>24}", name, said(time_us));
+      if (const auto bytes = cost.passes_bytes.find(name); bytes != cost.passes_bytes.end())
+        fmt::print(out, "{}", inWords(bytes->second, time_us));
       fmt::print(out, "\n");
     }
   }
 }
 
+using Value = std::optional<Json>;
+
+constexpr Reported<FrameCost> kFrame[]{
+    {"points", "", "its points", field<&FrameCost::points>},
+    {"gpu_us", "us", "time on the GPU to make it; null: not measured",
+     [](const FrameCost& f) -> Value { return summaryOf(f.made.gpu_us); }},
+    {"wall_us", "us", "the same in all", [](const FrameCost& f) -> Value { return summaryOf(f.made.wall_us); }},
+    {"fetched_us", "us", "time until it is on the host", quantiles<&FrameCost::fetched_us>},
+};
+
+constexpr Reported<PassBytes> kPassBytes[]{{"moved", "B", "moved bytes", field<&PassBytes::moved>},
+                                           {"asked", "B", "requested bytes", field<&PassBytes::asked>},
+                                           {"early_exit", "", "returns early", field<&PassBytes::earlyExit>}};
+
+constexpr Reported<MatterCost> kMatterBench[]{
+    {"matter", "", "water, sand or soft", field<&MatterCost::matter>},
+    {"backend", "", "back end", field<&MatterCost::backend>},
+    {"particles", "", "particles, or nodes of a soft body", field<&MatterCost::particles>},
+    {"depth_mm", "mm", "depth of the filling", field<&MatterCost::depth_mm>},
+    {"substeps", "", "substeps per millisecond", field<&MatterCost::substeps>},
+    {"step.gpu_us", "us", "time of a millisecond on the GPU; null: not measured",
+     [](const MatterCost& c) -> Value { return summaryOf(c.step.gpu_us); }},
+    {"step.wall_us", "us", "time of a millisecond in all",
+     [](const MatterCost& c) -> Value { return summaryOf(c.step.wall_us); }},
+    {"substep.gpu_us", "us", "the same for a substep; null: not measured",
+     [](const MatterCost& c) -> Value { return summaryOf(c.substep.gpu_us); }},
+    {"substep.wall_us", "us", "the same for a substep",
+     [](const MatterCost& c) -> Value { return summaryOf(c.substep.wall_us); }},
+    {"presses", "", "hands that press (--presses)", field<&MatterCost::presses>},
+    {"compliance", "us", "time of a compliance query: wall_us; null: nothing presses",
+     [](const MatterCost& c) -> Value {
+       return c.compliance_us ? Json{{"wall_us", summaryOf(*c.compliance_us)}} : Json(nullptr);
+     }},
+    {"frame", "us", "a frame of a soft body; else null",
+     [](const MatterCost& c) -> Value { return orNull(partBy(kFrame, c.frame)); }},
+    {"passes_bytes", "B", "bytes that each pass moved and requested (--passes)",
+     [](const MatterCost& c) -> Value {
+       Json passes = Json::object();
+       for (const auto& [name, bytes] : c.passes_bytes) passes[name] = jsonBy(kPassBytes, bytes);
+       return passes;
+     }},
+    {"passes_us", "us", "time of each pass (--passes)",
+     [](const MatterCost& c) -> Value {
+       Json passes = Json::object();
+       for (const auto& [name, us] : c.passes_us) passes[name] = summaryOf(us);
+       return passes;
+     }},
+};
+
 Json benchMatter(Context& context, const MatterBenchOptions& options) {
   std::vector<std::int64_t> sizes = options.sizes;
   if (sizes.empty()) sizes.push_back(100'000);
-  Json records = Json::array();
+  std::vector<MatterCost> costs;
   for (const std::string& name : options.matters)
     for (const std::int64_t size : sizes)
       for (const std::string& backend : options.backends) {
@@ -329,35 +398,21 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
         const auto particles = static_cast<std::size_t>(size);
         const MatterScene scene =
             matter == Matter::soft ? softScene(particles) : sceneOf(matter, particles, options.depth_mm);
-        records.push_back(
+        costs.push_back(
             measure(context, {.scene = scene, .backend = backend, .points = options.points, .presses = options.presses},
                     options));
       }
-  print(context.tables(), records);
-  return records;
+  print(context.tables(), costs);
+  return arrayBy(kMatterBench, costs);
 }
 
 }  // namespace
 
 void listMatterBenchResults(std::vector<ResultFacts>& all) {
-  constexpr DescribedKey keys[]{
-      {"", "", "one for each matter, size and back end"},
-      {"[].matter", "", "water, sand or soft"},
-      {"[].backend", "", "back end"},
-      {"[].particles", "", "particles, or nodes of a soft body"},
-      {"[].depth_mm", "mm", "depth of the filling"},
-      {"[].substeps", "", "substeps per millisecond"},
-      {"[].step.gpu_us", "us", "time of a millisecond on the GPU; null: not measured"},
-      {"[].step.wall_us", "us", "time of a millisecond in all"},
-      {"[].substep.gpu_us", "us", "the same for a substep; null: not measured"},
-      {"[].substep.wall_us", "us", "the same for a substep"},
-      {"[].presses", "", "hands that press (--presses)"},
-      {"[].compliance", "us", "time of a compliance query: wall_us; null: nothing presses"},
-      {"[].frame", "us", "a frame of a soft body: points, gpu_us, wall_us, fetched_us; else null"},
-      {"[].passes_bytes", "B", "bytes that each pass moved and asked for (--passes)"},
-      {"[].passes_us", "us", "time of each pass (--passes)"},
-  };
-  listAlone(all, "matter", "", keys);
+  constexpr DescribedKey records[]{{"", "", "one for each matter, size and back end"}};
+  listAlone(all, "matter", "", records);
+  listAlone(all, "matter", "[].", kMatterBench);
+  listAlone(all, "matter", "[].frame.", kFrame);
 }
 
 void addMatterBench(Options& bench, Context& context, Command& command) {

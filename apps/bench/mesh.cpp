@@ -1,7 +1,6 @@
 // Cost of a mesh, per pass, and its accuracy.
-#include <fmt/ranges.h>
-
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <map>
 
@@ -22,6 +21,42 @@ struct MeshBenchOptions : BenchOptions {
 };
 
 using Samples = std::map<std::string, std::vector<double>>;
+
+// Cost of a mesh, and of its update after an edit.
+struct MeshCost {
+  std::string subject, surface;
+  std::size_t points = 0;
+  std::int64_t resolution = 0;
+  std::uint32_t blocks = 0, vertices = 0, triangles = 0;
+  std::uint64_t gpuBytes = 0;
+  std::vector<std::pair<std::string, Summary>> passes_us;
+  Summary wall_us;
+  std::size_t editedPoints = 0;
+  std::uint32_t treatedBlocks = 0;
+  Summary edit_us;
+
+  const Summary& pass_us(std::string_view pass) const {
+    return std::ranges::find(passes_us, pass, &std::pair<std::string, Summary>::first)->second;
+  }
+};
+
+// A mesh compared with the shape that its points lie on.
+struct MeshQuality {
+  std::string shape, surface;
+  std::size_t points = 0;
+  double spacing_mm = 0;
+  std::int64_t resolution = 0;
+  MeshReport mesh;
+  double distanceRms_mm = 0, distanceMax_mm = 0;
+  double normalMean_deg = 0, normalP95_deg = 0, normalMax_deg = 0;
+
+  double inSpacings(double length_mm) const { return length_mm / spacing_mm; }
+};
+
+struct MeshResults {
+  std::vector<MeshCost> costs;
+  std::vector<MeshQuality> qualities;
+};
 
 // The passes in order, with their times.
 std::vector<std::pair<std::string, double>> named(const MeshTimes& times) {
@@ -48,12 +83,10 @@ std::vector<PointState> dentAt(const PointCloud& cloud, const MeshPlan& plan, bo
   return edits;
 }
 
-std::string inMs(const Json& summary) {
-  return fmt::format("{:.2f} / {:.2f}", summary["p50"].get<double>() * 1e-3, summary["p999"].get<double>() * 1e-3);
-}
+std::string inMs(const Summary& us) { return fmt::format("{:.2f} / {:.2f}", us.p50 * 1e-3, us.p999 * 1e-3); }
 
-Json measure(Context& context, const Subject& subject, std::int64_t resolution, const std::string& surface,
-             const BenchOptions& options) {
+MeshCost measure(Context& context, const Subject& subject, std::int64_t resolution, const std::string& surface,
+                 const BenchOptions& options) {
   const PointCloud& cloud = subject.model.cloud;
   const MeshPlan plan = planFor(subject.model, {.resolution = resolution, .surface = surface});
   MarchingCubes cubes = makeCubes(context, subject.model, plan);
@@ -68,8 +101,8 @@ Json measure(Context& context, const Subject& subject, std::int64_t resolution, 
     for (const auto& [name, time] : named(step.gpu_us)) samples[name].push_back(time);
   });
   const std::uint32_t vertices = cubes.vertexCount(), triangles = cubes.triangleCount();
-  Json passes = Json::object();
-  for (const auto& [name, unused] : named(step.gpu_us)) passes[name] = summaryOf(summarize(samples[name]));
+  std::vector<std::pair<std::string, Summary>> passes_us;
+  for (const auto& [name, unused] : named(step.gpu_us)) passes_us.emplace_back(name, summarize(samples[name]));
 
   const std::vector<PointState> there = dentAt(cloud, plan, false), back = dentAt(cloud, plan, true);
   MeshStep edited = cubes.update(there);
@@ -77,45 +110,41 @@ Json measure(Context& context, const Subject& subject, std::int64_t resolution, 
     edited = cubes.update(i % 2 == 0 ? back : there);
     samples["edited"].push_back(edited.gpu_us.total());
   });
-  return {{"subject", subject.name},
-          {"points", cloud.size()},
-          {"resolution", resolution},
-          {"surface", surface},
-          {"blocks", step.blocks},
-          {"vertices", vertices},
-          {"triangles", triangles},
-          {"gpu_bytes", bytes},
-          {"gpu_us", passes},
-          {"wall_us", summaryOf(summarize(samples["wall"]))},
-          {"edit",
-           {{"points", there.size()},
-            {"treated_blocks", edited.treated},
-            {"gpu_us", summaryOf(summarize(samples["edited"]))}}}};
+  return {.subject = subject.name,
+          .surface = surface,
+          .points = cloud.size(),
+          .resolution = resolution,
+          .blocks = step.blocks,
+          .vertices = vertices,
+          .triangles = triangles,
+          .gpuBytes = bytes,
+          .passes_us = std::move(passes_us),
+          .wall_us = summarize(samples["wall"]),
+          .editedPoints = there.size(),
+          .treatedBlocks = edited.treated,
+          .edit_us = summarize(samples["edited"])};
 }
 
-void printTimes(std::FILE* out, const Json& records, std::int64_t resolution, const std::string& surface) {
+void printTimes(std::FILE* out, const std::vector<MeshCost>& costs, std::int64_t resolution,
+                const std::string& surface) {
   fmt::print(out, "\nmesh, resolution {}, {}: ms on the GPU, median / p99.9\n", resolution, surface);
   fmt::print(out, "{:<24}{:>10}{:>9}{:>9}{:>11}", "model", "points", "MiB", "FPS", "triangles");
-  const std::vector<std::string> passes{"in all",   "index", "list",     "field",
-                                        "classify", "scan",  "vertices", "triangles"};
-  for (const std::string& pass : passes) fmt::print(out, "{:>20}", pass);
+  constexpr std::array passes{"in all", "index", "list", "field", "classify", "scan", "vertices", "triangles"};
+  for (const char* pass : passes) fmt::print(out, "{:>20}", pass);
   fmt::print(out, "{:>20}{:>16}\n", "after an edit", "blocks of all");
-  for (const Json& record : records) {
-    if (record["resolution"].get<std::int64_t>() != resolution || record["surface"] != surface) continue;
-    const double all_us = record["gpu_us"]["in all"]["p50"].get<double>();
-    fmt::print(out, "{:<24}{:>10}{:>9.1f}{:>9.1f}{:>11}", record["subject"].get<std::string>(),
-               record["points"].get<std::size_t>(), record["gpu_bytes"].get<double>() / (1 << 20),
-               all_us > 0 ? 1e6 / all_us : 0.0, record["triangles"].get<std::size_t>());
-    for (const std::string& pass : passes) fmt::print(out, "{:>20}", inMs(record["gpu_us"][pass]));
-    fmt::print(out, "{:>20}{:>16}\n", inMs(record["edit"]["gpu_us"]),
-               fmt::format("{} of {}", record["edit"]["treated_blocks"].get<std::size_t>(),
-                           record["blocks"].get<std::size_t>()));
+  for (const MeshCost& cost : costs) {
+    if (cost.resolution != resolution || cost.surface != surface) continue;
+    const double all_us = cost.pass_us("in all").p50;
+    fmt::print(out, "{:<24}{:>10}{:>9.1f}{:>9.1f}{:>11}", cost.subject, cost.points,
+               static_cast<double>(cost.gpuBytes) / (1 << 20), all_us > 0 ? 1e6 / all_us : 0.0, cost.triangles);
+    for (const char* pass : passes) fmt::print(out, "{:>20}", inMs(cost.pass_us(pass)));
+    fmt::print(out, "{:>20}{:>16}\n", inMs(cost.edit_us), fmt::format("{} of {}", cost.treatedBlocks, cost.blocks));
   }
 }
 
 // Compares a mesh of a known shape with the shape. Shapes are 100 units long, which are mm.
-Json judge(Context& context, const std::string& name, std::size_t points, std::int64_t resolution,
-           const std::string& surface) {
+MeshQuality judge(Context& context, const std::string& name, std::size_t points, std::int64_t resolution,
+                  const std::string& surface) {
   const auto shape = makeShape(name);
   Model model{.cloud = sampleShape(*shape, {.count = points, .threads = context.threads()}), .scale = {1}};
   model.spacing = meanSpacing(model.cloud, context.threads());
@@ -137,39 +166,86 @@ Json judge(Context& context, const std::string& name, std::size_t points, std::i
   const Summary distances = summarize(off), normals = summarize(angles);
   const double rms_mm = off.empty() ? 0 : std::sqrt(squares / static_cast<double>(off.size()));
   std::ranges::sort(angles);
-  const MeshReport report = examine(mesh);
-  return {{"shape", name},
-          {"points", points},
-          {"spacing_mm", model.spacing},
-          {"resolution", resolution},
-          {"surface", surface},
-          {"vertices", report.vertices},
-          {"closed", report.closed()},
-          {"euler", report.euler()},
-          {"flat_triangles", report.flat},
-          {"distance_mm", {{"rms", rms_mm}, {"max", distances.max}}},
-          {"distance_spacings", {{"rms", rms_mm / model.spacing}, {"max", distances.max / model.spacing}}},
-          {"normal_deg", {{"mean", normals.mean}, {"p95", quantileOfSorted(angles, 0.95)}, {"max", normals.max}}}};
+  return {.shape = name,
+          .surface = surface,
+          .points = points,
+          .spacing_mm = model.spacing,
+          .resolution = resolution,
+          .mesh = examine(mesh),
+          .distanceRms_mm = rms_mm,
+          .distanceMax_mm = distances.max,
+          .normalMean_deg = normals.mean,
+          .normalP95_deg = quantileOfSorted(angles, 0.95),
+          .normalMax_deg = normals.max};
 }
 
-void printTruth(std::FILE* out, const Json& judgements) {
+void printTruth(std::FILE* out, const std::vector<MeshQuality>& qualities) {
   fmt::print(out, "\nmesh against the shape: distance of the vertices, error of their normals\n");
   fmt::print(out, "{:<14}{:>9}{:>12}{:>10}{:>8}{:>7}{:>11}{:>11}{:>15}{:>15}{:>24}\n", "shape", "points", "resolution",
              "surface", "closed", "Euler", "RMS, mm", "max, mm", "RMS, spacings", "max, spacings",
              "mean / p95 / max, deg");
-  for (const Json& j : judgements)
-    fmt::print(out, "{:<14}{:>9}{:>12}{:>10}{:>8}{:>7}{:>11.5f}{:>11.5f}{:>15.5f}{:>15.5f}{:>24}\n",
-               j["shape"].get<std::string>(), j["points"].get<std::size_t>(), j["resolution"].get<std::int64_t>(),
-               j["surface"].get<std::string>(), j["closed"].get<bool>() ? "yes" : "no", j["euler"].get<std::int64_t>(),
-               j["distance_mm"]["rms"].get<double>(), j["distance_mm"]["max"].get<double>(),
-               j["distance_spacings"]["rms"].get<double>(), j["distance_spacings"]["max"].get<double>(),
-               fmt::format("{:.3f} / {:.3f} / {:.2f}", j["normal_deg"]["mean"].get<double>(),
-                           j["normal_deg"]["p95"].get<double>(), j["normal_deg"]["max"].get<double>()));
+  for (const MeshQuality& q : qualities)
+    fmt::print(out, "{:<14}{:>9}{:>12}{:>10}{:>8}{:>7}{:>11.5f}{:>11.5f}{:>15.5f}{:>15.5f}{:>24}\n", q.shape, q.points,
+               q.resolution, q.surface, q.mesh.closed() ? "yes" : "no", q.mesh.euler(), q.distanceRms_mm,
+               q.distanceMax_mm, q.inSpacings(q.distanceRms_mm), q.inSpacings(q.distanceMax_mm),
+               fmt::format("{:.3f} / {:.3f} / {:.2f}", q.normalMean_deg, q.normalP95_deg, q.normalMax_deg));
 }
+
+using Value = std::optional<Json>;
+
+constexpr Reported<MeshCost> kMeshCosts[]{
+    {"subject", "", "model", field<&MeshCost::subject>},
+    {"points", "", "its points", field<&MeshCost::points>},
+    {"resolution", "", "cells along the longest side", field<&MeshCost::resolution>},
+    {"surface", "", "meshed surface", field<&MeshCost::surface>},
+    {"blocks", "", "blocks of cells at the surface", field<&MeshCost::blocks>},
+    {"vertices", "", "vertices", field<&MeshCost::vertices>},
+    {"triangles", "", "triangles", field<&MeshCost::triangles>},
+    {"gpu_bytes", "B", "memory on the GPU", field<&MeshCost::gpuBytes>},
+    {"gpu_us", "us", "time on the GPU, by pass and in all",
+     [](const MeshCost& c) -> Value {
+       Json passes = Json::object();
+       for (const auto& [name, us] : c.passes_us) passes[name] = summaryOf(us);
+       return passes;
+     }},
+    {"wall_us", "us", "time in all", quantiles<&MeshCost::wall_us>},
+    {"edit.points", "", "points of an edit", field<&MeshCost::editedPoints>},
+    {"edit.treated_blocks", "", "blocks that its update computed again", field<&MeshCost::treatedBlocks>},
+    {"edit.gpu_us", "us", "time of the update on the GPU", quantiles<&MeshCost::edit_us>},
+};
+
+constexpr Reported<MeshQuality> kMeshQualities[]{
+    {"shape", "", "shape", field<&MeshQuality::shape>},
+    {"points", "", "points of its cloud", field<&MeshQuality::points>},
+    {"spacing_mm", "mm", "mean distance of neighbouring points", field<&MeshQuality::spacing_mm>},
+    {"resolution", "", "cells along the longest side", field<&MeshQuality::resolution>},
+    {"surface", "", "meshed surface", field<&MeshQuality::surface>},
+    {"vertices", "", "vertices", [](const MeshQuality& q) -> Value { return q.mesh.vertices; }},
+    {"closed", "", "true if the mesh has no border", [](const MeshQuality& q) -> Value { return q.mesh.closed(); }},
+    {"euler", "", "Euler's characteristic", [](const MeshQuality& q) -> Value { return q.mesh.euler(); }},
+    {"flat_triangles", "", "triangles without area", [](const MeshQuality& q) -> Value { return q.mesh.flat; }},
+    {"distance_mm.rms", "mm", "distance of the vertices from the shape, root mean square",
+     field<&MeshQuality::distanceRms_mm>},
+    {"distance_mm.max", "mm", "its maximum", field<&MeshQuality::distanceMax_mm>},
+    {"distance_spacings.rms", "spacings", "the same in spacings",
+     [](const MeshQuality& q) -> Value { return q.inSpacings(q.distanceRms_mm); }},
+    {"distance_spacings.max", "spacings", "its maximum",
+     [](const MeshQuality& q) -> Value { return q.inSpacings(q.distanceMax_mm); }},
+    {"normal_deg.mean", "deg", "mean error of their normals", field<&MeshQuality::normalMean_deg>},
+    {"normal_deg.p95", "deg", "its 95th percentile", field<&MeshQuality::normalP95_deg>},
+    {"normal_deg.max", "deg", "its maximum", field<&MeshQuality::normalMax_deg>},
+};
+
+constexpr Reported<MeshResults> kMeshBench[]{
+    {"records", "", "one for each model, resolution and surface",
+     [](const MeshResults& r) -> Value { return arrayBy(kMeshCosts, r.costs); }},
+    {"truth", "", "one for each shape, resolution and surface",
+     [](const MeshResults& r) -> Value { return arrayBy(kMeshQualities, r.qualities); }},
+};
 
 Json benchMesh(Context& context, const MeshBenchOptions& options) {
   std::FILE* out = context.tables();
-  Json result{{"records", Json::array()}, {"truth", Json::array()}};
+  MeshResults results;
   for (const SubjectMaker& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);
     if (subject.model.cloud.empty()) throw Error("{} contains no points", subject.name);
@@ -177,21 +253,21 @@ Json benchMesh(Context& context, const MeshBenchOptions& options) {
       for (const std::string& surface : options.surfaces) {
         context.log().say("mesh: {}, {} points, resolution {}, {}", subject.name, subject.model.cloud.size(),
                           resolution, surface);
-        result["records"].push_back(measure(context, subject, resolution, surface, options));
+        results.costs.push_back(measure(context, subject, resolution, surface, options));
       }
   }
   for (const std::int64_t resolution : options.resolutions)
-    for (const std::string& surface : options.surfaces) printTimes(out, result["records"], resolution, surface);
-  if (options.truthPoints == 0) return result;
+    for (const std::string& surface : options.surfaces) printTimes(out, results.costs, resolution, surface);
+  if (options.truthPoints == 0) return jsonBy(kMeshBench, results);
   for (const std::string& shape : options.shapes)
     for (const std::int64_t resolution : options.resolutions)
       for (const std::string& surface : options.surfaces) {
         context.log().say("mesh: {} against the shape, resolution {}, {}", shape, resolution, surface);
-        result["truth"].push_back(
+        results.qualities.push_back(
             judge(context, shape, static_cast<std::size_t>(options.truthPoints), resolution, surface));
       }
-  printTruth(out, result["truth"]);
-  return result;
+  printTruth(out, results.qualities);
+  return jsonBy(kMeshBench, results);
 }
 
 void addOptions(Options& bench, MeshBenchOptions& options) {
@@ -216,36 +292,9 @@ void addOptions(Options& bench, MeshBenchOptions& options) {
 }  // namespace
 
 void listMeshBenchResults(std::vector<ResultFacts>& all) {
-  constexpr DescribedKey keys[]{
-      {".records", "", "one for each model, resolution and surface"},
-      {".records[].subject", "", "model"},
-      {".records[].points", "", "its points"},
-      {".records[].resolution", "", "cells along the longest side"},
-      {".records[].surface", "", "meshed surface"},
-      {".records[].blocks", "", "blocks of cells at the surface"},
-      {".records[].vertices", "", "vertices"},
-      {".records[].triangles", "", "triangles"},
-      {".records[].gpu_bytes", "B", "memory on the GPU"},
-      {".records[].gpu_us", "us", "time on the GPU, by pass and in all"},
-      {".records[].wall_us", "us", "time in all"},
-      {".records[].edit.points", "", "points of an edit"},
-      {".records[].edit.treated_blocks", "", "blocks that its update computed again"},
-      {".records[].edit.gpu_us", "us", "time of the update on the GPU"},
-      {".truth", "", "one for each shape, resolution and surface"},
-      {".truth[].shape", "", "shape"},
-      {".truth[].points", "", "points of its cloud"},
-      {".truth[].spacing_mm", "mm", "mean distance of neighbouring points"},
-      {".truth[].resolution", "", "cells along the longest side"},
-      {".truth[].surface", "", "meshed surface"},
-      {".truth[].vertices", "", "vertices"},
-      {".truth[].closed", "", "true if the mesh has no border"},
-      {".truth[].euler", "", "Euler's characteristic"},
-      {".truth[].flat_triangles", "", "triangles without area"},
-      {".truth[].distance_mm", "mm", "distance of the vertices from the shape: rms and max"},
-      {".truth[].distance_spacings", "spacings", "the same in spacings"},
-      {".truth[].normal_deg", "deg", "error of their normals: mean, p95 and max"},
-  };
-  listAlone(all, "mesh", "", keys);
+  listAlone(all, "mesh", ".", kMeshBench);
+  listAlone(all, "mesh", ".records[].", kMeshCosts);
+  listAlone(all, "mesh", ".truth[].", kMeshQualities);
 }
 
 void addMeshBench(Options& bench, Context& context, Command& command) {

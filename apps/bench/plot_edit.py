@@ -33,7 +33,7 @@ def draw(axis, costs, along, of, label):
                   marker="o", markersize=12, markerfacecolor="none", color=colour)
     axis.set(xscale="log", yscale="log", ylabel="us, median, pose to force with the edit")
     axis.grid(alpha=0.3, which="both")
-    axis.legend(framealpha=0.6, fontsize=7)
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), frameon=False, fontsize=7, ncols=3)
 
 
 def main(result, picture):

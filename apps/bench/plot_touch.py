@@ -113,15 +113,14 @@ def main(result, picture):
     if not wanted:
         sys.exit(f"{result}: nothing was measured")
     columns = min(3, len(wanted))
-    figure, axes = plt.subplots(-(-len(wanted) // columns), columns, figsize=(16, 10), squeeze=False,
+    figure, axes = plt.subplots(-(-len(wanted) // columns), columns, figsize=(16, 12), squeeze=False,
                                 constrained_layout=True)
     for axis in axes.flat[len(wanted):]:
         axis.set_axis_off()
     for axis, panel in zip(axes.flat, wanted):
         panel(axis)
         axis.grid(alpha=0.3, which="both")
-        many = len(axis.get_legend_handles_labels()[1]) > 12
-        axis.legend(frameon=False, fontsize=5.5 if many else 7, ncols=2 if many else 1)
+        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), frameon=False, fontsize=6.5, ncols=3)
     figure.suptitle("   ".join(f"{backend}: {machine}" for backend, machine in data["machines"].items()), fontsize=9)
     save(figure, picture)
 

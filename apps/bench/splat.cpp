@@ -253,10 +253,11 @@ void printLives(std::FILE* out, const std::vector<SplatCost>& costs) {
   const auto compute = std::ranges::find(costs, "compute", &SplatCost::raster);
   if (compute == costs.end()) return;
   if (compute->lives.empty()) {
-    fmt::print(out, "\nsplat, the longest life of a workgroup: not known, this GPU's shaders share no clock\n");
+    fmt::print(out,
+               "\nsplat, the longest lifetime of a workgroup: unknown, because this GPU's shaders share no clock\n");
     return;
   }
-  fmt::print(out, "\nsplat, compute, the longest life of a workgroup in twenty pictures, us\n{:<20}{:>11}", "model",
+  fmt::print(out, "\nsplat, compute, the longest lifetime of a workgroup in twenty pictures, us\n{:<20}{:>11}", "model",
              "points");
   for (const auto& life : compute->lives) fmt::print(out, "{:>24}", shortName(life.pass));
   fmt::print(out, "\n");
@@ -290,7 +291,7 @@ constexpr Reported<SplatCost> kSplatCosts[]{
     {"made_ms", "ms", "time on the GPU to build the mesh",
      [](const SplatCost& r) -> Value { return middleQuantilesOf(r.made_ms); }},
     {"fps_with_remesh", "1/s", "pictures per second, each with a new mesh", field<&SplatCost::fpsRemeshed>},
-    {"longest_workgroup_us", "us", "longest life of a workgroup, by pass",
+    {"longest_workgroup_us", "us", "longest lifetime of a workgroup, by pass",
      [](const SplatCost& c) -> Value {
        Json lives = Json::object();
        for (const auto& life : c.lives) lives[life.pass] = life.longest_us;

@@ -73,7 +73,10 @@ double spacingOf(const PointCloud& map) {
   return std::sqrt(std::numbers::pi * kSize_m * kSize_m / static_cast<double>(map.size()));
 }
 
+// Frames fused into a map.
 struct Fused {
+  std::string frames;       // their size
+  std::size_t surfels = 0;  // points of the map
   Summary fuse_us, index_us, arrival_us;
   std::vector<std::pair<std::string, double>> passes_us;  // in their order: medians, each pass timed alone
   FusionCounts counts;                                    // counts of the last frame
@@ -122,7 +125,9 @@ Fused fuse(Device& device, const PointCloud& map, const DepthCamera& camera, con
     fuse_us.push_back(list.sectionTime_us("fusion"));
     index_us.push_back(list.sectionTime_us("hash"));
   });
-  Fused fused{.fuse_us = summarize(fuse_us),
+  Fused fused{.frames = {},
+              .surfels = map.size(),
+              .fuse_us = summarize(fuse_us),
               .index_us = summarize(index_us),
               .arrival_us = summarize(arrival_us),
               .passes_us = {},
@@ -141,9 +146,15 @@ Fused fuse(Device& device, const PointCloud& map, const DepthCamera& camera, con
   return fused;
 }
 
-// Distance from the shape of the points of a map built from the frames alone, RMS, m.
-Json judge(const AnalyticShape& shape, const DepthCamera& camera, const std::vector<DepthFrame>& frames,
-           unsigned threads) {
+// A map that began empty, against the shape.
+struct StreamQuality {
+  std::string size;  // of the frames
+  std::size_t frames = 0, points = 0;
+  double depthRms_mm = 0, mapRms_mm = 0;  // distances from the shape of the measured depths and of the map's points
+};
+
+StreamQuality judge(const AnalyticShape& shape, const DepthCamera& camera, const std::vector<DepthFrame>& frames,
+                    unsigned threads) {
   FusionOptions options;
   options.threads = threads;
   FrameFusion fusion(options);
@@ -162,29 +173,78 @@ Json judge(const AnalyticShape& shape, const DepthCamera& camera, const std::vec
   double squares = 0;
   const PointCloud cloud = fusion.map().cloud();
   for (std::size_t i = 0; i < cloud.size(); ++i) squares += std::pow(shape.signedDistance(cloud.fileCoordinates(i)), 2);
-  return {{"frames", frames.size()},
-          {"points", cloud.size()},
-          {"depth_rms_mm", 1e3 * std::sqrt(noise / static_cast<double>(std::max<std::size_t>(measured, 1)))},
-          {"map_rms_mm", 1e3 * std::sqrt(squares / static_cast<double>(std::max<std::size_t>(cloud.size(), 1)))}};
+  const auto rms_mm = [](double sum, std::size_t count) {
+    return 1e3 * std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
+  };
+  return {.size = {},
+          .frames = frames.size(),
+          .points = cloud.size(),
+          .depthRms_mm = rms_mm(noise, measured),
+          .mapRms_mm = rms_mm(squares, cloud.size())};
 }
 
-Json toJson(const std::string& frames, std::size_t surfels, const Fused& fused) {
-  Json passes = Json::array();
-  for (const auto& [name, us] : fused.passes_us) passes.push_back({{"pass", name}, {"us", us}});
-  return {{"frames", frames},
-          {"surfels", surfels},
-          {"matched", fused.counts.matched},
-          {"appended", fused.counts.appended},
-          {"removed", fused.counts.removed},
-          {"fuse_us", summaryOf(fused.fuse_us)},
-          {"index_us", summaryOf(fused.index_us)},
-          {"arrival_us", summaryOf(fused.arrival_us)},
-          {"passes", passes}};
-}
+using Value = std::optional<Json>;
+using PassTime = std::pair<std::string, double>;
+
+constexpr Reported<PassTime> kPasses[]{{"pass", "", "its name", field<&PassTime::first>},
+                                       {"us", "us", "median time", field<&PassTime::second>}};
+
+constexpr Reported<Fused> kFused[]{
+    {"frames", "px", "size of the frames", field<&Fused::frames>},
+    {"surfels", "", "points of the map", field<&Fused::surfels>},
+    {"matched", "", "pixels matched with points of the map, in the last frame",
+     [](const Fused& f) -> Value { return f.counts.matched; }},
+    {"appended", "", "points appended by it", [](const Fused& f) -> Value { return f.counts.appended; }},
+    {"removed", "", "points removed by it", [](const Fused& f) -> Value { return f.counts.removed; }},
+    {"fuse_us", "us", "time to fuse a frame on the GPU", quantiles<&Fused::fuse_us>},
+    {"index_us", "us", "time to index the map on the GPU", quantiles<&Fused::index_us>},
+    {"arrival_us", "us", "time from a decoded frame to the points that a hand feels", quantiles<&Fused::arrival_us>},
+    {"passes", "", "each pass, timed alone", [](const Fused& f) -> Value { return arrayBy(kPasses, f.passes_us); }},
+};
+
+constexpr Reported<FeltStream> kFelt[]{
+    {"situation", "", "still, latest or fused", field<&FeltStream::situation>},
+    {"ticks", "", "ticks", field<&FeltStream::ticks>},
+    {"contact_ticks", "", "ticks in contact", field<&FeltStream::contactTicks>},
+    {"missed_ticks", "", "ticks skipped because their time had passed", field<&FeltStream::missedTicks>},
+    {"fresh_fraction", "1", "fraction of ticks answered in time", field<&FeltStream::freshShare>},
+    {"step_us", "us", "time from pose to force", quantiles<&FeltStream::step_us>},
+    {"frames", "", "frames that were felt", field<&FeltStream::frames>},
+    {"frames_dropped", "", "frames dropped, as a newer one had arrived", field<&FeltStream::framesDropped>},
+    {"frames_drawn", "", "frames that were drawn", field<&FeltStream::framesDrawn>},
+    {"pictures_per_s", "1/s", "pictures per second", field<&FeltStream::pictures_per_s>},
+    {"frames_of", "px", "size of the frames", field<&FeltStream::framesOf>},
+    {"surfels", "", "points of the map", field<&FeltStream::surfels>},
+};
+
+constexpr Reported<StreamQuality> kStreamQualities[]{
+    {"frames", "", "its frames", field<&StreamQuality::frames>},
+    {"points", "", "its points", field<&StreamQuality::points>},
+    {"depth_rms_mm", "mm", "root mean square distance of the measured depths from the shape",
+     field<&StreamQuality::depthRms_mm>},
+    {"map_rms_mm", "mm", "root mean square distance of the map's points from the shape",
+     field<&StreamQuality::mapRms_mm>},
+    {"size", "px", "size of the frames", field<&StreamQuality::size>},
+};
+
+struct StreamResults {
+  std::vector<Fused> fused;
+  std::vector<FeltStream> felt;
+  std::vector<StreamQuality> qualities;
+};
+
+constexpr Reported<StreamResults> kStreamBench[]{
+    {"rows", "", "one for each size of frames and of the map",
+     [](const StreamResults& r) -> Value { return arrayBy(kFused, r.fused); }},
+    {"felt", "", "touch while frames arrive (--felt)",
+     [](const StreamResults& r) -> Value { return arrayBy(kFelt, r.felt); }},
+    {"truth", "", "one for each size of frames: a map that began empty",
+     [](const StreamResults& r) -> Value { return arrayBy(kStreamQualities, r.qualities); }},
+};
 
 Json benchStream(Context& context, const StreamBenchOptions& options) {
   const auto shape = makeShape("sphere", kSize_m);
-  Json result{{"rows", Json::array()}, {"felt", Json::array()}, {"truth", Json::array()}};
+  StreamResults results;
   fmt::print(context.tables(),
              "\nstream: depth frames into a map, us, median / p99.9\n{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n", "frames",
              "surfels", "matched", "fuse", "index", "arrival to index");
@@ -195,15 +255,11 @@ Json benchStream(Context& context, const StreamBenchOptions& options) {
     const auto all = feelStreams(context, {.map = map,
                                            .camera = camera,
                                            .frames = frames,
+                                           .framesOf = size,
                                            .radius_m = 0.5 * kSize_m,
                                            .spacing_m = spacingOf(map),
                                            .duration_s = options.felt_s});
-    for (const FeltStream& one : all) {
-      Json row = toJson(one);
-      row["frames_of"] = size;
-      row["surfels"] = map.size();
-      result["felt"].push_back(row);
-    }
+    std::ranges::copy(all, std::back_inserter(results.felt));
     reports.push_back([&context, all] { printFeltStreams(context.tables(), all); });
   };
   for (const std::string& size : options.frames) {
@@ -214,61 +270,33 @@ Json benchStream(Context& context, const StreamBenchOptions& options) {
     for (const std::int64_t surfels : options.sizes) {
       const PointCloud map =
           sampleShape(*shape, {.count = static_cast<std::size_t>(surfels), .threads = context.threads()});
-      const Fused fused = fuse(context.device(), map, camera, frames, options);
+      Fused fused = fuse(context.device(), map, camera, frames, options);
+      fused.frames = size;
       fmt::print(context.tables(), "{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n", size, surfels, fused.counts.matched,
                  pair(fused.fuse_us), pair(fused.index_us), pair(fused.arrival_us));
-      result["rows"].push_back(toJson(size, map.size(), fused));
+      results.fused.push_back(std::move(fused));
       if (options.felt_s > 0) felt(size, map, camera, frames);
     }
-    Json truth = judge(*shape, camera, frames, context.threads());
-    truth["size"] = size;
-    result["truth"].push_back(truth);
+    results.qualities.push_back(judge(*shape, camera, frames, context.threads()));
+    results.qualities.back().size = size;
   }
   for (const auto& report : reports) report();
   fmt::print(context.tables(), "\nagainst the shape, from an empty map, mm RMS\n{:<12}{:>8}{:>10}{:>10}{:>10}\n",
              "frames", "views", "points", "depths", "map");
-  for (const Json& truth : result["truth"])
-    fmt::print(context.tables(), "{:<12}{:>8}{:>10}{:>10.2f}{:>10.2f}\n", truth["size"].get<std::string>(),
-               truth["frames"].get<std::size_t>(), truth["points"].get<std::size_t>(),
-               truth["depth_rms_mm"].get<double>(), truth["map_rms_mm"].get<double>());
-  return result;
+  for (const StreamQuality& q : results.qualities)
+    fmt::print(context.tables(), "{:<12}{:>8}{:>10}{:>10.2f}{:>10.2f}\n", q.size, q.frames, q.points, q.depthRms_mm,
+               q.mapRms_mm);
+  return jsonBy(kStreamBench, results);
 }
 
 }  // namespace
 
 void listStreamBenchResults(std::vector<ResultFacts>& all) {
-  constexpr DescribedKey keys[]{
-      {".rows", "", "one for each size of frames and of the map"},
-      {".rows[].frames", "px", "size of the frames"},
-      {".rows[].surfels", "", "points of the map"},
-      {".rows[].matched", "", "pixels matched with points of the map, in the last frame"},
-      {".rows[].appended", "", "points appended by it"},
-      {".rows[].removed", "", "points removed by it"},
-      {".rows[].fuse_us", "us", "time to fuse a frame on the GPU"},
-      {".rows[].index_us", "us", "time to index the map on the GPU"},
-      {".rows[].arrival_us", "us", "time from a decoded frame to the points that a hand feels"},
-      {".rows[].passes", "", "median time of each pass alone: pass and us"},
-      {".felt", "", "touch while frames arrive (--felt)"},
-      {".felt[].situation", "", "still, latest or fused"},
-      {".felt[].ticks", "", "ticks"},
-      {".felt[].contact_ticks", "", "ticks in contact"},
-      {".felt[].missed_ticks", "", "ticks skipped because their time had passed"},
-      {".felt[].fresh_fraction", "1", "fraction of ticks answered in time"},
-      {".felt[].step_us", "us", "time from pose to force"},
-      {".felt[].frames", "", "frames that were felt"},
-      {".felt[].frames_dropped", "", "frames dropped, as a newer one had arrived"},
-      {".felt[].frames_drawn", "", "frames that were drawn"},
-      {".felt[].pictures_per_s", "1/s", "pictures per second"},
-      {".felt[].frames_of", "px", "size of the frames"},
-      {".felt[].surfels", "", "points of the map"},
-      {".truth", "", "one for each size of frames: a map that began empty"},
-      {".truth[].frames", "", "its frames"},
-      {".truth[].points", "", "its points"},
-      {".truth[].depth_rms_mm", "mm", "root mean square distance of the measured depths from the shape"},
-      {".truth[].map_rms_mm", "mm", "root mean square distance of the map's points from the shape"},
-      {".truth[].size", "px", "size of the frames"},
-  };
-  listAlone(all, "stream", "", keys);
+  listAlone(all, "stream", ".", kStreamBench);
+  listAlone(all, "stream", ".rows[].", kFused);
+  listAlone(all, "stream", ".rows[].passes[].", kPasses);
+  listAlone(all, "stream", ".felt[].", kFelt);
+  listAlone(all, "stream", ".truth[].", kStreamQualities);
 }
 
 void addStreamBench(Options& bench, Context& context, Command& command) {

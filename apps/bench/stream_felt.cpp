@@ -146,7 +146,9 @@ FeltStream feel(Context& context, const FeltScene& scene, const std::string& sit
           .frames = counts.played,
           .framesDropped = counts.dropped,
           .pictures_per_s = drawing.pictures_per_s(),
-          .framesDrawn = drawing.frames()};
+          .framesDrawn = drawing.frames(),
+          .framesOf = scene.framesOf,
+          .surfels = scene.map.size()};
 }
 
 }  // namespace
@@ -171,19 +173,6 @@ void printFeltStreams(std::FILE* out, const std::vector<FeltStream>& all) {
                felt.situation, felt.ticks, felt.missedTicks, felt.step_us.p50, felt.step_us.p99, felt.step_us.p999,
                felt.step_us.max, 100 * felt.freshShare, felt.contactTicks, felt.frames, felt.framesDrawn,
                felt.pictures_per_s);
-}
-
-Json toJson(const FeltStream& felt) {
-  return {{"situation", felt.situation},
-          {"ticks", felt.ticks},
-          {"contact_ticks", felt.contactTicks},
-          {"missed_ticks", felt.missedTicks},
-          {"fresh_fraction", felt.freshShare},
-          {"step_us", summaryOf(felt.step_us)},
-          {"frames", felt.frames},
-          {"frames_dropped", felt.framesDropped},
-          {"frames_drawn", felt.framesDrawn},
-          {"pictures_per_s", felt.pictures_per_s}};
 }
 
 }  // namespace palpate

@@ -21,12 +21,15 @@ struct FeltStream {
   std::uint64_t framesDropped = 0;  ///< superseded by newer ones
   double pictures_per_s = 0;
   std::uint64_t framesDrawn = 0;
+  std::string framesOf;     ///< FeltScene::framesOf
+  std::size_t surfels = 0;  ///< points of the map
 };
 
 struct FeltScene {
   const PointCloud& map;  ///< metres
   DepthCamera camera;
   const std::vector<DepthFrame>& frames;  ///< with poses; repeated in a cycle, 30 a second
+  std::string framesOf;                   ///< their size in words
   double radius_m = 0;                    ///< radius of the sphere about the origin that the frames show, seen along z
   double spacing_m = 0;                   ///< spacing of the map
   double duration_s = 0;
@@ -35,6 +38,5 @@ struct FeltScene {
 std::vector<FeltStream> feelStreams(Context& context, const FeltScene& scene);
 
 void printFeltStreams(std::FILE* out, const std::vector<FeltStream>& all);
-Json toJson(const FeltStream& felt);
 
 }  // namespace palpate

@@ -84,7 +84,7 @@ struct Place {
       if (option->get_items_expected_max() == 1 || !option->get_allow_extra_args()) option = nullptr;
       return;
     }
-    // A command that takes several subcommands goes on after the first, as in "bench build sort".
+    // A command that takes several subcommands may take more after the first, as in "bench build sort".
     for (std::size_t depth = commands.size(); depth > (commands.size() > 1 ? 1 : 0); --depth)
       if (const CLI::App* next = subcommandOf(*commands[depth - 1], word)) {
         commands.resize(depth);

@@ -63,7 +63,7 @@ struct ConvertInput {
 // Column names from the command line.
 std::vector<std::string> columnsOf(const ConvertOptions& options, const CloudFormat& from) {
   if (options.columns.empty()) return {};
-  if (!from.isText) throw UsageError("--columns is of files of text; {} says itself what it holds", from.name);
+  if (!from.isText) throw UsageError("--columns applies to text files only; {} names its own columns", from.name);
   std::vector<std::string> names(1);
   for (const char c : options.columns) {
     if (c != ',' && c != ' ')
@@ -76,7 +76,8 @@ std::vector<std::string> columnsOf(const ConvertOptions& options, const CloudFor
 }
 
 std::size_t samplesOf(const ConvertOptions& options, const CloudFormat& from) {
-  if (options.samples > 0 && !from.ofTriangles) throw UsageError("--samples is of meshes; {} holds points", from.name);
+  if (options.samples > 0 && !from.ofTriangles)
+    throw UsageError("--samples applies to meshes only; {} contains points", from.name);
   return static_cast<std::size_t>(options.samples);
 }
 
@@ -179,8 +180,8 @@ void addConvert(Options& app, Context& context, Command& command) {
               "COLMAP: drop unreliable points, as touch does without --keep-unreliable");
   addScaleOptions(sub, options->scale);
   sub.add("--unit", options->unit,
-          "the unit of the file's lengths, mm, cm, m, in or ft, which OUT is to say; scales nothing (default: as IN "
-          "says)")
+          "unit of length that OUT states: mm, cm, m, in or ft; coordinates are not scaled (default: the unit that IN "
+          "states)")
       .check(oneOf(namesOf(kLengthUnits)));
   addNetworkOptions(sub, options->network);
   addRosFrameOption(sub, options->network);

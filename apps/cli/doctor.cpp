@@ -4,6 +4,7 @@
 #include "apps/cli/doctor_device.hpp"
 #include "apps/cli/doctor_speed.hpp"
 #include "apps/cli/sharing_options.hpp"
+#include "apps/cli/stop_by_signal.hpp"
 #include "apps/cli/tick_times.hpp"
 #include "apps/view/copied_presentation.hpp"
 #include "apps/view/presentation.hpp"
@@ -175,6 +176,7 @@ Json hapticDevices(std::FILE* out) {
   json["realtime_priority"] = priority;
   if (!priority) mending.add(RealtimePriority::command());
   json["fix"] = mending.print(out);
+  json["remembered"] = rememberedDevices(out);
   return json;
 }
 
@@ -279,7 +281,7 @@ Json forgetBackends(std::FILE* out) {
 }
 
 void doctor(Context& context, const DoctorOptions& options) {
-  if (options.forget) {
+  if (options.forget && options.device.empty()) {
     context.writeJson({{"forgotten", forgetBackends(context.tables())}});
     return;
   }
@@ -291,10 +293,14 @@ void doctor(Context& context, const DoctorOptions& options) {
     throw UsageError("--interface, --peer, --domain and --security require --network, which lists sessions");
   std::FILE* out = context.tables();
   if (!options.device.empty()) {
-    if (options.test)
+    if (options.forget) {
+      context.writeJson({{"forgotten", forgetDevice(out, options.device)}});
+    } else if (options.test) {
       context.writeJson({{"device_test", guideDeviceCheck(out, options.device, context.log())}});
-    else
+      if (StopBySignal::requested()) throw Error("the test was interrupted; nothing is remembered");
+    } else {
       context.writeJson({{"device", examineDevice(out, options.device, context.log())}});
+    }
     return;
   }
   Json result{{"gpus", gpus(out)}};
@@ -342,10 +348,17 @@ void addDoctor(Options& app, Context& context, Command& command) {
                                   "DEVICE"})
                      .offers({"openhaptics", "dhd", "haply", "hid"})
                      .excludes(servo);
-  sub.addFlag("--test", options->test,
-              "test the device in your hand, step by step: poses and force in free space, directions, and the stiffest "
-              "wall that does not hum")
-      .needs(named);
+  Option test = sub.addFlag(
+      "--test", options->test,
+      "test the device in your hand, step by step: poses and force in free space, directions, and the stiffest "
+      "wall that does not hum; then asks whether stiffness and axes are to be used with the device from now on");
+  test.needs(named);
+  sub.addFlag("--forget", options->forget,
+              "with --device: forget what is remembered for it (as haply:SERIAL; a kind alone: for all of them), and "
+              "that the window used it; otherwise: forget which of GPU and CPU answers sooner, so that --backend auto "
+              "measures it again")
+      .excludes(servo)
+      .excludes(test);
   sub.addFlag("--network", options->network,
               "only list the sessions on the network (palpate serve), with round trips and losses")
       .excludes(servo);
@@ -353,10 +366,6 @@ void addDoctor(Options& app, Context& context, Command& command) {
          "--speed", options->speed,
          "measure what this machine can do, for at most 3 s: the rate of a servo loop, and edits of a million points "
          "on the CPU and on a GPU")
-      .excludes(named);
-  sub.addFlag("--forget", options->forget,
-              "only forget which of GPU and CPU answers sooner, so that --backend auto measures it again")
-      .excludes(servo)
       .excludes(named);
   addNetworkOptions(sub, options->which);
   sub.whenNamed([&, options] { command = [&context, options] { doctor(context, *options); }; });

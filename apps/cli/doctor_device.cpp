@@ -71,7 +71,7 @@ Json haplyService(std::FILE* out) {
     return json;
   }
   fmt::print(out, "  version {} at 127.0.0.1:{}{}\n", found.version.empty() ? "unknown" : found.version, found.port,
-             found.tellsEvents ? "" : ", without a channel of events");
+             found.tellsEvents ? "" : ", no event channel");
   if (found.inventory.inverses.empty()) fmt::print(out, "  no Inverse3; check its cable and power supply\n");
   for (const haply::Inverse& inverse : found.inventory.inverses) {
     const char* model = inverse.small ? "Minverse" : "Inverse3";
@@ -113,7 +113,7 @@ Json examineDevice(std::FILE* out, const std::string& spec, Log& log) {
   const DVec3 low = facts.workspaceMin_mm, high = facts.workspaceMax_mm;
   const DeviceState state = poseOf(*opened.device);
   if (!state.ok) throw Error("{}", opened.device->faultText());
-  const auto known = [](const std::string& text) { return text.empty() ? "not told by the device" : text.c_str(); };
+  const auto known = [](const std::string& text) { return text.empty() ? "not reported by the device" : text.c_str(); };
   fmt::print(out, "{}\n", spec);
   fmt::print(out, "  model           {}\n  serial number   {}\n  driver          {}\n", facts.model,
              known(facts.serial), known(facts.driver));
@@ -124,8 +124,9 @@ Json examineDevice(std::FILE* out, const std::string& spec, Log& log) {
              limits.continuousForce_N);
   fmt::print(out, "  buttons         {}\n  hand            {}\n  axes            {}\n", limits.buttons,
              known(facts.handedness), known(facts.axes));
+  fmt::print(out, "  remembered      {}\n", opened.remembered.isEmpty() ? "nothing" : opened.remembered.inWords());
   fmt::print(out, "  stylus          at {:.1f}, {:.1f}, {:.1f} mm; {}\n", state.position.x, state.position.y,
-             state.position.z, state.rendersForce ? "ready to give forces" : "gives no force now");
+             state.position.z, state.rendersForce ? "ready to give forces" : "not ready to give forces");
   Json json{{"device", spec},
             {"model", facts.model},
             {"serial", facts.serial},
@@ -137,6 +138,7 @@ Json examineDevice(std::FILE* out, const std::string& spec, Log& log) {
             {"buttons", limits.buttons},
             {"handedness", facts.handedness},
             {"axes", facts.axes},
+            {"remembered", opened.remembered.inWords()},
             {"position_mm", vectorJson(state.position)},
             {"renders_force", state.rendersForce}};
   json["fix"] = permissionsFor(out, spec);

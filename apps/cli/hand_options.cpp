@@ -35,6 +35,7 @@ void addHandOptions(Options& sub, HandChoices& options) {
   addSetting(sub, options.hand, "damping_N_s_per_mm");
   addSetting(sub, options.hand, "passivity");
   addSetting(sub, options.hand, "rumbles");
+  addSetting(sub, options.hand, "axes").typeName("RIGHT,UP,TOWARDS");
 }
 
 void checkHandOptions(const HandChoices& options, bool realtime) {
@@ -44,6 +45,7 @@ void checkHandOptions(const HandChoices& options, bool realtime) {
     throw UsageError("--hand-stiffness and --hand-damping require --device sim");
   if (options.hand.fit != WorkspaceFit::fit && options.device != "sim" && !held)
     throw UsageError("--map requires a device or sim: a path is in model units, and a recording has its own map");
+  if (!options.hand.axes.empty() && !held) throw UsageError("--axes requires a device in a hand");
   if (!held) return;
   if (!realtime) throw UsageError("{}{} requires --realtime", options.option, options.device);
   if (!(options.duration_s > 0)) throw UsageError("{}{} requires --duration", options.option, options.device);
@@ -121,7 +123,8 @@ std::vector<FurtherHand> furtherHands(const std::vector<std::string>& hands, con
     const FurtherHand hand = furtherHand(text);
     checkHandOptions(choicesFor(first, hand), realtime);
     if (isHeldDevice(hand.device) && std::ranges::find(devices, hand.device) != devices.end())
-      throw UsageError("--hand {}: {} is in another hand; name another one, as in openhaptics:NAME", text, hand.device);
+      throw UsageError("--hand {}: {} is already used by another hand; name another device, as in openhaptics:NAME",
+                       text, hand.device);
     devices.push_back(hand.device);
     all.push_back(hand);
   }
@@ -132,6 +135,7 @@ HandChoices choicesFor(HandChoices first, const FurtherHand& hand) {
   first.option = "--hand device=";
   first.device = hand.device;
   first.hand.rumbles = false;
+  first.hand.axes.clear();  // of that device
   first.scheduler = "own";  // only the first hand's device may run the ticks
   if (hand.device == "sim") return first;
   first.hand.stiffness_N_per_mm = first.hand.damping_N_s_per_mm = 0;

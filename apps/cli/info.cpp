@@ -188,7 +188,7 @@ void infoOfFrames(Context& context, const std::string& file, const StreamOptions
   std::FILE* out = context.tables();
   fmt::print(out, "{}: {} frames of a depth camera ({}), {:.6g} s\n", file, folder.frames(), folder.kind(),
              folder.duration_s());
-  fmt::print(out, "  size: {} x {} pixels, focal lengths {:g} and {:g}, middle {:g}, {:g}\n", camera.width,
+  fmt::print(out, "  size: {} x {} pixels, focal lengths {:g} and {:g}, principal point {:g}, {:g}\n", camera.width,
              camera.height, camera.fx, camera.fy, camera.cx, camera.cy);
   fmt::print(out, "  depth: {:g} values per metre\n", folder.depthScale());
   fmt::print(out, "  poses: {} of {}   colours: {} of {}   up: {}\n", folder.poses(), folder.frames(), folder.colors(),

@@ -145,7 +145,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   frameOf.overlays = overlays;
   frameOf.lines = modelLines(model, options.cameras);
   if (options.cameras && model.cameras.empty())
-    context.log().say("{}: no cameras are drawn: the model does not say where any stood", file);
+    context.log().say("{}: no cameras are drawn: the model has no camera poses", file);
   Frame frame(device, size.width, size.height, options.samples > 1 ? 2 : 1);
   const Upright upright = uprightOf(model, options.look);
   const LengthUnit unit = unitOf(model.cloud, options.look);

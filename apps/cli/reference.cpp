@@ -9,6 +9,7 @@
 #include "apps/cli/results.hpp"
 #include "apps/view/key_help.hpp"
 #include "apps/view/script.hpp"
+#include "apps/view/window_state.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "haptics/session/settings.hpp"
 #include "haptics/session/simulation.hpp"
@@ -140,13 +141,15 @@ void addSceneRows(std::string& page) {
                  scene.required ? "required" : scene.usual, inWords(scene.range), scene.of, scene.help});
 }
 
+std::string resultRow(const ResultFacts& result) { return row({code(result.key), result.unit, result.meaning}); }
+
 void addResultRows(std::string& page) {
   std::string command;
   for (const ResultFacts& result : allResults()) {
     if (result.command != command)
       page += fmt::format("\n### `palpate {} --json`\n\n", result.command) + head({"key", "unit", "meaning"});
     command = result.command;
-    page += row({code(result.key), result.unit, result.meaning});
+    page += resultRow(result);
   }
 }
 
@@ -172,12 +175,19 @@ std::string referencePage(const Options& program) {
   page += "\n## Columns of a trace\n\n" + head({"column", "unit", "meaning"});
   for (const TraceColumn& column : traceColumns())
     page += row({code(std::string(column.name)), std::string(column.unit), std::string(column.meaning)});
-  page += "\n## Events of a window script\n\nOne a line: `TIME_S EVENT`; `#` begins a comment.\n\n" +
+  page += "\n## Events of a window script\n\nOne per line: `TIME_S EVENT`; `#` begins a comment.\n\n" +
           head({"event", "effect"});
   for (const ScriptEvent& event : scriptEvents())
     page += row(
         {code(event.arguments.empty() ? std::string(event.name) : fmt::format("{} {}", event.name, event.arguments)),
          std::string(event.effect)});
+  page +=
+      "\n## State of the window\n\nThe keys that the event `state` writes; those from `mm_per_unit` on are of an open "
+      "model.\n\n" +
+      head({"key", "unit", "meaning"});
+  std::vector<ResultFacts> state;
+  listWindowResults(state);
+  for (const ResultFacts& result : state) page += resultRow(result);
   page += "\n## Keys of the window\n\n" + head({"key", "effect"});
   for (const auto& [key, effect] : kKeyHelp) page += row({key, effect});
   const CloudFormats& formats = cloudFormats();
@@ -218,7 +228,9 @@ Json referenceJson(const Options& program) {
                                 {"option", setting.flag},
                                 {"since", setting.since},
                                 {"meaning", setting.help}});
-  for (const ResultFacts& result : allResults())
+  std::vector<ResultFacts> results = allResults();
+  listWindowResults(results);
+  for (const ResultFacts& result : results)
     json["results"].push_back(
         {{"command", result.command}, {"key", result.key}, {"unit", result.unit}, {"meaning", result.meaning}});
   return json;

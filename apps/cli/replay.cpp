@@ -112,7 +112,8 @@ constexpr Reported<Replayed> kReplay[]{
 void replay(Context& context, const ReplayOptions& options) {
   if (options.recover && options.saveFile.empty()) throw UsageError("--recover: needs --save OUT.ply");
   if (!options.recover && !options.saveFile.empty()) throw UsageError("--save: needs --recover");
-  if (options.recover && !options.traceFile.empty()) throw UsageError("--trace: --recover runs nothing");
+  if (options.recover && !options.traceFile.empty())
+    throw UsageError("--trace: has no effect with --recover, which runs nothing; leave one of them out");
   checkOutput(options.saveFile, Output::points);
   checkOutput(options.traceFile, Output::only);
   sayWhatIsLost(options.saveFile, context.log());
@@ -135,9 +136,9 @@ void replay(Context& context, const ReplayOptions& options) {
   print(context.tables(), recorded, outcome ? &*outcome : nullptr, machine);
   context.writeJson(jsonBy(kReplay, Replayed{recorded, outcome ? &*outcome : nullptr}));
   if (recorded.endsAsRecorded == false && recorded.record.gaps.empty())
-    throw FileError(options.log, "its edits do not give the points that the session ended with");
+    throw FileError(options.log, "the recorded edits do not give the final points of the session");
   if (outcome && outcome->differences.any())
-    throw FileError(options.log, "the session did not come out the same; see above");
+    throw FileError(options.log, "the replay differs from the recording; see above");
 }
 
 }  // namespace

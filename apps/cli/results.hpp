@@ -26,12 +26,18 @@ inline Json& memberAt(Json& json, std::string_view key) {
   return dot == key.npos ? json[key] : memberAt(json[key.substr(0, dot)], key.substr(dot + 1));
 }
 
+/// Adds all keys of a table to an object, in its order.
+template <class Rows, class Report>
+void addBy(Json& json, const Rows& rows, const Report& report) {
+  for (const Reported<Report>& row : rows)
+    if (std::optional<Json> value = row.value(report)) memberAt(json, row.key) = std::move(*value);
+}
+
 /// The object with all keys of a table, in its order.
 template <class Rows, class Report>
 Json jsonBy(const Rows& rows, const Report& report) {
   Json json = Json::object();
-  for (const Reported<Report>& row : rows)
-    if (std::optional<Json> value = row.value(report)) memberAt(json, row.key) = std::move(*value);
+  addBy(json, rows, report);
   return json;
 }
 
@@ -65,7 +71,7 @@ Json orNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-/// A result of --json without its value. `key`: as in "near.points", or "gaps[].ticks" for objects of a list.
+/// A result of --json without its value. `key`: as in "partial.points", or "gaps[].ticks" for objects of a list.
 struct ResultFacts {
   std::string command, key, unit, meaning;
 };
@@ -87,7 +93,7 @@ void listInfoResults(std::vector<ResultFacts>& all);
 void listBenchResults(std::vector<ResultFacts>& all);  ///< nothing without PALPATE_STUDY
 void listReplayResults(std::vector<ResultFacts>& all);
 
-/// The results of all commands, by command.
+/// The results of all commands that write some with --json, by command.
 std::vector<ResultFacts> allResults();
 
 }  // namespace palpate

@@ -123,9 +123,9 @@ void serve(Context& context, const ServeOptions& options) {
   context.log().say("served '{}' to {} client{}: {} blocks of points; {} sculpted it, {} states of points in {} pieces",
                     options.name, counts.clients, counts.clients == 1 ? "" : "s", counts.blocks, counts.sculptors,
                     counts.states, counts.pieces);
-  if (counts.near > 0)
-    context.log().say("{} client{} had the points around their hands alone: {} in {} steps{}", counts.near,
-                      counts.near == 1 ? "" : "s", counts.nearPoints, counts.nearSteps,
+  if (counts.partial > 0)
+    context.log().say("{} client{} streamed only the points around their hands: {} points in {} steps{}",
+                      counts.partial, counts.partial == 1 ? "" : "s", counts.partialPoints, counts.partialSteps,
                       config.moves() ? fmt::format(", of {} frames", counts.frames) : std::string());
   if (!options.saveFile.empty()) saveKeeping(options.saveFile, editedCloud(model.cloud, server.points()));
   context.writeJson({{"name", options.name},
@@ -142,9 +142,9 @@ void serve(Context& context, const ServeOptions& options) {
                      {"copied", counts.copied},
                      {"duplicate_pieces", counts.again},
                      {"sent", counts.sent},
-                     {"near", counts.near},
-                     {"near_points", counts.nearPoints},
-                     {"near_steps", counts.nearSteps},
+                     {"partial", counts.partial},
+                     {"partial_points", counts.partialPoints},
+                     {"partial_steps", counts.partialSteps},
                      {"frames", counts.frames},
                      {"edited", changedPoints(model.cloud, server.points())}});
   if (ended) std::rethrow_exception(ended);

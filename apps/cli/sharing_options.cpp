@@ -52,7 +52,7 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
         .add("--hand-name", options.hand,
              "name of this hand for the other participants (default: the name of this machine)")
         .typeName("NAME");
-    addSettingFor<JoinConfig>(command, options.near, "near");
+    addSettingFor<JoinConfig>(command, options.partial, "partial");
   }
   addNetworkOptions(command, options.network);
   addRosCameraOptions(command, options.network);
@@ -122,11 +122,11 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
     const bool hasNetwork =
         !network.interface.empty() || !network.peers.empty() || network.domain != 0 || !network.security.empty();
     const bool isUsed = isRosModel(modelFile) || isRosModel(live) || !options.ros.name.empty();
-    if ((hasNetwork && !isUsed) || !options.hand.empty() || options.near)
+    if ((hasNetwork && !isUsed) || !options.hand.empty() || options.partial)
       throw UsageError(
           "--interface, --peer, --domain and --security require --join, --ros or a ROS topic as the model; --hand-name "
           "and "
-          "--near "
+          "--partial "
           "require --join");
     return std::nullopt;
   }
@@ -136,7 +136,7 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
                     .peers = network.peers,
                     .domain = network.domain,
                     .security = network.security,
-                    .near = options.near};
+                    .partial = options.partial};
 }
 
 namespace {

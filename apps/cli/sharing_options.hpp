@@ -52,14 +52,14 @@ struct RosOptions : RosNameOptions {
 };
 
 struct JoinOptionsGiven {
-  std::string name;   ///< empty: no session is joined
-  std::string hand;   ///< name of this hand for the others; empty: that of the machine
-  bool near = false;  ///< fetches only the points around the hands
-  RosOptions ros;     ///< on the same network
+  std::string name;      ///< empty: no session is joined
+  std::string hand;      ///< name of this hand for the others; empty: that of the machine
+  bool partial = false;  ///< fetches only the points around the hands
+  RosOptions ros;        ///< on the same network
   NetworkOptions network;
 };
 enum class JoinAs { hand, onlooker };
-/// --join and the network options; --hand-name and --near for a hand.
+/// --join and the network options; --hand-name and --partial for a hand.
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as);
 /// --ros, --ros-rate, --ros-parent and --ros-pose.
 void addRosOptions(Options& command, RosOptions& options);

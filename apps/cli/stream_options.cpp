@@ -59,7 +59,7 @@ std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::stri
   if (stream != StreamConfig{})
     throw UsageError(
         "{}: is not a recorded depth camera, which --speed, --loop, --fuse, --depth-scale and --intrinsics require; "
-        "that is {}",
+        "name {}",
         modelFile, rgbdFoldersRead());
   return std::nullopt;
 }

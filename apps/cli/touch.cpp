@@ -142,6 +142,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .realtime = config.realtime,
                      .interrupted = StopBySignal::requested(),
                      .edits = config.brush.has_value() && !config.matter,
+                     .stiffness_N_per_mm = config.force.stiffness_N_per_mm,
                      .radius_mm = model.scale.toMm(session.surface().radius),
                      .cell_mm = model.scale.toMm(backend.cell),
                      .spacing_mm = model.scale.toMm(model.spacing),
@@ -326,6 +327,9 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   std::vector<OpenHand> hands;
   hands.reserve(sources.size());
   for (const HandSource& source : sources) hands.push_back(source.hand());
+  if (!options.stiffness->given())
+    config.force.stiffness_N_per_mm =
+        sources.front().remembered.stiffness_N_per_mm.value_or(config.force.stiffness_N_per_mm);
   start.ended("hands");
   if (config.brush) warnOfSmallBrush(context, options, model);
   DrawnFollower* sight = nullptr;
@@ -354,6 +358,7 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   report.unit = unitOf(session.model().cloud, options.picture.look);
   report.ros = heard;
   report.tool = options.backend.tool;
+  report.remembered = sources.front().remembered.inWords();
   report.back = undone;
   report.hands = reportsOf(others, result);
   if (sources.front().recorded) report.recorded = compareForces(result.trace(), *sources.front().recorded);

@@ -29,6 +29,7 @@ struct TouchCommandOptions {
   BrushConfig brush;
   UndoConfig undo;
   ForceOptions force;
+  std::optional<Option> stiffness;  ///< of the command line
 };
 void addTouchOptions(Options& command, TouchCommandOptions& options);
 

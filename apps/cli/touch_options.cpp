@@ -68,7 +68,11 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
   heading("Path");
   addPathOptions(command, options);
   heading("Contact and force");
-  addSettings(command, options.force, {"stiffness_N_per_mm", "damping_N_s_per_mm", "max_N", "max_surface_power_W"});
+  options.stiffness = addSetting(command, options.force, "stiffness_N_per_mm")
+                          .describe(fmt::format("{} (default: as remembered for a device, else {})",
+                                                settingNamed<ForceOptions>("stiffness_N_per_mm").help,
+                                                ForceOptions{}.stiffness_N_per_mm));
+  addSettings(command, options.force, {"damping_N_s_per_mm", "max_N", "max_surface_power_W"});
   addSurfaceOptions(command, options.backend);
   heading("Sculpting");
   addEditOptions(command, options);
@@ -96,7 +100,7 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
        "--stiffness",   "--damping",  "--max-force",   "--surface",      "--friction",  "--radius",   "--edit",
        "--yield-depth", "--strength", "--paint-color", "--brush-radius", "--undo",      "--trace",    "--picture",
        "--save",        "--log",      "--up",          "--size",         "--camera",    "--color",    "--motion",
-       "--live",        "--fuse",     "--join",        "--near",         "--interface", "--backend",  "--tool",
+       "--live",        "--fuse",     "--join",        "--partial",      "--interface", "--backend",  "--tool",
        "--tool-size",   "--device",   "--map",         "--hand"});
 }
 
@@ -108,11 +112,11 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
   if (options.edit == "none") {
     if (!options.saveFile.empty() && options.stream.fuse != "on" && options.join.name.empty() &&
         !sceneNamed(options.model.file))
-      throw UsageError("--save: nothing changes with --edit none");
-    if (options.undo.undo > 0) throw UsageError("--undo: nothing changes with --edit none");
+      throw UsageError("--save: requires a brush (--edit); without one no point changes");
+    if (options.undo.undo > 0) throw UsageError("--undo: requires a brush (--edit); without one no point changes");
   }
   if (options.undo.redo > 0 && options.undo.undo == 0)
-    throw UsageError("--redo: only what --undo took back can be done again");
+    throw UsageError("--redo: requires --undo; only undone strokes can be redone");
   if (options.picture.printFrame && options.pictureFile.empty()) throw UsageError("--print-frame: needs --picture");
   if (!options.logFile.empty())
     Abilities(ModelKind::cloud, can, options.backend.backend).require(Action::record, "--log");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/cli/model.hpp"
+#include "apps/cli/sharing_results.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/contact/surface.hpp"
 #include "engine/motion/play_counts.hpp"
@@ -8,7 +9,6 @@
 #include "engine/touch/touch_backend.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/session/edit_relay.hpp"
-#include "haptics/session/far_cloud.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/trajectory.hpp"
 
@@ -59,12 +59,6 @@ struct MatterReport {
   std::vector<PortEnergy> ports = {};  ///< of each hand
 };
 
-/// Transmission of the points around the hands.
-struct FarReport {
-  FarCounts counts;
-  UnknownTicks ticks;
-};
-
 /// A stage between the beginning of the command and the first answer, and its duration.
 struct StartStage {
   std::string_view name;
@@ -89,6 +83,7 @@ struct TouchReport {
   bool realtime = false;
   bool interrupted = false;
   bool edits = false;
+  double stiffness_N_per_mm = 0;
   double radius_mm = 0, cell_mm = 0, spacing_mm = 0, noise_spacings = 0, mm_per_unit = 1;
   double longestSide = 0;  ///< model units
   LengthUnit unit = LengthUnit::unknown;
@@ -105,6 +100,7 @@ struct TouchReport {
   std::vector<SeenHand> others;        ///< hands of the other participants at the end
   std::optional<FarReport> far;        ///< if another program has all of the points
   std::optional<LogReport> log;
+  std::string remembered;                   ///< for the first hand's device, in words; empty: nothing
   std::vector<FurtherHandReport> hands;     ///< after the first
   std::optional<ForceDifference> recorded;  ///< from the forces of the replayed trajectory
 };

@@ -1,7 +1,7 @@
 // The JSON of a touch session: a row for each key.
 #include "apps/cli/touch_results.hpp"
 
-#include "apps/cli/presence_json.hpp"
+#include "apps/cli/sharing_results.hpp"
 #include "apps/cli/tick_times.hpp"
 #include "engine/core/named_values.hpp"
 
@@ -45,68 +45,6 @@ constexpr Reported<PlayCounts> kFrames[]{
     {"last_loss", "", "reason of the last loss", [](const PlayCounts& f) -> Value { return f.lastLoss; }},
     {"silent_since_s", "s", "time of the last frame, if no more arrived; else null",
      [](const PlayCounts& f) -> Value { return orNull(f.silentSince_s); }},
-};
-
-constexpr Reported<SharedCounts> kShared[]{
-    {"sent", "", "states of points sent, that this hand changed",
-     [](const SharedCounts& s) -> Value { return s.sent; }},
-    {"received", "", "states of points changed by others that took effect here",
-     [](const SharedCounts& s) -> Value { return s.received; }},
-    {"resent", "", "pieces of strokes sent more than once", [](const SharedCounts& s) -> Value { return s.resent; }},
-    {"copied", "", "messages of the server whose best-effort copy arrived first",
-     [](const SharedCounts& s) -> Value { return s.copied; }},
-    {"resumed", "", "requests for missing messages, the first included",
-     [](const SharedCounts& s) -> Value { return s.resumed; }},
-    {"differed", "", "times that the points at rest differed from the server's and were requested again",
-     [](const SharedCounts& s) -> Value { return s.differed; }},
-    {"longest_silence_s", "s", "longest time without a message",
-     [](const SharedCounts& s) -> Value { return s.longestSilent_s; }},
-    {"age_s", "s", "age of the information at the end", [](const SharedCounts& s) -> Value { return s.age_s; }},
-    {"oldest_s", "s", "largest age of the information", [](const SharedCounts& s) -> Value { return s.oldest_s; }},
-    {"force_share", "1", "share of the force that this age allows",
-     [](const SharedCounts& s) -> Value { return s.force; }},
-    {"pings", "", "pings sent", [](const SharedCounts& s) -> Value { return s.link.pings; }},
-    {"answered", "", "pings answered", [](const SharedCounts& s) -> Value { return s.link.answered; }},
-    {"lost", "", "pings lost", [](const SharedCounts& s) -> Value { return s.link.lost; }},
-    {"lost_percent", "%", "the same as a share; null: no ping was sent",
-     [](const SharedCounts& s) -> Value { return orNull(s.link.lost_percent); }},
-    {"round_trip_ms", "ms", "round trip of a ping; null: none was answered",
-     [](const SharedCounts& s) -> Value { return orNull(s.link.roundTrip_ms); }},
-    {"delivered", "", "whether all edits have reached the server",
-     [](const SharedCounts& s) -> Value { return s.delivered; }},
-    {"idle", "", "whether all edits of the others were in effect at the end",
-     [](const SharedCounts& s) -> Value { return s.idle; }},
-    {"same", "", "whether the points at rest equal the server's, bit by bit",
-     [](const SharedCounts& s) -> Value { return s.same; }},
-};
-
-constexpr Reported<FarReport> kNear[]{
-    {"ticks", "", "ticks of the session", [](const FarReport& f) -> Value { return f.ticks.ticks; }},
-    {"ticks_without_points", "", "ticks without force, as the points around a hand were missing",
-     [](const FarReport& f) -> Value { return f.ticks.without; }},
-    {"points", "", "points received", [](const FarReport& f) -> Value { return f.counts.points; }},
-    {"steps", "", "updates of the known points", [](const FarReport& f) -> Value { return f.counts.updates; }},
-    {"samples", "", "samples received from the network", [](const FarReport& f) -> Value { return f.counts.samples; }},
-    {"resumed", "", "times that everything was requested again",
-     [](const FarReport& f) -> Value { return f.counts.resumed; }},
-    {"servers", "", "successive servers", [](const FarReport& f) -> Value { return f.counts.servers; }},
-    {"restarts", "", "restarts of the motion at the server",
-     [](const FarReport& f) -> Value { return f.counts.restarts; }},
-    {"bricks", "", "bricks held at the end", [](const FarReport& f) -> Value { return f.counts.bricks; }},
-    {"known", "", "points held at the end", [](const FarReport& f) -> Value { return f.counts.known; }},
-    {"max_known", "", "largest number of points held", [](const FarReport& f) -> Value { return f.counts.mostKnown; }},
-    {"sent", "", "states of points that hands here have changed",
-     [](const FarReport& f) -> Value { return f.counts.sent; }},
-    {"resent", "", "pieces of their strokes sent more than once",
-     [](const FarReport& f) -> Value { return f.counts.resent; }},
-    {"delivered", "", "whether all edits have reached the server",
-     [](const FarReport& f) -> Value { return f.counts.delivered; }},
-    {"longest_silence_s", "s", "longest time without a message",
-     [](const FarReport& f) -> Value { return f.counts.longestSilent_s; }},
-    {"pings", "", "pings sent", [](const FarReport& f) -> Value { return f.counts.pings; }},
-    {"answered", "", "pings answered", [](const FarReport& f) -> Value { return f.counts.answered; }},
-    {"round_trip_ms", "ms", "round trip of a ping; null: none was answered",
-     [](const FarReport& f) -> Value { return orNull(f.counts.roundTrip_ms); }},
 };
 
 constexpr Reported<PortEnergy> kPorts[]{
@@ -192,6 +130,10 @@ constexpr Reported<TouchReport> kTouch[]{
     {"fresh_fraction", "1", "fraction of ticks answered in time",
      [](const TouchReport& r) -> Value { return r.trace.freshFraction; }},
     {"peak_force_N", "N", "largest force", [](const TouchReport& r) -> Value { return r.trace.peakForce_N; }},
+    {"stiffness_N_per_mm", "N/mm", "stiffness of the contact that the session asked for",
+     [](const TouchReport& r) -> Value { return r.stiffness_N_per_mm; }},
+    {"remembered", "", "what is remembered for the device, in words; empty: nothing",
+     [](const TouchReport& r) -> Value { return r.remembered; }},
     {"moved_points", "", "points that edits have changed", [](const TouchReport& r) -> Value { return r.movedPoints; }},
     {"backend", "", "back end that answered", [](const TouchReport& r) -> Value { return r.backend; }},
     {"gpu", "", "name of the machine that answered", [](const TouchReport& r) -> Value { return r.machine; }},
@@ -257,13 +199,13 @@ constexpr Reported<TouchReport> kTouch[]{
     {"frames", "", "frames of a depth camera", [](const TouchReport& r) -> Value { return partBy(kFrames, r.frames); }},
     {"ros", "", "publishing to ROS 2", [](const TouchReport& r) -> Value { return partBy(kRos, r.ros); }},
     {"shared", "", "exchange with the other participants of a joined session",
-     [](const TouchReport& r) -> Value { return partBy(kShared, r.shared); }},
+     [](const TouchReport& r) -> Value { return r.shared ? Value(toJson(*r.shared)) : std::nullopt; }},
     {"cameras", "", "cameras of the other participants at the end",
      [](const TouchReport& r) -> Value { return r.cameras ? Value(*r.cameras) : std::nullopt; }},
     {"other_hands", "", "hands of the other participants at the end",
      [](const TouchReport& r) -> Value { return r.cameras ? Value(toJson(r.others)) : std::nullopt; }},
-    {"near", "", "points streamed around the hand (--near)",
-     [](const TouchReport& r) -> Value { return partBy(kNear, r.far); }},
+    {"partial", "", "points streamed around the hand (--partial)",
+     [](const TouchReport& r) -> Value { return r.far ? Value(toJson(*r.far)) : std::nullopt; }},
     {"hands", "", "the hands after the first (--hand)",
      [](const TouchReport& r) -> Value {
        Json hands = Json::array();
@@ -294,8 +236,7 @@ void listTouchResults(std::vector<ResultFacts>& all) {
   list("matter.ports[].", kPorts);
   list("frames.", kFrames);
   list("ros.", kRos);
-  list("shared.", kShared);
-  list("near.", kNear);
+  listSharingResults(all, "touch");
   list("hands[].", kHands);
   list("undo.", kUndo);
   list("recorded_forces.", kRecorded);

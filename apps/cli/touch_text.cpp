@@ -29,8 +29,10 @@ std::string inWords(const PlayCounts& frames) {
 }
 
 std::string inWords(const MatterReport& matter, std::size_t particles) {
-  std::string words = fmt::format("{} of {}, {} substeps per millisecond, forces times {:g}", particles,
-                                  matter.scene.matter, matter.scene.substeps, matter.scene.gain);
+  const bool isSoft = matter.scene.matter == "soft";
+  std::string words =
+      fmt::format("{} of {}, {} substeps per millisecond, forces times {:g}", particles,
+                  isSoft ? "a soft body" : matter.scene.matter, matter.scene.substeps, matter.scene.gain);
   if (matter.scene.coupling_N_mm > 0)
     words += fmt::format(", coupling of hand and ball {:.3g} N/mm", matter.scene.coupling_N_mm);
   if (!matter.scene.elasticity.empty()) words += "; " + matter.scene.elasticity;
@@ -129,11 +131,11 @@ void printTicks(const Rows& rows, const TouchReport& report) {
   if (report.edits)
     rows.print("edit p50 / p99.9", fmt::format("{:.1f} / {:.1f} us ({} ticks), {} points moved", report.edit_us.p50,
                                                report.edit_us.p999, report.edit_us.count, report.movedPoints));
-  if (report.shape) rows.print("shape", fmt::format("{} strokes have changed the rest shape", report.shape->strokes));
+  if (report.shape) rows.print("shape", fmt::format("strokes that changed the rest shape: {}", report.shape->strokes));
   if (trace.contactTicks == 0 && !report.matter)
     rows.print("contact",
-               "none: the HIP never crossed the surface from outside; is the path right, and the support radius some "
-               "spacings wide?");
+               "none: the HIP never crossed the surface from outside; check the path, and that the support radius "
+               "is some spacings wide");
   if (report.error.ticks)
     rows.print("contact error", fmt::format("{}, largest of {} ticks against double precision{}",
                                             rows.length(report.error.worst_mm), report.error.ticks,
@@ -145,6 +147,7 @@ void printTicks(const Rows& rows, const TouchReport& report) {
 void printForces(const Rows& rows, const TouchReport& report) {
   const TraceSummary& trace = report.trace;
   rows.print("peak force", fmt::format("{:.3f} N", trace.peakForce_N));
+  if (!report.remembered.empty()) rows.print("remembered", report.remembered + ", for this device");
   if (report.matter && report.matter->scene.coupling_N_mm > 0)
     rows.print("peak torque", fmt::format("{:.3g} mN m about the middle of the ball", trace.peakTorque_mNm));
   if (report.toolPoints)

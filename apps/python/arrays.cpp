@@ -12,7 +12,7 @@ Doubles pathRows(const py::object& given) {
   Doubles rows = Doubles::ensure(given);
   if (!rows) {
     PyErr_Clear();
-    refuse("path: is an array of numbers, not " + described(given));
+    refuse("path: must be an array of numbers, not " + described(given));
   }
   if (rows.ndim() != 2 || (rows.shape(1) != 3 && rows.shape(1) != 4))
     refuse("path: has shape " + shapeOf(rows) + ", not (N, 3), a row for each tick, or (N, 4), seconds first");
@@ -51,7 +51,7 @@ py::array threeColumns(const py::object& given, const char* name, std::optional<
   const py::array any = py::array::ensure(given);
   if (!any) {
     PyErr_Clear();
-    refuse(std::string(name) + ": is an array of numbers, not " + described(given));
+    refuse(std::string(name) + ": must be an array of numbers, not " + described(given));
   }
   if (any.ndim() != 2 || any.shape(1) != 3 || (rows && any.shape(0) != *rows))
     refuse(std::string(name) + ": has shape " + shapeOf(any) + ", not (" + (rows ? std::to_string(*rows) : "N") +
@@ -60,7 +60,7 @@ py::array threeColumns(const py::object& given, const char* name, std::optional<
   Doubles doubles = Doubles::ensure(any);
   if (!doubles) {
     PyErr_Clear();
-    refuse(std::string(name) + ": is an array of numbers, not " + described(given));
+    refuse(std::string(name) + ": must be an array of numbers, not " + described(given));
   }
   return py::array(std::move(doubles));
 }
@@ -115,7 +115,7 @@ std::string fileOf(const py::object& path) {
     return py::module_::import("os").attr("fspath")(path).cast<std::string>();
   } catch (const py::error_already_set& error) {
     if (!error.matches(PyExc_TypeError)) throw;
-    refuseType("file: is a path, not " + described(path));
+    refuseType("file: must be a path, not " + described(path));
   }
 }
 

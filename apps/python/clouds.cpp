@@ -31,7 +31,7 @@ pp_rows colorsOf(py::array& kept, const py::object& given, py::ssize_t count) {
   };
   const char type = any ? any.dtype().kind() : 'f';
   if (type != 'f' && type != 'i' && type != 'u')
-    refuseType("colors: are whole numbers (0 to 255; uint16: 0 to 65535) or floats (0 to 1, or 0 to 255), not " +
+    refuseType("colors: must be whole numbers (0 to 255; uint16: 0 to 65535) or floats (0 to 1, or 0 to 255), not " +
                std::string(py::str(any.dtype())));
   if (any && type != 'f' && any.ndim() == 2 && any.shape(0) == count && any.shape(1) == 3) {
     if (any.dtype().is(py::dtype::of<std::uint16_t>())) return keep(std::uint16_t{});

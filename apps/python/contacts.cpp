@@ -23,7 +23,7 @@ const char* validityOf(const PyContact& answer) {
 thread_local bool ContactListener::isWithin_ = false;
 
 ContactListener::ContactListener(py::object function) : function_(std::move(function)) {
-  if (PyCallable_Check(function_.ptr()) == 0) refuseType("function: is a function, not " + described(function_));
+  if (PyCallable_Check(function_.ptr()) == 0) refuseType("function: must be a function, not " + described(function_));
 }
 
 void ContactListener::hear(void* user, const pp_contact_event* event) {

@@ -21,7 +21,7 @@ class Heard {
   /// `function`: called with level and text of each message; None: none. Throws palpate.ArgumentTypeError.
   explicit Heard(py::object function) : function_(std::move(function)) {
     if (!function_.is_none() && PyCallable_Check(function_.ptr()) == 0)
-      refuseType("on_message: is a function, not " + described(function_));
+      refuseType("on_message: must be a function, not " + described(function_));
   }
 
   /// A pp_log_function, whose `user` is a Heard.

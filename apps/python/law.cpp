@@ -131,7 +131,7 @@ Law::Law(const py::object& given, bool allowPython) {
     return;
   }
   if (PyCallable_Check(given.ptr()) == 0)
-    refuseType("law: is \"libmine.so:law\", a numba cfunc or a function, not " + described(given));
+    refuseType("law: must be \"libmine.so:law\", a numba cfunc or a function, not " + described(given));
   if (!allowPython)
     refuseType(
         "law: a function in Python runs in every tick and waits for Python's lock: some 30 us while no other thread "

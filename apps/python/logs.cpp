@@ -5,6 +5,8 @@
 
 namespace palpate::python {
 
+using namespace py::literals;
+
 namespace {
 
 class PyLog {
@@ -88,22 +90,17 @@ py::dict replayed(const py::object& log, const std::shared_ptr<PyCloud>& cloud, 
     py::gil_scoped_release released;
     result = interruption.during([&] { return pp::replay(file, options); });
   }
-  py::dict told;
-  told["identical"] = result.identical != 0;
-  told["ticks"] = result.ticks;
-  told["compared"] = result.compared;
-  told["force_ticks"] = result.force_ticks;
-  told["largest_force_N"] = result.largest_force_N;
-  told["edit_ticks"] = result.edit_ticks;
-  told["points"] = result.ends_compared != 0 ? py::object(py::int_(result.points)) : py::object(py::none());
-  told["first_difference_s"] =
-      result.first_difference_s < 0 ? py::object(py::none()) : py::object(py::float_(result.first_difference_s));
-  told["recorded_edits_agree"] =
-      result.recorded_edits == 0 ? py::object(py::none()) : py::object(py::bool_(result.recorded_edits == 1));
-  told["reason"] = std::string(result.reason);
-  told["machine"] = std::string(result.machine);
-  told["recorded_on"] = std::string(result.recorded_on);
-  return told;
+  return py::dict(
+      "identical"_a = result.identical != 0, "ticks"_a = result.ticks, "compared"_a = result.compared,
+      "force_ticks"_a = result.force_ticks, "largest_force_N"_a = result.largest_force_N,
+      "edit_ticks"_a = result.edit_ticks,
+      "points"_a = result.ends_compared != 0 ? py::object(py::int_(result.points)) : py::object(py::none()),
+      "first_difference_s"_a =
+          result.first_difference_s < 0 ? py::object(py::none()) : py::object(py::float_(result.first_difference_s)),
+      "recorded_edits_agree"_a =
+          result.recorded_edits == 0 ? py::object(py::none()) : py::object(py::bool_(result.recorded_edits == 1)),
+      "reason"_a = std::string(result.reason), "machine"_a = std::string(result.machine),
+      "recorded_on"_a = std::string(result.recorded_on));
 }
 
 }  // namespace

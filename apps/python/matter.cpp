@@ -3,6 +3,8 @@
 
 namespace palpate::python {
 
+using namespace py::literals;
+
 namespace {
 
 class PyFrame {
@@ -66,20 +68,12 @@ class PyMatter {
 
 py::dict stateOf(const pp_matter_state& state) {
   const auto three = [](const double(&v)[3]) { return py::make_tuple(v[0], v[1], v[2]); };
-  py::dict told;
-  told["t_s"] = state.t_s;
-  told["particles"] = state.particles;
-  told["substeps"] = state.substeps;
-  told["kinetic_J"] = state.kinetic_J;
-  told["potential_J"] = state.potential_J;
-  told["momentum_kg_m_s"] = three(state.momentum_kg_m_s);
-  told["max_compression"] = state.max_compression;
-  told["front_mm"] = state.front_mm;
-  told["on_model_N"] = three(state.on_model_N);
-  told["inside_model"] = state.inside_model;
-  told["failed"] = state.failed != 0;
-  told["machine"] = std::string(state.machine);
-  return told;
+  return py::dict("t_s"_a = state.t_s, "particles"_a = state.particles, "substeps"_a = state.substeps,
+                  "kinetic_J"_a = state.kinetic_J, "potential_J"_a = state.potential_J,
+                  "momentum_kg_m_s"_a = three(state.momentum_kg_m_s), "max_compression"_a = state.max_compression,
+                  "front_mm"_a = state.front_mm, "on_model_N"_a = three(state.on_model_N),
+                  "inside_model"_a = state.inside_model, "failed"_a = state.failed != 0,
+                  "machine"_a = std::string(state.machine));
 }
 
 }  // namespace
@@ -195,12 +189,8 @@ void bindSessionsMatter(py::class_<PySession>& session) {
         py::list energies;
         for (std::uint32_t i = 0; i < motion.hands; ++i)
           energies.append(py::make_tuple(motion.energy_J[i], motion.min_energy_J[i]));
-        py::dict told;
-        told["paused"] = motion.paused != 0;
-        told["failure"] = std::string(motion.failure);
-        told["dropped_s"] = motion.dropped_s;
-        told["energies_J"] = energies;
-        return told;
+        return py::dict("paused"_a = motion.paused != 0, "failure"_a = std::string(motion.failure),
+                        "dropped_s"_a = motion.dropped_s, "energies_J"_a = energies);
       });
 }
 

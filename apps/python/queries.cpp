@@ -105,8 +105,7 @@ py::array PySession::rows() {
   return rows;
 }
 
-void bindSessionsQueries(py::class_<PySession>& session) {
-  constexpr double kEndless = std::numeric_limits<double>::infinity();
+void bindSessionsTicks(py::class_<PySession>& session) {
   session
       .def(
           "touch_pose",
@@ -162,7 +161,12 @@ void bindSessionsQueries(py::class_<PySession>& session) {
            "all its ticks in order; live, by read_ticks(), or before on_ticks is called, and never on the\n"
            "servo thread. It must not call the session. An exception is raised by the call that delivers\n"
            "the event, and ends the force: a live session ends, and touch_pose() and live() raise Error until\n"
-           "on_contact() is called again.")
+           "on_contact() is called again.");
+}
+
+void bindSessionsQueries(py::class_<PySession>& session) {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  session
       .def("nearest", &PySession::nearest, py::arg("positions"), py::arg("max_distance") = kEndless,
            "nearest(positions, max_distance=inf) -> structured array\n\n"
            "For each position, the nearest one on the surface that the hands feel, edits included. positions:\n"

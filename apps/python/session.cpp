@@ -50,7 +50,7 @@ constexpr BrushSetting kBrushSettings[]{
      [](pp_brush& b, const py::handle& v, double mm) { b.yield_depth_mm = v.cast<double>() * mm; }},
     {"push_rate", "a number", [](pp_brush& b, const py::handle& v, double) { b.push_rate = v.cast<double>(); }},
     {"strength", "a number", [](pp_brush& b, const py::handle& v, double) { b.strength = v.cast<double>(); }},
-    {"falloff", "a whole number from 0 on",
+    {"falloff", "a whole number of 0 or more",
      [](pp_brush& b, const py::handle& v, double) { b.falloff = v.cast<std::uint32_t>(); }},
     {"resample", "True or False",
      [](pp_brush& b, const py::handle& v, double) { b.resample = v.cast<bool>() ? 1 : 0; }},
@@ -78,7 +78,7 @@ Brush::Brush(const std::string& name, const py::kwargs& settings, double mm_per_
     try {
       setting.set(brush, value, mm_per_unit);
     } catch (const py::cast_error&) {
-      refuseType(std::string(setting.name) + ": is " + setting.kind + ", not " + described(value));
+      refuseType(std::string(setting.name) + ": must be " + setting.kind + ", not " + described(value));
     }
   }
   brush.kind = kind.c_str();

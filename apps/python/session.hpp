@@ -129,6 +129,7 @@ class PySession {
   pp::Session session_;  // destroyed first
 };
 
+void bindSessionsTicks(py::class_<PySession>& session);
 void bindSessionsQueries(py::class_<PySession>& session);
 void bindLogs(py::module_& module);
 void bindSessionsMatter(py::class_<PySession>& session);

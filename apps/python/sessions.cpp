@@ -3,6 +3,8 @@
 
 namespace palpate::python {
 
+using namespace py::literals;
+
 using Vector = std::array<double, 3>;
 using Color = std::array<std::uint8_t, 3>;
 
@@ -160,18 +162,10 @@ void bindOpening(py::class_<PySession>& session) {
           "answers.")
       .def("_info", [](PySession& self) {
         const pp_session_info info = self.with([](pp::Session& open) { return open.info(); });
-        py::dict told;
-        told["points"] = info.points;
-        told["mm_per_unit"] = info.mm_per_unit;
-        told["spacing_mm"] = info.spacing_mm;
-        told["radius_mm"] = info.radius_mm;
-        told["rate_Hz"] = info.rate_Hz;
-        told["undo_count"] = info.undo_count;
-        told["redo_count"] = info.redo_count;
-        told["live"] = info.live != 0;
-        told["backend"] = std::string(info.backend);
-        told["machine"] = std::string(info.machine);
-        return told;
+        return py::dict("points"_a = info.points, "mm_per_unit"_a = info.mm_per_unit, "spacing_mm"_a = info.spacing_mm,
+                        "radius_mm"_a = info.radius_mm, "rate_Hz"_a = info.rate_Hz, "undo_count"_a = info.undo_count,
+                        "redo_count"_a = info.redo_count, "live"_a = info.live != 0,
+                        "backend"_a = std::string(info.backend), "machine"_a = std::string(info.machine));
       });
 }
 
@@ -229,6 +223,7 @@ void bindSessions(py::module_& module) {
   bindPictures(session);
   bindTouch(session);
   bindLive(session);
+  bindSessionsTicks(session);
   bindSessionsQueries(session);
   bindSessionsMatter(session);
   bindSessionsSharing(session);

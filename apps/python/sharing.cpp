@@ -8,6 +8,8 @@
 
 namespace palpate::python {
 
+using namespace py::literals;
+
 Network::Network(NetworkTuple given) : given_(std::move(given)) {
   const auto& [interface, peers, domain, security] = given_;
   for (const std::string& peer : peers) peers_.push_back(peer.c_str());
@@ -99,19 +101,10 @@ class PyServer {
 };
 
 py::dict told(const pp_server_info& info) {
-  py::dict told;
-  told["serving"] = info.serving != 0;
-  told["points"] = info.points;
-  told["clients"] = info.clients;
-  told["sculptors"] = info.sculptors;
-  told["pieces"] = info.pieces;
-  told["states"] = info.states;
-  told["sent"] = info.sent;
-  told["refused"] = info.refused;
-  told["mm_per_unit"] = info.mm_per_unit;
-  told["access"] = textOf(info.access);
-  told["fault"] = textOf(info.fault);
-  return told;
+  return py::dict("serving"_a = info.serving != 0, "points"_a = info.points, "clients"_a = info.clients,
+                  "sculptors"_a = info.sculptors, "pieces"_a = info.pieces, "states"_a = info.states,
+                  "sent"_a = info.sent, "refused"_a = info.refused, "mm_per_unit"_a = info.mm_per_unit,
+                  "access"_a = textOf(info.access), "fault"_a = textOf(info.fault));
 }
 
 // None for a negative round trip.
@@ -120,27 +113,14 @@ py::object tripOf(double round_trip_ms) {
 }
 
 py::dict told(const pp_sharing& sharing) {
-  py::dict told;
-  told["name"] = textOf(sharing.name);
-  told["host"] = textOf(sharing.host);
-  told["model"] = textOf(sharing.model);
-  told["sculptable"] = sharing.sculptable != 0;
-  told["connected"] = sharing.connected != 0;
-  told["silent_s"] = sharing.silent_s;
-  told["longest_silent_s"] = sharing.longest_silent_s;
-  told["round_trip_ms"] = tripOf(sharing.round_trip_ms);
-  told["pings"] = sharing.pings;
-  told["answered"] = sharing.answered;
-  told["sent"] = sharing.sent;
-  told["received"] = sharing.received;
-  told["resent"] = sharing.resent;
-  told["resumed"] = sharing.resumed;
-  told["delivered"] = sharing.delivered != 0;
-  told["idle"] = sharing.idle != 0;
-  told["same"] = sharing.same != 0;
-  told["restarts"] = sharing.restarts;
-  told["fault"] = textOf(sharing.fault);
-  return told;
+  return py::dict("name"_a = textOf(sharing.name), "host"_a = textOf(sharing.host), "model"_a = textOf(sharing.model),
+                  "sculptable"_a = sharing.sculptable != 0, "connected"_a = sharing.connected != 0,
+                  "silent_s"_a = sharing.silent_s, "longest_silent_s"_a = sharing.longest_silent_s,
+                  "round_trip_ms"_a = tripOf(sharing.round_trip_ms), "pings"_a = sharing.pings,
+                  "answered"_a = sharing.answered, "sent"_a = sharing.sent, "received"_a = sharing.received,
+                  "resent"_a = sharing.resent, "resumed"_a = sharing.resumed, "delivered"_a = sharing.delivered != 0,
+                  "idle"_a = sharing.idle != 0, "same"_a = sharing.same != 0, "restarts"_a = sharing.restarts,
+                  "fault"_a = textOf(sharing.fault));
 }
 
 py::list discover(const NetworkTuple& network, double seconds) {

@@ -34,7 +34,7 @@ Json summaryJson(const Summary& summary) {
 // Throws Error with the failure and the remedy if the simulation has stopped.
 void requireRunning(const MatterSimulation& world) {
   if (world.state() == MatterState::running) return;
-  throw Error("the simulation {} after {:.3f} s; take more substeps",
+  throw Error("the simulation {} after {:.3f} s; use more substeps",
               world.state() == MatterState::diverged ? "has diverged" : "has too many particles in one place",
               world.time_s());
 }
@@ -113,10 +113,10 @@ void simulate(Context& context, const SimulateOptions& options) {
   const bool hasPressure = !options.probe.empty() && scene.matter == Matter::water;
   const double pressure_Pa = hasPressure ? world.pressureAt(probe_mm / kMmPerMetre) : 0;
   std::FILE* out = context.tables();
-  fmt::print(out, "{}: {} {} of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
-             scene.matter == Matter::soft ? "nodes" : "particles", nameOf(kMatters, scene.matter), seen.time_s,
-             world.plan().substeps);
   const bool isSoft = scene.matter == Matter::soft;
+  fmt::print(out, "{}: {} {} of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
+             isSoft ? "nodes" : "particles", isSoft ? "a soft body" : nameOf(kMatters, scene.matter), seen.time_s,
+             world.plan().substeps);
   fmt::print(out, "  {}\n", isSoft ? elasticityInWords(scene) : layersInWords(scene));
   const UVec3 layers = world.plan().lattice;
   const Json hand = sayHand(out, scene);

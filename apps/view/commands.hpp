@@ -48,8 +48,24 @@ struct SetTrueLength {
   std::string text;
 };
 
-using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, Answer, FileCommand, BrowseCommand,
-                                 ModelSide, LookAlong, SetParameter, SetTrueLength>;
+/// Commands about the device in the hand.
+enum class DeviceCommand { look, test, endTest, useStiffness, useAxes, closeResult, forget };
+/// Holds another device, as in --device, or the mouse.
+struct ChooseDevice {
+  std::string device;
+};
+/// Axes of the device, as typed.
+struct SetDeviceAxes {
+  std::string text;
+};
+/// Copies a text to the clipboard.
+struct CopyText {
+  std::string text;
+};
+
+using ViewCommand =
+    std::variant<WindowCommand, ModelCommand, StylusCommand, Answer, FileCommand, BrowseCommand, ModelSide, LookAlong,
+                 SetParameter, SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

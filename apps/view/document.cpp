@@ -106,7 +106,7 @@ void Document::openAtScale(double mm_per_unit) {
   WindowOptions options = opened_;
   options.config.model.file = file_;
   options.config.model.mm_per_unit = mm_per_unit;
-  read(std::move(options), fmt::format("opening it again at {:.6g} mm per unit", mm_per_unit));
+  read(std::move(options), fmt::format("reopening it at {:.6g} mm per unit", mm_per_unit));
 }
 
 void Document::leave(const std::string& what, std::function<void()> then) {
@@ -216,6 +216,14 @@ void Document::install(std::unique_ptr<WindowSession> session, const std::string
               : session_->config().matter || session_->config().join || isRosModel(file_)
                   ? std::filesystem::path(file_).stem().string() + ".ply"
                   : whereToSave(file_).string();
+}
+
+void Document::setDevice(const std::shared_ptr<TurnedDevice>& device, const HapticDeviceFacts& facts) {
+  for (WindowOptions* each : {&options_, &opened_, &opening_, before_ ? &*before_ : &options_}) {
+    each->live.device = device;
+    each->live.deviceFacts = facts;
+  }
+  if (session_) session_->setDevice(device, facts);
 }
 
 void Document::follow() {

@@ -53,6 +53,8 @@ class Document {
   /// Whether the present model is parked while another one is built in its place.
   bool isGivingWay() const { return loader_.isRead() && agreed_ == Agreed::yes; }
 
+  /// The device that the person holds, or null: of the present model and of later ones. Not while one is opened.
+  void setDevice(const std::shared_ptr<TurnedDevice>& device, const HapticDeviceFacts& facts);
   /// Called once per frame: reports the results of saving and recording, and the state of a camera's frames.
   void follow();
   /// Does nothing without a model. Throws its failure.

@@ -161,6 +161,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
   ImGui::PushItemWidth(em(8));
   drawModel(status);
+  drawDevice(status);
   if (status.session) {
     drawBrush(status, settings.brush, settings.view);
     drawFeel(status, settings.feel, settings.forcesOn);
@@ -242,7 +243,7 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
       drag("strength", brush.strength, 0.01f, sliderOf<BrushConfig>("strength"), "%.2f");
     help("fraction of the effect per tick; 0: none, 1: all");
     dragLength("yield depth", brush.yieldDepth_mm, 0.02, sliderOf<BrushConfig>("yield_depth_mm"), status);
-    help("depth of the stylus in the surface from which on the surface yields");
+    help("depth of the stylus below the surface from which the surface yields");
     if (brush.kind == BrushKind::paint) {
       float color[3];
       for (std::size_t k = 0; k < 3; ++k) color[k] = static_cast<float>(brush.color[k]) / 255;
@@ -251,7 +252,7 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
     }
   }
   dragLength("press depth", view.press_mm, 0.05, {0.1, 20}, status);
-  help("depth that the hand aims at while the button is down; the wheel changes it meanwhile");
+  help("target depth while the button is down; the wheel changes it");
   checkbox("follow the surface", view.followsSurface);
   help("off: the stylus moves in a plane parallel to the screen, and the wheel changes its depth");
   const StrokeCounts counts = status.session->strokes();
@@ -313,7 +314,7 @@ void Panels::drawOthers(const ViewStatus& status) {
 
 void Panels::drawMatter(const ViewStatus& status) {
   if (status.parameters.empty() || !header("Matter", true)) return;
-  post(button(status.simulationPaused ? "Go on##matter" : "Pause##matter", em(4)), ModelCommand::pause);
+  post(button(status.simulationPaused ? "Continue##matter" : "Pause##matter", em(4)), ModelCommand::pause);
   help("K");
   ImGui::SameLine();
   post(button("Restart"), ModelCommand::restart);

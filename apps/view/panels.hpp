@@ -14,8 +14,12 @@
 #include "apps/view/link_history.hpp"
 #include "apps/view/place_info.hpp"
 #include "apps/view/settings.hpp"
+#include "haptics/devices/haptic_device.hpp"
 
 namespace palpate {
+
+class HeldDevice;
+struct OpenedDevice;
 
 /// State of the window, as the panels show it.
 struct ViewStatus {
@@ -31,8 +35,8 @@ struct ViewStatus {
   std::string changesQuestion;        ///< empty: no question
   std::optional<SaveQuestion> saveQuestion;
   std::optional<LeftQuestion> leftQuestion;
-  bool stylus = false;  ///< the mouse holds the stylus
-  std::string device;   ///< device that the user holds; empty for the mouse
+  bool stylus = false;               ///< the mouse holds the stylus
+  const HeldDevice* held = nullptr;  ///< the device that the user holds
   std::string gpu;
   struct ScaleBar {
     double width_px = 0, length = 0;  ///< length in file units
@@ -113,6 +117,12 @@ class Panels {
   void drawModel(const ViewStatus& status);
   void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
+  void drawDevice(const ViewStatus& status);
+  void drawDeviceFacts(const OpenedDevice& opened);
+  void drawDeviceState(const HeldDevice& held);
+  void drawDeviceTest(const HeldDevice& held);
+  void drawDeviceSettings(const OpenedDevice& opened);
+  void drawDeviceOffers(const HeldDevice& held);
   void drawOthers(const ViewStatus& status);
   void drawMatter(const ViewStatus& status);
   void drawLook(const ViewStatus& status, ViewSettings& view);
@@ -147,7 +157,8 @@ class Panels {
 
   Gui& gui_;
   ViewCommands commands_;  // posted in this frame
-  std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{};
+  std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{};
+  DeviceState seenDevice_;
   bool paused_ = false;
   bool helps_ = true;  // tooltips are shown; off while the help window is open
   struct Files {

@@ -98,7 +98,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view) {
       if (pass.gpu_us > 0) ImGui::Text("%-24.24s %8.0f", pass.name.c_str(), pass.gpu_us);
     ImGui::TreePop();
   }
-  if (button(paused_ ? "Go on" : "Pause")) paused_ = !paused_;
+  if (button(paused_ ? "Continue" : "Pause")) paused_ = !paused_;
   ImGui::SameLine();
   post(button("Export CSV"), ModelCommand::exportTicks);
   help("writes the last minute of ticks to a file");
@@ -216,20 +216,20 @@ void Panels::drawQuestions(const ViewStatus& status) {
   });
   ask("How to save", status.saveQuestion.has_value(), [&] {
     ImGui::TextWrapped("%s.", status.saveQuestion->loses.c_str());
-    const bool isAnswered = answers({{"Save beside", Answer::saveBeside, ImGuiKey_Enter},
-                                     {"Save over", Answer::saveOver, {}},
+    const bool isAnswered = answers({{"Save a copy", Answer::saveBeside, ImGuiKey_Enter},
+                                     {"Replace", Answer::saveOver, {}},
                                      {"Cancel", Answer::cancel, ImGuiKey_Escape}});
-    ImGui::TextWrapped("Beside (Enter): saves a copy, %s", nameOf(status.saveQuestion->beside).c_str());
-    ImGui::TextWrapped("Over: replaces the file; the old one is kept as %s", nameOf(status.saveQuestion->kept).c_str());
+    ImGui::TextWrapped("Save a copy (Enter): writes %s", nameOf(status.saveQuestion->beside).c_str());
+    ImGui::TextWrapped("Replace: overwrites the file; the old one is kept as %s",
+                       nameOf(status.saveQuestion->kept).c_str());
     return isAnswered;
   });
   ask("Strokes", status.leftQuestion.has_value(), [&] {
     const LeftQuestion& question = *status.leftQuestion;
-    ImGui::TextWrapped("%s was sculpted %s and not saved before the program ended (%zu stroke%s).",
-                       nameOf(question.file).c_str(), ago(question.made).c_str(), question.strokes,
-                       question.strokes == 1 ? "" : "s");
-    const bool isAnswered = answers({{"Go on with it", Answer::goOnWithLeft, ImGuiKey_Enter},
-                                     {"Throw it away", Answer::discardLeft, {}},
+    ImGui::TextWrapped("%s: %zu stroke%s of %s, not saved when the program ended.", nameOf(question.file).c_str(),
+                       question.strokes, question.strokes == 1 ? "" : "s", ago(question.made).c_str());
+    const bool isAnswered = answers({{"Restore them", Answer::goOnWithLeft, ImGuiKey_Enter},
+                                     {"Discard them", Answer::discardLeft, {}},
                                      {"Ask again later", Answer::keepLeft, ImGuiKey_Escape}});
     ImGui::TextWrapped("%s", question.file.c_str());
     return isAnswered;

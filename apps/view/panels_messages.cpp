@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <span>
 
+#include "apps/view/held_device.hpp"
 #include "apps/view/panels.hpp"
 #include "engine/cloud/length_text.hpp"
 
@@ -36,8 +37,8 @@ void Panels::noteLetters(const ViewStatus& status) {
   for (const std::span<const std::string> texts :
        {std::span<const std::string>(status.remarks), status.errors, status.models, status.recent, status.gone})
     for (const std::string& text : texts) gui_.noteLetters(text);
-  for (const std::string& text : {status.model, status.saveFile, status.loadingWhat, status.device})
-    gui_.noteLetters(text);
+  for (const std::string& text : {status.model, status.saveFile, status.loadingWhat}) gui_.noteLetters(text);
+  if (const OpenedDevice* const opened = status.held->opened()) gui_.noteLetters(opened->facts.model);
   for (const auto& field : {open_, saveAs_, log_, trueLength_}) gui_.noteLetters(field.data());
   if (status.saveQuestion)
     for (const std::string& text : {status.saveQuestion->loses, status.saveQuestion->beside, status.saveQuestion->kept})
@@ -55,8 +56,10 @@ void Panels::noteLetters(const ViewStatus& status) {
 
 void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
   std::vector<std::string> lines = status.remarks;
-  if (!status.device.empty())
-    lines.insert(lines.begin(), status.device + ": button 1 sculpts, button 2 is the clutch");
+  if (const DeviceCheckQuery* const test = status.held->test())
+    lines.insert(lines.begin(), std::string(instructionOf(test->stage())));
+  else if (status.held->device())
+    lines.insert(lines.begin(), status.held->opened()->facts.model + ": button 1 sculpts, button 2 is the clutch");
   else if (status.stylus)
     lines.insert(lines.begin(), "stylus: press with the left button");
   if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));

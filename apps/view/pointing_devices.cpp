@@ -22,9 +22,13 @@ constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
 
 }  // namespace
 
-PointingDevices::PointingDevices(Window& window, const InteractiveOptions& held, bool listens)
-    : window_(window), device_(held.device), deviceName_(held.deviceFacts.model) {
-  if (listens && !device_) spaceMouse_.emplace();
+PointingDevices::PointingDevices(Window& window, bool listens) : window_(window) {
+  if (listens) spaceMouse_.emplace();
+}
+
+void PointingDevices::setDevice(std::shared_ptr<TurnedDevice> device, const Pointed& at) {
+  letGo(at);
+  device_ = std::move(device);
 }
 
 void PointingDevices::moveMouse(const DVec2& place_px, const Pointed& at) {
@@ -86,7 +90,8 @@ void PointingDevices::turnWheel(const WheelEvent& event, const Pointed& at) {
 std::optional<PushEvent> PointingDevices::takePush(Messages& messages) {
   if (!spaceMouse_) return std::nullopt;
   for (const std::string& remark : spaceMouse_->takeRemarks()) messages.say(remark);
-  return spaceMouse_->changed();
+  const auto push = spaceMouse_->changed();
+  return device_ ? std::nullopt : push;
 }
 
 ViewCommands PointingDevices::push(const PushEvent& event, const Pointed& at) {

@@ -30,10 +30,11 @@ struct Pointed {
 
 class PointingDevices {
  public:
-  /// A haptic device, if held, is the stylus. `listens`: use a 3D mouse, if one exists and no device is held.
-  PointingDevices(Window& window, const InteractiveOptions& held, bool listens);
+  /// `listens`: use a 3D mouse, if one exists and no device is held.
+  PointingDevices(Window& window, bool listens);
 
-  const std::string& deviceName() const { return deviceName_; }  ///< empty: no device is held
+  /// A haptic device that is the stylus from now on; null: the mouse is.
+  void setDevice(std::shared_ptr<TurnedDevice> device, const Pointed& at);
   const DVec2& cursor_px() const { return cursor_px_; }
   bool holdsStylus() const { return hand_.isHeld(); }
   bool isTouching() const { return hand_.isHeld() || device_; }  ///< with the stylus, or a device
@@ -71,7 +72,6 @@ class PointingDevices {
 
   Window& window_;
   std::shared_ptr<TurnedDevice> device_;
-  std::string deviceName_;
   DVec2 cursor_px_{0};
   std::optional<DVec2> missed_px_;  // cursor at a press to measure that missed the model
   bool hasMissed_ = false;

@@ -35,7 +35,7 @@ constexpr ScriptEvent kEvents[]{
     {"save", "FILE.ply", "saves the edited points"},
     {"record", "[FILE]", "records a session log; without a file: ends it"},
     {"replay", "FILE", "plays a session log"},
-    {"impatient", "", "lets the clock go on while a model is loaded or saved"},
+    {"impatient", "", "keeps the clock running while a model is loaded or saved"},
     {"patient", "", "stops the clock meanwhile, as at the beginning"},
     {"ask", "", "asks about unsaved changes from now on, as without a script"},
     {"await", "FILE", "stops the clock until the file exists, at most a minute"},
@@ -142,7 +142,7 @@ WindowEvent pushEvent(Line& line) {
 
 // A tap on a touchpad or on a key: press and release are shorter than a frame.
 TapAction tapOf(Line& line) {
-  const std::string what = line.word("the place or the key");
+  const std::string what = line.word("the position or the key");
   TapAction tap;
   if (line.atEnd()) {
     const std::vector<int> keys = keysOf(line, what);

@@ -38,7 +38,7 @@ void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measur
   lines_.follow(session, view, measure);
   if (!view.mesh) return mesh_.clear();
   try {
-    if (session.config().moves()) throw Error("a model that moves is not shown as triangles yet");
+    if (session.config().moves()) throw Error("a moving model cannot be shown as triangles");
     if (!mesh_.follow(session, static_cast<std::uint32_t>(view.resolution), edited_.points))
       messages.say("making the triangles");
   } catch (const DeviceLost&) {

@@ -27,22 +27,17 @@ struct ViewCommandOptions {
   JoinOptionsGiven join;
   ScaleOptions scale;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
-              edit = "none", resolution = "128", device = "mouse", scheduler = "device", present = "auto";
+              edit = "none", resolution = "128", device = "auto", axes, scheduler = "device", present = "auto";
   bool hidesCamera = false, rumble = false, realtime = false, keepUnreliable = false;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
 };
 
-/// Opens the held device. Called before the window opens, as the user may be asked to calibrate the device.
-void hold(Context& context, const ViewCommandOptions& options, WindowOptions& session) {
-  OpenedDevice opened = openDevice(
-      options.device, {.log = context.log(), .rate_Hz = options.rate_Hz, .ownScheduler = options.scheduler == "own"});
-  if (options.rumble) opened.device = withRumble(std::move(opened.device), context.log());
-  // The device's axes are rotated about the middle of its workspace, so its origin is moved there.
-  const DVec3 middle_mm = 0.5 * (opened.facts.workspaceMin_mm + opened.facts.workspaceMax_mm);
-  opened.facts.workspaceMin_mm -= middle_mm;
-  opened.facts.workspaceMax_mm -= middle_mm;
-  session.live.device = std::make_shared<TurnedDevice>(std::move(opened.device), middle_mm);
-  session.live.deviceFacts = opened.facts;
+/// The device that is asked for is opened before the window, as the user may be asked to calibrate it; the one that was
+/// used last, while the window is there. A script has no device but the one that it asks for.
+void hold(const ViewCommandOptions& options, HeldDevice& held) {
+  if (options.device != "auto" && options.device != HeldDevice::kMouse) return held.open(options.device);
+  if (options.device == HeldDevice::kMouse) return held.choose(HeldDevice::kMouse);
+  if (options.script.empty()) held.chooseLast();
 }
 
 /// Sets the stream of the first model; later models that are depth cameras are played with the same options.
@@ -83,10 +78,20 @@ std::unique_ptr<Window> openWindow(const ViewOptions& view) {
 void view(Context& context, const ViewCommandOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
+  // A held device requires realtime, also while a script plays.
+  const bool isHeld = options.device != "auto" && options.device != HeldDevice::kMouse;
+  const bool realtime = options.script.empty() || options.realtime || isHeld;
+  HeldDevice held({.rate_Hz = options.rate_Hz,
+                   .ownScheduler = options.scheduler == "own",
+                   .rumbles = options.rumble,
+                   .realtime = realtime,
+                   .quiet = context.log().isQuiet(),
+                   .axes = options.axes});
   ViewOptions view{.models = options.models,
                    .look = options.look,
                    .resolution = std::stoi(options.resolution),
-                   .size_px = {width, height}};
+                   .size_px = {width, height},
+                   .held = held};
   if (!options.script.empty()) view.script = readScript(options.script);
   view.session.config.model =
       ModelOptions{.scale = options.scale, .normals = options.normals, .keepUnreliable = options.keepUnreliable}
@@ -107,9 +112,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   for (const auto& [name, kind] : kBrushKinds)
     if (options.edit == name) view.brush.kind = kind;
 
-  if (options.device != "mouse") hold(context, options, view.session);
-  // A held device requires realtime, also while a script plays.
-  const bool realtime = options.script.empty() || options.realtime || options.device != "mouse";
+  hold(options, held);
   if (!realtime) view.session.live.clock = std::make_shared<SteppedClock>();
 
   if (const std::filesystem::path state = stateFolder(); !state.empty())
@@ -170,15 +173,19 @@ void addView(Options& app, Context& context, Command& command) {
   addLookOptions(sub, options->look);
   addWindowOptions(sub, *options);
   sub.add("--device", options->device,
-          "device that moves the stylus: mouse (or keys and a gamepad); " + heldDevicesHelp())
+          "device that moves the stylus: mouse (or keys and a gamepad); auto: the one that the window used last, and "
+          "the "
+          "mouse if there was none or it is not there; " +
+              heldDevicesHelp())
       .check(Check{[](const std::string& device) {
-                     return device == "mouse" || isHeldDevice(device)
+                     return device == "auto" || device == HeldDevice::kMouse || isHeldDevice(device)
                                 ? std::string()
-                                : "'" + device + "' is not a device; devices are mouse, " + heldDevicesHelp();
+                                : "'" + device + "' is not a device; devices are auto, mouse, " + heldDevicesHelp();
                    },
                    "DEVICE"})
-      .offers({"mouse", "openhaptics", "dhd", "haply", "hid"})
+      .offers({"auto", "mouse", "openhaptics", "dhd", "haply", "hid"})
       .showDefault();
+  addSettingFor<HandConfig>(sub, options->axes, "axes").check(Check{axesComplaint, "RIGHT,UP,TOWARDS"});
   sub.add("--scheduler", options->scheduler, "thread that runs the ticks of an OpenHaptics device, as in palpate touch")
       .check(oneOf({"device", "own"}))
       .showDefault();
@@ -216,7 +223,7 @@ void addView(Options& app, Context& context, Command& command) {
   sub.heading("Options");
   sub.helpShows({"--mm-per-unit", "--up",        "--unit",   "--size", "--script",      "--realtime",   "--device",
                  "--backend",     "--surface",   "--edit",   "--rate", "--undo-memory", "--present",    "--join",
-                 "--near",        "--interface", "--motion", "--live", "--fuse",        "--intrinsics", "--speed"});
+                 "--partial",     "--interface", "--motion", "--live", "--fuse",        "--intrinsics", "--speed"});
   sub.footer(
       "Hold Space and move the mouse over the model: it is the stylus now. Press the left button to "
       "touch, and to sculpt once a brush is chosen (keys 2 to 8). H shows all keys.\n");

@@ -14,10 +14,11 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
       gui_(window),
       panels_(gui_),
       screen_(window, sight, gui_, options.presentation),
+      held_(options.held),
       document_({context, window, sight, settings_, messages_}, options.session, options.script.empty()),
       shown_(sight),
       ownCamera_(options.session),
-      pointing_(window, options.session.live, options.script.empty()),
+      pointing_(window, options.script.empty()),
       script_(options.script, options.session.live.clock != nullptr) {
   ViewSettings& view = settings_.view;
   view.up = upNamed(options.look.up);
@@ -26,6 +27,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
   // A script with its own clock need not wait for the display.
   if (script_.hasOwnClock()) view.waitsForDisplay = false;
   view.plots = double(options.size_px.x) >= panels_.roomyWidth_px();
+  followDevice();
   document_.offer(options.models);
   if (!options.models.empty()) document_.open(options.models.front());
 }
@@ -54,6 +56,7 @@ void Viewer::step() {
                                             : pace_.last_ms() * 1e-3;
   const Stopwatch watch;
   messages_.dropOld();
+  followDevice();
   followSession();
   // No stroke continues behind a question.
   if (document_.asks())
@@ -164,6 +167,10 @@ void Viewer::carryOut(const ViewCommand& command) {
   if (const auto* answer = std::get_if<Answer>(&command)) document_.answer(*answer);
   if (const auto* file = std::get_if<FileCommand>(&command)) carryOut(*file);
   if (const auto* browse = std::get_if<BrowseCommand>(&command)) panels_.browse(browse->task, status());
+  if (const auto* device = std::get_if<DeviceCommand>(&command)) carryOut(*device);
+  if (const auto* device = std::get_if<ChooseDevice>(&command)) held_.choose(device->device);
+  if (const auto* axes = std::get_if<SetDeviceAxes>(&command)) held_.setAxes(axes->text);
+  if (const auto* copied = std::get_if<CopyText>(&command)) window_.setClipboard(copied->text);
   WindowSession* session = document_.session();
   if (!session) return;
   const UpAxis up = settings_.view.upOf(session->model());
@@ -186,6 +193,25 @@ void Viewer::carryOut(WindowCommand command) {
   if (command == WindowCommand::copyPlaces) copyPlaces();
   if (command == WindowCommand::resetView) fitCamera();
   if (command == WindowCommand::screenshot) screen_.keep(document_.freeName("", "png"), Screen::Of::model);
+}
+
+void Viewer::carryOut(DeviceCommand command) {
+  switch (command) {
+    case DeviceCommand::look:
+      return held_.lookAround();
+    case DeviceCommand::test:
+      return held_.beginTest();
+    case DeviceCommand::endTest:
+      return held_.endTest();
+    case DeviceCommand::useStiffness:
+      return held_.useStiffness();
+    case DeviceCommand::useAxes:
+      return held_.useAxes();
+    case DeviceCommand::closeResult:
+      return held_.closeResult();
+    case DeviceCommand::forget:
+      return held_.forget();
+  }
 }
 
 void Viewer::carryOut(const FileCommand& command) {
@@ -261,7 +287,25 @@ Pointed Viewer::pointed() {
           .measure = settings_.view.measures ? &measure_ : nullptr};
 }
 
-void Viewer::sayLost(const std::string& failure) { messages_.sayError(failure + "; edits are kept and can be saved"); }
+void Viewer::sayLost(const std::string& failure) {
+  const WindowSession* session = document_.session();
+  if (!session || !session->hasLostDevice()) return messages_.sayError(failure + "; edits are kept and can be saved");
+  held_.lose();
+  messages_.sayError(failure + "; the mouse moves the stylus now, and Device in the panel holds it again");
+}
+
+// Between models: one that is being opened has the device of its beginning.
+void Viewer::followDevice() {
+  const bool mayChange = !document_.loader().isLoading() && !document_.isGivingWay();
+  if (!held_.follow(messages_, mayChange)) return;
+  messages_.tryTo([&] {
+    document_.setDevice(held_.device(), held_.centredFacts());
+    pointing_.setDevice(held_.device(), pointed());
+  });
+  if (!held_.device()) return;
+  if (const auto stiffness = held_.opened()->remembered.stiffness_N_per_mm)
+    settings_.feel.stiffness_N_per_mm = *stiffness;
+}
 
 void Viewer::followSession() {
   WindowSession* session = document_.session();

@@ -4,6 +4,7 @@
 #include "apps/view/document.hpp"
 #include "apps/view/event_queue.hpp"
 #include "apps/view/gui.hpp"
+#include "apps/view/held_device.hpp"
 #include "apps/view/keyboard.hpp"
 #include "apps/view/messages.hpp"
 #include "apps/view/own_camera.hpp"
@@ -25,6 +26,7 @@ struct ViewOptions {
   LookOptions look;
   int resolution = 128;  ///< of the triangles
   UVec2 size_px{1280, 720};
+  HeldDevice& held;
   std::vector<TimedAction> script;
   std::optional<Presentation> presentation;  ///< found automatically if not given
 };
@@ -51,9 +53,11 @@ class Viewer {
   void carryOut(const ViewCommand& command);
   void carryOut(WindowCommand command);
   void carryOut(const FileCommand& command);
+  void carryOut(DeviceCommand command);
   void letGo();
   void welcome();
   void followSession();
+  void followDevice();
   void followName();
   void sayLost(const std::string& failure);
   void playTicks();
@@ -77,6 +81,7 @@ class Viewer {
   Panels panels_;
   Screen screen_;
   PicturePace pace_;
+  HeldDevice& held_;
   Document document_;
   std::string named_;  // in the window's title
   ShownModel shown_;

@@ -1,94 +1,10 @@
 // The part of Viewer that reports its state: to the panels, and to a script.
-#include <algorithm>
-
 #include "apps/cli/picture.hpp"
-#include "apps/cli/presence_json.hpp"
 #include "apps/view/viewer.hpp"
+#include "apps/view/window_state.hpp"
 #include "engine/core/atomic_file.hpp"
 
 namespace palpate {
-
-namespace {
-
-std::string_view nameIn(const auto& names, auto value) {
-  for (const auto& [name, each] : names)
-    if (value == each) return name;
-  return {};
-}
-
-// The other participants of the joined session.
-Json othersOf(const WindowSession& session) {
-  Json others = Json::object();
-  if (const SharedFollower* const shared = session.shared()) {
-    const SharedCounts counts = shared->counts();
-    others = {{"sent", counts.sent},
-              {"received", counts.received},
-              {"delivered", counts.delivered},
-              {"same", counts.same},
-              {"silent_s", counts.silent_s},
-              {"age_s", counts.age_s},
-              {"force_share", counts.force},
-              {"round_trip_ms", counts.link.roundTrip_ms ? Json(*counts.link.roundTrip_ms) : Json(nullptr)},
-              {"lost_percent", counts.link.lost_percent ? Json(*counts.link.lost_percent) : Json(nullptr)}};
-  }
-  if (const FarCloud* const far = session.far()) others["restarts"] = far->counts().restarts;
-  others["hands"] = toJson(session.presence()->hands());
-  others["cameras"] = toJson(session.presence()->cameras());
-  return others;
-}
-
-void addModel(Json& state, const Document& document, const ViewSettings& view) {
-  const WindowSession& session = *document.session();
-  const TickHistory& history = session.history();
-  const TraceRow row = history.rows().empty() ? TraceRow{} : history.rows().back();
-  const Journal& journal = session.journal();
-  const BrushSettings& brush = session.brushSettings();
-  state["model"] = document.file();
-  state["mm_per_unit"] = session.model().scale.mm_per_unit;
-  state["points"] = journal.present();
-  state["tool"] = brush.kind ? nameIn(kBrushKinds, *brush.kind) : "feel";
-  state["surface"] = nameIn(kSurfaceKinds, session.feel().surface);
-  state["up"] = nameOf(view.upOf(session.model()));
-  state["color"] = nameIn(kColorNames, view.color);
-  state["brush_radius_mm"] = brush.radius_mm;
-  if (const SimulationControl* const simulation = session.simulation())
-    for (const SimulationParameter& parameter : simulation->parameters())
-      state["parameters"][parameter.name] = parameter.value;
-  if (session.presence()) state["others"] = othersOf(session);
-  state["strokes"] = session.strokes().strokes;
-  state["undo_count"] = session.strokes().undoCount;
-  state["edits"] = session.edits();
-  state["changed"] = session.isChanged();
-  state["save_file"] = document.saveFile();
-  state["recording"] = session.isRecording();
-  state["hip"] = vectorJson(row.hip);
-  state["proxy"] = vectorJson(row.proxy);
-  state["contact"] = row.contact;
-  state["penetration_mm"] = row.penetration_mm;
-  state["force_N"] = vectorJson(row.force_N);
-  double peak_N = 0;
-  for (const TraceRow& each : history.rows()) peak_N = std::max(peak_N, glm::length(each.force_N));
-  state["peak_force_N"] = peak_N;
-  state["ticks"] = history.ticks();
-  state["missed_ticks"] = history.missed();
-  state["step_us"] = {{"p50", history.step_us().quantile_us(0.5)}, {"p999", history.step_us().quantile_us(0.999)}};
-  state["forces_on"] = session.forcesOn();
-  state["backend"] = session.backendName();
-}
-
-Json toJson(const PlaceInfo& info) {
-  Json attributes = Json::object();
-  for (const auto& [name, value] : info.attributes) attributes[name] = value;
-  return {{"place", vectorJson(info.place)},
-          {"point", info.point ? Json(*info.point) : Json(nullptr)},
-          {"position", vectorJson(info.position)},
-          {"normal", vectorJson(info.normal)},
-          {"attributes", attributes},
-          {"stiffness_N_per_mm", info.stiffness_N_mm ? Json(*info.stiffness_N_mm) : Json(nullptr)},
-          {"stiffness_of", info.stiffnessOf}};
-}
-
-}  // namespace
 
 // The bar is drawn with the panels: in the model's picture it would be coarse while something moves.
 ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
@@ -153,7 +69,7 @@ ViewStatus Viewer::status() {
   status.leftQuestion = document_.leftQuestion();
   status.saveFile = document_.saveFile();
   status.stylus = pointing_.holdsStylus();
-  status.device = pointing_.deviceName();
+  status.held = &held_;
   status.gpu = screen_.sight().name();
   status.meshTime_ms = shown_.mesh().time_ms();
   status.meshTriangles = shown_.mesh().triangleCount();
@@ -167,34 +83,23 @@ ViewStatus Viewer::status() {
 }
 
 void Viewer::writeState(const std::string& file) {
-  const Camera& camera = viewpoint_.camera();
-  Json state{{"model", nullptr},
-             {"points", 0},
-             {"camera",
-              {{"eye", vectorJson(camera.eye)}, {"target", vectorJson(camera.target)}, {"up", vectorJson(camera.up)}}},
-             {"size", {screen_.size_px().x, screen_.size_px().y}},
-             {"tool", nullptr},
-             {"stylus", pointing_.isTouching()},
-             {"mesh_triangles", shown_.mesh().triangleCount()},
-             {"fps", pace_.fps()},
-             {"pictures", pace_.count()},
-             {"pictures_of_model", shown_.picture().made()},
-             {"cameras_shown", shown_.lines().cameras()},
-             {"measured", document_.session() && measure_.distance() ? Json(*measure_.distance()) : Json(nullptr)},
-             {"picked", picked_.info ? toJson(*picked_.info) : Json(nullptr)},
-             {"picked_depth", shown_.picture().picked().depth},
-             {"asks_about_changes", document_.asksAboutChanges()},
-             {"question", document_.changesQuestion()},
-             {"asks_how_to_save", document_.saveQuestion().has_value()},
-             {"asks_about_strokes", document_.leftQuestion().has_value()},
-             {"last_message", messages_.last()},
-             {"messages", messages_.remarks()},
-             {"errors", messages_.errors()},
-             {"panels", settings_.view.panels},
-             {"measuring", settings_.view.measures}};
-  if (document_.session()) addModel(state, document_, settings_.view);
+  const WindowState state{.document = document_,
+                          .view = settings_.view,
+                          .messages = messages_,
+                          .camera = viewpoint_.camera(),
+                          .size_px = screen_.size_px(),
+                          .stylus = pointing_.isTouching(),
+                          .meshTriangles = shown_.mesh().triangleCount(),
+                          .fps = pace_.fps(),
+                          .pictures = pace_.count(),
+                          .picturesOfModel = shown_.picture().made(),
+                          .camerasShown = shown_.lines().cameras(),
+                          .measured = measure_.distance(),
+                          .picked = picked_.info,
+                          .pickedDepth = shown_.picture().picked().depth,
+                          .held = held_};
   AtomicFile out(file);
-  out.write(state.dump(2) + "\n");
+  out.write(toJson(state).dump(2) + "\n");
   out.commit();
 }
 

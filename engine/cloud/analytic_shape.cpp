@@ -48,7 +48,7 @@ std::span<const std::string_view> shapeNames() { return kShapeNames; }
 
 std::unique_ptr<AnalyticShape> makeShape(std::string_view name, double size, const DVec3& center) {
   if (!(size > 0) || !std::isfinite(size)) throw UsageError("a shape of size {}; expected a number above 0", size);
-  if (!isFinite(center)) throw UsageError("a shape's centre has to be three finite numbers");
+  if (!isFinite(center)) throw UsageError("a shape's centre must be three finite numbers");
   for (const Entry& entry : kShapes)
     if (entry.name == name) return entry.make(size, center);
   throw UsageError("there is no shape '{}'; there are {}", name, fmt::join(kShapeNames, ", "));

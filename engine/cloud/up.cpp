@@ -92,7 +92,7 @@ std::optional<Upright> asInterior(const UprightShape& shape) {
     }
   }
   if (walls < kWalls || most < kFurniture || most < kMore * next) return std::nullopt;
-  return Upright{up, "a room from within, and what stands in it"};
+  return Upright{up, "a room seen from inside, and its contents"};
 }
 
 /// A body that was cut off, as a head in a scanner is at its neck: it is open there, and ends in a rim. If cut off at

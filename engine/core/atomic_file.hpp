@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Whether it is there and neither a file nor a folder: what is written to it has been read by the time it is closed.
+/// Whether it exists and is neither a file nor a folder: what is written to it has been read by the time it is closed.
 bool isDeviceOrPipe(const std::filesystem::path& path);
 
 /// Writes to a temporary file beside `target`; commit() makes it durable and renames it. If it is destroyed without a

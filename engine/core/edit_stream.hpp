@@ -42,7 +42,7 @@ class EditStream {
   /// then no point has changed, and take() reports nothing.
   virtual void change(std::span<const PointChange> changes) = 0;
   /// Offers changes made elsewhere, at most mostOffered(), each point once. They are carried out between later answers,
-  /// and no answer waits for them: a point that is not in its change's `from` state stays as it is. They do not end a
+  /// and no answer waits for them: a point that is not in its change's `from` state is unchanged. They do not end a
   /// stroke. take() reports their result once, with a mark of its own (EditMark::Kind::received). `changesFollowed`:
   /// number of change() marks that the caller has taken; if there are more, the offer is dropped. False while the last
   /// offer has not been reported. For one thread, which may differ from the thread that queries.

@@ -13,7 +13,7 @@ namespace {
 
 std::uint32_t checkedCount(const PointCloud& cloud) {
   if (cloud.size() > std::numeric_limits<std::uint32_t>::max() / 2)
-    throw CudaError("CUDA: {} points are more than the index can number; take a smaller model", cloud.size());
+    throw CudaError("CUDA: {} points are more than the index can number; use a smaller model", cloud.size());
   PALPATE_CHECK_EQ(cloud.normals.size(), cloud.size());
   return static_cast<std::uint32_t>(cloud.size());
 }

@@ -3,9 +3,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/gpu/buffer.hpp"
 #include "engine/gpu/compute_pipeline.hpp"
 #include "engine/gpu/device.hpp"
+#include "engine/gpu/gpu_memory.hpp"
 
 namespace palpate {
 
@@ -50,16 +50,8 @@ Attachment::Attachment(Device& device, const UVec2& size_px, VkFormat format, st
     device.check(device.vk().vkCreateImage(device.handle(), &info, nullptr, &image_), "vkCreateImage");
     VkMemoryRequirements needs;
     device.vk().vkGetImageMemoryRequirements(device.handle(), image_, &needs);
-    const auto type = memoryType(device, needs.memoryTypeBits, Memory::device);
-    if (!type) throw GpuError("{}: no memory type suits '{}'", device.name(), name_);
-    const VkMemoryAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                          .pNext = nullptr,
-                                          .allocationSize = needs.size,
-                                          .memoryTypeIndex = *type};
-    device.check(device.vk().vkAllocateMemory(device.handle(), &allocation, nullptr, &memory_),
-                 fmt::format("vkAllocateMemory of {} MiB for '{}'", needs.size >> 20, name_));
+    memory_ = allocate(device, needs, Memory::device, name_);
     allocated_ = needs.size;
-    device.noteAllocation(allocated_);
     device.check(device.vk().vkBindImageMemory(device.handle(), image_, memory_, 0), "vkBindImageMemory");
     const VkImageViewCreateInfo viewInfo{
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/gpu/device.hpp"
+#include "engine/gpu/gpu_memory.hpp"
 #include "engine/gpu/unified_memory.hpp"
 
 namespace palpate {
@@ -54,6 +55,23 @@ std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allo
   return std::nullopt;
 }
 
+VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, Memory memory, const std::string& name,
+                        const void* next) {
+  const auto type = memoryType(device, needs.memoryTypeBits, memory);
+  if (!type) throw GpuError("{}: no memory type suits '{}'", device.name(), name);
+  const auto& heap = device.memory().memoryHeaps[device.memory().memoryTypes[*type].heapIndex];
+  if (needs.size > heap.size) throw tooLarge(device, name, needs.size, heap.size);
+  const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                  .pNext = next,
+                                  .allocationSize = needs.size,
+                                  .memoryTypeIndex = *type};
+  VkDeviceMemory allocated = VK_NULL_HANDLE;
+  device.check(device.vk().vkAllocateMemory(device.handle(), &info, nullptr, &allocated),
+               fmt::format("vkAllocateMemory of {} MiB for '{}'", needs.size >> 20, name));
+  device.noteAllocation(needs.size);
+  return allocated;
+}
+
 Buffer::Buffer(Device& device, std::uint64_t bytes, Memory memory, std::string name)
     : device_(&device), bytes_(bytes), name_(std::move(name)) {
   if (bytes > device.largestBuffer()) throw tooLarge(device, name_, bytes, device.largestBuffer());
@@ -71,23 +89,12 @@ Buffer::Buffer(Device& device, std::uint64_t bytes, Memory memory, std::string n
     device.check(device.vk().vkCreateBuffer(device.handle(), &info, nullptr, &buffer_), "vkCreateBuffer");
     VkMemoryRequirements needs;
     device.vk().vkGetBufferMemoryRequirements(device.handle(), buffer_, &needs);
-    const auto type = memoryType(device, needs.memoryTypeBits, memory);
-    if (!type) throw GpuError("{}: no memory type suits '{}'", device.name(), name_);
-    const auto& heap = device.memory().memoryHeaps[device.memory().memoryTypes[*type].heapIndex];
-    if (needs.size > heap.size) throw tooLarge(device, name_, needs.size, heap.size);
-
     const VkMemoryAllocateFlagsInfo flags{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
                                           .pNext = nullptr,
                                           .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT,
                                           .deviceMask = 0};
-    const VkMemoryAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                          .pNext = &flags,
-                                          .allocationSize = needs.size,
-                                          .memoryTypeIndex = *type};
-    device.check(device.vk().vkAllocateMemory(device.handle(), &allocation, nullptr, &memory_),
-                 fmt::format("vkAllocateMemory of {} MiB for '{}'", needs.size >> 20, name_));
+    memory_ = allocate(device, needs, memory, name_, &flags);
     allocated_ = needs.size;
-    device.noteAllocation(allocated_);
     device.check(device.vk().vkBindBufferMemory(device.handle(), buffer_, memory_, 0), "vkBindBufferMemory");
     if (memory != Memory::device || unifiedMemory(device).writes) {
       void* pointer = nullptr;

@@ -44,23 +44,23 @@ glm::dmat3 nearestRotation(glm::dmat3 turn) {
 CameraPose cameraPose(const std::array<double, 16>& rows) {
   for (std::size_t k = 0; k < rows.size(); ++k)
     if (!std::isfinite(rows[k]))
-      throw Error("the pose has {} in row {}, column {}, which is no finite number", rows[k], k / 4 + 1, k % 4 + 1);
+      throw Error("the pose has {} in row {}, column {}; expected a finite number", rows[k], k / 4 + 1, k % 4 + 1);
   for (std::size_t column = 0; column < 4; ++column)
     if (std::abs(rows[12 + column] - (column == 3 ? 1 : 0)) > kLastRow)
-      throw Error("the pose ends with the row {} {} {} {} and not with 0 0 0 1", rows[12], rows[13], rows[14],
-                  rows[15]);
+      throw Error("the last row of the pose is {} {} {} {}; expected 0 0 0 1", rows[12], rows[13], rows[14], rows[15]);
   const glm::dmat3 turn = turnOf(rows);
   const double wrong = farthestFromRotation(turn);
   if (!(wrong <= kRounding))
-    throw Error("the pose's first three columns are no rotation: their products are wrong by {:.3g}", wrong);
-  if (glm::determinant(turn) < 0) throw Error("the pose mirrors; its first three columns are no rotation");
+    throw Error("the first three columns of the pose are not a rotation: their products are wrong by {:.3g}", wrong);
+  if (glm::determinant(turn) < 0) throw Error("the pose mirrors; its first three columns are not a rotation");
   return {.turn = glm::normalize(glm::quat_cast(nearestRotation(turn))), .centre = {rows[3], rows[7], rows[11]}};
 }
 
 CameraPose cameraPose(const DVec3& centre, const DQuat& turn) {
-  if (!isFinite(centre)) throw Error("the pose's place is not finite");
+  if (!isFinite(centre)) throw Error("the position of the pose is not finite");
   const double size = std::sqrt(glm::dot(turn, turn));
-  if (!(std::abs(size - 1) <= kRounding)) throw Error("the pose's quaternion has the length {:.3g} and not 1", size);
+  if (!(std::abs(size - 1) <= kRounding))
+    throw Error("the quaternion of the pose has the length {:.3g}; expected 1", size);
   return {.turn = turn / size, .centre = centre};
 }
 

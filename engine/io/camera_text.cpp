@@ -37,7 +37,7 @@ double needed(const Json& json, const char* name) {
 
 template <std::size_t count>
 std::array<double, count> numbersOf(const char* name, const Json& json) {
-  if (!json.is_array() || json.size() != count) throw Error("\"{}\" is no list of {} numbers", name, count);
+  if (!json.is_array() || json.size() != count) throw Error("\"{}\" is not a list of {} numbers", name, count);
   std::array<double, count> numbers;
   for (std::size_t k = 0; k < count; ++k) {
     if (!json[k].is_number()) failType(name, json[k]);
@@ -49,7 +49,7 @@ std::array<double, count> numbersOf(const char* name, const Json& json) {
 std::uint32_t sideIn(const Json& json, const char* name) {
   const double side = needed(json, name);
   if (!(side >= 1 && side <= kLongestImageSide) || side != std::floor(side))
-    throw Error("\"{}\" is {}; sides are whole numbers of pixels from 1 to {}", name, side, kLongestImageSide);
+    throw Error("\"{}\" is {}; expected a whole number of pixels from 1 to {}", name, side, kLongestImageSide);
   return static_cast<std::uint32_t>(side);
 }
 
@@ -59,16 +59,15 @@ DepthCamera cameraIn(const Json& json) {
     const auto columns = numbersOf<9>("intrinsic_matrix", *matrix);
     camera.fx = columns[0], camera.fy = columns[4], camera.cx = columns[6], camera.cy = columns[7];
     if (columns[8] != 1 || columns[2] != 0 || columns[5] != 0)
-      throw Error("\"intrinsic_matrix\" has another last row than 0 0 1; it is written column by column");
-    if (columns[3] != 0 || columns[1] != 0)
-      throw Error("\"intrinsic_matrix\" is skewed, which no depth camera here is");
+      throw Error("the last row of \"intrinsic_matrix\" is not 0 0 1; the matrix is stored column by column");
+    if (columns[3] != 0 || columns[1] != 0) throw Error("\"intrinsic_matrix\" has a skew, which is not supported");
   } else {
     camera.fx = needed(json, "fx"), camera.fy = needed(json, "fy");
     camera.cx = needed(json, "cx"), camera.cy = needed(json, "cy");
   }
   if (!(camera.fx > 0 && camera.fy > 0))
-    throw Error("the focal lengths are {} and {} pixels; they are above 0", camera.fx, camera.fy);
-  if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy)) throw Error("the middle of the picture is not finite");
+    throw Error("the focal lengths are {} and {} pixels; both must be above 0", camera.fx, camera.fy);
+  if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy)) throw Error("the principal point is not finite");
   return camera;
 }
 
@@ -76,14 +75,14 @@ DepthCamera cameraIn(const Json& json) {
 
 CameraText parseCamera(std::string_view json) {
   const Json parsed = Json::parse(json, nullptr, false);
-  if (parsed.is_discarded()) throw Error("is no JSON");
-  if (!parsed.is_object()) throw Error("is no JSON object");
+  if (parsed.is_discarded()) throw Error("is not valid JSON");
+  if (!parsed.is_object()) throw Error("is not a JSON object");
   CameraText text{
       .camera = cameraIn(parsed), .depthScale = numberIn(parsed, "depth_scale"), .rate_Hz = numberIn(parsed, "fps")};
   if (text.depthScale && !(*text.depthScale >= kMinDepthScale && *text.depthScale <= kMaxDepthScale))
-    throw Error("\"depth_scale\" is {}; it says how many values a metre has, {} to {}", *text.depthScale,
+    throw Error("\"depth_scale\" is {}; expected the number of values per metre, {} to {}", *text.depthScale,
                 kMinDepthScale, kMaxDepthScale);
-  if (text.rate_Hz && !(*text.rate_Hz > 0)) throw Error("\"fps\" is {}; it is above 0", *text.rate_Hz);
+  if (text.rate_Hz && !(*text.rate_Hz > 0)) throw Error("\"fps\" is {}; it must be above 0", *text.rate_Hz);
   if (const auto format = parsed.find("format"); format != parsed.end()) {
     if (!format->is_string()) failType("format", *format);
     text.format = format->get<std::string>();
@@ -99,7 +98,8 @@ CameraText readCamera(const std::filesystem::path& file) {
   try {
     return parseCamera({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   } catch (const Error& error) {
-    throw FileError(file, fmt::format("{}; intrinsics are a JSON with width, height, fx, fy, cx, cy", error.what()));
+    throw FileError(file,
+                    fmt::format("{}; expected intrinsics as JSON with width, height, fx, fy, cx, cy", error.what()));
   }
 }
 

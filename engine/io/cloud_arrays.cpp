@@ -28,7 +28,7 @@ struct Group {
 };
 
 std::vector<Group> groupsOf(const CloudArrays& arrays) {
-  if (!arrays.positions.data && arrays.count > 0) throw UsageError("positions: are not given");
+  if (!arrays.positions.data && arrays.count > 0) throw UsageError("positions: are missing");
   std::vector<Group> groups{{&arrays.positions, {"x", "y", "z"}}};
   if (arrays.normals.data) groups.push_back({&arrays.normals, {"nx", "ny", "nz"}});
   if (arrays.colors.data) groups.push_back({&arrays.colors, {"red", "green", "blue"}});

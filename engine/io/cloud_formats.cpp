@@ -100,10 +100,10 @@ const CloudFormat& CloudFormats::toWrite(const std::filesystem::path& file, Writ
   const std::string rest =
       fmt::format("{} are written as {}; use one of these extensions", called, endingsWritten(what));
   if (!format) throw UsageError("{}: {}", file.string(), rest);
-  if (!format->write) throw UsageError("{}: {} is read and not written; {}", file.string(), format->name, rest);
+  if (!format->write) throw UsageError("{}: {} can be read but not written; {}", file.string(), format->name, rest);
   if (format->onlyCopied)
-    throw UsageError("{}: {} is written by palpate convert alone; {}", file.string(), format->name, rest);
-  throw UsageError("{}: {} holds triangles, and these are points; {}", file.string(), format->name, rest);
+    throw UsageError("{}: only palpate convert can write {}; {}", file.string(), format->name, rest);
+  throw UsageError("{}: {} contains triangles, but these are points; {}", file.string(), format->name, rest);
 }
 
 const CloudFormat& CloudFormats::toSave(const std::filesystem::path& file, bool triangles) const {
@@ -157,12 +157,13 @@ namespace {
 /// Throws FileError with a description for a file that no format reads.
 const CloudFormat& readable(const std::filesystem::path& file, const CloudFormats& formats) {
   if (file == "-")
-    throw FileError(file, "standard input is not read under this name; write it to a file, or name /dev/stdin for PLY");
+    throw FileError(file,
+                    "standard input cannot be read under this name; write it to a file, or name /dev/stdin for PLY");
   refuseForeign(file);
   const CloudFormat* format = formats.recognised(file);
   const bool mayBeEmpty = format && (format->isText || !format->folder.empty());
   if (const auto start = startOf(file); start && start->size == 0 && !mayBeEmpty)
-    throw FileError(file, "is empty; it holds no points");
+    throw FileError(file, "is empty; it contains no points");
   std::error_code ignored;
   if (!format && std::filesystem::is_directory(file, ignored)) refuseFolder(file, formats);
   if (!format && isFile(file)) refuseUnknown(file, formats.namesRead());

@@ -81,7 +81,7 @@ StoredCloud readDense(const std::filesystem::path& file, Log* log, const CloudRe
   if (stored.cloud.hasNormals()) {
     const std::size_t turned = faceViews(stored.cloud, sights);
     if (log && turned > 0)
-      log->say("{}: {} normals faced away from the images that saw them, and are turned", name, turned);
+      log->say("{}: {} normals faced away from the images that saw them, and are flipped", name, turned);
   } else if (!stored.cloud.empty()) {
     normalsFromViews(stored.cloud, sights);
     if (log) log->say("{}: has no normals; they face the {} images that saw its points", name, model.images.size());

@@ -99,7 +99,7 @@ class BinaryModelRows final : public Rows {
 
   bool next() override {
     if (done_ == count_) {
-      if (!file_.peek(1).empty()) fail(fmt::format("something follows the last of {} rows", count_));
+      if (!file_.peek(1).empty()) fail(fmt::format("unexpected data after the last of {} rows", count_));
       return false;
     }
     ++done_;
@@ -111,7 +111,7 @@ class BinaryModelRows final : public Rows {
   std::uint8_t channel() override { return take<std::uint8_t>("a colour"); }
   const CameraModel& cameraModel() override {
     const auto number = take<std::int32_t>("the model of a camera");
-    if (number < 0) fail(fmt::format("camera model {}; expected a number from 0 on", number));
+    if (number < 0) fail(fmt::format("camera model {}; expected a number of 0 or more", number));
     const auto model = static_cast<std::size_t>(number);
     const CameraModel& known = model < kCameraModels.size() ? kCameraModels[model] : kUnknownModel;
     if (known.parameters == kUnknownCount && unknownParameters_ == kUnknownCount) throw UnknownModel(number);
@@ -206,7 +206,8 @@ class TextModelRows final : public Rows {
       ++words;
       all.remove_prefix(std::min(all.find_first_of(kBlanks, begin), all.size()));
     }
-    if (words % 2 != 0) fail(fmt::format("a track of {} numbers, where an image and a place in it make a pair", words));
+    if (words % 2 != 0)
+      fail(fmt::format("a track of {} numbers; expected pairs of an image and a position in it", words));
     return words / 2;
   }
   void endRow() override {
@@ -261,7 +262,7 @@ std::unique_ptr<Rows> open(const std::filesystem::path& folder, std::string_view
   const std::filesystem::path text = folder / fmt::format("{}.txt", stem);
   if (isFile(binary)) return std::make_unique<BinaryModelRows>(binary, std::move(progress), unknownParameters);
   if (isFile(text)) return std::make_unique<TextModelRows>(text, std::move(progress), stem == kImages ? 2 : 1);
-  throw FileError(folder, fmt::format("has no {0}.bin and no {0}.txt, as the folder of a COLMAP model has", stem));
+  throw FileError(folder, fmt::format("has neither {0}.bin nor {0}.txt, one of which a COLMAP model requires", stem));
 }
 
 /// Maps ids to their index in a list; rejects duplicates.
@@ -269,7 +270,7 @@ class Ids {
  public:
   void add(const Rows& rows, std::uint32_t id, std::string_view what) {
     if (!places_.emplace(id, static_cast<std::uint32_t>(places_.size())).second)
-      rows.fail(fmt::format("{} {} is there twice", what, id));
+      rows.fail(fmt::format("{} {} is a duplicate", what, id));
   }
   void add(std::uint32_t id) { places_.emplace(id, static_cast<std::uint32_t>(places_.size())); }
   std::optional<std::uint32_t> find(std::uint32_t id) const {
@@ -300,7 +301,7 @@ void placeImage(Rows& rows, ColmapImage& image) {
   image.right = {1 - 2 * (v.y * v.y + v.z * v.z), 2 * (v.x * v.y - w * v.z), 2 * (v.x * v.z + w * v.y)};
   image.down = {2 * (v.x * v.y + w * v.z), 1 - 2 * (v.x * v.x + v.z * v.z), 2 * (v.y * v.z - w * v.x)};
   image.forward = {2 * (v.x * v.z - w * v.y), 2 * (v.y * v.z + w * v.x), 1 - 2 * (v.x * v.x + v.y * v.y)};
-  const DVec3 t = readPlace(rows, "the place of an image");
+  const DVec3 t = readPlace(rows, "the position of an image");
   image.center = -(t.x * image.right + t.y * image.down + t.z * image.forward);
 }
 
@@ -378,7 +379,8 @@ ColmapModel readColmapImages(const std::filesystem::path& folder) {
     placeImage(*imageRows, image);
     const std::uint32_t camera = imageRows->id("the camera of an image");
     const auto place = cameras.find(camera);
-    if (!place && known) imageRows->fail(fmt::format("image {} is of camera {}, which is not there", image.id, camera));
+    if (!place && known)
+      imageRows->fail(fmt::format("image {} is of camera {}, which does not exist", image.id, camera));
     if (place) image.camera = *place;
     image.name = imageRows->name();
     imageRows->skipObservations();
@@ -395,16 +397,16 @@ void readColmapPoints(const std::filesystem::path& folder, const ColmapModel& mo
   ColmapPoint point;
   while (rows->next()) {
     const std::uint64_t id = rows->whole("the id of a point");
-    point.position = readPlace(*rows, "the place of a point");
+    point.position = readPlace(*rows, "the position of a point");
     for (std::uint8_t& channel : point.color) channel = rows->channel();
     point.error = rows->finite("the error of a point");
     point.images.clear();
     for (std::uint64_t left = rows->track(); left > 0; --left) {
       const std::uint32_t image = rows->id("an image that saw a point");
-      rows->id("a place in an image");
+      rows->id("a position in an image");
       const auto found = images.find(image);
       if (found == images.end())
-        rows->fail(fmt::format("point {} was seen by image {}, which is not there", id, image));
+        rows->fail(fmt::format("point {} was seen by image {}, which does not exist", id, image));
       point.images.push_back(found->second);
     }
     rows->endRow();

@@ -47,7 +47,7 @@ class ViewsFile {
   }
 
   void requireEnd() {
-    if (!file_.peek(1).empty()) fail(file_.offset(), "goes on behind the views of the last point");
+    if (!file_.peek(1).empty()) fail(file_.offset(), "has data after the views of the last point");
   }
 
  private:
@@ -65,8 +65,8 @@ class ViewsFile {
   [[noreturn]] void fail(std::uint64_t byte, const std::string& what) const {
     const std::string cloud = what_.cloud.filename().string();
     throw FileError::atByte(file_.path(), byte,
-                            fmt::format("{}; fuse {} again with COLMAP, or take this file away, and it is read without "
-                                        "its views",
+                            fmt::format("{}; fuse {} again with COLMAP, or remove this file to read it without its "
+                                        "views",
                                         what, cloud));
   }
 

@@ -34,10 +34,10 @@ class Hierarchy {
   /// `saidAt`: the byte that contains the page's position.
   void addPage(std::uint64_t at, std::uint64_t bytes, std::uint64_t saidAt) {
     if (bytes % kEntryBytes != 0 || bytes == 0 || !isInside(at, bytes))
-      throw refuse(saidAt, fmt::format("a page of {} bytes of the hierarchy at byte {}, which no file of {} bytes has",
+      throw refuse(saidAt, fmt::format("a page of {} bytes of the hierarchy at byte {}, outside the file of {} bytes",
                                        bytes, at, bodyAt_ + body_.size()));
     if (!pages_.insert(at).second)
-      throw refuse(saidAt, fmt::format("the page of the hierarchy at byte {} is named twice", at));
+      throw refuse(saidAt, fmt::format("the page of the hierarchy at byte {} is referenced twice", at));
     waiting_.emplace_back(at, bytes);
   }
   void readAll() {
@@ -63,17 +63,17 @@ class Hierarchy {
     const auto [level, x, y, z] = entry.key;
     const bool hasPlace = level >= 0 && level <= kMaxOctreeDepth && std::min({x, y, z}) >= 0 &&
                           std::max({x, y, z}) < std::int32_t{1} << std::min(level, kMaxOctreeDepth);
-    if (!hasPlace) throw refuse(at, fmt::format("a node {}-{}-{}-{}, which no octree has", level, x, y, z));
+    if (!hasPlace) throw refuse(at, fmt::format("a node {}-{}-{}-{}, which is not in an octree", level, x, y, z));
     if (entry.points == kIsPage)
       return addPage(entry.offset, entry.bytes < 0 ? 0 : static_cast<std::uint64_t>(entry.bytes), at + 16);
     if (entry.points < 0 || entry.bytes < 0 || (entry.points > 0) != (entry.bytes > 0))
       throw refuse(at + 24, fmt::format("a node of {} points in {} bytes", entry.points, entry.bytes));
     const auto bytes = static_cast<std::uint64_t>(entry.bytes);
     if (bytes > 0 && !isInside(entry.offset, bytes))
-      throw refuse(at + 16, fmt::format("a node at byte {}, beside the points", entry.offset));
+      throw refuse(at + 16, fmt::format("a node at byte {}, outside the points", entry.offset));
     const LazChunk chunk{entry.offset, bytes, static_cast<std::uint64_t>(entry.points)};
     if (!nodes_.emplace(entry.key, chunk).second)
-      throw refuse(at, fmt::format("the node {}-{}-{}-{} is there twice", level, x, y, z));
+      throw refuse(at, fmt::format("the node {}-{}-{}-{} is a duplicate", level, x, y, z));
   }
 
   const std::filesystem::path& file_;
@@ -97,9 +97,8 @@ CopcNodes readCopcNodes(const std::filesystem::path& file, const LasHeader& head
                         std::span<const std::byte> body) {
   const std::uint64_t infoAt = info.at + info.head.size();
   if (info.data.size() < kInfoBytes)
-    throw FileError::atByte(
-        file, infoAt,
-        fmt::format("{} bytes say where the hierarchy of COPC is; expected {}", info.data.size(), kInfoBytes));
+    throw FileError::atByte(file, infoAt,
+                            fmt::format("the record of COPC has {} bytes; expected {}", info.data.size(), kInfoBytes));
   const auto* said = info.data.data() + kRootAt;
   Hierarchy hierarchy(file, header.pointsAt, body);
   hierarchy.addPage(loadScalar<std::uint64_t>(said), loadScalar<std::uint64_t>(said + 8), infoAt + kRootAt);
@@ -116,7 +115,7 @@ CopcNodes readCopcNodes(const std::filesystem::path& file, const LasHeader& head
     const LazChunk &one = result.found.chunks[k - 1], &next = result.found.chunks[k];
     if (one.at + one.bytes > next.at)
       throw FileError::atByte(file, next.at,
-                              fmt::format("two nodes of the hierarchy share what is there; one begins at "
+                              fmt::format("two nodes of the hierarchy overlap; one begins at "
                                           "byte {} and has {} bytes",
                                           one.at, one.bytes));
   }

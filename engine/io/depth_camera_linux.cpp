@@ -113,7 +113,7 @@ class VideoDepthStream final : public DepthStream {
     node_->wake();
   }
   bool isRecorded() const override { return false; }
-  void rewind() override { throw Error("{}: a camera does not see the same again", name_); }
+  void rewind() override { throw Error("{}: a live camera cannot be rewound", name_); }
 
  private:
   void requireCapture();
@@ -127,7 +127,7 @@ class VideoDepthStream final : public DepthStream {
   void require(int error, std::string_view what) const {
     if (error == 0) return;
     const bool busy = error == EBUSY;
-    throw Error("{}: {}: {}{}", name_, what, std::strerror(error), busy ? "; another program has the camera" : "");
+    throw Error("{}: {}: {}{}", name_, what, std::strerror(error), busy ? "; another program uses the camera" : "");
   }
 
   const std::unique_ptr<VideoNode> node_;
@@ -144,7 +144,7 @@ class VideoDepthStream final : public DepthStream {
 
 void VideoDepthStream::requireCapture() {
   v4l2_capability can{};
-  if (node_->control(VIDIOC_QUERYCAP, &can) != 0) throw Error("{}: is no video device", name_);
+  if (node_->control(VIDIOC_QUERYCAP, &can) != 0) throw Error("{}: is not a video device", name_);
   const std::uint32_t here = (can.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? can.device_caps : can.capabilities;
   constexpr std::uint32_t kNeeded = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   if ((here & kNeeded) != kNeeded)
@@ -161,7 +161,7 @@ std::string VideoDepthStream::formats() {
     if (node_->control(VIDIOC_ENUM_FMT, &format) != 0) break;
     names += (names.empty() ? "" : ", ") + nameOfFormat(format.pixelformat);
   }
-  return names.empty() ? "nothing that is known" : names;
+  return names.empty() ? "no known format" : names;
 }
 
 void VideoDepthStream::setFormat() {
@@ -175,10 +175,10 @@ void VideoDepthStream::setFormat() {
   if (error != EINVAL) require(error, "its format cannot be set");
   const v4l2_pix_format& given = format.fmt.pix;
   if (error == EINVAL || given.pixelformat != V4L2_PIX_FMT_Z16)
-    throw Error("{}: does not speak Z16, depth of 16 bits, but {}; a camera has several devices, try the others", name_,
+    throw Error("{}: does not offer Z16, depth of 16 bits, but {}; a camera has several devices, try the others", name_,
                 formats());
   if (given.width != camera_.width || given.height != camera_.height)
-    throw Error("{}: gives {} x {} pixels, and the intrinsics are of {} x {}", name_, given.width, given.height,
+    throw Error("{}: delivers {} x {} pixels, but the intrinsics are for {} x {}", name_, given.width, given.height,
                 camera_.width, camera_.height);
   pitch_ = std::max<std::size_t>(given.bytesperline, sizeof(std::uint16_t) * camera_.width);
 }
@@ -194,15 +194,15 @@ void VideoDepthStream::mapBuffers() {
     buffer.index = index;
     buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     buffer.memory = V4L2_MEMORY_MMAP;
-    require(node_->control(VIDIOC_QUERYBUF, &buffer), "does not say where its frames are");
+    require(node_->control(VIDIOC_QUERYBUF, &buffer), "does not report where its frames are");
     std::span<const std::byte> memory;
-    require(node_->map(buffer.length, buffer.m.offset, memory), "does not show its frames");
+    require(node_->map(buffer.length, buffer.m.offset, memory), "cannot map its frames");
     memory_.push_back(memory);
-    require(node_->control(VIDIOC_QBUF, &buffer), "takes no memory for its frames");
+    require(node_->control(VIDIOC_QBUF, &buffer), "does not accept memory for its frames");
   }
   if (memory_.empty()) throw Error("{}: has no memory for its frames", name_);
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  require(node_->control(VIDIOC_STREAMON, &type), "does not begin");
+  require(node_->control(VIDIOC_STREAMON, &type), "cannot start");
 }
 
 void VideoDepthStream::unmapBuffers() noexcept {
@@ -220,8 +220,8 @@ std::optional<v4l2_buffer> VideoDepthStream::takeBuffer() {
     if (error == EAGAIN) error = node_->wait();
     if (error == 0) continue;
     ended_ = true;
-    if (error == ENODEV) throw Error("{}: is gone; plug the camera in again", name_);
-    require(error, "gives no more frames");
+    if (error == ENODEV) throw Error("{}: is disconnected; plug the camera in again", name_);
+    require(error, "delivers no more frames");
   }
   return std::nullopt;
 }
@@ -236,7 +236,7 @@ void VideoDepthStream::take(const v4l2_buffer& buffer, DepthFrame& frame) {
   if ((buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || std::min<std::size_t>(buffer.bytesused, memory.size()) < needed)
     throw Error("{}: frame {} has {} of its {} bytes", name_, frame.number, buffer.bytesused, needed);
   if (last_s_ && !(time_s > *last_s_))
-    throw Error("{}: frame {} is of {} s, which does not come after {} s", name_, frame.number, time_s, *last_s_);
+    throw Error("{}: frame {} has the time {} s, which is not after {} s", name_, frame.number, time_s, *last_s_);
   if (!first_s_) first_s_ = time_s;
   last_s_ = time_s;
   frame.time_s = time_s - *first_s_;

@@ -4,7 +4,7 @@
 namespace palpate {
 
 std::shared_ptr<DepthStream> openDepthCamera(const std::string& device, const CameraText&) {
-  throw Error("{}: depth cameras are opened on Linux alone; let a program of the camera's write raw frames into a pipe",
+  throw Error("{}: depth cameras can be opened on Linux only; let the camera's own program write raw frames to a pipe",
               device);
 }
 

@@ -32,7 +32,7 @@ DepthPipe::DepthPipe(int descriptor, std::string name, double depthScale)
     if (line->size() == kLongestHead) throw Error("is too long to be one");
     const CameraText text = parseCamera(*line);
     if (text.format != "z16" && text.format != "z16+rgb8")
-      throw Error("\"format\" is {}; there is z16 and z16+rgb8", inQuotes(text.format));
+      throw Error("\"format\" is {}; expected z16 or z16+rgb8", inQuotes(text.format));
     if (depthScale == 0 && !text.depthScale) throw Error("has no \"depth_scale\", the values per metre");
     camera_ = text.camera;
     depthScale_ = depthScale != 0 ? depthScale : *text.depthScale;
@@ -44,7 +44,7 @@ DepthPipe::DepthPipe(int descriptor, std::string name, double depthScale)
   }
 }
 
-void DepthPipe::rewind() { throw Error("{}: what comes through a pipe does not come again", name_); }
+void DepthPipe::rewind() { throw Error("{}: a pipe cannot be rewound", name_); }
 
 std::string_view DepthPipe::unread() const {
   return {reinterpret_cast<const char*>(buffer_.data()) + begin_, end_ - begin_};
@@ -131,7 +131,7 @@ std::optional<DepthPipe::FrameLine> DepthPipe::findLine() {
         begin_ += line->size() + 1;
         return found;
       }
-      why = fmt::format("begins with {} and not with a time, and 16 numbers or none behind it", inQuotes(*line));
+      why = fmt::format("begins with {}; expected a time, followed by 16 numbers or none", inQuotes(*line));
     } catch (const Error& error) {
       why = error.what();
     }
@@ -193,7 +193,7 @@ bool DepthPipe::next(DepthFrame& frame) {
   const std::byte* const pixels = buffer_.data() + begin_;  // valid until the next read
   begin_ += bytes;
   if (last_s_ && !(line->time_s > *last_s_))
-    lose(fmt::format("is of {} s, which does not come after {} s", line->time_s, *last_s_));
+    lose(fmt::format("has the time {} s, which is not after {} s", line->time_s, *last_s_));
   const std::optional<CameraPose>& pose = line->pose ? line->pose : pose_;
   if (last_s_ && pose.has_value() != hasPoses_)
     lose(fmt::format("has {} pose, and the first one had {}", pose ? "a" : "no", pose ? "none" : "one"));

@@ -59,10 +59,11 @@ void E57Pages::readHeader(std::size_t fileBytes) {
   const auto number = [&](std::size_t at) { return loadScalar<std::uint64_t>(bytes_.data() + at); };
   const auto major = loadScalar<std::uint32_t>(bytes_.data() + 8),
              minor = loadScalar<std::uint32_t>(bytes_.data() + 12);
-  if (major != 1) throw FileError::atByte(file_, 8, fmt::format("E57 version {}.{}; 1 is read", major, minor));
+  if (major != 1)
+    throw FileError::atByte(file_, 8, fmt::format("E57 version {}.{}; only version 1 can be read", major, minor));
   if (number(16) != fileBytes)
     throw FileError::atByte(file_, 16,
-                            fmt::format("the header promises {} bytes, and {} are there", number(16), fileBytes));
+                            fmt::format("the header promises {} bytes, but the file has {}", number(16), fileBytes));
   if (number(40) != kPage)
     throw FileError::atByte(file_, 40, fmt::format("pages of {} bytes; expected {}", number(40), kPage));
   const auto xml = from(number(24), number(32), 24);
@@ -72,7 +73,7 @@ void E57Pages::readHeader(std::size_t fileBytes) {
 std::span<const std::byte> E57Pages::from(std::uint64_t fileByte, std::uint64_t saidAt) const {
   const std::uint64_t page = fileByte / kPage, within = fileByte % kPage;
   if (page >= bytes_.size() / kChecked || within >= kChecked)
-    throw FileError::atByte(file_, saidAt, fmt::format("names byte {}, where no data are", fileByte));
+    throw FileError::atByte(file_, saidAt, fmt::format("refers to byte {}, where there are no data", fileByte));
   return std::span<const std::byte>(bytes_).subspan(page * kChecked + within);
 }
 
@@ -80,7 +81,8 @@ std::span<const std::byte> E57Pages::from(std::uint64_t fileByte, std::uint64_t 
   const auto rest = from(fileByte, saidAt);
   if (count > rest.size())
     throw FileError::atByte(
-        file_, saidAt, fmt::format("names {} bytes from byte {} on, and {} are there", count, fileByte, rest.size()));
+        file_, saidAt,
+        fmt::format("refers to {} bytes from byte {} on, but only {} are there", count, fileByte, rest.size()));
   return rest.first(count);
 }
 

@@ -98,11 +98,11 @@ void E57Records::checkCounts(const E57Pages& pages) const {
     if (there < scan_.points)
       throw FileError::atByte(
           pages.file(), scan_.pointsAt,
-          fmt::format("a scan of {} points, and {} values of {} are there", scan_.points, there, scan_.fields[k].name));
+          fmt::format("a scan of {} points has {} values of {}", scan_.points, there, scan_.fields[k].name));
   }
   if (!any)
     throw FileError::atByte(pages.file(), scan_.pointsAt,
-                            fmt::format("a scan of {} points, of which nothing is stored", scan_.points));
+                            fmt::format("a scan of {} points stores no data", scan_.points));
 }
 
 double E57Records::value(std::size_t field, std::uint64_t point) const {

@@ -31,7 +31,7 @@ class Reading {
     if (text.empty()) return value;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size())
-      throw refuse(fmt::format("{} is {}, which is no number here", of, inQuotes(text)));
+      throw refuse(fmt::format("{} is {}; expected a number", of, inQuotes(text)));
     if constexpr (std::is_floating_point_v<T>)
       if (!std::isfinite(value)) throw refuse(fmt::format("{} is {}", of, inQuotes(text)));
     return value;
@@ -66,7 +66,7 @@ E57Field fieldOf(const pugi::xml_node& node, const Reading& reading) {
   } else if (type == "String") {
     field.kind = Kind::text;
   } else {
-    throw reading.refuse(fmt::format("{} is of type {}, which no number of a point has", field.name, inQuotes(type)));
+    throw reading.refuse(fmt::format("{} has the type {}; expected a type of numbers", field.name, inQuotes(type)));
   }
   return field;
 }
@@ -96,8 +96,8 @@ E57Scan scanOf(const pugi::xml_node& node, const Reading& reading) {
   scan.pointsAt = reading.attribute<std::uint64_t>(points, "fileOffset", 0);
   scan.points = reading.attribute<std::uint64_t>(points, "recordCount", 0);
   for (const pugi::xml_node& codec : points.child("codecs").children())
-    throw reading.refuse(fmt::format("scan {} is packed in a way that has no standard: {}", inQuotes(scan.name),
-                                     inQuotes(codec.name())));
+    throw reading.refuse(
+        fmt::format("scan {} has an unknown encoding: {}", inQuotes(scan.name), inQuotes(codec.name())));
   for (const pugi::xml_node& field : points.child("prototype").children())
     if (field.type() == pugi::node_element) scan.fields.push_back(fieldOf(field, reading));
   readPose(node.child("pose"), reading, scan);
@@ -121,7 +121,7 @@ E57Contents readE57Contents(const E57Pages& pages) {
   const pugi::xml_parse_result parsed = document.load_buffer(pages.xml().data(), pages.xml().size());
   if (!parsed) {
     const auto* at = reinterpret_cast<const std::byte*>(pages.xml().data()) + parsed.offset;
-    throw FileError::atByte(pages.file(), pages.fileByteOf(at), fmt::format("no XML: {}", parsed.description()));
+    throw FileError::atByte(pages.file(), pages.fileByteOf(at), fmt::format("not valid XML: {}", parsed.description()));
   }
   const pugi::xml_node root = document.child("e57Root");
   if (!root) throw reading.refuse("there is no e57Root");

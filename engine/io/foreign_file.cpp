@@ -19,8 +19,9 @@ namespace {
 using std::string_view_literals::operator""sv;
 
 constexpr std::string_view kBag =
-    "is a bag of ROS or of a RealSense camera, which is not read here; Open3D writes a RealSense one as a folder that "
-    "is (open3d.t.io.RGBDVideoReader.create(BAG).save_frames(FOLDER)), and ROS's image_view extracts pictures";
+    "is a bag of ROS or of a RealSense camera, which is not read; Open3D can write a bag of a RealSense camera as a "
+    "folder, which is read (open3d.t.io.RGBDVideoReader.create(BAG).save_frames(FOLDER)); ROS's image_view extracts "
+    "pictures";
 constexpr std::string_view kPacked = "is packed; unpack it first";
 
 struct Magic {
@@ -170,9 +171,9 @@ void refuseForeign(const std::filesystem::path& file) {
 void refuseUnknown(const std::filesystem::path& file, std::string_view formats) {
   const auto start = startOf(file);
   const std::string begin = start ? start->bytes.substr(0, start->bytes.find_first_of("\r\n")) : "";
-  throw FileError(
-      file, fmt::format("is {}, not a 3D file that can be read (it begins with {}); read are {}",
-                        start && start->isText() ? "text" : "of a kind that is not known", inQuotes(begin), formats));
+  throw FileError(file,
+                  fmt::format("is {}, not a 3D file that can be read (it begins with {}); readable formats are {}",
+                              start && start->isText() ? "text" : "of an unknown kind", inQuotes(begin), formats));
 }
 
 }  // namespace palpate

@@ -61,7 +61,7 @@ StoredCloud surfaceOfGaussians(const std::string& name, GaussianScene scene, Log
         "far from all others, {} not finite",
         name, surface.cloud.size(), surface.spacing, gaussiansInWords(gaussians), watch.elapsed_us() * 1e-3,
         surface.faint, surface.oversized, surface.outlying, bad);
-    if (surface.cloud.empty() && gaussians > 0) log->warn("{}: none of the Gaussians shows; there is no surface", name);
+    if (surface.cloud.empty() && gaussians > 0) log->warn("{}: no Gaussian is visible; there is no surface", name);
   }
   StoredCloud stored{.cloud = std::move(surface.cloud)};
   const auto lose = [&](std::size_t count, std::string_view why) {

@@ -191,12 +191,12 @@ constexpr std::size_t kSplatBytes = 32;
 
 std::uint64_t splatsIn(const std::filesystem::path& path, const ChunkedFile& file) {
   const auto bytes = file.remaining();
-  if (!bytes) throw FileError(path, "is a pipe; a .splat is read from a file");
+  if (!bytes) throw FileError(path, "is a pipe; a .splat can only be read from a file");
   if (*bytes == 0) throw FileError(path, "is empty");
   if (*bytes % kSplatBytes != 0)
     throw FileError::atByte(path, *bytes - *bytes % kSplatBytes,
-                            fmt::format("{} bytes are no whole number of splats of {} bytes; the file is truncated, or "
-                                        "no .splat",
+                            fmt::format("{} bytes are not a whole number of splats of {} bytes; the file is truncated, "
+                                        "or is not a .splat",
                                         *bytes, kSplatBytes));
   return *bytes / kSplatBytes;
 }
@@ -245,7 +245,7 @@ struct SpzHeader {
 
 SpzHeader spzHeader(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   if (bytes.size() < kSpzHead || loadScalar<std::uint32_t>(bytes.data()) != kSpzMagic)
-    throw FileError(path, "is compressed (gzip) and holds no SPZ; unpack it first");
+    throw FileError(path, "is compressed (gzip) and contains no SPZ; unpack it first");
   SpzHeader head{.version = loadScalar<std::uint32_t>(bytes.data() + 4),
                  .count = loadScalar<std::uint32_t>(bytes.data() + 8),
                  .degree = std::to_integer<unsigned>(bytes[12]),
@@ -254,7 +254,7 @@ SpzHeader spzHeader(const std::filesystem::path& path, std::span<const std::byte
     throw FileError(
         path, fmt::format("is SPZ of version {}; versions 2 and 3 are read, export one of those or PLY", head.version));
   if (head.degree > 4 || head.fractionBits > 23)
-    throw FileError(path, "is SPZ whose header cannot be: its degree or its bits of fractions are too large");
+    throw FileError(path, "is SPZ with an invalid header: its degree or its bits of fractions are too large");
   if (const std::uint64_t wanted = kSpzHead + std::uint64_t{head.count} * head.rowBytes(); wanted > bytes.size())
     throw FileError(path, fmt::format("promises {}, for which its {} unpacked bytes are too few",
                                       gaussiansInWords(head.count), bytes.size()));

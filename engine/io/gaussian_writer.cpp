@@ -36,7 +36,7 @@ void writeHeader(RowOutput& out, const PointCloud& cloud, bool ascii) {
 
 void writeGaussians(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
   if (!cloud.hasNormals() && !cloud.empty())
-    throw FileError(path, "Gaussians lie in the surface, and these points have no normals; estimate them before");
+    throw FileError(path, "Gaussians require normals, and these points have none; estimate them first");
   const double spacing = meanSpacing(cloud);
   const double across = spacing > 0 ? spacing : 1;  // any value works for a single point
   const std::array<float, 3> scales{static_cast<float>(std::log(kWidth * across)),

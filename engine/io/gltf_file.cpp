@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 
@@ -66,16 +67,17 @@ int digitOf(char c) {
 }
 
 /// `before`: number of bytes of the file before the text.
-Json parsed(const std::filesystem::path& path, std::span<const std::byte> bytes, std::size_t before) {
+std::unique_ptr<const Json> parsed(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                                   std::size_t before) {
   const auto* text = reinterpret_cast<const char*>(bytes.data());
   try {
-    Json json = Json::parse(text, text + bytes.size());
-    if (json.is_object()) return json;
+    auto json = std::make_unique<const Json>(Json::parse(text, text + bytes.size()));
+    if (json->is_object()) return json;
   } catch (const Json::parse_error& error) {
     throw FileError::atByte(path, before + error.byte, "invalid JSON");
   } catch (const Json::exception&) {  // a number that is too large
   }
-  throw FileError::atByte(path, before, "the JSON from here on is none of glTF");
+  throw FileError::atByte(path, before, "the JSON from here on is not glTF");
 }
 
 /// Decodes base64 up to the first invalid character.
@@ -150,14 +152,15 @@ GltfFile::GltfFile(std::filesystem::path file) : path_(std::move(file)) {
   } else {
     json_ = parsed(path_, all, 0);
   }
-  if (!json_.is_object()) fail("is not a glTF file: its JSON is not an object");
-  const auto asset = json_.find("asset");
-  if (asset == json_.end() || !asset->is_object() || !asset->contains("version") || !(*asset)["version"].is_string())
-    fail("does not say of which version of glTF it is");
+  if (!json_) fail("is not a glTF file: its JSON is not an object");
+  const auto asset = json_->find("asset");
+  if (asset == json_->end() || !asset->is_object() || !asset->contains("version") || !(*asset)["version"].is_string())
+    fail("does not state its version of glTF");
   const std::string version = (*asset)["version"];
-  if (!version.starts_with("2."))
-    fail(fmt::format("is glTF {}; versions 2.0 and later of 2 are read", inQuotes(version)));
+  if (!version.starts_with("2.")) fail(fmt::format("is glTF {}; only versions 2.x can be read", inQuotes(version)));
 }
+
+GltfFile::~GltfFile() = default;
 
 void GltfFile::readGlb(const Bytes& all) {
   constexpr std::size_t kHead = 12, kChunkHead = 8;
@@ -165,17 +168,18 @@ void GltfFile::readGlb(const Bytes& all) {
   if (const std::uint32_t version = bitsAt(all.data() + 4, 4); version != 2)
     throw FileError::atByte(path_, 4, fmt::format("GLB of version {}; version 2 is read", version));
   if (const std::uint32_t said = bitsAt(all.data() + 8, 4); said != all.size())
-    throw FileError::atByte(path_, 8, fmt::format("a length of {} bytes, of a file of {}", said, all.size()));
+    throw FileError::atByte(path_, 8,
+                            fmt::format("states a length of {} bytes, but the file has {}", said, all.size()));
   for (std::size_t at = kHead, chunk = 0; at < all.size(); ++chunk) {
     if (all.size() - at < kChunkHead) throw FileError::atByte(path_, at, "the file ends within a part's header");
     const std::size_t bytes = bitsAt(all.data() + at, 4);
     const std::uint32_t kind = bitsAt(all.data() + at + 4, 4);
     if (bytes > all.size() - at - kChunkHead)
       throw FileError::atByte(
-          path_, at, fmt::format("a part of {} bytes, of which {} follow", bytes, all.size() - at - kChunkHead));
+          path_, at, fmt::format("a part of {} bytes, of which only {} follow", bytes, all.size() - at - kChunkHead));
     const std::byte* begin = all.data() + at + kChunkHead;
     if ((chunk == 0) != (kind == kJsonChunk))
-      throw FileError::atByte(path_, at + 4, "its JSON is not the first part, and the only one of JSON");
+      throw FileError::atByte(path_, at + 4, "its JSON must be its first part, and the only part of JSON");
     if (chunk == 0) {
       json_ = parsed(path_, {begin, bytes}, at + kChunkHead);
     } else if (kind == kBinaryChunk && !hasPacked_) {
@@ -189,18 +193,18 @@ void GltfFile::readGlb(const Bytes& all) {
 std::size_t GltfFile::whole(const Json& object, const char* name, std::size_t otherwise) const {
   const auto found = object.find(name);
   if (found == object.end()) return otherwise;
-  if (!found->is_number_unsigned()) fail(fmt::format("\"{}\" is no whole number from 0 on", name));
+  if (!found->is_number_unsigned()) fail(fmt::format("\"{}\" is not a whole number of 0 or more", name));
   return found->get<std::size_t>();
 }
 
 const Json& GltfFile::named(const char* list, const Json& number) const {
-  const auto all = json_.find(list);
-  const std::size_t count = all != json_.end() && all->is_array() ? all->size() : 0;
+  const auto all = json_->find(list);
+  const std::size_t count = all != json_->end() && all->is_array() ? all->size() : 0;
   if (!number.is_number_unsigned() || number.get<std::size_t>() >= count)
-    fail(fmt::format("\"{}\" has {} elements, of which {} is none", list, count,
+    fail(fmt::format("\"{}\" has {} elements; {} is out of range", list, count,
                      inQuotes(number.dump(-1, ' ', true, Json::error_handler_t::replace))));
   const Json& element = (*all)[number.get<std::size_t>()];
-  if (!element.is_object()) fail(fmt::format("\"{}\" has something that is no object", list));
+  if (!element.is_object()) fail(fmt::format("\"{}\" has an entry that is not an object", list));
   return element;
 }
 
@@ -211,7 +215,7 @@ Bytes GltfFile::bytesOf(const Json& buffer, std::size_t number) const {
       fail(fmt::format("buffer {} has no URI, and the file contains no data for it", number));
     return packed_;
   }
-  if (!uri->is_string()) fail(fmt::format("the \"uri\" of buffer {} is no text", number));
+  if (!uri->is_string()) fail(fmt::format("the \"uri\" of buffer {} is not a text", number));
   const std::string text = *uri;
   if (text.starts_with("data:")) {
     const std::size_t comma = text.find(',');
@@ -222,7 +226,8 @@ Bytes GltfFile::bytesOf(const Json& buffer, std::size_t number) const {
   const std::filesystem::path beside = unescaped(text);
   const bool leaves = beside.empty() || beside.is_absolute() || beside.has_root_path() ||
                       text.find("://") != text.npos || std::ranges::find(beside, "..") != beside.end();
-  if (leaves) fail(fmt::format("buffer {} is {}, which is no file beside this one", number, inQuotes(text)));
+  if (leaves)
+    fail(fmt::format("buffer {} is {}, which is not the name of a file beside this one", number, inQuotes(text)));
   const std::filesystem::path file = path_.parent_path() / beside;
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(file, unknown))
@@ -233,12 +238,12 @@ Bytes GltfFile::bytesOf(const Json& buffer, std::size_t number) const {
 GltfNumbers GltfFile::numbers(const Json& accessor, std::initializer_list<unsigned> perElement) {
   const Json& json = named("accessors", accessor);
   if (json.contains("sparse") || !json.contains("bufferView"))
-    fail("an accessor is sparse; such are not read, write it with all its numbers");
+    fail("an accessor is sparse, which is not read; export it with all its numbers");
   const Json& view = named("bufferViews", json["bufferView"]);
   const Json number = view.contains("buffer") ? view["buffer"] : Json();
   const Json& buffer = named("buffers", number);
   const std::size_t which = number.get<std::size_t>();
-  if (buffers_.empty()) buffers_.resize(json_["buffers"].size());
+  if (buffers_.empty()) buffers_.resize((*json_)["buffers"].size());
   if (buffers_[which].empty()) buffers_[which] = bytesOf(buffer, which);
 
   GltfNumbers numbers{.count = whole(json, "count", 0)};
@@ -253,17 +258,17 @@ GltfNumbers GltfFile::numbers(const Json& accessor, std::initializer_list<unsign
   const std::size_t element = bytes * numbers.perElement;
   numbers.stride = whole(view, "byteStride", element);
   if (numbers.stride < element || numbers.stride > 252 + element)
-    fail(fmt::format("a view of {} bytes from element to element, of which each has {}", numbers.stride, element));
+    fail(fmt::format("a view with a stride of {} bytes for elements of {}", numbers.stride, element));
   // The view must lie within the buffer, and the elements within the view.
   const std::size_t all = buffers_[which].size(), from = whole(view, "byteOffset", 0),
                     length = whole(view, "byteLength", 0);
   if (from > all || length > all - from)
-    fail(fmt::format("a view of {} bytes from byte {} on, of a buffer of {}", length, from, all));
+    fail(fmt::format("a view of {} bytes from byte {} on exceeds its buffer of {}", length, from, all));
   const std::size_t skip = whole(json, "byteOffset", 0);
   const bool fits = numbers.count == 0 || (skip <= length && element <= length - skip &&
                                            (numbers.count - 1) <= (length - skip - element) / numbers.stride);
   if (!fits)
-    fail(fmt::format("an accessor of {} elements from byte {} on, of a view of {}", numbers.count, skip, length));
+    fail(fmt::format("an accessor of {} elements from byte {} on exceeds its view of {}", numbers.count, skip, length));
   numbers.data = buffers_[which].data() + from + skip;
   return numbers;
 }

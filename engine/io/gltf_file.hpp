@@ -3,7 +3,8 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string_view>
 #include <vector>
 
@@ -27,8 +28,11 @@ class GltfFile {
  public:
   /// Reads the whole file, and buffers in files beside it. Throws FileError.
   explicit GltfFile(std::filesystem::path file);
+  ~GltfFile();
+  GltfFile(const GltfFile&) = delete;
+  GltfFile& operator=(const GltfFile&) = delete;
 
-  const nlohmann::json& json() const { return json_; }
+  const nlohmann::json& json() const { return *json_; }
   [[noreturn]] void fail(std::string_view what) const { throw FileError(path_, what); }
 
   /// The element of a list of the file (for example "meshes") with the index `number`. Throws if there is none.
@@ -45,7 +49,7 @@ class GltfFile {
   Bytes bytesOf(const nlohmann::json& buffer, std::size_t number) const;
 
   std::filesystem::path path_;
-  nlohmann::json json_;
+  std::unique_ptr<const nlohmann::json> json_;
   Bytes packed_;  // from a GLB file
   bool hasPacked_ = false;
   std::vector<Bytes> buffers_;

@@ -48,7 +48,7 @@ Bytes readWhole(const std::filesystem::path& path) {
   Bytes bytes;
   for (std::span<const std::byte> piece = file.peek(1); !piece.empty(); piece = file.peek(1)) {
     if (bytes.size() + piece.size() > kMaxBytes)
-      throw FileError(path, fmt::format("has more than {} bytes; no picture that is read here is so long", kMaxBytes));
+      throw FileError(path, fmt::format("has more than {} bytes, the maximum of a picture", kMaxBytes));
     bytes.insert(bytes.end(), piece.begin(), piece.end());
     file.consume(piece.size());
   }
@@ -101,14 +101,14 @@ Head headOf(const std::filesystem::path& file, const Bytes& bytes) {
   if (!head.isPng && !text.starts_with(kJpegMagic)) throw FileError(file, "is neither a PNG nor a JPEG");
   int width = 0, height = 0;
   if (!stbi_info_from_memory(dataOf(bytes), lengthOf(bytes), &width, &height, &head.channels))
-    throw FileError(file, fmt::format("has a head that cannot be read: {}; sides go up to {} pixels",
+    throw FileError(file, fmt::format("has a header that cannot be read: {}; a side has at most {} pixels",
                                       stbi_failure_reason(), kLongestImageSide));
   head.size = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
   if (std::max(head.size.width, head.size.height) > kLongestImageSide)
-    throw FileError(file, fmt::format("has {} x {} pixels; sides go up to {}", width, height, kLongestImageSide));
+    throw FileError(file, fmt::format("has {} x {} pixels; a side has at most {}", width, height, kLongestImageSide));
   if (std::uint64_t{head.size.width} * head.size.height > kMaxPixelsPerByte * bytes.size())
-    throw FileError(file, fmt::format("says that it has {} x {} pixels, and ends after {} bytes; copy it again", width,
-                                      height, bytes.size()));
+    throw FileError(file, fmt::format("claims {} x {} pixels, but ends after {} bytes; copy it again", width, height,
+                                      bytes.size()));
   return head;
 }
 
@@ -131,7 +131,7 @@ GreyImage readGreyImage(const std::filesystem::path& file) {
   const Bytes bytes = readWhole(file);
   const Head head = headOf(file, bytes);
   if (!head.isPng || head.channels != 1 || !stbi_is_16_bit_from_memory(dataOf(bytes), lengthOf(bytes)))
-    throw FileError(file, "is no grey PNG of 16 bits, as depth is stored in");
+    throw FileError(file, "is not a grey PNG of 16 bits, in which depth is stored");
   requireWhole(file, head, bytes);
   int width = 0, height = 0, channels = 0;
   const Pixels pixels(stbi_load_16_from_memory(dataOf(bytes), lengthOf(bytes), &width, &height, &channels, 1),

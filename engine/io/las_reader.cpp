@@ -44,7 +44,7 @@ std::optional<LazLayout> packingOf(const std::filesystem::path& file, const LasH
   if (!head.header.packed) return std::nullopt;
   for (const LasRecord& record : lasRecords(file, head.header, head.bytes))
     if (record.is(kLazUser, kLazRecord)) return readLazLayout(file, head.header, record);
-  throw FileError::atByte(file, 104, "the points are packed (LAZ), and no record of LASzip says how");
+  throw FileError::atByte(file, 104, "the points are packed (LAZ), but the record of LASzip is missing");
 }
 
 LasHead readHead(ChunkedFile& file) {
@@ -91,8 +91,8 @@ void LasReader::checkCount() const {
   const LasHeader& header = head_.header;
   if (there && !header.packed && header.points > *there / header.pointBytes)
     throw FileError::atByte(file_.path(), header.minor == 4 ? 247 : 107,
-                            fmt::format("the header promises {} points of {} bytes, and {} bytes are there",
-                                        header.points, header.pointBytes, *there));
+                            fmt::format("the header promises {} points of {} bytes, but {} bytes follow", header.points,
+                                        header.pointBytes, *there));
 }
 
 PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, const CloudReadOptions& options) {

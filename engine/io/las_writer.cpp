@@ -89,8 +89,7 @@ void writeLas(const std::filesystem::path& path, const PointCloud& cloud, const 
 void writeLaz(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
   const LasPlan plan(cloud);
   plan.check(path);
-  if (plan.points.hasWaves)
-    throw FileError(path, "points with wave packets are not packed; name the file .las, which has them");
+  if (plan.points.hasWaves) throw FileError(path, "points with wave packets cannot be packed; name the file .las");
   const LazLayout layout = lazLayoutFor(plan.format, plan.pointBytes);
   AtomicFile file(path);
   std::vector<std::byte> head = packedHead(cloud, plan, layout);
@@ -119,7 +118,7 @@ std::vector<std::string> lacksOfLas(const StoredCloud& stored) {
   for (const Attribute& attribute : stored.cloud.extra)
     if (attribute.name.size() > 32) lost.push_back(fmt::format("the end of the name '{}'", attribute.name));
   for (const std::string& name : lasNamesGivingWay(stored.cloud))
-    lost.push_back(fmt::format("the attribute '{}', for what is written under its name", name));
+    lost.push_back(fmt::format("the attribute '{}', because another one is written under its name", name));
   return lost;
 }
 

@@ -101,7 +101,7 @@ void readItems(const std::filesystem::path& file, const LasHeader& header, const
 std::size_t tablePlace(const std::filesystem::path& file, std::uint64_t bodyAt, std::span<const std::byte> body) {
   constexpr std::int64_t kAtTheEnd = -1;  // for a file that was written sequentially
   if (body.size() < 8)
-    throw FileError::atByte(file, bodyAt + body.size(), "the file ends before it says where its table of chunks is");
+    throw FileError::atByte(file, bodyAt + body.size(), "the file ends before the position of its table of chunks");
   std::size_t saidAt = 0;
   auto place = loadScalar<std::int64_t>(body, 0);
   if (place == kAtTheEnd && body.size() >= 16) {
@@ -209,8 +209,8 @@ LazChunks readLazChunks(const std::filesystem::path& file, const LasHeader& head
       throw refuse(fmt::format("chunk {} of {} would reach from byte {} to byte {}, past the table", k + 1, count, at,
                                at + length));
     if (holds > left || (holds > 0 && length == 0))
-      throw refuse(fmt::format("chunk {} of {} is said to have {} points in {} bytes; {} of {} are left", k + 1, count,
-                               holds, length, left, header.points));
+      throw refuse(fmt::format("chunk {} of {} claims {} points in {} bytes; {} of {} are left", k + 1, count, holds,
+                               length, left, header.points));
     if (holds > 0) found.chunks.push_back({at, length, holds});
     at += length;
     left -= holds;

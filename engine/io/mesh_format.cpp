@@ -33,7 +33,7 @@ ImportedMesh importedBy(Import import, const std::filesystem::path& file) {
   const std::size_t before = mesh.soup.triangles.size();
   const BadCorners bad = leaveOutBadCorners(mesh.soup);
   if (mesh.soup.corners.empty() || (before > 0 && mesh.soup.triangles.empty()))
-    throw FileError(file, before + bad.corners > 0 ? "none of its corners is at finite numbers"
+    throw FileError(file, before + bad.corners > 0 ? "none of its corners has a finite position"
                                                    : "has neither triangles nor points");
   if (bad.triangles > 0)
     mesh.lost.push_back(fmt::format("{} triangles with a corner that is not finite", bad.triangles));

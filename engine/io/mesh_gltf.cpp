@@ -2,6 +2,7 @@
 #include <array>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "engine/io/color_scale.hpp"
@@ -43,7 +44,7 @@ class GltfReader {
     if (const std::size_t count = list("animations").size(); count > 0)
       mesh_.lost.push_back(fmt::format("{} animations", count));
     if (const std::size_t count = list("skins").size(); count > 0)
-      mesh_.lost.push_back(fmt::format("what {} skeletons do", count));
+      mesh_.lost.push_back(fmt::format("the motion of {} skeletons", count));
     return std::move(mesh_);
   }
 
@@ -55,7 +56,7 @@ class GltfReader {
     static const Json none = Json::array();
     const auto found = object.find(name);
     if (found == object.end()) return none;
-    if (!found->is_array()) file_.fail(fmt::format("\"{}\" is no list", name));
+    if (!found->is_array()) file_.fail(fmt::format("\"{}\" is not a list", name));
     return *found;
   }
 
@@ -93,7 +94,7 @@ class GltfReader {
   void settleAttributes() {
     const auto eachPrimitive = [&](auto&& visit) {
       for (const Json& mesh : list("meshes")) {
-        if (!mesh.is_object()) file_.fail("\"meshes\" has something that is no object");
+        if (!mesh.is_object()) file_.fail("\"meshes\" has an entry that is not an object");
         for (const Json& primitive : listOf(mesh, "primitives")) visit(primitive, attributesOf(primitive));
       }
     };
@@ -111,7 +112,7 @@ class GltfReader {
     return points_ ? file_.whole(primitive, "mode", kTriangles) == kPoints : hasTriangles(primitive);
   }
   Json attributesOf(const Json& primitive) const {
-    if (!primitive.is_object()) file_.fail("\"primitives\" has something that is no object");
+    if (!primitive.is_object()) file_.fail("\"primitives\" has an entry that is not an object");
     const auto found = primitive.find("attributes");
     if (found == primitive.end() || !found->is_object()) file_.fail("a part of a mesh has no \"attributes\"");
     return *found;
@@ -125,7 +126,7 @@ class GltfReader {
     if (depth > kMaxNodeDepth) file_.fail(fmt::format("nodes are nested more than {} deep", kMaxNodeDepth));
     const Json& node = file_.named("nodes", number);
     const auto which = number.get<std::size_t>();
-    if (shown_[which]) file_.fail(fmt::format("node {} is there twice", which));
+    if (shown_[which]) file_.fail(fmt::format("node {} is a duplicate", which));
     shown_[which] = true;
     const Placement here = above * placementOf(node);
     if (node.contains("mesh"))
@@ -138,7 +139,7 @@ class GltfReader {
     if (found == node.end()) return otherwise;
     const bool right = found->is_array() && found->size() == otherwise.size() &&
                        std::ranges::all_of(*found, [](const Json& number) { return number.is_number(); });
-    if (!right) file_.fail(fmt::format("\"{}\" of a node is no list of {} numbers", name, otherwise.size()));
+    if (!right) file_.fail(fmt::format("\"{}\" of a node is not a list of {} numbers", name, otherwise.size()));
     return found->get<std::vector<double>>();
   }
 
@@ -186,7 +187,7 @@ class GltfReader {
     if (primitive.contains("indices")) {
       const GltfNumbers indices = file_.numbers(primitive["indices"], {1});
       if (indices.kind != 5121 && indices.kind != 5123 && indices.kind != 5125)
-        file_.fail("numbers of corners are of a type that is none for them");
+        file_.fail("data of corners have a type that is not allowed for them");
       addTriangles(indices.count, mode, here.isMirrored(), first, places.count,
                    [&](std::size_t k) { return indices.index(k); });
     } else {
@@ -227,7 +228,9 @@ class GltfReader {
       std::array<std::uint32_t, 3> triangle{corner(mode == kFan ? 0 : k), corner(k + 1), corner(k + 2)};
       if ((mode == kStrip && k % 2 == 1) != mirrored) std::swap(triangle[1], triangle[2]);
       for (std::uint32_t& number : triangle) {
-        if (number >= there) file_.fail(fmt::format("a triangle has corner {} of {}, from 0 on", number, there));
+        if (number >= there)
+          file_.fail(
+              fmt::format("a triangle refers to corner {}, counted from 0, but there are only {}", number, there));
         number += static_cast<std::uint32_t>(first);
       }
       mesh_.soup.triangles.push_back(triangle);

@@ -65,7 +65,7 @@ class ObjReader {
     if (!number) lines_.fail(fmt::format("found {}, expected the number of {}", inQuotes(text), what));
     const std::int64_t index = *number < 0 ? *number + static_cast<std::int64_t>(count) : *number - 1;
     if (*number == 0 || index < 0 || index >= static_cast<std::int64_t>(count))
-      lines_.fail(fmt::format("a face names {} {}, of {} before it", what, *number, count));
+      lines_.fail(fmt::format("a face refers to {} {}, but only {} precede it", what, *number, count));
     return static_cast<std::uint32_t>(index);
   }
 
@@ -108,10 +108,10 @@ class ObjReader {
     }
     if (others_ > 0) mesh_.lost.push_back(fmt::format("{} points and lines", others_));
     if (freeForms_ > 0) mesh_.lost.push_back(fmt::format("{} free-form curves and surfaces", freeForms_));
-    if (unknown_ > 0) mesh_.lost.push_back(fmt::format("{} statements that OBJ does not have", unknown_));
+    if (unknown_ > 0) mesh_.lost.push_back(fmt::format("{} unknown statements", unknown_));
     if (large_ > 0)
       mesh_.lost.push_back(
-          fmt::format("what {} polygons of more than {} corners have of dents", large_, kLargestConcavePolygon));
+          fmt::format("the dents of {} polygons with more than {} corners", large_, kLargestConcavePolygon));
     return std::move(mesh_);
   }
 

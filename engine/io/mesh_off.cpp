@@ -24,13 +24,13 @@ class OffReader {
       needLine(fmt::format("{} of {} faces", i, faces_));
       face();
     }
-    if (lines_.next()) lines_.fail(fmt::format("something follows the last of {} faces", faces_));
+    if (lines_.next()) lines_.fail(fmt::format("unexpected data after the last of {} faces", faces_));
     settleColors();
     if (others_ > 0) mesh_.lost.push_back(fmt::format("{} points and lines", others_));
     if (colors_ > 0) mesh_.lost.push_back(fmt::format("the colours of {} faces", colors_));
     if (large_ > 0)
       mesh_.lost.push_back(
-          fmt::format("what {} polygons of more than {} corners have of dents", large_, kLargestConcavePolygon));
+          fmt::format("the dents of {} polygons with more than {} corners", large_, kLargestConcavePolygon));
     return std::move(mesh_);
   }
 
@@ -59,14 +59,14 @@ class OffReader {
       for (const char letter : upperCase(word.substr(0, name))) {
         if (letter != 'C' && letter != 'N')
           lines_.fail(
-              fmt::format("OFF with {} before it is not read, but with C and N", inQuotes(word.substr(0, name))));
+              fmt::format("OFF with the prefix {} is not read; only C and N are", inQuotes(word.substr(0, name))));
         (letter == 'C' ? hasColors_ : hasNormals_) = true;
       }
       if (lines_.words().size() > 1 && lines_.words()[1] == "BINARY")
-        lines_.fail("binary OFF is not read; it is as text that programs exchange it");
+        lines_.fail("binary OFF is not read; export it as text");
       if (const std::string_view glued = word.substr(name + 3); !glued.empty()) {
-        vertices_ = countIn(glued, "how many corners there are");
-        faces_ = count(1, "how many faces there are");
+        vertices_ = countIn(glued, "the number of corners");
+        faces_ = count(1, "the number of faces");
         return;
       }
       at = 1;
@@ -75,8 +75,8 @@ class OffReader {
         at = 0;
       }
     }
-    vertices_ = count(at, "how many corners there are");
-    faces_ = count(at + 1, "how many faces there are");
+    vertices_ = count(at, "the number of corners");
+    faces_ = count(at + 1, "the number of faces");
   }
 
   static std::string upperCase(std::string_view word) {
@@ -107,11 +107,13 @@ class OffReader {
   }
 
   void face() {
-    const std::uint64_t corners = count(0, "how many corners a face has");
+    const std::uint64_t corners = count(0, "the number of corners of a face");
     polygon_.clear();
     for (std::size_t k = 1; k <= corners; ++k) {
       const std::uint64_t corner = count(k, "the number of a corner");
-      if (corner >= vertices_) lines_.fail(fmt::format("a face names corner {} of {}, from 0 on", corner, vertices_));
+      if (corner >= vertices_)
+        lines_.fail(
+            fmt::format("a face refers to corner {}, counted from 0, but there are only {}", corner, vertices_));
       polygon_.push_back(static_cast<std::uint32_t>(corner));
     }
     colors_ += lines_.words().size() > corners + 1;

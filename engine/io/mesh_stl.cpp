@@ -55,7 +55,7 @@ ImportedMesh importBinary(ChunkedFile& file) {
     rest += piece.size();
     file.consume(piece.size());
   }
-  if (rest > 0) mesh.lost.push_back(fmt::format("{} bytes behind the last of {} triangles", rest, count));
+  if (rest > 0) mesh.lost.push_back(fmt::format("{} bytes after the last of {} triangles", rest, count));
   if (marked > 0) mesh.lost.push_back(fmt::format("colours or marks of {} triangles", marked));
   return mesh;
 }
@@ -79,7 +79,7 @@ class StlText {
       } else if (word == "solid" || word == "endsolid") {
         open_ = word == "solid";
       } else if (word != "outer" && word != "endloop" && word != "color") {
-        lines_.fail(fmt::format("found {}, expected what an STL file has there", inQuotes(lines_.words().front())));
+        lines_.fail(fmt::format("found {}, expected a keyword of STL", inQuotes(lines_.words().front())));
       }
     }
     if (open_) lines_.fail("the file ends within a solid");

@@ -15,7 +15,7 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 const Triangles& trianglesOf(const std::filesystem::path& path, const CloudWriteOptions& options) {
   if (!options.triangles || options.triangles->empty())
-    throw FileError(path, "files of this format are of triangles, and there are none; name it .ply");
+    throw FileError(path, "this format contains only triangles, and there are none; name the file .ply");
   return *options.triangles;
 }
 
@@ -82,7 +82,7 @@ void writeObj(const std::filesystem::path& path, const PointCloud& cloud, const 
 void writeStl(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
   const Triangles& triangles = trianglesOf(path, options);
   if (triangles.size() > std::numeric_limits<std::uint32_t>::max())
-    throw FileError(path, "STL counts no more than 4,294,967,295 triangles");
+    throw FileError(path, "STL has at most 4,294,967,295 triangles");
   RowOutput out(path, options.ascii);
   if (options.ascii) {
     out.headerLine("solid palpate");

@@ -68,7 +68,7 @@ class LiteralText {
     } else {
       const std::string_view digits = word.ends_with('L') ? word.substr(0, word.size() - 1) : word;
       const auto number = textNumber<std::uint64_t>(digits);
-      if (!number) fail(fmt::format("{}, which is no value", inQuotes(word)));
+      if (!number) fail(fmt::format("{}, which is not a value", inQuotes(word)));
       literal = {.kind = Literal::Kind::number, .text = {}, .number = *number, .items = {}};
     }
     next_ = end;
@@ -77,7 +77,7 @@ class LiteralText {
 
   Literal quoted(char quote) {
     const std::size_t end = text_.find(quote, next_ + 1);
-    if (end == text_.npos) fail("no end of a text");
+    if (end == text_.npos) fail("a text without an end");
     Literal literal{
         .kind = Literal::Kind::text, .text = std::string(text_.substr(next_ + 1, end - next_ - 1)), .items = {}};
     next_ = end + 1;
@@ -136,8 +136,8 @@ Number numberOf(const std::string& code, const LiteralText& text) {
                                                       : "none";
   const auto type = number.column.wide ? ScalarType::f64 : scalarTypeFromPly(name);
   if (!type)
-    text.fail(fmt::format("the type {}, which is not read; there are whole numbers, and real ones of 4 or 8 bytes",
-                          inQuotes(code)));
+    text.fail(
+        fmt::format("the type {}, which is not read; whole numbers are, and floats of 4 or 8 bytes", inQuotes(code)));
   number.column.type = *type;
   return number;
 }
@@ -145,7 +145,7 @@ Number numberOf(const std::string& code, const LiteralText& text) {
 /// Throws if a product exceeds any possible file size.
 std::uint64_t product(std::uint64_t a, std::uint64_t b, const LiteralText& text) {
   constexpr std::uint64_t kMax = std::uint64_t{1} << 60;
-  if (b > 0 && a > kMax / b) text.fail("more numbers than can be");
+  if (b > 0 && a > kMax / b) text.fail("too many numbers");
   return a * b;
 }
 
@@ -220,7 +220,7 @@ NpyArray readNpyArray(const std::filesystem::path& name, std::span<const std::by
   constexpr std::string_view kMagic("\x93NUMPY", 6);
   const auto* begin = reinterpret_cast<const char*>(file.data());
   if (!std::string_view(begin, std::min<std::size_t>(6, file.size())).starts_with(kMagic))
-    throw FileError::atByte(name, at, "no array of NumPy; it does not begin as one");
+    throw FileError::atByte(name, at, "not an array of NumPy: it does not begin as one");
   const unsigned version = file.size() > 6 ? std::to_integer<unsigned>(file[6]) : 0;
   const std::size_t headAt = version == 1 ? 10 : 12;
   if (file.size() < headAt) throw FileError::atByte(name, at + file.size(), "ends inside the array's description");
@@ -240,7 +240,7 @@ NpyArray readNpyArray(const std::filesystem::path& name, std::span<const std::by
   array.rows = elementsOf(*shape, text);
   for (const Literal& side : shape->items) array.shape.push_back(side.number);
   array.structured = type->kind == Literal::Kind::list;
-  if (!array.structured && type->kind != Literal::Kind::text) text.fail("a type that is none");
+  if (!array.structured && type->kind != Literal::Kind::text) text.fail("an invalid type");
   const std::uint64_t rowBytes =
       array.structured ? addFields(*type, array, text) : addNumbers(type->text, order->number != 0, array, text);
   if (array.structured && rowBytes == 0 && array.rows > 0) text.fail("rows without bytes");
@@ -248,7 +248,7 @@ NpyArray readNpyArray(const std::filesystem::path& name, std::span<const std::by
   array.data = file.subspan(headAt + length);
   if (array.data.size() < array.bytes)
     throw FileError::atByte(name, at + headAt + length,
-                            fmt::format("an array of shape {} has {} bytes, and {} are there", array.shapeText(),
+                            fmt::format("an array of shape {} has {} bytes, but {} follow", array.shapeText(),
                                         array.bytes, array.data.size()));
   array.data = array.data.first(array.bytes);
   return array;

@@ -101,7 +101,7 @@ std::vector<std::string> lacksOf(const StoredCloud& stored) {
   if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
   if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
   for (const std::string& name : namesGivingWay(stored.cloud))
-    lost.push_back(fmt::format("the field '{}', for the one that is written under its name", name));
+    lost.push_back(fmt::format("the field '{}', because another one is written under its name", name));
   return lost;
 }
 
@@ -178,7 +178,7 @@ std::vector<std::string> lacksOfNpz(const StoredCloud& stored) {
   std::vector<std::string> lost = lacksOf(stored);
   for (const Attribute* attribute : attributesBeside(stored.cloud))
     if (isTakenInNpz(attribute->name))
-      lost.push_back(fmt::format("the attribute '{}', of whose name an archive has something else", attribute->name));
+      lost.push_back(fmt::format("the attribute '{}', because the archive uses its name", attribute->name));
   return lost;
 }
 

@@ -39,7 +39,7 @@ class PcdBody {
 
   void readBinary() {
     if (const auto there = file_.remaining(); there && header_.points > *there / rowBytes_)
-      failAt(file_.offset(), fmt::format("the header promises {} points of {} bytes, and {} bytes are there",
+      failAt(file_.offset(), fmt::format("the header promises {} points of {} bytes, but {} bytes follow",
                                          header_.points, rowBytes_, *there));
     if (file_.remaining()) rows_.reserve(header_.points);
     for (std::uint64_t done = 0; done < header_.points;) {
@@ -67,7 +67,8 @@ class PcdBody {
     const auto bytes = file_.peek(packed);
     if (bytes.size() < packed)
       failAt(file_.offset() + bytes.size(), fmt::format("the file ends inside its {} compressed bytes", packed));
-    if (whole / kMaxPerLzfByte > packed) failAt(at, fmt::format("{} bytes cannot be as many as {}", packed, whole));
+    if (whole / kMaxPerLzfByte > packed)
+      failAt(at, fmt::format("{} compressed bytes cannot become {} bytes", packed, whole));
     std::vector<std::byte> columns(whole);
     if (const auto bad = unpackLzf(bytes.first(packed), columns))
       failAt(file_.offset() + *bad, "damaged compressed points");
@@ -243,7 +244,7 @@ std::vector<std::string> lacksOfPcd(const StoredCloud& stored) {
   if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
   for (const Attribute& attribute : stored.cloud.extra)
     if (fieldGivesWay(stored.cloud, attribute.name))
-      lost.push_back(fmt::format("the field '{}', for the one that is written under its name", attribute.name));
+      lost.push_back(fmt::format("the field '{}', because another one is written under its name", attribute.name));
   return lost;
 }
 

@@ -78,7 +78,7 @@ class PcdHeaderLines {
       for (std::size_t k = 1; k < words.size(); ++k) header_.viewpoint += (k > 1 ? " " : "") + words[k];
       return;
     }
-    if (key != "DATA") fail(fmt::format("{} is no line of a PCD header", inQuotes(key)));
+    if (key != "DATA") fail(fmt::format("{} is not a line of a PCD header", inQuotes(key)));
     constexpr std::array<std::string_view, 3> kNames{"ascii", "binary", "binary_compressed"};
     const auto name = std::ranges::find(kNames, words.size() == 2 ? words[1] : "");
     if (name == kNames.end()) fail("expected 'ascii', 'binary' or 'binary_compressed' after 'DATA'");
@@ -124,7 +124,7 @@ class PcdHeaderLines {
         fail(fmt::format("field {} has numbers {} of {} bytes", inQuotes(field.name), field.type, field.bytes));
     }
     if (numbers > kMaxNumbers) fail(fmt::format("more than {} numbers a point", kMaxNumbers));
-    if (header_.width > 0 && header_.height > ~std::uint64_t{0} / header_.width) fail("more points than can be");
+    if (header_.width > 0 && header_.height > ~std::uint64_t{0} / header_.width) fail("too many points");
     const std::uint64_t grid = header_.width * header_.height;
     if (!hasPoints_) header_.points = grid;
     if (header_.points != grid)

@@ -128,7 +128,7 @@ std::string brokenPromise(const ChunkedFile& file, const PlyElement& element, st
   if (!left || rowBytes == 0 || element.count <= *left / rowBytes) return {};
   return fmt::format(
       "the header promises {} {} of at least {} bytes each, but only {} bytes follow; the file is truncated or its "
-      "header lies",
+      "header is wrong",
       element.count, element.name, rowBytes, *left);
 }
 

@@ -67,7 +67,7 @@ StoredCloud readPlyFile(const std::filesystem::path& file, Log* log, const Cloud
 std::vector<std::string> lacksOfPly(const StoredCloud& stored) {
   std::vector<std::string> lost;
   for (const std::string& name : namesGivingWay(stored.cloud))
-    lost.push_back(fmt::format("property '{}' of vertex, for the one that is written under its name", name));
+    lost.push_back(fmt::format("property '{}' of vertex, because another one is written under its name", name));
   return lost;
 }
 

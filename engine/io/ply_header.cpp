@@ -46,7 +46,8 @@ class HeaderParser {
       if (!hasFormat_) fail("the header has no 'format' line; expected for example 'format ascii 1.0'");
       return false;
     } else {
-      fail("{} is no header line; expected format, comment, obj_info, element, property or end_header", inQuotes(line));
+      fail("{} is not a header line; expected format, comment, obj_info, element, property or end_header",
+           inQuotes(line));
     }
     return true;
   }

@@ -39,11 +39,11 @@ class PtxScans {
   std::optional<std::uint64_t> next() {
     if (!line()) return std::nullopt;
     if (++scans_ > kMaxScans) fail(fmt::format("more than {} scans", kMaxScans));
-    const std::uint64_t columns = count("how many columns the scan has");
-    need("how many rows the scan has");
-    const std::uint64_t rows = count("how many rows the scan has");
-    if (rows > 0 && columns > ~std::uint64_t{0} / rows) fail("a scan of more points than can be");
-    for (int k = 0; k < 4; ++k) numbers<3>("the scanner's place and axes");
+    const std::uint64_t columns = count("the number of columns of the scan");
+    need("the number of rows of the scan");
+    const std::uint64_t rows = count("the number of rows of the scan");
+    if (rows > 0 && columns > ~std::uint64_t{0} / rows) fail("a scan of too many points");
+    for (int k = 0; k < 4; ++k) numbers<3>("the scanner's position and axes");
     for (DVec3& row : place_) {
       const auto four = numbers<4>("a row of the scan's matrix");
       row = {four[0], four[1], four[2]};

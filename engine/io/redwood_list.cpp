@@ -57,7 +57,7 @@ Pictures picturesIn(const std::filesystem::path& folder) {
     const auto [found, isNew] = pictures.emplace(*number, entry->path());
     if (!isNew)
       throw FileError(entry->path(),
-                      fmt::format("has the number of {}; take one of them away", found->second.filename().string()));
+                      fmt::format("has the same number as {}; remove one of them", found->second.filename().string()));
   }
   if (error) throw FileError(folder, fmt::format("cannot be read: {}", error.message()));
   return pictures;
@@ -90,7 +90,7 @@ Poses readLog(const std::filesystem::path& path) {
     const auto number = static_cast<std::uint64_t>((*ids)[0]);
     if (const auto before = poses.find(number); before != poses.end())
       throw FileError::atLine(path, line,
-                              fmt::format("frame {} is there twice, before in line {}", number, before->second.line));
+                              fmt::format("frame {} is a duplicate of line {}", number, before->second.line));
     try {
       poses.emplace(number, LoggedPose{.pose = cameraPose(rows), .line = line});
     } catch (const Error& error) {
@@ -137,12 +137,12 @@ RgbdList listRedwood(const std::filesystem::path& folder, double rate_Hz) {
     if (color != colors.end()) frame.color = color->second;
     if (frame.depth.empty())
       frame.lost = FileError::atLine(log, poses.at(number).line,
-                                     fmt::format("frame {} has a pose and no picture in depth", number))
+                                     fmt::format("frame {} has a pose but no picture in depth", number))
                        .what();
     else if (hasPoses && !frame.pose)
       frame.lost = FileError(frame.depth, "has no pose in trajectory.log").what();
     else if (!colors.empty() && frame.color.empty())
-      frame.lost = FileError(frame.depth, "has no picture of its number with the colours").what();
+      frame.lost = FileError(frame.depth, "has no colour picture of the same number").what();
     made.frames.push_back(std::move(frame));
   }
   return made;

@@ -46,7 +46,7 @@ RgbdFolder::RgbdFolder(const std::filesystem::path& folder, const RgbdOptions& o
   const ImageSize size = imageSizeOf(good->depth);
   if (size != ImageSize{camera_.width, camera_.height})
     throw FileError(good->depth, fmt::format("has {} x {} pixels, and the camera {} x {}; give the intrinsics of the "
-                                             "camera that saw it",
+                                             "camera that took it",
                                              size.width, size.height, camera_.width, camera_.height));
 }
 
@@ -57,7 +57,7 @@ void RgbdFolder::findCamera(const std::filesystem::path& folder, const RgbdOptio
   const std::filesystem::path file = options.intrinsics.empty() ? ownIntrinsics(folder) : options.intrinsics;
   if (file.empty()) {
     if (log)
-      log->say("{}: has no intrinsics; taken are {} x {} pixels, focal lengths {} and {}, middle {}, {}",
+      log->say("{}: has no intrinsics; assuming {} x {} pixels, focal lengths {} and {}, principal point {}, {}",
                folder.string(), camera_.width, camera_.height, camera_.fx, camera_.fy, camera_.cx, camera_.cy);
     return;
   }
@@ -95,7 +95,7 @@ void RgbdFolder::read(const RgbdFiles& files, DepthFrame& frame) {
   ColorImage color = readColorImage(files.color);
   if (ImageSize{color.width, color.height} != size) {
     if (!std::exchange(hasResized_, true) && log_)
-      log_->say("{}: has {} x {} pixels; colours are brought to the {} x {} of depth, pixel by nearest pixel",
+      log_->say("{}: has {} x {} pixels; colours are resampled to the {} x {} of depth, pixel by nearest pixel",
                 files.color.string(), color.width, color.height, size.width, size.height);
     color = resized(color, size);
   }

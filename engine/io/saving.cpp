@@ -55,7 +55,7 @@ FileInTheWay fileInTheWay(const std::filesystem::path& file, const CloudFormats&
 void sayWhatIsLost(const std::filesystem::path& file, Log& log) {
   const FileInTheWay inTheWay = fileInTheWay(file);
   if (!inTheWay.losesSomething()) return;
-  log.say("{}; the file that is there is kept as {}", inTheWay.sentence(), AtomicFile::nameToKeep(file).string());
+  log.say("{}; the existing file is kept as {}", inTheWay.sentence(), AtomicFile::nameToKeep(file).string());
 }
 
 bool isOurs(std::span<const std::string> comments) { return std::ranges::find(comments, kOurs) != comments.end(); }

@@ -132,7 +132,7 @@ void TextRows::keepApart() {
 bool TextRows::isCount() {
   if (!counted_ || words().size() != 1) return false;
   const auto count = textNumber<std::uint64_t>(words().front());
-  if (!count) fail(fmt::format("found {}, expected a point, or how many follow", inQuotes(words().front())));
+  if (!count) fail(fmt::format("found {}, expected a point, or the number of points", inQuotes(words().front())));
   checkEnd();
   promised_ = *count;
   seen_ = 0;

@@ -72,7 +72,7 @@ std::vector<Stamped> readFiles(const std::filesystem::path& folder, const char* 
   const auto twice = std::ranges::adjacent_find(files, {}, &Stamped::stamp_s);
   if (twice != files.end())
     throw FileError::atLine(folder / name, std::next(twice)->line,
-                            fmt::format("time {} s is there twice, before in line {}", twice->stamp_s, twice->line));
+                            fmt::format("time {} s is a duplicate of line {}", twice->stamp_s, twice->line));
   return files;
 }
 
@@ -84,7 +84,7 @@ std::vector<StampedPose> readPoses(const std::filesystem::path& path) {
     const auto numbers = numbersIn<8>(lines.rest());
     if (!numbers) lines.fail("expected eight numbers: time, tx ty tz, qx qy qz qw");
     const auto& [stamp_s, x, y, z, qx, qy, qz, qw] = *numbers;
-    if (!std::isfinite(stamp_s)) lines.fail("the time is no finite number");
+    if (!std::isfinite(stamp_s)) lines.fail("the time is not a finite number");
     try {
       poses.push_back({.stamp_s = stamp_s, .pose = cameraPose({x, y, z}, DQuat(qw, qx, qy, qz))});
     } catch (const FileError&) {
@@ -137,7 +137,7 @@ bool isTumFolder(const std::filesystem::path& folder) { return isFile(folder / "
 RgbdList listTum(const std::filesystem::path& folder) {
   const std::filesystem::path list = folder / "depth.txt", poseList = folder / "groundtruth.txt";
   const std::vector<Stamped> depths = readFiles(folder, "depth.txt");
-  if (depths.empty()) throw FileError(list, "names no pictures");
+  if (depths.empty()) throw FileError(list, "lists no pictures");
   const auto colors = isFile(folder / "rgb.txt") ? readFiles(folder, "rgb.txt") : std::vector<Stamped>{};
   const auto poses = isFile(poseList) ? readPoses(poseList) : std::vector<StampedPose>{};
   const bool hasColors = !colors.empty(), hasPoses = !poses.empty();  // an empty list counts as missing
@@ -155,7 +155,7 @@ RgbdList listTum(const std::filesystem::path& folder) {
     if (hasColors && !chosen[i])
       lose(fmt::format("{} has no colours in rgb.txt within {} s", depth.file.filename().string(), kSameMoment_s));
     else if (hasPoses && !frame.pose)
-      lose(fmt::format("{} has no pose in groundtruth.txt, before it and behind it within {} s",
+      lose(fmt::format("{} has no poses in groundtruth.txt within {} s before and after it",
                        depth.file.filename().string(), kLongestGap_s));
   }
   return made;

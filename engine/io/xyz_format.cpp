@@ -192,7 +192,7 @@ std::vector<std::string> lacksOfText(const StoredCloud& stored) {
   if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
   if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
   for (const std::string& name : namesGivingWay(stored.cloud))
-    lost.push_back(fmt::format("the column '{}', for the one that is written under its name", name));
+    lost.push_back(fmt::format("the column '{}', because another one is written under its name", name));
   if (stored.cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
   return lost;
 }

@@ -35,7 +35,7 @@ class ZipReader {
     const std::size_t last = archive_.size() < kEndBytes ? 0 : archive_.size() - kEndBytes;
     for (std::size_t back = 0; archive_.size() >= kEndBytes && back <= std::min(last, kLongestRemark); ++back)
       if (load<std::uint32_t>(last - back) == kEndOfArchive) return last - back;
-    fail(archive_.size(), "no ZIP archive, or one whose end is missing");
+    fail(archive_.size(), "not a ZIP archive, or its end is missing");
   }
 
   std::vector<ZipMember> members() const {
@@ -44,7 +44,7 @@ class ZipReader {
     if (end >= kLocatorBytes && load<std::uint32_t>(end - kLocatorBytes) == kWideLocator) {
       const auto wide = load<std::uint64_t>(end - kLocatorBytes + 8);
       if (wide > archive_.size() || archive_.size() - wide < kWideEndBytes || load<std::uint32_t>(wide) != kWideEnd)
-        fail(end - kLocatorBytes, "no list of members where it is said to be");
+        fail(end - kLocatorBytes, "the list of members is not where the archive says");
       count = load<std::uint64_t>(wide + 32);
       at = load<std::uint64_t>(wide + 48);
     }
@@ -136,16 +136,16 @@ std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<co
   };
   std::vector<std::byte> bytes;
   if (!member.deflated) {
-    if (member.bytes != member.packed) throw damaged("is said to be of two sizes");
+    if (member.bytes != member.packed) throw damaged("has two different sizes");
     bytes.assign(packed.begin(), packed.end());
   } else {
     if (member.bytes > kMaxInflated || member.packed > kMaxInflated)
       throw damaged("is packed and larger than 2 GiB, which is not read");
-    if (member.bytes / kMaxPerDeflatedByte > member.packed) throw damaged("cannot be as long as it is said to be");
+    if (member.bytes / kMaxPerDeflatedByte > member.packed) throw damaged("has an impossible size");
     bytes.resize(member.bytes);
     if (!inflatesTo(bytes, packed)) throw damaged("is damaged: it cannot be unpacked");
   }
-  if (zipChecksum(bytes) != member.checksum) throw damaged("is damaged: its checksum is another one");
+  if (zipChecksum(bytes) != member.checksum) throw damaged("is damaged: its checksum does not match");
   return bytes;
 }
 
@@ -171,10 +171,10 @@ std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<c
              size = loadScalar<std::uint32_t>(packed.data() + end + 4);
   if (size > kMaxInflated || packed.size() > kMaxInflated)
     fail(end + 4, "is larger than 2 GiB, which is not unpacked here");
-  if (size / kMaxPerDeflatedByte > packed.size()) fail(end + 4, "cannot be as long as it is said to be");
+  if (size / kMaxPerDeflatedByte > packed.size()) fail(end + 4, "has an impossible size");
   std::vector<std::byte> bytes(size);
   if (!inflatesTo(bytes, packed.subspan(at, end - at))) fail(at, "is damaged: it cannot be unpacked");
-  if (zipChecksum(bytes) != checksum) fail(end, "is damaged: its checksum is another one");
+  if (zipChecksum(bytes) != checksum) fail(end, "is damaged: its checksum does not match");
   return bytes;
 }
 

@@ -17,7 +17,7 @@ void requireBetween(std::string_view field, const DVec3& value, double least, co
 
 void requireSubsteps(const MatterScene& scene, double needed, std::string_view remedy) {
   if (needed > kMaxSubsteps)
-    throw Error("spacing_mm: needs {:.0f} substeps of a step of {} s, {} at most; take a larger one, {}", needed,
+    throw Error("spacing_mm: needs {:.0f} substeps of a step of {} s, {} at most; use a larger one, {}", needed,
                 kMatterStep_s, kMaxSubsteps, remedy);
   if (scene.substeps != 0 && scene.substeps < needed)
     throw Error("substeps: is {}; this scene needs {:.0f} (or 0: automatic)", scene.substeps, needed);

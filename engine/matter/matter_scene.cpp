@@ -75,9 +75,8 @@ void requireModel(const MatterScene& scene) {
   const auto [low, high] = modelBox_mm(scene);
   const DVec3 sides = high - low;
   if (const double longest = std::max({sides.x, sides.y, sides.z}); longest < kMinModel_spacings * scene.spacing_mm)
-    throw Error(
-        "model_mm: is {:g} on its longest side, which must be at least {:g} spacings; take a smaller spacing_mm",
-        longest, kMinModel_spacings);
+    throw Error("model_mm: is {:g} on its longest side, which must be at least {:g} spacings; use a smaller spacing_mm",
+                longest, kMinModel_spacings);
   for (int k = 0; k < 3; ++k)
     if (!(low[k] >= 0 && high[k] <= scene.box_mm[k] * (1 + 1e-9)))
       throw Error("model_at_mm: puts the model from {:g} to {:g} along {}, where the box is {:g}", low[k], high[k],
@@ -114,12 +113,12 @@ double neededSubsteps(const MatterScene& scene, double spacing_m) {
 
 void requireMemory(const MatterPlan& plan, double cells, std::uint64_t memory_bytes) {
   if (cells > kMaxCells)
-    throw Error("spacing_mm: is so small that the box has {:.3g} cells, {:g} at most; take a larger one", cells,
+    throw Error("spacing_mm: is so small that the box has {:.3g} cells, {:g} at most; use a larger one", cells,
                 kMaxCells);
   if (plan.particles > kMaxParticles)
-    throw Error("spacing_mm: makes {} particles, {} at most; take a larger one", plan.particles, kMaxParticles);
+    throw Error("spacing_mm: makes {} particles, {} at most; use a larger one", plan.particles, kMaxParticles);
   if (plan.bytes > memory_bytes)
-    throw Error("spacing_mm: makes {} particles, which take about {} MiB of {}; take a larger one", plan.particles,
+    throw Error("spacing_mm: makes {} particles, which take about {} MiB of {}; use a larger one", plan.particles,
                 plan.bytes >> 20, memory_bytes >> 20);
 }
 

@@ -1,5 +1,7 @@
 #include "engine/matter/matter_scene_file.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "engine/io/chunked_file.hpp"
 #include "engine/matter/matter_model.hpp"
 #include "engine/matter/matter_scene_json.hpp"

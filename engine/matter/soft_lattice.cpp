@@ -29,8 +29,7 @@ LatticeBox LatticeBox::about(const DVec3& low_m, const DVec3& high_m, double spa
   for (int k = 0; k < 3; ++k) {
     const double along = std::max(1.0, std::ceil((high_m[k] - low_m[k]) / spacing_m - 1e-6));
     count *= along;
-    if (!(count <= kMaxBoxCells))
-      throw Error("spacing_mm: makes more than {:g} cells; take a larger one", kMaxBoxCells);
+    if (!(count <= kMaxBoxCells)) throw Error("spacing_mm: makes more than {:g} cells; use a larger one", kMaxBoxCells);
     box.cells[k] = static_cast<int>(along);
   }
   box.filled.assign(static_cast<std::size_t>(count), 0);

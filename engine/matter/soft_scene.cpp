@@ -87,9 +87,9 @@ MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes) {
   plan.particles = static_cast<std::uint64_t>(std::min(nodes, 1e18));
   plan.bytes = static_cast<std::uint64_t>(std::min(nodes * kBytesOfSoftNode + cells * kBytesOfSoftCell, 1e18));
   if (nodes > kMaxNodes)
-    throw Error("spacing_mm: makes {} nodes, {:.0f} at most; take a larger one", plan.particles, kMaxNodes);
+    throw Error("spacing_mm: makes {} nodes, {:.0f} at most; use a larger one", plan.particles, kMaxNodes);
   if (plan.bytes > memory_bytes)
-    throw Error("spacing_mm: makes {} nodes, which take about {} MiB of {}; take a larger one", plan.particles,
+    throw Error("spacing_mm: makes {} nodes, which take about {} MiB of {}; use a larger one", plan.particles,
                 plan.bytes >> 20, memory_bytes >> 20);
   const SoftMaterial material = materialOf(scene);
   const bool matches = scene.preset == SoftPreset::shapeMatching;

@@ -179,7 +179,7 @@ DVec3 SoftTouch::strayed(const Hand& hand, const Pose& pose, double age_s) const
   return pose.hip - (there + std::min(age_s, points.extrapolationLimit_s) * velocity);
 }
 
-// The surface as if the hand's spring pressed on a spring as soft as the body there. It only gives way: a hand that
+// The surface as if the hand's spring pressed on a spring as soft as the body there. It only yields: a hand that
 // retracts earlier than extrapolated loses the surface that much earlier.
 Contact SoftTouch::givenWay(Contact contact, const DVec3& strayed, double share) const {
   const double deeper = -glm::dot(strayed, contact.normal);

@@ -70,7 +70,7 @@ void MarchingCubes::listBlocks(MeshStep& step) {
 
 void MarchingCubes::fillLattice(MeshStep& step, bool update) {
   if (slots_ > std::numeric_limits<std::uint32_t>::max() / shared::kMeshBlockNodes)
-    throw OutOfGpuMemory("{}: {} blocks exceed the maximum of a mesh; take a coarser lattice", device_.name(), slots_);
+    throw OutOfGpuMemory("{}: {} blocks exceed the maximum of a mesh; use a lower resolution", device_.name(), slots_);
   const std::uint64_t slots = slots_, ends = slots + 1;
   const std::uint64_t scanBytes = PrefixScan::scratchBytes(ends);
   storage_.growBlocks(slots, update, scanBytes);

@@ -57,7 +57,7 @@ MeshMemory predictMeshMemory(const PointCloud& cloud, const MeshPlan& plan) {
 void requireMeshMemory(const Device& device, const MeshMemory& memory) {
   if (memory.total() > device.ownMemory())
     throw OutOfGpuMemory(
-        "{}: a mesh of {} blocks of 8 x 8 x 8 cells needs {} MiB, and the GPU has {} MiB; take a coarser lattice",
+        "{}: a mesh of {} blocks of 8 x 8 x 8 cells needs {} MiB, and the GPU has {} MiB; use a lower resolution",
         device.name(), memory.blocks, memory.total() >> 20, device.ownMemory() >> 20);
 }
 

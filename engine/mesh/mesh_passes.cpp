@@ -20,7 +20,7 @@ std::uint32_t rowsFor(const shared::MeshLattice& lattice, float reach) {
 std::uint64_t threadsFor(std::uint64_t places, std::uint64_t rows) {
   const std::uint64_t threads = places * rows * rows;
   if (threads > std::numeric_limits<std::uint32_t>::max())
-    throw Error("the lattice is too fine for {} points with such a wide support radius; take a coarser one", places);
+    throw Error("the resolution is too fine for {} points with such a wide support radius; use a lower one", places);
   return threads;
 }
 

@@ -39,9 +39,8 @@ MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& optio
   for (int k = 0; k < 3; ++k)
     blocks[k] = std::ceil(((bounds.max[k] - bounds.min[k] + 2 * margin) / cell + 1) / shared::kMeshBlockSide);
   if (!(blocks.x * blocks.y * blocks.z <= kMaxBlocks))
-    throw Error(
-        "a resolution of {} cells along the longest side is too fine for points {:.3g} apart; take a coarser one",
-        options.resolution, spacing);
+    throw Error("a resolution of {} cells along the longest side is too fine for points {:.3g} apart; use a lower one",
+                options.resolution, spacing);
   if (spacing > 0) plan.share = std::min(1.0, std::pow(kMaxSpacings * spacing / radius, 2));
   const double usedSpacing = spacing > 0 ? spacing / std::sqrt(plan.share) : radius / 4;
   plan.lattice = {.origin = Vec3(bounds.min - margin),

@@ -8,7 +8,7 @@ namespace palpate {
 
 /// The map into which the frames of a depth stream are fused on the host: points in metres, relative to the map's
 /// origin. A point moves from its shown position and normal to those of the map until the next frame is due
-/// (CloudFrame::comes_s); a new point appears at once. If another source takes over the stream, the map stays as it is.
+/// (CloudFrame::comes_s); a new point appears at once. If another source takes over the stream, the map is unchanged.
 class FusedSource final : public CloudSource {
  public:
   /// Throws like FusionOptions::validate() and SurfelMap::begin().

@@ -56,7 +56,7 @@ PoseSearchPass::PoseSearchPass(Device& device, Queue& queue, FusionPass& fusion,
       sums_(Buffer::of<float>(device, std::uint64_t{groupsFor(fusion.camera(), 1)} * shared::kIcpSums, Memory::readback,
                               "icp sums")) {}
 
-// Recorded on demand: by then the device knows of urgent work, to which long dispatches give way.
+// Recorded on demand: by then urgent work is announced to the device, and long dispatches are split for it.
 const CommandList& PoseSearchPass::frontOf(std::uint32_t half) {
   auto& list = fronts_[half];
   if (list) return *list;

@@ -14,7 +14,7 @@ std::unique_ptr<PairSort> makePairSort(Device& device, SortMethod sort, std::uin
   if (sort == SortMethod::radix) return std::make_unique<RadixSort>(device, keyBits);
   if (!LookBackSort::fits(device, keyBits))
     throw GpuError(
-        "{}: the sort radix-lookback needs more shared memory than its workgroups have; take radix or counting",
+        "{}: the sort radix-lookback needs more shared memory than its workgroups have; use radix or counting",
         device.name());
   return std::make_unique<LookBackSort>(device, keyBits);
 }

@@ -12,7 +12,7 @@ namespace palpate {
 /// The map into which depth frames are fused on the GPU, as points of the live cloud; edits of those since the last
 /// frame are kept. A frame without a camera pose is registered against the front half on a queue of its own, which
 /// yields to questions; that half is not written before the frame is made. The effect of a frame on a point is spread
-/// over the time until the next frame is due, as in FusedSource. If the stream is taken away, the map stays as it is.
+/// over the time until the next frame is due, as in FusedSource. If the stream is taken away, the map is unchanged.
 class FusedFrames final : public FrameWriter {
  public:
   /// `frames.begin` is the initial live cloud; its points have the first ids. Throws as FusionPass.

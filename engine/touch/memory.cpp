@@ -26,7 +26,7 @@ void requireGpuMemory(const Device& device, std::uint64_t points, bool edits) {
   const std::uint64_t bytes =
       needs.liveCloud + needs.index + needs.contact + (edits ? needs.editing + needs.editLog : 0);
   if (bytes > device.ownMemory())
-    throw OutOfGpuMemory("{}: touching {} points needs {} MiB, and the GPU has {} MiB; take a smaller model",
+    throw OutOfGpuMemory("{}: touching {} points needs {} MiB, and the GPU has {} MiB; use a smaller model",
                          device.name(), points, bytes >> 20, device.ownMemory() >> 20);
 }
 

@@ -8,6 +8,7 @@
 #include "engine/core/error.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/touch/memory.hpp"
+#include "engine/touch/proxy_exchange.hpp"
 
 namespace palpate {
 
@@ -53,36 +54,6 @@ EditOptions editOptions(const TouchOptions& options) {
           .index = options.index,
           .timing = options.timing,
           .compaction = options.compaction};
-}
-
-// The proxy state passed to the GPU with a question. Positions relative to the cloud's origin.
-shared::ContactState stateOf(const std::optional<ProxyTracker::State>& state) {
-  if (!state) return {};
-  return {.lastHip = Vec3(state->lastHip),
-          .touching = !state->touching ? shared::kFree
-                      : state->sticks  ? shared::kSticking
-                                       : shared::kSliding,
-          .spring = Vec3(state->proxy - state->lastHip),
-          .face = state->face,
-          .facing = Vec3(state->facing),
-          .velocity = Vec3(state->velocity),
-          .started = state->started ? 1u : 0u};
-}
-
-// The proxy state for the next tick after the GPU's answer to a HIP, relative to the cloud's origin, at a time.
-ProxyTracker::State proxyStateOf(const shared::ContactSample& sample, const DVec3& hip, double time_s) {
-  const std::uint32_t face = sample.flags >> shared::kSampleFaceShift;
-  const bool touching = sample.touching != shared::kFree;
-  const DVec3 normal(sample.normal);
-  return {.started = true,
-          .touching = touching,
-          .sticks = sample.touching == shared::kSticking,
-          .face = face,
-          .facing = touching && face == shared::kFaceBehind ? -normal : normal,
-          .lastHip = hip,
-          .proxy = hip + DVec3(sample.spring),
-          .velocity = DVec3(sample.velocity),
-          .time_s = time_s};
 }
 
 }  // namespace
@@ -317,25 +288,12 @@ std::uint32_t TouchSide::takeAnswers(GpuHand& hand) {
     BridgedPoint* const point = i > 0 ? &hand.points[i - 1] : nullptr;
     // If the patch has continued since the question, the answer is outdated.
     if (point && point->ahead) continue;
-    const Contact contact = contactOf(sample, hip);
+    const Contact contact = contactOf(sample, hip, questions_);
     hand.probes.answered(i, contact);
     if (point && contact.valid)
       point->tracker.goOnFrom(proxyStateOf(sample, hip - origin_, questions_.question().time_s));
   }
   return flags;
-}
-
-Contact TouchSide::contactOf(const shared::ContactSample& sample, const DVec3& hip) const {
-  return {
-      .proxy = hip + DVec3(sample.spring),
-      .normal = DVec3(sample.normal),
-      .touching = sample.touching != 0,
-      .fresh = true,
-      .valid = questions_.isWhole() && isFinite(sample.spring) && isFinite(sample.normal) && isFinite(sample.velocity),
-      .isWithin = sample.touching == shared::kFree && sample.flags >> shared::kSampleFaceShift == shared::kFaceInside,
-      .neighbours = sample.neighbours,
-      .gpu_us = questions_.question().gpu_us,
-      .velocity = DVec3(sample.velocity)};
 }
 
 std::span<const Contact> TouchSide::given() {

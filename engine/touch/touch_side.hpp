@@ -134,8 +134,6 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   void publish(std::uint32_t head);
   // Takes the answers of the probes of one hand; returns their flags (shared::kSample...).
   std::uint32_t takeAnswers(GpuHand& hand);
-  // The GPU's answer to a probe that was at `hip`.
-  Contact contactOf(const shared::ContactSample& sample, const DVec3& hip) const;
   // Substitutes for the answers in a tick without any.
   void bridge(std::span<const Pose> poses);
   void fail(std::span<const Pose> poses);

@@ -18,7 +18,7 @@ constexpr std::int64_t kNs_per_ms = 1'000'000;
 constexpr std::int64_t kStale_ns = 20 * kNs_per_ms;   // of a state, and of a force
 constexpr std::int64_t kLost_ns = 1000 * kNs_per_ms;  // without a good state; then the device is considered lost
 constexpr std::int64_t kShortestExchange_ns = kNs_per_ms / 4;
-/// Longer than the dropout after which ForceGate goes on where it was.
+/// Longer than the dropout after which ForceGate continues where it was.
 constexpr std::int64_t kQuiet_ns = 150 * kNs_per_ms;
 constexpr double kStale_s = 0.02, kPatience_s = 0.02, kZeroWait_us = 5000;
 constexpr double kSmallestJump_mm = 1;
@@ -33,7 +33,7 @@ std::int64_t now_ns() noexcept { return machineClock().now_ns(); }
 HaplyDevice::HaplyDevice(const HaplyOptions& options) : options_(options), service_(std::make_unique<HaplyService>()) {
   choose();
   values_ = haply::saysValues(service_->version);
-  if (!service_->events) say("the Haply service has no channel of events, so it does not tell a stop by the safety");
+  if (!service_->events) say("the Haply service has no event channel, so it does not report a stop by its safety");
   good_ns_ = now_ns();
   state_ = haply::stateIn(service_->first, choice_, state_);  // no jump from the origin
   accept(service_->first, good_ns_);
@@ -55,7 +55,8 @@ void HaplyDevice::choose() {
             .driver = fmt::format("service {}, firmware {}", service_->version.empty() ? "unknown" : service_->version,
                                   chosen.firmware.empty() ? "unknown" : chosen.firmware),
             .handedness = chosen.handedness,
-            .axes = chosen.permutation};
+            .axes = chosen.permutation,
+            .lights = std::string(haply::kLights)};
   const double reach_mm = chosen.small ? kReachOfMinverse_mm : kReach_mm;
   facts_.workspaceMin_mm = kMiddle_mm - DVec3(reach_mm);
   facts_.workspaceMax_mm = kMiddle_mm + DVec3(reach_mm);
@@ -68,6 +69,8 @@ void HaplyDevice::choose() {
   choice_.grip = grip->id;
   choice_.wireless = grip->wireless;
   limits_.buttons = grip->wireless ? 2 : 1;
+  facts_.grip = fmt::format("{} grip {}", grip->wireless ? "wireless" : "wired", grip->id);
+  facts_.battery = grip->battery;
   say(fmt::format("{}: orientation and buttons of the {} grip {}{}", facts_.model,
                   grip->wireless ? "wireless" : "wired", grip->id,
                   grip->battery ? fmt::format(", battery {:.0f} %", 100 * *grip->battery) : ""));

@@ -34,6 +34,9 @@ enum class Trouble : std::uint8_t {
   noPower,        ///< only the computer's USB port feeds it
   safety          ///< the firmware has stopped it
 };
+/// What the light of a device means, a line for each colour.
+inline constexpr std::string_view kLights =
+    "white: ready, no force\ngreen: force\nred: no data\npurple: not calibrated\ncyan: stopped by its safety";
 /// Whether a state with it has a pose.
 constexpr bool hasPose(Trouble trouble) {
   return trouble == Trouble::none || trouble == Trouble::notCalibrated || trouble == Trouble::noPower;

@@ -30,7 +30,7 @@ HaplyService::HaplyService() : ports(haply::servicePorts()), link(connected(port
   const Stopwatch since;
   while (link.hear(kFirst_s, first) != HaplyLink::Heard::message)
     if (since.elapsed_s() >= kFirst_s)
-      throw Error("haply: the Haply service takes connections but tells no devices; start it again");
+      throw Error("haply: the Haply service accepts connections but lists no devices; start it again");
   auto found = haply::inventoryIn(first);
   if (!found) throw Error("haply: the Haply service's first message is not JSON; update the service");
   inventory = std::move(*found);
@@ -55,7 +55,7 @@ const haply::Inverse& HaplyService::device(const std::string& serial, bool share
   if (chosen == all.end()) throw Error("haply: there is no device '{}'; there is {}", serial, listOf(all));
   if (chosen->inUse && !shares)
     throw Error(
-        "haply: another program uses {}, and the forces of both would add up; close it, or ask for it all the same: "
+        "haply: another program uses {}, and the forces of both would add up; close it, or use it nevertheless: "
         "haply:{}:shared",
         chosen->id, chosen->id);
   return *chosen;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -46,8 +47,11 @@ constexpr std::uint32_t kSculptButton = 1, kClutchButton = 2;  ///< bits of Devi
 /// Facts that a device reports.
 struct HapticDeviceFacts {
   std::string model, serial, driver;
-  std::string handedness, axes;  ///< as it is set up, in words; empty if it does not tell
+  std::string handedness, axes;  ///< as set up, in words; empty if unknown
   DVec3 workspaceMin_mm{0}, workspaceMax_mm{0};
+  std::string grip;               ///< that it holds, in words; empty: it has none of its own
+  std::optional<double> battery;  ///< of the grip when it was opened, 0 to 1; empty if it does not tell
+  std::string lights;             ///< meaning of its lights, a line each; empty if it has none
 };
 
 /// A device that a person holds, a model of one, or a script. Axes x right, y up, z towards the user. read() and

@@ -26,7 +26,7 @@ constexpr std::array kMeanings{
     ErrorMeaning{0x0203, Severity::rampBack, "the stylus moved faster than the device allows", "move more slowly"},
     ErrorMeaning{0x0204, Severity::rampBack, "the force could not be given", "hold the stylus still for a moment"},
     ErrorMeaning{0x0300, Severity::end, "the device reports a fault of its own", kReplug},
-    ErrorMeaning{0x0301, Severity::end, "another program has the device", "close that program, and start again"},
+    ErrorMeaning{0x0301, Severity::end, "another program uses the device", "close that program, and start again"},
     ErrorMeaning{0x0302, Severity::end, "no communication with the device", kReplug},
     ErrorMeaning{0x0303, Severity::end, "the device's port is not set up",
                  "run the vendor's setup program (Touch_Setup) and pair the device"},

@@ -21,6 +21,10 @@ struct TouchConfiguration {
 };
 TouchConfiguration touchConfiguration();
 
+/// The user's folder for the settings of programs: $XDG_CONFIG_HOME or ~/.config, on Windows %APPDATA%; empty if it is
+/// unknown.
+std::filesystem::path userConfiguration();
+
 /// The configuration file of the service of Haply devices; it exists only if a setting was changed.
 std::filesystem::path haplyConfiguration();
 /// How a user starts that service.

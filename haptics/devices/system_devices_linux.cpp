@@ -31,6 +31,12 @@ TouchConfiguration touchConfiguration() {
   return found;
 }
 
+fs::path userConfiguration() {
+  if (const char* own = std::getenv("XDG_CONFIG_HOME"); own && *own) return own;
+  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".config";
+  return {};
+}
+
 fs::path haplyConfiguration() { return "/etc/haply-inverse-service/haply-inverse-service-config.json"; }
 
 std::string_view haplyStart() { return "sudo systemctl start haply-inverse-service, or the Haply Hub"; }

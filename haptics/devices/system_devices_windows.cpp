@@ -28,6 +28,11 @@ TouchConfiguration touchConfiguration() {
   return found;
 }
 
+fs::path userConfiguration() {
+  const wchar_t* data = ::_wgetenv(L"APPDATA");
+  return data ? fs::path(data) : fs::path();
+}
+
 fs::path haplyConfiguration() {
   const wchar_t* data = ::_wgetenv(L"PROGRAMDATA");
   return fs::path(data ? data : L"C:\\ProgramData") / "Haply" / "Inverse" / "haply-inverse-service-config.json";

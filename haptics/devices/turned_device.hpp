@@ -22,6 +22,7 @@ class TurnedDevice final : public WrappedDevice {
 
   DeviceState read(double time_s) noexcept override {
     DeviceState state = WrappedDevice::read(time_s);
+    seen_.store(state);
     if (const auto axes = viewAxes_.load(); axes && *axes != axes_) {
       axes_ = *axes;
       turn_ = glm::quat_cast(axes_);
@@ -33,9 +34,13 @@ class TurnedDevice final : public WrappedDevice {
   }
   bool write(const DVec3& force_N) noexcept override { return WrappedDevice::write(glm::transpose(axes_) * force_N); }
 
+  /// As it was read last, before it was rotated; empty before the first tick, and now and then. Like setAxes().
+  std::optional<DeviceState> seen() const noexcept { return seen_.load(); }
+
  private:
   DVec3 middle_mm_;
   LatestValue<glm::dmat3> viewAxes_;
+  LatestValue<DeviceState> seen_;
   // Used by the thread that ticks.
   glm::dmat3 axes_{1};
   DQuat turn_{1, 0, 0, 0};

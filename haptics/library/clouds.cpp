@@ -67,7 +67,8 @@ pp_status pp_cloud_read(const char* file, const pp_read_options* options, pp_clo
                           .pointsOnly = true,
                           .keepUnreliable = given.keep_unreliable != 0});
     });
-    if (!stored.leftOut.empty()) messages.sink().warn("{}: left out are {}", name, stored.leftOut);
+    if (!stored.leftOut.empty())
+      messages.sink().warn("{}: left out: {}; keep_unreliable keeps them", name, stored.leftOut);
     *cloud = opened<pp_cloud>(std::make_shared<CloudObject>(
         std::move(stored.cloud),
         ModelConfig{.file = name,

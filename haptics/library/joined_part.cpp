@@ -40,7 +40,7 @@ JoinSubject joinFrom(const pp_join_options& options) {
                       .peers = network.peers,
                       .domain = network.domain,
                       .security = network.security,
-                      .near = options.partial != 0},
+                      .partial = options.partial != 0},
           .hand = textOf(options.hand_name),
           .timeout_s = options.timeout_s,
           .readOnly = options.read_only != 0,

@@ -11,6 +11,7 @@
 #include "haptics/library/claims.hpp"
 #include "haptics/library/gpu_half.hpp"
 #include "haptics/library/objects.hpp"
+#include "haptics/library/watch.hpp"
 #include "haptics/session/simulated_scene.hpp"
 
 namespace palpate::library {

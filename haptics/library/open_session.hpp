@@ -1,5 +1,5 @@
-// A session of the C interface. It is built for feeling only, and rebuilt for sculpting when the first brush is set. It
-// is touched by path, tick by tick or live.
+// A session of the C interface, touched by path, tick by tick or live. Its parts have files of their own: BuiltSession
+// (rebuilt for sculpting when the first brush is set), MovingFrames, SessionViews, PathTime, LiveHands and JoinedPart.
 #pragma once
 
 #include <atomic>
@@ -7,19 +7,20 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "haptics/library/built_session.hpp"
 #include "haptics/library/claims.hpp"
 #include "haptics/library/contact_events.hpp"
 #include "haptics/library/force_function.hpp"
-#include "haptics/library/gpu_half.hpp"
 #include "haptics/library/joined_part.hpp"
 #include "haptics/library/live_hands.hpp"
 #include "haptics/library/messages.hpp"
-#include "haptics/library/objects.hpp"
-#include "haptics/library/pushed_frames.hpp"
-#include "haptics/library/session_queries.hpp"
-#include "haptics/session/session.hpp"
+#include "haptics/library/moving_frames.hpp"
+#include "haptics/library/next_log.hpp"
+#include "haptics/library/path_time.hpp"
+#include "haptics/library/session_views.hpp"
 
 namespace palpate::library {
 
@@ -50,12 +51,12 @@ class OpenSession {
   Claims& claims() { return claims_; }
   Watch& watch() { return *watch_; }
   /// Rebuilds the index after a call that was stopped while it did so.
-  void ensureBuilt();
+  void ensureBuilt() { session_.ensure(); }
   /// Claim of a call that looks: without a budget the touching thread itself takes the edits in, so it needs all.
   Claim looking() const { return budget_us_ > 0 ? Claim::look : Claim::all; }
   const SessionConfig& config() const { return session_->config(); }
   const Model& model() const { return *model_; }
-  std::size_t hands() const { return config_.hands.size(); }
+  std::size_t hands() const { return session_.opened().hands.size(); }
   /// Notified of each tick that a call returns.
   ContactEvents& events() { return events_; }
 
@@ -84,7 +85,7 @@ class OpenSession {
   // Look.
   pp_session_info info() const;
   /// Takes in pending edits.
-  void takeIn();
+  void takeIn() { session_->catchUp(); }
   /// Throws NetworkError if this hand's part in a joined session has ended permanently.
   void checkShared() const;
   /// This and the three functions below throw StateError if the session was not joined.
@@ -97,7 +98,7 @@ class OpenSession {
   Mesh mesh(const pp_mesh_options& options);
   /// Surface of the present points. Throws StateError if the session has none here.
   const SurfaceIndex& surfaceIndex();
-  const SessionQueries& queries() const { return queries_; }
+  const SessionQueries& queries() const { return views_.queries(); }
   /// Where the present points come from. Throws StateError if they move.
   std::vector<pp_row> rows();
   /// Null before the first live session.
@@ -114,68 +115,48 @@ class OpenSession {
   // From any thread.
   /// Adds a frame, with positions in file coordinates. Throws UsageError, and StateError if the session does not take
   /// frames.
-  void pushFrame(PointCloud cloud, std::vector<Vec3> velocities, double time_s);
+  void pushFrame(PointCloud cloud, std::vector<Vec3> velocities, double time_s) {
+    frames_.push(std::move(cloud), std::move(velocities), time_s);
+  }
   void setForces(bool on) { forcesOn_ = on; }
 
  private:
-  class Followers;
-  // Replaces the GPU by the CPU if that answers sooner.
-  void takeSooner();
+  OpenSession(const Subject& subject, const pp_session_options& options, std::shared_ptr<Watch> watch,
+              const SessionConfig& config);
+  // Replaces the GPU by the CPU if that answers sooner, where the program leaves the choice to this library. Returns
+  // the configuration with the one chosen.
+  SessionConfig takeSooner(const Subject& subject, const pp_session_options& options, SessionConfig config);
   /// Ends touching tick by tick. Throws StateError while the session is live.
   void endAsking();
   /// endAsking(), then takes in all edits and ends a recording.
   void settle();
-  // Builds session_: with a journal if it is to be recorded, and for all kinds of brushes if it is to be edited.
-  void build(bool journal, bool editable);
-  void make(SessionConfig config, bool journal, bool editable);
-  void beginRecording(const OpenHand& hand, const RunOptions& run);
   void endRecording();
   std::size_t goBack(std::size_t undo, std::size_t redo);
   // True if the points move.
-  bool moves() const { return config_.moves() || frames_; }
+  bool moves() const { return session_.opened().moves() || frames_.pushed(); }
+  // Newest frame of points that move; else null.
+  std::shared_ptr<const FrameObject> frameIfMoving() { return moves() ? frame() : nullptr; }
   const JoinedPart& joined() const;
   void leave();
-  bool hasFailed() const { return session_->simulation() && !session_->simulation()->failure().empty(); }
   void setBrushBetween(const std::optional<BrushConfig>& brush);
-  void requireRunning() const;
-  bool goesOn(std::size_t hand, const Path& path) const;
-  // Number of points, the last ones, of bodies standing in the scene.
-  std::size_t standing() const;
-  bool takeFrame();
-  // The present points; if they move, those of the newest frame.
-  PointCloud present();
+  ServoResult follow(const std::vector<Path>& paths);
 
   std::shared_ptr<Watch> watch_;
   Messages messages_;
   Claims claims_;
-  SessionConfig config_;  // configuration as opened
-  unsigned threads_;
   double budget_us_;
   std::atomic<bool> forcesOn_ = true;
-  std::uint64_t edits_ = 0;
   std::optional<BrushConfig> brush_;
-  bool editable_ = false;
-  struct Built {
-    SessionConfig config;
-    bool journal, editable;
-  };
-  std::optional<Built> unbuilt_;  // to be built by ensureBuilt(), if session_ is null
-  bool hasLaw_ = false;
-  std::optional<std::string> recordTo_;  // log file of the next run
-  double next_s_ = 0;                    // start of the next path, if the points move
-  std::vector<DVec3> hips_;              // HIP of each hand at the end of the last path
-  std::atomic<bool> reset_ = false;      // the next path begins at 0
-  bool framesGoOn_ = false;              // frames have times of a live session
-  GpuHalf gpu_;
+  NextLog nextLog_;
+  PathTime time_;
+  SessionViews views_;
   std::unique_ptr<BackendKind> backend_;
   std::optional<JoinedPart> joined_;
   std::shared_ptr<const Model> model_;
-  SessionQueries queries_;
   ContactEvents events_;
   ForceFunction law_;
-  std::shared_ptr<const FrameObject> frame_;  // newest frame
-  std::unique_ptr<PushedFrames> frames_;      // if the program provides frames
-  std::unique_ptr<Session> session_;
+  MovingFrames frames_;
+  BuiltSession session_;
   std::optional<LiveHands> live_;  // destroyed first
 };
 

@@ -19,7 +19,7 @@ constexpr std::string_view kReadOnly = "the model is served read-only; serve it 
 constexpr std::string_view kPlaying =
     "the frames of a depth camera cannot be sculpted while they play; pause playback (key K of the window), or fuse "
     "them into a file (palpate convert)";
-constexpr std::string_view kOnlyNear = "only the points around the hand are in this program; join without --near";
+constexpr std::string_view kOnlyPartial = "only the points around the hand are in this program; join without --partial";
 constexpr std::string_view kPlaced = "a joined model cannot be moved";
 
 // All actions that are not listed are allowed. Where sculpting is refused, carving, painting and inserting points are,
@@ -44,21 +44,21 @@ constexpr Refusal kRefusals[] = {
     {ModelKind::shared, Action::record, "the strokes of others cannot be recorded; serve the model with --read-only"},
     {ModelKind::readOnly, Action::sculpt, kReadOnly},
     {ModelKind::readOnly, Action::move, kPlaced},
-    {ModelKind::near, Action::insertPoints, "points cannot be inserted where several hands sculpt"},
-    {ModelKind::near, Action::move, kPlaced},
-    {ModelKind::near, Action::undo, kOnlyNear},
-    {ModelKind::near, Action::save, kOnlyNear},
-    {ModelKind::near, Action::record, kOnlyNear},
-    {ModelKind::nearReadOnly, Action::sculpt, kReadOnly},
-    {ModelKind::nearReadOnly, Action::move, kPlaced},
-    {ModelKind::nearReadOnly, Action::undo, kOnlyNear},
-    {ModelKind::nearReadOnly, Action::save, kOnlyNear},
-    {ModelKind::nearReadOnly, Action::record, kOnlyNear},
-    {ModelKind::nearMoving, Action::sculpt, kMoving},
-    {ModelKind::nearMoving, Action::move, kPlaced},
-    {ModelKind::nearMoving, Action::undo, kOnlyNear},
-    {ModelKind::nearMoving, Action::save, "a moving model that was joined cannot be saved"},
-    {ModelKind::nearMoving, Action::record, kOnlyNear},
+    {ModelKind::partial, Action::insertPoints, "points cannot be inserted where several hands sculpt"},
+    {ModelKind::partial, Action::move, kPlaced},
+    {ModelKind::partial, Action::undo, kOnlyPartial},
+    {ModelKind::partial, Action::save, kOnlyPartial},
+    {ModelKind::partial, Action::record, kOnlyPartial},
+    {ModelKind::partialReadOnly, Action::sculpt, kReadOnly},
+    {ModelKind::partialReadOnly, Action::move, kPlaced},
+    {ModelKind::partialReadOnly, Action::undo, kOnlyPartial},
+    {ModelKind::partialReadOnly, Action::save, kOnlyPartial},
+    {ModelKind::partialReadOnly, Action::record, kOnlyPartial},
+    {ModelKind::partialMoving, Action::sculpt, kMoving},
+    {ModelKind::partialMoving, Action::move, kPlaced},
+    {ModelKind::partialMoving, Action::undo, kOnlyPartial},
+    {ModelKind::partialMoving, Action::save, "a moving model that was joined cannot be saved"},
+    {ModelKind::partialMoving, Action::record, kOnlyPartial},
 };
 
 }  // namespace
@@ -71,14 +71,14 @@ Action actionOf(BrushKind kind) {
 ModelKind modelKindOf(const SessionConfig& config) {
   if (config.matter) return config.matter->isSoft() ? ModelKind::soft : ModelKind::fluid;
   if (config.stream) return config.stream->live ? ModelKind::liveFrames : ModelKind::frames;
-  if (config.join) return config.join->near ? ModelKind::near : ModelKind::shared;
+  if (config.join) return config.join->partial ? ModelKind::partial : ModelKind::shared;
   return config.motion ? ModelKind::moved : ModelKind::cloud;
 }
 
 ModelKind modelKindOf(const SessionConfig& config, const Model& model, bool movedByProgram) {
   if (movedByProgram) return ModelKind::programFrames;
-  if (model.far() && model.far()->moves()) return ModelKind::nearMoving;
-  if (model.far()) return model.far()->isSculptable() ? ModelKind::near : ModelKind::nearReadOnly;
+  if (model.far() && model.far()->moves()) return ModelKind::partialMoving;
+  if (model.far()) return model.far()->isSculptable() ? ModelKind::partial : ModelKind::partialReadOnly;
   if (config.join) return model.share() ? ModelKind::shared : ModelKind::readOnly;
   if (model.stream() && !config.stream) return ModelKind::pausedFrames;
   return modelKindOf(config);

@@ -16,19 +16,19 @@ struct Model;
 
 /// Kind of model that a session touches.
 enum class ModelKind {
-  cloud,          ///< points at rest, all of them in this program
-  moved,          ///< a cloud under a rigid motion
-  frames,         ///< a recorded depth camera that plays
-  liveFrames,     ///< a live depth camera
-  pausedFrames,   ///< the points of a depth camera that was paused
-  programFrames,  ///< a cloud that the host program moves
-  fluid,          ///< water or sand
-  soft,           ///< a soft body
-  shared,         ///< a joined cloud that several hands sculpt
-  readOnly,       ///< a joined cloud that is served read-only
-  near,           ///< a joined cloud with only the points around the hands in this program
-  nearReadOnly,   ///< the same, served read-only
-  nearMoving,     ///< the same of a model that moves
+  cloud,            ///< points at rest, all of them in this program
+  moved,            ///< a cloud under a rigid motion
+  frames,           ///< a recorded depth camera that plays
+  liveFrames,       ///< a live depth camera
+  pausedFrames,     ///< the points of a depth camera that was paused
+  programFrames,    ///< a cloud that the host program moves
+  fluid,            ///< water or sand
+  soft,             ///< a soft body
+  shared,           ///< a joined cloud that several hands sculpt
+  readOnly,         ///< a joined cloud that is served read-only
+  partial,          ///< a joined cloud with only the points around the hands in this program
+  partialReadOnly,  ///< the same, served read-only
+  partialMoving,    ///< the same of a model that moves
 };
 inline constexpr std::size_t kModelKinds = 13;
 

@@ -16,20 +16,23 @@ void checkTool(const SessionConfig& config, const TouchCapabilities& can, std::s
   if (toolShape(config.tool, {}).points.empty()) return;
   const std::string_view tool = nameOf(kToolKinds, config.tool.kind);
   if (!can.manyPoints)
-    throw ConfigError("tool.kind", "backend.name {} has only point; take vulkan or cpu for {}", backend, tool);
+    throw ConfigError("tool.kind", "backend.name {} supports only the tool point; use vulkan or cpu for {}", backend,
+                      tool);
   if (!can.methodOfMany.empty() && method != can.methodOfMany)
-    throw ConfigError("tool.kind", "backend.method {} has only point; take {} for {}", method, can.methodOfMany, tool);
-  if (config.backend.ahead == true) throw ConfigError("backend.ahead", "a {} is not asked ahead; leave it out", tool);
+    throw ConfigError("tool.kind", "backend.method {} supports only the tool point; use {} for {}", method,
+                      can.methodOfMany, tool);
+  if (config.backend.ahead == true)
+    throw ConfigError("backend.ahead", "queries with a {} cannot be submitted ahead; leave it out", tool);
 }
 
 void checkHands(const SessionConfig& config, const TouchCapabilities& can, std::string_view backend,
                 std::string_view method) {
   if (config.hands.size() < 2) return;
-  if (!can.manyHands) throw ConfigError("hands", "backend.name {} feels with one hand; take vulkan or cpu", backend);
+  if (!can.manyHands) throw ConfigError("hands", "backend.name {} supports one hand; use vulkan or cpu", backend);
   if (!can.methodOfMany.empty() && method != can.methodOfMany)
-    throw ConfigError("hands", "backend.method {} feels with one hand; take {}", method, can.methodOfMany);
+    throw ConfigError("hands", "backend.method {} supports one hand; use {}", method, can.methodOfMany);
   if (config.backend.ahead == true)
-    throw ConfigError("backend.ahead", "several hands are not asked ahead; leave it out");
+    throw ConfigError("backend.ahead", "queries of several hands cannot be submitted ahead; leave it out");
 }
 
 }  // namespace
@@ -44,25 +47,25 @@ void BackendKind::check(const SessionConfig& config) const {
     throw ConfigError("backend.method", "{} is not a method of backend.name {}, which has {}", method, name(),
                       fmt::join(methods(), ", "));
   if (!can.allSurfaces && config.surface.kind != SurfaceKind::average)
-    throw ConfigError("surface.kind", "backend.name {} has only average; take vulkan or cpu for {}", name(),
-                      nameOf(kSurfaceKinds, config.surface.kind));
+    throw ConfigError("surface.kind", "backend.name {} supports only the surface average; use vulkan or cpu for {}",
+                      name(), nameOf(kSurfaceKinds, config.surface.kind));
   checkTool(config, can, name(), method);
   if (!can.asksAhead && config.backend.ahead)
-    throw ConfigError("backend.ahead", "only backend.name vulkan can be asked ahead");
+    throw ConfigError("backend.ahead", "only backend.name vulkan supports it");
   if (!can.choosesWait && config.backend.wait)
-    throw ConfigError("backend.wait", "only backend.name vulkan can be told how to wait");
+    throw ConfigError("backend.wait", "only backend.name vulkan supports it");
   if (!can.timesPasses && config.backend.timesPasses)
-    throw ConfigError("backend.times_passes", "only backend.name vulkan can time its passes");
+    throw ConfigError("backend.times_passes", "only backend.name vulkan supports it");
   checkHands(config, can, name(), method);
   if (!can.allBrushes && config.brush && config.brush->kind != BrushKind::push)
-    throw ConfigError("brush.kind", "backend.name {} has only push; take vulkan or cpu for {}", name(),
+    throw ConfigError("brush.kind", "backend.name {} supports only the brush push; use vulkan or cpu for {}", name(),
                       nameOf(kBrushKinds, config.brush->kind));
   if (!can.followsMotion && config.motion)
-    throw ConfigError("motion.kind", "backend.name {} requires a model at rest; take vulkan or cpu", name());
+    throw ConfigError("motion.kind", "backend.name {} requires a model at rest; use vulkan or cpu", name());
   if (!can.followsMotion && config.stream)
-    throw ConfigError("backend.name", "{} requires a model at rest; take vulkan or cpu for a depth camera", name());
+    throw ConfigError("backend.name", "{} requires a model at rest; use vulkan or cpu for a depth camera", name());
   if (!can.followsMotion && config.matter)
-    throw ConfigError("backend.name", "{} requires a model at rest; take vulkan or cpu for matter", name());
+    throw ConfigError("backend.name", "{} requires a model at rest; use vulkan or cpu for matter", name());
   if (config.matter) config.matter->check(*this);
   const Abilities abilities(modelKindOf(config), can, name());
   if (config.undo.undo > 0 && !abilities.allow(Action::undo))
@@ -72,7 +75,7 @@ void BackendKind::check(const SessionConfig& config) const {
 const BackendKind& Backends::named(std::string_view name) const {
   for (const auto& kind : kinds_)
     if (kind->name() == name) return *kind;
-  throw ConfigError("backend.name", "'{}' is not known here; there is {}", name, fmt::join(names(), ", "));
+  throw ConfigError("backend.name", "'{}' is unknown; choose one of {}", name, fmt::join(names(), ", "));
 }
 
 std::vector<std::string> Backends::names() const {

@@ -1,4 +1,6 @@
 // The configuration of a session as JSON text and back, by its tables.
+#include <nlohmann/json.hpp>
+
 #include "engine/io/setting_json.hpp"
 #include "haptics/session/settings.hpp"
 #include "haptics/session/simulation.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <limits>
 #include <optional>
 
 #include "engine/core/error.hpp"
@@ -11,6 +12,7 @@
 #include "haptics/devices/hid_choice.hpp"
 #include "haptics/devices/hid_device.hpp"
 #include "haptics/devices/openhaptics_device.hpp"
+#include "haptics/devices/personal_device.hpp"
 #include "haptics/devices/rumbling_device.hpp"
 
 namespace palpate {
@@ -38,17 +40,27 @@ HidRemark remarksTo(Log& log) {
   return [&log](std::string_view sentence) { log.say("{}", sentence); };
 }
 
+template <class Device>
+OpenedDevice withFacts(std::unique_ptr<Device> device) {
+  OpenedDevice opened;
+  opened.facts = device->facts();
+  opened.device = std::move(device);
+  return opened;
+}
+
 OpenedDevice openHid(const std::string& which, const DeviceOpening& opening) {
   const auto transport = hidapiTransport();
   const HidInfo info = chooseHidSteering(*transport, which);
   auto device =
       std::make_unique<HidDevice>(transport, info, DVec3(0, 0, kFront * kTouchWorkspace_mm.z), remarksTo(opening.log));
   opening.log.say("the stylus is {} at {}", device->name(), info.path);
-  return {.device = std::move(device),
-          .facts = {.model = nameOf(info),
-                    .serial = info.serial,
-                    .workspaceMin_mm = -0.5 * kTouchWorkspace_mm,
-                    .workspaceMax_mm = 0.5 * kTouchWorkspace_mm}};
+  OpenedDevice opened;
+  opened.device = std::move(device);
+  opened.facts = {.model = nameOf(info),
+                  .serial = info.serial,
+                  .workspaceMin_mm = -0.5 * kTouchWorkspace_mm,
+                  .workspaceMax_mm = 0.5 * kTouchWorkspace_mm};
+  return opened;
 }
 
 OpenedDevice openOpenHaptics(const std::string& name, const DeviceOpening& opening) {
@@ -58,14 +70,11 @@ OpenedDevice openOpenHaptics(const std::string& name, const DeviceOpening& openi
                          .rate_Hz = opening.rate_Hz,
                          .say = [&log = opening.log](const std::string& words) { log.say("{}", words); },
                          .stop = opening.stop});
-  const HapticDeviceFacts facts = device->facts();
-  return {std::move(device), facts};
+  return withFacts(std::move(device));
 }
 
 OpenedDevice openForceDimension(const std::string& number, const DeviceOpening&) {
-  auto device = std::make_unique<ForceDimensionDevice>(number.empty() ? 0 : numberOf(number));
-  const HapticDeviceFacts facts = device->facts();
-  return {std::move(device), facts};
+  return withFacts(std::make_unique<ForceDimensionDevice>(number.empty() ? 0 : numberOf(number)));
 }
 
 OpenedDevice openHaply(const std::string& which, const DeviceOpening& opening) {
@@ -78,9 +87,7 @@ OpenedDevice openHaply(const std::string& which, const DeviceOpening& opening) {
     options.shares = true;
     options.serial.resize(colon == std::string::npos ? 0 : colon);
   }
-  auto device = std::make_unique<HaplyDevice>(options);
-  const HapticDeviceFacts facts = device->facts();
-  return {std::move(device), facts};
+  return withFacts(std::make_unique<HaplyDevice>(options));
 }
 
 /// A kind of held device: its name, and the function that opens the device named after the colon.
@@ -96,6 +103,39 @@ constexpr std::array<HeldDevice, 4> kHeldDevices{{
     {"hid", "[:WHICH] (3D mouse or DualSense that steers a hand; WHICH: /dev/hidraw*, serial number or VID:PID)",
      openHid},
 }};
+
+/// What is remembered for the device. A memory that cannot be read is no reason to leave the device alone.
+RememberedDevice recall(const OpenedDevice& opened, const DeviceOpening& opening) {
+  if (opened.key.empty()) return {};
+  try {
+    return opening.memory.find(opened.key);
+  } catch (const Error& error) {
+    opening.log.warn("{}", error.what());
+    return {};
+  }
+}
+
+/// Gives the device the axes and the largest stiffness of its user, and says so.
+void personalize(OpenedDevice& opened, const DeviceOpening& opening) {
+  opened.remembered = recall(opened, opening);
+  const std::string& wanted = opening.axes.empty() ? opened.remembered.axes : opening.axes;
+  if (!wanted.empty()) {
+    const auto axes = DeviceAxes::named(wanted);
+    if (!axes) throw ConfigError("hands.axes", "{}", axesComplaint(wanted));
+    opened.axes = *axes;
+  }
+  if (!opened.remembered.isEmpty())
+    opening.log.say("{}: {}, as remembered; palpate doctor --device {} --forget removes that", opened.facts.model,
+                    opened.remembered.inWords(), opened.key);
+  const double unlimited = std::numeric_limits<double>::infinity();
+  const double most = opened.remembered.stiffness_N_per_mm.value_or(unlimited);
+  if (opened.axes.isUnchanged() && most == unlimited) return;
+  const glm::dmat3 toPerson = opened.axes.matrix();
+  const DVec3 a = toPerson * opened.facts.workspaceMin_mm, b = toPerson * opened.facts.workspaceMax_mm;
+  opened.facts.workspaceMin_mm = glm::min(a, b);
+  opened.facts.workspaceMax_mm = glm::max(a, b);
+  opened.device = std::make_unique<PersonalDevice>(std::move(opened.device), opened.axes, most);
+}
 
 }  // namespace
 
@@ -113,8 +153,14 @@ std::string heldDevicesHelp() {
 
 OpenedDevice openDevice(const std::string& spec, const DeviceOpening& opening) {
   for (const HeldDevice& kind : kHeldDevices)
-    if (const auto which = argumentOf(spec, kind.name)) return kind.open(*which, opening);
-  throw ConfigError("hands.device", "'{}' is not a device for a hand; there is {}", spec, heldDevicesHelp());
+    if (const auto which = argumentOf(spec, kind.name)) {
+      OpenedDevice opened = kind.open(*which, opening);
+      opened.key = deviceKey(kind.name, opened.facts.serial);
+      opened.limits = opened.device->limits();
+      personalize(opened, opening);
+      return opened;
+    }
+  throw ConfigError("hands.device", "'{}' is not a device for a hand; devices are {}", spec, heldDevicesHelp());
 }
 
 std::unique_ptr<HapticDevice> withRumble(std::unique_ptr<HapticDevice> device, Log& log) {

@@ -7,15 +7,21 @@
 #include <string>
 
 #include "engine/core/log.hpp"
+#include "haptics/devices/device_axes.hpp"
 #include "haptics/devices/haptic_device.hpp"
+#include "haptics/session/device_memory.hpp"
 #include "haptics/session/model.hpp"
 
 namespace palpate {
 
-/// A held device, ready for use.
+/// A held device, ready for use, with the axes of its user and within the stiffness that is remembered for it.
 struct OpenedDevice {
   std::unique_ptr<HapticDevice> device;
   HapticDeviceFacts facts;
+  DeviceLimits limits;          ///< its own; for a test, since what is remembered limits the stiffness of `device`
+  DeviceAxes axes;              ///< in use: as asked for, else as remembered
+  std::string key;              ///< deviceKey(); empty if it tells no serial number
+  RememberedDevice remembered;  ///< for it; empty: nothing
 };
 
 /// Whether `spec` (HandConfig::device) names a held device: openhaptics[:NAME], dhd[:NUMBER],
@@ -29,8 +35,10 @@ struct DeviceOpening {
   double rate_Hz = 1000;                    ///< of the ticks
   bool ownScheduler = false;                ///< palpate's servo thread runs the ticks, not the driver
   const std::atomic<bool>* stop = nullptr;  ///< ends the wait for a calibration by hand
+  std::string axes;                         ///< DeviceAxes::text(); empty: those that are remembered
+  DeviceMemory memory{};
 };
-/// Opens the device. Throws Error with the missing component and the remedy.
+/// Opens the device, and says what is remembered for it. Throws Error with the missing component and the remedy.
 OpenedDevice openDevice(const std::string& spec, const DeviceOpening& opening);
 
 /// The same device, with a DualSense that rumbles at each contact. Throws Error if there is no DualSense.

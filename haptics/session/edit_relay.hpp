@@ -35,7 +35,7 @@ class EditRelay {
   TickObserver begin(double rate_Hz, bool realtime);
   /// Ends the thread and takes the remaining edits. Throws its failure. After the back end's own finish().
   void finish();
-  /// Ends the thread; the journal stays as it is, edits may be missing.
+  /// Ends the thread; the journal remains unchanged, edits may be missing.
   void stop() { thread_ = {}; }
   /// Takes the edits so far. For the session's own thread, unless begin() has started a thread that still runs.
   void catchUp();

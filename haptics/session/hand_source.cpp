@@ -69,7 +69,7 @@ HandSource replayed(const std::string& file, const Model& model, Log& log) {
 
 std::string deviceComplaint(const std::string& device) {
   if (device == "path" || device == "sim" || device.starts_with(kReplay) || isHeldDevice(device)) return {};
-  return fmt::format("'{}' is not a device; there is path, sim, replay:FILE and {}", device, heldDevicesHelp());
+  return fmt::format("'{}' is not a device; devices are path, sim, replay:FILE and {}", device, heldDevicesHelp());
 }
 
 HandSource openHand(const HandConfig& config, const HandOpening& opening) {
@@ -80,12 +80,15 @@ HandSource openHand(const HandConfig& config, const HandOpening& opening) {
   } else if (config.device.starts_with(kReplay)) {
     hand = replayed(config.device.substr(kReplay.size()), opening.model, opening.log);
   } else if (isHeldDevice(config.device)) {
-    OpenedDevice opened = openDevice(
-        config.device,
-        {.log = opening.log, .rate_Hz = opening.rate_Hz, .ownScheduler = config.ownScheduler, .stop = opening.stop});
+    OpenedDevice opened = openDevice(config.device, {.log = opening.log,
+                                                     .rate_Hz = opening.rate_Hz,
+                                                     .ownScheduler = config.ownScheduler,
+                                                     .stop = opening.stop,
+                                                     .axes = config.axes});
     hand = {.device = std::move(opened.device),
             .map = config.fit == WorkspaceFit::identity ? WorkspaceMap{.scale = scale.toUnits(1)}
-                                                        : mapInto(opened.facts, opening.model)};
+                                                        : mapInto(opened.facts, opening.model),
+            .remembered = std::move(opened.remembered)};
   } else if (config.device == "path") {
     Path path = pathFor(config, opening.model);
     const double duration_s = path.duration_s();

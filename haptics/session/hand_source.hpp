@@ -9,6 +9,7 @@
 
 #include "haptics/devices/haptic_device.hpp"
 #include "haptics/passivity.hpp"
+#include "haptics/session/device_memory.hpp"
 #include "haptics/session/model.hpp"
 #include "haptics/trajectory.hpp"
 
@@ -29,6 +30,7 @@ struct HandSource {
   double duration_s = 0;  ///< of its path or recording; 0: unlimited
   std::optional<PassivityMode> passivity;
   std::optional<Trajectory> recorded;  ///< with its forces, if a trajectory is replayed
+  RememberedDevice remembered;         ///< for a held device
 
   OpenHand hand() const { return {device.get(), map, duration_s, passivity}; }
 };

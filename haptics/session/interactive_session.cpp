@@ -55,7 +55,7 @@ class InteractiveSession::Follower final : public EditFollower {
   void catchUp(const EditBatch& batch) override {
     try {
       session_.take(batch);
-    } catch (...) {  // reported by takeIn(), so that this follower goes on
+    } catch (...) {  // reported by takeIn(), so that this follower continues
       session_.takeFailure_ = std::current_exception();
     }
   }
@@ -165,6 +165,28 @@ std::optional<std::string> InteractiveSession::tickUntil(double clock_s) {
     failure = follow();
   }
   return failure;
+}
+
+void InteractiveSession::setDevice(std::shared_ptr<TurnedDevice> device, const HapticDeviceFacts& facts) {
+  if (failed_ && !hasLostDevice()) return;
+  const auto change = [&] {
+    backend().resetHand(0);
+    playing_.reset();
+    options_.device = std::move(device);
+    options_.deviceFacts = facts;
+    map_ = options_.device ? mapInto(facts, model()) : mapFor(model(), bounds_);
+    live()->setHands({hand()});
+  };
+  if (!failed_) {
+    endRecording();
+    return between(change);
+  }
+  backend().finish();
+  catchUp();
+  endRecording();
+  change();
+  failed_ = false;
+  live()->goOn();
 }
 
 void InteractiveSession::setBrush(const std::optional<BrushConfig>& brush) {

@@ -60,6 +60,12 @@ class InteractiveSession : public Session {
     if (!failed_) Session::goOn();
   }
 
+  /// From now on another device is held, or with null the stylus is guided. Ends a recording and a playback. Goes on
+  /// after the loss of the device before. Throws query failures.
+  void setDevice(std::shared_ptr<TurnedDevice> device, const HapticDeviceFacts& facts);
+  /// Whether the session has failed because its device did.
+  bool hasLostDevice() const { return failed_ && options_.device && live()->deviceFailed(); }
+
   // The guided stylus; positions in file coordinates. No effect where a person holds a device.
   void aim(const DVec3& place, bool sculpts = true) { stylus_.aim(place, sculpts); }
   void putDown(const DVec3& place, bool sculpts) { stylus_.putDown(place, sculpts); }

@@ -52,7 +52,7 @@ namespace {
 Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
   if (!loading.fetch) throw Error("{}: ROS topics are not supported here", config.file);
   if (config.normals == NormalSource::face)
-    throw ConfigError("model.normals", "points from a ROS topic have no faces; take keep or estimate");
+    throw ConfigError("model.normals", "points from a ROS topic have no faces; use keep or estimate");
   return modelOf(loading.fetch(config.file, loading.log), config, loading);
 }
 
@@ -67,7 +67,7 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
                                   .pointsOnly = true,
                                   .keepUnreliable = config.keepUnreliable});
   if (!stored.leftOut.empty())
-    loading.log.warn("{}: left out are {}; all points can be requested", config.file, stored.leftOut);
+    loading.log.warn("{}: left out: {}; the setting keep_unreliable keeps them", config.file, stored.leftOut);
   Model model = modelOf(std::move(stored.cloud), config, loading);
   model.cameras = std::move(stored.cameras);
   return model;

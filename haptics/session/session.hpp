@@ -87,7 +87,7 @@ class Session {
 
   const SessionConfig& config() const { return config_; }
   const Model& model() const { return *model_; }
-  /// As it is felt, model units.
+  /// As felt, model units.
   const SurfaceOptions& surface() const { return surface_; }
   std::string method() const { return kind_.methodOf(config_.backend); }
   /// Name of the answering machine. Thread-safe.
@@ -136,7 +136,7 @@ class Session {
   /// Pauses a live session between two ticks and takes its edits, so that another session may use the same GPU queues
   /// and devices. It stays paused if that throws.
   void park();
-  /// After park(): goes on, unless it has ended by a fault.
+  /// After park(): continues, unless it has ended by a fault.
   void goOn();
   /// Calls `act` between two ticks, with all edits taken.
   template <class Act>

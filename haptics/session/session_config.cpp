@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/devices/device_axes.hpp"
 #include "haptics/session/abilities.hpp"
 #include "haptics/session/settings.hpp"
 
@@ -56,6 +57,8 @@ void validate(const SessionConfig& config) {
     const std::string path = fmt::format("hands[{}]", i);
     if (config.hands[i].device.empty()) throw ConfigError(path + ".device", "is not named");
     check(path, config.hands[i]);
+    if (const std::string complaint = axesComplaint(config.hands[i].axes); !complaint.empty())
+      throw ConfigError(path + ".axes", "{}", complaint);
   }
   check("", config);
   if (config.index.cell_mm != 0 && config.index.cellsAlongSide != 0)

@@ -108,6 +108,7 @@ struct HandConfig {
   double stiffness_N_per_mm = 0, damping_N_s_per_mm = 0;  ///< of a simulated hand; 0: its default
   bool ownScheduler = false;  ///< palpate's servo thread runs the ticks, not the device's driver
   bool rumbles = false;       ///< a gamepad rumbles at each contact
+  std::string axes;  ///< of a held device, that point right, up and towards the user: "x,z,-y"; empty: as remembered
 
   bool operator==(const HandConfig&) const = default;
 };
@@ -141,7 +142,7 @@ struct JoinConfig {
   std::vector<std::string> peers;  ///< addresses of machines to ask, if the network has no multicast
   std::uint32_t domain = 0;        ///< of DDS
   std::string security;            ///< a folder of keys; empty: nothing is encrypted
-  bool near = false;               ///< fetches only the points around the hands; always so for a moving model
+  bool partial = false;            ///< fetches only the points around the hands; always so for a moving model
 
   bool operator==(const JoinConfig&) const = default;
 };

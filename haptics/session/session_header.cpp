@@ -85,7 +85,7 @@ RecordedSession parseHeader(const std::filesystem::path& log, const std::string&
   try {
     const Json json = Json::parse(text);
     if (!json.contains("config"))
-      throw Error("it is of an older palpate, {}, without a configuration; run it again with that one",
+      throw Error("it was written by an older palpate, {}, without a configuration; replay it with that version",
                   json.value("palpate", "of unknown version"));
     RecordedSession session{.config = parseConfig(json.at("config").dump()),
                             .points = json.at("points").get<std::uint64_t>(),

@@ -35,7 +35,7 @@ MadeBackend makeBackend(const BackendSetup& setup) {
   const Model& model = setup.model;
   if (const FarPoints* const far = model.as<FarPoints>()) {
     if (!setup.kind.capabilities().followsMotion)
-      throw ConfigError("backend.name", "{} requires all points in this program; take vulkan or cpu",
+      throw ConfigError("backend.name", "{} requires all points in this program; use vulkan or cpu",
                         config.backend.name);
     std::unique_ptr<FarTouch> touch = far->cloud->makeTouch(setup);
     FarTouch* const same = touch.get();

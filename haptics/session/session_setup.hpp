@@ -26,7 +26,7 @@ struct BackendSetup {
   const BackendKind& kind;
   const SessionConfig& config;
   const Model& model;
-  const SurfaceOptions& surface;  ///< as it is felt, model units
+  const SurfaceOptions& surface;  ///< as felt, model units
   unsigned threads = 0;           ///< on the CPU; 0: one per core
   bool paintable = false;         ///< keeps colours for a later brush
   CloudSource* source = nullptr;  ///< moves the points; null: nothing, or the back end itself

@@ -33,7 +33,7 @@ SettingFacts factsOf(std::string_view path, const Setting<Section>& setting, con
                      .type = {},
                      .words = {},
                      .unit = std::string(setting.unit),
-                     .usual = jsonOf(setting, usual).dump(),
+                     .usual = textOf(setting, usual),
                      .range = setting.range,
                      .help = (setting.flagNegates ? "false: " : "") + std::string(setting.help),
                      .flag = std::string(setting.flag),

@@ -109,7 +109,7 @@ constexpr Setting<ToolConfig> kTool[]{
     {"size_mm", &ToolConfig::size_mm, "--tool-size", "diameter of a pad or ball, length of a spatula, mm", "mm",
      kLength},
     {"axis", &ToolConfig::axis, "--tool-axis",
-     "direction in which the face of a pad or spatula looks while the stylus is not rotated, model "
+     "direction of the face of a pad or spatula while the stylus is not rotated, model "
      "axes (default 0,0,-1)"},
 };
 
@@ -120,7 +120,7 @@ constexpr Setting<BrushConfig> kBrush[]{
     {"yield_depth_mm",
      &BrushConfig::yieldDepth_mm,
      "--yield-depth",
-     "depth of the HIP behind the proxy from which on the surface yields, mm",
+     "depth of the HIP behind the proxy from which the surface yields, mm",
      "mm",
      {0, bounds::kLongest_mm},
      {0, 5}},
@@ -272,7 +272,7 @@ constexpr Setting<JoinConfig> kJoin[]{
     {"security", &JoinConfig::security, "--security",
      "folder of keys (see palpate keys): encrypts everything; only holders of keys of the same "
      "authority can join"},
-    {"near", &JoinConfig::near, "--near",
+    {"partial", &JoinConfig::partial, "--partial",
      "stream only the points around the hand, for models too large to download; they can be "
      "sculpted, but not saved or undone. Moving models are always joined so, and cannot be "
      "sculpted"},
@@ -290,7 +290,7 @@ constexpr Setting<HandConfig> kHand[]{
      "fit: scale and centre the path (or the model, for a held device) into the workspace; "
      "identity: one to one, origins together"},
     {"passivity", words<&HandConfig::passivity, kPassivityModes>(), "--passivity",
-     "when the surface gives more energy than it took: on (brake), observe (only count) or off "
+     "if the surface returns more energy than it received: on (brake), observe (only count) or off "
      "(default: on for a device or sim, off for a path)"},
     {"stiffness_N_per_mm",
      &HandConfig::stiffness_N_per_mm,
@@ -308,6 +308,9 @@ constexpr Setting<HandConfig> kHand[]{
      "thread that runs the ticks of an OpenHaptics device: device (the driver) or own (palpate)"},
     {"rumbles", &HandConfig::rumbles, "--rumble",
      "a DualSense on a cable rumbles at each contact, whatever the device"},
+    {"axes", &HandConfig::axes, "--axes",
+     "axes of the device that point right, up and towards the user, as in x,z,-y (default: as remembered for it, "
+     "else x,y,z)"},
 };
 
 constexpr Setting<SessionConfig> kSession[]{

@@ -23,7 +23,7 @@ struct FirstFrame {
 };
 FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loading);
 
-/// The configured stream, to be played behind the model's cloud: the one of the model, paused as it is, or else the
+/// The configured stream, to be played behind the model's cloud: that of the model, in its paused state, or else the
 /// recording. Null if none is configured. Throws FileError, and Error if another session plays it.
 std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Model& model);
 

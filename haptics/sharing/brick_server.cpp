@@ -80,7 +80,7 @@ BrickServer::Client* BrickServer::clientOf(const Near& near) {
     clients_.erase(last);
   }
   ++counts_.clients;
-  if (parts_.log) parts_.log->say("{} feels the points around its hands", printable(near.host));
+  if (parts_.log) parts_.log->say("{} streams the points around its hands", printable(near.host));
   Client& client = clients_[id];
   client.writer =
       Writer<Bricks>(parts_.participant, parts_.topics.bricks, reliableQos(false, partitionOf(near.client)));

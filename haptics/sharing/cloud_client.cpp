@@ -241,8 +241,8 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   session->checksum = notice.checksum;
   const std::optional<FarFacts> facts = hearFacts(*session, options.timeout_s, options.stop);
   if (!facts || facts->extent.points != notice.points)
-    throw NetworkError("'{}' of {}: announces no facts; is it still served?", notice.name, notice.host);
-  const bool isNear = options.near || (facts->moves && !options.present);
+    throw NetworkError("'{}' of {}: does not describe its model; is it still served?", notice.name, notice.host);
+  const bool isNear = options.partial || (facts->moves && !options.present);
   // Bodies that stand in matter are not subsampled.
   const std::uint64_t every = isNear && facts->standing == 0 ? everyFor(notice.points) : 1;
   JoinedCloud joined = Fetch(session->participant, session->topics, notice, options, every).run();

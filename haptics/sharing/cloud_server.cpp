@@ -163,7 +163,7 @@ struct CloudServer::Link {
       clients.erase(last);
     }
     ++counts.clients;
-    if (parts.log) parts.log->say("{}: {} takes the points", parts.name, printable(request.host));
+    if (parts.log) parts.log->say("{}: {} fetches the points", parts.name, printable(request.host));
     Client client;
     client.blocks = Writer<Block>(participant, topics.blocks, reliableQos(false, partitionOf(request.client)));
     return &clients.emplace(id, std::move(client)).first->second;
@@ -307,9 +307,9 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
 ServedCounts CloudServer::counts() const {
   ServedCounts counts = link_->counts;
   const BrickCounts& near = link_->near->counts();
-  counts.near = near.clients;
-  counts.nearPoints = near.points;
-  counts.nearSteps = near.steps;
+  counts.partial = near.clients;
+  counts.partialPoints = near.points;
+  counts.partialSteps = near.steps;
   counts.refused += near.refused;
   if (link_->moving) counts.frames = link_->moving->frames();
   if (!link_->strokes) return counts;

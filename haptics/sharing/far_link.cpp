@@ -9,6 +9,7 @@
 #include "haptics/sharing/brick_assembly.hpp"
 #include "haptics/sharing/hand_balls.hpp"
 #include "haptics/sharing/joined_session.hpp"
+#include "haptics/sharing/link_messages.hpp"
 #include "haptics/sharing/link_probe.hpp"
 #include "haptics/sharing/restart_watch.hpp"
 #include "haptics/sharing/stroke_sender.hpp"
@@ -54,6 +55,7 @@ class FarLink final : public BrickCloud {
  public:
   explicit FarLink(const FarParts& parts)
       : parts_(parts),
+        messages_(parts.log),
         to_(*parts.session),
         server_(to_.session),
         source_(
@@ -98,10 +100,7 @@ class FarLink final : public BrickCloud {
     return counts;
   }
 
-  std::vector<std::string> takeSaid() override {
-    const std::scoped_lock hold(lock_);
-    return std::exchange(said_, {});
-  }
+  std::vector<std::string> takeSaid() override { return messages_.take(); }
 
   void check() const override {
     const std::scoped_lock hold(lock_);
@@ -117,13 +116,13 @@ class FarLink final : public BrickCloud {
           const std::scoped_lock hold(lock_);
           turn();
         }
-        tell();
+        messages_.log();
       }
     } catch (const std::exception& error) {
       const std::scoped_lock hold(lock_);
       fail(fmt::format("'{}' of {}: {}", to_.name, to_.host, error.what()));
     }
-    tell();
+    messages_.log();
     wait_.reset();
     bricks_ = {};
   }
@@ -221,10 +220,11 @@ class FarLink final : public BrickCloud {
   void watchServer() {
     const double silent_s = lastHeard_.elapsed_s();
     const bool isWhole = known_.share() >= 1;
-    if (isWhole && !std::exchange(wasWhole_, true)) say(fmt::format("{} of {} is heard again", to_.name, to_.host));
+    if (isWhole && !std::exchange(wasWhole_, true))
+      messages_.add(fmt::format("{} of {} is heard again", to_.name, to_.host));
     if (!isWhole && std::exchange(wasWhole_, false))
-      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades until it is", to_.name, to_.host,
-                      silent_s));
+      messages_.add(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades until it is", to_.name,
+                                to_.host, silent_s));
     if (silent_s <= kServerTimeout_s) return;
     for (const SessionNotice& notice : notices_.known()) {
       if (notice.name != to_.name || notice.session == server_ || left_.contains(notice.session)) continue;
@@ -248,8 +248,8 @@ class FarLink final : public BrickCloud {
     const std::optional<Restarts> fresh = restarts_->fresh();
     if (!fresh) return;
     counts_.restarts += fresh->count;
-    say(fmt::format("the simulation of '{}' has restarted at {}{}: it {}", to_.name, to_.host,
-                    fresh->count > 1 ? fmt::format(", {} times", fresh->count) : std::string(), fresh->why));
+    messages_.add(fmt::format("the simulation of '{}' has restarted at {}{}: it {}", to_.name, to_.host,
+                              fresh->count > 1 ? fmt::format(", {} times", fresh->count) : std::string(), fresh->why));
   }
 
   void ask(const HandReaches& hands) {
@@ -280,31 +280,11 @@ class FarLink final : public BrickCloud {
     fault_ = why;
     known_.fail();
     source_.giveUp();
-    say(why);
-  }
-
-  void say(std::string what) {
-    constexpr std::size_t kMaxSaid = 8;
-    if (said_.size() < kMaxSaid) said_.push_back(what);
-    untold_.push_back(std::move(what));
-  }
-
-  // Without the lock, which others may wait for: the log may take long. Its exceptions are ignored, since they would
-  // end this hand's part in the session.
-  void tell() {
-    std::vector<std::string> said;
-    {
-      const std::scoped_lock hold(lock_);
-      said.swap(untold_);
-    }
-    if (!parts_.log) return;
-    try {
-      for (const std::string& what : said) parts_.log->say("{}", what);
-    } catch (...) {
-    }
+    messages_.add(why);
   }
 
   const FarParts parts_;
+  LinkMessages messages_;
   const JoinedSession& to_;
   Id server_;
   std::set<Id> left_;  // previous sessions
@@ -329,8 +309,7 @@ class FarLink final : public BrickCloud {
   FastestWay way_;
   FarCounts counts_;
   std::string fault_;
-  std::vector<std::string> said_, untold_;  // not read yet; not logged yet
-  int spoilt_ = 0;                          // invalid samples since the last complete step
+  int spoilt_ = 0;  // invalid samples since the last complete step
   double trip_s_ = kFirstTrip_s;
   std::vector<Ball> asked_;
   std::uint64_t told_ = 0;

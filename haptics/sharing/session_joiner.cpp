@@ -16,7 +16,7 @@ JoinedCloud join(const std::string& name, const JoinConfig& config, const Joinin
       .interface = config.network, .peers = config.peers, .domain = config.domain, .security = config.security};
   JoinedCloud joined = joinCloud(name, {.network = network,
                                         .present = present,
-                                        .near = config.near,
+                                        .partial = config.partial,
                                         .timeout_s = how.timeout_s,
                                         .log = &log,
                                         .stop = how.stop});

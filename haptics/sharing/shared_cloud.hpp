@@ -27,13 +27,13 @@ struct ServedCounts {
   /// Invalid requests and pieces of strokes, and requests of clients beyond the maximum.
   std::uint64_t refused = 0;
   std::uint64_t sculptors = 0;  ///< clients whose strokes were taken, including those before a restart of the server
-  std::uint64_t pieces = 0, states = 0;         ///< of strokes; states of points in them
-  std::uint64_t copied = 0;                     ///< pieces whose best-effort copy was received first
-  std::uint64_t again = 0;                      ///< duplicate pieces on the reliable path, and those received too early
-  std::uint64_t sent = 0;                       ///< states, to all clients
-  std::uint64_t near = 0;                       ///< clients that have ever requested only the points around their hands
-  std::uint64_t nearPoints = 0, nearSteps = 0;  ///< points sent to those, in how many steps
-  std::uint64_t frames = 0;                     ///< of moving points, shown
+  std::uint64_t pieces = 0, states = 0;  ///< of strokes; states of points in them
+  std::uint64_t copied = 0;              ///< pieces whose best-effort copy was received first
+  std::uint64_t again = 0;               ///< duplicate pieces on the reliable path, and those received too early
+  std::uint64_t sent = 0;                ///< states, to all clients
+  std::uint64_t partial = 0;             ///< clients that have ever requested only the points around their hands
+  std::uint64_t partialPoints = 0, partialSteps = 0;  ///< points sent to those, in how many steps
+  std::uint64_t frames = 0;                           ///< of moving points, shown
 };
 
 /// Moves the points of a cloud: positions at `time_s` seconds after the start, with remote hands that act on them.
@@ -97,7 +97,7 @@ struct JoinedCloud {
 struct JoinOptions {
   NetworkConfig network;
   bool present = false;   ///< with all edits so far, for display; edits are not shared then
-  bool near = false;      ///< stream only the points around the hands; moving points always are, unless `present`
+  bool partial = false;   ///< stream only the points around the hands; moving points always are, unless `present`
   double timeout_s = 10;  ///< timeout for finding the session, and for each next part of it
   Log* log = nullptr;     ///< logs progress; must outlive the call
   StopSign stop = {};     ///< interrupts it

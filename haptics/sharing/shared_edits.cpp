@@ -13,6 +13,7 @@
 #include "haptics/sharing/early_copies.hpp"
 #include "haptics/sharing/edit_exchange.hpp"
 #include "haptics/sharing/joined_session.hpp"
+#include "haptics/sharing/link_messages.hpp"
 #include "haptics/sharing/link_probe.hpp"
 #include "haptics/sharing/session_notices.hpp"
 #include "haptics/sharing/stroke_sender.hpp"
@@ -40,7 +41,7 @@ class SharedEdits final : public SharedFollower {
         edits_(parts.edits),
         cell_(parts.cell),
         origin_(parts.cloud.origin),
-        log_(parts.log),
+        messages_(parts.log),
         exchange_(statesOf(parts.cloud), parts.edits.mostOffered()),
         strokes_(session_),
         resumes_(session_.participant, session_.topics.resumes, reliableQos(false)),
@@ -96,10 +97,7 @@ class SharedEdits final : public SharedFollower {
     if (fault_.empty()) ask(exchange_.ask());
   }
 
-  std::vector<std::string> takeSaid() override {
-    const std::scoped_lock hold(lock_);
-    return std::exchange(said_, {});
-  }
+  std::vector<std::string> takeSaid() override { return messages_.take(); }
 
  private:
   void run(const std::stop_token& stop) {
@@ -111,13 +109,13 @@ class SharedEdits final : public SharedFollower {
           const std::scoped_lock hold(lock_);
           turn();
         }
-        tell();
+        messages_.log();
       }
     } catch (const std::exception& error) {
       const std::scoped_lock hold(lock_);
       fail(error.what());
     }
-    tell();
+    messages_.log();
     // From now on nothing that is received is kept.
     wait_.reset();
     results_ = {};
@@ -175,13 +173,14 @@ class SharedEdits final : public SharedFollower {
     const Felt now = share >= 1 ? Felt::whole : share > 0 ? Felt::fading : Felt::gone;
     if (now == std::exchange(felt_, now)) return;
     if (now == Felt::whole)
-      say(fmt::format("{} of {} is heard again: the force returns", session_.name, session_.host));
+      messages_.add(fmt::format("{} of {} is heard again: the force returns", session_.name, session_.host));
     if (now == Felt::fading)
-      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades; edits made here are kept for it",
+      messages_.add(
+          fmt::format("{} of {} has not been heard for {:.1f} s: the force fades; edits made here are kept for it",
                       session_.name, session_.host, silent_s));
     if (now == Felt::gone)
-      say(fmt::format("{} of {} has not been heard for {:.1f} s: there is no force until it is", session_.name,
-                      session_.host, silent_s));
+      messages_.add(fmt::format("{} of {} has not been heard for {:.1f} s: there is no force until it is",
+                                session_.name, session_.host, silent_s));
   }
 
   // Reports a server that takes nothing or has restarted as another session.
@@ -263,28 +262,7 @@ class SharedEdits final : public SharedFollower {
     if (!fault_.empty()) return;
     fault_ = why;
     known_.fail();
-    say(why);
-  }
-
-  void say(std::string what) {
-    constexpr std::size_t kMaxSaid = 8;
-    if (said_.size() < kMaxSaid) said_.push_back(what);
-    untold_.push_back(std::move(what));
-  }
-
-  // Without the lock, which the thread that answers the hand may wait for: the log may take long. Exceptions of its
-  // listeners are ignored, since they would end this hand's part in the session (LogListener).
-  void tell() {
-    std::vector<std::string> said;
-    {
-      const std::scoped_lock hold(lock_);
-      said.swap(untold_);
-    }
-    if (!log_) return;
-    try {
-      for (const std::string& what : said) log_->say("{}", what);
-    } catch (...) {
-    }
+    messages_.add(why);
   }
 
   const JoinedSession& session_;
@@ -292,7 +270,7 @@ class SharedEdits final : public SharedFollower {
   EditStream& edits_;
   double cell_;
   DVec3 origin_;
-  Log* log_;
+  LinkMessages messages_;
   LatestValue<HandPlaces> hands_;
 
   mutable std::mutex lock_;  // guards all members below, unless stated otherwise
@@ -307,7 +285,6 @@ class SharedEdits final : public SharedFollower {
   std::optional<ReaderWait> wait_;  // used by the thread only
   SharedCounts counts_;
   std::string fault_;
-  std::vector<std::string> said_, untold_;  // not read yet; not logged yet
   std::uint64_t lastAcked_ = 0, lastCounter_ = 0;
   int stuck_ = 0;
   bool isOfferNear_ = false;

@@ -26,7 +26,7 @@ struct Head {  // of a piece; its states follow
   Id client{};
   std::uint64_t number = 0;
   std::uint64_t states = 0;
-  std::uint64_t checksum = 0;  // of all of it, with this field 0
+  std::uint64_t checksum = 0;  // of the whole piece, with this field 0
 };
 static_assert(sizeof(Head) == 40);
 static_assert(sizeof(PointState) == 36);

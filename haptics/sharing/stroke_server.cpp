@@ -64,7 +64,7 @@ void StrokeServer::take(const ResumeRequest& request) {
     followers_.emplace(client, std::move(fresh));
     for (auto& [id, each] : followers_)
       each.copies.setRate(std::min(kCopies_B_per_s, kAllCopies_B_per_s / static_cast<double>(followers_.size())));
-    if (parts_.log) parts_.log->say("{} follows", printable(request.host));
+    if (parts_.log) parts_.log->say("{} receives the edits", printable(request.host));
   }
   Follower& follower = followers_[client];
   follower.lastHeard = {};
@@ -137,7 +137,8 @@ void StrokeServer::count(const Id& client, std::uint64_t number, Way way, Shared
     case SharedPoints::Taken::refused:
       if (counts_.refused++ == 0 && parts_.log)
         parts_.log->say(
-            "a piece of a stroke was refused, as others may be: it is invalid, or {} hands have sculpted, which is the "
+            "a piece of a stroke was refused, and others may be: it is invalid, or {} hands have sculpted, which is "
+            "the "
             "maximum",
             parts_.points.clients());
       break;

@@ -1,6 +1,7 @@
 #include "haptics/simulation/matter_choice.hpp"
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "engine/core/named_values.hpp"

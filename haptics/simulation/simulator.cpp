@@ -26,7 +26,7 @@ std::unique_ptr<Simulator> cpuSimulator() { return std::make_unique<CpuSimulator
 const MatterSimulator& simulatorOf(const BackendKind& backend) {
   // All simulators are made here and in gpu_simulator.cpp.
   if (const Simulator* const simulator = backend.simulator()) return static_cast<const MatterSimulator&>(*simulator);
-  throw ConfigError("backend.name", "{} cannot simulate matter; take vulkan or cpu", backend.name());
+  throw ConfigError("backend.name", "{} cannot simulate matter; use vulkan or cpu", backend.name());
 }
 
 }  // namespace palpate

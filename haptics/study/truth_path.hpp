@@ -32,7 +32,7 @@ TruthPath truthSlide(const TouchTruth& truth, const SurfacePoint& start, const D
 /// half of the rest.
 TruthPath truthPress(const SurfacePoint& start, const ModelScale& scale, const TruthPathOptions& options);
 
-/// Five times down at the speed of the options and up again. The window is all of it.
+/// Five times down at the speed of the options and up again. The window is the whole path.
 TruthPath truthTaps(const SurfacePoint& start, const ModelScale& scale, const TruthPathOptions& options);
 
 }  // namespace palpate

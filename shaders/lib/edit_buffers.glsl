@@ -27,7 +27,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Res
   uint births[kBirthSlots];   // numbers of requests, by the ids of the points that made them
   uint claims[kClaimSlots];   // the smallest id that claims the slot; all bits if none does
   vec3 claimed[kClaimSlots];  // the position that it claims
-  // The last insertion with this slot; while its stroke goes on none is requested there again.
+  // The last insertion with this slot; while its stroke continues none is requested there again.
   vec3 grantedAt[kClaimSlots];
   uint grantedIn[kClaimSlots];  // number of the stroke; all bits for none
   PointRequest requests[];

@@ -155,7 +155,7 @@ PALPATE_FORMULA bool takesStep(PALPATE_INOUT(PALPATE_OF(ProxyTick)) tick, PALPAT
   return step.size >= Real(kLastStep) * radius;
 }
 
-// Goes on from the surface at `tick.at`, whose outside is the felt face. False if the tick ends there. `substeps`:
+// Continues from the surface at `tick.at`, whose outside is the felt face. False if the tick ends there. `substeps`:
 // substepsOn() the path; `traced`: they cover it; `spent`: the work budget is.
 PALPATE_FORMULA bool goesOn(PALPATE_INOUT(PALPATE_OF(ProxyTick)) tick, PALPATE_OF(Surface) surface, PALPATE_VEC3 hip,
                             Real radius, Real friction, uint substeps, bool traced, bool spent) {

@@ -33,6 +33,16 @@ shared uint destination[kRadix];  // of a digit's first key here, minus its inde
 shared uint sharedTile;
 shared uint sharedMissing;  // 1 + the last tile whose count is missing; 0 if none is
 
+// This invocation's keys, their values, and their indices in the sorted tile.
+uint keys[kItems], values[kItems], places[kItems];
+
+// The keys of one digit in this tile, for the invocation of that digit; others have a `digit` beyond kRadix.
+struct Own {
+  uint tile, digit;
+  uint count, start;  // `start`: index of the first one in the sorted tile
+  bool tells;         // the tile tells its counts
+};
+
 uint digitOf(uint key) { return bitfieldExtract(key, int(args.shift), int(kDigitBits)); }
 
 // The invocations whose key has the same digit.
@@ -101,94 +111,83 @@ uint tellFor(uint tile, uint d, uint word) {
   return told == 0 ? word : told;
 }
 
-void main() {
-  if (gl_LocalInvocationIndex == 0) sharedTile = atomicAdd(args.nextTile.at[0], 1);
-  for (uint i = gl_LocalInvocationIndex; i < kCounters; i += gl_WorkGroupSize.x) pool[i] = 0;
-  barrier();
-  const uint tile = sharedTile;
-  const uint start = tile * kTile;
-  if (start >= args.count) return;
-  const uint inTile = min(kTile, args.count - start);
-  const bool tells = kSilent == 0 || tile % max(kSilent, 1) != 0;
-
-  // A subgroup takes consecutive keys, one row of its size after another, so that rank follows the order of the input.
-  const uint mine = gl_SubgroupID * kSubgroupSize * kItems + gl_SubgroupInvocationID;
-  uint keys[kItems];
+// Reads the keys of this tile, and counts them by subgroup.
+void readKeys(uint start, uint inTile, uint mine, uint counters) {
   // Beyond the end the largest key is used: it ranks behind every true key and is never written.
   [[unroll]] for (uint item = 0; item < kItems; ++item) {
     const uint i = mine + item * kSubgroupSize;
     keys[item] = i < inTile ? args.keysIn.at[start + i] : 0xFFFFFFFFu;
   }
   // Counted before they are ranked, which takes longer: later tiles wait only for the counts.
-  const uint counters = gl_SubgroupID * kRadix;
   [[unroll]] for (uint item = 0; item < kItems; ++item) atomicAdd(pool[counters + digitOf(keys[item])], 1);
-  barrier();
-  if (gl_LocalInvocationIndex == 0) sharedMissing = 0;
+}
 
-  // One invocation for each digit: its keys in this tile.
-  const uint d = scanIndex();
-  uint own = 0;
-  if (d < kRadix) {
-    for (uint s = 0; s < kSubgroups; ++s) own += pool[s * kRadix + d];
-    if (tile != 0 && tells) args.tiles.at[tile * kRadix + d] = kSweepOwn | own;
-  }
-  uint total;
-  const uint startHere = workgroupExclusiveScan(own, total);
-  uint startOfAll = 0;
-  if (tile == 0) startOfAll = workgroupExclusiveScan(d < kRadix ? args.histogram.at[d] : 0, total);
-  if (d < kRadix) {
-    uint next = startHere;
-    for (uint s = 0; s < kSubgroups; ++s) {
-      const uint count = pool[s * kRadix + d];
-      pool[s * kRadix + d] = next;
-      next += count;
-    }
-  }
-  barrier();
-  uint places[kItems];  // in the sorted tile
-  [[unroll]] for (uint item = 0; item < kItems; ++item) places[item] = takePlace(digitOf(keys[item]), counters);
-  barrier();
-  [[unroll]] for (uint item = 0; item < kItems; ++item) pool[places[item]] = keys[item];
-  // The values are in flight while this looks back and writes the keys.
-  uint values[kItems];
+void readValues(uint start, uint inTile, uint mine) {
   [[unroll]] for (uint item = 0; item < kItems; ++item) {
     const uint i = mine + item * kSubgroupSize;
     if (i < inTile) values[item] = args.valuesIn.at[start + i];
   }
-  uint end = tile, before = 0;
-  bool knows = true;
-  if (d < kRadix) {
-    if (tile == 0)
-      before = startOfAll;
-    else
-      knows = lookBack(end, before, d);
-    if (knows) {
-      if (tells) args.tiles.at[tile * kRadix + d] = kSweepAll | (before + own);
-      destination[d] = before - startHere;
-    } else {
-      atomicMax(sharedMissing, end);
-    }
+}
+
+// Turns the counts of a digit into the indices of its first key of each subgroup.
+void countsToPlaces(Own own) {
+  uint next = own.start;
+  for (uint s = 0; s < kSubgroups; ++s) {
+    const uint count = pool[s * kRadix + own.digit];
+    pool[s * kRadix + own.digit] = next;
+    next += count;
   }
-  barrier();
+}
+
+// Where all keys of digit `d` begin, for the whole workgroup together.
+uint startOfDigit(uint d) {
+  uint total;
+  return workgroupExclusiveScan(d < kRadix ? args.histogram.at[d] : 0, total);
+}
+
+// Looks back at the tiles before this one. Returns whether they told all their counts: else `end` ends the tiles that
+// are still to be added to `before`.
+bool lookForStart(Own own, uint startOfAll, inout uint end, inout uint before) {
+  bool knows = true;
+  if (own.tile == 0)
+    before = startOfAll;
+  else
+    knows = lookBack(end, before, own.digit);
+  if (knows) {
+    if (own.tells) args.tiles.at[own.tile * kRadix + own.digit] = kSweepAll | (before + own.count);
+    destination[own.digit] = before - own.start;
+  } else {
+    atomicMax(sharedMissing, end);
+  }
+  return knows;
+}
+
+// Counts the tiles that have not told their counts, the last one first. The whole workgroup calls it together.
+void countMissing(Own own, uint end, uint before, bool knows) {
   while (sharedMissing != 0) {
     const uint missing = sharedMissing;
     barrier();
     if (gl_LocalInvocationIndex == 0) sharedMissing = 0;
     countTile(missing - 1);
     uint first = 0;
-    if (missing == 1) first = workgroupExclusiveScan(d < kRadix ? args.histogram.at[d] : 0, total);
+    if (missing == 1) first = startOfDigit(own.digit);
     if (!knows && end == missing) {
-      const uint word = tellFor(missing - 1, d, (missing == 1 ? kSweepAll : kSweepOwn) | (first + destination[d]));
+      const uint word =
+          tellFor(missing - 1, own.digit, (missing == 1 ? kSweepAll : kSweepOwn) | (first + destination[own.digit]));
       before += word & kSweepCountMask;
       --end;
-      knows = word >= kSweepAll || lookBack(end, before, d);
-      if (knows && tells) args.tiles.at[tile * kRadix + d] = kSweepAll | (before + own);
+      knows = word >= kSweepAll || lookBack(end, before, own.digit);
+      if (knows && own.tells) args.tiles.at[own.tile * kRadix + own.digit] = kSweepAll | (before + own.count);
     }
     barrier();
-    if (d < kRadix && knows) destination[d] = before - startHere;
+    if (own.digit < kRadix && knows) destination[own.digit] = before - own.start;
     if (!knows) atomicMax(sharedMissing, end);
     barrier();
   }
+}
+
+// Writes the sorted tile: its keys, which are in `pool`, then its values.
+void writeTile(uint inTile) {
   [[unroll]] for (uint item = 0; item < kItems; ++item) {
     const uint place = item * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
     const uint key = pool[place];
@@ -203,4 +202,46 @@ void main() {
     const uint place = item * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
     if (place < inTile) args.valuesOut.at[destination[places[item] >> 16] + place] = pool[place];
   }
+}
+
+void main() {
+  if (gl_LocalInvocationIndex == 0) sharedTile = atomicAdd(args.nextTile.at[0], 1);
+  for (uint i = gl_LocalInvocationIndex; i < kCounters; i += gl_WorkGroupSize.x) pool[i] = 0;
+  barrier();
+  Own own;
+  own.tile = sharedTile;
+  const uint start = own.tile * kTile;
+  if (start >= args.count) return;
+  const uint inTile = min(kTile, args.count - start);
+  own.tells = kSilent == 0 || own.tile % max(kSilent, 1) != 0;
+
+  // A subgroup takes consecutive keys, one row of its size after another, so that rank follows the order of the input.
+  const uint mine = gl_SubgroupID * kSubgroupSize * kItems + gl_SubgroupInvocationID;
+  const uint counters = gl_SubgroupID * kRadix;
+  readKeys(start, inTile, mine, counters);
+  barrier();
+  if (gl_LocalInvocationIndex == 0) sharedMissing = 0;
+
+  own.digit = scanIndex();
+  own.count = 0;
+  if (own.digit < kRadix) {
+    for (uint s = 0; s < kSubgroups; ++s) own.count += pool[s * kRadix + own.digit];
+    if (own.tile != 0 && own.tells) args.tiles.at[own.tile * kRadix + own.digit] = kSweepOwn | own.count;
+  }
+  uint total;
+  own.start = workgroupExclusiveScan(own.count, total);
+  uint startOfAll = 0;
+  if (own.tile == 0) startOfAll = startOfDigit(own.digit);
+  if (own.digit < kRadix) countsToPlaces(own);
+  barrier();
+  [[unroll]] for (uint item = 0; item < kItems; ++item) places[item] = takePlace(digitOf(keys[item]), counters);
+  barrier();
+  [[unroll]] for (uint item = 0; item < kItems; ++item) pool[places[item]] = keys[item];
+  readValues(start, inTile, mine);  // in flight while this looks back and writes the keys
+  uint end = own.tile, before = 0;
+  bool knows = true;
+  if (own.digit < kRadix) knows = lookForStart(own, startOfAll, end, before);
+  barrier();
+  countMissing(own, end, before, knows);
+  writeTile(inTile);
 }

@@ -136,7 +136,7 @@ TEST_CASE("a model without cameras is drawn unchanged, with a message") {
   const Outcome outcome = palpate("render " + (folder / "s.ply").string() + " --size 200x150 --cameras -o " +
                                   (folder / "with.png").string());
   CHECK(outcome.code == 0);
-  CHECK_MESSAGE(says(outcome.text, "no cameras are drawn: the model does not say where any stood"), outcome.text);
+  CHECK_MESSAGE(says(outcome.text, "no cameras are drawn: the model has no camera poses"), outcome.text);
   CHECK(contentOf(folder / "without.png") == contentOf(folder / "with.png"));
 }
 
@@ -178,7 +178,7 @@ TEST_CASE("unreliable COLMAP points are left out by info and render, and by conv
   CHECK(jsonOf(json)["points"] == 950);
   CHECK(jsonOf(json)["left_out"].is_null());
   const Outcome drawn = palpate("render " + model + " --size 64x48 -o " + (folder / "p.png").string());
-  CHECK_MESSAGE(says(drawn.text, "left out are 50 of 950 points"), drawn.text);
+  CHECK_MESSAGE(says(drawn.text, "left out: 50 of 950 points"), drawn.text);
 }
 
 TEST_CASE("the window shows a reconstruction's cameras, and a recording's camera with its path; F hides them") {

@@ -157,114 +157,14 @@ TEST_CASE("an output with an unknown ending is refused before any work, with the
     refused("bench edit --models " + none + " --plot ", name,
             "plots are written as .png, .pdf, .svg; use one of these extensions");
   }
-  refused("make sphere -n 500 -o ", "b.stl", "STL holds triangles, and these are points; clouds are written as .ply");
-  refused(touch + "--edit push --save ", "b.3dgs.ply", "3DGS is written by palpate convert alone");
+  refused("make sphere -n 500 -o ", "b.stl",
+          "STL contains triangles, but these are points; clouds are written as .ply");
+  refused(touch + "--edit push --save ", "b.3dgs.ply", "only palpate convert can write 3DGS");
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()) == 1);
   works("make sphere -n 500 -o /dev/null --json /dev/null");
   // Outputs that have only one format may have any name.
   works(touch + "--duration 0.1 --trace " + in("trace") + " --trajectory " + in("way") + " --log " + in("l.ply") +
         " --json " + in("result.txt"));
-}
-
-TEST_CASE("a shell completes commands, options and values, also after options of all commands") {
-  const auto offers = [](const std::string& words, const std::string& expected) {
-    if (isLeftOut(words)) return;
-    const Outcome offered = palpate("complete " + words);
-    CHECK(offered.code == 0);
-    CHECK_MESSAGE(offered.text == expected, words);
-  };
-  offers("tou", "touch\n/\n");
-  offers("--gpu x --quiet ben", "bench\n/\n");
-  offers("bench coe", "coexist\n");
-  offers("bench edit --qui", "--quiet\n");
-  offers("touch x.ply --edit p", "paint\npush\n");
-  offers("touch --edit=gr", "--edit=grab\n");
-  offers("touch --edit = gr", "grab\n");
-  offers("touch --path ''", "builtin:orbit\nbuiltin:press\nbuiltin:scan\nbuiltin:slide\nbuiltin:stir\n/ .csv\n");
-  offers("touch --path builtin : pr", "press\n/ .csv\n");  // as bash splits it
-  offers("touch --path builtin:pr", "builtin:press\n/ .csv\n");
-  offers("touch x.ply --trace ''", "/ .csv\n");
-  offers("touch x.ply --picture ''", "/ .png .jpg\n");
-  offers("touch x.ply --stiffness ''", "");  // a number
-  offers("touch --security ''", "/ /\n");
-  offers("--threads 2 --json - --quiet touch x.ply --device s", "sim\n");
-  offers("bench build so", "sort\n");  // several benches in one call
-  offers("bench step --backend vulkan,c", "vulkan,cpu\nvulkan,cuda\n");
-  offers("--validate=c", "--validate=core\n");
-  CHECK(says(palpate("complete -- mesh m.ply -o ''").text, ".stl"));
-  CHECK(says(palpate("complete -- convert ''").text, ".laz"));
-  offers("touch x.ply --stiffne", "--stiffness\n");
-  offers("-- tou", "touch\n/\n");  // as the scripts call it: a word after -- may be the name of a shell
-  // The completion of bash, and the files of a folder beside commands.
-  const ScratchFolder folder;
-  for (const char* name : {"tower.ply", "tower.csv", "tower.pdf"}) std::ofstream(folder / name) << "ply\n";
-  std::filesystem::create_directory(folder / "folder");
-  const std::string script = (sourceFolder() / "third_party/debian/palpate.bash").string();
-  const Outcome bash = run("cd " + folder.path().string() +
-                           " && bash -c 'show() { echo $(printf \"%s\\n\" \"${COMPREPLY[@]}\" | sort); }; source " +
-                           script + "; COMP_WORDS=(" + program() + " to); COMP_CWORD=1; _palpate; show; COMP_WORDS=(" +
-                           program() + " touch --edit = ca); COMP_CWORD=4; _palpate; show; COMP_WORDS=(" + program() +
-                           " render to); COMP_CWORD=2; _palpate; show; COMP_WORDS=(" + program() +
-                           " touch --trace \"\"); COMP_CWORD=3; _palpate; show'");
-  CHECK(bash.text == "touch tower.csv tower.pdf tower.ply\ncarve\ntower.csv tower.ply\nfolder tower.csv\n");
-}
-
-TEST_CASE("each value that the help lists for an option is completed") {
-  std::size_t offered = 0;
-  for (const std::string command : {"touch", "convert", "mesh", "render", "bench touch"}) {
-    if (isLeftOut(command)) continue;
-    std::istringstream help(palpate(command + " --help").text);
-    for (std::string line; std::getline(help, line);) {
-      const std::size_t name = line.find("--"), from = line.find(":{"), to = line.find('}');
-      if (name == line.npos || from == line.npos || to == line.npos || from < name) continue;
-      const std::string option = line.substr(name, line.find_first_of(" ,", name) - name);
-      std::string words = line.substr(from + 2, to - from - 2);
-      std::ranges::replace(words, ',', '\n');
-      const Outcome outcome = palpate("complete -- " + command + " " + option + " ''");
-      const auto sorted = [](const std::string& text) {
-        std::istringstream in(text);
-        std::set<std::string> all;
-        for (std::string word; std::getline(in, word);) all.insert(word);
-        return all;
-      };
-      CAPTURE(line);
-      CHECK(sorted(outcome.text) == sorted(words));
-      ++offered;
-    }
-  }
-  CHECK(offered > (isLeftOut("bench") ? 15 : 20));
-}
-
-TEST_CASE("the zsh script that the program prints completes commands, values and files") {
-  CHECK(palpate("complete bash").text == contentOf(sourceFolder() / "third_party/debian/palpate.bash"));
-  const std::string script = palpate("complete zsh").text;
-  CHECK(script == contentOf(sourceFolder() / "third_party/debian/palpate.zsh"));
-  CHECK(says(script, "#compdef palpate\n"));
-  CHECK(says(script, " complete -- "));
-  if (run("command -v zsh").code != 0 || isLeftOut("bench")) {
-    MESSAGE("skipped: zsh is not installed, or this palpate has no benches");
-    return;
-  }
-  const ScratchFolder folder;
-  std::ofstream(folder / "_palpate") << script;
-  std::ofstream(folder / "try.zsh") << "compdef() { print compdef $@ }\ncompset() { print compset $@ }\n"
-                                       "compadd() { shift; print -l -- $@ }\n_files() { print FILES $@ }\n"
-                                       "source ./_palpate\n"
-                                       "words=(" +
-                                           program() +
-                                           " touch --edit=gr); CURRENT=3; _palpate\n"
-                                           "words=(" +
-                                           program() +
-                                           " to); CURRENT=2; _palpate\n"
-                                           "words=(" +
-                                           program() +
-                                           " bench ''); CURRENT=3; _palpate | head -2\n"
-                                           "words=(" +
-                                           program() + " touch --trace ''); CURRENT=4; _palpate\n";
-  const Outcome zsh = run("cd " + folder.path().string() + " && zsh -f try.zsh");
-  CHECK(zsh.text ==
-        "compdef _palpate palpate\n--edit=grab\ntouch\ncompset -P --*=\nFILES\nbuild\ncoexist\ncompset -P --*=\nFILES "
-        "-g *(.csv)(-.)\n");
 }
 
 TEST_CASE("every numeric option has bounds, which its error names") {
@@ -315,18 +215,23 @@ TEST_CASE("an unsupported configuration is refused with the options that request
   };
   const std::string touch = "touch " + model + " ", second = "--hand path=builtin:slide ";
   refused(touch + "--surface sphere --backend cuda",
-          "--surface: --backend cuda has only average; take vulkan or cpu for sphere");
-  refused(touch + "--tool pad --backend cuda", "--tool: --backend cuda has only point; take vulkan or cpu for pad");
-  refused(touch + "--tool pad --method naive", "--tool: --method naive has only point; take fused for pad");
-  refused(touch + "--tool ball --ahead on --backend vulkan", "--ahead: a ball is not asked ahead; leave it out");
+          "--surface: --backend cuda supports only the surface average; use vulkan or cpu for sphere");
+  refused(touch + "--tool pad --backend cuda",
+          "--tool: --backend cuda supports only the tool point; use vulkan or cpu for pad");
+  refused(touch + "--tool pad --method naive",
+          "--tool: --method naive supports only the tool point; use fused for pad");
+  refused(touch + "--tool ball --ahead on --backend vulkan",
+          "--ahead: queries with a ball cannot be submitted ahead; leave it out");
   refused(touch + "--tool pad --tool-axis 0,0,0 --backend cpu", "--tool-axis: is not a direction");
-  refused(touch + second + "--backend cuda", "--hand: --backend cuda feels with one hand; take vulkan or cpu");
-  refused(touch + second + "--method naive", "--hand: --method naive feels with one hand; take fused");
-  refused(touch + second + "--ahead on --backend vulkan", "--ahead: several hands are not asked ahead; leave it out");
-  refused(touch + "--ahead off --backend cpu", "--ahead: only --backend vulkan can be asked ahead");
-  refused(touch + "--wait spin --backend cpu", "--wait: only --backend vulkan can be told how to wait");
-  refused(touch + "--print-tick --backend cpu", "--print-tick: only --backend vulkan can time its passes");
-  refused(touch + "--edit carve --backend cuda", "--edit: --backend cuda has only push; take vulkan or cpu for carve");
+  refused(touch + second + "--backend cuda", "--hand: --backend cuda supports one hand; use vulkan or cpu");
+  refused(touch + second + "--method naive", "--hand: --method naive supports one hand; use fused");
+  refused(touch + second + "--ahead on --backend vulkan",
+          "--ahead: queries of several hands cannot be submitted ahead; leave it out");
+  refused(touch + "--ahead off --backend cpu", "--ahead: only --backend vulkan supports it");
+  refused(touch + "--wait spin --backend cpu", "--wait: only --backend vulkan supports it");
+  refused(touch + "--print-tick --backend cpu", "--print-tick: only --backend vulkan supports it");
+  refused(touch + "--edit carve --backend cuda",
+          "--edit: --backend cuda supports only the brush push; use vulkan or cpu for carve");
   refused(touch + "--edit push --undo 1 --backend cuda",
           "--undo: back end cuda does not report its edits; use vulkan or cpu");
   refused(touch + "--log x --backend cuda", "--log: back end cuda does not report its edits; use vulkan or cpu");
@@ -334,7 +239,8 @@ TEST_CASE("an unsupported configuration is refused with the options that request
           "--method: direct is not a method of --backend vulkan, which has fused");
   refused(touch + "--device dhd:x --realtime --duration 1 --backend cpu",
           "--device: dhd:x: is not the number of a device");
-  refused("bench step --sizes 2000 --surface sphere --backend cuda", "--surface: --backend cuda has only average");
+  refused("bench step --sizes 2000 --surface sphere --backend cuda",
+          "--surface: --backend cuda supports only the surface average");
   refused("bench edit --models " + model + " --touched 20 --duration 1 --rate 20000",
           "--rate: 20000 is not between 1 and 10000");
 }

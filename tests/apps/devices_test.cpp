@@ -116,6 +116,30 @@ TEST_CASE("a session that is interrupted or crashes leaves zero force") {
   CHECK(driver.lastForce_N() == DVec3(0));
 }
 
+TEST_CASE("a session that was suspended gives no force while the hand is still inside, and says so") {
+  const Scene scene;
+  const FakeDriver driver("fake_hd", "lead 0.5", "0,0,40,0\n0.4,0,28.5,0\n");
+  RunningProgram session(
+      scene.touch("--device openhaptics --realtime --map identity --duration 60 --json " + scene.file("out.json")),
+      scene.folder / "said");
+  REQUIRE_MESSAGE(session.waitFor([&] { return glm::length(driver.lastForce_N()) >= 0.15; }),
+                  contentOf(scene.folder / "said"));
+  session.send(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  const std::uint64_t before = driver.note().frames;
+  session.send(SIGCONT);
+  // The frame that was under way at the stop may still have its force; the next one finds the pause.
+  REQUIRE(session.waitFor([&] { return driver.note().frames > before + 3; }));
+  double most_N = 0;
+  REQUIRE(session.waitFor([&] {
+    most_N = std::max(most_N, glm::length(driver.lastForce_N()));
+    return driver.note().frames > before + 1000;
+  }));
+  CHECK(most_N == 0);
+  session.wait(SIGINT);
+  CHECK(jsonOf(scene.folder / "out.json")["safety"]["errors"].get<int>() >= 1);
+}
+
 TEST_CASE("a Force Dimension device is felt through its own library" * kClock) {
   const Scene scene;
   const FakeDriver driver("fake_dhd", "hurry\nlead 0.5", kHand);
@@ -145,7 +169,7 @@ TEST_CASE("without a driver library, or with a broken or old one, an error says 
     CHECK(says(complaint("dhd"), "invalid ELF header"));
   }
   const FakeDriver driver("fake_hd", "fault init 769");
-  CHECK(says(complaint("openhaptics:Nobody"), "the device 'Nobody' cannot be opened: another program has the device"));
+  CHECK(says(complaint("openhaptics:Nobody"), "the device 'Nobody' cannot be opened: another program uses the device"));
 }
 
 TEST_CASE("devices that conflict with other options are wrong usage") {
@@ -157,7 +181,7 @@ TEST_CASE("devices that conflict with other options are wrong usage") {
   };
   wrong("--device openhaptics", "--device openhaptics requires --realtime");
   wrong("--device openhaptics --realtime", "--device openhaptics requires --duration");
-  wrong("--device stick", "'stick' is not a device; there is path, sim, replay:FILE");
+  wrong("--device stick", "'stick' is not a device; devices are path, sim, replay:FILE");
   wrong("--device dhd:two --realtime --duration 1", "is not the number of a device, 0 to 63");
   wrong("--device replay:x.csv --map identity", "--map");
 }

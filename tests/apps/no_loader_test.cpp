@@ -9,7 +9,7 @@ namespace palpate::no_loader_test {
 
 namespace {
 
-/// Runs palpate where the first loader that is found is no library.
+/// Runs palpate where the first loader that is found is not a library.
 struct Machine {
   Machine() {
     for (const char* name : {"libvulkan.so", "libvulkan.so.1"}) std::ofstream(folder / name) << "no library";

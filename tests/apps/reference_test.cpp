@@ -8,6 +8,7 @@
 
 #include "tests/apps/program.hpp"
 #include "tests/apps/result.hpp"
+#include "tests/apps/window_play.hpp"
 #include "tests/content_of.hpp"
 #include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
@@ -42,6 +43,16 @@ void addKeys(const Result& json, const std::string& before, const std::set<std::
       if (inside.front().isObject() && described.lower_bound(path + "[].")->starts_with(path + "[]."))
         addKeys(inside.front(), path + "[].", described, keys);
   }
+}
+
+// The described keys of each command's results.
+std::map<std::string, std::set<std::string>> describedKeys() {
+  std::map<std::string, std::set<std::string>> described;
+  for (const Result& result : reference()["results"]) {
+    CHECK(result["meaning"].get<std::string>().size() > 2);
+    CHECK(described[result["command"]].insert(result["key"]).second);
+  }
+  return described;
 }
 
 }  // namespace
@@ -87,11 +98,7 @@ TEST_CASE("each setting with an option is an option of palpate touch with the sa
 TEST_CASE("each key that a command writes with --json is in the reference, with a meaning") {
   const ScratchFolder folder;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
-  std::map<std::string, std::set<std::string>> described;
-  for (const Result& result : reference()["results"]) {
-    CHECK(result["meaning"].get<std::string>().size() > 2);
-    CHECK(described[result["command"]].insert(result["key"]).second);
-  }
+  std::map<std::string, std::set<std::string>> described = describedKeys();
   const std::string model = in("m.ply"), quick = " --backend cpu --duration 0.05 ";
   const std::vector<std::pair<std::string, std::string>> commands{
       {"make", "make sphere -n 500 -o " + model},
@@ -110,6 +117,8 @@ TEST_CASE("each key that a command writes with --json is in the reference, with 
       {"bench locality", "bench locality --sizes 3000 --clouds plate --brushes push --gestures slide --backend cpu"},
       {"bench matter", "bench matter --sizes 500 --matter soft --repeat 5 --backend cpu"},
       {"bench read", "bench read " + model + " --repeat 5"},
+      {"bench mesh", "bench mesh --sizes 500 --resolution 8 --repeat 1 --shapes sphere --truth-points 500"},
+      {"bench stream", "bench stream --sizes 500 --frames 16x12 --repeat 1"},
   };
   for (const auto& [command, words] : commands) {
     CAPTURE(words);
@@ -122,7 +131,26 @@ TEST_CASE("each key that a command writes with --json is in the reference, with 
   }
 }
 
-TEST_CASE("the comments of the C header state the bounds of the settings") {
+TEST_CASE("the reference lists exactly the keys of the window's state") {
+  if (!hasDisplay()) return;
+  const auto played = play("sphere.ply --backend cpu --size 320x240",
+                           "0.2 key d\n0.2 mouse 160 120\n0.3 button left down\n0.4 button left up\n"
+                           "0.6 state %/state.json\n0.6 quit\n",
+                           "", [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  std::set<std::string> described = describedKeys()["view"], keys;
+  addKeys(played->state("state.json"), "", described, keys);
+  for (const std::string& key : keys) CHECK_MESSAGE(described.contains(key), key);
+  // Without a joined session, a simulation or a device.
+  std::erase_if(described, [](const std::string& key) {
+    return key.starts_with("shared") || key.starts_with("partial") || key.starts_with("other_") ||
+           key == "parameters" || key.starts_with("device.");
+  });
+  REQUIRE(keys.contains("picked.point"));
+  for (const std::string& key : described) CHECK_MESSAGE((keys.contains(key) || key == "picked"), key);
+}
+
+TEST_CASE("the comments of the C headers state the bounds of the settings") {
   // Bounds in a comment, as in "falloff ...; 0 to 16".
   static const std::regex field(R"(^  \w+ (\w+); */\*.*[ ;,](\d+) to (\d+) \*/)");
   std::map<std::string, std::string> bounds;
@@ -131,7 +159,8 @@ TEST_CASE("the comments of the C header state the bounds of the settings") {
     if (key.starts_with("brush.") || key.starts_with("force.") || key.starts_with("tool."))
       bounds[key.substr(key.find('.') + 1)] = setting["bounds"].get<std::string>();
   }
-  std::istringstream header(contentOf(sourceFolder() / "haptics/library/include/palpate/palpate.h"));
+  const auto headers = sourceFolder() / "haptics/library/include/palpate";
+  std::istringstream header(contentOf(headers / "sessions.h") + contentOf(headers / "touch.h"));
   std::size_t compared = 0;
   std::string section;
   for (std::string line; std::getline(header, line);) {

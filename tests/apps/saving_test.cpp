@@ -81,7 +81,7 @@ TEST_CASE("touch --save over its input names what is lost before the session, an
   const Outcome first = palpate(touch(mesh, "--save " + mesh.string()));
   REQUIRE_MESSAGE(first.code == 0, first.text);
   const std::string sentence =
-      "mesh.ply has 2 faces, which a sculpted cloud cannot keep; the file that is there is kept as " +
+      "mesh.ply has 2 faces, which a sculpted cloud cannot keep; the existing file is kept as " +
       (std::filesystem::canonical(folder.path()) / "mesh.ply.bak").string();
   CHECK(says(first.text, sentence));
   CHECK(first.text.find(sentence) < first.text.find("peak force"));

@@ -3,23 +3,19 @@
 #include <cstring>
 
 #include "engine/io/cloud_formats.hpp"
-#include "tests/apps/running_program.hpp"
+#include "tests/apps/serving.hpp"
 #include "tests/apps/wire_capture.hpp"
-#include "tests/own_domain.hpp"
 #include "tests/says.hpp"
 
 namespace palpate::security_test {
 
 namespace {
 
-unsigned domainNumber() { return ownDomain(); }
-std::string domain() { return " --domain " + std::to_string(domainNumber()); }
-
-bool isBuilt(const ScratchFolder& folder) {
-  const Outcome network = palpate("doctor --network" + domain()),
-                keys = palpate("keys " + (folder / "try").string() + " --name a");
-  if (network.code == 0 && keys.code == 0) return true;
-  MESSAGE("skipped: this palpate was built without PALPATE_NETWORK or its encryption: " << network.text << keys.text);
+bool isEncryptionBuilt(const ScratchFolder& folder) {
+  if (!isBuilt()) return false;
+  const Outcome keys = palpate("keys " + (folder / "try").string() + " --name a");
+  if (keys.code == 0) return true;
+  MESSAGE("skipped: this palpate was built without encryption: " << keys.text);
   return false;
 }
 
@@ -34,21 +30,11 @@ std::size_t placesIn(const std::string& heard, const PointCloud& cloud) {
   return found;
 }
 
-class Serving {
- public:
-  Serving(const std::string& arguments, const std::filesystem::path& said)
-      : program("serve " + arguments + domain(), said) {
-    REQUIRE_MESSAGE(program.waitFor([&] { return contentOf(said).find("serving") != std::string::npos; }),
-                    contentOf(said));
-  }
-  RunningProgram program;
-};
-
 }  // namespace
 
 TEST_CASE("holders of keys join, sculpt and have the same points; without these keys there is no session") {
   const ScratchFolder folder;
-  if (!isBuilt(folder)) return;
+  if (!isEncryptionBuilt(folder)) return;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
   works("make bumpy-sphere -n 20000 --seed " + std::to_string(::getpid()) + " -o " + in("m.ply"));  // a unique cloud
   works("keys '" + in("the lab") + "' --name server");
@@ -60,7 +46,7 @@ TEST_CASE("holders of keys join, sculpt and have the same points; without these 
   CHECK(says(twice.text, "exists already"));
   const std::string own = " --security '" + in("the lab") + "/surgeon'",
                     others = " --security " + in("other") + "/surgeon";
-  WireCapture wire(domainNumber());
+  WireCapture wire(ownDomain());
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply") + " --security '" + in("the lab") + "/server'",
                   folder / "said");
   CHECK(says(contentOf(folder / "said"), "encrypted, for holders of keys of 'the_lab' on this machine"));
@@ -107,7 +93,7 @@ TEST_CASE("holders of keys join, sculpt and have the same points; without these 
   CHECK(heard.find("m.ply") == std::string::npos);
   CHECK(heard.find("/block") == std::string::npos);
   // The same without keys: every listener can read all of it.
-  WireCapture clear(domainNumber());
+  WireCapture clear(ownDomain());
   Serving open(in("m.ply") + " --name clay", folder / "open.said");
   works("touch --join clay --backend cpu --duration 0.05" + domain());
   CHECK(open.program.wait(SIGINT) == 0);
@@ -118,7 +104,7 @@ TEST_CASE("holders of keys join, sculpt and have the same points; without these 
 
 TEST_CASE("unusable keys and invalid names are refused before anything is sent") {
   const ScratchFolder folder;
-  if (!isBuilt(folder)) return;
+  if (!isEncryptionBuilt(folder)) return;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
   const auto refuses = [&](const std::string& arguments, int code, const std::string& words) {
     const Outcome outcome = palpate(arguments);

@@ -251,7 +251,7 @@ TEST_CASE("a log that cannot be replayed is reported in one clear line") {
   fails("replay " + log + " --recover", 2, "--save");
   fails("replay " + log + " --save x.ply", 2, "--recover");
   fails("replay " + log + " --tolerance -1", 2, "--tolerance");
-  fails("touch " + model + " --undo 1", 2, "--edit none");
+  fails("touch " + model + " --undo 1", 2, "requires a brush (--edit)");
   fails("touch " + model + " --edit push --redo 1", 2, "--undo");
   fails("touch " + model + " --edit push --undo -1", 2, "--undo");
   fails("touch " + model + " --edit push --undo 1 --undo-memory 0", 2, "--undo-memory");

@@ -7,27 +7,15 @@
 
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/version_watch.hpp"
-#include "tests/apps/running_program.hpp"
+#include "tests/apps/serving.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/labels.hpp"
-#include "tests/own_domain.hpp"
 
 namespace palpate::sharing_faults_test {
 
 namespace {
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-std::string domain() { return " --domain " + std::to_string(ownDomain()); }
-
-class Serving {
- public:
-  Serving(const std::string& arguments, const std::filesystem::path& said)
-      : program("serve " + arguments + domain(), said) {
-    REQUIRE_MESSAGE(program.waitFor([&] { return has(contentOf(said), "serving"); }), contentOf(said));
-  }
-  RunningProgram program;
-};
 
 bool isLargerThan(const std::filesystem::path& file, std::uintmax_t bytes) {
   std::error_code none;
@@ -192,10 +180,10 @@ TEST_CASE("a window reports the effect of a silent server on the force") {
   serving.program.wait(SIGKILL);
   window.get();
   CAPTURE(contentOf(folder / "view.said"));
-  const Result begin = jsonOf(in("begin.json"))["others"], end = jsonOf(in("end.json"));
-  CHECK(begin["force_share"] == 1);
-  CHECK(end["others"]["force_share"] == 0);
-  CHECK(end["others"]["age_s"] > 2);
+  const Result begin = jsonOf(in("begin.json")), end = jsonOf(in("end.json"));
+  CHECK(begin["shared"]["force_share"] == 1);
+  CHECK(end["shared"]["force_share"] == 0);
+  CHECK(end["shared"]["age_s"] > 2);
   CHECK(has(end["last_message"].get<std::string>(), "there is no force until it is"));
 }
 

@@ -49,30 +49,30 @@ TEST_CASE("a client with only nearby points feels the file, byte for byte, in vi
   writeSlide(in("m.ply"), in("slide.csv"));
   works("touch " + in("m.ply") + " --backend cpu --path " + in("slide.csv") + " --trace " + in("own.csv"));
   Serving serving(in("m.ply") + " --name large --json " + in("s.json"), folder / "said");
-  const std::string near = "touch --join large --near" + domain() + " --backend cpu --path " + in("slide.csv");
+  const std::string near = "touch --join large --partial" + domain() + " --backend cpu --path " + in("slide.csv");
   works(near + " --trace " + in("near.csv") + " --json " + in("n.json"));
   CHECK(contentOf(in("near.csv")) == contentOf(in("own.csv")));
   const Result report = jsonOf(in("n.json"));
   CHECK(report["points"] == 150000);
   CHECK(report["contact_ticks"] > 100);
-  CHECK(report["near"]["ticks"] == 601);
-  CHECK(report["near"]["ticks_without_points"] == 0);
-  CHECK(report["near"]["steps"] > 0);
+  CHECK(report["partial"]["ticks"] == 601);
+  CHECK(report["partial"]["ticks_without_points"] == 0);
+  CHECK(report["partial"]["steps"] > 0);
   const Outcome undoes = palpate(near + " --edit push --no-resample --undo 1");
   CHECK(undoes.code == 2);
   CHECK(undoes.text.find("--undo: only the points around the hand are in this program") != std::string::npos);
   const Outcome saves =
-      palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --save " + in("x.ply"));
+      palpate("touch --join large --partial" + domain() + " --backend cpu --duration 0.01 --save " + in("x.ply"));
   CHECK(saves.code == 2);
   CHECK(saves.text.find("--save: only the points around the hand are in this program") != std::string::npos);
   const Outcome logs =
-      palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --log " + in("log"));
+      palpate("touch --join large --partial" + domain() + " --backend cpu --duration 0.01 --log " + in("log"));
   CHECK(logs.code == 2);
   CHECK(logs.text.find("--log: only the points around the hand are in this program") != std::string::npos);
   CHECK(serving.program.wait(SIGINT) == 0);
   const Result served = jsonOf(in("s.json"));
-  CHECK(served["near"] == 1);  // the others were refused before they felt anything
-  CHECK(served["near_points"] > 1000);
+  CHECK(served["partial"] == 1);  // the others were refused before they felt anything
+  CHECK(served["partial_points"] > 1000);
   CHECK(served["frames"] == 0);
 }
 
@@ -84,7 +84,7 @@ TEST_CASE("a client with only nearby points feels the file in real time" * kCloc
   writeSlide(in("m.ply"), in("slide.csv"));
   works("touch " + in("m.ply") + " --backend cpu --path " + in("slide.csv") + " --trace " + in("own.csv"));
   Serving serving(in("m.ply") + " --name large", folder / "said");
-  const std::string near = "touch --join large --near" + domain() + " --backend cpu --path " + in("slide.csv");
+  const std::string near = "touch --join large --partial" + domain() + " --backend cpu --path " + in("slide.csv");
   works(near + " --realtime --trace " + in("clock.csv") + " --json " + in("c.json"));
   // Missed ticks have no row; the others have the file's force, except for those reported to lack points.
   const auto own = rowsOf(in("own.csv")), clock = rowsOf(in("clock.csv"));
@@ -94,11 +94,11 @@ TEST_CASE("a client with only nearby points feels the file in real time" * kCloc
   CHECK(clock.size() > 300);
   // A missed tick affects some later ones: by the damping, and by the proxy's path.
   constexpr std::size_t kAfter = 10;
-  CHECK(clock.size() - same <=
-        kAfter * (timed["near"]["ticks_without_points"].get<std::size_t>() + timed["missed_ticks"].get<std::size_t>()));
-  CHECK(timed["near"]["ticks_without_points"] < 60);
+  CHECK(clock.size() - same <= kAfter * (timed["partial"]["ticks_without_points"].get<std::size_t>() +
+                                         timed["missed_ticks"].get<std::size_t>()));
+  CHECK(timed["partial"]["ticks_without_points"] < 60);
   // Only the points near the hand were sent.
-  CHECK(timed["near"]["max_known"] < 140000);
+  CHECK(timed["partial"]["max_known"] < 140000);
   CHECK(serving.program.wait(SIGINT) == 0);
 }
 
@@ -119,11 +119,11 @@ TEST_CASE("a client with only nearby points sculpts like the file, byte for byte
     works("touch " + in("m.ply") + how + brush + " --trace " + in("own.csv") + " --save " + in(saved.c_str()) +
           " --json " + in("o.json"));
     Serving serving(in("m.ply") + " --name carved --json " + in("s.json"), folder / "said");
-    works("touch --join carved --near" + domain() + how + brush + " --trace " + in("near.csv") + " --json " +
+    works("touch --join carved --partial" + domain() + how + brush + " --trace " + in("near.csv") + " --json " +
           in("n.json"));
     CHECK(contentOf(in("near.csv")) == contentOf(in("own.csv")));
     const Result report = jsonOf(in("n.json"));
-    const Result& near = report["near"];
+    const Result& near = report["partial"];
     CHECK(report["moved_points"] == jsonOf(in("o.json"))["moved_points"]);
     CHECK(near["sent"] > 100);
     CHECK(near["delivered"] == true);
@@ -179,7 +179,7 @@ TEST_CASE("a served moving model is felt as it moves, and a served soft body yie
     CHECK(serving.program.wait(SIGINT) == 0);
     const Result served = jsonOf(in("s.json"));
     CHECK(served["frames"] > 40);
-    CHECK(served["near"] == 1);
+    CHECK(served["partial"] == 1);
     CHECK(served["sculptors"] == 0);
   }
   {
@@ -188,7 +188,7 @@ TEST_CASE("a served moving model is felt as it moves, and a served soft body yie
           " --backend cpu --realtime --path builtin:press --penetration 6 --duration 1.4 --json " + in("soft.json"));
     const Result soft = jsonOf(in("soft.json"));
     CHECK(soft["contact_ticks"] > 100);
-    CHECK(soft["near"]["steps"] > 20);
+    CHECK(soft["partial"]["steps"] > 20);
     CHECK(soft["peak_force_N"] > 0.02);
     CHECK(serving.program.wait(SIGINT) == 0);
   }
@@ -239,12 +239,12 @@ TEST_CASE("served water that two hands beat until it fails restarts, and their p
     CHECK_MESSAGE(window.get() == 0, contentOf(in("w.said")));
     const Result seen = jsonOf(in("w.json"));
     CAPTURE(seen.dump());
-    CHECK(seen["others"]["restarts"] >= 1);
+    CHECK(seen["partial"]["restarts"] >= 1);
     CHECK(seen["last_message"].get<std::string>().find("'fine' has restarted") != std::string::npos);
   }
   const std::string said = contentOf(folder / "said");
   CHECK(said.find(": it is restarted") != std::string::npos);
-  CHECK(jsonOf(in("j.json"))["near"]["restarts"] >= 1);
+  CHECK(jsonOf(in("j.json"))["partial"]["restarts"] >= 1);
   CHECK(serving.program.wait(SIGINT) == 0);
 }
 
@@ -264,9 +264,9 @@ TEST_CASE("a remote hand feels served water through its ball, which displaces it
   works(touch + " --duration 2 --trace " + in("t.csv") + " --json " + in("j.json"));
   const Result felt = jsonOf(in("j.json"));
   MESSAGE("of " << felt["ticks"] << " ticks " << felt["contact_ticks"] << " had a force, of at most "
-                << felt["peak_force_N"] << " N; " << felt["near"]["steps"] << " steps were received");
-  CHECK(felt["near"]["steps"] > 20);
-  CHECK(felt["near"]["max_known"] > 300);
+                << felt["peak_force_N"] << " N; " << felt["partial"]["steps"] << " steps were received");
+  CHECK(felt["partial"]["steps"] > 20);
+  CHECK(felt["partial"]["max_known"] > 300);
   CHECK(felt["contact_ticks"] > 100);
   CHECK(felt["peak_force_N"] > 0.05);
   CHECK(felt["peak_force_N"] < 4);
@@ -278,8 +278,8 @@ TEST_CASE("a remote hand feels served water through its ball, which displaces it
   CHECK(serving.program.wait(SIGINT) == 0);
   const Result served = jsonOf(in("s.json"));
   CHECK(served["frames"] > 20);
-  CHECK(served["near"] == 1);  // the others were refused before they felt anything
-  CHECK(served["near_points"] > 5000);
+  CHECK(served["partial"] == 1);  // the others were refused before they felt anything
+  CHECK(served["partial_points"] > 5000);
 }
 
 TEST_CASE("models that cannot be served, and incompatible sharing options, are refused with a reason") {
@@ -298,7 +298,7 @@ TEST_CASE("models that cannot be served, and incompatible sharing options, are r
   refuses("touch a.ply --interface lo", "require --join");
   refuses("touch --join city --domain 231", "231");
   refuses("touch --join city --interface 'x y'", "neither the name of an interface");
-  refuses("touch a.ply --near", "require --join");
+  refuses("touch a.ply --partial", "require --join");
   refuses("doctor --domain 3", "require --network");
   refuses("render -o " + (folder / "p.png").string(), "a session with --join");
   const std::string model = (folder / "s.ply").string();

@@ -147,15 +147,15 @@ TEST_CASE("two windows on one model show each other's hands, and the edits of bo
   for (const auto& [name, other] : {std::pair("Ada", "Bert"), std::pair("Bert", "Ada")}) {
     const Result state = jsonOf(in(std::string(name) + ".json"));
     CAPTURE(state.dump());
-    REQUIRE(state["others"]["hands"].size() == 1);
-    CHECK(state["others"]["hands"][0]["name"] == other);
-    CHECK(state["others"]["hands"][0]["sculpts"] == true);
-    CHECK(state["others"]["sent"] > 10);
-    CHECK(state["others"]["received"] > 10);
-    CHECK(state["others"]["round_trip_ms"] > 0);
-    CHECK(state["others"]["lost_percent"] < 50);
-    CHECK(state["others"]["age_s"] < 3);
-    CHECK(state["others"]["force_share"] == 1);
+    REQUIRE(state["other_hands"].size() == 1);
+    CHECK(state["other_hands"][0]["name"] == other);
+    CHECK(state["other_hands"][0]["sculpts"] == true);
+    CHECK(state["shared"]["sent"] > 10);
+    CHECK(state["shared"]["received"] > 10);
+    CHECK(state["shared"]["round_trip_ms"] > 0);
+    CHECK(state["shared"]["lost_percent"] < 50);
+    CHECK(state["shared"]["age_s"] < 3);
+    CHECK(state["shared"]["force_share"] == 1);
     CHECK(contentOf(in(std::string(name) + ".png")).substr(1, 3) == "PNG");
   }
   CHECK(serving.program.wait(SIGINT) == 0);
@@ -181,7 +181,7 @@ TEST_CASE("a window, a program with only nearby points and one with all points s
     std::filesystem::remove(in("go"));
     std::future<int> window = std::async(std::launch::async, [&] {
       return std::system(("XDG_STATE_HOME=" + in("home") + " timeout 200 xvfb-run -a " + program() +
-                          " view --join felt --near --hand-name Ada" + domain() +
+                          " view --join felt --partial --hand-name Ada" + domain() +
                           " --backend cpu --realtime --size 480x360 --script " + in("w.txt") + " > " + in("w.said") +
                           " 2>&1")
                              .c_str());
@@ -190,11 +190,11 @@ TEST_CASE("a window, a program with only nearby points and one with all points s
                     contentOf(in("w.said")));
     const std::string touch =
         "touch --join felt" + domain() + " --backend cpu --realtime --path builtin:press --duration ";
-    RunningProgram bert(touch + "200 --near --hand-name Bert --hand path=builtin:slide --json " + in("t.json"),
+    RunningProgram bert(touch + "200 --partial --hand-name Bert --hand path=builtin:slide --json " + in("t.json"),
                         folder / "bert.said");
     RunningProgram carla(touch + "200 --hand-name Carla --json " + in("c.json"), folder / "carla.said");
     const auto areNear = [&] {
-      const std::string said = contentOf(folder / "said"), part = "feels the points around its hands";
+      const std::string said = contentOf(folder / "said"), part = "streams the points around its hands";
       const std::size_t first = said.find(part);
       return first != std::string::npos && said.rfind(part) != first;
     };
@@ -212,10 +212,11 @@ TEST_CASE("a window, a program with only nearby points and one with all points s
       for (const Result& hand : hands) names.insert(hand["name"].get<std::string>());
       return names;
     };
-    const Result others = jsonOf(in("b.json"))["others"];
-    CAPTURE(others.dump());
-    CHECK(namesIn(others["hands"]) == std::multiset<std::string>{"Bert", "Bert, hand 2", "Carla"});
-    CHECK(others["restarts"] == 0);
+    const Result state = jsonOf(in("b.json"));
+    CAPTURE(state.dump());
+    CHECK(namesIn(state["other_hands"]) == std::multiset<std::string>{"Bert", "Bert, hand 2", "Carla"});
+    CHECK(state["partial"]["restarts"] == 0);
+    CHECK(state["partial"]["points"] > 0);
     const Result t = jsonOf(in("t.json")), c = jsonOf(in("c.json"));
     CHECK(namesIn(t["other_hands"]) == std::multiset<std::string>{"Ada", "Carla"});
     CHECK(namesIn(c["other_hands"]).contains("Ada"));

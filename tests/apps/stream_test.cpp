@@ -171,7 +171,7 @@ TEST_CASE("options that are incompatible with a depth camera are refused by name
   isRefused("touch --live -", 2, "--realtime: live streams require realtime");
   isRefused("touch --live /dev/null --realtime", 2, "--intrinsics: /dev/null provides none");
   isRefused("touch --live /dev/null --realtime --intrinsics " + model + "/intrinsics.json", 1,
-            "/dev/null: is no video device");
+            "/dev/null: is not a video device");
   isRefused("touch --live - --realtime --loop", 2, "--loop: a live stream cannot restart");
   isRefused("touch " + model + " --edit push", 2,
             "--edit: the frames of a depth camera cannot be sculpted while they play");

@@ -122,9 +122,9 @@ TEST_CASE("options that are incompatible with a tool are refused before a file i
   fails("--tool ball --tool-size 0", "--tool-size");
   fails("--tool pad --tool-axis 0,0", "X,Y,Z");
   fails("--tool pad --tool-axis 0,0,0", "--tool-axis: is not a direction");
-  fails("--tool pad --backend cuda", "--backend cuda has only point");
-  fails("--tool pad --method brute", "--method brute has only point");
-  fails("--tool pad --ahead on", "not asked ahead");
+  fails("--tool pad --backend cuda", "--backend cuda supports only the tool point");
+  fails("--tool pad --method brute", "--method brute supports only the tool point");
+  fails("--tool pad --ahead on", "cannot be submitted ahead");
 }
 
 TEST_CASE("bench step measures the cost of a tool beside that of a point") {

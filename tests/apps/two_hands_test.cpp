@@ -151,14 +151,14 @@ TEST_CASE("options that are incompatible with another hand are refused with a re
   wrong("--hand device=replay:x.csv,path=builtin:press", "device=replay:x.csv does not follow a path");
   wrong("--hand device=openhaptics", "--hand device=openhaptics requires --realtime");
   wrong("--hand device=dhd --realtime", "--hand device=dhd requires --duration");
-  wrong("--device hid --hand device=hid --realtime --duration 1", "hid is in another hand; name another one");
+  wrong("--device hid --hand device=hid --realtime --duration 1", "hid is already used by another hand; name another");
   wrong(path + "--log " + scene.file("log"), "--log: a session log has one hand");
-  wrong(path + "--method brute", "--hand: --method brute feels with one hand; take fused", "vulkan");
-  wrong(path + "--ahead on", "--ahead: several hands are not asked ahead", "vulkan");
+  wrong(path + "--method brute", "--hand: --method brute supports one hand; use fused", "vulkan");
+  wrong(path + "--ahead on", "--ahead: queries of several hands cannot be submitted ahead", "vulkan");
   wrong("--second-device path", "there is no option '--second-device'");
   const Outcome cuda = palpate("touch " + scene.model + " --backend cuda " + path);
   CHECK(cuda.code == 2);
-  CHECK(says(cuda.text, "--hand: --backend cuda feels with one hand; take vulkan or cpu"));
+  CHECK(says(cuda.text, "--hand: --backend cuda supports one hand; use vulkan or cpu"));
 }
 
 }  // namespace palpate::two_hands_test

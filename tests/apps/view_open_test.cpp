@@ -98,10 +98,7 @@ TEST_CASE("a model saved under another name has that file from then on, and a fi
 3.5 quit
 8 state %/after.json
 )",
-                           "", [](const auto& folder) {
-                             makeSphere(folder, 2000);
-                             std::filesystem::copy_file(folder / "sphere.ply", folder / "kept.ply");
-                           });
+                           "", makeKeptSphere);
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   const std::string mine = played->folder.path() / "mine.ply";

@@ -37,7 +37,7 @@ TEST_CASE("the curves pause, and are exported to CSV files, none of which overwr
 1.7 click Pause
 2.0 screenshot %/paused.png
 2.9 screenshot %/later.png
-3.0 click Go on
+3.0 click Continue
 3.4 screenshot %/on.png
 3.5 click Export CSV
 3.7 state %/first.json

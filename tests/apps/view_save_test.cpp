@@ -80,7 +80,7 @@ TEST_CASE("saving over a mesh keeps the original as a backup, and earlier backup
   const auto played = play("%/mesh.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1.4 ask
 1.5 key ctrl+s
-1.7 click Save over
+1.7 click Replace
 2.3 state %/saved.json
 )" + strokeAt(2.4) + R"(
 3.7 key ctrl+s
@@ -115,7 +115,7 @@ TEST_CASE("closing the window and choosing Save asks how to save a mesh, and Can
 2.5 state %/cancelled.json
 2.6 quit
 2.8 click Save
-3.2 click Save beside
+3.2 click Save a copy
 30 state %/after.json
 )",
                            "", makeMesh);
@@ -167,10 +167,7 @@ TEST_CASE("undone strokes are not unsaved changes, redo restores them, and chang
 3.9 quit
 8 state %/after.json
 )",
-                           "", [](const auto& folder) {
-                             makeSphere(folder, 2000);
-                             std::filesystem::copy_file(folder / "sphere.ply", folder / "kept.ply");
-                           });
+                           "", makeKeptSphere);
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   const auto changed = [&](const char* name) { return played->state(name)["changed"]; };

@@ -33,7 +33,8 @@ TEST_CASE("palpate without arguments opens the window, and without a display say
   CHECK(none.text.find("display") == std::string::npos);
   if (!hasDisplay()) return;
   const ScratchFolder folder;
-  const Outcome open = run("XDG_STATE_HOME=" + folder.path().string() + " xvfb-run -a timeout -s INT 4 " + program());
+  const Outcome open = run("XDG_STATE_HOME=" + folder.path().string() + " XDG_CONFIG_HOME=" + folder.path().string() +
+                           " xvfb-run -a timeout -s INT 4 " + program());
   CHECK_MESSAGE(open.code == 124, open.text);  // the window was still open
 }
 

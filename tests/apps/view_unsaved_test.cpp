@@ -74,7 +74,7 @@ TEST_CASE("unsaved strokes survive SIGKILL and can be resumed with their points,
   const auto end = jsonOf(struck.folder.path() / "end.json");
   REQUIRE(end["changed"] == true);
   REQUIRE(struck.keepsSomething());
-  const auto asked = struck.later(R"(0.2 click Go on with it
+  const auto asked = struck.later(R"(0.2 click Restore them
 0.5 state %/again.json
 0.6 save %/again.ply
 0.9 key ctrl+z
@@ -110,7 +110,7 @@ TEST_CASE("a window ended by SIGTERM keeps its strokes, which can be discarded o
   CHECK(struck.later("0.2 click Ask again later\n0.4 state %/later.json\n")["asks_about_strokes"] == true);
   CHECK(jsonOf(struck.folder.path() / "later.json")["asks_about_strokes"] == false);
   REQUIRE(struck.keepsSomething());
-  CHECK(struck.later("0.2 click Throw it away\n")["asks_about_strokes"] == true);
+  CHECK(struck.later("0.2 click Discard them\n")["asks_about_strokes"] == true);
   CHECK_FALSE(struck.keepsSomething());
   CHECK(struck.later("")["asks_about_strokes"] == false);
 }
@@ -122,7 +122,7 @@ TEST_CASE("strokes survive a lost terminal, also on the GPU, and strokes that we
   const auto end = jsonOf(struck.folder.path() / "end.json");
   CHECK(end["backend"] == "vulkan");
   REQUIRE(end["undo_count"] == 2);
-  const auto asked = struck.later("0.2 click Go on with it\n0.5 state %/again.json\n0.6 save %/again.ply\n");
+  const auto asked = struck.later("0.2 click Restore them\n0.5 state %/again.json\n0.6 save %/again.ply\n");
   CHECK(asked["asks_about_strokes"] == true);
   const auto again = jsonOf(struck.folder.path() / "again.json");
   CHECK(again["undo_count"] == 2);

@@ -55,6 +55,12 @@ inline void makeSphere(const std::filesystem::path& folder, int points = 8000) {
   works("--quiet make sphere -n " + std::to_string(points) + " -o " + (folder / "sphere.ply").string());
 }
 
+/// The sphere, and a copy of its file.
+inline void makeKeptSphere(const std::filesystem::path& folder) {
+  makeSphere(folder, 2000);
+  std::filesystem::copy_file(folder / "sphere.ply", folder / "kept.ply");
+}
+
 struct Picture {
   explicit Picture(const std::filesystem::path& file) {
     stbi_uc* data = stbi_load(file.c_str(), &width, &height, nullptr, 3);

@@ -5,6 +5,7 @@
 #include "engine/cuda/live_copy.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
+#include "tests/random_positions.hpp"
 
 namespace palpate::cub_hash_build_test {
 
@@ -16,14 +17,6 @@ PointCloud cloudOf(std::vector<Vec3> positions) {
   for (std::size_t i = 0; i < cloud.positions.size(); ++i)
     cloud.normals.push_back(glm::normalize(Vec3(static_cast<float>(i % 7), static_cast<float>(i % 5), 1)));
   return cloud;
-}
-
-std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float extent) {
-  std::mt19937 random(static_cast<std::uint32_t>(count));
-  std::uniform_real_distribution<float> uniform(-extent, extent);
-  std::vector<Vec3> positions(count);
-  for (auto& position : positions) position = center + Vec3{uniform(random), uniform(random), uniform(random)};
-  return positions;
 }
 
 void checkHalf(const cu::Stream& stream, cu::LiveCopy& live, const cu::CubBuild& build, const SortedGrid& reference,

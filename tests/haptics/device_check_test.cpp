@@ -73,6 +73,8 @@ class WatchedDevice final : public WrappedDevice {
     DeviceState state = WrappedDevice::read(time_s);
     const DVec3 p = state.position;
     if (turned) state.position = {-p.z, p.y, p.x};
+    if (clutch) state.buttons = kClutchButton;
+    if (lies) state.position = {p.x, p.z, -p.y};
     if (fails && *fails <= time_s) state.ok = false;
     if (lost && lost->first <= time_s && time_s < lost->second) state.rendersForce = false;
     times_s.push_back(time_s);
@@ -80,11 +82,13 @@ class WatchedDevice final : public WrappedDevice {
   }
   bool write(const DVec3& force_N) noexcept override {
     forces_N.push_back(glm::length(force_N));
-    return WrappedDevice::write(force_N);
+    return WrappedDevice::write(lies ? DVec3(force_N.x, -force_N.z, force_N.y) : force_N);
   }
   std::string faultText() const override { return "the cable is unplugged"; }
 
   bool turned = false;
+  bool clutch = false;  ///< the hand presses that button all the time
+  bool lies = false;    ///< on its back: its -z is up
   std::optional<double> fails;
   std::optional<std::pair<double, double>> lost;
   std::vector<double> times_s, forces_N;
@@ -185,11 +189,80 @@ TEST_CASE("the device test reports noise, gaps and turned axes in free space") {
   const DeviceCheckResult result = rig.run();
   CHECK(result.axes == std::array{3, 2, -1});
   CHECK_FALSE(result.axesAreRight());
+  REQUIRE(result.offeredAxes());
+  CHECK(result.offeredAxes()->text() == "z,y,-x");
   CHECK(result.freeForce_N == 0);
   CHECK(result.noise_mm == 0);  // the hand is still, and held by friction
   CHECK(result.changedPoses == 0);
   CHECK(result.poses == within(3001, 1));
   CHECK(result.largestGap_s == near(kPeriod_s, 1e-6));
+}
+
+TEST_CASE("the wall of the device test lies below the hand, whatever the axes of the device") {
+  Rig rig(touchWith(0.0025));
+  rig.device.lies = true;
+  const DeviceCheckResult result = rig.run();
+  REQUIRE(result.offeredAxes());
+  CHECK(result.offeredAxes()->text() == "x,-z,y");
+  CHECK(result.oscillated);
+  REQUIRE(result.stableStiffness_N_per_mm);
+  Rig upright(touchWith(0.0025));
+  CHECK(*result.stableStiffness_N_per_mm == near(*upright.run().stableStiffness_N_per_mm, 1e-9));
+}
+
+TEST_CASE("a hand that holds the clutch passes the device test all the same") {
+  Rig rig(touchWith(0.0025), 40, {.stiffest_N_per_mm = 0.3});
+  rig.device.clutch = true;
+  const DeviceCheckResult result = rig.run();
+  CHECK(result.axesAreRight());
+  CHECK(result.stableStiffness_N_per_mm == 0.3);
+}
+
+TEST_CASE("directions that were not all seen, or seen twice, offer no axes") {
+  DeviceCheckResult result{.axes = {1, 0, 3}};
+  CHECK_FALSE(result.offeredAxes());
+  result.axes = {1, 1, 3};
+  CHECK_FALSE(result.offeredAxes());
+  result.axes = {1, 2, 3};
+  CHECK_FALSE(result.offeredAxes());
+  result.axes = {-1, 2, 3};
+  REQUIRE(result.offeredAxes());
+  CHECK(result.offeredAxes()->mirrors());
+  result.fault = "unplugged";
+  CHECK_FALSE(result.offeredAxes());
+}
+
+TEST_CASE("a pause in the device test counts neither as leaning nor as an oscillation") {
+  DeviceCheckQuery query({.freeSpace_s = 0.01, .softest_N_per_mm = 1}, {});
+  double time_s = 0;
+  DVec3 place_mm(0);
+  DVec3 felt_N(0);
+  const auto tick = [&](double dt_s) {
+    time_s += dt_s;
+    const Contact contact =
+        query.answerTo({.time_s = time_s, .hip = place_mm, .felt = {.got_N = glm::length(felt_N)}}, 0);
+    felt_N = contact.force_N.value_or(DVec3(0));
+  };
+  const auto go = [&](const DVec3& to_mm) {
+    for (const DVec3 step_mm = (to_mm - place_mm) / 50.0; glm::distance(place_mm, to_mm) > 0.1; place_mm += step_mm)
+      tick(1e-3);
+  };
+  for (int i = 0; i < 20; ++i) tick(1e-3);
+  go({30, 0, 0});
+  go({30, 30, 0});
+  go({30, 30, 30});
+  REQUIRE(query.stage() == DeviceCheckStage::lean);
+  go({30, 23, 30});
+  for (int i = 0; i < 100; ++i) tick(1e-3);
+  REQUIRE(glm::length(felt_N) > 1);
+  const double before_N_per_mm = query.stiffness_N_per_mm();
+  tick(20);  // longer than a step, and with the next one than the patience for a stage
+  tick(20);
+  for (int i = 0; i < 100; ++i) tick(1e-3);
+  CHECK(query.stage() == DeviceCheckStage::lean);
+  CHECK(query.stiffness_N_per_mm() == before_N_per_mm);
+  for (int i = 0; i < 800; ++i) tick(1e-3);
+  CHECK(query.stiffness_N_per_mm() > before_N_per_mm);
 }
 
 TEST_CASE("the device test of a wall that stays stable ends at its stiffest step") {

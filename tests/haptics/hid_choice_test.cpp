@@ -4,18 +4,14 @@
 
 #include "engine/core/error.hpp"
 #include "haptics/devices/hid_node.hpp"
+#include "tests/error_of.hpp"
 #include "tests/haptics/fake_hid.hpp"
 
 namespace palpate::hid_choice_test {
 namespace {
 
 std::string complaint(HidTransport& transport, std::string_view wanted) {
-  try {
-    chooseHidSteering(transport, wanted);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
+  return errorOf([&] { chooseHidSteering(transport, wanted); });
 }
 
 bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }

@@ -7,6 +7,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
 #include "haptics/servo_loop.hpp"
+#include "tests/error_of.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/near.hpp"
@@ -36,12 +37,7 @@ Felt feel(const OpenHapticsOptions& options = {}, double duration_s = 0.6) {
 }
 
 std::string complaintOf(const OpenHapticsOptions& options = {.calibrationPatience_s = 0.2}) {
-  try {
-    const OpenHapticsDevice device(options);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no complaint";
+  return errorOf([&] { const OpenHapticsDevice device(options); });
 }
 
 }  // namespace
@@ -110,12 +106,12 @@ TEST_CASE("a driver that cannot open the device reports why") {
   }
   SUBCASE("two programs on one device") {
     const FakeDriver driver("fake_hd", "fault init 769");
-    CHECK(says(complaintOf(), "another program has the device"));
+    CHECK(says(complaintOf(), "another program uses the device"));
   }
   SUBCASE("two users in one program") {
     const FakeDriver driver;
     const OpenHapticsDevice first({});
-    CHECK(says(complaintOf(), "another program has the device"));
+    CHECK(says(complaintOf(), "another program uses the device"));
   }
   SUBCASE("no licence") {
     const FakeDriver driver("fake_hd", "fault init 1536");

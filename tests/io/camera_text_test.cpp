@@ -7,6 +7,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/io/camera_pose.hpp"
+#include "tests/error_of.hpp"
 #include "tests/rgbd_writer.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -15,21 +16,11 @@ namespace palpate::camera_text_test {
 namespace {
 
 std::string refusal(const std::string& json) {
-  try {
-    parseCamera(json);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "read";
+  return errorOf([&] { parseCamera(json); });
 }
 
 std::string poseRefusal(const std::array<double, 16>& rows) {
-  try {
-    cameraPose(rows);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "read";
+  return errorOf([&] { cameraPose(rows); });
 }
 
 }  // namespace
@@ -48,9 +39,9 @@ TEST_CASE("both forms of intrinsics give the same camera") {
 }
 
 TEST_CASE("invalid camera intrinsics are refused with the name of the field") {
-  CHECK(refusal("") == "is no JSON");
-  CHECK(refusal("{\"width\": 640") == "is no JSON");
-  CHECK(refusal("[1]") == "is no JSON object");
+  CHECK(refusal("") == "is not valid JSON");
+  CHECK(refusal("{\"width\": 640") == "is not valid JSON");
+  CHECK(refusal("[1]") == "is not a JSON object");
   CHECK(refusal("{}") == "has no \"width\"");
   CHECK(refusal(R"({"width": 1e9, "height": 1})").find("\"width\" is 1000000000") == 0);
   CHECK(refusal(R"({"width": 2.5, "height": 1})").find("\"width\" is 2.5") == 0);
@@ -65,17 +56,17 @@ TEST_CASE("invalid camera intrinsics are refused with the name of the field") {
   CHECK(refusal(R"({"width": 640, "height": 480, "intrinsic_matrix": [525, 0, 319.5, 0, 525, 239.5, 0, 0, 1]})")
             .find("column by column") != std::string::npos);
   const DepthCamera camera = recordedCamera();
-  CHECK(refusal(intrinsicsJson(camera, R"(, "depth_scale": 0.001)")).find("how many values a metre has") !=
+  CHECK(refusal(intrinsicsJson(camera, R"(, "depth_scale": 0.001)")).find("the number of values per metre") !=
         std::string::npos);
   CHECK(refusal(intrinsicsJson(camera, R"(, "depth_scale": -1)")) != "read");
-  CHECK(refusal(intrinsicsJson(camera, R"(, "fps": 0)")) == "\"fps\" is 0; it is above 0");
+  CHECK(refusal(intrinsicsJson(camera, R"(, "fps": 0)")) == "\"fps\" is 0; it must be above 0");
   CHECK(refusal(intrinsicsJson(camera, R"(, "pose": [1, 2])")).find("list of 16 numbers") != std::string::npos);
   CHECK(refusal(intrinsicsJson(camera, R"(, "format": 7)")) == "\"format\" cannot be 7");
-  CHECK(refusal(std::string(100'000, '[')) == "is no JSON");
+  CHECK(refusal(std::string(100'000, '[')) == "is not valid JSON");
   const ScratchFolder folder;
   writeBytes(folder / "a.json", "{}");
-  CHECK_THROWS_WITH_AS(readCamera(folder / "a.json"), doctest::Contains("a.json: has no \"width\"; intrinsics are"),
-                       FileError);
+  CHECK_THROWS_WITH_AS(readCamera(folder / "a.json"),
+                       doctest::Contains("a.json: has no \"width\"; expected intrinsics as JSON"), FileError);
 }
 
 TEST_CASE("a matrix and a quaternion give the same pose, and positions survive the path to the camera and back") {
@@ -100,7 +91,7 @@ TEST_CASE("a rounded matrix becomes the nearest rotation, and one that is far of
   CHECK(poseRefusal(rows).find("row 1, column 4") != std::string::npos);
   rows = rowsOf(pose);
   for (const std::size_t k : {0, 4, 8}) rows[k] *= 1.1;
-  CHECK(poseRefusal(rows).find("no rotation") != std::string::npos);
+  CHECK(poseRefusal(rows).find("not a rotation") != std::string::npos);
   rows = rowsOf(pose);
   for (const std::size_t k : {0, 4, 8}) rows[k] = -rows[k];
   CHECK(poseRefusal(rows).find("mirrors") != std::string::npos);

@@ -90,9 +90,9 @@ TEST_CASE("points are not written as STL or 3DGS, a mesh not as 3DGS, and a devi
   const auto refuses = [](const char* file, Written what, const char* complaint) {
     CHECK_THROWS_WITH_AS(cloudFormats().toWrite(file, what), doctest::Contains(complaint), UsageError);
   };
-  refuses("a.stl", Written::points, "a.stl: STL holds triangles, and these are points; clouds are written as .ply");
-  refuses("a.3dgs.ply", Written::points, "3DGS is written by palpate convert alone");
-  refuses("a.3dgs.ply", Written::mesh, "3DGS is written by palpate convert alone; meshes are written as .ply");
+  refuses("a.stl", Written::points, "a.stl: STL contains triangles, but these are points; clouds are written as .ply");
+  refuses("a.3dgs.ply", Written::points, "only palpate convert can write 3DGS");
+  refuses("a.3dgs.ply", Written::mesh, "only palpate convert can write 3DGS; meshes are written as .ply");
   refuses("a.foo", Written::mesh, "a.foo: meshes are written as .ply");
   CHECK(cloudFormats().toWrite("a.stl", Written::mesh).name == "STL");
   CHECK(cloudFormats().toWrite("a.las", Written::points).name == "LAS");
@@ -131,9 +131,9 @@ TEST_CASE("every format that is written is read back, point by point") {
 
 TEST_CASE("the longer of two endings of a file name counts, and COPC is refused for writing") {
   CHECK_THROWS_WITH_AS(cloudFormats().toWrite("a.copc.laz"),
-                       doctest::Contains("a.copc.laz: COPC is read and not written; clouds are written as .ply"),
+                       doctest::Contains("a.copc.laz: COPC can be read but not written; clouds are written as .ply"),
                        UsageError);
-  CHECK_THROWS_WITH_AS(cloudFormats().toWrite("folder/A.COPC.LAZ"), doctest::Contains("COPC is read"), UsageError);
+  CHECK_THROWS_WITH_AS(cloudFormats().toWrite("folder/A.COPC.LAZ"), doctest::Contains("COPC can be read"), UsageError);
   CHECK(cloudFormats().toWrite("a.laz").name == "LAZ");
   CHECK(cloudFormats().toWrite("copc.laz").name == "LAZ");
   CHECK(cloudFormats().toWrite("a.3dgs.ply").name == "3DGS");
@@ -169,7 +169,7 @@ TEST_CASE("a read-only format is not written, and messages list the formats of t
   CHECK(kTable.toSave("a.scan").name == "PLY");
   CHECK_THROWS_WITH_AS(
       kTable.toWrite("a.scan"),
-      "a.scan: scan is read and not written; clouds are written as .ply, .tally, .tly; use one of these extensions",
+      "a.scan: scan can be read but not written; clouds are written as .ply, .tally, .tly; use one of these extensions",
       UsageError);
   CHECK(kTable.namesRead() == "PLY, tally, scan");
   CHECK(kTable.endingsRead() == ".ply, .tally, .tly, .scan");

@@ -164,8 +164,7 @@ TEST_CASE("views truncated at any byte are refused with the byte and advice") {
     writeBytes(folder / "fused.ply.vis", whole.substr(0, size));
     const std::string message = refusal(folder / "fused.ply");
     CHECK_MESSAGE(message.starts_with("fused.ply.vis: byte "), message);
-    CHECK_MESSAGE(message.find("fuse fused.ply again with COLMAP, or take this file away") != std::string::npos,
-                  message);
+    CHECK_MESSAGE(message.find("fuse fused.ply again with COLMAP, or remove this file") != std::string::npos, message);
   }
 }
 
@@ -187,7 +186,7 @@ TEST_CASE("invalid views are refused, and allocate no memory") {
   CHECK(with(12, std::uint32_t{2}) == "read");
   writeBytes(folder / "fused.ply.vis", views() + 'x');
   CHECK(refusal(folder / "fused.ply")
-            .starts_with(fmt::format("fused.ply.vis: byte {}: goes on behind the views", views().size())));
+            .starts_with(fmt::format("fused.ply.vis: byte {}: has data after the views", views().size())));
   // A long list of existing views: only its length is wrong.
   std::string bytes = views().substr(0, 8);
   put(bytes, std::uint32_t{1 << 20});

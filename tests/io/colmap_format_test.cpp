@@ -126,7 +126,7 @@ TEST_CASE("every binary COLMAP file that is truncated is refused with its byte")
     }
     Files longer = whole;
     longer.*file += 'x';
-    CHECK(refusal(longer, "bin").find("something follows the last of") != std::string::npos);
+    CHECK(refusal(longer, "bin").find("unexpected data after the last of") != std::string::npos);
   };
   check(&Files::cameras, "cameras", 1);
   check(&Files::images, "images", 1);
@@ -163,19 +163,20 @@ TEST_CASE("invalid lines of a COLMAP folder are refused with the line") {
   CHECK(with(&Files::cameras, "#\n7 PINHOLE 640 480 500 510 320 nan\n") ==
         "cameras.txt:2: a parameter of a camera is nan, not a finite number");
   CHECK(with(&Files::cameras, "7 PINHOLE 6 4 5 5 3 2\n7 PINHOLE 6 4 5 5 3 2\n") ==
-        "cameras.txt:2: camera 7 is there twice");
+        "cameras.txt:2: camera 7 is a duplicate");
   CHECK(with(&Files::images, "3 0 0 0 0 0 0 0 7 a\n\n") == "images.txt:1: the rotation of an image is zero");
-  CHECK(with(&Files::images, "3 1 0 0 0 0 0 0 8 a\n\n") == "images.txt:1: image 3 is of camera 8, which is not there");
+  CHECK(with(&Files::images, "3 1 0 0 0 0 0 0 8 a\n\n") ==
+        "images.txt:1: image 3 is of camera 8, which does not exist");
   CHECK(with(&Files::images, "3 1 0 0 0 0 0 0 7 a") ==
         "images.txt:1: the file ends where the observations of an image should be");
   CHECK(with(&Files::points, "1 0 0 0 1 2 300 0.5 3 0\n") ==
         "points3D.txt:1: found '300', expected a colour from 0 to 255");
   CHECK(with(&Files::points, "1 0 0 inf 1 2 3 0.5 3 0\n") ==
-        "points3D.txt:1: the place of a point is inf, not a finite number");
+        "points3D.txt:1: the position of a point is inf, not a finite number");
   CHECK(with(&Files::points, "1 0 0 0 1 2 3 0.5 3 0 900\n") ==
-        "points3D.txt:1: a track of 3 numbers, where an image and a place in it make a pair");
+        "points3D.txt:1: a track of 3 numbers; expected pairs of an image and a position in it");
   CHECK(with(&Files::points, "1 0 0 0 1 2 3 0.5 4 0\n") ==
-        "points3D.txt:1: point 1 was seen by image 4, which is not there");
+        "points3D.txt:1: point 1 was seen by image 4, which does not exist");
   CHECK(with(&Files::points, "") == "read");  // no points
 
   for (const std::int32_t model : {15, 16, 40}) {  // unknown models are skipped by the file's size
@@ -186,11 +187,12 @@ TEST_CASE("invalid lines of a COLMAP folder are refused with the line") {
   Files never = binary();
   const std::int32_t model = -1;
   std::memcpy(never.cameras.data() + 12, &model, sizeof model);
-  CHECK(refusal(never, "bin").find("camera model -1; expected a number from 0 on") != std::string::npos);
+  CHECK(refusal(never, "bin").find("camera model -1; expected a number of 0 or more") != std::string::npos);
 
   const ScratchFolder folder;
   std::ofstream(folder / "points3D.txt") << text().points;
-  CHECK_THROWS_WITH_AS(readCloud(folder.path()), doctest::Contains("has no cameras.bin and no cameras.txt"), FileError);
+  CHECK_THROWS_WITH_AS(readCloud(folder.path()), doctest::Contains("has neither cameras.bin nor cameras.txt"),
+                       FileError);
 }
 
 TEST_CASE("a real reconstruction: the normal of every point faces the cameras that saw it") {

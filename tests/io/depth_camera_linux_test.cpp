@@ -202,14 +202,14 @@ TEST_CASE("a V4L2 device that is not a depth camera is refused with its kind") {
   CHECK(refusal(other) == "/dev/video9: does not stream pictures; a camera has several devices, try the others");
   FakeCamera web{.format = V4L2_PIX_FMT_YUYV};
   CHECK(refusal(web) ==
-        "/dev/video9: does not speak Z16, depth of 16 bits, but YUYV, MJPG; a camera has several devices, try the "
+        "/dev/video9: does not offer Z16, depth of 16 bits, but YUYV, MJPG; a camera has several devices, try the "
         "others");
   FakeCamera strict{.formatError = EINVAL};
   CHECK(refusal(strict) == refusal(web));
   FakeCamera larger{.width = 640, .height = 480};
-  CHECK(refusal(larger) == "/dev/video9: gives 640 x 480 pixels, and the intrinsics are of 3 x 2");
+  CHECK(refusal(larger) == "/dev/video9: delivers 640 x 480 pixels, but the intrinsics are for 3 x 2");
   FakeCamera busy{.formatError = EBUSY};
-  CHECK(refusal(busy).find("Device or resource busy; another program has the camera") != std::string::npos);
+  CHECK(refusal(busy).find("Device or resource busy; another program uses the camera") != std::string::npos);
   FakeCamera poor{.requestError = ENOMEM};
   CHECK(refusal(poor).find("has no memory for its frames: Cannot allocate memory") != std::string::npos);
   FakeCamera none{.mostBuffers = 0};
@@ -228,15 +228,15 @@ TEST_CASE("short, damaged and repeated V4L2 frames are dropped one by one, and t
   REQUIRE(stream->next(frame));
   CHECK_THROWS_WITH_AS(stream->next(frame), "/dev/video9: frame 1 has 13 of its 14 bytes", Error);
   CHECK_THROWS_AS(stream->next(frame), Error);
-  CHECK_THROWS_WITH_AS(stream->next(frame), "/dev/video9: frame 3 is of 1 s, which does not come after 1 s", Error);
+  CHECK_THROWS_WITH_AS(stream->next(frame), "/dev/video9: frame 3 has the time 1 s, which is not after 1 s", Error);
   REQUIRE(stream->next(frame));
   CHECK(frame.time_s == 3);
   CHECK(camera.isQueued == std::vector<bool>{true, true});
 }
 
 TEST_CASE("an unplugged depth camera ends the stream with an error") {
-  for (const auto& [error, sentence] : {std::pair{ENODEV, "/dev/video9: is gone; plug the camera in again"},
-                                        std::pair{EIO, "/dev/video9: gives no more frames: Input/output error"}}) {
+  for (const auto& [error, sentence] : {std::pair{ENODEV, "/dev/video9: is disconnected; plug the camera in again"},
+                                        std::pair{EIO, "/dev/video9: delivers no more frames: Input/output error"}}) {
     FakeCamera camera;
     camera.shots = {{.time_s = 1}, {.error = error}, {.time_s = 2}};
     const auto stream = open(camera);
@@ -264,7 +264,7 @@ TEST_CASE("opening a file that is not a video device is refused") {
   const ScratchFolder folder;
   CHECK_THROWS_WITH_AS(openDepthCamera((folder / "none").string(), {.camera = kCamera}),
                        doctest::Contains("cannot be opened: No such file"), Error);
-  CHECK_THROWS_WITH_AS(openDepthCamera("/dev/null", {.camera = kCamera}), "/dev/null: is no video device", Error);
+  CHECK_THROWS_WITH_AS(openDepthCamera("/dev/null", {.camera = kCamera}), "/dev/null: is not a video device", Error);
 }
 
 }  // namespace palpate::depth_camera_test

@@ -129,14 +129,14 @@ TEST_CASE("a first line without a valid camera is refused with the reason") {
     return heard.lost.empty() ? std::string("read") : heard.lost.front();
   };
   CHECK(refusal("") == "input: ends before the line of JSON that says what its frames are");
-  CHECK(says(refusal("frame 0\n"), "input: its first line, 'frame 0', is no JSON"));
+  CHECK(says(refusal("frame 0\n"), "input: its first line, 'frame 0', is not valid JSON"));
   CHECK(says(refusal("{}\n"), "has no \"width\""));
-  CHECK(says(refusal(head("")), "\"format\" is ''; there is z16 and z16+rgb8"));
-  CHECK(says(refusal(head(R"(, "format": "z32")")), "there is z16 and z16+rgb8"));
+  CHECK(says(refusal(head("")), "\"format\" is ''; expected z16 or z16+rgb8"));
+  CHECK(says(refusal(head(R"(, "format": "z32")")), "expected z16 or z16+rgb8"));
   CHECK(says(refusal(head(R"(, "format": "z16")")), "has no \"depth_scale\""));
   CHECK(says(refusal(R"({"width": 8193, "height": 1})"
                      "\n"),
-             "sides are whole numbers of pixels from 1 to 8192"));
+             "expected a whole number of pixels from 1 to 8192"));
   CHECK(says(refusal(std::string(1 << 20, 'x')), "is too long to be one"));
   CHECK(says(refusal(std::string(1 << 16, ' ') + head()), "is too long to be one"));
 }
@@ -146,9 +146,9 @@ TEST_CASE("a frame with a repeated or earlier time is dropped, and later ones ar
       hear(head() + frame(0, 1) + frame(1, 1) + frame(2, 0.5) + frame(3, 1.5) + "frame nan\n" + frame(5, 2));
   CHECK(heard.times_s() == std::vector<double>{0, 0.5, 1});
   REQUIRE(heard.lost.size() == 3);
-  CHECK(heard.lost[0] == "input: frame 1 is of 1 s, which does not come after 1 s");
-  CHECK(heard.lost[1] == "input: frame 2 is of 0.5 s, which does not come after 1 s");
-  CHECK(says(heard.lost[2], "input: frame 4 begins with 'frame nan' and not with a time"));
+  CHECK(heard.lost[0] == "input: frame 1 has the time 1 s, which is not after 1 s");
+  CHECK(heard.lost[1] == "input: frame 2 has the time 0.5 s, which is not after 1 s");
+  CHECK(says(heard.lost[2], "input: frame 4 begins with 'frame nan'; expected a time"));
   CHECK(isFrame(heard.frames[1], 3));
   CHECK(heard.frames[1].number == 3);
 }
@@ -203,7 +203,7 @@ TEST_CASE("frames with an invalid pose are dropped, and so are those without one
   const Heard heard = hear(bytes);
   CHECK(heard.times_s() == std::vector<double>{0, 3});
   REQUIRE(heard.lost.size() >= 2);
-  CHECK(says(heard.lost.front(), "no rotation"));
+  CHECK(says(heard.lost.front(), "not a rotation"));
   CHECK(says(heard.lost.back(), "has no pose, and the first one had one"));
 }
 

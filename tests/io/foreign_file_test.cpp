@@ -53,11 +53,11 @@ TEST_CASE("a file of another kind is refused with its kind and advice") {
   CHECK(refusalOf("a.ply", "<!DOCTYPE html><html>").find("web page") != std::string::npos);
   CHECK(refusalOf("a.ply", std::string("\x7f") + "ELF") == " is a program, not a 3D file");
   CHECK(refusalOf("a.mp4", std::string("\0\0\0\x18", 4) + "ftypmp42") == " is a video, not a 3D file");
-  CHECK(refusalOf("a.las", "") == " is empty; it holds no points");
+  CHECK(refusalOf("a.las", "") == " is empty; it contains no points");
   CHECK(refusalOf("a.ply.gz", "\x1f\x8b\x08" + std::string(40, '\0')).find("byte") != std::string::npos);
   CHECK(refusalOf("a.dat", "Dear reader\n")
             .starts_with(" is text, not a 3D file that can be read (it begins with 'Dear"));
-  CHECK(refusalOf("a.dat", std::string("\1\2\3\0\4", 5)).starts_with(" is of a kind that is not known"));
+  CHECK(refusalOf("a.dat", std::string("\1\2\3\0\4", 5)).starts_with(" is of an unknown kind"));
   CHECK(refusalOf("a.ply", "Dear reader\n").find("not a PLY file") == std::string::npos);
   CHECK_THROWS_WITH_AS(readCloud("-"), doctest::Contains("standard input"), FileError);
 }

@@ -130,7 +130,7 @@ TEST_CASE("a truncated JPEG is refused, not filled with grey") {
 
 TEST_CASE("an image that cannot hold depth is refused with the reason") {
   const Refusal refusal;
-  const std::string kind = "is no grey PNG of 16 bits, as depth is stored in";
+  const std::string kind = "is not a grey PNG of 16 bits, in which depth is stored";
   CHECK(refusal.ofGrey(pngBytes(2, 1, 8, 0, "\x10\x90")) == kind);
   CHECK(refusal.ofGrey(pngBytes(1, 1, 16, 2, std::string(6, '\1'))) == kind);
   CHECK(refusal.ofGrey(jpegBytes(16, 16)) == kind);
@@ -150,9 +150,9 @@ TEST_CASE("a wrong image size allocates no memory") {
     return claims.substr(0, 8) + pngChunk("IHDR", head) + claims.substr(8 + 25);
   };
   REQUIRE(refusal.ofGrey(withSides(1, 1)) == "read");
-  CHECK(refusal.ofGrey(withSides(8192, 8192)).find("says that it has 8192 x 8192 pixels, and ends after") == 0);
-  CHECK(refusal.ofGrey(withSides(8193, 1)).find("sides go up to 8192") != std::string::npos);
-  CHECK(refusal.ofGrey(withSides(0xffffffffu, 2)).find("sides go up to 8192") != std::string::npos);
+  CHECK(refusal.ofGrey(withSides(8192, 8192)).find("claims 8192 x 8192 pixels, but ends after") == 0);
+  CHECK(refusal.ofGrey(withSides(8193, 1)).find("a side has at most 8192") != std::string::npos);
+  CHECK(refusal.ofGrey(withSides(0xffffffffu, 2)).find("a side has at most 8192") != std::string::npos);
   CHECK(refusal.ofGrey(withSides(0, 5)) != "read");
   CHECK(refusal.ofGrey(withSides(2, 2)) != "read");
 }

@@ -135,7 +135,7 @@ TEST_CASE("a damaged or inconsistent LAS file is refused with its byte") {
   };
   CHECK(refusal(good) == "read");
   CHECK(refusal("LAS is no format of mine").starts_with(": byte 0: not a LAS file"));
-  CHECK(refusal("") == ": is empty; it holds no points");
+  CHECK(refusal("") == ": is empty; it contains no points");
   CHECK(refusal("LASF").starts_with(": byte 4: the file ends inside the header"));
   CHECK(refusal(good.substr(0, 226)).starts_with(": byte 226: the file ends inside the header"));
   CHECK(with(25, std::uint8_t{5}).starts_with(": byte 24: LAS version 1.5"));
@@ -144,12 +144,12 @@ TEST_CASE("a damaged or inconsistent LAS file is refused with its byte") {
   CHECK(with(96, std::uint32_t{100}).starts_with(": byte 96: points at byte 100"));
   CHECK(with(96, std::uint32_t{4000000000}).find("the file ends before its points") != std::string::npos);
   CHECK(with(100, std::uint32_t{1}).starts_with(": byte 227: record 1 of 1 reaches into the points"));
-  CHECK(with(104, std::uint8_t{131}).starts_with(": byte 104: the points are packed (LAZ), and no record"));
+  CHECK(with(104, std::uint8_t{131}).starts_with(": byte 104: the points are packed (LAZ), but the record"));
   CHECK(with(104, std::uint8_t{11}).starts_with(": byte 104: point format 11"));
   CHECK(with(105, std::uint16_t{33}).starts_with(": byte 105: points of 33 bytes"));
   CHECK(with(105, std::uint16_t{34 + 4097}).starts_with(": byte 105: points of 4131 bytes; of format 3 at most 4130"));
   CHECK(
-      with(107, std::uint32_t{11}).starts_with(": byte 107: the header promises 11 points of 34 bytes, and 340 bytes"));
+      with(107, std::uint32_t{11}).starts_with(": byte 107: the header promises 11 points of 34 bytes, but 340 bytes"));
   CHECK(with(131, 0.0).starts_with(": byte 131: the scale of x is 0"));
   CHECK(with(139, std::nan("")).starts_with(": byte 139: the scale of y is nan"));
   CHECK(with(155, HUGE_VAL).starts_with(": byte 155: the offset of x is inf"));

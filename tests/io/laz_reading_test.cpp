@@ -111,7 +111,7 @@ TEST_CASE("a damaged or inconsistent LAZ file is refused with its byte") {
   };
   const auto byte = [](std::size_t at) { return fmt::format(": byte {}: ", at); };
   CHECK(refusal(good) == "read");
-  CHECK(with(record + 2, std::uint8_t{'m'}).starts_with(": byte 104: the points are packed (LAZ), and no record"));
+  CHECK(with(record + 2, std::uint8_t{'m'}).starts_with(": byte 104: the points are packed (LAZ), but the record"));
   CHECK(with(data, std::uint16_t{3}).starts_with(byte(data) + "compressor 3 does not apply"));
   CHECK(with(data, std::uint16_t{0}).starts_with(byte(data) + "compressor 0 does not apply"));
   CHECK(with(data + 2, std::uint16_t{1}).starts_with(byte(data + 2) + "coder 1"));
@@ -130,10 +130,10 @@ TEST_CASE("a damaged or inconsistent LAZ file is refused with its byte") {
   CHECK(with(at + 4, std::uint32_t{0}).starts_with(byte(at) + "the table has 0 chunks"));
   CHECK(with(at + 4, std::uint32_t{0xffffffff}).starts_with(byte(at) + "a table of 4294967295 chunks"));
   CHECK(with(107, std::uint32_t{3001}).starts_with(byte(at) + "the table has 2 chunks, and 1 of 3001 points"));
-  CHECK(with(107, std::uint32_t{2999}).starts_with(byte(at) + "chunk 2 of 2 is said to have 2000 points"));
+  CHECK(with(107, std::uint32_t{2999}).starts_with(byte(at) + "chunk 2 of 2 claims 2000 points"));
   for (const std::size_t end : {std::size_t{body + 4}, body + std::size_t{100}, at, at + 6})
     CHECK(refusal(good.substr(0, end)).starts_with(": byte "));
-  CHECK(refusal(good.substr(0, body + 4)).find("the file ends before it says where its table") != std::string::npos);
+  CHECK(refusal(good.substr(0, body + 4)).find("the file ends before the position of its table") != std::string::npos);
 }
 
 TEST_CASE("LAZ layers of wrong size or count are refused with their byte") {

@@ -75,7 +75,7 @@ TEST_CASE("wave packets are refused for LAZ, and an older file is kept") {
   const ScratchFolder folder;
   const StoredCloud stored = reading(fileOf(4, 20).text());
   std::ofstream(folder / "a.laz") << "an older file";
-  CHECK_THROWS_WITH_AS(writeCloud(folder / "a.laz", stored.cloud), doctest::Contains("wave packets are not packed"),
+  CHECK_THROWS_WITH_AS(writeCloud(folder / "a.laz", stored.cloud), doctest::Contains("wave packets cannot be packed"),
                        FileError);
   CHECK(bytesOf(folder / "a.laz") == "an older file");
 }

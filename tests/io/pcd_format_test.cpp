@@ -201,7 +201,7 @@ TEST_CASE("a cloud of any number of points is read back from PCD unchanged") {
 TEST_CASE("a damaged or inconsistent PCD file is refused with its line or byte") {
   const std::string ascii = header("x y z", "4 4 4", "F F F", 2, "ascii");
   CHECK(refusal("plywood\n") == ":1: not a PCD file: found 'plywood', expected 'VERSION'");
-  CHECK(refusal("") == ": is empty; it holds no points");
+  CHECK(refusal("") == ": is empty; it contains no points");
   CHECK(refusal(ascii + "1 2 3\n") == ":12: the file ends after 1 of 2 points");
   CHECK(refusal(ascii + "1 2 3\n4 5 6\n7 8 9\n") == ":13: more than the 2 points of the header");
   CHECK(refusal(ascii + "1 2 3\n4 5\n") == ":12: found '' for 'z', expected a number");
@@ -217,7 +217,7 @@ TEST_CASE("a damaged or inconsistent PCD file is refused with its line or byte")
         ":6: 5 points in a grid of 3 x 2");
   const std::string binary = header("x y z", "4 4 4", "F F F", 2, "binary");
   CHECK(refusal(binary + bytesOf(1.f, 2.f, 3.f)) ==
-        fmt::format(": byte {}: the header promises 2 points of 12 bytes, and 12 bytes are there", binary.size()));
+        fmt::format(": byte {}: the header promises 2 points of 12 bytes, but 12 bytes follow", binary.size()));
   const std::string lying = header("x y z", "4 4 4", "F F F", 1000000000000, "binary");
   CHECK(refusal(lying + bytesOf(1.f)).find("promises 1000000000000 points") != std::string::npos);
   const std::string packed = header("x y z", "4 4 4", "F F F", 2, "binary_compressed");
@@ -227,7 +227,7 @@ TEST_CASE("a damaged or inconsistent PCD file is refused with its line or byte")
   CHECK(refusal(packed + body.substr(0, 20)).find("ends inside its 25 compressed bytes") != std::string::npos);
   CHECK(refusal(packed + stored(std::string(36, '\0'))).find("36 bytes of points, where 2 of 12") != std::string::npos);
   const std::string huge = header("x y z", "4 4 4", "F F F", 300000000, "binary_compressed");
-  CHECK(refusal(huge + bytesOf(std::uint32_t{3}, std::uint32_t{3600000000}) + "abc").find("cannot be as many") !=
+  CHECK(refusal(huge + bytesOf(std::uint32_t{3}, std::uint32_t{3600000000}) + "abc").find("cannot become") !=
         std::string::npos);
 }
 
@@ -254,7 +254,7 @@ TEST_CASE("properties that PCD cannot hold are listed") {
   some.cloud.colors = {{1, 2, 3, 255}};
   some.cloud.extra.push_back({"rgb", ScalarType::f32, std::vector<std::byte>(4)});
   CHECK(pcdFormat().lacks(some) ==
-        std::vector<std::string>{"1 triangles", "the field 'rgb', for the one that is written under its name"});
+        std::vector<std::string>{"1 triangles", "the field 'rgb', because another one is written under its name"});
   CHECK(again(some.cloud, false).colors == some.cloud.colors);
 }
 

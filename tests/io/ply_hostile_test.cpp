@@ -45,7 +45,7 @@ TEST_CASE("a broken PLY header is refused with its line") {
   CHECK(contains(refusal("ply\nformat utf8 1.0\n"), ":2: format 'utf8' is unknown"));
   CHECK(contains(refusal("ply\nformat ascii 2.0\n"), ":2: PLY version '2.0'"));
   CHECK(contains(refusal(ascii + "format ascii 1.0\n"), ":3: a second 'format'"));
-  CHECK(contains(refusal(ascii + "hello\n"), ":3: 'hello' is no header line"));
+  CHECK(contains(refusal(ascii + "hello\n"), ":3: 'hello' is not a header line"));
   CHECK(contains(refusal(ascii + "element vertex -1\n"), ":3: the count of element 'vertex' is '-1'"));
   CHECK(contains(refusal(ascii + "element vertex 99999999999999999999\n"), ":3: the count"));
   CHECK(contains(refusal(ascii + "element vertex 3.5\n"), ":3: the count"));

@@ -215,7 +215,7 @@ TEST_CASE("default intrinsics are reported, and given ones override those of the
       doctest::Contains("00000.png: has 24 x 18 pixels, and the camera 640 x 480; give the intrinsics"), FileError);
   REQUIRE(remarks.lines.size() == 1);
   CHECK(says(remarks.lines[0],
-             "has no intrinsics; taken are 640 x 480 pixels, focal lengths 525 and 525, middle 319.5, 239.5"));
+             "has no intrinsics; assuming 640 x 480 pixels, focal lengths 525 and 525, principal point 319.5, 239.5"));
 }
 
 TEST_CASE("colour images of another size are resized, and that is reported once") {
@@ -229,7 +229,7 @@ TEST_CASE("colour images of another size are resized, and that is reported once"
   REQUIRE(played.frames.size() == 4);
   CHECK(played.frames[0].colors.at(24 * 2 + 7) == std::array<std::uint8_t, 3>{15, 5, 9});
   REQUIRE(remarks.lines.size() == 1);
-  CHECK(says(remarks.lines[0], "has 48 x 36 pixels; colours are brought to the 24 x 18 of depth"));
+  CHECK(says(remarks.lines[0], "has 48 x 36 pixels; colours are resampled to the 24 x 18 of depth"));
 }
 
 TEST_CASE("an RGB-D frame that cannot be read is dropped with its file name, and later ones are read") {
@@ -247,7 +247,7 @@ TEST_CASE("an RGB-D frame that cannot be read is dropped with its file name, and
   CHECK(
       says(lostAfter(&writeRedwood,
                      [&](const auto& f) { writeBytes(second(f), pngBytes(24, 18, 8, 0, std::string(24 * 18, 'x'))); }),
-           "00001.png: is no grey PNG of 16 bits"));
+           "00001.png: is not a grey PNG of 16 bits"));
   CHECK(says(
       lostAfter(&writeRedwood,
                 [&](const auto& f) { writeBytes(second(f), greyPng(24, 18, std::vector<std::uint16_t>(24 * 18))); }),
@@ -255,9 +255,9 @@ TEST_CASE("an RGB-D frame that cannot be read is dropped with its file name, and
   CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { std::filesystem::resize_file(second(f), 300); }),
              "ends within the picture"));
   CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { std::filesystem::remove(second(f)); }),
-             "trajectory.log:6: frame 1 has a pose and no picture in depth"));
+             "trajectory.log:6: frame 1 has a pose but no picture in depth"));
   CHECK(says(lostAfter(&writeRedwood, [](const auto& f) { std::filesystem::remove(f / "color" / "00001.png"); }),
-             "00001.png: has no picture of its number with the colours"));
+             "00001.png: has no colour picture of the same number"));
   CHECK(says(
       lostAfter(&writeTum, [](const auto& f) { replaceIn(f / "rgb.txt", "1305031102.219637", "1305031102.239637"); }),
       "depth.txt:3: 1305031102.208637.png has no colours in rgb.txt within 0.02 s"));
@@ -280,7 +280,7 @@ TEST_CASE("RGB-D frames without a pose are dropped if others have one, at the st
   });
   CHECK(early.frames.size() == 1);
   REQUIRE(early.lost.size() == 3);
-  CHECK(says(early.lost[0], "depth.txt:2: 1305031102.175304.png has no pose in groundtruth.txt"));
+  CHECK(says(early.lost[0], "depth.txt:2: 1305031102.175304.png has no poses in groundtruth.txt"));
 }
 
 TEST_CASE("a colour image belongs to the nearest depth image, and to one only") {
@@ -301,25 +301,25 @@ TEST_CASE("invalid lists of an RGB-D folder are refused on opening, with file an
   const auto tum = [](const auto& harm) { return refusalAfter(&writeTum, harm); };
   CHECK(redwood([](const auto&) {}) == "opened");
   CHECK(tum([](const auto&) {}) == "opened");
-  CHECK(says(tum([](const auto& f) { writeBytes(f / "depth.txt", "# nothing\n\n"); }), "depth.txt: names no pictures"));
+  CHECK(says(tum([](const auto& f) { writeBytes(f / "depth.txt", "# nothing\n\n"); }), "depth.txt: lists no pictures"));
   CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "noon "); }),
              "depth.txt:3: found 'noon', expected a time in seconds and the name of a picture"));
   CHECK(
       says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "nan "); }), "depth.txt:3: found"));
   CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "1305031102.175304 "); }),
-             "depth.txt:3: time 1305031102.175304 s is there twice"));
+             "depth.txt:3: time 1305031102.175304 s is a duplicate of line"));
   // Lists that are not in order of time are sorted.
   CHECK(tum([](const auto& f) { replaceIn(f / "rgb.txt", "1305031102.219637 ", "7 "); }) == "opened");
   CHECK(says(tum([](const auto& f) { replaceIn(f / "groundtruth.txt", "1305031102.172304 ", "1305031102.172304 7 "); }),
              "groundtruth.txt:3: expected eight numbers"));
   CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "1 0 0 0 0 0 0 2\n"); }),
-             "groundtruth.txt:1: the pose's quaternion has the length 2"));
+             "groundtruth.txt:1: the quaternion of the pose has the length 2"));
   CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "1 0 0 nan 0 0 0 1\n"); }),
-             "groundtruth.txt:1: the pose's place"));
+             "groundtruth.txt:1: the position of the pose"));
   CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "one"); }),
              "trajectory.log:6: found 'one'"));
   CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "0 0 1"); }),
-             "trajectory.log:6: frame 0 is there twice, before in line 1"));
+             "trajectory.log:6: frame 0 is a duplicate of line 1"));
   CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "1e18 1 2"); }),
              "trajectory.log:6: found"));
   CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 1 0 0\n"); }),
@@ -328,12 +328,12 @@ TEST_CASE("invalid lists of an RGB-D folder are refused on opening, with file an
              "trajectory.log:3: found '0 1 0', expected the four numbers of a row"));
   CHECK(says(
       redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 3 0 0\n0 0 1 0\n0 0 0 1\n"); }),
-      "trajectory.log:1: the pose's first three columns are no rotation"));
+      "trajectory.log:1: the first three columns of the pose are not a rotation"));
   // An empty list is treated as missing.
   CHECK(redwood([](const auto& f) { writeBytes(f / "trajectory.log", ""); }) == "opened");
   CHECK(tum([](const auto& f) { writeBytes(f / "rgb.txt", "# color\n"); }) == "opened");
   CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/1.png"); }),
-             "has the number of"));
+             "has the same number as"));
   CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/last.png"); }),
              "has no number"));
   CHECK(says(redwood([](const auto& f) {
@@ -387,7 +387,7 @@ TEST_CASE("ROS and RealSense bags are recognized by their first bytes, and the e
     for (const auto& read :
          {std::function([&] { readCloud(folder / "a.ply"); }), std::function([&] { contentsOf(folder / "a.ply"); })})
       CHECK_THROWS_WITH_AS(
-          read(), doctest::Contains("is a bag of ROS or of a RealSense camera, which is not read here; Open3D writes"),
+          read(), doctest::Contains("is a bag of ROS or of a RealSense camera, which is not read; Open3D can write"),
           FileError);
   }
 }

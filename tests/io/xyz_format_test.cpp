@@ -131,7 +131,7 @@ TEST_CASE("a PTS file gives the number of points of each scan") {
   CHECK(refusal("2\n1 2 3\n1\n4 5 6\n", "a.pts") == ":3: ends after 1 of 2 points");
   CHECK(refusal("1\n1 2 3\n4 5 6\n", "a.pts") == ":3: more than the 1 points that were promised");
   CHECK(refusal("3\n", "a.pts") == ":1: ends after 0 of 3 points");
-  CHECK(refusal("1 2 3\nfour\n", "a.pts") == ":2: found 'four', expected a point, or how many follow");
+  CHECK(refusal("1 2 3\nfour\n", "a.pts") == ":2: found 'four', expected a point, or the number of points");
   CHECK(refusal("1\n1 2 3\n") == "read");  // also under another ending
 
   for (const bool lit : {false, true}) {

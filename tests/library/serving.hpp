@@ -102,4 +102,24 @@ bool comes(double seconds, Is&& is) {
   return is();
 }
 
+/// Above or in the ball, not quite on its axis.
+inline pp_pose poseAt(std::size_t tick, double z) {
+  return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}};
+}
+
+/// Pushes a pulled hand down, and holds it there until the dent exists, however long an edit takes.
+inline void pushUntilDented(pp_session session) {
+  pp_brush push = pp_default_brush();
+  push.radius_mm = 5;
+  PP_REQUIRE_OK(pp_session_set_brush(session, &push));
+  pp_contact contact{};
+  std::size_t tick = 0;
+  CHECK(comes(30, [&] {
+    const pp_pose pose = poseAt(tick, std::max(48.0, 52 - 0.05 * static_cast<double>(tick)));
+    ++tick;
+    PP_REQUIRE_OK(pp_touch(session, &pose, &contact));
+    return tick > 100 && contact.penetration_mm < 1;
+  }));
+}
+
 }  // namespace palpate

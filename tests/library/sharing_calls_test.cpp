@@ -22,7 +22,7 @@ class StandingServer {
     options.log_user = this;
     options.log = [](void* user, std::int32_t, const char* line) {
       auto& own = *static_cast<StandingServer*>(user);
-      if (std::string(line).find("takes the points") == std::string::npos) return;
+      if (std::string(line).find("fetches the points") == std::string::npos) return;
       for (own.stands_ = own.told_.load(); own.told_;) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     };
     PP_REQUIRE_OK(pp_serve(cloud_.cloud, name, &options, &server));
@@ -52,8 +52,6 @@ class StandingServer {
   std::atomic<bool> told_ = false, stands_ = false;
   std::thread comer_;
 };
-
-pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}}; }
 
 }  // namespace
 
@@ -259,7 +257,7 @@ TEST_CASE("a server's log function is told of new clients, and cannot query or c
   options.log_user = &heard;
   options.log = [](void* user, std::int32_t, const char* line) {
     auto& to = *static_cast<Heard*>(user);
-    if (std::string(line).find("takes the points") == std::string::npos) return;
+    if (std::string(line).find("fetches the points") == std::string::npos) return;
     pp_server_info info = pp_default_server_info();
     to.refused += pp_server_get_info({to.server}, &info) == PP_ERROR_STATE;
     to.refused += pp_server_close({to.server}) == PP_ERROR_STATE;
@@ -298,17 +296,7 @@ TEST_CASE("closing a session delivers a pulled hand's last edits, even if the se
   pp_session_options options = cpuOptions();
   options.budget_us = 100'000;
   const pp_session session = joined("standing", "anna", options);
-  pp_brush push = pp_default_brush();
-  push.radius_mm = 5;
-  PP_REQUIRE_OK(pp_session_set_brush(session, &push));
-  pp_contact contact{};
-  std::size_t tick = 0;
-  CHECK(comes(30, [&] {
-    const pp_pose pose = poseAt(tick, std::max(48.0, 52 - 0.05 * static_cast<double>(tick)));
-    ++tick;
-    PP_REQUIRE_OK(pp_touch(session, &pose, &contact));
-    return tick > 100 && contact.penetration_mm < 1;
-  }));
+  pushUntilDented(session);
   server.stand();
   std::thread later([&] {
     std::this_thread::sleep_for(std::chrono::seconds(3));

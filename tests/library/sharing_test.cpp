@@ -10,11 +10,7 @@
 
 namespace palpate::sharing_test {
 
-namespace {
-
-pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}}; }
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("a library built without PALPATE_NETWORK shares nothing, and reports that") {
   if (pp_can_share()) return;
@@ -139,18 +135,7 @@ TEST_CASE("pending edits of a pulled hand are delivered when its session is clos
   pp_session_options options = cpuOptions();
   options.budget_us = 100'000;
   const pp_session session = joined("left", "anna", options);
-  pp_brush push = pp_default_brush();
-  push.radius_mm = 5;
-  PP_REQUIRE_OK(pp_session_set_brush(session, &push));
-  pp_contact contact{};
-  // Down, and held there until the dent exists, however long an edit takes.
-  std::size_t tick = 0;
-  CHECK(comes(30, [&] {
-    const pp_pose pose = poseAt(tick, std::max(48.0, 52 - 0.05 * static_cast<double>(tick)));
-    ++tick;
-    PP_REQUIRE_OK(pp_touch(session, &pose, &contact));
-    return tick > 100 && contact.penetration_mm < 1;
-  }));
+  pushUntilDented(session);
   CHECK(serving.info().states == 0);
   PP_CHECK_OK(pp_session_close(session));
   CHECK(serving.info().states > 20);

@@ -3,22 +3,11 @@
 
 #include "tests/library/ball.hpp"
 #include "tests/library/simulating.hpp"
+#include "tests/library_gpu/gpu_options.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate::moving_gpu_test {
-
-namespace {
-
-/// On the GPU that the tests run on.
-pp_session_options gpuOptions() {
-  pp_session_options options = cpuOptions();
-  const char* const named = std::getenv("PALPATE_GPU");
-  options.gpu = named ? named : "0";
-  return options;
-}
-
-}  // namespace
 
 TEST_CASE("on a GPU two hands touch the same water, and its frames show its motion") {
   if (!canSimulate()) return;

@@ -4,20 +4,13 @@
 #include <thread>
 
 #include "tests/library/ball.hpp"
+#include "tests/library_gpu/gpu_options.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate::pictures_test {
 
 namespace {
-
-/// On the GPU that the tests run on.
-pp_session_options gpuOptions() {
-  pp_session_options options = cpuOptions();
-  const char* const named = std::getenv("PALPATE_GPU");
-  options.gpu = named ? named : "0";
-  return options;
-}
 
 struct Picture {
   std::uint32_t width = 160, height = 120;

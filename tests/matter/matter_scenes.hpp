@@ -13,6 +13,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/matter/matter_world.hpp"
+#include "tests/error_of.hpp"
 
 namespace palpate {
 
@@ -82,12 +83,7 @@ inline bool sameBytes(const MatterSimulation& a, const MatterSimulation& b) {
 
 /// The error that rejects a scene; "taken" if it is valid.
 inline std::string refusal(const MatterScene& scene, std::uint64_t memory_bytes = std::uint64_t{2} << 30) {
-  try {
-    planOf(scene, memory_bytes);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "taken";
+  return errorOf([&] { planOf(scene, memory_bytes); });
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "engine/cloud/analytic_shape.hpp"
+#include "tests/error_of.hpp"
 #include "tests/labels.hpp"
 #include "tests/matter/matter_truths.hpp"
 #include "tests/near.hpp"
@@ -48,12 +49,7 @@ MatterMaker withModel(std::shared_ptr<const MatterModel> model) {
 }
 
 std::string refusalOf(PointCloud cloud, const MatterScene& scene) {
-  try {
-    const MatterModel model(std::move(cloud), scene, 2);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "taken";
+  return errorOf([&] { const MatterModel model(std::move(cloud), scene, 2); });
 }
 
 }  // namespace
@@ -150,7 +146,7 @@ TEST_CASE("an open model is refused with the position and width of its hole, and
   const std::string open = refusalOf(withoutCap(0.5), scene);
   CHECK(says(open, "model: is not closed: there is a hole about"));
   CHECK(says(open, "mm wide at"));
-  CHECK(refusalOf(withoutCap(0.99), scene) == "taken");
+  CHECK(refusalOf(withoutCap(0.99), scene).empty());
   MatterScene strict = scene;
   strict.hole_mm = 5;
   CHECK(says(refusalOf(withoutCap(0.97), strict), "model: is not closed"));
@@ -166,8 +162,8 @@ TEST_CASE("a model that cannot stand there is refused with the field's name befo
     change(scene);
     return refusal(scene);
   };
-  CHECK(with([](MatterScene&) {}) == "taken");
-  CHECK(with([](MatterScene& s) { s.model_mm = DVec3(0), s.model_at_mm = {}; }) == "taken");
+  CHECK(with([](MatterScene&) {}).empty());
+  CHECK(with([](MatterScene& s) { s.model_mm = DVec3(0), s.model_at_mm = {}; }).empty());
   CHECK(says(with([](MatterScene& s) { s.model_mm = DVec3(-1, 80, 80); }), "model_mm: is -1;"));
   CHECK(says(with([](MatterScene& s) { s.model_mm = DVec3(30); }), "model_mm: is 30 on its longest side"));
   CHECK(says(with([](MatterScene& s) { s.model_mm = DVec3(80, 80, 141); }), "model_mm: is 141 along z;"));

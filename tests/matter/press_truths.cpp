@@ -270,7 +270,7 @@ void checkCompliance(const SoftMaker& make) {
   const auto floating = make(free, 0, nullptr, {});
   const double byMass = 1 / (16 * 0.05 * 0.04 * 0.05 * 1000);
   CHECK(isWithin(0.03, floating->localCompliance_m_N({0.05, 0.04, 0.05}, 1, {0, -1, 0}), byMass));
-  // On the floor it gives way only slightly; the query does not change its motion.
+  // On the floor it yields only slightly; the query does not change its motion.
   const auto standing = make(softBlock(), 0, nullptr, {}), unasked = make(softBlock(), 0, nullptr, {});
   run(*standing, 60);
   run(*unasked, 60);

@@ -124,7 +124,7 @@ TEST_CASE("soft cubes hold hands and tools at all speeds, or yield evenly and re
             CHECK(result.failure.empty());
             CHECK(result.fell_N < 0.13);
             CHECK(result.rose_N < 0.13);
-            // A hand enters only where the body is reported to give way.
+            // A hand enters only where the body is reported to yield.
             if (result.holds.gaveWayTicks == 0) CHECK(result.ticksWithin == 0);
             letIn += result.ticksWithin > 0;
           }

@@ -9,6 +9,7 @@
 #include "engine/matter/soft_scan.hpp"
 #include "engine/matter/soft_world.hpp"
 #include "engine/matter/winding_number.hpp"
+#include "tests/error_of.hpp"
 #include "tests/matter/matter_scenes.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
@@ -28,13 +29,10 @@ PointCloud shapeCloud(std::string_view shape, std::size_t points = 20000) {
 }
 
 std::string fillRefusal(const PointCloud& cloud, const MatterScene& scene = scanScene()) {
-  try {
+  return errorOf([&] {
     WorkerTeam team(2);
     scanSolid(placeScan(cloud, scene), scene.spacing_mm * 1e-3, scene.hole_mm * 1e-3, team);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "taken";
+  });
 }
 
 // The points for which `goes` is false.
@@ -108,7 +106,7 @@ TEST_CASE("a scan is filled identically by one thread and by three") {
 TEST_CASE("an open scan is refused with the position and width of its hole") {
   // The sphere of 100 mm stands in the middle of the box, on the floor: its middle is at 70, 50, 70.
   const PointCloud sphere = shapeCloud("sphere");
-  CHECK(fillRefusal(sphere) == "taken");
+  CHECK(fillRefusal(sphere).empty());
   const auto checkHole = [&](auto goes, double expectedWidth, const DVec3& expectedPlace) {
     const std::string text = fillRefusal(without(sphere, goes));
     double width = 0;
@@ -120,10 +118,10 @@ TEST_CASE("an open scan is refused with the position and width of its hole") {
   };
   checkHole([](const Vec3& place) { return place.x > 40; }, 60, {115, 50, 70});
   checkHole([](const Vec3& place) { return place.y < 0; }, 100, {70, 0, 70});
-  CHECK(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 49.5; })) == "taken");
+  CHECK(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 49.5; })).empty());
   MatterScene patient = scanScene();
   patient.hole_mm = 80;
-  CHECK(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 40; }), patient) == "taken");
+  CHECK(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 40; }), patient).empty());
   patient.hole_mm = 5;
   CHECK(says(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 49.5; }), patient), "model: is not"));
 }
@@ -144,12 +142,12 @@ TEST_CASE("a sheet of few uneven points is refused as open, and a closed scan of
   CHECK(says(fillRefusal(sheet), "model: is not closed: its points are"));
   for (Vec3& normal : sheet.normals) normal = -normal;
   CHECK(says(fillRefusal(sheet), "model: is not closed"));
-  CHECK(fillRefusal(shapeCloud("sphere", 1000)) == "taken");
-  CHECK(fillRefusal(shapeCloud("torus", 1000)) == "taken");
+  CHECK(fillRefusal(shapeCloud("sphere", 1000)).empty());
+  CHECK(fillRefusal(shapeCloud("torus", 1000)).empty());
   // Half of a sphere, closed by a film on request.
   MatterScene scene = scanScene();
   scene.hole_mm = 200;
-  CHECK(fillRefusal(without(shapeCloud("sphere"), [](const Vec3& place) { return place.y > 0; }), scene) == "taken");
+  CHECK(fillRefusal(without(shapeCloud("sphere"), [](const Vec3& place) { return place.y > 0; }), scene).empty());
 }
 
 TEST_CASE("a scan that encloses nothing, is inside out, or is too small is refused") {

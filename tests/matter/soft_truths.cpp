@@ -176,7 +176,7 @@ void checkHertz(const SoftMaker& make, const HertzCase& one) {
     world->setVelocities(velocities);
   }
   REQUIRE(world->state() == MatterState::running);
-  // The spring that holds the ball gives way, too.
+  // The spring that holds the ball yields, too.
   const double deep_m = above_m - world->answers()[0].place_m.y;
   CHECK(deep_m > 0.07 * ball_m);
   const double stiffness = 4.0 / 3 * kYoung_Pa / (1 - one.poisson * one.poisson) * std::sqrt(ball_m);

@@ -288,7 +288,7 @@ def test_names_that_are_cut_off_in_a_character_are_told_as_well_as_they_can_be(b
 def test_what_is_closed_says_so_and_says_what_it_was(served):
     s = joined(served)
     assert "20000 points" in repr(s) and served.name in repr(served)
-    assert "programs of this machine" in served.access and any("takes the points" in line for line in served.messages)
+    assert "programs of this machine" in served.access and any("fetches the points" in line for line in served.messages)
     s.close()
     served.close()
     served.close()  # a second close does no harm

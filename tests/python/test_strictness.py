@@ -69,15 +69,15 @@ def test_an_attribute_that_would_do_nothing_is_refused(session):
     (lambda s: s.render("large"), "render"),
     (lambda s: s.mesh(resolution=1.5), "mesh"),
     (lambda s: s.live(path="along"), "path"),
-    (lambda s: s.record(3), "file: is a path, not 3"),
+    (lambda s: s.record(3), "file: must be a path, not 3"),
     (lambda s: pp.Session(s, gpu="cpu"), "cloud"),
-    (lambda s: pp.Session.of_scene("water", mm_per_unit="one"), "Session.of_scene.*mm_per_unit is a number"),
+    (lambda s: pp.Session.of_scene("water", mm_per_unit="one"), "Session.of_scene.*mm_per_unit must be a number"),
     (lambda s: pp.Cloud(), "Cloud"),
     (lambda s: pp.Cloud([[1, 2]]), "xyz"),
-    (lambda s: pp.read(3), "file: is a path, not 3"),
-    (lambda s: pp.write("a.ply", [1]), "write.*cloud is a Cloud"),
+    (lambda s: pp.read(3), "file: must be a path, not 3"),
+    (lambda s: pp.write("a.ply", [1]), "write.*cloud must be a Cloud"),
     (lambda s: s.cloud().attribute("rain"), "rain"),
-    (lambda s: pp.Matter(3), "Matter.*scene is a text"),
+    (lambda s: pp.Matter(3), "Matter.*scene must be a text"),
 ])
 def test_what_does_not_fit_is_an_error_of_palpate_in_its_words(session, call, words):
     with pytest.raises(pp.Error, match=words) as caught:

@@ -47,38 +47,38 @@ from conftest import ball_arrays, press_path
     (lambda s: pp.Session(s.cloud(), "cpu", 1, "sharp"), "Session(): takes 3 arguments by position, the others by "
      "name, and 4 are given; it takes cloud, gpu, mm_per_unit, backend, surface, "),
     (lambda s: s.touch(press_path(1), path=3), "touch(): path is given twice"),
-    (lambda s: pp.Session(s.cloud(), gpu="cpu", radius_mm="a"), "Session(): radius_mm is a number or None, not the "
-     "text 'a'"),
+    (lambda s: pp.Session(s.cloud(), gpu="cpu", radius_mm="a"),
+     "Session(): radius_mm must be a number or None, not the text 'a'"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", threads=-1),
-     "Session(): threads is a whole number from 0 on, not -1"),
+     "Session(): threads must be a whole number of 0 or more, not -1"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", tool_axis=(1, 2)),
-     "Session(): tool_axis is three numbers, not (1, 2)"),
+     "Session(): tool_axis must be three numbers, not (1, 2)"),
     (lambda s: pp.Session.of_stream("x", gpu="cpu", loop="yes"),
-     "Session.of_stream(): loop is True or False, not the text 'yes'"),
+     "Session.of_stream(): loop must be True or False, not the text 'yes'"),
     (lambda s: pp.Session(s.cloud(), backend="gpu"), "backend: 'gpu' is not known; choose one of auto, vulkan, cpu"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", backend="vulkan"), "backend: vulkan conflicts with gpu 'cpu'"),
     (lambda s: pp.Session(s.cloud(), gpu=0, backend="cpu"), "backend: cpu conflicts with gpu '0'"),
     (lambda s: pp.Matter("dam", gpu=0, backend="cpu"), "backend: cpu conflicts with gpu '0'"),
-    (lambda s: s.push(press_path(1), yield_depth_mm="a"), "yield_depth_mm: is a number, not the text 'a'"),
-    (lambda s: s.push(press_path(1), color=(1, 2, 300)), "color: is three whole numbers from 0 to 255, not "
+    (lambda s: s.push(press_path(1), yield_depth_mm="a"), "yield_depth_mm: must be a number, not the text 'a'"),
+    (lambda s: s.push(press_path(1), color=(1, 2, 300)), "color: must be three whole numbers from 0 to 255, not "
      "(1, 2, 300)"),
-    (lambda s: s.undo("one"), "undo(): strokes is a whole number, not the text 'one'"),
-    (lambda s: s.undo(1.5), "undo(): strokes is a whole number, not 1.5"),
-    (lambda s: s.undo(-1), "undo(): strokes is a whole number from 0 on, not -1"),
-    (lambda s: s.render("large"), "render(): size is two whole numbers, not the text 'large'"),
-    (lambda s: s.render((9, 9), eye=(1, 2)), "render(): eye is three numbers or None, not (1, 2)"),
-    (lambda s: s.live(on_ticks=3, builtin="press"), "on_ticks: is a function, not 3"),
-    (lambda s: s.live(others=[3], builtin="press"), "others: is a list of Hand, and has 3"),
-    (lambda s: s.live(3), "device is a text or None, not 3"),
+    (lambda s: s.undo("one"), "undo(): strokes must be a whole number, not the text 'one'"),
+    (lambda s: s.undo(1.5), "undo(): strokes must be a whole number, not 1.5"),
+    (lambda s: s.undo(-1), "undo(): strokes must be a whole number of 0 or more, not -1"),
+    (lambda s: s.render("large"), "render(): size must be two whole numbers, not the text 'large'"),
+    (lambda s: s.render((9, 9), eye=(1, 2)), "render(): eye must be three numbers or None, not (1, 2)"),
+    (lambda s: s.live(on_ticks=3, builtin="press"), "on_ticks: must be a function, not 3"),
+    (lambda s: s.live(others=[3], builtin="press"), "others: must be a list of Hand, but contains 3"),
+    (lambda s: s.live(3), "device must be a text or None, not 3"),
     (lambda s: s.live("sim"), "device: sim requires the path of the hand: give builtin=press, slide, scan or "
      "orbit"),
     (lambda s: s.live(), "device: path requires the path of the hand: give builtin=press, slide, scan or "
      "orbit, or a path"),
-    (lambda s: pp.Matter(3), "Matter(): scene is a text, not 3"),
-    (lambda s: pp.read(3), "file: is a path, not 3"),
-    (lambda s: pp.write("x.ply", [1]), "write(): cloud is a Cloud, not [1]"),
-    (lambda s: pp.Session(3), "Session(): cloud is a Cloud, not 3"),
-    (lambda s: pp.Session("water"), "Session(): cloud is a Cloud, not the text 'water'"),
+    (lambda s: pp.Matter(3), "Matter(): scene must be a text, not 3"),
+    (lambda s: pp.read(3), "file: must be a path, not 3"),
+    (lambda s: pp.write("x.ply", [1]), "write(): cloud must be a Cloud, not [1]"),
+    (lambda s: pp.Session(3), "Session(): cloud must be a Cloud, not 3"),
+    (lambda s: pp.Session("water"), "Session(): cloud must be a Cloud, not the text 'water'"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", law=3), "law: 3 is not the address of a function"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", surface="shrp"), "surface: 'shrp' is not known; choose one of "
      "average, sphere, sharp"),
@@ -95,8 +95,8 @@ def test_a_call_that_does_not_fit_says_what_was_meant(session, call, told):
 
 @pytest.mark.skipif(not pp.can_simulate(), reason="this palpate was built without PALPATE_SIMULATION")
 @pytest.mark.parametrize("call, told", [
-    (lambda m: m.simulate("a"), "simulate(): seconds is a number, not the text 'a'"),
-    (lambda m: m.set("gain", "a"), "set(): value is a number, not the text 'a'"),
+    (lambda m: m.simulate("a"), "simulate(): seconds must be a number, not the text 'a'"),
+    (lambda m: m.set("gain", "a"), "set(): value must be a number, not the text 'a'"),
 ])
 def test_a_call_of_matter_that_does_not_fit_says_what_was_meant(dam, call, told):
     with pytest.raises(pp.UsageError) as caught:
@@ -145,7 +145,7 @@ def test_unknown_keywords_are_type_errors_too_and_a_programs_own_type_errors_sta
 
     with pytest.raises(TypeError) as own:
         pp.read_recording(Path())
-    assert "of this program" in str(own.value) or "file: is a path" in str(own.value)
+    assert "of this program" in str(own.value) or "file: must be a path" in str(own.value)
 
 
 @pytest.mark.parametrize("row, column, value, told", [
@@ -194,7 +194,7 @@ def test_colours_of_another_shape_or_kind_say_what_is_wrong():
     xyz, _ = ball_arrays(50)
     with pytest.raises(pp.UsageError, match=r"colors: has shape \(3, 3\), not \(50, 3\)"):
         pp.Cloud(xyz, colors=np.zeros((3, 3), np.int64))
-    with pytest.raises(pp.UsageError, match="colors: are whole numbers .* or floats .*, not bool"):
+    with pytest.raises(pp.UsageError, match="colors: must be whole numbers .* or floats .*, not bool"):
         pp.Cloud(xyz, colors=np.zeros((50, 3), bool))
 
 

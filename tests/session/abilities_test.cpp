@@ -7,6 +7,7 @@
 
 #include "haptics/session/backends.hpp"
 #include "haptics/session/simulation.hpp"
+#include "tests/error_of.hpp"
 #include "tests/session/session_scene.hpp"
 
 namespace palpate::abilities_test {
@@ -32,20 +33,15 @@ std::map<ModelKind, SessionConfig> configured() {
   }
   made[ModelKind::shared] = file;
   made[ModelKind::shared].join = JoinConfig{};
-  made[ModelKind::near] = file;
-  made[ModelKind::near].join = JoinConfig{.near = true};
+  made[ModelKind::partial] = file;
+  made[ModelKind::partial].join = JoinConfig{.partial = true};
   return made;
 }
 
 // What a check says of a configuration; empty: nothing.
 template <class Check>
 std::string saidBy(Check check) {
-  try {
-    check();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return {};
+  return errorOf<ConfigError>([&] { check(); });
 }
 
 }  // namespace

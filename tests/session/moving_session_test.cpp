@@ -6,6 +6,7 @@
 #include "haptics/session/interactive_session.hpp"
 #include "tests/moving_shape.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/session/config_fault.hpp"
 #include "tests/session/session_scene.hpp"
 
 namespace palpate::moving_session_test {
@@ -29,15 +30,6 @@ SessionConfig still() {
 Path atRest() {
   const DVec3 hip(0, 0, 50.2);
   return Path({{0, hip}, {0.25, hip}});
-}
-
-std::string faultOf(const SessionConfig& config) {
-  try {
-    validate(config);
-  } catch (const ConfigError& error) {
-    return error.field();
-  }
-  return {};
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "haptics/session/session_config.hpp"
+#include "tests/session/config_fault.hpp"
 
 #include <doctest/doctest.h>
 
@@ -45,16 +46,7 @@ SessionConfig unusual() {
           .realtime = true};
 }
 
-std::string faultOf(SessionConfig config) {
-  try {
-    validate(config);
-  } catch (const ConfigError& error) {
-    return error.field();
-  }
-  return {};
-}
-
-std::string faultOf(const std::string& text) {
+std::string textFault(const std::string& text) {
   try {
     parseConfig(text);
   } catch (const ConfigError& error) {
@@ -91,18 +83,18 @@ TEST_CASE("fields missing in a text have their defaults") {
 
 TEST_CASE("an invalid text is refused with the name of the field") {
   const std::string text = configText(unusual());
-  CHECK(faultOf(replaced(text, "\"version\": 1", "\"version\": 2")) == "version");
-  CHECK(faultOf(replaced(text, "\"friction\"", "\"frictoin\"")) == "surface.frictoin");
-  CHECK(faultOf(replaced(text, "\"sharp\"", "\"blunt\"")) == "surface.kind");
-  CHECK(faultOf(replaced(text, "\"push_rate\": 0.9", "\"push_rate\": \"much\"")) == "brush.push_rate");
-  CHECK(faultOf(replaced(text, "255", "256")) == "brush.color");
-  CHECK(faultOf(replaced(text, "255", "-1")) == "brush.color");
-  CHECK(faultOf(replaced(text, "\"falloff\": 3", "\"falloff\": 4294967299")) == "brush.falloff");
-  CHECK(faultOf(replaced(text, "\"falloff\": 3", "\"falloff\": 2.5")) == "brush.falloff");
-  CHECK(faultOf(replaced(text, "\"device\": \"dhd:1\"", "\"device\": 1")) == "hands[1].device");
-  CHECK(faultOf(replaced(text, "\"brush\": {", "\"brush\": 5, \"unused\": {")) == "brush");
-  CHECK(faultOf(std::string("[]")) == "config");
-  CHECK(faultOf(std::string("{")).find("not valid JSON") != std::string::npos);
+  CHECK(textFault(replaced(text, "\"version\": 1", "\"version\": 2")) == "version");
+  CHECK(textFault(replaced(text, "\"friction\"", "\"frictoin\"")) == "surface.frictoin");
+  CHECK(textFault(replaced(text, "\"sharp\"", "\"blunt\"")) == "surface.kind");
+  CHECK(textFault(replaced(text, "\"push_rate\": 0.9", "\"push_rate\": \"much\"")) == "brush.push_rate");
+  CHECK(textFault(replaced(text, "255", "256")) == "brush.color");
+  CHECK(textFault(replaced(text, "255", "-1")) == "brush.color");
+  CHECK(textFault(replaced(text, "\"falloff\": 3", "\"falloff\": 4294967299")) == "brush.falloff");
+  CHECK(textFault(replaced(text, "\"falloff\": 3", "\"falloff\": 2.5")) == "brush.falloff");
+  CHECK(textFault(replaced(text, "\"device\": \"dhd:1\"", "\"device\": 1")) == "hands[1].device");
+  CHECK(textFault(replaced(text, "\"brush\": {", "\"brush\": 5, \"unused\": {")) == "brush");
+  CHECK(textFault(std::string("[]")) == "config");
+  CHECK(textFault(std::string("{")).find("not valid JSON") != std::string::npos);
 }
 
 TEST_CASE("a value out of bounds is refused with the name of the field") {

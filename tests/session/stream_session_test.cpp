@@ -2,24 +2,14 @@
 #include <thread>
 
 #include "engine/cloud/up.hpp"
+#include "tests/error_of.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 #include "tests/session/wall_stream.hpp"
 
 namespace palpate::stream_session_test {
 
-namespace {
-
-std::string refusal(auto&& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "done";
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("the first frame of a recording is the model, in metres and with its up axis") {
   const ScratchFolder folder;
@@ -201,21 +191,21 @@ TEST_CASE("a stream that cannot be a model is refused with its kind") {
   writeWall(folder.path());
   const SessionConfig config = playing(folder.path());
   Log log(true);
-  CHECK(says(refusal([&] { loadModel(config.model, {.log = log}); }), "is a recorded depth camera, and not one cloud"));
+  CHECK(says(errorOf([&] { loadModel(config.model, {.log = log}); }), "is a recorded depth camera, and not one cloud"));
   SessionConfig live = config;
   live.stream->live = live.realtime = true;
   live.model.file = "/dev/null";
-  CHECK(says(refusal([&] { load(live); }), "stream.intrinsics: /dev/null provides none; give a JSON file"));
+  CHECK(says(errorOf([&] { load(live); }), "stream.intrinsics: /dev/null provides none; give a JSON file"));
   live.model.file = "-";
   live.stream->intrinsics = "camera.json";
-  CHECK(says(refusal([&] { load(live); }), "stream.intrinsics: raw frames contain them in their first line"));
+  CHECK(says(errorOf([&] { load(live); }), "stream.intrinsics: raw frames contain them in their first line"));
   for (int i = 0; i < kFrames; ++i)  // isolated pixels without neighbours
     writeBytes(folder / "depth" / fmt::format("{:04}.png", i), [] {
       std::vector<float> depth_m(std::size_t{kCamera.width} * kCamera.height);
       depth_m[500] = 1;
       return depthPng(kCamera, depth_m, 50'000);
     }());
-  CHECK(says(refusal([&] { load(config); }), "ends without a frame that has points"));
+  CHECK(says(errorOf([&] { load(config); }), "ends without a frame that has points"));
 }
 
 TEST_CASE("frames of a recording are held, stepped and resumed under a hand") {

@@ -68,8 +68,8 @@ TEST_CASE("a client with only nearby points receives those around its moving han
     CHECK(joined.far->counts().resumed == 0);
   }
   const ServedCounts counts = served.end();
-  CHECK(counts.near == 1);
-  CHECK(counts.nearPoints > 100);
+  CHECK(counts.partial == 1);
+  CHECK(counts.partialPoints > 100);
   CHECK(counts.refused == 0);
 }
 

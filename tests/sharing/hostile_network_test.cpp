@@ -17,6 +17,7 @@
 #include "haptics/sharing/joined_session.hpp"
 #include "tests/labels.hpp"
 #include "tests/sharing/honest_hand.hpp"
+#include "tests/sharing/served_square.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
 extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // not every compiler provides its header
@@ -164,15 +165,13 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   CAPTURE(attack);
   const PointCloud cloud = flatCloud(20'000);
   Served served(cloud, "attacked");
-  const JoinedCloud joined = joinCloud("attacked", {.network = ownNetwork(), .near = true});
+  const JoinedCloud joined = joinCloud("attacked", {.network = ownNetwork(), .partial = true});
   BrickSource& source = joined.far->source();
   const auto comesTo = [&](double y) {
-    HandReaches hands{.time_s = steadyNow_s(), .steady_s = steadyNow_s(), .count = 1};
-    const DVec3 hip(50, y, 0);
-    hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
+    const HandReaches hands = handAt({50, y, 0});
     source.ask(hands);
-    return source.await(
-        hands, 30);  // up to 64 others are served first, each for some milliseconds, ten times that with sanitizers
+    // Up to 64 others are served first, each for some milliseconds, ten times that with sanitizers.
+    return source.await(hands, 30);
   };
   REQUIRE(comesTo(20));
   HostileSide side(attack, seconds);
@@ -189,7 +188,7 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   const NearOutcome outcome{.hand = during, .served = served.end()};
   MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times resumed; {} clients, {} refused",
                       attack, outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1),
-                      outcome.hand.resumed, outcome.served.near, outcome.served.refused));
+                      outcome.hand.resumed, outcome.served.partial, outcome.served.refused));
   CHECK(outcome.hand.longestSilent_s < 1 + stood_s);
   return outcome;
 }
@@ -202,7 +201,7 @@ TEST_CASE("repeated requests for all points around eight hands delay no other cl
 
 TEST_CASE("ten thousand requesters of nearby points stay within the limit and displace no client" * kClock) {
   const NearOutcome many = attackedNear("nears", 1);
-  CHECK(many.served.near <= 64);
+  CHECK(many.served.partial <= 64);
   CHECK(many.served.refused > 1000);
 }
 

@@ -14,6 +14,7 @@
 #include "haptics/sharing/ros_intake.hpp"
 #include "tests/labels.hpp"
 #include "tests/sharing/honest_hand.hpp"
+#include "tests/sharing/served_square.hpp"
 
 namespace palpate::mutated_samples_test {
 
@@ -295,12 +296,10 @@ TEST_CASE("a client that joins amid corrupted blocks receives the announced poin
 TEST_CASE("a client with only nearby points continues amid corrupted requests, facts and bricks") {
   const PointCloud cloud = flatCloud(20'000);
   Served served(cloud, "mutated");
-  const JoinedCloud joined = joinCloud("mutated", {.network = ownNetwork(), .near = true});
+  const JoinedCloud joined = joinCloud("mutated", {.network = ownNetwork(), .partial = true});
   BrickSource& source = joined.far->source();
   const auto comesTo = [&](double y) {
-    HandReaches hands{.time_s = steadyNow_s(), .steady_s = steadyNow_s(), .count = 1};
-    const DVec3 hip(50, y, 0);
-    hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
+    const HandReaches hands = handAt({50, y, 0});
     source.ask(hands);
     return source.await(hands, 30);
   };

@@ -114,7 +114,7 @@ near_hand() {  # ROUND_TRIP LOSS: only the points around the hand, in virtual ti
   ip netns exec "$far" "$palpate" serve "$folder/large.ply" --name large --interface b > "$folder/large.log" 2>&1 &
   large=$!
   until grep -q serving "$folder/large.log"; do kill -0 "$large" || fail 'nothing large is served'; sleep 0.05; done
-  local at="ip netns exec $near $palpate --quiet touch --join large --near --interface a --backend cpu"
+  local at="ip netns exec $near $palpate --quiet touch --join large --partial --interface a --backend cpu"
   at+=" --path $folder/slide.csv"
   $at --trace "$folder/near.csv" --json "$folder/near.json" > "$folder/near.log" 2>&1 ||
     fail "no hand near at $1 ms and $2 % loss"
@@ -141,7 +141,7 @@ rows = lambda name: {row[0]: row[1:17] for row in csv.reader(open(f"{folder}/{na
 own, clock = rows("own_slide.csv"), rows("clock.csv")
 near, virtual = (json.load(open(f"{folder}/{name}.json")) for name in ("clock", "near"))
 # After a missed tick the proxy continues from another position, and returns except for its last digits.
-allowed = 1e-4 if near["missed_ticks"] + near["near"]["ticks_without_points"] else 0
+allowed = 1e-4 if near["missed_ticks"] + near["partial"]["ticks_without_points"] else 0
 is_same = lambda a, b: a == b or all(x == y or abs(float(x) - float(y)) <= allowed for x, y in zip(a, b))
 other = sum(not is_same(own[t], row) for t, row in clock.items())
 print(f"over_slow_link: round trip {trip} ms, {loss} % lost, the points around the hand alone: the same trace; "
@@ -150,18 +150,19 @@ print(f"over_slow_link: round trip {trip} ms, {loss} % lost, the points around t
       f"{near['near']['points']} points came, {near['near']['max_known']} of {near['points']} were there at once; "
       f"longest silence "
       f"{near['near']['longest_silence_s']:.1f} s")
-assert virtual["near"]["ticks_without_points"] == 0 and virtual["contact_ticks"] > 500, virtual
+assert virtual["partial"]["ticks_without_points"] == 0 and virtual["contact_ticks"] > 500, virtual
 # A missed tick affects some later ones: by the damping, and by the proxy's path.
 after_missed = 10
-assert other <= near["near"]["ticks_without_points"] * after_missed + near["missed_ticks"] * after_missed, (other, near)
-assert near["near"]["max_known"] < near["points"] / 2, near
-sys.exit(0 if int(trip) > 100 or near["near"]["ticks_without_points"] <= 0.001 * near["near"]["ticks"] else 75)
+late = near["partial"]["ticks_without_points"] + near["missed_ticks"]
+assert other <= late * after_missed, (other, near)
+assert near["partial"]["max_known"] < near["points"] / 2, near
+sys.exit(0 if int(trip) > 100 or near["partial"]["ticks_without_points"] <= 0.001 * near["partial"]["ticks"] else 75)
 CHECK
 }
 cut_near() {  # the cable is disconnected for five seconds: known points are felt until they are too old, then
               # nothing, and again once the hand has left and re-entered
   : > "$folder/near.log"
-  ip netns exec "$near" "$palpate" touch --join large --near --interface a --backend cpu --path "$folder/again.csv" \
+  ip netns exec "$near" "$palpate" touch --join large --partial --interface a --backend cpu --path "$folder/again.csv" \
     --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" > "$folder/near.log" 2>&1 &
   local hand=$!
   await_line "$folder/near.log" '^touch: [1-9]' 1 "$hand"
@@ -170,7 +171,7 @@ cut_near() {  # the cable is disconnected for five seconds: known points are fel
   python3 - "$folder" << 'CHECK' || fail 'not the force that a hand should have while the cable is out, or after it'
 import csv, json, re, sys
 rows = list(csv.DictReader(open(f"{sys.argv[1]}/clock.csv")))
-near = json.load(open(f"{sys.argv[1]}/clock.json"))["near"]
+near = json.load(open(f"{sys.argv[1]}/clock.json"))["partial"]
 force = lambda row: sum(float(row[f"force_{axis}"]) ** 2 for axis in "xyz") ** 0.5
 held = [row for row in rows if float(row["t_s"]) > 1]
 silent = sum(force(row) == 0 for row in held) / 1000
@@ -242,19 +243,19 @@ for way in '0 0' '100 1' '1000 5'; do
     trip_ms=$(sed -n 's/.*round trip \([0-9]*\).*/\1/p' <<< "$listed")
     [ "${trip_ms:-0}" -ge 95 ] && [ "$trip_ms" -le 250 ] || fail "the round trip is listed as: $listed"
     # The cable is disconnected for three seconds while the points are being sent.
-    begun=$(lines_of "$folder/serve.log" 'takes the points')
+    begun=$(lines_of "$folder/serve.log" 'fetches the points')
     joined "$folder/joined.csv" &
     client=$!
-    await_line "$folder/serve.log" 'takes the points' $((begun + 1)) "$client"
+    await_line "$folder/serve.log" 'fetches the points' $((begun + 1)) "$client"
     touch "$folder/cut"; sleep 3; rm "$folder/cut"
     wait "$client" || fail 'a cable that was out for three seconds ended it'
     cmp "$folder/joined.csv" "$folder/own.csv" || fail 'another trace after the cable was out'
     echo 'over_slow_link: a cable that was out for three seconds: the same trace'
     # Killed in the middle: it is reported, and the next server can have the name.
-    begun=$(lines_of "$folder/serve.log" 'takes the points')
+    begun=$(lines_of "$folder/serve.log" 'fetches the points')
     joined "$folder/joined.csv" &
     client=$!
-    await_line "$folder/serve.log" 'takes the points' $((begun + 1)) "$client"
+    await_line "$folder/serve.log" 'fetches the points' $((begun + 1)) "$client"
     end_server KILL
     if wait "$client"; then fail 'what was killed was joined'; fi
     grep -qE 'nothing received|no session named' "$folder/touch.log" || fail 'a killed server was not said'

@@ -55,7 +55,7 @@ HandPlace handAt(double x) {
 /// A client that has joined and watches the others.
 struct Looking {
   Looking(const std::string& session, const std::string& name, bool near = false)
-      : joined(joinCloud(session, {.network = ownNetwork(), .near = near})),
+      : joined(joinCloud(session, {.network = ownNetwork(), .partial = near})),
         presence(sharePresence(joined.session, name, joined.cloud)) {}
   bool sees(double x, double seconds = 10) const {
     return within(seconds, [&] {

@@ -10,7 +10,9 @@
 
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_tf.hpp"
+#include "tests/error_of.hpp"
 #include "tests/near.hpp"
+#include "tests/says.hpp"
 #include "tests/sharing/own_network.hpp"
 #include "tests/sharing/ros_camera.hpp"
 #include "tests/sharing/ros_discovery.hpp"
@@ -25,22 +27,6 @@ constexpr DepthCamera kCamera{.width = 32, .height = 24, .fx = 30, .fy = 30, .cx
 
 RosWatching watching(double timeout_s = 10) {
   return {.listening = {.network = ownNetwork(), .timeout_s = timeout_s}, .threads = 1};
-}
-
-std::string refusal(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "nothing is refused";
-}
-
-bool says(const std::string& text, const std::string& words) {
-  INFO(text);
-  const bool said = text.find(words) != std::string::npos;
-  CHECK(said);
-  return said;
 }
 
 double flat(const DVec3&) { return 2; }
@@ -103,7 +89,7 @@ TEST_CASE("depth images arrive once each, in order, with the camera of their Cam
 TEST_CASE("a given camera replaces the CameraInfo, and an error reports that both are missing") {
   const SendingCamera sender(ownNetwork(), "bare/depth", RosCameraInfo{.header = {.stamp = {}, .frame_id = nullptr}},
                              [](int) { return pictureOf(kCamera, flat); });
-  CHECK(says(refusal([&] { watchRosFrames("bare/depth/image_raw", watching()); }), "a CameraInfo is of 0 x 0 pixels"));
+  CHECK(says(errorOf([&] { watchRosFrames("bare/depth/image_raw", watching()); }), "a CameraInfo is of 0 x 0 pixels"));
   RosWatching given = watching();
   given.camera = kCamera;
   given.depthScale = 4;
@@ -116,7 +102,7 @@ TEST_CASE("a given camera replaces the CameraInfo, and an error reports that bot
   const RosPublisher<RosImage> alone(participant, "rt/alone/image_raw", RosDelivery::latched);
   SentPicture picture = pictureOf(kCamera, flat);
   CHECK(alone.write(picture.message()));
-  CHECK(says(refusal([&] { watchRosFrames("alone/image_raw", watching(0.5)); }),
+  CHECK(says(errorOf([&] { watchRosFrames("alone/image_raw", watching(0.5)); }),
              "no CameraInfo was received on alone/camera_info in 0.5 s"));
 }
 
@@ -194,7 +180,7 @@ TEST_CASE("organised and unorganised points arrive as frames with normals that f
   }
   RosWatching fused = watching();
   fused.needsPictures = true;
-  CHECK(says(refusal([&] { watchRosFrames("rows", fused); }), "the topic has points"));
+  CHECK(says(errorOf([&] { watchRosFrames("rows", fused); }), "the topic has points"));
 }
 
 TEST_CASE("a message of more points than the first has room for is a lost frame") {
@@ -322,8 +308,8 @@ TEST_CASE("a frame without a path to the requested one is reported, and used onc
   RosWatching inMap = watching(0.6);
   inMap.listening.frame = "map";
   const std::string words = "is in the frame 'lonely', from which no transform on /tf_static and /tf leads to 'map'";
-  CHECK(says(refusal([&] { watchRosFrames("unjoined", inMap); }), words));
-  CHECK(says(refusal([&] { hearRosCloud("unjoined_still", inMap.listening); }), words));
+  CHECK(says(errorOf([&] { watchRosFrames("unjoined", inMap); }), words));
+  CHECK(says(errorOf([&] { hearRosCloud("unjoined_still", inMap.listening); }), words));
   std::jthread late([&](const std::stop_token& stops) {
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     RosTransformPublisher stands(participant, "map", "lonely", true);
@@ -359,7 +345,7 @@ TEST_CASE("overlong and empty transform messages move nothing and cause no failu
   CHECK(good.write(0, {1, 0, 0}, DQuat(1, 0, 0, 0)));
   RosHeader header{};
   header.frame_id = child;
-  CHECK(says(refusal([&] { intake.poseOf(header); }), "no transform on"));
+  CHECK(says(errorOf([&] { intake.poseOf(header); }), "no transform on"));
   char name[] = "good";
   header.frame_id = name;
   CHECK(comesTrue([&] {
@@ -375,15 +361,15 @@ TEST_CASE("a topic of another type or without a sender is reported before a mess
   const Participant participant = rosParticipant(ownNetwork());
   const RosPublisher<RosPoseStamped> pose(participant, "rt/pose", RosDelivery::reliable);
   const std::string words = "the topic has type geometry_msgs/msg/PoseStamped, not ";
-  CHECK(says(refusal([&] { whatRosSends("pose", watching().listening); }),
+  CHECK(says(errorOf([&] { whatRosSends("pose", watching().listening); }),
              words + "sensor_msgs/msg/PointCloud2 or sensor_msgs/msg/Image"));
-  CHECK(says(refusal([&] { hearRosCloud("/pose", watching().listening); }), words + "sensor_msgs/msg/PointCloud2"));
-  CHECK(says(refusal([&] { watchRosFrames("nobody", watching(0.3)); }), "no sender was found in 0.3 s"));
-  CHECK(says(refusal([&] { watchRosFrames("a//b", watching()); }), "is not a valid name"));
+  CHECK(says(errorOf([&] { hearRosCloud("/pose", watching().listening); }), words + "sensor_msgs/msg/PointCloud2"));
+  CHECK(says(errorOf([&] { watchRosFrames("nobody", watching(0.3)); }), "no sender was found in 0.3 s"));
+  CHECK(says(errorOf([&] { watchRosFrames("a//b", watching()); }), "is not a valid name"));
   const std::atomic<bool> stop = true;
   RosWatching stopped = watching();
   stopped.listening.stop = &stop;
-  CHECK(says(refusal([&] { watchRosFrames("nobody", stopped); }), "interrupted"));
+  CHECK(says(errorOf([&] { watchRosFrames("nobody", stopped); }), "interrupted"));
 }
 
 }  // namespace palpate::ros_frames_test

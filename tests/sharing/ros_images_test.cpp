@@ -14,7 +14,9 @@
 
 #include "engine/cloud/grid_normals.hpp"
 #include "haptics/sharing/network.hpp"
+#include "tests/error_of.hpp"
 #include "tests/near.hpp"
+#include "tests/says.hpp"
 
 namespace palpate::ros_images_test {
 
@@ -54,15 +56,6 @@ struct Picture {
   RosPicture says;
 };
 
-std::string refusal(const std::function<void()>& take) {
-  try {
-    take();
-  } catch (const NetworkError& error) {
-    return error.what();
-  }
-  return "nothing is refused";
-}
-
 RosCalibration calibration() {
   return {.height = 2,
           .width = 3,
@@ -99,7 +92,7 @@ TEST_CASE("an image that contradicts itself or the camera is refused with a reas
   const auto spoiled = [](const std::function<void(Picture&)>& spoil, const char* encoding = "16UC1") {
     Picture picture(encoding);
     spoil(picture);
-    return refusal([&] { picture.take(); });
+    return errorOf<NetworkError>([&] { picture.take(); });
   };
   constexpr std::uint32_t kMax = 0xffffffffu;
   CHECK(spoiled([](Picture& p) { p.data.pop_back(); }) ==
@@ -132,17 +125,14 @@ TEST_CASE("RGB and BGR colours are read pixel by pixel, and other encodings are 
   const auto refused = [&](auto&& spoil) {
     RosPicture spoilt = picture;
     spoil(spoilt);
-    return refusal([&] { takeRosColors(spoilt, kCamera, colors); });
+    return errorOf<NetworkError>([&] { takeRosColors(spoilt, kCamera, colors); });
   };
-  const auto says = [](const std::string& text, const std::string& words) {
-    INFO(text);
-    CHECK(text.find(words) != std::string::npos);
-  };
-  says(refused([](RosPicture& p) { p.encoding = "rgba8"; }), "of colour must be rgb8 or bgr8, and this one is 'rgba8'");
-  says(refused([](RosPicture& p) { p.width = 2; }), "has 2 x 2 pixels, and the camera has 3 x 2");
-  says(refused([](RosPicture& p) { p.step = 8; }), "a row of 3 pixels has 8 bytes");
-  says(refused([](RosPicture& p) { p.data = p.data.first(18); }), "19 bytes are announced, and 18 there");
-  says(refused([](RosPicture& p) { p.step = 0xffffffff; }), "contradicts itself");
+  CHECK(says(refused([](RosPicture& p) { p.encoding = "rgba8"; }),
+             "of colour must be rgb8 or bgr8, and this one is 'rgba8'"));
+  CHECK(says(refused([](RosPicture& p) { p.width = 2; }), "has 2 x 2 pixels, and the camera has 3 x 2"));
+  CHECK(says(refused([](RosPicture& p) { p.step = 8; }), "a row of 3 pixels has 8 bytes"));
+  CHECK(says(refused([](RosPicture& p) { p.data = p.data.first(18); }), "19 bytes are announced, and 18 there"));
+  CHECK(says(refused([](RosPicture& p) { p.step = 0xffffffff; }), "contradicts itself"));
 }
 
 TEST_CASE("the camera is K for raw images and P for rectified ones") {
@@ -162,12 +152,12 @@ TEST_CASE("an invalid calibration is refused with a reason") {
   const auto spoiled = [](const std::function<void(RosCalibration&)>& spoil, bool rectified = false) {
     RosCalibration given = calibration();
     spoil(given);
-    return refusal([&] { rosCamera(given, rectified); });
+    return errorOf<NetworkError>([&] { rosCamera(given, rectified); });
   };
   const std::array<double, 5> bent{0.1, 0, 0, 0, 0}, straight{};
   CHECK(spoiled([&](RosCalibration& c) { c.d = bent; }).find("the lens distorts (plumb_bob)") != std::string::npos);
-  CHECK(spoiled([&](RosCalibration& c) { c.d = bent; }, true) == "nothing is refused");
-  CHECK(spoiled([&](RosCalibration& c) { c.d = straight; }) == "nothing is refused");
+  CHECK(spoiled([&](RosCalibration& c) { c.d = bent; }, true).empty());
+  CHECK(spoiled([&](RosCalibration& c) { c.d = straight; }).empty());
   CHECK(spoiled([](RosCalibration& c) { c.k = {}; }).find("is not calibrated") != std::string::npos);
   CHECK(spoiled([](RosCalibration& c) { c.k[4] = std::nan(""); }).find("is not calibrated") != std::string::npos);
   CHECK(spoiled([](RosCalibration& c) { c.k[2] = 1e300; }).find("is not calibrated") != std::string::npos);

@@ -13,6 +13,8 @@
 
 #include "engine/core/clock.hpp"
 #include "haptics/sharing/network.hpp"
+#include "tests/error_of.hpp"
+#include "tests/says.hpp"
 
 namespace palpate::ros_points_test {
 
@@ -52,18 +54,6 @@ struct Message {
   std::vector<std::uint8_t> data;
   RosPoints says;
 };
-
-bool refuses(Message& message, const std::string& words) {
-  try {
-    message.take();
-  } catch (const NetworkError& error) {
-    INFO(error.what());
-    const bool said = std::string(error.what()).find(words) != std::string::npos;
-    CHECK(said);
-    return said;
-  }
-  return false;
-}
 
 }  // namespace
 
@@ -165,7 +155,7 @@ TEST_CASE("a message that contradicts itself is refused with a reason, without a
     CAPTURE(words);
     Message message(4, RosField::f32);
     spoil(message);
-    CHECK(refuses(message, words));
+    CHECK(says(errorOf([&] { message.take(); }), words));
   };
   constexpr std::uint32_t kMax = 0xffffffffu;
   spoiled([](Message& m) { m.data.pop_back(); }, "48 bytes of points are announced, and 47 there");

@@ -9,7 +9,9 @@
 #include <random>
 
 #include "haptics/sharing/network.hpp"
+#include "tests/error_of.hpp"
 #include "tests/near.hpp"
+#include "tests/says.hpp"
 
 namespace palpate::ros_transforms_test {
 
@@ -26,19 +28,7 @@ RosTransform transform(std::string_view parent, std::string_view child, const DV
 }
 
 std::string refusal(const RosTransforms& tree, std::string_view frame, std::string_view target, std::int64_t stamp_ns) {
-  try {
-    tree.find(frame, target, stamp_ns);
-  } catch (const NetworkError& error) {
-    return error.what();
-  }
-  return "nothing is refused";
-}
-
-bool says(const std::string& text, const std::string& words) {
-  INFO(text);
-  const bool said = text.find(words) != std::string::npos;
-  CHECK(said);
-  return said;
+  return errorOf<NetworkError>([&] { tree.find(frame, target, stamp_ns); });
 }
 
 }  // namespace

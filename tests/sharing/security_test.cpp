@@ -10,6 +10,7 @@
 
 #include "haptics/sharing/openssl.hpp"
 #include "tests/content_of.hpp"
+#include "tests/error_of.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/sharing/own_network.hpp"
 
@@ -21,16 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kYear_s = 365 * 24 * 3600;
 constexpr std::int64_t kLongAgo_s = 1'600'000'000;  // in 2020
-
-/// The message of an error; empty without one.
-std::string errorOf(const std::function<void()>& what) {
-  try {
-    what();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
-}
 
 void checkSays(const std::string& text, const std::vector<std::string>& parts) {
   CAPTURE(text);

@@ -77,7 +77,7 @@ inline std::size_t around(BrickSource& source, const DVec3& hip, CloudFrame& fra
 }
 
 inline JoinedCloud joinNear(const std::string& name, Log* log = nullptr) {
-  return joinCloud(name, {.network = ownNetwork(), .near = true, .log = log});
+  return joinCloud(name, {.network = ownNetwork(), .partial = true, .log = log});
 }
 
 }  // namespace palpate

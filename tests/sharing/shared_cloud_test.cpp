@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "haptics/sharing/messages.hpp"
+#include "tests/error_of.hpp"
+#include "tests/says.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
 namespace palpate::shared_cloud_test {
@@ -34,18 +36,6 @@ void checkSame(const PointCloud& is, const PointCloud& expected) {
   CHECK(is.positions == expected.positions);
   CHECK(is.normals == expected.normals);
   CHECK(is.colors == expected.colors);
-}
-
-bool says(const std::function<void()>& what, const std::string& words) {
-  try {
-    what();
-  } catch (const Error& error) {
-    INFO(error.what());
-    const bool said = std::string(error.what()).find(words) != std::string::npos;
-    CHECK(said);
-    return said;
-  }
-  return false;
 }
 
 }  // namespace
@@ -80,11 +70,11 @@ TEST_CASE("several clients join at once, and each receives the whole cloud") {
 TEST_CASE("a session name is unique, and an unknown name is reported with the existing ones") {
   const PointCloud cloud = cloudOf(10);
   Served served(cloud, "city"), other(cloud, "another");
-  CHECK(says([&] { Served second(cloud, "city"); }, "give this one another name"));
-  CHECK(says([] { joinCloud("town", {.network = ownNetwork(), .timeout_s = 0.5}); }, "'city'"));
-  CHECK(says([&] { Served bad(cloud, ""); }, "is not a valid session name"));
-  CHECK(says([&] { Served bad(cloud, "a\nb"); }, "is not a valid session name"));
-  CHECK(says([&] { Served bad(cloud, std::string(201, 'x')); }, "is not a valid session name"));
+  CHECK(says(errorOf([&] { Served second(cloud, "city"); }), "give this one another name"));
+  CHECK(says(errorOf([] { joinCloud("town", {.network = ownNetwork(), .timeout_s = 0.5}); }), "'city'"));
+  CHECK(says(errorOf([&] { Served bad(cloud, ""); }), "is not a valid session name"));
+  CHECK(says(errorOf([&] { Served bad(cloud, "a\nb"); }), "is not a valid session name"));
+  CHECK(says(errorOf([&] { Served bad(cloud, std::string(201, 'x')); }), "is not a valid session name"));
 }
 
 namespace {
@@ -231,10 +221,10 @@ TEST_CASE("the sessions of a network are listed and answer pings") {
 }
 
 TEST_CASE("invalid networks are refused by name") {
-  CHECK(says([] { discoverSessions({.interface = "nowhere0", .domain = 201}, 0.1); }, "nowhere0"));
-  CHECK(says([] { discoverSessions({.interface = "a\"/><x"}, 0.1); }, "neither the name of an interface"));
-  CHECK(says([] { discoverSessions({.peers = {"<x>"}}, 0.1); }, "neither the name of an interface"));
-  CHECK(says([] { discoverSessions({.domain = 1000}, 0.1); }, "is not between 0 and"));
+  CHECK(says(errorOf([] { discoverSessions({.interface = "nowhere0", .domain = 201}, 0.1); }), "nowhere0"));
+  CHECK(says(errorOf([] { discoverSessions({.interface = "a\"/><x"}, 0.1); }), "neither the name of an interface"));
+  CHECK(says(errorOf([] { discoverSessions({.peers = {"<x>"}}, 0.1); }), "neither the name of an interface"));
+  CHECK(says(errorOf([] { discoverSessions({.domain = 1000}, 0.1); }), "is not between 0 and"));
   CHECK(opennessOf({}).find("programs of this machine") != std::string::npos);
   CHECK(opennessOf({.interface = "eth0"}).find("nothing is encrypted") != std::string::npos);
 }
@@ -245,9 +235,10 @@ TEST_CASE("joining can be interrupted") {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     stop = true;
   });
-  CHECK(
-      says([&] { joinCloud("never", {.network = ownNetwork(), .timeout_s = 60, .stop = [&] { return stop.load(); }}); },
-           "interrupted"));
+  CHECK(says(errorOf([&] {
+               joinCloud("never", {.network = ownNetwork(), .timeout_s = 60, .stop = [&] { return stop.load(); }});
+             }),
+             "interrupted"));
 }
 
 TEST_CASE("one thread can join a network while another leaves it") {

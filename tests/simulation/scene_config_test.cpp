@@ -3,21 +3,9 @@
 
 #include "haptics/session/session_config.hpp"
 #include "haptics/simulation/matter_choice.hpp"
+#include "tests/session/config_fault.hpp"
 
 namespace palpate::scene_config_test {
-
-namespace {
-
-std::string faultOf(const SessionConfig& config) {
-  try {
-    validate(config);
-  } catch (const ConfigError& error) {
-    return error.field();
-  }
-  return {};
-}
-
-}  // namespace
 
 TEST_CASE("a scene of matter is kept whole in the text, and incompatible settings are refused by name") {
   SessionConfig config{.model = {.file = "tank"}};

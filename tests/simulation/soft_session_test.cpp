@@ -36,6 +36,18 @@ Model modelOf(const SessionConfig& config) {
   return loadModel(config, {.log = log, .threads = 1});
 }
 
+/// Replays a log, checks its forces and points, and returns its configuration.
+SessionConfig replayedConfig(const std::string& file, const Trace& trace, const PointCloud& dented) {
+  SessionRecord record = readSessionLog(file);
+  const RecordedSession recorded = parseHeader(file, record.text);
+  const auto cpu = cpuBackend();
+  Session again(recorded.config, modelOf(recorded.config), {.backend = *cpu, .threads = 2});
+  CHECK(sameTrace(trace, runAgain(again, std::move(record), recorded).trace()));
+  again.finish();
+  CHECK(again.sculpted().cloud.positions == dented.positions);
+  return recorded.config;
+}
+
 }  // namespace
 
 TEST_CASE("a soft body is touched, dented and recorded, and a replay gives the same forces") {
@@ -56,13 +68,7 @@ TEST_CASE("a soft body is touched, dented and recorded, and a replay gives the s
   const SculptedCloud dented = session.sculpted();
   CHECK(dented.edited > 100);
   CHECK(dented.cloud.size() == session.model().cloud.size());
-  SessionRecord record = readSessionLog(file);
-  const RecordedSession recorded = parseHeader(file, record.text);
-  CHECK(recorded.config.matter == config.matter);
-  Session again(recorded.config, modelOf(recorded.config), {.backend = *cpu, .threads = 2});
-  CHECK(sameTrace(result.trace(), runAgain(again, std::move(record), recorded).trace()));
-  again.finish();
-  CHECK(again.sculpted().cloud.positions == dented.cloud.positions);
+  CHECK(replayedConfig(file, result.trace(), dented.cloud).matter == config.matter);
 }
 
 TEST_CASE("a sculpted soft body keeps its dent, a replay gives the same forces, and undo removes it") {
@@ -85,13 +91,7 @@ TEST_CASE("a sculpted soft body keeps its dent, a replay gives the same forces, 
   };
   const SculptedCloud dented = session.sculpted();
   CHECK(top(dented.cloud) < 27.5f);
-  SessionRecord record = readSessionLog(file);
-  const RecordedSession recorded = parseHeader(file, record.text);
-  CHECK(recorded.config.brush == config.brush);
-  Session again(recorded.config, modelOf(recorded.config), {.backend = *cpu, .threads = 2});
-  CHECK(sameTrace(result.trace(), runAgain(again, std::move(record), recorded).trace()));
-  again.finish();
-  CHECK(again.sculpted().cloud.positions == dented.cloud.positions);
+  CHECK(replayedConfig(file, result.trace(), dented.cloud).brush == config.brush);
 
   session.finish();
   const UndoneStrokes undone = session.undo(3, 0);

@@ -8,6 +8,7 @@
 #include "engine/spatial/sorted_grid.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
+#include "tests/random_positions.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate::spatial_hash_test {
@@ -21,14 +22,6 @@ PointCloud cloudOf(std::vector<Vec3> positions) {
   cloud.normals.assign(positions.size(), Vec3(0, 0, 1));
   cloud.positions = std::move(positions);
   return cloud;
-}
-
-std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float extent) {
-  std::mt19937 random(static_cast<std::uint32_t>(count));
-  std::uniform_real_distribution<float> uniform(-extent, extent);
-  std::vector<Vec3> positions(count);
-  for (auto& position : positions) position = center + Vec3{uniform(random), uniform(random), uniform(random)};
-  return positions;
 }
 
 class SpatialHashFixture : public GpuFixture {

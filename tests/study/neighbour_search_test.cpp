@@ -12,6 +12,7 @@
 #include "engine/spatial/sorted_grid.hpp"
 #include "engine/study/dynamic_tree.hpp"
 #include "engine/study/multimap_hash.hpp"
+#include "tests/random_positions.hpp"
 
 namespace palpate::neighbour_search_test {
 
@@ -71,14 +72,6 @@ void checkAll(const std::vector<Vec3>& positions, double cell) {
       for (const double radius : {0.4 * cell, cell, 3 * cell})
         checkFinds(*search, positions, centersFor(positions, radius), radius);
     }
-}
-
-std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float extent) {
-  std::mt19937 random(static_cast<std::uint32_t>(count));
-  std::uniform_real_distribution<float> uniform(-extent, extent);
-  std::vector<Vec3> positions(count);
-  for (auto& position : positions) position = center + Vec3{uniform(random), uniform(random), uniform(random)};
-  return positions;
 }
 
 }  // namespace

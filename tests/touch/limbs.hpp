@@ -189,7 +189,7 @@ inline void checkRods(const MakeLimbTouch& make) {
       const PointCloud after = stroked(make, limbs, BrushKind::push, pressed({place}, 4));
       CHECK(changedOf(limbs.cloud(), after, 0, other) == 0);
       CHECK(depthUnder(after, place) == near(4 - kLimbTau, random ? 0.15 : 0.05));
-      // No point stands between the rods.
+      // No point is between the rods.
       double farthest = 0;
       for (std::size_t i = other; i < after.size(); ++i)
         farthest = std::max(farthest, std::hypot(double{after.positions[i].x}, double{after.positions[i].z} + 6));

@@ -1,11 +1,12 @@
 import os
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Unpack
 
-from ._types import Backend, BrushKind, BuiltinPath, ColorBy, MeshSurface, SurfaceKind, ToolKind, Validity
+from ._types import Backend, BrushKind, BuiltinPath, ColorBy, MeshSurface, SessionOptions, SurfaceKind, Validity
 
 def _brush_settings() -> list[str]: ...
 def _tick_dtype() -> np.dtype[Any]: ...
@@ -90,7 +91,15 @@ def _replay(
     tolerance: float,
 ) -> dict[str, Any]: ...
 
-class LawInput:
+class _Felt:
+    @property
+    def proxy(self) -> list[float]: ...
+    @property
+    def normal(self) -> list[float]: ...
+    @property
+    def force_N(self) -> list[float]: ...
+
+class LawInput(_Felt):
     @property
     def t_s(self) -> float: ...
     @property
@@ -98,45 +107,27 @@ class LawInput:
     @property
     def hip(self) -> list[float]: ...
     @property
-    def proxy(self) -> list[float]: ...
-    @property
-    def normal(self) -> list[float]: ...
-    @property
-    def force_N(self) -> list[float]: ...
-    @property
     def penetration_mm(self) -> float: ...
     @property
     def neighbours(self) -> int: ...
     @property
     def fresh(self) -> bool: ...
 
-class ContactEvent:
+class ContactEvent(_Felt):
     @property
     def t_s(self) -> float: ...
     @property
     def hand(self) -> int: ...
     @property
     def begins(self) -> bool: ...
-    @property
-    def proxy(self) -> list[float]: ...
-    @property
-    def normal(self) -> list[float]: ...
-    @property
-    def force_N(self) -> list[float]: ...
 
-class Contact:
+class Contact(_Felt):
     @property
     def validity(self) -> Validity: ...
     @property
     def age_s(self) -> float: ...
     @property
     def contact(self) -> bool: ...
-    @property
-    def proxy(self) -> list[float]: ...
-    @property
-    def normal(self) -> list[float]: ...
-    @property
-    def force_N(self) -> list[float]: ...
     @property
     def torque_mNm(self) -> list[float]: ...
     @property
@@ -201,32 +192,24 @@ class _Source:
     @property
     def is_joined(self) -> bool: ...
 
+class _BrushOptions(TypedDict, total=False):
+    radius_mm: float
+    yield_depth_mm: float
+    radius: float
+    yield_depth: float
+    push_rate: float
+    strength: float
+    falloff: int
+    resample: bool
+    color: Sequence[int]
+
 class _Session:
     def __init__(
         self,
         source: _Source,
         gpu: str | None = ...,
         mm_per_unit: float | None = ...,
-        backend: Backend = ...,
-        surface: SurfaceKind = ...,
-        radius_mm: float | None = ...,
-        friction: float = ...,
-        stiffness_N_per_mm: float = ...,
-        damping_N_s_per_mm: float = ...,
-        max_force_N: float = ...,
-        rate_Hz: float = ...,
-        estimate_normals: bool = ...,
-        threads: int = ...,
-        undo_memory_MiB: float = ...,
-        hands: int = ...,
-        tool: ToolKind = ...,
-        tool_points: int = ...,
-        tool_size_mm: float = ...,
-        tool_axis: Sequence[float] = ...,
-        law: Any = ...,
-        allow_python_law: bool = ...,
-        budget_us: float = ...,
-        on_message: Callable[[str, str], object] | None = ...,
+        **options: Unpack[SessionOptions],
     ) -> None: ...
     def close(self) -> None: ...
     def touch(
@@ -236,30 +219,12 @@ class _Session:
         self,
         path: ArrayLike | Sequence[ArrayLike],
         kind: BrushKind,
-        *,
-        radius_mm: float = ...,
-        yield_depth_mm: float = ...,
-        radius: float = ...,
-        yield_depth: float = ...,
-        push_rate: float = ...,
-        strength: float = ...,
-        falloff: int = ...,
-        resample: bool = ...,
-        color: Sequence[int] = ...,
+        **brush: Unpack[_BrushOptions],
     ) -> NDArray[Any]: ...
     def set_brush(
         self,
         kind: BrushKind | None,
-        *,
-        radius_mm: float = ...,
-        yield_depth_mm: float = ...,
-        radius: float = ...,
-        yield_depth: float = ...,
-        push_rate: float = ...,
-        strength: float = ...,
-        falloff: int = ...,
-        resample: bool = ...,
-        color: Sequence[int] = ...,
+        **brush: Unpack[_BrushOptions],
     ) -> None: ...
     def undo(self, strokes: int = ...) -> int: ...
     def redo(self, strokes: int = ...) -> int: ...

@@ -143,9 +143,9 @@ class Session(_palpate._Session):
         given = []
         for cloud, pose in zip(clouds, placed):
             if not isinstance(cloud, _palpate.Cloud):
-                raise ArgumentTypeError(f"clouds: is a list of Cloud, and has {described(cloud)}")
+                raise ArgumentTypeError(f"clouds: must be a list of Cloud, but contains {described(cloud)}")
             if not isinstance(pose, (Pose, type(None))):
-                raise ArgumentTypeError(f"poses: is a list of Pose, and has {described(pose)}")
+                raise ArgumentTypeError(f"poses: must be a list of Pose, but contains {described(pose)}")
             there = pose or Pose()
             given.append((cloud, there.position, there.orientation))
         return cls.__new__(cls)._open(_palpate._Source(clouds=given), gpu, mm_per_unit, options)
@@ -310,10 +310,10 @@ class Session(_palpate._Session):
         session has ended permanently.
         """
         if on_ticks is not None and not callable(on_ticks):
-            raise ArgumentTypeError(f"on_ticks: is a function, not {described(on_ticks)}")
+            raise ArgumentTypeError(f"on_ticks: must be a function, not {described(on_ticks)}")
         for hand in others:
             if not isinstance(hand, Hand):
-                raise ArgumentTypeError(f"others: is a list of Hand, and has {described(hand)}")
+                raise ArgumentTypeError(f"others: must be a list of Hand, but contains {described(hand)}")
         rest = [(hand.device, hand.builtin, hand.path) for hand in others]
         self._live_start(device, rate, builtin, path, law, allow_python_law, rest)
         self._live = Live(self, on_ticks, interval_s)

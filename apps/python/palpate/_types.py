@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal, TypedDict
+from typing import Any, Callable, Literal, TypedDict
 
 Backend = Literal["auto", "vulkan", "cpu"]
 BrushKind = Literal["push", "carve", "inflate", "smooth", "grab", "paint", "flatten"]
@@ -13,7 +13,6 @@ MeshSurface = Literal["sphere", "average", "sharp", "density"]
 SurfaceKind = Literal["average", "sphere", "sharp"]
 ToolKind = Literal["point", "pad", "ball", "spatula"]
 Validity = Literal["fresh", "held", "none"]
-
 
 
 class SessionOptions(TypedDict, total=False):
@@ -38,7 +37,7 @@ class SessionOptions(TypedDict, total=False):
     tool_axis: Sequence[float]
     law: Any
     allow_python_law: bool
-    on_message: Any
+    on_message: Callable[[str, str], object] | None
 
 
 __all__ = [

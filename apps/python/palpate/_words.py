@@ -108,7 +108,7 @@ def _wrong_type(parameter: _Parameter, value: object) -> str | None:
     known = [each for each in kinds if each is not None]
     if len(known) < len(kinds) or any(fits(value) for _, fits in known):
         return None
-    return f"{parameter.name} is {' or '.join(words for words, _ in known)}, not {described(value)}"
+    return f"{parameter.name} must be {' or '.join(words for words, _ in known)}, not {described(value)}"
 
 
 def _misfit(parameters: list[_Parameter], args: tuple[Any, ...], settings: dict[str, Any]) -> str | None:
@@ -138,7 +138,7 @@ def _misfit(parameters: list[_Parameter], args: tuple[Any, ...], settings: dict[
     for each in parameters:
         value = given.get(each.name)
         if each.type == "int" and value is not None and value < 0:
-            return f"{each.name} is a whole number from 0 on, not {value}"
+            return f"{each.name} must be a whole number of 0 or more, not {value}"
     return None
 
 

@@ -1,0 +1,239 @@
+#include "apps/view/window_state.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "apps/cli/sharing_results.hpp"
+
+namespace palpate {
+
+namespace {
+
+using Value = std::optional<Json>;
+
+std::string_view nameIn(const auto& names, auto value) {
+  for (const auto& [name, each] : names)
+    if (value == each) return name;
+  return {};
+}
+
+std::string_view toolOf(const BrushSettings& brush) { return brush.kind ? nameIn(kBrushKinds, *brush.kind) : "feel"; }
+
+constexpr Reported<PlaceInfo> kPicked[]{
+    {"place", "model units", "picked position", [](const PlaceInfo& p) -> Value { return vectorJson(p.place); }},
+    {"point", "", "number of the nearest point; null: the model moves",
+     [](const PlaceInfo& p) -> Value { return orNull(p.point); }},
+    {"position", "model units", "its position", [](const PlaceInfo& p) -> Value { return vectorJson(p.position); }},
+    {"normal", "", "its normal", [](const PlaceInfo& p) -> Value { return vectorJson(p.normal); }},
+    {"attributes", "", "its other attributes, by name, as in the file",
+     [](const PlaceInfo& p) -> Value {
+       Json attributes = Json::object();
+       for (const auto& [name, value] : p.attributes) attributes[name] = value;
+       return attributes;
+     }},
+    {"stiffness_N_per_mm", "N/mm", "stiffness that a hand feels there; null: unknown",
+     [](const PlaceInfo& p) -> Value { return orNull(p.stiffness_N_mm); }},
+    {"stiffness_of", "", "what has this stiffness", field<&PlaceInfo::stiffnessOf>},
+};
+
+Json offersOf(const HeldDevice& held) {
+  Json offers = Json::array();
+  if (held.offers())
+    for (const DeviceOffer& offer : *held.offers())
+      offers.push_back({{"device", offer.device}, {"name", offer.name}, {"state", offer.state}, {"fix", offer.mend}});
+  return offers;
+}
+
+template <class Of>
+Value ofOpened(const HeldDevice& held, Of&& of) {
+  const OpenedDevice* const opened = held.opened();
+  return opened ? Value(of(*opened)) : std::nullopt;
+}
+
+template <class Of>
+Value ofSeen(const HeldDevice& held, Of&& of) {
+  const std::optional<DeviceState> seen = held.state();
+  return seen ? Value(of(*seen)) : std::nullopt;
+}
+
+constexpr Reported<HeldDevice> kDevice[]{
+    {"name", "", "device as in --device, or mouse", [](const HeldDevice& h) -> Value { return h.name(); }},
+    {"stage", "", "mouse, opening, held or tested",
+     [](const HeldDevice& h) -> Value {
+       constexpr std::array<std::string_view, 4> kNames{"mouse", "opening", "held", "tested"};
+       return kNames[static_cast<std::size_t>(h.stage())];
+     }},
+    {"said", "", "the newest message about it", [](const HeldDevice& h) -> Value { return h.said(); }},
+    {"instruction", "", "of the guided test",
+     [](const HeldDevice& h) -> Value { return h.test() ? instructionOf(h.test()->stage()) : ""; }},
+    {"offers", "", "devices that are plugged in: device, name, state and fix",
+     [](const HeldDevice& h) -> Value { return offersOf(h); }},
+    {"model", "", "its model",
+     [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.facts.model; }); }},
+    {"serial", "", "its serial number",
+     [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.facts.serial; }); }},
+    {"axes", "", "its axes, as in --axes",
+     [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.axes.text(); }); }},
+    {"remembered", "", "what is remembered for it",
+     [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.remembered.inWords(); }); }},
+    {"position_mm", "mm", "its position, as the last tick read it",
+     [](const HeldDevice& h) -> Value { return ofSeen(h, [](const auto& s) { return vectorJson(s.position); }); }},
+    {"buttons", "", "its pressed buttons, one bit each",
+     [](const HeldDevice& h) -> Value { return ofSeen(h, [](const auto& s) { return s.buttons; }); }},
+    {"renders_force", "", "whether it renders forces",
+     [](const HeldDevice& h) -> Value { return ofSeen(h, [](const auto& s) { return s.rendersForce; }); }},
+    {"found_stiffness_N_per_mm", "N/mm", "stiffness that the guided test recommends; null: none",
+     [](const HeldDevice& h) -> Value {
+       return h.found() ? Value(orNull(h.found()->offeredStiffness_N_per_mm())) : std::nullopt;
+     }},
+};
+
+constexpr Reported<WindowState> kWindow[]{
+    {"model", "", "open model; null: none",
+     [](const WindowState& w) -> Value { return w.session() ? Json(w.document.file()) : Json(nullptr); }},
+    {"points", "", "its present points",
+     [](const WindowState& w) -> Value { return w.session() ? Json(w.session()->journal().present()) : Json(0); }},
+    {"camera.eye", "model units", "position of the camera",
+     [](const WindowState& w) -> Value { return vectorJson(w.camera.eye); }},
+    {"camera.target", "model units", "position that it looks at",
+     [](const WindowState& w) -> Value { return vectorJson(w.camera.target); }},
+    {"camera.up", "", "direction that is up in the picture",
+     [](const WindowState& w) -> Value { return vectorJson(w.camera.up); }},
+    {"size", "px", "width and height of the window",
+     [](const WindowState& w) -> Value {
+       return Json{w.size_px.x, w.size_px.y};
+     }},
+    {"tool", "", "brush, or feel; null: no model is open",
+     [](const WindowState& w) -> Value {
+       return w.session() ? Json(toolOf(w.session()->brushSettings())) : Json(nullptr);
+     }},
+    {"stylus", "", "whether the mouse holds the stylus", field<&WindowState::stylus>},
+    {"mesh_triangles", "", "triangles shown in place of the points", field<&WindowState::meshTriangles>},
+    {"fps", "1/s", "pictures per second", field<&WindowState::fps>},
+    {"pictures", "", "pictures so far", field<&WindowState::pictures>},
+    {"pictures_of_model", "", "of them, pictures for which the model was drawn again",
+     field<&WindowState::picturesOfModel>},
+    {"cameras_shown", "", "cameras drawn in the picture", field<&WindowState::camerasShown>},
+    {"measured", "model units", "measured distance; null: none",
+     [](const WindowState& w) -> Value { return w.session() ? orNull(w.measured) : Json(nullptr); }},
+    {"picked", "", "the last picked position; null: none",
+     [](const WindowState& w) -> Value { return orNull(partBy(kPicked, w.picked)); }},
+    {"picked_depth", "model units", "depth of the model under the cursor; 0: none", field<&WindowState::pickedDepth>},
+    {"asks_about_changes", "", "whether a question about unsaved changes is shown",
+     [](const WindowState& w) -> Value { return w.document.asksAboutChanges(); }},
+    {"question", "", "its text", [](const WindowState& w) -> Value { return w.document.changesQuestion(); }},
+    {"asks_how_to_save", "", "whether a question about the file to save to is shown",
+     [](const WindowState& w) -> Value { return w.document.saveQuestion().has_value(); }},
+    {"asks_about_strokes", "", "whether a question about unsaved strokes of an earlier program is shown",
+     [](const WindowState& w) -> Value { return w.document.leftQuestion().has_value(); }},
+    {"last_message", "", "the last message, also when it is no longer shown",
+     [](const WindowState& w) -> Value { return w.messages.last(); }},
+    {"messages", "", "shown messages", [](const WindowState& w) -> Value { return w.messages.remarks(); }},
+    {"errors", "", "shown errors", [](const WindowState& w) -> Value { return w.messages.errors(); }},
+    {"panels", "", "whether the panels are shown", [](const WindowState& w) -> Value { return w.view.panels; }},
+    {"measuring", "", "whether the left button picks positions",
+     [](const WindowState& w) -> Value { return w.view.measures; }},
+    {"device", "", "the device that moves the stylus",
+     [](const WindowState& w) -> Value { return jsonBy(kDevice, w.held); }},
+};
+
+// What is said only of an open model.
+struct OpenModel {
+  const WindowSession& session;
+  const Document& document;
+  const ViewSettings& view;
+  TraceRow tick;  // the last one
+};
+
+constexpr Reported<OpenModel> kModel[]{
+    {"mm_per_unit", "mm", "touch scale: millimetres in the hand per unit",
+     [](const OpenModel& m) -> Value { return m.session.model().scale.mm_per_unit; }},
+    {"surface", "", "felt surface",
+     [](const OpenModel& m) -> Value { return nameIn(kSurfaceKinds, m.session.feel().surface); }},
+    {"up", "", "up axis", [](const OpenModel& m) -> Value { return nameOf(m.view.upOf(m.session.model())); }},
+    {"color", "", "what the points are coloured by",
+     [](const OpenModel& m) -> Value { return nameIn(kColorNames, m.view.color); }},
+    {"brush_radius_mm", "mm", "radius of the brush",
+     [](const OpenModel& m) -> Value { return m.session.brushSettings().radius_mm; }},
+    {"parameters", "", "parameters of a simulation, by name",
+     [](const OpenModel& m) -> Value {
+       const SimulationControl* const simulation = m.session.simulation();
+       if (!simulation) return std::nullopt;
+       Json all;
+       for (const SimulationParameter& parameter : simulation->parameters()) all[parameter.name] = parameter.value;
+       return all.is_null() ? std::nullopt : Value(all);
+     }},
+    {"shared", "", "exchange with the other participants of a joined session",
+     [](const OpenModel& m) -> Value {
+       return m.session.shared() ? Value(toJson(m.session.shared()->counts())) : std::nullopt;
+     }},
+    {"shared.silent_s", "s", "time since the last message",
+     [](const OpenModel& m) -> Value {
+       return m.session.shared() ? Value(m.session.shared()->counts().silent_s) : std::nullopt;
+     }},
+    {"partial", "", "points streamed around the hand (--partial)",
+     [](const OpenModel& m) -> Value {
+       if (!m.session.far()) return std::nullopt;
+       return toJson(FarReport{.counts = m.session.far()->counts(), .ticks = m.session.unknownTicks()});
+     }},
+    {"other_hands", "", "hands of the other participants of a joined session",
+     [](const OpenModel& m) -> Value {
+       return m.session.presence() ? Value(toJson(m.session.presence()->hands())) : std::nullopt;
+     }},
+    {"other_cameras", "", "their cameras",
+     [](const OpenModel& m) -> Value {
+       return m.session.presence() ? Value(toJson(m.session.presence()->cameras())) : std::nullopt;
+     }},
+    {"strokes", "", "strokes made", [](const OpenModel& m) -> Value { return m.session.strokes().strokes; }},
+    {"undo_count", "", "strokes that can be undone",
+     [](const OpenModel& m) -> Value { return m.session.strokes().undoCount; }},
+    {"edits", "", "changes of points so far", [](const OpenModel& m) -> Value { return m.session.edits(); }},
+    {"changed", "", "whether the model differs from what was loaded or saved last",
+     [](const OpenModel& m) -> Value { return m.session.isChanged(); }},
+    {"save_file", "", "file that it is saved to", [](const OpenModel& m) -> Value { return m.document.saveFile(); }},
+    {"recording", "", "whether a session log is recorded",
+     [](const OpenModel& m) -> Value { return m.session.isRecording(); }},
+    {"hip", "model units", "HIP of the last tick", [](const OpenModel& m) -> Value { return vectorJson(m.tick.hip); }},
+    {"proxy", "model units", "its proxy", [](const OpenModel& m) -> Value { return vectorJson(m.tick.proxy); }},
+    {"contact", "", "whether it is in contact", [](const OpenModel& m) -> Value { return m.tick.contact; }},
+    {"penetration_mm", "mm", "its penetration", [](const OpenModel& m) -> Value { return m.tick.penetration_mm; }},
+    {"force_N", "N", "its force", [](const OpenModel& m) -> Value { return vectorJson(m.tick.force_N); }},
+    {"peak_force_N", "N", "largest force of the last ticks",
+     [](const OpenModel& m) -> Value {
+       double peak_N = 0;
+       for (const TraceRow& row : m.session.history().rows()) peak_N = std::max(peak_N, glm::length(row.force_N));
+       return peak_N;
+     }},
+    {"ticks", "", "ticks so far", [](const OpenModel& m) -> Value { return m.session.history().ticks(); }},
+    {"missed_ticks", "", "ticks skipped because their time had passed",
+     [](const OpenModel& m) -> Value { return m.session.history().missed(); }},
+    {"step_us.p50", "us", "time from pose read to force ready, median",
+     [](const OpenModel& m) -> Value { return m.session.history().step_us().quantile_us(0.5); }},
+    {"step_us.p999", "us", "its 99.9th percentile",
+     [](const OpenModel& m) -> Value { return m.session.history().step_us().quantile_us(0.999); }},
+    {"forces_on", "", "whether forces are on", [](const OpenModel& m) -> Value { return m.session.forcesOn(); }},
+    {"backend", "", "back end that answers", [](const OpenModel& m) -> Value { return m.session.backendName(); }},
+};
+
+}  // namespace
+
+Json toJson(const WindowState& state) {
+  Json json = jsonBy(kWindow, state);
+  if (const WindowSession* const session = state.session()) {
+    const auto& rows = session->history().rows();
+    addBy(json, kModel, OpenModel{*session, state.document, state.view, rows.empty() ? TraceRow{} : rows.back()});
+  }
+  return json;
+}
+
+void listWindowResults(std::vector<ResultFacts>& all) {
+  const auto list = [&](std::string_view before, const auto& rows) { listResults(all, "view", before, rows); };
+  list("", kWindow);
+  list("picked.", kPicked);
+  list("device.", kDevice);
+  list("", kModel);
+  listSharingResults(all, "view");
+  listCameraResults(all, "view");
+}
+
+}  // namespace palpate

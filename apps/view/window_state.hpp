@@ -1,0 +1,41 @@
+// The state of the window, as the event `state` of a script writes it.
+#pragma once
+
+#include <optional>
+
+#include "apps/cli/results.hpp"
+#include "apps/view/document.hpp"
+#include "apps/view/held_device.hpp"
+#include "apps/view/messages.hpp"
+#include "apps/view/place_info.hpp"
+#include "apps/view/settings.hpp"
+#include "engine/render/camera.hpp"
+
+namespace palpate {
+
+struct WindowState {
+  const Document& document;
+  const ViewSettings& view;
+  const Messages& messages;
+  const Camera& camera;
+  UVec2 size_px{0};
+  bool stylus = false;  ///< the mouse holds the stylus and touches
+  std::uint64_t meshTriangles = 0;
+  double fps = 0;
+  std::uint64_t pictures = 0;  ///< frames of the window
+  std::uint64_t picturesOfModel = 0;
+  std::size_t camerasShown = 0;
+  std::optional<double> measured;  ///< distance of the two picked positions, model units
+  std::optional<PlaceInfo> picked;
+  double pickedDepth = 0;
+  const HeldDevice& held;
+
+  const WindowSession* session() const { return document.session(); }  ///< null: no model is open
+};
+
+Json toJson(const WindowState& state);
+
+/// Appends its keys.
+void listWindowResults(std::vector<ResultFacts>& all);
+
+}  // namespace palpate

@@ -1,0 +1,50 @@
+#include "haptics/library/built_session.hpp"
+
+#include "haptics/library/failures.hpp"
+
+namespace palpate::library {
+
+void BuiltSession::build(bool journal, bool editable) {
+  if (!session_) return make(parts_.config, journal, editable);
+  const Before before{session_->config(), session_->journal() != nullptr, editable_};
+  try {
+    make(before.config, journal, editable);
+  } catch (const Stopped&) {
+    before_ = before;  // building it now would take as long again
+    throw;
+  } catch (...) {
+    before_ = before;
+    ensure();
+    throw;
+  }
+}
+
+void BuiltSession::ensure() {
+  if (!before_) return;
+  make(before_->config, before_->journal, before_->editable);
+  if (before_->config.brush) session_->setBrush(before_->config.brush);
+  before_.reset();
+}
+
+void BuiltSession::make(SessionConfig config, bool journal, bool editable) {
+  if (editable && !config.brush) config.brush = BrushConfig{};
+  UndoConfig undo = config.undo;
+  undo.undo = 1;  // any number above 0, so that memory for undo is allocated
+  session_.reset();
+  parts_.forgets();
+  const JobStopScope cuts(JobStopScope::cutting());
+  session_ = std::make_unique<Session>(config, parts_.model,
+                                       SessionParts{.backend = parts_.backend,
+                                                    .threads = parts_.threads,
+                                                    .journal = journal,
+                                                    .undo_bytes = undoBytes(undo),
+                                                    .paintable = editable,
+                                                    .sharedPatience_s = parts_.sharedPatience_s,
+                                                    .log = &parts_.log,
+                                                    .source = parts_.source,
+                                                    .followers = {parts_.follower}});
+  if (editable) session_->setBrush(std::nullopt);
+  editable_ = editable || session_->shared() || session_->far();
+}
+
+}  // namespace palpate::library

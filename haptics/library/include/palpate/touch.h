@@ -1,0 +1,100 @@
+/** @file
+ * palpate's C interface: touching and sculpting in a session. palpate.h includes this. */
+#ifndef PALPATE_TOUCH_H
+#define PALPATE_TOUCH_H
+#ifndef PALPATE_H
+#error "include <palpate/palpate.h>, which has this"
+#endif
+
+#include <palpate/sessions.h>
+
+/** @defgroup touch Touching and sculpting: paths, single ticks, brushes, undo
+ * @{ */
+
+/** Path of a hand, model units. With 3 columns x y z: one row for each tick. With 4 columns, seconds first: times
+ * increase from 0 or later, the hand moves on straight lines between the rows, and the path has as many ticks as fit
+ * into the time of the last row. */
+typedef struct pp_path {
+  uint32_t size;     /**< bytes of this struct */
+  int32_t type;      /**< pp_number: PP_FLOAT32 or PP_FLOAT64 */
+  uint32_t columns;  /**< 3 or 4 */
+  uint32_t reserved; /**< not used */
+  uint64_t rows;     /**< number of rows, at least 1 */
+  const void* data;  /**< the numbers of the first row */
+  int64_t stride;    /**< bytes from one row to the next; 0: rows are contiguous */
+} pp_path;
+PP_OPTIONS(path)
+/** Number of ticks of a path at the session's rate. With several hands, the longest of their paths counts.
+ * PP_ERROR_ARGUMENT names the first invalid row. */
+PP_API pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count);
+
+/** Follows the path in virtual time, as fast as possible, and only feels: the same path gives the same ticks.
+ * `capacity` must be at least the number that pp_path_ticks() gives. PP_ERROR_GPU if ticks had no valid answer, and
+ * PP_ERROR_STOPPED: `count` ticks are written, and those without an answer have valid 0 and no force. */
+PP_API pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity,
+                                  uint64_t* count);
+
+/** One tick, for a servo loop of the program, such as one at 1 kHz: takes a pose with its time and returns contact and
+ * force. The first one after any other call begins a new contact and may take long: call it before the device has a
+ * force. Later ones allocate nothing unless points are edited, take no lock that another thread holds for longer than
+ * the copy of a pointer, and with pp_session_options.budget_us wait for no query beyond it: an answer that is late is
+ * held (pp_contact). Times increase by the duration of a tick. Returns PP_OK even if contact->valid is 0; with any
+ * other status there is no force. PP_ERROR_ARGUMENT for numbers that are not finite. */
+PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact);
+/** One tick for all hands of a session: `poses`, `contacts`, `orientations` and `torques_mNm` have an entry for each of
+ * the `hands` hands. The time of the first pose is used for all. `orientations`: rotation of each hand's tool, unit
+ * quaternions w x y z; null: no rotation. `torques_mNm`: torques about the HIP, of tools and of balls in matter, 3 for
+ * each hand; null: not wanted. PP_ERROR_ARGUMENT unless each hand of the session has a pose and each rotation is a unit
+ * quaternion, PP_ERROR_STATE while the session is live. */
+PP_API pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* orientations, uint32_t hands,
+                                pp_contact* contacts, double* torques_mNm);
+/** Notifies the session that all hands were lifted: the next poses begin new contacts elsewhere. */
+PP_API pp_status pp_touch_lift(pp_session session);
+
+/** A brush changes the points within its reach while the hand is deeper than yield_depth_mm. */
+typedef struct pp_brush {
+  uint32_t size;         /**< bytes of this struct */
+  uint32_t falloff;      /**< falloff towards the rim: (1 - r^2)^falloff; 0 to 16 */
+  const char* kind;      /**< push carve inflate smooth grab paint flatten; null: push */
+  double yield_depth_mm; /**< depth of the hand from which the surface yields, mm */
+  double push_rate;      /**< push: share of the distance to its target that a point moves in one tick, 0 to 1 */
+  double radius_mm;      /**< reach of the brush, mm in the hand */
+  double strength;       /**< other brushes: share of the full effect applied in one tick, 0 to 1 */
+  uint8_t color[4];      /**< paint: red green blue; the fourth is not used */
+  uint32_t resample;     /**< 1: points are inserted where the surface is stretched, and merged where it is crowded */
+} pp_brush;
+PP_OPTIONS(brush)
+/** Sets the brush of pp_touch() and of the next live hand; null: they only feel. PP_ERROR_STATE while the session is
+ * live. The first brush of a session rebuilds the index, so that points can be inserted and removed. PP_ERROR_ARGUMENT,
+ * with the reason, if the model does not allow that brush, or if a setting is out of bounds. */
+PP_API pp_status pp_session_set_brush(pp_session session, const pp_brush* brush);
+/** Changes surface and force. `radius_mm` must be 0 or as the session was opened, or else the call returns
+ * PP_ERROR_ARGUMENT. */
+PP_API pp_status pp_session_set_contact(pp_session session, const pp_contact_options* contact);
+/** pp_session_touch() with a brush for this path only. A stroke consists of all edits in one contact, with gaps of up
+ * to 0.3 s. Errors as for pp_session_touch() and pp_session_set_brush(). */
+PP_API pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
+                                   uint64_t capacity, uint64_t* count);
+/** pp_session_touch() or pp_session_stroke() for all hands of a session: `paths` has a path for each of the `hands`
+ * hands, and a hand stays where its path ends. `capacity` and `count` are numbers of rows: those of all hands in one
+ * tick, in order, then those of the next tick. `brush`: of the first hand; null: it only feels. `torques_mNm`: torques
+ * of tools about the HIP, 3 for each row; null: not wanted. PP_ERROR_ARGUMENT unless each hand of the session has a
+ * path; otherwise as for pp_session_stroke(). */
+PP_API pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths, uint32_t hands,
+                                        const pp_brush* brush, pp_tick* ticks, double* torques_mNm, uint64_t capacity,
+                                        uint64_t* count);
+/** Undoes the last strokes; each point is restored to the last bit. `done`: number of strokes undone, fewer than
+ * `strokes` if there are no more; may be null. PP_ERROR_ARGUMENT, with the reason, if the model does not allow it. */
+PP_API pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done);
+/** Redoes the strokes undone last, as pp_session_undo() undoes them. */
+PP_API pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done);
+/** Takes in the edits that pp_touch() with a budget, or a live hand, has made. Call it some thirty times a second:
+ * edits are dropped once too many are pending. Pictures and pp_live_read_ticks() do it, too. In a joined session this
+ * also sends the edits to the other programs; PP_ERROR_NETWORK once this hand's part in it has ended. */
+PP_API pp_status pp_session_apply_edits(pp_session session);
+/** Copies the present points into a new cloud. */
+PP_API pp_status pp_session_cloud(pp_session session, pp_cloud* cloud);
+
+/** @} */
+
+#endif
