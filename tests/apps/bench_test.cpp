@@ -32,7 +32,7 @@ TEST_CASE("bench measures every job with every method of the requested back ends
   }
   CHECK(ways["build vulkan"].contains("radix"));
   CHECK(ways["build vulkan"].contains("counting"));
-  CHECK(ways["build cpu"] == std::set<std::string>{"multimap", "sorted grid", "k-d tree"});
+  CHECK(ways["build cpu"] == std::set<std::string>{"multimap", "sorted grid", "k-d tree", "dynamic k-d tree"});
   CHECK(ways["sort vulkan"].contains("radix"));
   for (const char* bench : {"query vulkan", "step vulkan"})
     CHECK(ways[bench] == std::set<std::string>{"brute", "two-step", "naive", "indirect", "fused"});
@@ -61,7 +61,7 @@ TEST_CASE("bench measures several jobs at once with the requested methods, and p
   }
   CHECK(ways["build vulkan"].contains("radix"));
   CHECK(ways["build vulkan"].contains("counting"));
-  CHECK(ways["build cpu"] == std::set<std::string>{"multimap", "sorted grid", "k-d tree"});
+  CHECK(ways["build cpu"] == std::set<std::string>{"multimap", "sorted grid", "k-d tree", "dynamic k-d tree"});
   CHECK(ways["sort vulkan"].contains("radix"));
   for (const char* bench : {"query vulkan", "step vulkan"}) CHECK(ways[bench] == std::set<std::string>{"fused"});
   CHECK(ways["step cpu"] == std::set<std::string>{"direct"});
