@@ -122,10 +122,16 @@ constexpr DescribedKey kDoctor[]{
     {"device_test.oscillation_s", "s", "duration of the hum, until the force was zero"},
     {"device_test.stable_stiffness_N_per_mm", "N/mm", "stiffest wall that did not hum; null: none"},
     {"device_test.recommended_stiffness_N_per_mm", "N/mm", "0.7 of it, for --stiffness"},
-    {"forgotten", "", "devices that were forgotten (--forget), and nothing else"},
+    {"forgotten", "",
+     "devices that were forgotten (--forget), or without --device the number of measurements of --backend auto, and "
+     "nothing else"},
     {"display", "", "how pictures reach the display"},
     {"in_use", "", "GPU in use; null: none"},
     {"servo", "", "ticks that this machine misses (--servo)"},
+    {"speed.servo.reached_Hz", "Hz", "rate that a servo loop of 1 kHz reached (--speed)"},
+    {"speed.points", "", "points of the cloud that the edits touched"},
+    {"speed.backends", "", "the CPU and a GPU: the p50_us and p99_us of a tick with an edit, or the reason of none"},
+    {"speed.measured_s", "s", "duration of --speed"},
     {"network", "", "sessions on the network (--network)"}};
 
 }  // namespace
