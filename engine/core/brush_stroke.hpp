@@ -28,7 +28,7 @@ struct SurfaceMeasure {
   friend SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b);
 };
 
-/// Points that the last edit left to the next ones, where an edit is limited.
+/// Points that the last edit left to the next ones, where the work of an edit is limited.
 struct Backlog {
   double strain = 0;   ///< the furthest of them has moved so far since it was last resampled, support radii
   bool waits = false;  ///< whether there are any
