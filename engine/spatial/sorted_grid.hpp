@@ -117,7 +117,7 @@ class SortedGrid final : public NeighbourSearch {
   // A bucket has a bit for each cell of its points; two cells may have the same. Bits of cells that its points have
   // left stay until it is empty.
   static std::uint8_t tagOf(const IVec3& cell) { return static_cast<std::uint8_t>(1u << (tagHash(cell) >> 29)); }
-  // Blocks of 4x4x4 cells without a point are skipped by wide balls. A block stays marked until the next build.
+  // Wide balls skip blocks of 4x4x4 cells without a point. A block stays marked until the next build.
   static constexpr int kBlock = 2;  // log2 of its side
   void mark(const IVec3& cell) {
     std::atomic_ref(blocks_[bucketOf(grid_, cell >> kBlock) & blockMask_]).store(1, std::memory_order_relaxed);
