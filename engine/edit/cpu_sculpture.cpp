@@ -25,8 +25,8 @@ constexpr std::size_t kMaxNeighbours = 2048;
 // Maximum number of points that get normals and are resampled in one edit: this many, or this share of all, whichever
 // is more; the others follow in later edits.
 constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
-// The same in an edit that fits into a tick, by the work that points are: 1 for each neighbour, and as much as this for
-// the point itself.
+// The same in an edit that fits into a tick: the sum of the work of its points, which is 1 for each neighbour and
+// kOwnWork for the point itself.
 constexpr double kTickWork = 60'000, kOwnWork = 192;
 constexpr std::size_t kFewestAtOnce = 32;
 // Of the support radius: a point that waits gains as much on those that move in each edit, so that all have their turn.

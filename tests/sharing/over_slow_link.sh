@@ -146,10 +146,11 @@ is_same = lambda a, b: a == b or all(x == y or abs(float(x) - float(y)) <= allow
 other = sum(not is_same(own[t], row) for t, row in clock.items())
 print(f"over_slow_link: round trip {trip} ms, {loss} % lost, the points around the hand alone: the same trace; "
       f"against the clock "
-      f"{near['near']['ticks_without_points']} of {near['near']['ticks']} ticks lacked some, {other} differ; "
-      f"{near['near']['points']} points came, {near['near']['max_known']} of {near['points']} were there at once; "
+      f"{near['partial']['ticks_without_points']} of {near['partial']['ticks']} ticks lacked some, {other} differ; "
+      f"{near['partial']['points']} points came, {near['partial']['max_known']} of {near['points']} "
+      f"were there at once; "
       f"longest silence "
-      f"{near['near']['longest_silence_s']:.1f} s")
+      f"{near['partial']['longest_silence_s']:.1f} s")
 assert virtual["partial"]["ticks_without_points"] == 0 and virtual["contact_ticks"] > 500, virtual
 # A missed tick affects some later ones: by the damping, and by the proxy's path.
 after_missed = 10
