@@ -140,7 +140,9 @@ double SoftWorld::localCompliance_m_N(const DVec3& place_m, double radius_m, con
     contact_.addWallStiffness(body_, way, force);
     for (std::size_t i = 0; i < way.size(); ++i)
       force[i] = body_.isPinned(i) ? DVec3(0) : force[i] + kHold_1_s2 * static_cast<double>(body_.masses()[i]) * way[i];
-    const double far = left / dotOf(way, force);
+    const double curvature = dotOf(way, force);
+    if (!(curvature > 0)) break;  // it would buckle that way: it yields at least as far as until here (Steihaug 1983)
+    const double far = left / curvature;
     for (std::size_t i = 0; i < way.size(); ++i) {
       moved[i] += far * way[i];
       residual[i] -= far * force[i];

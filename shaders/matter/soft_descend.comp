@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Takes the optimal step along the search direction, and updates the residual of the load.
+// Takes the optimal step along the search direction, and updates the residual of the load. Where the body would buckle
+// along it, the residual becomes 0, which ends the search.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_descent.h"
 
@@ -20,7 +21,10 @@ void main() {
     const vec3 load = args.load.at[node].xyz;
     vec3 left = load, way = vec3(0);
     if (args.begins == 0) {
-      left = args.vectors.at[at(kLeftVector, node)].xyz - far * args.vectors.at[at(kAnswerVector, node)].xyz;
+      if (far > 0)
+        left = args.vectors.at[at(kLeftVector, node)].xyz - far * args.vectors.at[at(kAnswerVector, node)].xyz;
+      else
+        left = vec3(0);
       way = args.vectors.at[at(kMovedVector, node)].xyz + far * args.vectors.at[at(kWayVector, node)].xyz;
     }
     args.vectors.at[at(kLeftVector, node)] = vec4(left, 0);

@@ -278,6 +278,18 @@ void checkCompliance(const SoftMaker& make) {
   run(*standing, 1);
   run(*unasked, 1);
   CHECK(sameBytes(*standing, *unasked));
+  // A plate that is pressed together in its plane, and would buckle, yields the way that it is pushed.
+  MatterScene plate = slowScene({60, 5, 60});
+  plate.young_Pa = 2e4;
+  const auto pressed = make(plate, 0, nullptr, {});
+  std::vector<Vec3> together = pressed->positionsById();
+  for (Vec3& velocity : together) velocity = Vec3(0.1f - velocity.x, 0, 0) / 0.02f;
+  pressed->setVelocities(together);
+  for (int k = 0; k < 10; ++k) {
+    run(*pressed, 1);
+    const double yields_m_N = pressed->localCompliance_m_N({0.1, 0.005, 0.1}, 0.01, {0, -1, 0});
+    CHECK((yields_m_N > 0));
+  }
 }
 
 void checkSamePressedBytes(const SoftMaker& one, const SoftMaker& other, int steps) {
