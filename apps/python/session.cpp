@@ -249,29 +249,23 @@ py::array PySession::render(const std::pair<std::uint32_t, std::uint32_t>& size,
   return picture;
 }
 
-void PySession::startLive(const std::optional<std::string>& device, double rate,
-                          const std::optional<std::string>& builtin, const py::object& path, const py::object& law,
-                          bool allowPython, const py::list& others) {
+void PySession::startLive(double rate, const py::object& law, bool allowPython, const py::list& all) {
   struct Hand {
-    std::optional<std::string> device, builtin;
+    std::optional<std::string> device, builtin, axes;
     std::unique_ptr<PathArray> path;
     pp_live_options options = pp_default_live_options();
   };
   std::vector<Hand> hands;
-  const auto add = [&](const std::optional<std::string>& its, const std::optional<std::string>& way,
-                       const py::object& rows) {
-    hands.push_back({its, way, rows.is_none() ? nullptr : std::make_unique<PathArray>(rows)});
-  };
-  add(device, builtin, path);
-  for (const py::handle& other : others) {
-    const auto [its, way, rows] =
-        other.cast<std::tuple<std::optional<std::string>, std::optional<std::string>, py::object>>();
-    add(its, way, rows);
+  for (const py::handle& each : all) {
+    using Text = std::optional<std::string>;
+    const auto [device, builtin, axes, path] = each.cast<std::tuple<Text, Text, Text, py::object>>();
+    hands.push_back({device, builtin, axes, path.is_none() ? nullptr : std::make_unique<PathArray>(path)});
   }
   for (std::size_t i = hands.size(); i-- > 0;) {
     pp_live_options& options = hands[i].options;
     options.device = orNull(hands[i].device);
     options.builtin = orNull(hands[i].builtin);
+    options.axes = orNull(hands[i].axes);
     options.path = hands[i].path ? &hands[i].path->path : nullptr;
     if (i + 1 < hands.size()) options.next = &hands[i + 1].options;
   }

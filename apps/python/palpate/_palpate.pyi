@@ -283,13 +283,10 @@ class _Session:
     def _info(self) -> dict[str, Any]: ...
     def _live_start(
         self,
-        device: str | None,
         rate: float,
-        builtin: BuiltinPath | None,
-        path: ArrayLike | None,
         law: Any,
         allow_python_law: bool,
-        others: list[tuple[str | None, BuiltinPath | None, Any]],
+        hands: list[tuple[str | None, BuiltinPath | None, str | None, Any]],
     ) -> None: ...
     def _live_raise(self) -> None: ...
     def _live_late(self) -> int: ...
