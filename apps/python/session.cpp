@@ -249,17 +249,23 @@ py::array PySession::render(const std::pair<std::uint32_t, std::uint32_t>& size,
   return picture;
 }
 
-void PySession::startLive(double rate, const py::object& law, bool allowPython, const py::list& all) {
+void PySession::startLive(const std::optional<std::string>& device, double rate,
+                          const std::optional<std::string>& builtin, const py::object& path, const py::object& law,
+                          bool allowPython, const py::list& others, const std::optional<std::string>& axes) {
+  using Text = std::optional<std::string>;
   struct Hand {
-    std::optional<std::string> device, builtin, axes;
+    Text device, builtin, axes;
     std::unique_ptr<PathArray> path;
     pp_live_options options = pp_default_live_options();
   };
   std::vector<Hand> hands;
-  for (const py::handle& each : all) {
-    using Text = std::optional<std::string>;
-    const auto [device, builtin, axes, path] = each.cast<std::tuple<Text, Text, Text, py::object>>();
-    hands.push_back({device, builtin, axes, path.is_none() ? nullptr : std::make_unique<PathArray>(path)});
+  const auto add = [&](const Text& its, const Text& way, const py::object& rows, const Text& turned) {
+    hands.push_back({its, way, turned, rows.is_none() ? nullptr : std::make_unique<PathArray>(rows)});
+  };
+  add(device, builtin, path, axes);
+  for (const py::handle& other : others) {
+    const auto [its, way, rows, turned] = other.cast<std::tuple<Text, Text, py::object, Text>>();
+    add(its, way, rows, turned);
   }
   for (std::size_t i = hands.size(); i-- > 0;) {
     pp_live_options& options = hands[i].options;

@@ -283,10 +283,14 @@ class _Session:
     def _info(self) -> dict[str, Any]: ...
     def _live_start(
         self,
+        device: str | None,
         rate: float,
+        builtin: BuiltinPath | None,
+        path: ArrayLike | None,
         law: Any,
         allow_python_law: bool,
-        hands: list[tuple[str | None, BuiltinPath | None, str | None, Any]],
+        others: list[tuple[str | None, BuiltinPath | None, Any, str | None]],
+        axes: str | None,
     ) -> None: ...
     def _live_raise(self) -> None: ...
     def _live_late(self) -> int: ...

@@ -320,9 +320,8 @@ class Session(_palpate._Session):
         for hand in others:
             if not isinstance(hand, Hand):
                 raise ArgumentTypeError(f"others: must be a list of Hand, but contains {described(hand)}")
-        all_hands = (Hand(device, path, builtin, axes), *others)
-        hands = [(hand.device, hand.builtin, hand.axes, hand.path) for hand in all_hands]
-        self._live_start(rate, law, allow_python_law, hands)
+        rest = [(hand.device, hand.builtin, hand.path, hand.axes) for hand in others]
+        self._live_start(device, rate, builtin, path, law, allow_python_law, rest, axes)
         self._live = Live(self, on_ticks, interval_s)
         return self._live
 
