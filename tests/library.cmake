@@ -10,7 +10,9 @@ endif()
 palpate_tests(library LINKS ${library_links} WITHOUT ${without_matter})
 set_source_files_properties(library/touch_test.cpp PROPERTIES COMPILE_DEFINITIONS
                             PALPATE_OWN_LAW="$<TARGET_FILE:own_law>")
-add_dependencies(tests_library own_law)
+set_source_files_properties(library/devices_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
+                            PALPATE_HAPLY_SERVICE="$<TARGET_FILE:haply_service>")
+add_dependencies(tests_library own_law haply_service)
 
 get_property(python GLOBAL PROPERTY PALPATE_PYTHON3)
 if(NOT python)
@@ -43,6 +45,7 @@ if(TARGET palpate_python AND PALPATE_VULKAN)
   palpate_entry(python.types COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/python/types.sh ${python} ${modules})
   palpate_entry(python.reference COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/python/reference.sh ${python} ${modules})
   set(surroundings PYTHONPATH=${modules} PYTHONDONTWRITEBYTECODE=1 PALPATE_OWN_LAW=$<TARGET_FILE:own_law>
+                   PALPATE_HAPLY_SERVICE=$<TARGET_FILE:haply_service>
                    PALPATE_PROGRAM=$<$<BOOL:${PALPATE_APPS}>:${CMAKE_BINARY_DIR}/palpate>)
   set_tests_properties(${entries} python.types python.reference PROPERTIES ENVIRONMENT "${surroundings}")
 endif()

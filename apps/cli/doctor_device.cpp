@@ -124,9 +124,14 @@ Json examineDevice(std::FILE* out, const std::string& spec, Log& log) {
              limits.continuousForce_N);
   fmt::print(out, "  buttons         {}\n  hand            {}\n  axes            {}\n", limits.buttons,
              known(facts.handedness), known(facts.axes));
+  if (!facts.grip.empty())
+    fmt::print(out, "  grip            {}{}\n", facts.grip,
+               facts.battery ? fmt::format(", battery {:.0f} %", 100 * *facts.battery) : "");
   fmt::print(out, "  remembered      {}\n", opened.remembered.isEmpty() ? "nothing" : opened.remembered.inWords());
   fmt::print(out, "  stylus          at {:.1f}, {:.1f}, {:.1f} mm; {}\n", state.position.x, state.position.y,
              state.position.z, state.rendersForce ? "ready to give forces" : "not ready to give forces");
+  if (state.rendersForce)
+    fmt::print(out, "Next: palpate view MODEL --device {} lets you feel a model with it.\n", spec);
   Json json{{"device", spec},
             {"model", facts.model},
             {"serial", facts.serial},

@@ -251,27 +251,27 @@ py::array PySession::render(const std::pair<std::uint32_t, std::uint32_t>& size,
 
 void PySession::startLive(const std::optional<std::string>& device, double rate,
                           const std::optional<std::string>& builtin, const py::object& path, const py::object& law,
-                          bool allowPython, const py::list& others) {
+                          bool allowPython, const py::list& others, const std::optional<std::string>& axes) {
+  using Text = std::optional<std::string>;
   struct Hand {
-    std::optional<std::string> device, builtin;
+    Text device, builtin, axes;
     std::unique_ptr<PathArray> path;
     pp_live_options options = pp_default_live_options();
   };
   std::vector<Hand> hands;
-  const auto add = [&](const std::optional<std::string>& its, const std::optional<std::string>& way,
-                       const py::object& rows) {
-    hands.push_back({its, way, rows.is_none() ? nullptr : std::make_unique<PathArray>(rows)});
+  const auto add = [&](const Text& its, const Text& way, const py::object& rows, const Text& turned) {
+    hands.push_back({its, way, turned, rows.is_none() ? nullptr : std::make_unique<PathArray>(rows)});
   };
-  add(device, builtin, path);
+  add(device, builtin, path, axes);
   for (const py::handle& other : others) {
-    const auto [its, way, rows] =
-        other.cast<std::tuple<std::optional<std::string>, std::optional<std::string>, py::object>>();
-    add(its, way, rows);
+    const auto [its, way, rows, turned] = other.cast<std::tuple<Text, Text, py::object, Text>>();
+    add(its, way, rows, turned);
   }
   for (std::size_t i = hands.size(); i-- > 0;) {
     pp_live_options& options = hands[i].options;
     options.device = orNull(hands[i].device);
     options.builtin = orNull(hands[i].builtin);
+    options.axes = orNull(hands[i].axes);
     options.path = hands[i].path ? &hands[i].path->path : nullptr;
     if (i + 1 < hands.size()) options.next = &hands[i + 1].options;
   }

@@ -92,9 +92,10 @@ class PySession {
   py::array rows();
   py::array render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options);
 
-  /// `others`: device, builtin and path of each hand after the first.
+  /// `others`: device, builtin, path and axes of each hand after the first.
   void startLive(const std::optional<std::string>& device, double rate, const std::optional<std::string>& builtin,
-                 const py::object& path, const py::object& law, bool allowPython, const py::list& others);
+                 const py::object& path, const py::object& law, bool allowPython, const py::list& others,
+                 const std::optional<std::string>& axes);
   void stopLive();
   py::array readTicks();
   /// Throws the exception that the force law has raised in a live session.

@@ -97,7 +97,7 @@ void bindLive(py::class_<PySession>& session) {
           "(read_recording(), replay()). A log begins with the points as they were opened, and holds one hand\n"
           "without its own force law.")
       .def("_live_start", &PySession::startLive, py::arg("device"), py::arg("rate"), py::arg("builtin"),
-           py::arg("path"), py::arg("law"), py::arg("allow_python_law"), py::arg("others"))
+           py::arg("path"), py::arg("law"), py::arg("allow_python_law"), py::arg("others"), py::arg("axes"))
       .def("_live_raise", &PySession::raiseOfLaw)
       .def("_live_late", &PySession::lateLaws)
       .def("_live_read_ticks", &PySession::readTicks)

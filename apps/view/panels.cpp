@@ -26,9 +26,11 @@ const Range& sliderOf(std::string_view name) {
 
 bool Panels::noted(std::string_view name, bool result) {
   const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+  const ImVec2 middle(0.5f * (from.x + to.x), 0.5f * (from.y + to.y));
   name = name.substr(0, name.find("##"));
-  if (ImGui::IsItemVisible())
-    places_.insert_or_assign(std::string(name), 0.5 * DVec2(from.x + to.x, from.y + to.y));
+  // A control that is cut off at the panel's edge is scrolled into view first.
+  if (ImGui::IsItemVisible() && ImGui::IsRectVisible(middle, {middle.x + 1, middle.y + 1}))
+    places_.insert_or_assign(std::string(name), DVec2(middle.x, middle.y));
   else if (name == scrollTo_)
     ImGui::SetScrollHereY();
   return result;

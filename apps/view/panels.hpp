@@ -18,7 +18,9 @@
 
 namespace palpate {
 
+class DeviceCheckQuery;
 class HeldDevice;
+struct DeviceCheckResult;
 struct OpenedDevice;
 
 /// State of the window, as the panels show it.
@@ -120,7 +122,8 @@ class Panels {
   void drawDevice(const ViewStatus& status);
   void drawDeviceFacts(const OpenedDevice& opened);
   void drawDeviceState(const HeldDevice& held);
-  void drawDeviceTest(const HeldDevice& held);
+  void drawDeviceTest(const DeviceCheckQuery& test);
+  void drawDeviceFindings(const DeviceCheckResult& found, const OpenedDevice& opened);
   void drawDeviceSettings(const OpenedDevice& opened);
   void drawDeviceOffers(const HeldDevice& held);
   void drawOthers(const ViewStatus& status);

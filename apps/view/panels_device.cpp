@@ -23,26 +23,33 @@ std::string orUnknown(const std::string& text) { return text.empty() ? "unknown"
 
 }  // namespace
 
+// What a person needs now comes first: an instruction, a question, or the state. A small window shows no more.
 void Panels::drawDevice(const ViewStatus& status) {
   if (!header("Device")) return;
   const HeldDevice& held = *status.held;
+  const bool isHeld = held.stage() == HeldDevice::Stage::held;
   if (held.stage() == HeldDevice::Stage::opening) line(held.name() + " is being opened...");
   if (held.stage() == HeldDevice::Stage::mouse) line("The mouse moves the stylus (hold Space).");
-  // A device that gives forces needs no explanation.
-  if (const auto now = held.state(); !held.said().empty() && !(now && now->rendersForce)) line(held.said());
-  if (const OpenedDevice* const opened = held.opened()) {
-    drawDeviceFacts(*opened);
-    if (held.stage() == HeldDevice::Stage::held) drawDeviceState(held);
-    drawDeviceTest(held);
-    if (held.stage() == HeldDevice::Stage::held) drawDeviceSettings(*opened);
+  const OpenedDevice* const opened = held.opened();
+  if (!opened && !held.said().empty()) line(held.said());
+  if (opened) {
+    line(opened->facts.model);
+    if (held.test()) drawDeviceTest(*held.test());
+    if (held.found()) drawDeviceFindings(*held.found(), *opened);
+    if (isHeld) drawDeviceState(held);
   }
-  if (held.stage() == HeldDevice::Stage::held || held.stage() == HeldDevice::Stage::mouse) drawDeviceOffers(held);
+  if (isHeld || held.stage() == HeldDevice::Stage::mouse) drawDeviceOffers(held);
+  if (!opened) return;
+  ImGui::Separator();
+  // Below the buttons, which stay where they are. A device that gives forces needs no explanation.
+  if (const auto now = held.state(); !held.said().empty() && !(now && now->rendersForce)) line(held.said());
+  drawDeviceFacts(*opened);
+  if (isHeld) drawDeviceSettings(*opened);
 }
 
 void Panels::drawDeviceFacts(const OpenedDevice& opened) {
   const HapticDeviceFacts& facts = opened.facts;
   const DVec3 size_mm = facts.workspaceMax_mm - facts.workspaceMin_mm;
-  line(facts.model);
   faintLine(fmt::format("serial number {}", orUnknown(facts.serial)));
   if (!facts.driver.empty()) faintLine(facts.driver);
   faintLine(fmt::format("workspace {:.0f} x {:.0f} x {:.0f} mm", size_mm.x, size_mm.y, size_mm.z));
@@ -63,6 +70,7 @@ void Panels::drawDeviceState(const HeldDevice& held) {
   const std::optional<DeviceState> now = held.state();
   if (now) seenDevice_ = *now;  // else it is just being written
   if (!now && seenDevice_.position == DVec3(0)) return faintLine("open a model to feel it");
+  line(!seenDevice_.ok ? "no pose" : seenDevice_.rendersForce ? "ready to give forces" : "gives no force now");
   const DVec3& at_mm = seenDevice_.position;
   std::string buttons;
   for (int k = 0; k < held.opened()->limits.buttons; ++k)
@@ -71,35 +79,41 @@ void Panels::drawDeviceState(const HeldDevice& held) {
   help("right, up, and towards you");
   if (!buttons.empty()) ImGui::Text("buttons: %s", buttons.c_str());
   help("1 sculpts, 2 is the clutch");
-  line(!seenDevice_.ok ? "no pose" : seenDevice_.rendersForce ? "ready to give forces" : "gives no force now");
 }
 
-void Panels::drawDeviceTest(const HeldDevice& held) {
-  if (const DeviceCheckQuery* const test = held.test()) {
-    line(std::string(instructionOf(test->stage())));
-    if (test->stage() == DeviceCheckStage::lean || test->stage() == DeviceCheckStage::leanAgain)
-      line(fmt::format("wall: {:.2f} N/mm", test->stiffness_N_per_mm()));
-    post(button("Stop##test"), DeviceCommand::endTest);
-    help("ends the test with what it has found");
-    return;
-  }
-  if (!held.found()) {
-    ImGui::BeginDisabled(held.stage() != HeldDevice::Stage::held);
-    post(button("Test..."), DeviceCommand::test);
-    ImGui::EndDisabled();
-    help("tests the device in your hand: free space, directions, and the stiffest wall that does not hum");
-    return;
-  }
-  for (const auto& [name, text] : deviceCheckRows(*held.found())) faintLine(fmt::format("{}: {}", name, text));
-  if (held.found()->offeredStiffness_N_per_mm()) {
-    post(button("Use this stiffness"), DeviceCommand::useStiffness);
-    help("remembers the recommended stiffness for the device; sessions with it are never stiffer");
-  }
-  if (held.found()->offeredAxes()) {
-    post(button("Use these axes"), DeviceCommand::useAxes);
-    help("remembers these axes for the device, so that the stylus moves as your hand does");
+void Panels::drawDeviceTest(const DeviceCheckQuery& test) {
+  post(button("Stop##test"), DeviceCommand::endTest);
+  help("ends the test with what it has found");
+  line(std::string(instructionOf(test.stage())));
+  if (test.stage() == DeviceCheckStage::lean || test.stage() == DeviceCheckStage::leanAgain)
+    line(fmt::format("wall: {:.2f} N/mm", test.stiffness_N_per_mm()));
+}
+
+void Panels::drawDeviceFindings(const DeviceCheckResult& found, const OpenedDevice& opened) {
+  const auto stiffness = found.offeredStiffness_N_per_mm();
+  const auto axes = found.offeredAxes();
+  if ((stiffness || axes) && opened.key.empty()) {
+    line("The device tells no serial number, so nothing can be remembered for it.");
+  } else {
+    if (stiffness) {
+      line(fmt::format("Never stiffer than {:.2f} N/mm with this device from now on?", *stiffness));
+      post(button("Use this stiffness"), DeviceCommand::useStiffness);
+      help("remembers it for the device");
+    }
+    if (axes) {
+      line(fmt::format("Axes {} with this device from now on?", axes->after(opened.axes).text()));
+      post(button("Use these axes"), DeviceCommand::useAxes);
+      help("remembers them for the device, so that the stylus moves as your hand does");
+    }
   }
   post(button("Close##result"), DeviceCommand::closeResult);
+  help("remembers nothing more");
+  ImGui::SameLine();
+  if (noted("result", ImGui::TreeNode("result"))) {
+    for (const auto& [name, text] : deviceCheckRows(found)) faintLine(fmt::format("{}: {}", name, text));
+    ImGui::TreePop();
+  }
+  ImGui::Separator();
 }
 
 void Panels::drawDeviceSettings(const OpenedDevice& opened) {
@@ -121,15 +135,16 @@ void Panels::drawDeviceSettings(const OpenedDevice& opened) {
 }
 
 void Panels::drawDeviceOffers(const HeldDevice& held) {
-  ImGui::Separator();
+  if (held.stage() == HeldDevice::Stage::held) {
+    post(button("Test..."), DeviceCommand::test);
+    help("tests the device in your hand: free space, directions, and the stiffest wall that does not hum");
+    ImGui::SameLine();
+    post(button("Use the mouse"), ChooseDevice{HeldDevice::kMouse});
+  }
   ImGui::BeginDisabled(held.isLooking());
   post(button(held.isLooking() ? "Looking..." : "Look for devices"), DeviceCommand::look);
   ImGui::EndDisabled();
   help("lists the devices that are plugged in");
-  if (held.stage() == HeldDevice::Stage::held) {
-    ImGui::SameLine();
-    post(button("Use the mouse"), ChooseDevice{HeldDevice::kMouse});
-  }
   if (!held.offers()) return;
   if (held.offers()->empty())
     line("No device is plugged in, or its driver or service is missing: palpate doctor says more.");

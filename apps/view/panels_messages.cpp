@@ -70,8 +70,7 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
                                 : "hold Space to touch,  H for help,  Tab for panels");
   if (lines.empty()) return;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  // Beside the panel if it would cover the messages.
-  const bool isBeside = view.panels && double{display.x} < roomyWidth_px() && hasRoomBeside(display.x);
+  const bool isBeside = view.panels && hasRoomBeside(display.x);
   const float left = isBeside ? em(kPanel_em + kMargin_em) : 0;
   // Above the scale if they would overlap.
   const float bottom = display.y - em(double{display.x} - left < double{em(kMessages_em)} ? 3 : 0.8);

@@ -150,6 +150,8 @@ constexpr Reported<OpenModel> kModel[]{
      [](const OpenModel& m) -> Value { return m.session.model().scale.mm_per_unit; }},
     {"surface", "", "felt surface",
      [](const OpenModel& m) -> Value { return nameIn(kSurfaceKinds, m.session.feel().surface); }},
+    {"stiffness_N_per_mm", "N/mm", "stiffness of the contact",
+     [](const OpenModel& m) -> Value { return m.session.feel().stiffness_N_per_mm; }},
     {"up", "", "up axis", [](const OpenModel& m) -> Value { return nameOf(m.view.upOf(m.session.model())); }},
     {"color", "", "what the points are coloured by",
      [](const OpenModel& m) -> Value { return nameIn(kColorNames, m.view.color); }},

@@ -142,10 +142,12 @@ void HaplyDevice::accept(const std::string& message, std::int64_t now_ns) {
   state_ = haply::stateIn(message, choice_, state_);
   if (haply::hasPose(state_.trouble)) good_ns_ = now_ns;
   const double reach_mm = limits_.fastest_mm_per_s * 1e-9 * static_cast<double>(since_ns) + kSmallestJump_mm;
+  const bool isShared = forces_.showsAnother(state_.force_N) && !options_.shares;
   const Trouble trouble = safetyHolds_                                              ? Trouble::safety
                           : state_.trouble != Trouble::none                         ? state_.trouble
                           : since_ns > kStale_ns                                    ? Trouble::silent
                           : glm::distance(before_mm, state_.position_mm) > reach_mm ? Trouble::jumped
+                          : isShared                                                ? Trouble::shared
                                                                                     : Trouble::none;
   if (trouble != Trouble::none) enter(trouble, now_ns);
 }
@@ -178,6 +180,7 @@ DVec3 HaplyDevice::permitted_N(std::int64_t now_ns) noexcept {
 bool HaplyDevice::send(const DVec3& force_N) {
   sent_ns_ = now_ns();
   ++unanswered_;
+  forces_.sent(force_N);
   return service_->link.say(haply::forceMessage(choice_, force_N, values_, !std::exchange(introduced_, true)),
                             kPatience_s);
 }

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "engine/core/latest_value.hpp"
+#include "haptics/devices/haply_force_watch.hpp"
 #include "haptics/devices/haply_service.hpp"
 #include "haptics/devices/haptic_device.hpp"
 
@@ -21,8 +22,9 @@ struct HaplyOptions {
 
 /// A thread of its own exchanges messages with the service, at most 4000 times a second: each tells the newest force
 /// and is answered with the newest state. read() and write() exchange both with that thread and never wait. The
-/// thread itself takes the force away as soon as a state shows a fault, none comes for 20 ms, or no force was written
-/// for 20 ms; it stays away for so long that ForceGate then waits for free space.
+/// thread itself takes the force away as soon as a state shows a fault, several in a row show another program's force,
+/// none comes for 20 ms, or no force was written for 20 ms; it stays away for so long that ForceGate then waits for
+/// free space.
 class HaplyDevice final : public HapticDevice {
  public:
   /// Throws Error that says what is missing and what to do.
@@ -63,6 +65,7 @@ class HaplyDevice final : public HapticDevice {
 
   // Used by the thread of the exchange.
   haply::State state_;
+  haply::ForceWatch forces_;
   bool introduced_ = false, safetyHolds_ = false;
   int unanswered_ = 0;
   haply::Trouble told_ = haply::Trouble::none;

@@ -146,6 +146,9 @@ std::string_view meaningOf(Trouble trouble) {
       return "has no power supply, so there is no force; plug in its power supply";
     case Trouble::safety:
       return "was stopped by its safety (cyan light), so there is no force; let go of it until the light is white";
+    case Trouble::shared:
+      return "has the force of another program on it, so there is no force from here; close that program, or add both "
+             "forces with haply:SERIAL:shared";
   }
   return {};
 }
@@ -215,6 +218,9 @@ State stateIn(std::string_view message, const Choice& choice, const State& last)
   }
   state.trouble = statusOf(*entry);
   state.position_mm = position_mm;
+  const Json* force = memberOf(*entry, {"state", "current_cursor_force"});
+  const DVec3 force_N = force ? choice.axes * vectorAt(*force) : DVec3(std::numeric_limits<double>::quiet_NaN());
+  state.force_N = isFinite(force_N) ? std::optional(force_N) : std::nullopt;
   if (const Json* grip = entryOf(json, kindOf(choice.wireless), choice.grip)) readGrip(*grip, choice.axes, state);
   return state;
 }

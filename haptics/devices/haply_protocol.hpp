@@ -32,7 +32,8 @@ enum class Trouble : std::uint8_t {
   jumped,         ///< faster than a hand
   notCalibrated,  ///< poses are wrong by centimetres
   noPower,        ///< only the computer's USB port feeds it
-  safety          ///< the firmware has stopped it
+  safety,         ///< the firmware has stopped it
+  shared          ///< another program applies a force to it
 };
 /// What the light of a device means, a line for each colour.
 inline constexpr std::string_view kLights =
@@ -77,6 +78,7 @@ struct State {
   DVec3 position_mm{0};
   DQuat turn{1, 0, 0, 0};
   std::uint32_t buttons = 0;
+  std::optional<DVec3> force_N;     ///< that the service says it applies, of all programs; empty: it does not say
   Trouble trouble = Trouble::none;  ///< if any, position and orientation are those before
 };
 /// `last`: kept where a message leaves something out.

@@ -6,6 +6,7 @@
 #include "haptics/devices/path_device.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/options.hpp"
+#include "haptics/session/devices.hpp"
 
 namespace palpate::library {
 
@@ -13,7 +14,10 @@ namespace {
 
 HandSource opened(const pp_live_options& options, const LiveHands::Surroundings& with, double rate_Hz, bool first) {
   // Only the first hand's device may call the ticks.
-  HandConfig config{.device = options.device ? options.device : "path", .ownScheduler = !first};
+  HandConfig config{
+      .device = options.device ? options.device : "path", .ownScheduler = !first, .axes = textOf(options.axes)};
+  if (!config.axes.empty() && !isHeldDevice(config.device))
+    throw UsageError("axes: the device {} is not in a hand; leave axes out", config.device);
   if (options.builtin) config.path = std::string("builtin:") + options.builtin;
   if (options.path) {
     if (options.builtin) throw UsageError("path, builtin: both are given; leave one of them out");

@@ -160,7 +160,8 @@ struct FakeHaply::Service {
                    .afterFault = fault_s >= 0};
       told.force_N = unpermuted(options.permutation, command.at(told.values ? "values" : "vector"));
       felt = glm::length(told.force_N) >= kFelt_N ? felt + 1 : 0;
-      hand.write(told.force_N);
+      applied_N = told.force_N + (faultIsOn(now_s) && options.fault == "second" ? kSecond_N : DVec3(0));
+      hand.write(applied_N);
       if (step_mm && steppedAt_s && std::abs(told.force_N.y - *step_mm) < 0.05) {
         latencies.push_back(1e6 * (now_s - *steppedAt_s));
         steppedAt_s.reset();
@@ -254,6 +255,7 @@ struct FakeHaply::Service {
                    {"in_use", options.inUse},
                    {"power_supply", !faultIs("unpowered")},
                    {"ready", true}}}};
+      entry["state"]["current_cursor_force"] = permuted(options.permutation, options.tellsForce ? applied_N : DVec3(0));
       if (faultIs("null")) entry["state"]["cursor_position"]["x"] = nullptr;
       if (whole)
         entry["config"] = {{"type", "inverse3"},
@@ -291,7 +293,7 @@ struct FakeHaply::Service {
   double fault_s = -1, due_s = 0;
   int felt = 0, stage = 0;
   bool halved = false, isAtEnd = false;
-  DVec3 sent_mm{0};
+  DVec3 sent_mm{0}, applied_N{0};
   std::vector<Command> commands;
   std::vector<double> latencies;
 };

@@ -21,10 +21,11 @@ struct FakeHaplyOptions {
   std::string version = "3.5.0", permutation = "XYZ", handedness = "right";
   std::vector<std::string> ids{"049D"};
   bool inUse = false, calibrated = true, wireless = true, grips = true, pressed = false;
-  double rate_Hz = 0;  ///< of its answers at most; 0: at once
-  double step_s = 0;   ///< if not 0, the cursor steps by kStep_mm each time
+  double rate_Hz = 0;      ///< of its answers at most; 0: at once
+  double step_s = 0;       ///< if not 0, the cursor steps by kStep_mm each time
+  bool tellsForce = true;  ///< false: it reports no force, whatever it applies
   /// Begins once a force of kFelt_N was felt in 30 commands in a row: mute, half, closed, nan, null, uncalibrated,
-  /// unpowered, safety, jump, gone.
+  /// unpowered, safety, jump, gone, second (a program that adds kSecond_N).
   std::string fault;
   double fault_s = 0.2;
 };
@@ -32,6 +33,7 @@ struct FakeHaplyOptions {
 class FakeHaply {
  public:
   static constexpr DVec3 kMiddle_mm{0, 150, 120};
+  static constexpr DVec3 kSecond_N{0.6, 0, 0};
   static constexpr double kFelt_N = 0.2, kStep_mm = 0.5;
 
   explicit FakeHaply(FakeHaplyOptions options);

@@ -126,6 +126,7 @@ TEST_CASE("the force of a wall arrives at a Haply device with its direction and 
     options.permutation = "X-ZY";
     options.handedness = "left";
   }
+  SUBCASE("a service that reports no force") { options.tellsForce = false; }
   SUBCASE("a service with 4000 states a second") { options.rate_Hz = 4000; }
   SUBCASE("a service with 200 states a second") { options.rate_Hz = 200; }
   const FakeHaply service(options);
@@ -203,6 +204,66 @@ TEST_CASE("after a fault of a Haply device the force returns from free space" * 
   CHECK(most_N(commands, fault_s + 0.01, 1.2) == 0);
   CHECK(most_N(commands, 1.7, 2.2) > 0.3);
   CHECK(says(felt.said, "is ready (white light"));
+}
+
+TEST_CASE(
+    "a second program's force on a Haply device takes palpate's away, until it is gone and the hand in free space" *
+    kClock) {
+  std::vector<PathKey> hand = kPressing;
+  for (const PathKey& key :
+       {PathKey{1.2, {0, 14, 0}}, PathKey{1.3, {0, 26, 0}}, PathKey{1.4, {0, 26, 0}}, PathKey{1.6, {0, 14, 0}}})
+    hand.push_back(key);
+  FakeHaplyOptions options{.hand = hand, .fault = "second", .fault_s = 0.15};
+  bool shares = false;
+  SUBCASE("its force is seen in the states") {}
+  SUBCASE("through a permuted basis, too") { options.permutation = "ZX-Y"; }
+  SUBCASE("but both add up where that is asked for") { shares = true; }
+  const FakeHaply service(options);
+  const Felt felt = feel(2.2, {.shares = shares});
+  const auto commands = service.commands();
+  const double fault_s = service.faultBegan_s();
+  REQUIRE_MESSAGE(fault_s > 0, felt.said);
+  CHECK_FALSE(felt.result.deviceFailed);
+  CHECK(most_N(commands, 0, fault_s) > FakeHaply::kFelt_N);
+  CHECK(most_N(commands, 1.7, 2.2) > 0.3);
+  CHECK(commands.back().force_N == DVec3(0));
+  const std::string sentence = "has the force of another program on it";
+  const std::size_t said = felt.said.find(sentence);
+  if (shares) {
+    CHECK(most_N(commands, fault_s, fault_s + options.fault_s) > FakeHaply::kFelt_N);
+    CHECK(said == std::string::npos);
+    return;
+  }
+  int forces = 0;  // commands with a force between the second program's begin and the free space
+  double zero_ms = 0;
+  for (const FakeHaply::Command& command : commands)
+    if (command.afterFault && command.time_s < 1.2 && command.force_N != DVec3(0)) {
+      ++forces;
+      zero_ms = std::max(zero_ms, 1e3 * (command.time_s - fault_s));
+    }
+  MESSAGE("| second | " << forces << " | " << zero_ms << " | goes on |");
+  CHECK(forces <= haply::ForceWatch::kStates + 1);
+  REQUIRE(said != std::string::npos);
+  CHECK(felt.said.find(sentence, said + 1) == std::string::npos);
+  CHECK(says(felt.said.substr(said), "is ready (white light"));
+}
+
+TEST_CASE("a force that a Haply service reports late or rounded is not another program's") {
+  haply::ForceWatch watch;
+  const auto showsAnother = [&](const DVec3& reported_N, int states) {
+    bool shows = false;
+    for (int i = 0; i < states; ++i) shows = watch.showsAnother(reported_N);
+    return shows;
+  };
+  for (int i = 0; i < 40; ++i) {
+    watch.sent({0, 0.1 * i, 0});
+    CHECK_FALSE(watch.showsAnother(DVec3(0.05, 0.1 * std::max(i - 10, 0), 0)));
+  }
+  CHECK_FALSE(showsAnother({0, 3.5, 0.6}, haply::ForceWatch::kStates - 1));
+  CHECK(showsAnother({0, 3.5, 0.6}, 1));
+  CHECK_FALSE(watch.showsAnother(std::nullopt));
+  CHECK_FALSE(showsAnother({0, 3.5, 0}, 1));
+  CHECK_FALSE(showsAnother({0, 3.5, 0.6}, haply::ForceWatch::kStates - 1));
 }
 
 TEST_CASE("a Haply device's pose has palpate's axes, and its grip's orientation and buttons") {

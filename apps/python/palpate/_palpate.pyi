@@ -289,7 +289,8 @@ class _Session:
         path: ArrayLike | None,
         law: Any,
         allow_python_law: bool,
-        others: list[tuple[str | None, BuiltinPath | None, Any]],
+        others: list[tuple[str | None, BuiltinPath | None, Any, str | None]],
+        axes: str | None,
     ) -> None: ...
     def _live_raise(self) -> None: ...
     def _live_late(self) -> int: ...

@@ -36,11 +36,13 @@ class Hand:
         device: as for live(); None: path.
         path: for the device path: an array as for touch(), followed once.
         builtin: for sim and path: "press", "slide", "scan" or "orbit".
+        axes: as for live().
     """
 
     device: str | None = None
     path: Any = None
     builtin: BuiltinPath | None = None
+    axes: str | None = None
 
 
 @dataclass(frozen=True)
@@ -291,6 +293,7 @@ class Session(_palpate._Session):
         allow_python_law: bool = False,
         others: Sequence[Hand] = (),
         interval_s: float = 1 / 30,
+        axes: str | None = None,
     ) -> Live:
         """Starts ticks against the wall clock, on a servo thread that runs no Python code.
 
@@ -305,17 +308,20 @@ class Session(_palpate._Session):
             allow_python_law: instead of the session's, with the same meaning.
             others: the hands after the first.
             interval_s: time between two calls of on_ticks, s.
+            axes: of a hand-held device, those that point right, up and towards the user, as in "x,z,-y"; None: as its
+                user agreed to after the guided test, else the device's own.
 
-        A scene of matter restarts. wait() and stop() raise Error if it diverges, and if this hand's part in a joined
-        session has ended permanently.
+        A contact is never stiffer than what the user of a hand-held device agreed to after its guided test. A scene of
+        matter restarts. wait() and stop() raise Error if it diverges, and if this hand's part in a joined session has
+        ended permanently.
         """
         if on_ticks is not None and not callable(on_ticks):
             raise ArgumentTypeError(f"on_ticks: must be a function, not {described(on_ticks)}")
         for hand in others:
             if not isinstance(hand, Hand):
                 raise ArgumentTypeError(f"others: must be a list of Hand, but contains {described(hand)}")
-        rest = [(hand.device, hand.builtin, hand.path) for hand in others]
-        self._live_start(device, rate, builtin, path, law, allow_python_law, rest)
+        rest = [(hand.device, hand.builtin, hand.path, hand.axes) for hand in others]
+        self._live_start(device, rate, builtin, path, law, allow_python_law, rest, axes)
         self._live = Live(self, on_ticks, interval_s)
         return self._live
 

@@ -21,14 +21,19 @@ typedef struct pp_live_options {
   pp_force_law law;        /**< null: the session's */
   void* law_user;          /**< passed to `law` */
   const char* law_library; /**< null: the session's */
-  /** Next hand, if the session has several: its device, builtin, path, and its own `next`. Only the first hand has a
-   * rate and a force law. The ticks run at the first hand's pace, even with a device whose driver would call them. */
+  /** Next hand, if the session has several: its device, builtin, path, axes, and its own `next`. Only the first hand
+   * has a rate and a force law. The ticks run at the first hand's pace, even with a device whose driver would call
+   * them. */
   const struct pp_live_options* next;
+  /** Axes of a hand-held device that point right, up and towards the user, as in "x,z,-y"; null: as its user agreed to
+   * after the guided test, else the device's own. */
+  const char* axes;
 } pp_live_options;
 PP_OPTIONS(live_options)
 /** Starts ticks against the wall clock, on a thread of palpate. Until pp_live_stop() the session accepts only calls
- * that look at it. Options may be null. PP_ERROR_ARGUMENT for an unknown device, PP_ERROR_FAILED if a device or its
- * driver cannot be opened. */
+ * that look at it. A contact is never stiffer than what the user of a hand-held device agreed to after its guided test.
+ * Options may be null. PP_ERROR_ARGUMENT for an unknown device, or axes that are not a permutation or of a device that
+ * is not in a hand; PP_ERROR_FAILED if a device or its driver cannot be opened. */
 PP_API pp_status pp_live_start(pp_session session, const pp_live_options* options);
 /** Copies the ticks since the last call, up to `capacity`, and takes in the edits. With several hands `capacity` and
  * `count` are numbers of rows, as for pp_session_touch_hands(), of whole ticks. Ticks not read for half a minute at 1

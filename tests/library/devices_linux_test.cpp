@@ -1,0 +1,136 @@
+// A session of the library with a device in a hand: its axes, and what its user agreed to.
+// ctest: waits
+#include <palpate/palpate.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "tests/library/ball.hpp"
+#include "tests/near.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/surroundings.hpp"
+
+namespace palpate::library_devices_test {
+
+namespace {
+
+/// A Haply service whose hand taps from above on what is 26 to 40 mm above the middle, and its user's settings.
+class Desk {
+ public:
+  Desk() {
+    const std::filesystem::path said = folder_ / "said";
+    service_ = ::popen((std::string(PALPATE_HAPLY_SERVICE) + " > " + said.string()).c_str(), "w");
+    REQUIRE(service_ != nullptr);
+    std::string config;
+    for (int i = 0; i < 500 && config.empty(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      std::ifstream in(said);
+      if (!std::getline(in, config) || in.eof()) config.clear();
+    }
+    REQUIRE_FALSE(config.empty());
+    config_.emplace("PALPATE_HAPLY_CONFIG", config);
+  }
+  ~Desk() { ::pclose(service_); }
+  Desk(const Desk&) = delete;
+  Desk& operator=(const Desk&) = delete;
+
+  void agree(const std::string& device) const {
+    std::filesystem::create_directories(folder_ / "palpate");
+    std::ofstream(folder_ / "palpate" / "devices.json")
+        << R"({"version": 1, "devices": {"haply:049D": )" << device << "}}";
+  }
+
+ private:
+  ScratchFolder folder_;
+  Variable home_{"XDG_CONFIG_HOME", folder_.path().string()};
+  std::FILE* service_ = nullptr;
+  std::optional<Variable> config_;
+};
+
+/// A ball of 30 mm radius in the hand.
+pp_session_options smallBall() {
+  pp_session_options options = cpuOptions();
+  options.mm_per_unit = 0.6;
+  return options;
+}
+
+struct Taps {
+  double up_mm = 0, towards_mm = 0;  // farthest from the middle
+  double stiffness_N_per_mm = 0;     // median; less after a stall of the machine, when the force ramps up again
+};
+/// Three seconds of taps.
+Taps taps(pp_session session, const pp_live_options& options) {
+  PP_REQUIRE_OK(pp_live_start(session, &options));
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  PP_REQUIRE_OK(pp_live_stop(session));
+  Taps found;
+  std::vector<double> ratios;
+  std::vector<pp_tick> ticks(512);
+  for (std::uint64_t count = 1; count > 0;) {
+    PP_REQUIRE_OK(pp_live_read_ticks(session, ticks.data(), ticks.size(), &count));
+    for (const pp_tick& tick : std::span(ticks).first(count)) {
+      found.up_mm = std::max(found.up_mm, 0.6 * std::abs(tick.hip[1]));
+      found.towards_mm = std::max(found.towards_mm, 0.6 * std::abs(tick.hip[2]));
+      if (tick.t_s > 1.5 && tick.contact == 1 && tick.penetration_mm > 0.5)
+        ratios.push_back(std::hypot(tick.force_N[0], tick.force_N[1], tick.force_N[2]) / tick.penetration_mm);
+    }
+  }
+  REQUIRE(ratios.size() > 20);
+  std::ranges::nth_element(ratios, ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2));
+  found.stiffness_N_per_mm = ratios[ratios.size() / 2];
+  return found;
+}
+
+pp_live_options haply() {
+  pp_live_options options = pp_default_live_options();
+  options.device = "haply";
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("a session of the library uses the axes and the stiffness that a device's user agreed to") {
+  const Desk desk;
+  const OpenBall ball(smallBall());
+  const Taps before = taps(ball.session, haply());
+  CHECK(before.up_mm == within(40, 1));
+  CHECK(before.towards_mm < 2);
+  CHECK(before.stiffness_N_per_mm > 0.5);
+  desk.agree(R"({"model": "Inverse3 049D", "stiffness_N_per_mm": 0.3, "axes": "z,x,y"})");
+  const Taps after = taps(ball.session, haply());
+  CHECK(after.up_mm < 2);
+  CHECK(after.towards_mm == within(40, 1));
+  CHECK(after.stiffness_N_per_mm == within(0.2, 0.12));
+}
+
+TEST_CASE("the axes that a program asks for replace those that a device's user agreed to, but not the stiffness") {
+  const Desk desk;
+  desk.agree(R"({"model": "Inverse3 049D", "stiffness_N_per_mm": 0.3, "axes": "z,x,y"})");
+  const OpenBall ball(smallBall());
+  pp_live_options options = haply();
+  options.axes = "x,y,z";
+  const Taps asked = taps(ball.session, options);
+  CHECK(asked.up_mm == within(40, 1));
+  CHECK(asked.towards_mm < 2);
+  CHECK(asked.stiffness_N_per_mm == within(0.2, 0.12));
+}
+
+TEST_CASE("axes that are not a permutation, or of a device that is not in a hand, are refused") {
+  const Desk desk;
+  const OpenBall ball(smallBall());
+  pp_live_options options = haply();
+  options.axes = "x,y";
+  CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("'x,y' is not a permutation of x,y,z"));
+  options.device = "path";
+  options.builtin = "press";
+  options.axes = "x,z,-y";
+  CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("axes: the device path is not in a hand"));
+}
+
+}  // namespace palpate::library_devices_test
