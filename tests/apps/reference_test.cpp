@@ -25,23 +25,21 @@ Result reference() {
   return Result::parse(contentOf(file));
 }
 
-// The keys of a result as the reference names them, with those of parts that it describes key by key.
+// The keys of a result as the reference names them: an object counts as one key where the reference describes none of
+// its members; a list of objects never does.
 void addKeys(const Result& json, const std::string& before, const std::set<std::string>& described,
              std::set<std::string>& keys) {
   for (const std::string& name : json.keys()) {
     const std::string path = before + name;
     const Result inside = json[name];
-    const bool isDescribed = [&] {
-      const auto next = described.lower_bound(path + ".");
-      return next != described.end() && next->starts_with(path + ".");
-    }();
-    if (inside.isObject() && isDescribed)
+    const auto member = described.lower_bound(path + ".");
+    if (inside.isObject() && member != described.end() && member->starts_with(path + "."))
       addKeys(inside, path + ".", described, keys);
     else
       keys.insert(path);
-    if (inside.isArray() && described.lower_bound(path + "[].") != described.end() && !inside.empty())
-      if (inside.front().isObject() && described.lower_bound(path + "[].")->starts_with(path + "[]."))
-        addKeys(inside.front(), path + "[].", described, keys);
+    if (!inside.isArray()) continue;
+    for (const Result& element : inside)
+      if (element.isObject()) addKeys(element, path + "[].", described, keys);
   }
 }
 
