@@ -122,8 +122,12 @@ TEST_CASE("a session that was suspended gives no force while the hand is still i
   RunningProgram session(
       scene.touch("--device openhaptics --realtime --map identity --duration 60 --json " + scene.file("out.json")),
       scene.folder / "said");
-  REQUIRE_MESSAGE(session.waitFor([&] { return glm::length(driver.lastForce_N()) >= 0.15; }),
-                  contentOf(scene.folder / "said"));
+  // At the end of the path, where it leans on the sphere. The damping of the first contact is a force, too, but such a
+  // small demand that it ends the wait.
+  constexpr std::uint64_t kAtRest = 1000;
+  REQUIRE_MESSAGE(
+      session.waitFor([&] { return driver.note().frames > kAtRest && glm::length(driver.lastForce_N()) >= 0.15; }),
+      contentOf(scene.folder / "said"));
   session.send(SIGSTOP);
   std::this_thread::sleep_for(std::chrono::milliseconds(400));
   const std::uint64_t before = driver.note().frames;

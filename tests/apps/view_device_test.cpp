@@ -108,26 +108,34 @@ TEST_CASE("a device that is lost while a model is felt leaves the stylus to the 
 TEST_CASE("the guided test in the window finds a stiffness, and the device is held again" * kClock) {
   if (!hasDisplay()) return;
   const Settings settings;
-  std::vector<PathKey> hand{{0, {0, 0, 0}},    {9, {0, 0, 0}},       {9.5, {30, 0, 0}},
-                            {10, {30, 30, 0}}, {10.5, {30, 30, 30}}, {11, {30, 30, 30}}};
-  for (double t_s = 11.5; t_s < 100; t_s += 4)
+  // Still, to the right, up, towards the user, and from 11 s on onto the wall, lifted now and then.
+  std::vector<PathKey> hand{{0, {0, 0, 0}},   {6, {0, 0, 0}},      {6.5, {30, 0, 0}},
+                            {7, {30, 30, 0}}, {7.5, {30, 30, 30}}, {10.5, {30, 30, 30}}};
+  for (double t_s = 11; t_s < 50; t_s += 4)
     for (const auto& [after_s, y_mm] : {std::pair{0.0, 19.0}, {3.0, 19.0}, {3.2, 35.0}, {3.6, 35.0}})
       hand.push_back({t_s + after_s, {30, y_mm, 30}});
-  const FakeHaply service({.hand = hand});
-  const auto played = play("--device haply --size 800x600 --backend cpu %/sphere.ply --mm-per-unit 1", R"(
+  const FakeHaply service({.hand = hand, .begins = "begun.json"});
+  const auto file = [&](const char* name) { return (service.folder() / name).string(); };
+  const auto played = play("--device haply --size 800x600 --backend cpu %/sphere.ply --mm-per-unit 1",
+                           fmt::format(R"(
 0.2 click Device
 1.0 click Test...
-1.4 state %/begun.json
+1.4 state {}
 1.5 screenshot %/begun.png
-14 state %/leans.json
-14 screenshot %/leans.png
-50 state %/done.json
-50 screenshot %/done.png
-50.1 quit
+10.3 state %/leans.json
+10.3 screenshot %/leans.png
+10.4 minimise
+10.5 await {}
+10.6 restore
+11 state %/done.json
+11 screenshot %/done.png
+11.1 quit
 )",
+                                       file("begun.json"), file("path_end")),
                            "", makeSmallSphere);
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
-  CHECK(says(played->state("begun.json")["device"]["instruction"].get<std::string>(), "Hold the stylus still"));
+  CHECK(says(jsonOf(service.folder() / "begun.json")["device"]["instruction"].get<std::string>(),
+             "Hold the stylus still"));
   CHECK(says(played->state("leans.json")["device"]["instruction"].get<std::string>(), "Lean on it gently"));
   const Result done = played->state("done.json")["device"];
   CHECK(done["stage"] == "held");

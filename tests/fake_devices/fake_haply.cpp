@@ -72,8 +72,9 @@ struct FakeHaply::Service {
   };
   using ClientPtr = std::shared_ptr<Client>;
 
-  explicit Service(FakeHaplyOptions given)
+  Service(FakeHaplyOptions given, std::filesystem::path notes)
       : options(std::move(given)),
+        folder(std::move(notes)),
         simulation(io, {asio::ip::address_v4::loopback(), 0}),
         events(io, {asio::ip::address_v4::loopback(), 0}),
         hand(Path(options.hand), {}) {
@@ -147,7 +148,7 @@ struct FakeHaply::Service {
   void take(const Json& message) {
     const std::scoped_lock lock(guard);
     const double now_s = since.elapsed_s();
-    if (!began_s) began_s = now_s;
+    if (!began_s && (options.begins.empty() || std::filesystem::exists(folder / options.begins))) began_s = now_s;
     for (const Json& entry : message.at("inverse3")) {
       const Json& command = entry.at("commands").at("set_cursor_force");
       Command told{.time_s = now_s,
@@ -231,6 +232,7 @@ struct FakeHaply::Service {
       return {0, wanted, 0};
     }
     const DVec3 jump(0, 0, faultIs("jump") ? 30 : 0);
+    if (time_s >= options.hand.back().t_s && !std::exchange(isAtEnd, true)) std::ofstream(folder / "path_end");
     return hand.read(time_s).position + jump;
   }
 
@@ -275,6 +277,7 @@ struct FakeHaply::Service {
   }
 
   FakeHaplyOptions options;
+  std::filesystem::path folder;
   asio::io_context io{1};
   tcp::acceptor simulation, events;
   ClientPtr listener;
@@ -284,14 +287,14 @@ struct FakeHaply::Service {
   std::optional<double> began_s, step_mm, steppedAt_s;
   double fault_s = -1, due_s = 0;
   int felt = 0, stage = 0;
-  bool halved = false;
+  bool halved = false, isAtEnd = false;
   DVec3 sent_mm{0};
   std::vector<Command> commands;
   std::vector<double> latencies;
 };
 
 FakeHaply::FakeHaply(FakeHaplyOptions options)
-    : service_(std::make_unique<Service>(std::move(options))),
+    : service_(std::make_unique<Service>(std::move(options), folder_.path())),
       config_("PALPATE_HAPLY_CONFIG", (folder_ / "haply.json").string()),
       thread_([this] { service_->io.run(); }) {
   const std::uint16_t port = service_->simulation.local_endpoint().port();

@@ -17,6 +17,7 @@ namespace palpate {
 
 struct FakeHaplyOptions {
   std::vector<PathKey> hand{{0, DVec3(0)}};  ///< about kMiddle_mm, in palpate's axes; time since the first command
+  std::string begins;  ///< if not empty: a file of folder(); the hand begins its path once that exists
   std::string version = "3.5.0", permutation = "XYZ", handedness = "right";
   std::vector<std::string> ids{"049D"};
   bool inUse = false, calibrated = true, wireless = true, grips = true, pressed = false;
@@ -53,6 +54,7 @@ class FakeHaply {
   int forcesAfterFault() const;
   /// From the first state with a new position to the first force that answers it, microseconds (step_s).
   std::vector<double> latencies_us() const;
+  /// The file "path_end" is in it once the hand has reached the end of its path.
   const ScratchFolder& folder() const { return folder_; }
 
  private:
