@@ -48,7 +48,7 @@ constexpr DescribedKey kConvert[]{{"input", "", "read file"},
                                   {"unplaced", "", "of them, without a pose"},
                                   {"lost_frames", "", "of them, unreadable"}};
 
-// Of a scene of matter.
+// Results of `palpate info` for a simulated scene.
 constexpr DescribedKey kSceneInfo[]{{"matter", "", "kind of matter"},
                                     {"particles", "", "particles, or nodes of a soft body"},
                                     {"substeps", "", "substeps per millisecond"},

@@ -72,7 +72,7 @@ void EditRelay::catchUp() {
     try {
       follower->catchUp(batch_);
     } catch (...) {
-      follower = nullptr;  // the hand, the journal and the log go on without it
+      follower = nullptr;  // the hand, the journal and the log continue without it
       if (!followerFailure_) followerFailure_ = std::current_exception();
     }
   }
