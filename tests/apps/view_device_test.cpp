@@ -85,14 +85,19 @@ TEST_CASE("the window lists the devices, holds one, shows its state, and goes ba
 TEST_CASE("a device that is lost while a model is felt leaves the stylus to the mouse, and says why" * kClock) {
   if (!hasDisplay()) return;
   const Settings settings;
-  const FakeHaply service({.hand = resting(3), .fault = "closed"});
-  const auto played = play("%/sphere.ply --mm-per-unit 1 --backend cpu --device haply", R"(
+  const FakeHaply service({.hand = resting(1), .begins = "begun.json", .fault = "closed"});
+  const auto file = [&](const char* name) { return (service.folder() / name).string(); };
+  const auto played = play("%/sphere.ply --mm-per-unit 1 --backend cpu --device haply",
+                           fmt::format(R"(
 0.1 click Device
-9.0 state %/lost.json
-9.1 screenshot %/lost.png
-9.6 state %/later.json
-9.7 quit
+0.5 state {}
+0.6 await {}
+2.5 state %/lost.json
+2.6 screenshot %/lost.png
+3.1 state %/later.json
+3.2 quit
 )",
+                                       file("begun.json"), file("fault")),
                            "", makeSmallSphere);
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const Result lost = played->state("lost.json");

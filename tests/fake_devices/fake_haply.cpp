@@ -176,7 +176,10 @@ struct FakeHaply::Service {
     const double now_s = since.elapsed_s();
     {
       const std::scoped_lock lock(guard);
-      if (fault_s < 0 && !options.fault.empty() && felt >= 30) fault_s = now_s;
+      if (fault_s < 0 && !options.fault.empty() && felt >= 30) {
+        fault_s = now_s;
+        std::ofstream(folder / "fault");
+      }
     }
     if (faultIs("closed")) {
       Failure ignored;

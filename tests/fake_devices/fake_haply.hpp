@@ -54,7 +54,7 @@ class FakeHaply {
   int forcesAfterFault() const;
   /// From the first state with a new position to the first force that answers it, microseconds (step_s).
   std::vector<double> latencies_us() const;
-  /// The file "path_end" is in it once the hand has reached the end of its path.
+  /// The file "path_end" is in it once the hand has reached the end of its path, "fault" once the fault has begun.
   const ScratchFolder& folder() const { return folder_; }
 
  private:
