@@ -160,7 +160,7 @@ void DeviceCheckQuery::nextStep() noexcept {
   stiffness_N_per_mm_ = std::min(stiffness_N_per_mm_ * options_.factor, options_.stiffest_N_per_mm);
 }
 
-// Down to no force after an oscillation. What was stable a moment ago counts as stable no longer.
+// Lowers the force to zero after an oscillation. The stiffness before it no longer counts as stable.
 void DeviceCheckQuery::fade(const Pose& pose, double dt_s) noexcept {
   if (share_ == 1) {
     humBegan_s_ = pose.time_s - oscillation_.duration_s();

@@ -72,7 +72,7 @@ struct ServoResult {
   TickHistogram late_us;            ///< from the due time of a tick to its start; empty in virtual time
   SchedulingStatistics scheduling;  ///< of the servo thread; empty in virtual time and at the device's pace
 
-  /// Of the first hand.
+  /// Trace and counts of the first hand.
   const Trace& trace() const { return hands.front().trace; }
   const HandCounts& counts() const { return hands.front().counts; }
 };

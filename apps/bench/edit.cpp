@@ -175,7 +175,7 @@ void summarizeTicks(EditCost& cost, const std::vector<ObservedTick>& noted, cons
       shortfalls.editsTooSlow, rate_Hz);
 }
 
-// Of a cloud where nothing is edited. The CPU has the same points and index then.
+// Memory of the same cloud without edits. On the CPU points and index are the same.
 std::uint64_t plainBytes(const Session& session, const std::string& backend) {
   if (backend == "vulkan") {
     const GpuMemory plain = predictGpuMemory(session.model().cloud.size(), false);

@@ -334,7 +334,7 @@ Json benchLocality(Context& context, const LocalityBenchOptions& options) {
         }
   }
   fmt::print(context.tables(),
-             "\n{} of {} strokes keep every promise within the judge's tolerance, {} without any tolerance\n",
+             "\n{} of {} strokes meet all requirements within the judge's tolerance, {} without any tolerance\n",
              results.strokes.size() - results.broken(), results.strokes.size(),
              results.strokes.size() - results.broken(true));
   return toJson(results);

@@ -131,7 +131,7 @@ struct Felt {
   std::vector<double> after_ms;
   std::uint64_t notFelt = 0;     // within the time of a round trip of two seconds, lost twice
   std::uint64_t notPressed = 0;  // the presser made no edit: there was nothing to feel
-  std::uint64_t unsteady = 0;    // positions on which the hand did not come to rest
+  std::uint64_t unsteady = 0;    // positions on which the hand did not settle
 };
 
 // Each trial uses another position, unaffected by earlier edits, and a random delay, out of phase with any periodic
@@ -224,8 +224,7 @@ void print(std::FILE* out, const ShareRecord& record) {
              pair(summarize(record.felt.after_ms)), pair(beyondTrip_ms(record)), record.felt.notFelt,
              fmt::format("{} of {}", record.missed, record.ticks + record.missed), record.aged);
   if (record.felt.unsteady > 0)
-    fmt::print(out, "  at {} positions the resting hand did not come to rest, and nothing was pressed\n",
-               record.felt.unsteady);
+    fmt::print(out, "  at {} positions the hand did not settle, so nothing was pressed\n", record.felt.unsteady);
   if (record.felt.notPressed > 0)
     fmt::print(out, "  {} presses did not edit the surface, and there was nothing to feel\n", record.felt.notPressed);
   if (record.editsTooSlow > 0)
@@ -251,7 +250,7 @@ constexpr Reported<ShareRecord> kShare[]{
     {"not_felt", "", "presses that were not felt", [](const ShareRecord& r) -> Value { return r.felt.notFelt; }},
     {"not_pressed", "", "presses without an edit, where there was nothing to feel",
      [](const ShareRecord& r) -> Value { return r.felt.notPressed; }},
-    {"unsteady", "", "positions at which the resting hand did not come to rest",
+    {"unsteady", "", "positions at which the hand did not settle",
      [](const ShareRecord& r) -> Value { return r.felt.unsteady; }},
     {"dropped_edits", "", "edits dropped or postponed because an edit took too long",
      field<&ShareRecord::editsTooSlow>},

@@ -75,7 +75,7 @@ Json edits(std::FILE* out, Context& context, const std::string& backend, const S
 
 Json machineSpeed(std::FILE* out, Context& context) {
   const Stopwatch watch;
-  fmt::print(out, "What this machine can do:\n");
+  fmt::print(out, "Speed of this machine:\n");
   Json result{{"servo", servo(out)}, {"points", kPoints}, {"backends", Json::array()}};
   const SpeedScene scene;
   fmt::print(out, "  a tick with an edit of {} points, median / p99, us:\n  {:>16}  {:>16}\n", kPoints,

@@ -70,7 +70,7 @@ void offer(std::FILE* out, const DeviceCheckResult& result, const OpenedDevice& 
   const auto axes = result.offeredAxes();
   if (!stiffness && !axes) return;
   if (opened.key.empty()) {
-    fmt::print(out, "The device tells no serial number, so nothing can be remembered for it.\n");
+    fmt::print(out, "The device reports no serial number, so nothing can be remembered for it.\n");
     return;
   }
   RememberedDevice wanted = opened.remembered;

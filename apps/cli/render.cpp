@@ -47,7 +47,8 @@ void render(Context& context, const RenderOptions& options) {
     picture.points = options.mode == "points";
     takePicture(context, model, drawn, picture, {}, options.output);
   }
-  context.log().say("{}: {} points of {}", options.output, model.cloud.size(), config.model.file);
+  context.log().say("{}: {}{} points of {}", options.output, options.mode == "mesh" ? "mesh through " : "",
+                    model.cloud.size(), config.model.file);
   context.writeJson({{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}});
 }
 

@@ -48,7 +48,7 @@ constexpr DescribedKey kConvert[]{{"input", "", "read file"},
                                   {"unplaced", "", "of them, without a pose"},
                                   {"lost_frames", "", "of them, unreadable"}};
 
-// Of a scene of matter.
+// Results of `palpate info` for a simulated scene.
 constexpr DescribedKey kSceneInfo[]{{"matter", "", "kind of matter"},
                                     {"particles", "", "particles, or nodes of a soft body"},
                                     {"substeps", "", "substeps per millisecond"},
@@ -108,7 +108,15 @@ constexpr DescribedKey kKeys[]{{"folder", "", "folder of the keys"},
                                {"until", "", "last day of validity"}};
 
 constexpr DescribedKey kDoctor[]{
-    {"gpus", "", "GPUs, with their queues, features and memory"},
+    {"gpus", "", "GPUs that Vulkan reports"},
+    {"gpus[].name", "", "name that the driver gives"},
+    {"gpus[].type", "", "discrete GPU, integrated GPU, virtual GPU, CPU or other"},
+    {"gpus[].usable", "", "whether palpate can use it"},
+    {"gpus[].memory_bytes", "B", "its own memory"},
+    {"gpus[].features", "", "what palpate requires, by name: whether it is there"},
+    {"gpus[].queues", "", "queue families"},
+    {"gpus[].queues[].count", "", "queues of the family"},
+    {"gpus[].queues[].flags", "", "what they can do, as in graphics+compute+transfer"},
     {"haptics", "", "haptic libraries, the Haply service, devices and permissions"},
     {"device", "", "the examined device (--device), and nothing else"},
     {"device_test", "", "the tested device (--test), and nothing else"},
@@ -125,12 +133,27 @@ constexpr DescribedKey kDoctor[]{
     {"forgotten", "",
      "devices that were forgotten (--forget), or without --device the number of measurements of --backend auto, and "
      "nothing else"},
-    {"display", "", "how pictures reach the display"},
+    {"display", "", "how pictures of each GPU reach the display; null: there is none"},
+    {"display[].gpu", "", "name of the GPU"},
+    {"display[].present", "", "swapchain or copy, as for --present; null: it cannot show pictures"},
+    {"display[].reason", "", "why not directly; empty for swapchain"},
     {"in_use", "", "GPU in use; null: none"},
     {"servo", "", "ticks that this machine misses (--servo)"},
-    {"speed.servo.reached_Hz", "Hz", "rate that a servo loop of 1 kHz reached (--speed)"},
-    {"speed.points", "", "points of the cloud that the edits touched"},
-    {"speed.backends", "", "the CPU and a GPU: the p50_us and p99_us of a tick with an edit, or the reason of none"},
+    {"speed", "", "measured speeds (--speed)"},
+    {"speed.servo", "", "of a servo loop alone"},
+    {"speed.servo.rate_Hz", "Hz", "rate that it was asked for"},
+    {"speed.servo.reached_Hz", "Hz", "rate that it reached"},
+    {"speed.servo.missed_ticks", "", "ticks that it missed"},
+    {"speed.points", "", "points of the cloud that was edited"},
+    {"speed.backends", "", "the CPU, and the GPU unless it is a software driver"},
+    {"speed.backends[].backend", "", "cpu or vulkan"},
+    {"speed.backends[].machine", "", "the processor or GPU"},
+    {"speed.backends[].reason", "", "why it was not measured; empty if it was"},
+    {"speed.backends[].edits", "", "ticks with an edit"},
+    {"speed.backends[].edits[].touched", "", "points that the edit reached"},
+    {"speed.backends[].edits[].p50_us", "us", "median duration of the tick"},
+    {"speed.backends[].edits[].p99_us", "us", "its 99th percentile"},
+    {"speed.backends[].edits[].ticks", "", "ticks measured"},
     {"speed.measured_s", "s", "duration of --speed"},
     {"network", "", "sessions on the network (--network)"}};
 

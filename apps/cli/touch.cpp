@@ -53,7 +53,7 @@ std::vector<HandSource> openHands(Context& context, const Model& model, const Se
   return hands;
 }
 
-/// Of the hands after the first.
+/// Reports of the hands after the first.
 std::vector<FurtherHandReport> reportsOf(const std::vector<FurtherHand>& hands, const ServoResult& result) {
   std::vector<FurtherHandReport> reports;
   for (std::size_t i = 0; i < hands.size(); ++i) {

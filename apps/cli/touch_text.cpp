@@ -28,24 +28,6 @@ std::string inWords(const PlayCounts& frames) {
   return text;
 }
 
-std::string inWords(const MatterReport& matter, std::size_t particles) {
-  const bool isSoft = matter.scene.matter == "soft";
-  std::string words =
-      fmt::format("{} of {}, {} substeps per millisecond, forces times {:g}", particles,
-                  isSoft ? "a soft body" : matter.scene.matter, matter.scene.substeps, matter.scene.gain);
-  if (matter.scene.coupling_N_mm > 0)
-    words += fmt::format(", coupling of hand and ball {:.3g} N/mm", matter.scene.coupling_N_mm);
-  if (!matter.scene.elasticity.empty()) words += "; " + matter.scene.elasticity;
-  if (matter.dropped_s > 0) words += fmt::format("; {:.3f} s dropped, behind the clock", matter.dropped_s);
-  if (matter.duration_s > 0)
-    words += fmt::format("; advanced {:.0f} times a second", static_cast<double>(matter.advances) / matter.duration_s);
-  if (matter.holds.gaveWayTicks > 0)
-    words += fmt::format("; the body could not bear a hand and yielded in {} ticks", matter.holds.gaveWayTicks);
-  for (const PortEnergy& port : matter.ports)
-    words += fmt::format("; energy put in by a hand {:.3g} mJ, minimum {:.3g}", 1e3 * port.now_J, 1e3 * port.min_J);
-  return words;
-}
-
 std::string inWords(const SharedCounts& shared) {
   std::string words = fmt::format("{} point states sent, {} received", shared.sent, shared.received);
   const LinkCounts& link = shared.link;
@@ -107,9 +89,28 @@ void printParticipants(const Rows& rows, const TouchReport& report) {
   if (report.far) rows.print("near points", inWords(*report.far));
 }
 
+void printMatter(const Rows& rows, const MatterReport& matter, std::size_t particles) {
+  std::string steps = fmt::format("{} of {}, {} substeps per millisecond", particles,
+                                  matter.isSoft ? "a soft body" : matter.scene.matter, matter.scene.substeps);
+  if (matter.duration_s > 0)
+    steps += fmt::format(", {:.0f} advances per second", static_cast<double>(matter.advances) / matter.duration_s);
+  if (matter.dropped_s > 0) steps += fmt::format("; {:.3f} s dropped, behind the clock", matter.dropped_s);
+  rows.print(matter.isSoft ? "points" : "particles", steps);
+  if (!matter.scene.elasticity.empty()) rows.print("material", matter.scene.elasticity);
+  std::string force = fmt::format("{:g} times the simulated one", matter.scene.gain);
+  if (matter.scene.coupling_N_mm > 0)
+    force += fmt::format("; spring between hand and ball {:.3g} N/mm", matter.scene.coupling_N_mm);
+  if (matter.holds.gaveWayTicks > 0)
+    force += fmt::format("; the body yielded to a hand in {} ticks", matter.holds.gaveWayTicks);
+  rows.print("force", force);
+  for (const PortEnergy& port : matter.ports)
+    rows.print("energy of a hand",
+               fmt::format("{:.3g} mJ put in, minimum {:.3g} mJ", 1e3 * port.now_J, 1e3 * port.min_J));
+}
+
 void printModel(const Rows& rows, const TouchReport& report) {
   if (report.matter)
-    rows.print(report.matter->isSoft ? "points" : "particles", inWords(*report.matter, report.points));
+    printMatter(rows, *report.matter, report.points);
   else
     rows.print("points",
                fmt::format("{}, spacing {}, noise {:.2f} spacings, support radius {}", report.points,

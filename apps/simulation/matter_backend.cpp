@@ -32,7 +32,7 @@ std::unique_ptr<MatterSimulation> softBody(Context& context, const std::string& 
   PointCloud cloud = readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
   const Stopwatch watch;
   const auto model = softModelOf(scene, std::move(cloud), options.threads);
-  context.log().say("{}: {} points are filled with {} nodes: {:.0f} ms", scene.model, model->points.size(),
+  context.log().say("{}: a body of {} points, filled with {} nodes in {:.0f} ms", scene.model, model->points.size(),
                     model->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
   return startSoft(context, backend, scene, options, model->solid, model->points);
 }

@@ -62,7 +62,8 @@ Json sayModel(std::FILE* out, const MatterSimulation& world) {
   const double volume_cm3 = world.model()->volume_m3() * 1e6;
   const DVec3 force_N = world.onModel().force_N, impulse = world.impulses().onModel;
   const std::size_t inside = world.insideModel();
-  fmt::print(out, "  model of {:.1f} cm^3: {} particles left out, {} inside; force {:.3g}, {:.3g}, {:.3g} N\n",
+  fmt::print(out,
+             "  model of {:.1f} cm^3: displaces {} particles, {} are inside; force on it {:.3g}, {:.3g}, {:.3g} N\n",
              volume_cm3, world.leftOut(), inside, force_N.x, force_N.y, force_N.z);
   return {{"volume_cm3", volume_cm3},
           {"left_out", world.leftOut()},
@@ -76,14 +77,14 @@ Json sayModel(std::FILE* out, const MatterSimulation& world) {
 // stiffness.
 Json sayHand(std::FILE* out, const MatterScene& scene) {
   if (scene.matter == Matter::soft) {
-    fmt::print(out, "  a hand would feel forces times {:g}\n", scene.gain);
+    fmt::print(out, "  force on a hand: {:g} times the simulated one\n", scene.gain);
     return nullptr;
   }
   MatterScene touched = scene;
   if (touched.tool.radius_mm == 0) touched.tool = usualTool(scene);
   const double coupling_N_mm = couplingStiffness_N_m(touched) * 1e-3;
-  fmt::print(out, "  a hand would feel forces times {:g}, and hold its ball by {:.3g} N/mm\n", scene.gain,
-             coupling_N_mm);
+  fmt::print(out, "  force on a hand: {:g} times the simulated one; spring between hand and ball {:.3g} N/mm\n",
+             scene.gain, coupling_N_mm);
   return coupling_N_mm;
 }
 
@@ -114,14 +115,15 @@ void simulate(Context& context, const SimulateOptions& options) {
   const double pressure_Pa = hasPressure ? world.pressureAt(probe_mm / kMmPerMetre) : 0;
   std::FILE* out = context.tables();
   const bool isSoft = scene.matter == Matter::soft;
-  fmt::print(out, "{}: {} {} of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
+  fmt::print(out, "{}: {} {} of {}, {:.3f} s simulated, {} substeps per millisecond\n", options.scene, seen.particles,
              isSoft ? "nodes" : "particles", isSoft ? "a soft body" : nameOf(kMatters, scene.matter), seen.time_s,
              world.plan().substeps);
   fmt::print(out, "  {}\n", isSoft ? elasticityInWords(scene) : layersInWords(scene));
   const UVec3 layers = world.plan().lattice;
   const Json hand = sayHand(out, scene);
-  fmt::print(out, "  {}: a millisecond takes {:.0f} us (median), {:.0f} us at most\n", backend, times.p50, times.max);
-  fmt::print(out, "  kinetic {:.3g} J, potential {:.6g} J, compressed by {:.2f} % at most, front at {:.1f} mm\n",
+  fmt::print(out, "  {}: {:.0f} us per simulated millisecond (median), maximum {:.0f} us\n", backend, times.p50,
+             times.max);
+  fmt::print(out, "  kinetic energy {:.3g} J, potential {:.6g} J, largest compression {:.2f} %, front at {:.1f} mm\n",
              seen.kinetic_J, seen.potential_J, 100 * mostCompression, seen.front_m * kMmPerMetre);
   if (hasPressure) fmt::print(out, "  pressure at {} mm: {:.1f} Pa\n", options.probe, pressure_Pa);
   const Json model = sayModel(out, world);

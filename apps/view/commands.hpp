@@ -38,7 +38,7 @@ struct LookAlong {
   int axis;
   bool fromBehind;
 };
-/// Of a simulation.
+/// Sets a parameter of the simulation.
 struct SetParameter {
   std::string name;
   double value;

@@ -1,4 +1,4 @@
-// The device that a person holds before the window: chosen, opened, tested and remembered while the window goes on.
+// The device that a person holds before the window: chosen, opened, tested and remembered while the window is open.
 #pragma once
 
 #include <atomic>
@@ -67,22 +67,22 @@ class HeldDevice final : private LogListener {
 
   enum class Stage { mouse, opening, held, tested };
   Stage stage() const { return stage_; }
-  /// What the session holds; null: the mouse moves the stylus.
+  /// The device that moves the stylus; null: the mouse does.
   std::shared_ptr<TurnedDevice> device() const { return stage_ == Stage::held ? device_ : nullptr; }
-  /// As in --device; kMouse without one.
+  /// Name of the device, as in --device; kMouse without one.
   const std::string& name() const { return name_; }
-  /// Of the device that is open, held or tested; null without one.
+  /// Facts of the open device, held or tested; null if none is open.
   const OpenedDevice* opened() const { return device_ ? &opened_ : nullptr; }
   /// Facts of the device for its session: the middle of its workspace is the origin.
   HapticDeviceFacts centredFacts() const;
-  /// As the last tick read it.
+  /// State of the device at the last tick.
   std::optional<DeviceState> state() const { return device_ ? device_->seen() : std::nullopt; }
   /// The newest sentence about the device; empty: none.
   const std::string& said() const { return said_; }
   bool isLooking() const { return looking_.valid(); }
   /// Empty: not looked yet.
   const std::optional<std::vector<DeviceOffer>>& offers() const { return offers_; }
-  /// Of the test; null: it does not run.
+  /// The running test; null if none runs.
   const DeviceCheckQuery* test() const { return stage_ == Stage::tested ? query_.get() : nullptr; }
   const std::optional<DeviceCheckResult>& found() const { return found_; }
 

@@ -181,7 +181,7 @@ void Panels::drawModel(const ViewStatus& status) {
   if (status.session) {
     ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
     help(status.model);
-    ImGui::TextDisabled("%zu points, up is %s", status.session->journal().present(), nameOf(status.up).data());
+    ImGui::TextDisabled("%zu points, up is %s", status.session->journal().points().present(), nameOf(status.up).data());
     help((status.isUpTurned ? "as chosen" : "automatic: " + status.upright.why) + "; change it with up in Look");
     const Model& model = status.session->model();
     const double side = (model.container() ? *model.container() : status.session->bounds()).longestSide();

@@ -189,7 +189,7 @@ void PointingDevices::move(double dt_s, const ViewSettings& view, const Pointed&
 
 // A stylus that sculpts aims at its press depth below the surface, along the normal, plus the displacement of its
 // spring and hand. Where the visible surface continues farther back, the stylus is put down there, and the stroke
-// goes on.
+// continues.
 void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const Pointed& at) {
   const Model& model = at.session->model();
   const std::optional<DVec3> last = std::exchange(pressedAt_, hand_.isPressing() ? std::optional(place) : std::nullopt);

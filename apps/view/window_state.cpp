@@ -92,7 +92,9 @@ constexpr Reported<WindowState> kWindow[]{
     {"model", "", "open model; null: none",
      [](const WindowState& w) -> Value { return w.session() ? Json(w.document.file()) : Json(nullptr); }},
     {"points", "", "its present points",
-     [](const WindowState& w) -> Value { return w.session() ? Json(w.session()->journal().present()) : Json(0); }},
+     [](const WindowState& w) -> Value {
+       return w.session() ? Json(w.session()->journal().points().present()) : Json(0);
+     }},
     {"camera.eye", "model units", "position of the camera",
      [](const WindowState& w) -> Value { return vectorJson(w.camera.eye); }},
     {"camera.target", "model units", "position that it looks at",

@@ -219,7 +219,7 @@ std::vector<SurfaceIndex::Stretch> SurfaceIndex::stretches(const Ray& ray, doubl
   return merged;
 }
 
-// Of the face of the nearest point, so that both faces of a thin plate are found.
+// Samples the face to which the nearest point belongs, so that both faces of a thin plate are found.
 std::optional<SurfaceIndex::Sample> SurfaceIndex::sampleAt(const Ray& ray, double distance) const {
   const DVec3 x = ray.at(distance);
   const std::optional<Near> near = nearestPoint(x, options_.radius, {});

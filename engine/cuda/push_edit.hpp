@@ -13,7 +13,7 @@ class PushEdit {
   /// wrap around, as only differences are used.
   struct Sums {
     shared::uint weights = 0, normals[3]{}, heights = 0;
-    // Of the last edit alone.
+    // Results of the last edit alone.
     shared::uint seen[shared::kSheetWords]{}, nearest = shared::kOutsideSheet;
   };
 

@@ -29,7 +29,7 @@ constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
 // kOwnWork for the point itself.
 constexpr double kTickWork = 60'000, kOwnWork = 192;
 constexpr std::size_t kFewestAtOnce = 32;
-// Of the support radius: a point that waits gains as much on those that move in each edit, so that all have their turn.
+// In support radii: the priority that a waiting point gains with each edit, so that every point has its turn.
 constexpr float kWaitStrain = 1.0f / 512;
 
 // Calls body(i) for every i below `count`, on all threads; a thread takes `fewest` at a time, or more.

@@ -2,16 +2,9 @@
 
 #include <utility>
 
-#include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
 
 namespace palpate {
-
-Journal::Journal(const PointCloud& file, std::uint64_t budget_bytes)
-    : budget_(budget_bytes),
-      points_(statesOf(file)),
-      present_(points_.size()),
-      slot_(budget_bytes ? points_.size() : 0) {}
 
 void Journal::follow(const EditBatch& batch) {
   const std::span<const PointState> all = batch.points;
@@ -26,7 +19,7 @@ void Journal::follow(const EditBatch& batch) {
         break;
       case EditMark::Kind::change:
         endStroke();  // in case its end was not marked
-        set(states);
+        points_.set(states);
         break;
       case EditMark::Kind::part:
         addToStroke(states);
@@ -40,34 +33,11 @@ void Journal::follow(const EditBatch& batch) {
   addToStroke(all.subspan(begin));
 }
 
-void Journal::growTo(std::uint32_t point) {
-  while (points_.size() <= point) {
-    const auto id = static_cast<std::uint32_t>(points_.size());
-    points_.push_back({.id = id | PointState::kGone, .parent = id});
-  }
-  if (budget_) slot_.resize(points_.size());
-}
-
-void Journal::set(std::span<const PointState> states) {
-  for (const PointState& state : states) {
-    const std::uint32_t point = state.number();
-    if (point >= points_.size()) growTo(point);
-    put(state);
-  }
-}
-
-void Journal::put(const PointState& state) {
-  PointState& point = points_[state.number()];
-  present_ += point.gone();
-  present_ -= state.gone();
-  point = state;
-}
-
 void Journal::receive(std::span<const PointState> states) {
   if (states.empty()) return;
   ++received_;
-  set(states);
-  if (!budget_) return;
+  points_.set(states);
+  if (!undoList_.keepsAny()) return;
   lastReceived_.resize(points_.size(), 0);
   for (const PointState& state : states) {
     const std::uint32_t point = state.number();
@@ -83,39 +53,24 @@ void Journal::receive(std::span<const PointState> states) {
 void Journal::addToStroke(std::span<const PointState> states) {
   if (states.empty()) return;
   if (!std::exchange(inStroke_, true)) {
-    for (const Stroke& stroke : undone_) bytes_ -= bytesOf(stroke);
-    undone_.clear();
-    keepsStroke_ = budget_ > 0;
+    undoList_.begin();
+    keepsStroke_ = undoList_.keepsAny();
     open_.version = version_;
-    measureRoom();
   }
   version_ = ++lastVersion_;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    if (!keepsStroke_) return set(states.subspan(i));
-    const std::uint32_t point = states[i].number();
-    if (point >= points_.size()) growTo(point);
-    if (!isInStroke(point)) keepBefore(point);
-    put(states[i]);
+  for (const PointState& state : states) {
+    if (keepsStroke_ && !isInStroke(state.number())) keepBefore(state.number());
+    points_.set(state);
   }
-}
-
-void Journal::measureRoom() {
-  const std::uint64_t used = bytes_ + sizeof(Stroke);
-  room_ = used < budget_ ? (budget_ - used) / sizeof(PointState) : 0;
 }
 
 void Journal::keepBefore(std::uint32_t point) {
-  while (open_.points.size() >= room_ && !done_.empty()) {
-    bytes_ -= bytesOf(done_.front());
-    done_.pop_front();
-    ++dropped_;
-    measureRoom();
-  }
-  if (open_.points.size() >= room_) {
+  keepsStroke_ = undoList_.makeRoom(bytesOf(open_) + sizeof(PointState));
+  if (!keepsStroke_) {
     open_ = {};
-    keepsStroke_ = false;
     return;
   }
+  if (point >= slot_.size()) slot_.resize(point + 1);
   slot_[point] = static_cast<std::uint32_t>(open_.points.size());
   open_.points.push_back(points_[point]);
 }
@@ -126,16 +81,14 @@ void Journal::endStroke() {
   if (keepsStroke_) {
     open_.received = received_;
     open_.points.shrink_to_fit();
-    bytes_ += bytesOf(open_);
-    done_.push_back(std::move(open_));
-  } else if (budget_) {
-    ++dropped_;
-    ++tooLarge_;
+    undoList_.add(std::move(open_));
+  } else {
+    undoList_.addTooLarge();
   }
   open_ = {};
 }
 
-void Journal::leaveReceived(Stroke& stroke) {
+void Journal::leaveReceived(PointStroke& stroke) {
   if (!lastReceived_.empty())
     std::erase_if(stroke.points, [&](const PointState& point) {
       return point.number() < lastReceived_.size() && lastReceived_[point.number()] > stroke.received;
@@ -143,17 +96,15 @@ void Journal::leaveReceived(Stroke& stroke) {
   stroke.received = received_;
 }
 
-std::vector<PointChange> Journal::cross(Stroke& stroke) {
-  bytes_ -= bytesOf(stroke);
+std::vector<PointChange> Journal::cross(PointStroke& stroke) {
   leaveReceived(stroke);
-  bytes_ += bytesOf(stroke);
   std::vector<PointChange> changes;
   changes.reserve(stroke.points.size());
   std::swap(version_, stroke.version);
   for (PointState& other : stroke.points) {
     const PointState present = points_[other.number()];
     changes.push_back({.from = present, .to = other});
-    put(other);
+    points_.set(other);
     other = present;
   }
   return changes;
@@ -161,18 +112,16 @@ std::vector<PointChange> Journal::cross(Stroke& stroke) {
 
 std::vector<PointChange> Journal::undo() {
   PALPATE_CHECK(!inStroke_);
-  if (done_.empty()) return {};
-  undone_.push_back(std::move(done_.back()));
-  done_.pop_back();
-  return cross(undone_.back());
+  std::vector<PointChange> changes;
+  undoList_.undo([&](PointStroke& stroke) { changes = cross(stroke); });
+  return changes;
 }
 
 std::vector<PointChange> Journal::redo() {
   PALPATE_CHECK(!inStroke_);
-  if (undone_.empty()) return {};
-  done_.push_back(std::move(undone_.back()));
-  undone_.pop_back();
-  return cross(done_.back());
+  std::vector<PointChange> changes;
+  undoList_.redo([&](PointStroke& stroke) { changes = cross(stroke); });
+  return changes;
 }
 
 }  // namespace palpate

@@ -18,12 +18,12 @@ struct SculptedPoints {
   std::vector<std::uint8_t> there;     ///< 0: the point is removed
   /// Nonzero: the point has moved, is new, or has a pending request; the next tick examines it.
   std::vector<std::uint8_t> unsettled;
-  /// Of the points of the file: spacing around them as loaded, which edits maintain; model units. Empty if not needed.
+  /// Spacing around each point of the file as loaded, which edits maintain; model units. Empty if not needed.
   std::vector<float> spacings;
   /// Position of a point in the cloud as loaded; of a new point, half way between those of the ends of its gap. A point
   /// that is set without ends rests at its first position. Model units, relative to the cloud's origin.
   std::vector<Vec3> rests;
-  /// Of new points: maximum distance of further points inserted because of them, model units.
+  /// For each new point, the maximum distance of further points inserted because of it, model units.
   std::vector<float> reaches;
 
   /// State in which a stroke found a point.

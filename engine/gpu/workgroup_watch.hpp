@@ -29,7 +29,7 @@ class WorkgroupWatch {
     std::string pass;
     double longest_us = 0;
   };
-  /// Of all completed invocations, by pass. Waits until the watch has lived for a tenth of a second.
+  /// Longest life among all completed invocations, by pass. Waits until the watch has lived for a tenth of a second.
   std::vector<Life> longest() const;
 
   struct Twin {

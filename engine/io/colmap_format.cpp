@@ -137,7 +137,7 @@ StoredCloud readColmap(const std::filesystem::path& path, Log* log, const CloudR
   StoredCloud stored{.cloud = cloudOf(folder, model, options.keepUnreliable ? nullptr : &counts, log),
                      .cameras = frustaOf(model)};
   if (counts.isMost()) {
-    if (log) log->say("{}: all points are kept, as most would be left out: {}", folder.string(), counts.sentence());
+    if (log) log->say("{}: all points are kept, because most would be removed: {}", folder.string(), counts.sentence());
     stored.cloud = cloudOf(folder, model, nullptr, log);
   } else if (counts.leftOut() > 0) {
     stored.leftOut = counts.sentence();

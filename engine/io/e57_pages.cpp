@@ -73,7 +73,7 @@ void E57Pages::readHeader(std::size_t fileBytes) {
 std::span<const std::byte> E57Pages::from(std::uint64_t fileByte, std::uint64_t saidAt) const {
   const std::uint64_t page = fileByte / kPage, within = fileByte % kPage;
   if (page >= bytes_.size() / kChecked || within >= kChecked)
-    throw FileError::atByte(file_, saidAt, fmt::format("refers to byte {}, where there are no data", fileByte));
+    throw FileError::atByte(file_, saidAt, fmt::format("refers to byte {}, which holds no data", fileByte));
   return std::span<const std::byte>(bytes_).subspan(page * kChecked + within);
 }
 

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// Of a regular file; text is without its byte order mark, and UTF-16 is converted to UTF-8.
+/// First bytes of a regular file; text is without its byte order mark, and UTF-16 is converted to UTF-8.
 struct FileStart {
   std::string bytes;
   std::uint64_t size = 0;  ///< of the file

@@ -48,7 +48,7 @@ class LasColumns {
   struct ColorBits {
     std::atomic<std::uint32_t> all = 0, unequal = 0;  // bits that are set; bits that differ between a value's bytes
   };
-  /// Of the integer coordinates.
+  /// Range of the integer coordinates.
   struct Range {
     static constexpr std::int32_t kMin = std::numeric_limits<std::int32_t>::min();
     static constexpr std::int32_t kMax = std::numeric_limits<std::int32_t>::max();

@@ -38,7 +38,7 @@ class TextRows {
   const UnnamedColumns& unnamed() const { return looked_; }
   /// Call after the last row: throws FileError if the unnamed columns can be neither normals nor colours.
   void checkUnnamed() const;
-  /// Of the current point; empty after the last.
+  /// Words of the current point's row; empty after the last.
   const std::vector<std::string_view>& words() const { return words_.words(); }
   void next();
 

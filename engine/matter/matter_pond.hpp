@@ -30,7 +30,7 @@ class MatterPond final : public MatterWorld {
   const PondCounts& counts() const { return counts_; }
   std::size_t members() const { return members_.size(); }
   std::optional<double> knownAt_s() const override { return knownAt_s_; }
-  /// Of the members and of the other known particles.
+  /// Positions and velocities of the members and of the other known particles.
   std::vector<Vec3> positionsById() const override;
   std::vector<Vec3> velocitiesById() const override;
 

@@ -46,7 +46,7 @@ class DrawnCloud {
   /// the position is NaN.
   std::uint32_t count() const { return count_; }
   bool hasColors() const { return hasColors_; }
-  /// Of the cloud as loaded, not updated.
+  /// Bounds of the cloud as loaded; edits do not change them.
   const Bounds& bounds() const { return bounds_; }
   /// count vec4: xyz relative to the cloud's origin; w the bits of the id, or of kEmptySlot.
   const Buffer& positions() const { return points_.positions; }

@@ -137,7 +137,7 @@ PointCloud makePlate(std::size_t count, double thickness, unsigned threads) {
 UnevenCloud makeUnevenCloud(std::string_view name, std::size_t count) {
   const auto known = std::ranges::find(kUnevenNames, name);
   if (known == kUnevenNames.end())
-    throw UsageError("there is no uneven cloud '{}'; there are {}", name, fmt::join(kUnevenNames, ", "));
+    throw UsageError("'{}' is not an uneven cloud; choose one of {}", name, fmt::join(kUnevenNames, ", "));
   UnevenCloud uneven{.name = *known,
                      .cloud = {},
                      .place = {0, 0, kRadius},

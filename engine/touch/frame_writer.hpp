@@ -36,7 +36,7 @@ class FrameWriter {
                       const Buffer& velocities) const = 0;
   /// Whether the frame has angular velocities besides the velocities.
   virtual bool turnsNormals() const { return false; }
-  /// Of the last frame made: CloudFrame's times, and whether the normals' fourth words hold colours.
+  /// Times of the last frame made, as in CloudFrame, and whether the fourth words of its normals hold colours.
   virtual double time_s() const = 0;
   virtual double extrapolationLimit_s() const { return kMaxPointsAge_s; }
   virtual double comes_s() const { return 0; }

@@ -8,7 +8,7 @@ namespace palpate::library {
 
 namespace {
 
-// Of a pp_contact or a pp_tick.
+// The event that a pp_contact or a pp_tick reports.
 template <class Felt>
 pp_contact_event eventOf(std::size_t hand, double t_s, const Felt& felt) {
   pp_contact_event event{};

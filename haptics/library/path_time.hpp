@@ -27,7 +27,7 @@ class PathTime {
   bool takeReset() { return reset_.exchange(false); }
   /// The hands have moved over points that move.
   void ended(const ServoResult& result, double tick_s);
-  /// The hands are asked tick by tick, whose contact does not go on.
+  /// After a tick of pp_touch(): its contact does not continue in the next path.
   void ticked(double next_s);
 
  private:

@@ -60,8 +60,8 @@ std::vector<pp_row> SessionQueries::rowsOf(const Session& session) const {
   const PointCloud& opened = session.model().cloud;
   std::vector<pp_row> rows;
   if (const Journal* const journal = session.journal()) {
-    const std::span<const PointState> points = journal->points();
-    rows.reserve(journal->present());
+    const PointStates& points = journal->points();
+    rows.reserve(points.present());
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (points[i].gone()) continue;
       rows.push_back(rowFrom(rows_.of(i)));

@@ -36,7 +36,7 @@ struct BackendCandidates {
   const BackendKind& gpu;
   const BackendKind& cpu;
   unsigned threads = 0;  ///< on the CPU; 0: one per core
-  Log& log;              ///< is told the choice, and the reason
+  Log& log;              ///< receives the choice and its reason
   MeasuredBackends memory = MeasuredBackends();
   /// Brush of ticks with an edit, where the session has none at the start; empty: it never has one.
   std::optional<BrushConfig> laterBrush = {};

@@ -109,7 +109,7 @@ RememberedDevice DeviceMemory::find(const std::string& key) const {
 }
 
 void DeviceMemory::remember(const std::string& key, const RememberedDevice& device) const {
-  if (key.empty()) throw Error("{}: it tells no serial number, so nothing can be remembered for it", device.model);
+  if (key.empty()) throw Error("{}: it reports no serial number, so nothing can be remembered for it", device.model);
   Content content = read();
   if (device.isEmpty())
     content.devices.erase(key);

@@ -25,14 +25,14 @@ struct RememberedDevice {
 };
 std::span<const Setting<RememberedDevice>> settingsOf(const RememberedDevice*);
 
-/// Kind and serial number, as in "haply:049D"; empty if the device tells no serial number.
+/// Kind and serial number, as in "haply:049D"; empty if the device reports no serial number.
 std::string deviceKey(std::string_view kind, std::string_view serial);
 
 /// The file devices.json. Each function reads it again, since other programs write it, too; all throw FileError if it
 /// cannot be read or written, and then leave it as it is.
 class DeviceMemory {
  public:
-  /// Of the user of this program.
+  /// The memory of the user of this program.
   DeviceMemory();
   /// `file` need not exist; empty: nothing is remembered, and remember() and choose() throw Error.
   explicit DeviceMemory(std::filesystem::path file) : file_(std::move(file)) {}

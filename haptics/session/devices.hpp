@@ -20,7 +20,7 @@ struct OpenedDevice {
   HapticDeviceFacts facts;
   DeviceLimits limits;          ///< its own; for a test, since what is remembered limits the stiffness of `device`
   DeviceAxes axes;              ///< in use: as asked for, else as remembered
-  std::string key;              ///< deviceKey(); empty if it tells no serial number
+  std::string key;              ///< deviceKey(); empty if it reports no serial number
   RememberedDevice remembered;  ///< for it; empty: nothing
 };
 

@@ -72,7 +72,7 @@ void EditRelay::catchUp() {
     try {
       follower->catchUp(batch_);
     } catch (...) {
-      follower = nullptr;  // the hand, the journal and the log go on without it
+      follower = nullptr;  // the hand, the journal and the log continue without it
       if (!followerFailure_) followerFailure_ = std::current_exception();
     }
   }
@@ -106,11 +106,13 @@ UndoneStrokes undoStrokes(EditStream& edits, Journal& journal, const std::functi
     }
     return true;
   };
-  while (strokes.undone < undo && apply(journal.undoCount(), &Journal::undo, &Journal::redo)) ++strokes.undone;
-  while (strokes.redone < redo && apply(journal.redoCount(), &Journal::redo, &Journal::undo)) ++strokes.redone;
+  while (strokes.undone < undo && apply(journal.undoList().undoCount(), &Journal::undo, &Journal::redo))
+    ++strokes.undone;
+  while (strokes.redone < redo && apply(journal.undoList().redoCount(), &Journal::redo, &Journal::undo))
+    ++strokes.redone;
   strokes.strokes = journal.strokes();
-  strokes.dropped = journal.dropped();
-  strokes.tooLarge = journal.tooLarge();
+  strokes.dropped = journal.undoList().dropped();
+  strokes.tooLarge = journal.undoList().tooLarge();
   return strokes;
 }
 

@@ -97,11 +97,10 @@ void InteractiveSession::keepUnsaved(const SessionConfig& config) {
 void InteractiveSession::goOnWith(const LeftStrokes& left) {
   followAgain(*Session::journal(), left.edits);
   if (unsaved_) unsaved_->adopt(left);
-  const std::vector<PointState> before = statesOf(model().cloud);
+  const PointStates before(model().cloud);
   std::vector<PointChange> changes;
   for (const PointState& state : journal().points()) {
-    const std::uint32_t id = state.number();
-    const PointState from = id < before.size() ? before[id] : PointState{.id = id | PointState::kGone, .parent = id};
+    const PointState from = before[state.number()];
     if (!(from == state)) changes.push_back({from, state});
   }
   backend().edits()->change(changes);
@@ -126,7 +125,7 @@ OpenHand InteractiveSession::hand() {
 void InteractiveSession::take(const EditBatch& batch) {
   batch_.points.insert(batch_.points.end(), batch.points.begin(), batch.points.end());
   edits_ += batch.points.size();
-  if (unsaved_) unsaved_->follow(batch, journal(), isChanged());
+  if (unsaved_) unsaved_->follow(batch, journal().points(), isChanged());
 }
 
 void InteractiveSession::takeIn() {

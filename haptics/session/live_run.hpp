@@ -40,7 +40,7 @@ class LiveRun {
   bool pause();
   /// Starts a thread again, one tick after the last, unless one is running.
   void goOn();
-  /// Of the next thread.
+  /// Sets the hands of the next thread.
   void setHands(std::vector<OpenHand> hands) { hands_ = std::move(hands); }
   /// The time of the next thread's first tick.
   double next_s() const { return options_.begin_s; }

@@ -27,8 +27,8 @@ class MeasuredBackends {
   static std::filesystem::path usualFile();
 
   const std::filesystem::path& file() const { return file_; }
-  /// The measurement of that key, a line of text. `damaged` is told, in a sentence, that the file cannot be read, which
-  /// then counts as empty.
+  /// The measurement of that key, a line of text. `damaged` receives a sentence if the file cannot be read, which then
+  /// counts as empty.
   std::optional<BackendPair> recall(std::string_view key, const std::function<void(std::string_view)>& damaged) const;
   /// Replaces the measurement of that key. Fails silently.
   void remember(std::string_view key, const BackendPair& times) const;

@@ -95,13 +95,13 @@ struct Model {
   SharedPresence* presence() const;
   PlayedStream* stream() const { return as<CameraPoints>() ? as<CameraPoints>()->stream.get() : nullptr; }
   FarCloud* far() const { return as<FarPoints>() ? as<FarPoints>()->cloud.get() : nullptr; }
-  /// Of all points; empty: of those that are here.
+  /// Extent of all points, also of those that are not here; empty: all are here.
   std::optional<PointExtent> extent() const {
     return as<FarPoints>() ? std::optional(as<FarPoints>()->extent) : std::nullopt;
   }
   /// Radius of all discs in a picture, model units; 0: each disc is as wide as the surface around it requires.
   double discRadius() const { return fluid() ? fluid()->discRadius : 0; }
-  /// Of the ball that a hand holds in water and sand, model units; 0: no ball.
+  /// Radius of the ball that a hand holds in water and sand, model units; 0: no ball.
   double ballRadius() const { return fluid() ? fluid()->ballRadius : 0; }
   /// Spacing from which disc radii are computed, model units; 0: they are not.
   double spacingOfDiscs() const { return discRadius() > 0 ? 0 : spacing; }

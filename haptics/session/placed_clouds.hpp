@@ -30,7 +30,7 @@ class CloudRows {
 
   CloudRows() = default;
   explicit CloudRows(std::span<const PlacedCloud> clouds);
-  /// Of one cloud of this size.
+  /// Rows of a single cloud of this size.
   explicit CloudRows(std::size_t size) : ends_{size} {}
   /// `point`: number of a point; those of the clouds come first.
   Row of(std::size_t point) const;

@@ -22,7 +22,7 @@ constexpr double kTau = 0.5,
 constexpr double kStrokeStrength = 0.5;
 constexpr double kInflateDepth = 1.0 / 4;  // of its radius: deep enough that the hand never reaches the raised surface
 
-// Of the support radius: height where a landing begins, and distance per tick.
+// In support radii: height at which a landing begins, and distance per tick.
 constexpr double kLift = 1.5, kLandingStep = 0.25;
 constexpr std::uint32_t kPatience = 20;  // ticks without a surface before the hand moves elsewhere
 

@@ -354,9 +354,9 @@ StrokeCounts Session::strokes() const {
   const Journal* const kept = journal();
   if (!kept) return {};
   return {.strokes = kept->strokes(),
-          .dropped = kept->dropped(),
-          .undoCount = kept->undoCount(),
-          .redoCount = kept->redoCount(),
+          .dropped = kept->undoList().dropped(),
+          .undoCount = kept->undoList().undoCount(),
+          .redoCount = kept->undoList().redoCount(),
           .version = kept->version()};
 }
 

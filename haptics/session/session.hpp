@@ -71,7 +71,7 @@ struct SculptedCloud {
 /// A model that hands touch: *run* along paths, in virtual time or against the clock; *live*, on a servo thread of its
 /// own without end; or *pulled*, tick by tick, by the host program. Commands (brush, surface, undo, frames, recording)
 /// take effect between two ticks: a live session is paused for them, its hands are without force for a moment, and it
-/// goes on one tick later.
+/// continues one tick later.
 ///
 /// For one thread at a time, which also takes the edits, unless stated otherwise.
 class Session {

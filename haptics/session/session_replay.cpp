@@ -6,7 +6,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/job_stop.hpp"
-#include "engine/edit/journal.hpp"
+#include "engine/edit/point_states.hpp"
 #include "haptics/devices/replay_device.hpp"
 #include "haptics/session/session.hpp"
 
@@ -17,9 +17,9 @@ namespace {
 // The points after the edits of a log, which may change points and append new ones.
 std::vector<PointState> edited(const std::string& log, const Model& model, const SessionRecord& record) {
   requireEditsOf(log, model.cloud.size(), record);
-  Journal journal(model.cloud);
-  journal.follow(record.edits);
-  return {journal.points().begin(), journal.points().end()};
+  PointStates points(model.cloud);
+  points.set(record.edits.points);
+  return {points.begin(), points.end()};
 }
 
 /// Collects all edits.

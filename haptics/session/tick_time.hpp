@@ -16,7 +16,7 @@ struct TickTimeRequest {
   std::span<const SurfaceSpot> places;
   std::span<const Stroke> strokes;  ///< one after another on the same points; their brushes replace the configured one
   unsigned threads = 0;             ///< on the CPU; 0: one per core
-  /// Of each stroke, apart from the making of the back end; longer on a machine too slow for ten ticks.
+  /// Duration of each stroke, without making the back end; longer on a machine too slow for ten ticks.
   double duration_s = 0.3;
   std::size_t ticks = 1000;  ///< maximum number of each stroke
 };

@@ -4,7 +4,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/error.hpp"
-#include "engine/edit/journal.hpp"
+#include "engine/edit/point_states.hpp"
 #include "haptics/pending_edits.hpp"
 #include "haptics/session/model.hpp"
 
@@ -106,10 +106,10 @@ void UnsavedStrokes::writePending() {
   sinceWritten_ = Stopwatch();
 }
 
-EditBatch UnsavedStrokes::snapshot(const Journal& journal) const {
+EditBatch UnsavedStrokes::snapshot(const PointStates& points) const {
   const std::vector<PointState> before = statesOf(model_.cloud);
   EditBatch all;
-  for (const PointState& state : journal.points())
+  for (const PointState& state : points)
     if (state.number() >= before.size() || !(before[state.number()] == state)) all.points.push_back(state);
   all.marks.push_back({all.points.size(), EditMark::Kind::change});
   return all;
@@ -130,17 +130,17 @@ void UnsavedStrokes::noteUnchanged(bool on) {
   if (std::exchange(unchanged_, on) != on) folder().setUnchanged(on);
 }
 
-void UnsavedStrokes::follow(const EditBatch& fresh, const Journal& journal, bool isChanged) {
+void UnsavedStrokes::follow(const EditBatch& fresh, const PointStates& points, bool isChanged) {
   takeMade();
   if (isChanged) noteUnchanged(false);
   if (!isKept()) {
     if (fresh.empty() || failed_) return;
-    return begin(wasKept_ ? snapshot(journal) : fresh);
+    return begin(wasKept_ ? snapshot(points) : fresh);
   }
   append(pending_, fresh);
   if (writer_ && pending_.empty() && !isChanged) noteUnchanged(true);
   if (!writer_ || pending_.empty() || sinceWritten_.elapsed_s() < kBetweenWrites_s) return;
-  if (states_ > std::max(kMaxStates, kMaxClouds * model_.cloud.size())) return begin(snapshot(journal));
+  if (states_ > std::max(kMaxStates, kMaxClouds * model_.cloud.size())) return begin(snapshot(points));
   writePending();
 }
 

@@ -21,6 +21,7 @@
 namespace palpate {
 
 class Journal;
+class PointStates;
 struct Model;
 struct ModelConfig;
 
@@ -96,9 +97,9 @@ class UnsavedStrokes {
   void setDocument(const std::string& file) { session_.document = file; }
   /// Continues the strokes of an earlier program, in its folder.
   void adopt(const LeftStrokes& left);
-  /// `fresh`: edits since the last call, already in the journal. `isChanged`: whether the points differ from those of
+  /// `fresh`: edits since the last call, already in `points`. `isChanged`: whether the points differ from those of
   /// their file.
-  void follow(const EditBatch& fresh, const Journal& journal, bool isChanged);
+  void follow(const EditBatch& fresh, const PointStates& points, bool isChanged);
   /// Called when the present points have been saved.
   void saved();
   /// Called before the model's file is replaced, from any thread.
@@ -116,7 +117,7 @@ class UnsavedStrokes {
   void noteUnchanged(bool on);
   StrokeFolder& folder();
   void fail(const std::string& what);
-  EditBatch snapshot(const Journal& journal) const;
+  EditBatch snapshot(const PointStates& points) const;
 
   std::filesystem::path root_;
   const Model& model_;

@@ -221,9 +221,9 @@ class FarLink final : public BrickCloud {
     const double silent_s = lastHeard_.elapsed_s();
     const bool isWhole = known_.share() >= 1;
     if (isWhole && !std::exchange(wasWhole_, true))
-      messages_.add(fmt::format("{} of {} is heard again", to_.name, to_.host));
+      messages_.add(fmt::format("messages from {} of {} arrive again", to_.name, to_.host));
     if (!isWhole && std::exchange(wasWhole_, false))
-      messages_.add(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades until it is", to_.name,
+      messages_.add(fmt::format("no message from {} of {} for {:.1f} s: the force fades until one arrives", to_.name,
                                 to_.host, silent_s));
     if (silent_s <= kServerTimeout_s) return;
     for (const SessionNotice& notice : notices_.known()) {

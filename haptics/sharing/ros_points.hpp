@@ -50,7 +50,7 @@ struct TakenRosPoints {
   std::vector<std::uint32_t> cells;
 };
 /// Throws NetworkError if the message contradicts itself or has no positions. Allocates memory for the data present,
-/// not for what is announced. `log` is told of missing normals.
+/// not for what is announced. Missing normals are logged.
 TakenRosPoints takeRosPoints(const RosPoints& points, Log* log = nullptr);
 
 }  // namespace palpate

@@ -173,13 +173,14 @@ class SharedEdits final : public SharedFollower {
     const Felt now = share >= 1 ? Felt::whole : share > 0 ? Felt::fading : Felt::gone;
     if (now == std::exchange(felt_, now)) return;
     if (now == Felt::whole)
-      messages_.add(fmt::format("{} of {} is heard again: the force returns", session_.name, session_.host));
+      messages_.add(
+          fmt::format("messages from {} of {} arrive again: the force returns", session_.name, session_.host));
     if (now == Felt::fading)
       messages_.add(
-          fmt::format("{} of {} has not been heard for {:.1f} s: the force fades; edits made here are kept for it",
+          fmt::format("no message from {} of {} for {:.1f} s: the force fades; edits made here are kept for it",
                       session_.name, session_.host, silent_s));
     if (now == Felt::gone)
-      messages_.add(fmt::format("{} of {} has not been heard for {:.1f} s: there is no force until it is",
+      messages_.add(fmt::format("no message from {} of {} for {:.1f} s: there is no force until one arrives",
                                 session_.name, session_.host, silent_s));
   }
 

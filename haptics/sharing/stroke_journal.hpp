@@ -12,7 +12,7 @@
 
 namespace palpate::sharing {
 
-/// A file to which each piece of a stroke is added before its client is told that it was taken. A server that is killed
+/// A file to which each piece of a stroke is added before its client is notified. A server that is killed
 /// and restarted with it continues where it was, and so do its clients. Numbers are little-endian.
 class StrokeJournal {
  public:
@@ -22,7 +22,7 @@ class StrokeJournal {
     std::span<const PointState> states;
   };
   /// Creates the file, or continues it: `take` gets all its pieces, in order. `checksum`: of the `points` that are
-  /// served. A truncated last piece, as after a kill, is removed: no client was told that it was taken. Throws
+  /// served. A truncated last piece, as after a kill, is removed: no client was notified of it. Throws
   /// FileError for a file that is not a journal, belongs to other points, or is damaged, and leaves it unchanged.
   StrokeJournal(std::filesystem::path file, std::uint64_t points, std::uint64_t checksum, const Id& fresh,
                 const std::function<void(const Piece&)>& take);

@@ -81,7 +81,7 @@ Model softModel(const MatterScene& scene, const SessionConfig& config, const Mod
   const Stopwatch watch;
   Model model;
   const auto body = softModelOf(scene, std::move(scan), loading.threads);
-  loading.log.say("{}: {} points are filled with {} nodes: {:.0f} ms", config.model.file, body->points.size(),
+  loading.log.say("{}: a body of {} points, filled with {} nodes in {:.0f} ms", config.model.file, body->points.size(),
                   body->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
   model.cloud = cloudOf(*body, scene);
   model.source = SoftPoints{.container = boxOf(scene), .body = kept(body)};
@@ -124,8 +124,8 @@ std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const
   const Stopwatch watch;
   const std::size_t points = cloud.size();
   auto model = std::make_shared<const MatterModel>(std::move(cloud), scene, loading.threads);
-  loading.log.say("{}: {} points are a field of {} nodes: {:.0f} ms", scene.model, points, model->nodes().size(),
-                  watch.elapsed_us() * 1e-3);
+  loading.log.say("{}: a solid of {} points, as a field of {} nodes in {:.0f} ms", scene.model, points,
+                  model->nodes().size(), watch.elapsed_us() * 1e-3);
   return model;
 }
 

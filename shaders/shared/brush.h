@@ -16,14 +16,14 @@ const uint kBrushGrab = 4;
 const uint kBrushPaint = 5;
 const uint kBrushFlatten = 6;
 
-// Of the support radius: maximum displacement of a point in one edit, so that a resting proxy keeps its surface.
+// In support radii: maximum displacement of a point in one edit, so that a resting proxy keeps its surface.
 const float kLongestMove = 0.25f;
-// Of the support radius: points deeper than this in a carving ball are removed at once. Less tears the surface when the
+// In support radii: points deeper than this in a carving ball are removed at once. Less tears the surface when the
 // hand is fast; more leaves remains of the model inside the ball.
 const float kCarveDepth = 2.0f;
-// Of the brush's radius: displacement of a point in one tick by the full effect of inflate.
+// In radii of the brush: displacement of a point in one tick by the full effect of inflate.
 const float kInflateStep = 1e-3f;
-// Of the brush's radius: a point nearer to the tool's axis than this is displaced towards the tip.
+// In radii of the brush: a point nearer to the tool's axis than this is displaced towards the tip.
 const float kAtCenter = 1e-6f;
 // Cosines between the normal that the stroke found at a point and the tool's axis: below the first the effect on the
 // point decreases; below the second it is zero, since the point belongs to another side of the model, which the tool
@@ -63,7 +63,7 @@ PALPATE_STRUCT(BrushTool) {
   uint stroke;           // number, from 1 on
   uint sampling;         // one of 2^sampling points is measured
   uint closes;           // not 0: the brush has not acted for long; no point is inserted any more
-  // Of the grids of the surface around the hand: side of the cells, corner of the one that this edit fills, and corner
+  // Grids of the surface around the hand: side of the cells, corner of the one that this edit fills, and corner
   // of the one whose connected cells are known.
   Real cell;
   PALPATE_VEC3 touched;  // the proxy; grab: the surface where it took hold

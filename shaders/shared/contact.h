@@ -58,7 +58,7 @@ const float kThisFace = 0.5f;
 // Tangent-plane tracking (Salisbury and Tarr 1997).
 const uint kMaxTrackingSteps = 32;
 const float kConvergence = 1e-5f;  // of the support radius: maximum step of a converged proxy
-// Of the support radius: a step smaller than this is the last. Each step is at most a quarter of the one before, so a
+// In support radii: a step smaller than this is the last. Each step is at most a quarter of the one before, so a
 // smaller value costs another evaluation, and a larger one is felt as a ripple.
 const float kLastStep = 1e-4f;
 const float kLongestStep = 0.5f;      // of the support radius: for the proxy and for the sub-steps of the HIP

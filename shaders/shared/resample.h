@@ -26,19 +26,19 @@ const float kCrowded = 0.4f;
 // or had the same position, which is less than kSamePlace spacings apart.
 const float kComeNearer = 0.75f, kSamePlace = 1e-3f;
 
-// Of the support radius. The neighbourhood of a point is no wider than this, or than kNeighbourhoodSpacings of its own
+// In support radii. The neighbourhood of a point is no wider than this, or than kNeighbourhoodSpacings of its own
 // target if that is more: far enough for what one tick may tear open, but in regions much denser than the radius is
 // chosen for not so far that there are too many neighbours to visit.
 const float kMinNeighbourhood = 0.5f;
 const float kNeighbourhoodSpacings = 8.0f;
-// Of the support radius: how far from a point that the brush has moved new points may be created because of it, in a
+// In support radii: how far from a point that the brush has moved new points may be created because of it, in a
 // chain from one to the next. With the longest move that is one support radius beyond the brush.
 const float kReach = 0.75f;
 
-// Of the support radius: minimum target; points nearer to each other than this count as one when the targets are
+// In support radii: minimum target; points nearer to each other than this count as one when the targets are
 // measured, so that a cluster of points in one position does not request more of them all around.
 const float kMinSpacing = 0.03125f;
-// Of the support radius: maximum target, or a gap could be wider than a point's neighbourhood.
+// In support radii: maximum target, or a gap could be wider than a point's neighbourhood.
 const float kMaxSpacing = 0.5f;
 
 // Minimum sum of weights at a position: with less there is no surface to measure a target by.

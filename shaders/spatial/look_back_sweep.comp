@@ -40,7 +40,7 @@ uint keys[kItems], values[kItems], places[kItems];
 struct Own {
   uint tile, digit;
   uint count, start;  // `start`: index of the first one in the sorted tile
-  bool tells;         // the tile tells its counts
+  bool tells;         // the tile publishes its counts
 };
 
 uint digitOf(uint key) { return bitfieldExtract(key, int(args.shift), int(kDigitBits)); }
@@ -74,7 +74,7 @@ uint takePlace(uint digit, uint counters) {
   return subgroupShuffle(first, leader) + before;
 }
 
-// Adds to `sum` the keys of digit `d` in the tiles before `end`, which ends at the first that has not told its count.
+// Adds to `sum` the keys of digit `d` in the tiles before `end`, then the first that has not published it.
 // True if all are known: `sum` is then where the digit's keys of this tile go.
 bool lookBack(inout uint end, inout uint sum, uint d) {
   uint looks = 0;
@@ -105,7 +105,7 @@ void countTile(uint tile) {
   barrier();
 }
 
-// Tells the count of a tile that has not told it; returns its word.
+// Publishes the count of a tile that has not done so; returns its word.
 uint tellFor(uint tile, uint d, uint word) {
   const uint told = atomicCompSwap(args.tiles.at[tile * kRadix + d], 0, word);
   return told == 0 ? word : told;
@@ -145,8 +145,8 @@ uint startOfDigit(uint d) {
   return workgroupExclusiveScan(d < kRadix ? args.histogram.at[d] : 0, total);
 }
 
-// Looks back at the tiles before this one. Returns whether they told all their counts: else `end` ends the tiles that
-// are still to be added to `before`.
+// Looks back at the tiles before this one. Returns whether all have published their counts: else `end` ends the tiles
+// that are still to be added to `before`.
 bool lookForStart(Own own, uint startOfAll, inout uint end, inout uint before) {
   bool knows = true;
   if (own.tile == 0)
@@ -162,7 +162,7 @@ bool lookForStart(Own own, uint startOfAll, inout uint end, inout uint before) {
   return knows;
 }
 
-// Counts the tiles that have not told their counts, the last one first. The whole workgroup calls it together.
+// Counts the tiles that have not published their counts, the last one first. The whole workgroup calls it together.
 void countMissing(Own own, uint end, uint before, bool knows) {
   while (sharedMissing != 0) {
     const uint missing = sharedMissing;

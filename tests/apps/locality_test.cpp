@@ -36,7 +36,7 @@ TEST_CASE("bench locality plays every brush and gesture on every cloud, and fail
   }
   CHECK(locality["broken"] == broken);
   CHECK(locality["strictly_broken"] == strictly);
-  CHECK(outcome.text.find(fmt::format("{} of 12 strokes keep every promise within the judge's tolerance, {} without",
+  CHECK(outcome.text.find(fmt::format("{} of 12 strokes meet all requirements within the judge's tolerance, {} without",
                                       12 - broken, 12 - strictly)) != std::string::npos);
   CHECK(outcome.code == (broken > 0 ? 1 : 0));
   CHECK((outcome.text.find("changed what an edit may not") != std::string::npos) == (broken > 0));

@@ -248,7 +248,7 @@ TEST_CASE("a server killed during a stroke continues with its journal, and no ed
   CHECK(shared["delivered"] == true);
   CHECK(shared["same"] == true);
   CHECK(shared["resumed"] >= 2);
-  CHECK(contentOf(folder / "hand.said").find("is heard again") != std::string::npos);
+  CHECK(contentOf(folder / "hand.said").find("arrive again") != std::string::npos);
   CHECK(serving->program.wait(SIGINT) == 0);
   const Result served = jsonOf(in("s.json"));
   CHECK(served["states"] == shared["sent"]);

@@ -58,7 +58,7 @@ TEST_CASE("simulate reports the gain of a scene's forces and the coupling of the
   const std::string json = (folder / "out.json").string();
   const Outcome drop = palpate("simulate drop --duration 0.001 --backend cpu --json " + json);
   REQUIRE(drop.code == 0);
-  CHECK(says(drop.text, "forces times 100, and hold its ball by 0.426 N/mm"));
+  CHECK(says(drop.text, "100 times the simulated one; spring between hand and ball 0.426 N/mm"));
   CHECK(jsonOf(json)["gain"] == 100);
   CHECK(jsonOf(json)["coupling_N_mm"].get<double>() == near(0.426, 0.01));
   works("simulate jelly --duration 0.001 --backend cpu --json " + json);

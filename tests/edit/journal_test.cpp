@@ -139,9 +139,9 @@ TEST_CASE("undo and redo of random strokes of every kind restore each state bit 
         ++walked;
       }
       CHECK_FALSE(journal.inStroke());
-      CHECK(journal.undoCount() == at);
+      CHECK(journal.undoList().undoCount() == at);
       REQUIRE(differences(journal.points(), states[at]) == 0);
-      CHECK(journal.present() == states[at].size() - std::ranges::count_if(states[at], &PointState::gone));
+      CHECK(journal.points().present() == states[at].size() - std::ranges::count_if(states[at], &PointState::gone));
       REQUIRE(differences(editor.points(), states[at]) == 0);
       if (versions[at]) {
         CHECK(journal.version() == *versions[at]);
@@ -155,11 +155,11 @@ TEST_CASE("undo and redo of random strokes of every kind restore each state bit 
     CHECK(metAgain > 50);
     journal.follow(batch);
     batch.clear();
-    while (journal.undoCount()) editor.change(journal.undo());
+    while (journal.undoList().undoCount()) editor.change(journal.undo());
     CHECK(journal.version() == versions[0]);
     CHECK(differences(journal.points(), statesOf(cloud)) == 0);
     CHECK(editedCloud(cloud, journal.points()).positions == cloud.positions);
-    CHECK(journal.dropped() == 0);
+    CHECK(journal.undoList().dropped() == 0);
   }
 }
 
@@ -170,16 +170,16 @@ TEST_CASE("a new stroke discards the redo strokes and frees their memory") {
   CHECK(journal.redo().empty());
   journal.follow(strokeOf(0, 10, 1));
   journal.follow(strokeOf(5, 10, 2));
-  const std::uint64_t both = journal.bytes();
+  const std::uint64_t both = journal.undoList().bytes();
   CHECK(journal.undo().size() == 10);
-  CHECK(journal.bytes() == both);
-  CHECK(journal.redoCount() == 1);
+  CHECK(journal.undoList().bytes() == both);
+  CHECK(journal.undoList().redoCount() == 1);
   CHECK(journal.points()[7].position.z == 1);
   journal.follow(strokeOf(50, 1, 3));
-  CHECK(journal.redoCount() == 0);
+  CHECK(journal.undoList().redoCount() == 0);
   CHECK(journal.redo().empty());
-  CHECK(journal.bytes() < both);
-  CHECK(journal.undoCount() == 2);
+  CHECK(journal.undoList().bytes() < both);
+  CHECK(journal.undoList().undoCount() == 2);
   CHECK(journal.strokes() == 3);
 }
 
@@ -191,14 +191,14 @@ TEST_CASE("a stroke keeps a point once, in its state before the first edit") {
     batch.points.push_back({.position = {0, 0, static_cast<float>(tick)}, .id = static_cast<std::uint32_t>(tick % 7)});
   journal.follow(batch);
   CHECK(journal.inStroke());
-  CHECK(journal.undoCount() == 0);
+  CHECK(journal.undoList().undoCount() == 0);
   const std::uint64_t underWay = journal.version();
   journal.follow(batch);
   CHECK(journal.version() != underWay);
   batch.clear();
   mark(batch, EditMark::Kind::stroke);
   journal.follow(batch);
-  CHECK(journal.bytes() < 9 * sizeof(PointState));
+  CHECK(journal.undoList().bytes() < 9 * sizeof(PointState));
   const auto changes = journal.undo();
   REQUIRE(changes.size() == 7);
   for (const PointChange& change : changes) {
@@ -213,11 +213,11 @@ TEST_CASE("beyond the budget the oldest strokes are dropped first, and counted")
   Journal journal(cloud, budget);
   for (std::uint32_t i = 0; i < 10; ++i) {
     journal.follow(strokeOf(1000 * i, 1000, static_cast<float>(i + 1)));
-    CHECK(journal.bytes() <= budget);
+    CHECK(journal.undoList().bytes() <= budget);
   }
-  CHECK(journal.undoCount() == 2);
-  CHECK(journal.dropped() == 8);
-  CHECK(journal.tooLarge() == 0);
+  CHECK(journal.undoList().undoCount() == 2);
+  CHECK(journal.undoList().dropped() == 8);
+  CHECK(journal.undoList().tooLarge() == 0);
   CHECK(journal.undo().front().to.number() == 9000);
   CHECK(journal.undo().front().to.number() == 8000);
   CHECK(journal.undo().empty());
@@ -230,10 +230,10 @@ TEST_CASE("a stroke larger than the budget and those before it cannot be undone,
   Journal journal(cloud, 2500 * sizeof(PointState));
   journal.follow(strokeOf(0, 100, 1));
   journal.follow(strokeOf(0, 6000, 2));
-  CHECK(journal.undoCount() == 0);
-  CHECK(journal.dropped() == 2);
-  CHECK(journal.tooLarge() == 1);
-  CHECK(journal.bytes() == 0);
+  CHECK(journal.undoList().undoCount() == 0);
+  CHECK(journal.undoList().dropped() == 2);
+  CHECK(journal.undoList().tooLarge() == 1);
+  CHECK(journal.undoList().bytes() == 0);
   CHECK(journal.points()[5999].position.z == 2);
   journal.follow(strokeOf(200, 100, 3));
   CHECK(journal.undo().size() == 100);
@@ -263,8 +263,8 @@ TEST_CASE("without a budget the journal follows the points and keeps no stroke")
   CHECK(journal.points().size() == 110);
   CHECK(journal.strokes() == 1);
   CHECK(journal.undo().empty());
-  CHECK(journal.bytes() == 0);
-  CHECK(journal.dropped() == 0);
+  CHECK(journal.undoList().bytes() == 0);
+  CHECK(journal.undoList().dropped() == 0);
 }
 
 TEST_CASE("a journal processes millions of states per second") {
@@ -287,7 +287,7 @@ TEST_CASE("a journal processes millions of states per second") {
   const std::size_t undone = journal.undo().size() + journal.undo().size();
   MESSAGE("states a second: " << 2e6 / scattered_s << " all over the cloud, " << 2e6 / brush_s
                               << " under a brush; undone: " << static_cast<double>(undone) / back.elapsed_s());
-  CHECK(journal.undoCount() == 0);
+  CHECK(journal.undoList().undoCount() == 0);
 }
 
 TEST_CASE("edits of others belong to no stroke, and stay when a stroke is undone") {
@@ -342,7 +342,7 @@ TEST_CASE("edits of others belong to no stroke, and stay when a stroke is undone
   CHECK(journal.version() != before);
   CHECK(journal.undo().size() == 2);
   CHECK(z(2) == 50);
-  CHECK(journal.undoCount() == 0);
+  CHECK(journal.undoList().undoCount() == 0);
 }
 
 TEST_CASE("a point that a stroke edits before and after an edit of others is undone to its state before the stroke") {
@@ -401,7 +401,7 @@ TEST_CASE("undoing random strokes amid edits of others restores all points excep
     mark(batch, EditMark::Kind::stroke);
     journal.follow(batch);
     CHECK(received > 100);
-    while (journal.undoCount()) editor.change(journal.undo());
+    while (journal.undoList().undoCount()) editor.change(journal.undo());
     CHECK(differences(journal.points(), expected) == 0);
     CHECK(differences(editor.points(), expected) == 0);
   }

@@ -215,7 +215,7 @@ TEST_CASE("invalid E57 content under valid checksums is refused with its byte" *
   CHECK(refusalOfE57(E57Bytes::paged(good)) == "read");
   CHECK(with(8, std::uint32_t{2}).starts_with(": byte 8: E57 version 2"));
   CHECK(with(24, std::uint64_t{1} << 40).starts_with(": byte 24: refers to byte"));
-  CHECK(with(24, std::uint64_t{1022}).starts_with(": byte 24: refers to byte 1022, where there are no data"));
+  CHECK(with(24, std::uint64_t{1022}).starts_with(": byte 24: refers to byte 1022, which holds no data"));
   CHECK(with(32, std::uint64_t{1} << 40).starts_with(": byte 24: refers to 1099511627776 bytes"));
   CHECK(with(40, std::uint64_t{512}).starts_with(": byte 40: pages of 512"));
   CHECK(with(48, std::uint8_t{7}).starts_with(": byte 48: no section of points"));

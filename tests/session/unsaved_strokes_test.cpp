@@ -22,7 +22,7 @@ struct Sculpted {
   }
   void take(EditBatch batch) {
     journal.follow(batch);
-    unsaved.follow(batch, journal, journal.version() != 0);
+    unsaved.follow(batch, journal.points(), journal.version() != 0);
   }
   // Moves points of the cloud, or appends one.
   void stroke(const std::vector<std::uint32_t>& points, float to) {
@@ -51,8 +51,8 @@ std::vector<LeftStrokes> leftIn(const std::filesystem::path& root) {
 
 void checkSame(const Journal& a, const Journal& b) {
   CHECK(std::ranges::equal(a.points(), b.points()));
-  CHECK(a.undoCount() == b.undoCount());
-  CHECK(a.redoCount() == b.redoCount());
+  CHECK(a.undoList().undoCount() == b.undoList().undoCount());
+  CHECK(a.undoList().redoCount() == b.undoList().redoCount());
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ void checkRefused(TouchBackend& touch, const PointCloud& cloud) {
   EditBatch batch;
   touch.edits()->take(batch);
   CHECK(batch.empty());
-  changes.back().from = journal.points().back();
+  changes.back().from = journal.points().end()[-1];
   apply(touch, journal, changes);
   touch.readBack(after);
   CHECK(same(editedCloud(cloud, journal.points()), after));

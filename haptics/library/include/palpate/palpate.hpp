@@ -430,7 +430,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
       }
     }
   };
-  // Of a call that may deliver events.
+  // Checks a call that may deliver events: rethrows what the listener threw.
   void told(pp_status status) {
     if (listener_ && listener_->raised) std::rethrow_exception(std::exchange(listener_->raised, nullptr));
     check(status);

@@ -1,0 +1,13 @@
+#include "engine/edit/point_states.hpp"
+
+#include "engine/cloud/edited_cloud.hpp"
+
+namespace palpate {
+
+PointStates::PointStates(const PointCloud& file) : states_(statesOf(file)), present_(states_.size()) {}
+
+void PointStates::growTo(std::uint32_t point) {
+  while (states_.size() <= point) states_.push_back(never(static_cast<std::uint32_t>(states_.size())));
+}
+
+}  // namespace palpate
