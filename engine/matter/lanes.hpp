@@ -8,10 +8,6 @@
 #include <limits>
 #include <type_traits>
 
-#ifdef __SSE__
-#include <xmmintrin.h>
-#endif
-
 namespace palpate {
 
 /// Four floats, each with bitwise the same results as a float.
@@ -46,21 +42,8 @@ class Lanes {
   static Lanes shuffled(Lanes a, Lanes b) {
     return Lanes(__builtin_shufflevector(a.values_, b.values_, i, j, k, l));
   }
-  // a < b ? a : b, in one instruction where the compiler does not find it by itself.
-  friend Lanes min(Lanes a, Lanes b) {
-#ifdef __SSE__
-    return Lanes(_mm_min_ps(a.values_, b.values_));
-#else
-    return Lanes(a.values_ < b.values_ ? a.values_ : b.values_);
-#endif
-  }
-  friend Lanes max(Lanes a, Lanes b) {
-#ifdef __SSE__
-    return Lanes(_mm_max_ps(a.values_, b.values_));
-#else
-    return Lanes(a.values_ > b.values_ ? a.values_ : b.values_);
-#endif
-  }
+  friend Lanes min(Lanes a, Lanes b) { return Lanes(a.values_ < b.values_ ? a.values_ : b.values_); }
+  friend Lanes max(Lanes a, Lanes b) { return Lanes(a.values_ > b.values_ ? a.values_ : b.values_); }
   friend Lanes sqrt(Lanes a) {
     Vector roots;
     for (std::size_t k = 0; k < kCount; ++k) roots[k] = std::sqrt(a.values_[k]);

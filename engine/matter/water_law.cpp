@@ -120,8 +120,6 @@ class WaterLaw final : public MatterLaw {
     }
   }
 
-  // `Coheres`: whether there is cohesion; a loop without keeps its numbers in registers.
-  template <bool Coheres>
   Vec3 changeByNeighbours(const MatterParticles& particles, const Pairs& pairs, std::size_t slot) const {
     const std::span<const Neighbour> neighbours = particles.lists().filledUp(slot);
     const Vec4* const velocities = particles.velocities().data();
@@ -141,7 +139,7 @@ class WaterLaw final : public MatterLaw {
       const glm::vec<3, Lanes> relative(moving.x - vx, moving.y - vy, moving.z - vz);
       change += shared::changeByNeighbour<Lanes>(rules, offset, Lanes::at(pulls + k),
                                                  pressed + shared::pressing<Lanes>(others.w), relative);
-      if constexpr (!Coheres) continue;
+      if (rules_.cohesion == 0) continue;
       // Copies that pad a list must not attract, just as they do not push.
       const Lanes there = areThere(k, particles.lists().of(slot).size());
       const Lanes r = min(sqrt(glm::dot(offset, offset)) * perSupport, one);
@@ -174,8 +172,7 @@ class WaterLaw final : public MatterLaw {
     for (std::size_t i = begin; i < end; ++i) {
       const float compression = shared::pressing(places[i].w);
       const Vec3 velocity(std::as_const(particles).velocities()[i]);
-      Vec3 change = rules_.cohesion == 0 ? changeByNeighbours<false>(particles, pairs, i)
-                                         : changeByNeighbours<true>(particles, pairs, i);
+      Vec3 change = changeByNeighbours(particles, pairs, i);
       for (std::size_t b = 0; b < bodies.size(); ++b) change += changeByBody(particles, bodies[b], i, sums.bodies[b]);
       const Fixed& fixed = pairs.fixed[i - begin];
       const Vec3 byWalls = shared::changeByWalls(rules_, fixed.walls, compression, velocity);
