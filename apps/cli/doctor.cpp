@@ -263,7 +263,7 @@ Json display(std::FILE* out) {
     }
     return json;
   } catch (const Error& error) {
-    fmt::print(out, "Display: none. {}\n", error.what());
+    fmt::print(out, "Display: none; {}\n", error.what());
     return nullptr;
   }
 }

@@ -136,6 +136,7 @@ int run(std::vector<std::string> arguments) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
+  palpate::removeTemporaryFilesAtSignals();
   std::vector<std::string> words = palpate::commandLine(argc, argv);
   if (!words.empty()) words.erase(words.begin());  // the program's name, which a caller may omit
   const int code = palpate::run(std::move(words));

@@ -9,6 +9,7 @@ namespace palpate {
 class StopBySignal {
  public:
   StopBySignal();
+  /// From now on such a request ends the program at once, without the temporary files of its output.
   ~StopBySignal();
   StopBySignal(const StopBySignal&) = delete;
   StopBySignal& operator=(const StopBySignal&) = delete;
@@ -18,5 +19,8 @@ class StopBySignal {
   /// The exit code of a program ended by that signal: 130 for Ctrl+C, 143 for SIGTERM.
   static int exitCode();
 };
+
+/// Before the first object: such a request ends the program at once, as after the last one.
+void removeTemporaryFilesAtSignals();
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include <csignal>
 
 #include "apps/cli/stop_by_signal.hpp"
+#include "engine/core/atomic_file.hpp"
 
 namespace palpate {
 
@@ -25,7 +26,15 @@ StopBySignal::StopBySignal() {
   });
 }
 
-StopBySignal::~StopBySignal() { handle(SIG_DFL); }
+StopBySignal::~StopBySignal() { removeTemporaryFilesAtSignals(); }
+
+void removeTemporaryFilesAtSignals() {
+  handle([](int signal) {
+    removeTemporaryFiles();
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  });
+}
 
 const std::atomic<bool>& StopBySignal::requested() { return stopRequested; }
 

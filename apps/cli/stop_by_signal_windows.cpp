@@ -22,6 +22,8 @@ StopBySignal::StopBySignal() { ::SetConsoleCtrlHandler(askToStop, TRUE); }
 
 StopBySignal::~StopBySignal() { ::SetConsoleCtrlHandler(askToStop, FALSE); }
 
+void removeTemporaryFilesAtSignals() {}  // Windows removes no file that is open
+
 const std::atomic<bool>& StopBySignal::requested() { return stopRequested; }
 
 int StopBySignal::exitCode() {

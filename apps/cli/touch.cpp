@@ -250,7 +250,6 @@ SessionParts partsOf(Context& context, const TouchCommandOptions& options, const
 
 ServoResult run(Context& context, Session& session, std::span<const OpenHand> hands, TickRecorder* publisher,
                 StartStages& start) {
-  const StopBySignal stop;
   ShownTicks shown(context.log(), session.durationOf(hands), publisher);
   ServoResult ran = session.run(hands, {.stop = &StopBySignal::requested(), .recorder = &shown});
   if (const auto first_s = shown.first_s()) start.add("first answer", *first_s);
@@ -338,6 +337,7 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
     session.record(options.logFile, hands.front(),
                    [&context](const std::string& what) { context.log().say("{}", what); });
   start.ended("session");
+  const StopBySignal stop;  // until all results are written
   const ServoResult result = run(context, session, hands, ros ? &*ros : nullptr, start);
   Outputs outputs;
   std::optional<RosHand::Counts> heard;
@@ -371,6 +371,8 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   });
   outputs.write([&] {
     if (options.pictureFile.empty()) return;
+    if (StopBySignal::requested())
+      return context.log().say("{}: not drawn, because the session was interrupted", options.pictureFile);
     session.checkFollower();
     drawEnd(context, options, session, sight, changes ? end.cloud : session.model().cloud, result.trace());
   });

@@ -1,5 +1,7 @@
 #include "engine/core/atomic_file.hpp"
 
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <utility>
 
@@ -7,6 +9,25 @@
 #include "engine/core/system_file.hpp"
 
 namespace palpate {
+
+namespace {
+
+using Name = std::filesystem::path::value_type;
+// Of the files that are being written; those for which there is no place are left behind by a signal.
+std::array<std::atomic<const Name*>, 16> temporaries{};
+static_assert(std::atomic<const Name*>::is_always_lock_free);
+
+void exchangeOnce(const Name* from, const Name* to) {
+  for (std::atomic<const Name*>& temporary : temporaries)
+    if (const Name* expected = from; temporary.compare_exchange_strong(expected, to)) return;
+}
+
+}  // namespace
+
+void removeTemporaryFiles() noexcept {
+  for (const std::atomic<const Name*>& temporary : temporaries)
+    if (const Name* const name = temporary) removeNow(name);
+}
 
 bool isDeviceOrPipe(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -26,7 +47,9 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
     if (std::filesystem::exists(status)) target_ = std::filesystem::canonical(target_);
     temporary_ = target_;
     temporary_ += fmt::format(".{}.tmp", processNumber());
+    exchangeOnce(nullptr, temporary_.c_str());
     file_ = openFile(temporary_, "wb");
+    if (!file_) forgetTemporary();
     if (file_ && std::filesystem::exists(status))
       std::filesystem::permissions(temporary_, status.permissions(), ignored);
   }
@@ -71,7 +94,7 @@ void AtomicFile::close() {
 void AtomicFile::rename() {
   if (temporary_.empty()) return;
   const std::error_code error = replaceFile(temporary_, target_);
-  if (!error) return;
+  if (!error) return forgetTemporary();
   removeTemporary();
   throw FileError(target_, whyNotWritten(error.value()));
 }
@@ -111,6 +134,9 @@ std::filesystem::path AtomicFile::keep() const {
 void AtomicFile::removeTemporary() const {
   std::error_code ignored;
   if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
+  forgetTemporary();
 }
+
+void AtomicFile::forgetTemporary() const { exchangeOnce(temporary_.c_str(), nullptr); }
 
 }  // namespace palpate

@@ -37,10 +37,15 @@ class AtomicFile {
   std::filesystem::path keep() const;
   void rename();
   void removeTemporary() const;
+  void forgetTemporary() const;
 
   std::filesystem::path target_;
   std::filesystem::path temporary_;  // empty when the target is written to directly
   std::FILE* file_ = nullptr;
 };
+
+/// Removes the temporary files of all AtomicFiles that are not complete, before the program is ended by a signal; may
+/// be called in its handler. (On Windows a file that is still open stays.)
+void removeTemporaryFiles() noexcept;
 
 }  // namespace palpate

@@ -33,6 +33,9 @@ bool bringToDisk(std::FILE* file) noexcept;
 /// Renames a file, replacing an existing one of that name: a file of that name exists at any moment.
 std::error_code replaceFile(const std::filesystem::path& from, const std::filesystem::path& to) noexcept;
 
+/// Removes a file, if there is one; may be called in a signal handler.
+void removeNow(const std::filesystem::path::value_type* file) noexcept;
+
 /// "cannot be written: …", and what to do, for an errno value.
 std::string whyNotWritten(int error);
 

@@ -68,6 +68,8 @@ bool seekTo(std::FILE* file, std::uint64_t offset) noexcept {
 
 bool bringToDisk(std::FILE* file) noexcept { return ::fsync(::fileno(file)) == 0; }
 
+void removeNow(const char* file) noexcept { ::unlink(file); }
+
 std::error_code replaceFile(const std::filesystem::path& from, const std::filesystem::path& to) noexcept {
   std::error_code error;
   std::filesystem::rename(from, to, error);

@@ -52,6 +52,8 @@ bool seekTo(std::FILE* file, std::uint64_t offset) noexcept {
 
 bool bringToDisk(std::FILE* file) noexcept { return ::_commit(::_fileno(file)) == 0; }
 
+void removeNow(const wchar_t* file) noexcept { ::DeleteFileW(file); }
+
 std::error_code replaceFile(const std::filesystem::path& from, const std::filesystem::path& to) noexcept {
   if (::MoveFileExW(from.c_str(), to.c_str(), MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH)) return {};
   switch (::GetLastError()) {

@@ -6,6 +6,7 @@
 #include "tests/apps/running_program.hpp"
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
+#include "tests/says.hpp"
 
 namespace palpate::palpate_test {
 
@@ -166,6 +167,25 @@ TEST_CASE("sculpting in real time with a picture and a saved cloud ends cleanly"
   CHECK(std::filesystem::exists(folder / "touched.png"));
 }
 
+TEST_CASE("a signal while a file is written leaves the older file, and no temporary one") {
+  const ScratchFolder folder;
+  works("--quiet make sphere -n 1000000 -o " + (folder / "model.ply").string());
+  std::ofstream(folder / "points.csv") << "old";
+  const auto temporaries = [&] {
+    return std::ranges::count_if(std::filesystem::directory_iterator(folder.path()),
+                                 [](const auto& entry) { return entry.path().extension() == ".tmp"; });
+  };
+  RunningProgram convert(
+      "convert " + (folder / "model.ply").string() + " " + (folder / "points.csv").string() + " --force",
+      folder / "said");
+  REQUIRE_MESSAGE(convert.waitFor([&] { return temporaries() > 0; }), contentOf(folder / "said"));
+  const int status = convert.wait(SIGINT);
+  CHECK(WIFSIGNALED(status));
+  CHECK(WTERMSIG(status) == SIGINT);
+  CHECK(temporaries() == 0);
+  CHECK(contentOf(folder / "points.csv") == "old");
+}
+
 TEST_CASE("an interrupted session keeps its trace and reports the interruption") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
@@ -173,10 +193,13 @@ TEST_CASE("an interrupted session keeps its trace and reports the interruption")
   std::ofstream(folder / "long.csv") << "t_s,x,y,z\n0,0,0,60\n60,0,0,60\n";
   const auto file = [&](const char* name) { return (folder / name).string(); };
   RunningProgram session("touch " + model + " --backend vulkan --realtime --path " + file("long.csv") + " --trace " +
-                             file("t.csv") + " --json " + file("t.json") + " --log " + file("log"),
+                             file("t.csv") + " --json " + file("t.json") + " --log " + file("log") + " --picture " +
+                             file("t.png"),
                          folder / "said");
   REQUIRE_MESSAGE(session.waitForTicks(folder / "log"), contentOf(folder / "said"));
   CHECK(WEXITSTATUS(session.wait(SIGINT)) == 130);
+  CHECK(says(contentOf(folder / "said"), "t.png: not drawn, because the session was interrupted"));
+  CHECK(!std::filesystem::exists(folder / "t.png"));
   CHECK(jsonOf(folder / "t.json")["interrupted"] == true);
   CHECK(readTrace(folder / "t.csv").size() > 10);
 }
