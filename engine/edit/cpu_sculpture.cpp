@@ -15,7 +15,7 @@ namespace {
 
 // Fewest points that a thread takes at a time: as many as take longer than to wake it. A gather takes microseconds,
 // most brushes some ten nanoseconds.
-constexpr std::size_t kFewestGathers = 16, kFewestBrushed = 512, kFewestCells = 2048;
+constexpr std::size_t kFewestGathers = 16, kFewestBrushed = 512, kFewestCells = 256;
 constexpr std::size_t kAhead = 8;  // points whose memory is fetched ahead of a brush
 constexpr std::size_t kTurns = 8;  // of a thread, so that all end at about the same time
 // Number of neighbours that a point examines before it decides on insertion or removal. More are within its

@@ -120,7 +120,7 @@ class CpuSculpture {
     }
   };
   std::vector<Surroundings> surroundings_;  // by group
-  struct Layer {
+  struct alignas(128) Layer {
     std::vector<std::uint32_t> reached;  // numbers of points
     std::vector<SortedGrid::Placed> measured;
     SurfaceMeasure measure;
