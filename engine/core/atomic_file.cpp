@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 using Name = std::filesystem::path::value_type;
-// Of the files that are being written; those for which there is no place are left behind by a signal.
+// Names of the temporary files in use, at most 16; a signal leaves any further ones behind.
 std::array<std::atomic<const Name*>, 16> temporaries{};
 static_assert(std::atomic<const Name*>::is_always_lock_free);
 
