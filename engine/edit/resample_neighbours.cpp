@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "engine/core/widest_lanes.hpp"
@@ -94,7 +95,6 @@ ResampleNeighbours::ResampleNeighbours(std::span<const ResampleNeighbour> neighb
   std::vector<DVec3> offsets;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     offsets.push_back(neighbours[i].offset);
-    widest_ = std::max(widest_.value_or(0), neighbours[i].spacing);
     nearX_[i] = static_cast<float>(neighbours[i].normal.x);
     nearY_[i] = static_cast<float>(neighbours[i].normal.y);
     nearZ_[i] = static_cast<float>(neighbours[i].normal.z);
@@ -117,7 +117,6 @@ void ResampleNeighbours::gather(const GatheredPoints& points, std::span<const Ve
   gathered_ = &points;
   seen_ = std::move(seen);
   makeRoom(numbers.size());
-  widest_.reset();
   std::fill_n(isSeen_.begin(), numbers.size(), 0);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const Vec3& normal = normals[numbers[i]];
@@ -149,14 +148,6 @@ ResampleNeighbour ResampleNeighbours::operator[](std::size_t k) const {
   ResampleNeighbour neighbour = point(near_.indices()[k]);
   neighbour.offset = {near_.x()[k], near_.y()[k], near_.z()[k]};
   return neighbour;
-}
-
-double ResampleNeighbours::widest() const {
-  if (!widest_) {
-    widest_ = 0;
-    for (std::uint32_t i = 0; i < gathered_->numbers().size(); ++i) widest_ = std::max(*widest_, point(i).spacing);
-  }
-  return *widest_;
 }
 
 ResampleNeighbours::Survey ResampleNeighbours::survey(const Frame3& frame, const DVec3& axis) {

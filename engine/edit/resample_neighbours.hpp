@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,8 +51,6 @@ class ResampleNeighbours {
   /// Number of neighbours.
   std::size_t size() const { return near_.size(); }
   ResampleNeighbour operator[](std::size_t k) const;
-  /// Maximum target spacing of the gathered points, model units.
-  double widest() const;
 
   /// What decides for most points that nothing is to be done.
   struct Survey {
@@ -82,7 +79,6 @@ class ResampleNeighbours {
   std::vector<float> normalX_, normalY_, normalZ_;
   mutable std::vector<ResampleNeighbour> points_;
   mutable std::vector<std::uint8_t> isSeen_;
-  mutable std::optional<double> widest_;
   // The near ones.
   std::vector<float> nearX_, nearY_, nearZ_;   // normals
   std::vector<double> squared_, along_, gap_;  // gap_: squared distance in the same sheet, or infinity

@@ -125,13 +125,10 @@ bool stopsBefore(const ResampleNeighbour& self, const ResampleNeighbours::Survey
 std::optional<ResampleNeighbour> firstToCrowd(const ResampleNeighbour& self, const ResampleNeighbours::Survey& survey,
                                               const ResampleNeighbours& neighbours, double widest) {
   // Most are too far away for any spacing; the margin covers the rounding of the square.
-  const auto mostSquared = [&](double spacing) {
-    constexpr double kMargin = 1e-9;
-    const double farthest = static_cast<double>(shared::kCrowded) * std::max(self.spacing, spacing);
-    return farthest * farthest * (1 + kMargin);
-  };
-  if (survey.nearest > mostSquared(widest)) return {};
-  const double most = mostSquared(neighbours.widest());
+  constexpr double kMargin = 1e-9;
+  const double farthest = static_cast<double>(shared::kCrowded) * std::max(self.spacing, widest);
+  const double most = farthest * farthest * (1 + kMargin);
+  if (survey.nearest > most) return {};
   const double* const squared = neighbours.squaredDistances();
   std::optional<ResampleNeighbour> first;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
