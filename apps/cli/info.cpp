@@ -36,8 +36,9 @@ struct ModelInfo {
 };
 
 ModelInfo infoOf(const Context& context, const std::string& file, const LookOptions& look, bool keepUnreliable) {
-  ModelInfo info{.format = cloudFormats().toRead(file).name, .contents = contentsOf(file)};
+  // Before the contents, which are not read so thoroughly: every subcommand reports the same error of a file.
   StoredCloud stored = readCloud(file, nullptr, {.keepUnreliable = keepUnreliable});
+  ModelInfo info{.format = cloudFormats().toRead(file).name, .contents = contentsOf(file)};
   info.lost = std::move(stored.lost);
   info.leftOut = std::move(stored.leftOut);
   info.model = {.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};

@@ -53,7 +53,7 @@ void addMake(Options& app, Context& context, Command& command) {
   std::string names;
   for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
   sub.add("shape", options->shape, "one of " + names).required().typeName("SHAPE");
-  sub.add("-n,--points", options->count, "number of points").check(wholeBetween(0, kMaxPoints)).showDefault();
+  sub.add("-n,--points", options->count, "number of points").check(wholeBetween(1, kMaxPoints)).showDefault();
   sub.add("-o,--output", options->output, "output: " + cloudFormats().endingsWritten(Written::points))
       .required()
       .typeName("FILE");

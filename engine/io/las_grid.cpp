@@ -61,8 +61,7 @@ CoordinateGrid refined(const CoordinateGrid& grid, const Bounds& box) {
   constexpr int kMaxHalvings = 20;
   CoordinateGrid finer = grid;
   for (int k = 0; k < kMaxHalvings; ++k) {
-    CoordinateGrid next = finer;
-    next.step *= 0.5;
+    const CoordinateGrid next(0.5 * finer.step, finer.offset);
     if (!fits(next, box)) break;
     finer = next;
   }
@@ -83,8 +82,8 @@ LasGrid lasGridFor(const PointCloud& cloud) {
   }
   const DVec3 middle = glm::round(box.center());
   for (double parts = 1; parts <= 1e9; parts *= 10) {
-    CoordinateGrid decimal{DVec3(1 / parts), DVec3(0)};
-    if (!fits(decimal, box)) decimal.offset = middle;
+    CoordinateGrid decimal(DVec3(1 / parts), DVec3(0));
+    if (!fits(decimal, box)) decimal = {decimal.step, middle};
     if (fits(decimal, box) && allOn(decimal, cloud, kRounding)) return {decimal, allOn(decimal, cloud, 0)};
   }
   // Uses half the range, so that a whole cell fits at either end.
@@ -93,8 +92,8 @@ LasGrid lasGridFor(const PointCloud& cloud) {
   };
   CoordinateGrid binary{DVec3(finest(std::max(largest(box.min), largest(box.max)))), DVec3(0)};
   if (allOn(binary, cloud, 0)) return {binary};
-  binary.step = DVec3(finest(0.5 * box.longestSide()));
-  binary.offset = glm::round(box.center() / binary.step) * binary.step;
+  const DVec3 step(finest(0.5 * box.longestSide()));
+  binary = {step, glm::round(box.center() / step) * step};
   return {binary, allOn(binary, cloud, 0)};
 }
 

@@ -11,6 +11,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
+#include "engine/io/ends_after.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/las_unit.hpp"
 #include "engine/io/las_unpacked.hpp"
@@ -90,9 +91,7 @@ void LasReader::checkCount() const {
   const auto there = file_.remaining();
   const LasHeader& header = head_.header;
   if (there && !header.packed && header.points > *there / header.pointBytes)
-    throw FileError::atByte(file_.path(), header.minor == 4 ? 247 : 107,
-                            fmt::format("the header promises {} points of {} bytes, but {} bytes follow", header.points,
-                                        header.pointBytes, *there));
+    throw endsAfter(file_.path(), file_.offset() + *there, *there / header.pointBytes, header.points, "points");
 }
 
 PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, const CloudReadOptions& options) {

@@ -10,6 +10,7 @@
 #include "engine/cloud/length_unit.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_arrays.hpp"
+#include "engine/io/ends_after.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_writer.hpp"
 #include "engine/io/ply_faces.hpp"
@@ -88,10 +89,10 @@ PointCloud cornersOf(const TriangleSoup& soup, Log* log) {
 template <Import import>
 StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
   ImportedMesh mesh = importedBy(import, file);
+  const std::string name = file.filename().string();
+  if (log && mesh.openLine > 0) sayOpenLine(name, mesh.openLine, *log);
   if (mesh.soup.triangles.empty()) {
-    if (log)
-      log->say("{}: has no triangles; its {} corners are the points", file.filename().string(),
-               mesh.soup.corners.size());
+    if (log) log->say("{}: has no triangles; its {} corners are the points", name, mesh.soup.corners.size());
     return {.cloud = cornersOf(mesh.soup, log), .triangles = {}, .lost = std::move(mesh.lost)};
   }
   if (options.normalsFromFaces) mesh.soup.normals.clear();
@@ -107,7 +108,6 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
   const std::size_t count = options.samples > 0 ? options.samples : kUsualSamples;
   SampledSoup sampled = sampleSoup(mesh.soup, count, kSeed);
   if (sampled.cloud.empty()) throw FileError(file, fmt::format("none of its {} has an area", madeFrom(mesh.soup)));
-  const std::string name = file.filename().string();
   if (log) log->say("{}: {} points, spread evenly over {}", name, sampled.cloud.size(), madeFrom(mesh.soup));
   StoredCloud stored{.cloud = std::move(sampled.cloud), .triangles = {}, .lost = std::move(mesh.lost)};
   stored.lost.insert(stored.lost.begin(), madeFrom(mesh.soup) + ", of which the points are samples");

@@ -35,6 +35,7 @@ class ObjReader {
         ++unknown_;
       }
     }
+    if (lines_.endsInLine()) mesh_.openLine = lines_.line();
     return finish();
   }
 

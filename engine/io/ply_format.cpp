@@ -82,7 +82,8 @@ CloudFormat plyFormat() {
           .read = readPlyFile,
           .write = writePly,
           .lacks = lacksOfPly,
-          .hasComments = true};
+          .hasComments = true,
+          .keepsTriangles = true};
 }
 
 }  // namespace palpate

@@ -30,7 +30,7 @@ class PtxScans {
  public:
   explicit PtxScans(const std::filesystem::path& path) : file_(path) {}
 
-  [[noreturn]] void fail(std::string_view what) const { throw FileError::atLine(file_.path(), file_.line(), what); }
+  [[noreturn]] void fail(std::string_view what) const { throw file_.errorInLine(what); }
   ChunkedFile& file() { return file_; }
   std::uint64_t scans() const { return scans_; }
   const PtxPlace& place() const { return place_; }

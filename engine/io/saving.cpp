@@ -67,6 +67,7 @@ void markAsOurs(PointCloud& cloud) {
 
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const CloudFormats& formats) {
   markAsOurs(cloud);
+  if (cloud.storedAs.withoutNormals) cloud.normals.clear();
   std::filesystem::path kept;
   writeCloud(file, cloud, {.keptAs = fileInTheWay(file, formats).losesSomething() ? &kept : nullptr}, formats);
   return kept;

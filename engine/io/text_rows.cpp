@@ -145,7 +145,8 @@ void TextRows::countPoint() {
 }
 
 void TextRows::checkEnd() const {
-  if (promised_ && seen_ < *promised_) fail(fmt::format("ends after {} of {} points", seen_, *promised_));
+  if (!promised_ || seen_ >= *promised_) return;
+  throw FileError::atLine(file_.path(), file_.line(), fmt::format("ends after {} of {} points", seen_, *promised_));
 }
 
 /// Advances to the first point, past the line that names the columns.

@@ -7,6 +7,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/color_scale.hpp"
 #include "engine/io/column_names.hpp"
+#include "engine/io/ends_after.hpp"
 #include "engine/io/ply_vertices.hpp"
 #include "engine/io/ply_writer.hpp"
 #include "engine/io/point_batch.hpp"
@@ -110,6 +111,7 @@ StoredCloud readText(const std::filesystem::path& path, Log* log, const CloudRea
   }
   append();
   rows.checkUnnamed();
+  if (log && kKind != TextKind::pts && rows.file().endsInLine()) sayOpenLine(name, rows.file().line(), *log);
   if (rows.unnamed().whole) vertices.countColorSteps();
   StoredCloud stored{.cloud = vertices.finish(log)};
   stored.lost = vertices.lost();

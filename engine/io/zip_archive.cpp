@@ -35,7 +35,8 @@ class ZipReader {
     const std::size_t last = archive_.size() < kEndBytes ? 0 : archive_.size() - kEndBytes;
     for (std::size_t back = 0; archive_.size() >= kEndBytes && back <= std::min(last, kLongestRemark); ++back)
       if (load<std::uint32_t>(last - back) == kEndOfArchive) return last - back;
-    fail(archive_.size(), "not a ZIP archive, or its end is missing");
+    const bool begins = archive_.size() >= 4 && load<std::uint32_t>(0) == kLocalHead;
+    fail(archive_.size(), begins ? "the file ends before its list of members; it is truncated" : "not a ZIP archive");
   }
 
   std::vector<ZipMember> members() const {

@@ -264,7 +264,6 @@ pp_status pp_mesh_write(pp_mesh mesh, const char* file, const pp_write_options* 
     const auto found = objectOf<MeshObject>(mesh.id);
     const std::string name = &required(file, "file");
     const pp_write_options given = optionsFrom(options, "options");
-    cloudFormats().toWrite(name, Written::mesh);  // refuses other extensions
     std::filesystem::path kept;
     writeMesh(name, found->mesh, found->cell, given.ascii != 0, given.backup ? &kept : nullptr);
   });

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/up.hpp"
 #include "haptics/information_age.hpp"
@@ -16,7 +17,7 @@ namespace palpate {
 class FarTouch;
 struct BackendSetup;
 
-/// Properties of all its points, as its server has measured them. Model units.
+/// Properties of a served cloud, as its server has measured them or read them from its file. Model units.
 struct FarFacts {
   PointExtent extent;
   double spacing = 0, wideSpacing = 0;
@@ -25,7 +26,11 @@ struct FarFacts {
   double edge = 0;     ///< of the bricks in which its points are sent
   bool moves = false;  ///< the points are sent again and again, in real time
   std::string matter;  ///< scene of simulated particles, as sceneText() has it; empty: the points are of a surface
-  std::uint64_t standing = 0;  ///< the last points: they stand in such a scene, and are sent once
+  std::uint64_t standing = 0;             ///< the last points: they stand in such a scene, and are sent once
+  LengthUnit unit = LengthUnit::unknown;  ///< of lengths in the file
+  std::optional<CoordinateGrid> grid = {};
+  bool withoutNormals = false;  ///< as in StoredAs
+  std::string unsent = {};      ///< what clients do not get of the file, in words; empty: nothing
   bool operator==(const FarFacts&) const = default;
 };
 

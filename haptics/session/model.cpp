@@ -82,6 +82,7 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
   model.shown = coreBoundsOf(cloud);
   throwIfStopWanted();
   if (!cloud.hasNormals() || config.normals == NormalSource::estimate) {
+    cloud.storedAs.withoutNormals = config.normals != NormalSource::estimate;
     const std::string cost = loading.estimate(cloud, loading.threads);
     if (!cloud.empty()) loading.log.say("{}: normals are estimated from the points: {}", config.file, cost);
     // One or two points define no plane: their discs face the default view.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/length_unit.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/statistics.hpp"
 #include "haptics/sharing/edit_exchange.hpp"
@@ -247,6 +248,10 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   const std::uint64_t every = isNear && facts->standing == 0 ? everyFor(notice.points) : 1;
   JoinedCloud joined = Fetch(session->participant, session->topics, notice, options, every).run();
   joined.sculptable = notice.sculptable && !isNear;
+  joined.unsent = facts->unsent;
+  sayUnit(joined.cloud.storedAs.comments, facts->unit);
+  joined.cloud.storedAs.grid = facts->grid;
+  joined.cloud.storedAs.withoutNormals = facts->withoutNormals;
   if (isNear) {
     joined.facts = facts;
     joined.far = openFarCloud({.session = session, .notice = notice, .facts = *facts, .log = options.log});

@@ -325,6 +325,30 @@ class FarLink final : public BrickCloud {
 
 std::unique_ptr<BrickCloud> openFarCloud(const FarParts& parts) { return std::make_unique<FarLink>(parts); }
 
+namespace {
+
+std::optional<CoordinateGrid> gridOf(const Facts& facts) {
+  if (!facts.gridded) return std::nullopt;
+  return CoordinateGrid(DVec3(facts.step[0], facts.step[1], facts.step[2]),
+                        DVec3(facts.offset[0], facts.offset[1], facts.offset[2]));
+}
+
+// Lengths are positive and finite, coordinates finite, and values of enumerations known.
+bool isValid(const FarFacts& facts) {
+  constexpr double kLargest = 1e30;
+  const auto isLength = [](double value) { return value >= 0 && value <= kLargest; };
+  const auto isPlace = [](const DVec3& place) { return glm::length(place) <= kLargest; };
+  const auto isGrid = [&](const CoordinateGrid& grid) {
+    return isPlace(grid.offset) && isPlace(grid.step) && glm::all(glm::greaterThan(grid.step, DVec3(0)));
+  };
+  return facts.edge > 0 && isLength(facts.edge) && isLength(facts.spacing) && isLength(facts.wideSpacing) &&
+         isLength(facts.noise) && isPlace(facts.extent.bounds.min) && isPlace(facts.extent.bounds.max) &&
+         facts.up <= UpAxis::minusZ && facts.unit <= LengthUnit::foot && (!facts.grid || isGrid(*facts.grid)) &&
+         facts.standing <= facts.extent.points && facts.extent.points < std::uint64_t{1} << 32;
+}
+
+}  // namespace
+
 std::optional<FarFacts> hearFacts(const JoinedSession& session, double timeout_s, const StopSign& stop) {
   const Topic<Facts> topic = factsOf(session.participant, session.session);
   const Reader<Facts> reader(session.participant, topic, keepingInstances(reliableQos(true), 1));
@@ -346,17 +370,14 @@ std::optional<FarFacts> hearFacts(const JoinedSession& session, double timeout_s
                        .edge = facts.edge,
                        .moves = facts.moves,
                        .matter = facts.matter,
-                       .standing = facts.standing};
+                       .standing = facts.standing,
+                       .unit = static_cast<LengthUnit>(facts.unit),
+                       .grid = gridOf(facts),
+                       .withoutNormals = facts.without_normals,
+                       .unsent = printable(facts.unsent)};
     });
   }
-  if (!heard) return heard;
-  constexpr double kLargest = 1e30;
-  const auto isLength = [](double value) { return value >= 0 && value <= kLargest; };
-  const auto isPlace = [](const DVec3& place) { return glm::length(place) <= kLargest; };
-  if (!(heard->edge > 0) || !isLength(heard->edge) || !isLength(heard->spacing) || !isLength(heard->wideSpacing) ||
-      !isLength(heard->noise) || !isPlace(heard->extent.bounds.min) || !isPlace(heard->extent.bounds.max) ||
-      heard->up > UpAxis::minusZ || heard->standing > heard->extent.points ||
-      heard->extent.points >= std::uint64_t{1} << 32)
+  if (heard && !isValid(*heard))
     throw NetworkError("'{}' of {} announces an invalid cloud", session.name, session.host);
   return heard;
 }

@@ -27,6 +27,9 @@ JoinedCloud join(const std::string& name, const JoinConfig& config, const Joinin
   else
     log.say("{}: {} points of {}, served by {}; {}", name, joined.cloud.size(), joined.model, joined.host,
             opennessOf(network));
+  if (!joined.unsent.empty() && !joined.far)
+    log.say("{}: these stay with the server: {}; palpate serve --save writes them, a file saved here lacks them", name,
+            joined.unsent);
   sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
   return joined;
 }
