@@ -7,6 +7,7 @@
 #include "apps/cli/touch_results.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/drawn_follower.hpp"
 #include "haptics/session/session.hpp"
@@ -297,7 +298,8 @@ SharedCounts checkShared(Outputs& outputs, Session& session, const TouchCommandO
 
 /// Throws if the session was interrupted, or if ticks had no valid answer.
 void checkTicks(const TouchReport& report) {
-  if (report.interrupted) throw Error("interrupted after {} ticks; their results are kept", report.trace.ticks);
+  if (report.interrupted)
+    throw Error("interrupted after {}; their results are kept", counted(report.trace.ticks, "tick"));
   std::uint64_t faults = report.trace.faultTicks;
   for (const FurtherHandReport& hand : report.hands) faults = std::max(faults, hand.trace.faultTicks);
   if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);

@@ -11,4 +11,17 @@ inline bool isExact(const PointCloud& cloud) { return !cloud.exactPositions.empt
 /// The box around these coordinates. All zero for an empty cloud.
 Bounds fileBoundsOf(const PointCloud& cloud);
 
+/// The positions of a CoordinateGrid, each the double next to its decimal if step and offset are decimals, as 0.01 and
+/// 637000.5: 849393.95, and not 849393.9500000001 like k * step + offset in double precision.
+class DecimalGrid {
+ public:
+  explicit DecimalGrid(const CoordinateGrid& grid);
+  /// `k`: whole numbers.
+  DVec3 at(const DVec3& k) const;
+
+ private:
+  CoordinateGrid grid_;
+  DVec3 parts_{0};  ///< of a unit, of which step and offset are whole numbers: a power of ten; 0: they are not decimals
+};
+
 }  // namespace palpate

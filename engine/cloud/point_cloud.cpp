@@ -3,39 +3,10 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "engine/cloud/file_coordinates.hpp"
 #include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
-
-namespace {
-
-constexpr double kWhole = 1e14;  // below it, whole numbers and their quotients by powers of ten are rounded once
-
-/// The least power of ten by which both are whole numbers; 0: none.
-double partsOf(double step, double offset) {
-  constexpr double kRounding = 1e-15, kMostParts = 1e12;
-  const auto isWhole = [](double x) {
-    return std::abs(x) < kWhole && std::abs(x - std::round(x)) <= kRounding * std::abs(x);
-  };
-  for (double parts = 1; parts <= kMostParts; parts *= 10)
-    if (std::round(step * parts) != 0 && isWhole(step * parts) && isWhole(offset * parts)) return parts;
-  return 0;
-}
-
-}  // namespace
-
-CoordinateGrid::CoordinateGrid(const DVec3& step_, const DVec3& offset_) : step(step_), offset(offset_) {
-  for (int axis = 0; axis < 3; ++axis) parts[axis] = partsOf(step[axis], offset[axis]);
-}
-
-DVec3 CoordinateGrid::at(const DVec3& k) const {
-  DVec3 place = k * step + offset;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double whole = std::round(place[axis] * parts[axis]);
-    if (parts[axis] > 0 && std::abs(whole) < kWhole) place[axis] = whole / parts[axis];
-  }
-  return place;
-}
 
 DVec3 CoordinateGrid::nearest(const DVec3& p) const { return glm::round((p - offset) / step); }
 
@@ -43,7 +14,7 @@ DVec3 PointCloud::fileCoordinates(std::size_t i) const {
   if (!exactPositions.empty() && Vec3(exactPositions[i] - origin) == positions[i]) return exactPositions[i];
   const DVec3 place = origin + DVec3(positions[i]);
   if (!storedAs.grid) return place;
-  const DVec3 onGrid = storedAs.grid->at(storedAs.grid->nearest(place));
+  const DVec3 onGrid = DecimalGrid(*storedAs.grid).at(storedAs.grid->nearest(place));
   return Vec3(onGrid - origin) == positions[i] ? onGrid : place;
 }
 

@@ -22,16 +22,11 @@ struct Attribute {
   std::vector<std::byte> data;  ///< size() values in native byte order
 };
 
-/// Coordinates that a file stores as integers k: offset + k * step, in double precision. If step and offset are
-/// decimals, as 0.01 and 637000.5, the result is the double next to the decimal, 849393.95 and not 849393.9500000001.
+/// Coordinates that a file stores as integers k: offset + k * step, in double precision.
 struct CoordinateGrid {
-  CoordinateGrid() = default;
-  CoordinateGrid(const DVec3& step_, const DVec3& offset_);
-
   DVec3 step{1}, offset{0};
-  DVec3 parts{1};  ///< of a unit, of which step and offset are whole numbers: a power of ten; 0: they are not decimals
 
-  DVec3 at(const DVec3& k) const;
+  DVec3 at(const DVec3& k) const { return k * step + offset; }
   /// The integers of the grid position next to `p`.
   DVec3 nearest(const DVec3& p) const;
   bool operator==(const CoordinateGrid&) const = default;
@@ -49,7 +44,6 @@ struct StoredAs {
   ScalarType position = ScalarType::f32;  ///< f32 or f64; f64 is used in any case when the origin is not zero
   ScalarType normal = ScalarType::f32;    ///< f32 or f64
   ScalarType color = ScalarType::u8;      ///< u8: 0 to 255, u16: 0 to 65535, f32 and f64: 0 to 1
-  bool withoutNormals = false;            ///< those of the cloud are estimates, which are not saved with it
   bool alpha = false;                     ///< colours have a fourth channel; otherwise alpha is 255
   std::vector<std::string> comments;      ///< header lines that begin with `comment` or `obj_info`, including that word
   /// If the file's coordinates are integers. A point whose position is still the float32 of a grid position is at that

@@ -19,7 +19,7 @@ inline FileError endsAfter(const std::filesystem::path& file, std::uint64_t end,
 
 /// The last line of a file `name` that does not state how much it contains has no end.
 inline void sayOpenLine(std::string_view name, std::uint64_t line, Log& log) {
-  log.say("{}: line {}, the last one, has no end; the file may be truncated", name, line);
+  log.warn("{}: line {}, the last one, has no end; the file may be truncated", name, line);
 }
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 
 #include <glm/common.hpp>
 
+#include "engine/cloud/file_coordinates.hpp"
 #include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
@@ -44,11 +45,12 @@ bool fits(const CoordinateGrid& grid, const Bounds& box) {
 
 /// `beside`: allowed distance from the grid, relative to the coordinate.
 bool allOn(const CoordinateGrid& grid, const PointCloud& cloud, double beside) {
+  const DecimalGrid decimals(grid);
   std::atomic<bool> all = true;
   parallelBlocks(cloud.size(), 1 << 16, 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end && all; ++i) {
       const DVec3 p = cloud.fileCoordinates(i);
-      const DVec3 on = grid.at(grid.nearest(p));
+      const DVec3 on = decimals.at(grid.nearest(p));
       for (int k = 0; k < 3; ++k)
         if (!(std::abs(on[k] - p[k]) <= beside * std::abs(p[k]))) all = false;
     }
@@ -61,7 +63,8 @@ CoordinateGrid refined(const CoordinateGrid& grid, const Bounds& box) {
   constexpr int kMaxHalvings = 20;
   CoordinateGrid finer = grid;
   for (int k = 0; k < kMaxHalvings; ++k) {
-    const CoordinateGrid next(0.5 * finer.step, finer.offset);
+    CoordinateGrid next = finer;
+    next.step *= 0.5;
     if (!fits(next, box)) break;
     finer = next;
   }
@@ -82,8 +85,8 @@ LasGrid lasGridFor(const PointCloud& cloud) {
   }
   const DVec3 middle = glm::round(box.center());
   for (double parts = 1; parts <= 1e9; parts *= 10) {
-    CoordinateGrid decimal(DVec3(1 / parts), DVec3(0));
-    if (!fits(decimal, box)) decimal = {decimal.step, middle};
+    CoordinateGrid decimal{DVec3(1 / parts), DVec3(0)};
+    if (!fits(decimal, box)) decimal.offset = middle;
     if (fits(decimal, box) && allOn(decimal, cloud, kRounding)) return {decimal, allOn(decimal, cloud, 0)};
   }
   // Uses half the range, so that a whole cell fits at either end.
@@ -92,8 +95,8 @@ LasGrid lasGridFor(const PointCloud& cloud) {
   };
   CoordinateGrid binary{DVec3(finest(std::max(largest(box.min), largest(box.max)))), DVec3(0)};
   if (allOn(binary, cloud, 0)) return {binary};
-  const DVec3 step(finest(0.5 * box.longestSide()));
-  binary = {step, glm::round(box.center() / step) * step};
+  binary.step = DVec3(finest(0.5 * box.longestSide()));
+  binary.offset = glm::round(box.center() / binary.step) * binary.step;
   return {binary, allOn(binary, cloud, 0)};
 }
 

@@ -150,9 +150,7 @@ void putSums(std::vector<std::byte>& head, const LasPlan& plan, const PointCloud
     high = i == 0 ? place : glm::max(high, place);
     if (number) ++returns[static_cast<std::size_t>(number->value(i)) & 15u];
   }
-  // As other programs compute them, without rounding to decimals.
-  const CoordinateGrid& grid = plan.grid.grid;
-  const DVec3 one = low * grid.step + grid.offset, other = high * grid.step + grid.offset;
+  const DVec3 one = plan.grid.grid.at(low), other = plan.grid.grid.at(high);
   for (int k = 0; k < 3; ++k) {
     const std::size_t at = 179 + 16 * static_cast<std::size_t>(k);
     out.put(at, cloud.empty() ? 0.0 : std::max(one[k], other[k]));

@@ -34,19 +34,20 @@ void readLateFields(std::span<const std::byte> begin, LasHeader& header) {
 
 CoordinateGrid readGrid(const std::filesystem::path& file, std::span<const std::byte> begin) {
   constexpr double kLargestStep = 1e20, kFarthest = 1e29;  // coordinates stay below 1e30
-  DVec3 step, offset;
+  CoordinateGrid grid;
   for (int k = 0; k < 3; ++k) {
     const std::size_t stepAt = 131 + 8 * static_cast<std::size_t>(k), offsetAt = stepAt + 24;
-    step[k] = loadScalar<double>(begin, stepAt);
-    offset[k] = loadScalar<double>(begin, offsetAt);
-    if (!std::isnormal(step[k]) || !(std::abs(step[k]) < kLargestStep))
+    grid.step[k] = loadScalar<double>(begin, stepAt);
+    grid.offset[k] = loadScalar<double>(begin, offsetAt);
+    if (!std::isnormal(grid.step[k]) || !(std::abs(grid.step[k]) < kLargestStep))
       throw FileError::atByte(
-          file, stepAt, fmt::format("the scale of {} is {}; expected a number other than zero", "xyz"[k], step[k]));
-    if (!(std::abs(offset[k]) < kFarthest))
-      throw FileError::atByte(file, offsetAt,
-                              fmt::format("the offset of {} is {}; expected a finite number", "xyz"[k], offset[k]));
+          file, stepAt,
+          fmt::format("the scale of {} is {}; expected a number other than zero", "xyz"[k], grid.step[k]));
+    if (!(std::abs(grid.offset[k]) < kFarthest))
+      throw FileError::atByte(
+          file, offsetAt, fmt::format("the offset of {} is {}; expected a finite number", "xyz"[k], grid.offset[k]));
   }
-  return {step, offset};
+  return grid;
 }
 
 // Real files have some tens of bytes; each is a named attribute.

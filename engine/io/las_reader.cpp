@@ -9,6 +9,7 @@
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/io/ends_after.hpp"
@@ -164,7 +165,7 @@ LasReader::Tail LasReader::readPacked(LasColumns& columns, Log* log, std::vector
   if (isCopc(head_.bytes)) {
     const LasRecord info = lasRecords(file_.path(), header, head_.bytes).front();
     CopcNodes nodes = readCopcNodes(file_.path(), header, info, body);
-    lost.push_back(fmt::format("the octree of COPC: {} nodes on {} levels", nodes.nodes, nodes.deepest + 1));
+    lost.push_back(fmt::format("the octree of COPC: {} on {} levels", counted(nodes.nodes, "node"), nodes.deepest + 1));
     found = std::move(nodes.found);
   } else {
     found = readLazChunks(file_.path(), header, *head_.packing, body);
@@ -197,7 +198,7 @@ std::shared_ptr<LasBaggage> LasReader::packBaggage(const Tail& tail) {
     name(record);
     unpacked.addLong(record);
   }
-  if (count > 0) baggage->sentence = fmt::format("{} record{} of LAS: {}", count, count == 1 ? "" : "s", names);
+  if (count > 0) baggage->sentence = fmt::format("{} of LAS: {}", counted(count, "record"), names);
   baggage->format = "LAS";
   baggage->head = header.packed ? unpacked.head() : std::move(head_.bytes);
   baggage->tail = copc ? unpacked.tail() : tail.bytes;

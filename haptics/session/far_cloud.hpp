@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/up.hpp"
 #include "haptics/information_age.hpp"
@@ -17,7 +16,7 @@ namespace palpate {
 class FarTouch;
 struct BackendSetup;
 
-/// Properties of a served cloud, as its server has measured them or read them from its file. Model units.
+/// Properties of all its points, as its server has measured them. Model units.
 struct FarFacts {
   PointExtent extent;
   double spacing = 0, wideSpacing = 0;
@@ -26,11 +25,7 @@ struct FarFacts {
   double edge = 0;     ///< of the bricks in which its points are sent
   bool moves = false;  ///< the points are sent again and again, in real time
   std::string matter;  ///< scene of simulated particles, as sceneText() has it; empty: the points are of a surface
-  std::uint64_t standing = 0;             ///< the last points: they stand in such a scene, and are sent once
-  LengthUnit unit = LengthUnit::unknown;  ///< of lengths in the file
-  std::optional<CoordinateGrid> grid = {};
-  bool withoutNormals = false;  ///< as in StoredAs
-  std::string unsent = {};      ///< what clients do not get of the file, in words; empty: nothing
+  std::uint64_t standing = 0;  ///< the last points: they stand in such a scene, and are sent once
   bool operator==(const FarFacts&) const = default;
 };
 

@@ -12,6 +12,7 @@
 #include "engine/core/job_stop.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "engine/io/saving.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/session/simulation.hpp"
 #include "haptics/session/stream_model.hpp"
@@ -82,7 +83,7 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
   model.shown = coreBoundsOf(cloud);
   throwIfStopWanted();
   if (!cloud.hasNormals() || config.normals == NormalSource::estimate) {
-    cloud.storedAs.withoutNormals = config.normals != NormalSource::estimate;
+    if (config.normals != NormalSource::estimate) markNormalsAsEstimated(cloud);
     const std::string cost = loading.estimate(cloud, loading.threads);
     if (!cloud.empty()) loading.log.say("{}: normals are estimated from the points: {}", config.file, cost);
     // One or two points define no plane: their discs face the default view.

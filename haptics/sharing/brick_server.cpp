@@ -43,15 +43,7 @@ BrickServer::BrickServer(const Parts& parts)
   said_.edge = known.edge;
   put(said_.matter, known.matter);
   said_.standing = known.standing;
-  said_.unit = static_cast<std::uint8_t>(known.unit);
-  said_.gridded = known.grid.has_value();
-  const CoordinateGrid grid = known.grid.value_or(CoordinateGrid{});
-  for (int axis = 0; axis < 3; ++axis) {
-    said_.step[axis] = grid.step[axis];
-    said_.offset[axis] = grid.offset[axis];
-  }
-  said_.without_normals = known.withoutNormals;
-  put(said_.unsent, known.unsent);
+  put(said_, parts.file);
   facts_.write(said_);
 }
 

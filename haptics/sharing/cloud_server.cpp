@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "haptics/sharing/brick_server.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/motion_thread.hpp"
@@ -40,24 +40,6 @@ void requireSessionName(const std::string& name) {
                      printable(name.c_str()), kLongestName);
 }
 
-/// What clients do not get of a cloud, in words that fit into Facts; empty: they get everything.
-std::string unsentOf(const PointCloud& cloud) {
-  std::vector<std::string> parts;
-  if (!cloud.exactPositions.empty()) parts.emplace_back("coordinates in double precision");
-  for (const Attribute& attribute : cloud.extra) parts.push_back(printable(attribute.name.c_str()));
-  if (cloud.storedAs.baggage && !cloud.storedAs.baggage->sentence.empty())
-    parts.push_back(cloud.storedAs.baggage->sentence);
-  constexpr std::size_t kRoomForCount = 20;
-  std::string words;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const std::string next = (i == 0 ? "" : ", ") + parts[i];
-    if (words.size() + next.size() + kRoomForCount > sizeof(Facts::unsent))
-      return fmt::format("{}{}{} more", words, i == 0 ? "" : " and ", parts.size() - i);
-    words += next;
-  }
-  return words;
-}
-
 FarFacts factsOf(const PointCloud& cloud, const CloudServer::Parts& parts) {
   FarFacts facts = parts.facts.value_or(FarFacts{});
   if (!parts.facts) {
@@ -72,10 +54,6 @@ FarFacts factsOf(const PointCloud& cloud, const CloudServer::Parts& parts) {
                         facts.extent.bounds.longestSide() / kMaxAlongSide);
   if (!(facts.edge > 0)) facts.edge = 1;
   facts.moves = static_cast<bool>(parts.motion);
-  facts.unit = unitSaidIn(cloud.storedAs.comments);
-  facts.grid = cloud.storedAs.grid;
-  facts.withoutNormals = cloud.storedAs.withoutNormals;
-  facts.unsent = unsentOf(cloud);
   return facts;
 }
 
@@ -111,6 +89,7 @@ struct CloudServer::Link {
                                     .topics = topics,
                                     .session = session,
                                     .facts = factsOf(cloud, parts),
+                                    .file = servedFileOf(cloud),
                                     .points = shared,
                                     .log = parts.log});
     near->attach(wait);
@@ -133,7 +112,7 @@ struct CloudServer::Link {
           });
       session = journal->session();
       if (parts.log && journal->pieces() > 0)
-        parts.log->say("{}: continues with {} pieces of strokes", parts.journal.string(), journal->pieces());
+        parts.log->say("{}: continues with {} of strokes", parts.journal.string(), counted(journal->pieces(), "piece"));
       if (parts.log && journal->tornBytes() > 0)
         parts.log->say("{}: its last {} bytes were an incomplete piece and are removed; its client sends it again",
                        parts.journal.string(), journal->tornBytes());

@@ -22,7 +22,7 @@ TEST_CASE("the bounding box of a cloud far from zero has the digits of its file"
   REQUIRE(isExact(exact));
   CHECK(fileBoundsOf(exact) == Bounds{{637177.98, 4877754.178, 400.07}, {637200.01, 4877800.5, 421.33}});
   PointCloud onGrid = cloud;
-  onGrid.storedAs.grid = CoordinateGrid{DVec3(0.25), DVec3(0.125)};
+  onGrid.storedAs.grid = CoordinateGrid{.step = DVec3(0.25), .offset = DVec3(0.125)};
   onGrid.positions = {Vec3(DVec3(637177.125, 4877754.375, 421.125) - cloud.origin)};
   CHECK(fileBoundsOf(onGrid).min == DVec3(637177.125, 4877754.375, 421.125));
   CHECK(fileBoundsOf({}) == Bounds{});
@@ -31,9 +31,10 @@ TEST_CASE("the bounding box of a cloud far from zero has the digits of its file"
 TEST_CASE("coordinates on a decimal grid have no more digits than the grid") {
   for (const auto& [step, offset] :
        {std::pair(0.01, 0.0), {0.001, 600000.0}, {0.00025, 849000.5}, {1e-7, -3.25}, {-0.01, 12.34}}) {
-    const CoordinateGrid grid{DVec3(step), DVec3(offset)};
+    const CoordinateGrid grid{.step = DVec3(step), .offset = DVec3(offset)};
+    const DecimalGrid decimals(grid);
     for (int k = 0; k < 100'000; ++k) {
-      const double number = k * 849.0 + 7, value = grid.at(DVec3(number)).x;
+      const double number = k * 849.0 + 7, value = decimals.at(DVec3(number)).x;
       CAPTURE(number);
       REQUIRE(grid.nearest(DVec3(value)).x == number);
       REQUIRE(value == within(number * step + offset, 1e-9));
@@ -41,13 +42,15 @@ TEST_CASE("coordinates on a decimal grid have no more digits than the grid") {
       REQUIRE(fmt::format("{}", value).size() <= digits.size());
     }
   }
-  CHECK(CoordinateGrid(DVec3(0.01), DVec3(0)).at(DVec3(84939395)).x == 849393.95);
+  const auto at = [](double step, double offset, double k) {
+    return DecimalGrid({.step = DVec3(step), .offset = DVec3(offset)}).at(DVec3(k)).x;
+  };
+  CHECK(at(0.01, 0, 84939395) == 849393.95);
   CHECK(84939395 * 0.01 != 849393.95);
   // Binary steps, thirds and huge numbers stay as they are.
-  const double third = 1.0 / 3;
-  CHECK(CoordinateGrid(DVec3(third), DVec3(0)).at(DVec3(5)).x == 5 * third);
-  CHECK(CoordinateGrid(DVec3(std::exp2(-20)), DVec3(0.5)).at(DVec3(12345)).x == 12345 * std::exp2(-20) + 0.5);
-  CHECK(CoordinateGrid(DVec3(1e20), DVec3(1e28)).at(DVec3(3)).x == 3 * 1e20 + 1e28);
+  CHECK(at(1.0 / 3, 0, 5) == 5 * (1.0 / 3));
+  CHECK(at(std::exp2(-20), 0.5, 12345) == 12345 * std::exp2(-20) + 0.5);
+  CHECK(at(1e20, 1e28, 3) == 3 * 1e20 + 1e28);
 }
 
 }  // namespace palpate::file_coordinates_test

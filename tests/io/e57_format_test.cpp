@@ -195,7 +195,7 @@ TEST_CASE("an E57 page with a wrong checksum is reported by its number, at any p
   }
   CHECK(refusalOfE57(good.substr(0, 3000)).starts_with(": byte 3000: the file ends inside page 3"));
   CHECK(refusalOfE57("ASTM-E58").starts_with(": byte 0: not an E57 file"));
-  CHECK(refusalOfE57(good.substr(0, good.size() - 1024)).starts_with(": byte 16: the header promises"));
+  CHECK(refusalOfE57(good.substr(0, good.size() - 1024)).find("the file ends after") != std::string::npos);
 }
 
 TEST_CASE("invalid E57 content under valid checksums is refused with its byte" * doctest::skip(!canReadE57())) {

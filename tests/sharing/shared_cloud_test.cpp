@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/cloud/length_unit.hpp"
+#include "engine/io/saving.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "tests/error_of.hpp"
 #include "tests/says.hpp"
@@ -55,9 +56,9 @@ TEST_CASE("clouds of awkward sizes arrive bit for bit, with colours and far from
 
 TEST_CASE("a client knows the unit and the grid of the file, and what of it stays with the server") {
   PointCloud cloud = cloudOf(100, false, DVec3(637000, 4877000, 0));
-  const CoordinateGrid grid(DVec3(0.01), DVec3(0.5));
+  const CoordinateGrid grid{.step = DVec3(0.01), .offset = DVec3(0.5)};
   cloud.storedAs.grid = grid;
-  cloud.storedAs.withoutNormals = true;
+  markNormalsAsEstimated(cloud);
   setUnit(cloud.storedAs.comments, LengthUnit::foot);
   for (const char* name : {"intensity", "gps_time"})
     cloud.extra.push_back({name, ScalarType::u8, std::vector<std::byte>(cloud.size())});
@@ -66,7 +67,7 @@ TEST_CASE("a client knows the unit and the grid of the file, and what of it stay
     const JoinedCloud joined = joinCloud("scan", {.network = ownNetwork()});
     CHECK(unitSaidIn(joined.cloud.storedAs.comments) == LengthUnit::foot);
     CHECK(joined.cloud.storedAs.grid == grid);
-    CHECK(joined.cloud.storedAs.withoutNormals);
+    CHECK(areNormalsEstimated(joined.cloud));
     CHECK(joined.unsent == "intensity, gps_time");
   }
   for (int i = 0; i < 100; ++i)
