@@ -44,8 +44,8 @@ void mesh(Context& context, const MeshCommandOptions& options) {
   const Mesh result = cubes.download();
   progress.set(0.8);
   if (result.triangles.empty())
-    throw Error("{}: {} points show no surface within {:.3g} mm (in the hand) of one another; try a larger --radius",
-                options.model.file, model.cloud.size(), model.scale.toMm(static_cast<double>(plan.lattice.radius)));
+    throw Error("{}: no surface within {:.3g} mm (in the hand) of its {}; try a larger --radius", options.model.file,
+                model.scale.toMm(static_cast<double>(plan.lattice.radius)), counted(model.cloud.size(), "point"));
   const double cell = static_cast<double>(plan.lattice.cell);
   writeMesh(options.output, result, cell, options.ascii);
   const MeshReport report = examine(result);

@@ -296,10 +296,12 @@ SharedCounts checkShared(Outputs& outputs, Session& session, const TouchCommandO
   return counts;
 }
 
-/// Throws if the session was interrupted, or if ticks had no valid answer.
-void checkTicks(const TouchReport& report) {
+/// Throws if the session was interrupted, or if ticks had no valid answer. `planned_s`: duration without an
+/// interruption; 0: unlimited.
+void checkTicks(const TouchReport& report, const Trace& trace, double planned_s) {
   if (report.interrupted)
-    throw Error("interrupted after {}; their results are kept", counted(report.trace.ticks, "tick"));
+    throw Error("interrupted after {}{}; their results are kept", counted(report.trace.ticks, "tick"),
+                planned_s > 0 ? fmt::format(", {:.3f} of {:.6g} s", durationOf(trace), planned_s) : "");
   std::uint64_t faults = report.trace.faultTicks;
   for (const FurtherHandReport& hand : report.hands) faults = std::max(faults, hand.trace.faultTicks);
   if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
@@ -383,7 +385,7 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   outputs.write([&] { context.writeJson(toJson(report)); });
   if (result.deviceFailed) outputs.failed(result.fault);
   outputs.check();
-  checkTicks(report);
+  checkTicks(report, result.trace(), session.durationOf(hands));
 }
 
 }  // namespace

@@ -69,8 +69,9 @@ void markAsOurs(PointCloud& cloud) {
   if (!isOurs(comments)) comments.emplace_back(kOurs);
 }
 
-void markNormalsAsEstimated(PointCloud& cloud) {
-  if (!areNormalsEstimated(cloud)) cloud.storedAs.comments.emplace_back(kEstimated);
+void markNormalsAsEstimated(PointCloud& cloud, bool are) {
+  std::erase(cloud.storedAs.comments, kEstimated);
+  if (are) cloud.storedAs.comments.emplace_back(kEstimated);
 }
 
 bool areNormalsEstimated(const PointCloud& cloud) { return has(cloud.storedAs.comments, kEstimated); }
@@ -78,7 +79,7 @@ bool areNormalsEstimated(const PointCloud& cloud) { return has(cloud.storedAs.co
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const CloudFormats& formats) {
   markAsOurs(cloud);
   if (areNormalsEstimated(cloud)) cloud.normals.clear();
-  std::erase(cloud.storedAs.comments, kEstimated);
+  markNormalsAsEstimated(cloud, false);
   std::filesystem::path kept;
   writeCloud(file, cloud, {.keptAs = fileInTheWay(file, formats).losesSomething() ? &kept : nullptr}, formats);
   return kept;

@@ -67,6 +67,7 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
                                  {.normalsFromFaces = config.normals == NormalSource::face,
                                   .pointsOnly = true,
                                   .keepUnreliable = config.keepUnreliable});
+  markNormalsAsEstimated(stored.cloud, false);  // whatever a comment in the file says: they are its own
   if (!stored.leftOut.empty())
     loading.log.warn("{}: left out: {}; the setting keep_unreliable keeps them", config.file, stored.leftOut);
   Model model = modelOf(std::move(stored.cloud), config, loading);
@@ -83,7 +84,7 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
   model.shown = coreBoundsOf(cloud);
   throwIfStopWanted();
   if (!cloud.hasNormals() || config.normals == NormalSource::estimate) {
-    if (config.normals != NormalSource::estimate) markNormalsAsEstimated(cloud);
+    markNormalsAsEstimated(cloud, config.normals != NormalSource::estimate);
     const std::string cost = loading.estimate(cloud, loading.threads);
     if (!cloud.empty()) loading.log.say("{}: normals are estimated from the points: {}", config.file, cost);
     // One or two points define no plane: their discs face the default view.

@@ -69,7 +69,7 @@ std::optional<ServedFile> servedFileIn(const Facts& facts) {
 void describe(PointCloud& cloud, const ServedFile& file) {
   sayUnit(cloud.storedAs.comments, file.unit);
   cloud.storedAs.grid = file.grid;
-  if (file.estimatedNormals) markNormalsAsEstimated(cloud);
+  markNormalsAsEstimated(cloud, file.estimatedNormals);
 }
 
 }  // namespace palpate::sharing

@@ -58,7 +58,7 @@ TEST_CASE("a client knows the unit and the grid of the file, and what of it stay
   PointCloud cloud = cloudOf(100, false, DVec3(637000, 4877000, 0));
   const CoordinateGrid grid{.step = DVec3(0.01), .offset = DVec3(0.5)};
   cloud.storedAs.grid = grid;
-  markNormalsAsEstimated(cloud);
+  markNormalsAsEstimated(cloud, true);
   setUnit(cloud.storedAs.comments, LengthUnit::foot);
   for (const char* name : {"intensity", "gps_time"})
     cloud.extra.push_back({name, ScalarType::u8, std::vector<std::byte>(cloud.size())});
