@@ -31,13 +31,13 @@ Bounds fileBoundsOf(const PointCloud& cloud) {
 
 namespace {
 
-constexpr double kWhole = 1e14;  // below it, whole numbers and their quotients by powers of ten are rounded once
+constexpr double kMaxWhole = 1e14;  // below it, whole numbers and their quotients by powers of ten are rounded once
 
 /// The least power of ten by which both are whole numbers; 0: none.
 double partsOf(double step, double offset) {
   constexpr double kRounding = 1e-15, kMostParts = 1e12;
   const auto isWhole = [](double x) {
-    return std::abs(x) < kWhole && std::abs(x - std::round(x)) <= kRounding * std::abs(x);
+    return std::abs(x) < kMaxWhole && std::abs(x - std::round(x)) <= kRounding * std::abs(x);
   };
   for (double parts = 1; parts <= kMostParts; parts *= 10)
     if (std::abs(step * parts) > 0.5 && isWhole(step * parts) && isWhole(offset * parts)) return parts;
@@ -54,7 +54,7 @@ DVec3 DecimalGrid::at(const DVec3& k) const {
   DVec3 place = grid_.at(k);
   for (int axis = 0; axis < 3; ++axis) {
     const double whole = std::round(place[axis] * parts_[axis]);
-    if (parts_[axis] > 0 && std::abs(whole) < kWhole) place[axis] = whole / parts_[axis];
+    if (parts_[axis] > 0 && std::abs(whole) < kMaxWhole) place[axis] = whole / parts_[axis];
   }
   return place;
 }
