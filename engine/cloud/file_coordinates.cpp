@@ -59,4 +59,14 @@ DVec3 DecimalGrid::at(const DVec3& k) const {
   return place;
 }
 
+std::optional<CoordinateGrid> DecimalGrid::tenths() const {
+  CoordinateGrid finer = grid_;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(parts_[axis] > 0)) return std::nullopt;
+    finer.step[axis] = std::round(grid_.step[axis] * parts_[axis]) / (10 * parts_[axis]);
+    if (!(partsOf(finer.step[axis], finer.offset[axis]) > 0)) return std::nullopt;
+  }
+  return finer;
+}
+
 }  // namespace palpate

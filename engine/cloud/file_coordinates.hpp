@@ -1,6 +1,8 @@
 // Coordinates as in the file, where it has more digits than single precision.
 #pragma once
 
+#include <optional>
+
 #include "engine/cloud/point_cloud.hpp"
 
 namespace palpate {
@@ -18,6 +20,9 @@ class DecimalGrid {
   explicit DecimalGrid(const CoordinateGrid& grid);
   /// `k`: whole numbers.
   DVec3 at(const DVec3& k) const;
+  /// The grid with a tenth of the step, which contains these positions bit by bit; empty if they are not decimals, or
+  /// have too many digits.
+  std::optional<CoordinateGrid> tenths() const;
 
  private:
   CoordinateGrid grid_;

@@ -75,7 +75,8 @@ std::unique_ptr<const Json> parsed(const std::filesystem::path& path, std::span<
     auto json = std::make_unique<const Json>(Json::parse(text, text + bytes.size()));
     if (json->is_object()) return json;
   } catch (const Json::parse_error& error) {
-    throw FileError::atByte(path, before + error.byte, "invalid JSON");
+    throw FileError::atByte(path, before + error.byte,
+                            error.byte > bytes.size() ? "the file ends inside its JSON" : "invalid JSON");
   } catch (const Json::exception&) {  // a number that is too large
   }
   throw FileError::atByte(path, before, "the JSON from here on is not glTF");

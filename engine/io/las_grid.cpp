@@ -58,15 +58,18 @@ bool allOn(const CoordinateGrid& grid, const PointCloud& cloud, double beside) {
   return all;
 }
 
-/// Halves the step as often as 32 bits allow, and as float32 can resolve.
+/// Makes the step finer, by tenths if it is a decimal, else by halves, as often as 32 bits allow, and as float32 can
+/// resolve. The positions of the grid remain on it, bit by bit.
 CoordinateGrid refined(const CoordinateGrid& grid, const Bounds& box) {
-  constexpr int kMaxHalvings = 20;
+  constexpr double kFinest = 1e-6;  // of the step
+  const bool byTenths = DecimalGrid(grid).tenths().has_value();
   CoordinateGrid finer = grid;
-  for (int k = 0; k < kMaxHalvings; ++k) {
-    CoordinateGrid next = finer;
-    next.step *= 0.5;
-    if (!fits(next, box)) break;
-    finer = next;
+  for (double part = 1; part > kFinest; part *= byTenths ? 0.1 : 0.5) {
+    std::optional<CoordinateGrid> next = finer;
+    next->step *= 0.5;
+    if (byTenths) next = DecimalGrid(finer).tenths();
+    if (!next || !fits(*next, box)) break;
+    finer = *next;
   }
   return finer;
 }

@@ -80,8 +80,9 @@ class AsciiRows {
 };
 
 void checkAsciiPromise(const ChunkedFile& file, const PlyElement& element) {
-  // A digit and a separator per value; the last line may lack its separator.
-  checkPromise(file, element, 2 * element.properties.size(), 1);
+  // A digit and a separator per value; where the last row is too short, its line is named.
+  const std::uint64_t rowBytes = 2 * element.properties.size();
+  checkPromise(file, element, rowBytes, rowBytes);
 }
 
 }  // namespace

@@ -171,7 +171,7 @@ std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<c
   const auto checksum = loadScalar<std::uint32_t>(packed.data() + end),
              size = loadScalar<std::uint32_t>(packed.data() + end + 4);
   if (size > kMaxInflated || packed.size() > kMaxInflated)
-    fail(end + 4, "is larger than 2 GiB, which is not unpacked here");
+    fail(end + 4, "is larger than 2 GiB, which is not unpacked here, or is truncated");
   if (size / kMaxPerDeflatedByte > packed.size()) fail(end + 4, "has an impossible size");
   std::vector<std::byte> bytes(size);
   if (!inflatesTo(bytes, packed.subspan(at, end - at))) fail(at, "is damaged: it cannot be unpacked");

@@ -175,7 +175,7 @@ TEST_CASE("a cloud of any number of points is read back from NPY unchanged") {
   StoredCloud some{.cloud = {}, .triangles = {{0, 0, 0}}, .lost = {}};
   some.cloud.storedAs.comments = {"comment hello"};
   some.cloud.extra.push_back({"it's", ScalarType::u8, {}});
-  CHECK(npyFormat().lacks(some) == std::vector<std::string>{"1 triangles", "comments", "the quotes in the name it's"});
+  CHECK(npyFormat().lacks(some) == std::vector<std::string>{"1 triangle", "comments", "the quotes in the name it's"});
 }
 
 TEST_CASE("a damaged or inconsistent NPY array is refused with its byte") {
@@ -186,7 +186,8 @@ TEST_CASE("a damaged or inconsistent NPY array is refused with its byte") {
   CHECK(refusal(array("'<f4'", "(2, 3)", data)).find("the file ends after 1 of 2 rows of an array of shape (2, 3)") !=
         std::string::npos);
   CHECK(refusal(array("'<f4'", "(1000000000000000000, 3)", data)).find("too many numbers") != std::string::npos);
-  CHECK(refusal(array("'<f4'", "(1000000000000, 3)", data)).find("has 12000000000000 bytes") != std::string::npos);
+  CHECK(refusal(array("'<f4'", "(1000000000000, 3)", data)).find("ends after 1 of 1000000000000 rows") !=
+        std::string::npos);
   CHECK(refusal(array("'<f2'", "(2, 3)", data)).find("the type '<f2', which is not read") != std::string::npos);
   CHECK(refusal(array("'|O'", "(2, 3)", data)).find("the type '|O', which is not read") != std::string::npos);
   CHECK(refusal(array("'<c8'", "(2, 3)", data)).find("the type '<c8', which is not read") != std::string::npos);
