@@ -49,7 +49,7 @@ TEST_CASE("a file without a byte is an error in every format, and no cloud of no
   }
   const Outcome made = palpate("make sphere -n 0 -o " + (folder / "none.ply").string());
   CHECK(made.code == 2);
-  CHECK(says(made.text, "-n: '0' is not a whole number from 1 to"));
+  CHECK(says(made.text, "--points: 0 is not a whole number from 1 to"));
   CHECK_FALSE(std::filesystem::exists(folder / "none.ply"));
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/cloud/file_coordinates.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "tests/apps/running_program.hpp"
@@ -66,8 +67,10 @@ TEST_CASE(
   cloud.exactPositions.clear();
   cloud.extra.push_back({"intensity", ScalarType::u16, std::vector<std::byte>(2 * cloud.size(), std::byte{1})});
   setUnit(cloud.storedAs.comments, LengthUnit::foot);
-  cloud.storedAs.grid = CoordinateGrid{.step = DVec3(0.01), .offset = DVec3(637000, 4877000, 0)};
-  for (Vec3& place : cloud.positions) place = Vec3(glm::round(DVec3(place) * 100.0) * 0.01);
+  const CoordinateGrid grid{.step = DVec3(0.01), .offset = DVec3(637000, 4877000, 0)};
+  cloud.storedAs.grid = grid;
+  for (Vec3& place : cloud.positions)
+    place = Vec3(DecimalGrid(grid).at(grid.nearest(cloud.origin + DVec3(place))) - cloud.origin);
   writeCloud(in("m.laz"), cloud);
   Serving serving(in("m.laz") + " --name city", folder / "said");
   const Outcome joined =
