@@ -141,7 +141,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .pacedByDevice = result.pacedByDevice,
                      .realtime = config.realtime,
                      .interrupted = StopBySignal::requested(),
-                     .edits = config.brush.has_value() && !config.matter,
+                     .edits = config.brush.has_value() && !config.model.matter,
                      .stiffness_N_per_mm = config.force.stiffness_N_per_mm,
                      .radius_mm = model.scale.toMm(session.surface().radius),
                      .cell_mm = model.scale.toMm(backend.cell),
@@ -159,9 +159,9 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
     report.points = model.extent()->points;
     report.far = FarReport{.counts = model.far()->counts(), .ticks = session.unknownTicks()};
   }
-  if (config.matter)
-    report.matter = MatterReport{.scene = config.matter->report(),
-                                 .isSoft = config.matter->isSoft(),
+  if (config.model.matter)
+    report.matter = MatterReport{.scene = config.model.matter->report(),
+                                 .isSoft = config.model.matter->isSoft(),
                                  .dropped_s = session.simulation()->dropped_s(),
                                  .advances = session.simulation()->advances(),
                                  .duration_s = durationOf(result.trace()),
@@ -170,7 +170,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
   if (const ShapeStrokes* const shape = touch.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // Not for tools with many points, whose proxy is a mean; not in real time for a motion, whose frames are older than
   // the poses; not for streams, of which only the first frame is known here; not for matter, which has no surface.
-  if (touch.points(0).empty() && !model.far() && !config.stream && !config.matter &&
+  if (touch.points(0).empty() && !model.far() && !config.model.stream && !config.model.matter &&
       !(config.motion && config.realtime))
     report.error =
         contactError(result.trace(), model, session.surface(), backend.firstEdit_s, rigidMotion(config, model));
@@ -222,12 +222,12 @@ void checkModel(const TouchCommandOptions& options, const SessionConfig& config,
 
 Model openModel(Context& context, const TouchCommandOptions& options, const SessionConfig& config,
                 const BackendKind& kind) {
-  return loadModel(config, {.log = context.log(),
-                            .threads = context.threads(),
-                            .estimate = kind.normalEstimator(),
-                            .join = joiningHand(options.join.hand),
-                            .fetch = rosFetcher(options.join.network),
-                            .watch = rosWatcher(options.join.network, context.threads())});
+  return loadModel(config.model, {.log = context.log(),
+                                  .threads = context.threads(),
+                                  .estimate = kind.normalEstimator(),
+                                  .join = joiningHand(options.join.hand),
+                                  .fetch = rosFetcher(options.join.network),
+                                  .watch = rosWatcher(options.join.network, context.threads())});
 }
 
 void warnOfSmallBrush(Context& context, const TouchCommandOptions& options, const Model& model) {
