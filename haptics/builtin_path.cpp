@@ -189,7 +189,7 @@ Dive diveInto(const MatterPlace& place, const ModelScale& scale, double penetrat
 Path builtinPathInMatter(std::string_view name, const MatterPlace& place, const ModelScale& scale,
                          double penetration_mm) {
   if (std::find(kNamesInMatter.begin(), kNamesInMatter.end(), name) == kNamesInMatter.end())
-    throw UsageError("there is no built-in path '{}' in matter; there are {}", name, fmt::join(kNamesInMatter, ", "));
+    throw UsageError("unknown built-in path '{}' in matter; paths are {}", name, fmt::join(kNamesInMatter, ", "));
   const Dive dive = diveInto(place, scale, penetration_mm);
   PathBuilder builder(DVec3(0), scale);
   builder.startAt(dive.from);
@@ -216,7 +216,7 @@ std::span<const std::string_view> builtinPathNames() { return kNames; }
 
 Path builtinPath(std::string_view name, const PointCloud& cloud, const ModelScale& scale, double penetration_mm) {
   if (std::find(kNames.begin(), kNames.end(), name) == kNames.end())
-    throw UsageError("there is no built-in path '{}'; there are {}", name, fmt::join(kNames, ", "));
+    throw UsageError("unknown built-in path '{}'; paths are {}", name, fmt::join(kNames, ", "));
   if (!(penetration_mm > 0) || !std::isfinite(penetration_mm))
     throw UsageError("a penetration of {} mm: it must be above 0", penetration_mm);
   if (name == "orbit") return orbit(cloud, scale);

@@ -8,6 +8,7 @@
 #include "engine/cloud/length_text.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/voxel_sample.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/core/units.hpp"
 #include "engine/io/cloud_formats.hpp"
@@ -83,7 +84,7 @@ void printPoints(std::FILE* out, const ModelInfo& info) {
 }
 
 void print(std::FILE* out, const std::string& file, const ModelInfo& info) {
-  fmt::print(out, "{}: {} points, {}\n", file, info.model.cloud.size(), info.format);
+  fmt::print(out, "{}: {}, {}\n", file, counted(info.model.cloud.size(), "point"), info.format);
   if (!info.contents.madeFrom.empty()) fmt::print(out, "  made from: {}\n", info.contents.madeFrom);
   for (const FileElement& element : info.contents.elements) {
     fmt::print(out, "  element {}: {}", element.name, element.count);
@@ -186,7 +187,7 @@ void infoOfFrames(Context& context, const std::string& file, const StreamOptions
   const DepthCamera& camera = folder.camera();
   const auto up = folder.up();
   std::FILE* out = context.tables();
-  fmt::print(out, "{}: {} frames of a depth camera ({}), {:.6g} s\n", file, folder.frames(), folder.kind(),
+  fmt::print(out, "{}: {} of a depth camera ({}), {:.6g} s\n", file, counted(folder.frames(), "frame"), folder.kind(),
              folder.duration_s());
   fmt::print(out, "  size: {} x {} pixels, focal lengths {:g} and {:g}, principal point {:g}, {:g}\n", camera.width,
              camera.height, camera.fx, camera.fy, camera.cx, camera.cy);

@@ -84,8 +84,9 @@ Check oneOf(std::vector<std::string> words) {
   return {[words = std::move(words)](const std::string& text) {
             if (std::ranges::find(words, text) != words.end()) return std::string();
             const std::string meant = nearestName(text, words);
-            return fmt::format("there is no '{}'{}; choose {}", text,
-                               meant.empty() ? "" : fmt::format(", but {}", meant), fmt::join(words, ", "));
+            return fmt::format("unknown value '{}'; {}hoose {}", text,
+                               meant.empty() ? "c" : fmt::format("did you mean '{}'? C", meant),
+                               fmt::join(words, ", "));
           },
           std::move(description)};
 }

@@ -303,6 +303,16 @@ void checkTicks(const TouchReport& report) {
   if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
 }
 
+void addHands(TouchReport& report, const TouchCommandOptions& options, const std::vector<FurtherHand>& others,
+              const HandSource& first, const ServoResult& result) {
+  report.tool = options.backend.tool;
+  report.remembered = first.remembered.inWords();
+  report.hands = reportsOf(others, result);
+  if (first.recorded) report.recorded = compareForces(result.trace(), *first.recorded);
+}
+
+LogReport reportOf(const SessionWriter& log) { return {log.bytes(), log.lostTicks(), log.mergedEdits()}; }
+
 void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   StartStages start;
   SessionConfig config = sessionConfig(options, context.log());
@@ -357,15 +367,10 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   report.start = start.all();
   report.unit = unitOf(session.model().cloud, options.picture.look);
   report.ros = heard;
-  report.tool = options.backend.tool;
-  report.remembered = sources.front().remembered.inWords();
   report.back = undone;
-  report.hands = reportsOf(others, result);
-  if (sources.front().recorded) report.recorded = compareForces(result.trace(), *sources.front().recorded);
+  addHands(report, options, others, sources.front(), result);
   if (session.shared()) report.shared = checkShared(outputs, session, options);
-  if (recording)
-    report.log =
-        LogReport{recording->writer().bytes(), recording->writer().lostTicks(), recording->writer().mergedEdits()};
+  if (recording) report.log = reportOf(recording->writer());
   outputs.write([&] {
     if (!options.saveFile.empty()) saveKeeping(options.saveFile, end.cloud);
   });

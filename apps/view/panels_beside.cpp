@@ -8,6 +8,7 @@
 #include "apps/cli/legend.hpp"
 #include "apps/view/panels.hpp"
 #include "engine/cloud/length_text.hpp"
+#include "engine/core/counted.hpp"
 #include "shaders/shared/ramp.h"
 
 namespace palpate {
@@ -28,7 +29,7 @@ std::string ago(std::filesystem::file_time_type then) {
     unit = next;
   }
   if (count == 0) return "just now";
-  return fmt::format("{} {}{} ago", count, unit, count == 1 ? "" : "s");
+  return counted(count, unit) + " ago";
 }
 
 // The last ticks, reduced to kCurve values.
@@ -226,8 +227,8 @@ void Panels::drawQuestions(const ViewStatus& status) {
   });
   ask("Strokes", status.leftQuestion.has_value(), [&] {
     const LeftQuestion& question = *status.leftQuestion;
-    ImGui::TextWrapped("%s: %zu stroke%s of %s, not saved when the program ended.", nameOf(question.file).c_str(),
-                       question.strokes, question.strokes == 1 ? "" : "s", ago(question.made).c_str());
+    ImGui::TextWrapped("%s: %s of %s, not saved when the program ended.", nameOf(question.file).c_str(),
+                       counted(question.strokes, "stroke").c_str(), ago(question.made).c_str());
     const bool isAnswered = answers({{"Restore them", Answer::goOnWithLeft, ImGuiKey_Enter},
                                      {"Discard them", Answer::discardLeft, {}},
                                      {"Ask again later", Answer::keepLeft, ImGuiKey_Escape}});

@@ -51,7 +51,7 @@ std::unique_ptr<AnalyticShape> makeShape(std::string_view name, double size, con
   if (!isFinite(center)) throw UsageError("a shape's centre must be three finite numbers");
   for (const Entry& entry : kShapes)
     if (entry.name == name) return entry.make(size, center);
-  throw UsageError("there is no shape '{}'; there are {}", name, fmt::join(kShapeNames, ", "));
+  throw UsageError("unknown shape '{}'; shapes are {}", name, fmt::join(kShapeNames, ", "));
 }
 
 PointCloud sampleShape(const AnalyticShape& shape, const SampleOptions& options) {

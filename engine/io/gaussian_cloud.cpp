@@ -9,6 +9,7 @@
 
 #include "engine/cloud/gaussian_surface.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 
 namespace palpate {
 
@@ -49,7 +50,7 @@ std::size_t leaveOutBad(GaussianScene& scene) {
 
 }  // namespace
 
-std::string gaussiansInWords(std::uint64_t count) { return fmt::format("{} Gaussian{}", count, count == 1 ? "" : "s"); }
+std::string gaussiansInWords(std::uint64_t count) { return counted(count, "Gaussian"); }
 
 StoredCloud surfaceOfGaussians(const std::string& name, GaussianScene scene, Log* log) {
   const std::size_t gaussians = scene.size(), bad = leaveOutBad(scene);

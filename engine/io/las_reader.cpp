@@ -9,6 +9,7 @@
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/io/in_quotes.hpp"
@@ -198,7 +199,7 @@ std::shared_ptr<LasBaggage> LasReader::packBaggage(const Tail& tail) {
     name(record);
     unpacked.addLong(record);
   }
-  if (count > 0) baggage->sentence = fmt::format("{} record{} of LAS: {}", count, count == 1 ? "" : "s", names);
+  if (count > 0) baggage->sentence = fmt::format("{} of LAS: {}", counted(count, "record"), names);
   baggage->format = "LAS";
   baggage->head = header.packed ? unpacked.head() : std::move(head_.bytes);
   baggage->tail = copc ? unpacked.tail() : tail.bytes;

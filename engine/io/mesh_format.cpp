@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/cloud/length_unit.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_arrays.hpp"
 #include "engine/io/mesh_import.hpp"
@@ -23,7 +24,7 @@ constexpr std::uint64_t kSeed = 1;
 constexpr std::array<std::string_view, 1> kObj{".obj"}, kStl{".stl"}, kOff{".off"};
 constexpr std::array<std::string_view, 2> kGltf{".gltf", ".glb"};
 
-std::string madeFrom(const TriangleSoup& soup) { return fmt::format("{} triangles", soup.triangles.size()); }
+std::string madeFrom(const TriangleSoup& soup) { return counted(soup.triangles.size(), "triangle"); }
 
 using Import = ImportedMesh (*)(const std::filesystem::path& file);
 
@@ -36,9 +37,9 @@ ImportedMesh importedBy(Import import, const std::filesystem::path& file) {
     throw FileError(file, before + bad.corners > 0 ? "none of its corners has a finite position"
                                                    : "has neither triangles nor points");
   if (bad.triangles > 0)
-    mesh.lost.push_back(fmt::format("{} triangles with a corner that is not finite", bad.triangles));
+    mesh.lost.push_back(counted(bad.triangles, "triangle") + " with a corner that is not finite");
   else if (bad.corners > 0)
-    mesh.lost.push_back(fmt::format("{} points without a finite position", bad.corners));
+    mesh.lost.push_back(counted(bad.corners, "point") + " without a finite position");
   return mesh;
 }
 
@@ -111,7 +112,7 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
   if (log) log->say("{}: {} points, spread evenly over {}", name, sampled.cloud.size(), madeFrom(mesh.soup));
   StoredCloud stored{.cloud = std::move(sampled.cloud), .triangles = {}, .lost = std::move(mesh.lost)};
   stored.lost.insert(stored.lost.begin(), madeFrom(mesh.soup) + ", of which the points are samples");
-  if (sampled.flat > 0) stored.lost.push_back(fmt::format("{} triangles without an area", sampled.flat));
+  if (sampled.flat > 0) stored.lost.push_back(counted(sampled.flat, "triangle") + " without an area");
   return stored;
 }
 

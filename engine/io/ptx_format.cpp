@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engine/cloud/up.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/ply_vertices.hpp"
@@ -198,9 +199,10 @@ StoredCloud readPtx(const std::filesystem::path& path, Log* log, const CloudRead
   stored.lost = vertices.lost();
   if (scans.scans() == 1) std::erase_if(stored.cloud.extra, [](const Attribute& a) { return a.name == "scan"; });
   stored.cloud.storedAs.comments.emplace_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
-  if (silent > 0) stored.lost.push_back(fmt::format("{} points without an echo", silent));
-  if (silent > 0 && log) log->warn("{}: {} points are left out, as no echo came back", name, silent);
-  if (moved > 0) stored.lost.push_back(fmt::format("the poses of {} scans, which are applied", scans.scans()));
+  if (silent > 0) stored.lost.push_back(counted(silent, "point") + " without an echo");
+  if (silent > 0 && log) log->warn("{}: left out: {} without an echo", name, counted(silent, "point"));
+  if (moved > 0)
+    stored.lost.push_back(fmt::format("the poses of {}, which are applied", counted(scans.scans(), "scan")));
   if (scans.scans() > 0) stored.lost.emplace_back("the grids of the scans");
   return stored;
 }

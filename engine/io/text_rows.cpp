@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/column_names.hpp"
 #include "engine/io/in_quotes.hpp"
@@ -185,8 +186,7 @@ std::vector<std::string> TextRows::usualNames() {
   if (columns == 6) add({kUnnamed[0], kUnnamed[1], kUnnamed[2]});
   if (columns == 7) add({"red", "green", "blue"});
   if (names.size() != columns)
-    fail(fmt::format("a point of {} column{}, which may mean anything; {}", columns, columns == 1 ? "" : "s",
-                     kHowToName));
+    fail(fmt::format("a point of {} without names; {}", counted(columns, "column"), kHowToName));
   return names;
 }
 

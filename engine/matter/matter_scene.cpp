@@ -278,7 +278,7 @@ std::vector<std::string_view> matterSceneNames() {
 
 MatterScene matterSceneNamed(std::string_view name) {
   if (const auto scene = valueNamed(builtInScenes(), name)) return *scene;
-  throw Error("there is no scene '{}'; there are {}", name, fmt::join(matterSceneNames(), ", "));
+  throw Error("unknown scene '{}'; scenes are {}", name, fmt::join(matterSceneNames(), ", "));
 }
 
 }  // namespace palpate

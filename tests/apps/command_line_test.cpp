@@ -88,7 +88,7 @@ TEST_CASE("a misspelt command, option or value gets a suggestion") {
   const Outcome far = palpate("fly");
   CHECK(says(far.text, "there is no subcommand 'fly'; see palpate --help"));
   meant("fly --help", "there is no subcommand 'fly'");
-  meant("touch x.ply --edit psuh", "--edit: there is no 'psuh', but push; choose none, push, carve");
+  meant("touch x.ply --edit psuh", "--edit: unknown value 'psuh'; did you mean 'push'? Choose none, push, carve");
   meant("help bench coexsit", "did you mean coexist?");
   meant("bench", "a subcommand is required: build, sort,");
 }
