@@ -107,7 +107,7 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
   }
   const std::size_t count = options.samples > 0 ? options.samples : kUsualSamples;
   SampledSoup sampled = sampleSoup(mesh.soup, count, kSeed);
-  if (sampled.cloud.empty()) throw FileError(file, fmt::format("none of its {} has an area", madeFrom(mesh.soup)));
+  if (sampled.cloud.empty()) throw FileError(file, fmt::format("has {}, none with an area", madeFrom(mesh.soup)));
   const std::string name = file.filename().string();
   if (log) log->say("{}: {} points, spread evenly over {}", name, sampled.cloud.size(), madeFrom(mesh.soup));
   StoredCloud stored{.cloud = std::move(sampled.cloud), .triangles = {}, .lost = std::move(mesh.lost)};

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <string>
 
+#include "engine/core/counted.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_lines.hpp"
 
@@ -55,8 +56,9 @@ ImportedMesh importBinary(ChunkedFile& file) {
     rest += piece.size();
     file.consume(piece.size());
   }
-  if (rest > 0) mesh.lost.push_back(fmt::format("{} bytes after the last of {} triangles", rest, count));
-  if (marked > 0) mesh.lost.push_back(fmt::format("colours or marks of {} triangles", marked));
+  if (rest > 0)
+    mesh.lost.push_back(fmt::format("{} after the last of {}", counted(rest, "byte"), counted(count, "triangle")));
+  if (marked > 0) mesh.lost.push_back("colours or marks of " + counted(marked, "triangle"));
   return mesh;
 }
 

@@ -144,7 +144,7 @@ TEST_CASE("spherical E57 coordinates become Cartesian ones; points without an ec
   CHECK(glm::length(stored.cloud.fileCoordinates(0) - DVec3(2, 0, 0)) < 1e-12);
   CHECK(glm::length(stored.cloud.fileCoordinates(1) - DVec3(0, 3, 0)) < 1e-12);
   CHECK(glm::length(stored.cloud.fileCoordinates(2) - DVec3(0, 0, 4)) < 1e-12);
-  CHECK(stored.lost == std::vector<std::string>{"1 points without coordinates"});
+  CHECK(stored.lost == std::vector<std::string>{"1 point without coordinates"});
 }
 
 TEST_CASE("E57 normals are rotated with their scan" * doctest::skip(!canReadE57())) {

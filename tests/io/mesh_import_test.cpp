@@ -135,7 +135,7 @@ TEST_CASE("STL: binary files are recognized by their size, whatever word they be
   const ImportedMesh binary = imported(importStl, binaryStl(2, bytesOfFacet(1, 0) + bytesOfFacet(2, 7)));
   CHECK(binary.soup.triangles.size() == 2);
   CHECK(binary.soup.corners.at(3) == DVec3(0, 0, 2));
-  CHECK(binary.lost == std::vector<std::string>{"colours or marks of 1 triangles"});
+  CHECK(binary.lost == std::vector<std::string>{"colours or marks of 1 triangle"});
   const std::string facet =
       "FACET NORMAL 0 0 1\n outer loop\n vertex 0 0 1\n VERTEX 1 0 1e0\n vertex 0 1 1\n endloop\nendfacet\n";
   const ImportedMesh text =
@@ -148,7 +148,7 @@ TEST_CASE("STL: binary files are recognized by their size, whatever word they be
   CHECK(refusal(importStl, other) == ": byte 134: the file ends after 1 of 3 triangles");
   other = binaryStl(1, bytesOfFacet(1, 0) + "x");
   other.replace(0, 5, "other");
-  CHECK(imported(importStl, other).lost == std::vector<std::string>{"1 bytes after the last of 1 triangles"});
+  CHECK(imported(importStl, other).lost == std::vector<std::string>{"1 byte after the last of 1 triangle"});
   CHECK(refusal(importStl, "short") == ": byte 5: the file ends within its header");
   CHECK(refusal(importStl, "solid a\n" + facet) == ":8: the file ends within a solid");
   CHECK(refusal(importStl, "solid a\nfacet\nvertex 0 0 0\nendfacet\n") == ":4: a facet of 1 corners");
@@ -165,7 +165,7 @@ TEST_CASE("OFF: normals and colours follow the first word, and invalid lines are
   CHECK(mesh.soup.normals.size() == 5);
   REQUIRE(mesh.soup.colors.size() == 5);
   CHECK(mesh.soup.colors[3] == std::array<std::uint8_t, 4>{9, 9, 9, 255});
-  CHECK(mesh.lost == std::vector<std::string>{"1 points and lines", "the colours of 1 faces"});
+  CHECK(mesh.lost == std::vector<std::string>{"1 points and lines", "the colours of 1 face"});
   const ImportedMesh bare =
       imported(importOff, "3 1 3\n0 0 0 0.5 0.25 1.0\n1 0 0 0.5 0.25 1.0\n0 1 0 0.5 0.25 1.0\n3 0 1 2\n");
   REQUIRE(bare.soup.colors.size() == 3);

@@ -175,7 +175,7 @@ TEST_CASE("a cloud of any number of points is read back from NPY unchanged") {
   StoredCloud some{.cloud = {}, .triangles = {{0, 0, 0}}, .lost = {}};
   some.cloud.storedAs.comments = {"comment hello"};
   some.cloud.extra.push_back({"it's", ScalarType::u8, {}});
-  CHECK(npyFormat().lacks(some) == std::vector<std::string>{"1 triangles", "comments", "the quotes in the name it's"});
+  CHECK(npyFormat().lacks(some) == std::vector<std::string>{"1 triangle", "comments", "the quotes in the name it's"});
 }
 
 TEST_CASE("a damaged or inconsistent NPY array is refused with its byte") {

@@ -254,7 +254,7 @@ TEST_CASE("properties that PCD cannot hold are listed") {
   some.cloud.colors = {{1, 2, 3, 255}};
   some.cloud.extra.push_back({"rgb", ScalarType::f32, std::vector<std::byte>(4)});
   CHECK(pcdFormat().lacks(some) ==
-        std::vector<std::string>{"1 triangles", "the field 'rgb', because another one is written under its name"});
+        std::vector<std::string>{"1 triangle", "the field 'rgb', because another one is written under its name"});
   CHECK(again(some.cloud, false).colors == some.cloud.colors);
 }
 

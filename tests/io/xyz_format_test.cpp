@@ -147,7 +147,7 @@ TEST_CASE("a PTS file gives the number of points of each scan") {
   StoredCloud more{.cloud = cloud, .triangles = {{0, 1, 2}}, .lost = {}};
   more.cloud.normals.assign(3, Vec3(0, 0, 1));
   more.cloud.extra.push_back({"ring", ScalarType::u8, std::vector<std::byte>(3)});
-  CHECK(ptsFormat().lacks(more) == std::vector<std::string>{"1 triangles", "normals", "the column 'ring'"});
+  CHECK(ptsFormat().lacks(more) == std::vector<std::string>{"1 triangle", "normals", "the column 'ring'"});
 }
 
 TEST_CASE("CSV has names in its first line, quoted or not, and commas") {
@@ -239,7 +239,7 @@ TEST_CASE("properties that text cannot hold are listed") {
   StoredCloud stored{.cloud = reading("1 2 3\n").cloud, .triangles = {{0, 0, 0}}, .lost = {}};
   stored.cloud.storedAs.comments = {"comment by somebody"};
   stored.cloud.storedAs.alpha = true;
-  CHECK(xyzFormat().lacks(stored) == std::vector<std::string>{"1 triangles", "comments", "the alpha of colours"});
+  CHECK(xyzFormat().lacks(stored) == std::vector<std::string>{"1 triangle", "comments", "the alpha of colours"});
 }
 
 }  // namespace palpate::test::xyz_format_test

@@ -191,7 +191,8 @@ TEST_CASE("a stream that cannot be a model is refused with its kind") {
   writeWall(folder.path());
   const SessionConfig config = playing(folder.path());
   Log log(true);
-  CHECK(says(errorOf([&] { loadModel({.file = config.model.file}, {.log = log}); }), "is a recorded depth camera, and not one cloud"));
+  CHECK(says(errorOf([&] { loadModel({.file = config.model.file}, {.log = log}); }),
+             "is a recorded depth camera, and not one cloud"));
   SessionConfig live = config;
   live.model.stream->live = live.realtime = true;
   live.model.file = "/dev/null";
