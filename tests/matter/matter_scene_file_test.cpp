@@ -77,14 +77,14 @@ TEST_CASE("an invalid scene of matter is refused with the field") {
   CHECK(says(refusal("[]"), "is not a JSON object"));
   CHECK(says(refusal("{}"), "matter: is missing"));
   CHECK(says(refusal(R"({"matter": "water"})"), "box_mm: is missing"));
-  CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kMin + "}"), "there is water, sand, soft"));
+  CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kMin + "}"), "choose water, sand, soft"));
   CHECK(says(refusal(waterWith(R"("colour": 1000)")), "colour: is unknown; known names are matter, box_mm"));
   CHECK(says(refusal(waterWith(R"("young_Pa": 1000)")), "young_Pa: does not apply to water"));
   CHECK(says(refusal(softWith(R"("young_Pa": "soft")")), "young_Pa: is"));
   CHECK(says(refusal(softWith(R"("model": 3)")), "model: is 3, not a text"));
   CHECK(says(refusal(softWith(R"("model": "")")), "model: is empty, not the name of a file"));
-  CHECK(says(refusal(softWith(R"("shape": "cone")")), "there is box, ball"));
-  CHECK(says(refusal(softWith(R"("preset": "rubber")")), "there is elastic, shape-matching"));
+  CHECK(says(refusal(softWith(R"("shape": "cone")")), "choose box, ball"));
+  CHECK(says(refusal(softWith(R"("preset": "rubber")")), "choose elastic, shape-matching"));
   CHECK(says(refusal(softWith(R"("preset": "shape-matching", "young_Pa": 1000)")),
              "young_Pa: does not apply to the preset shape-matching, which is not calibrated"));
   CHECK(says(refusal(softWith(R"("preset": "shape-matching", "viscosity_Pa_s": 1)")),
