@@ -29,7 +29,7 @@ class SharedHand {
  public:
   SharedHand(Context& context, SessionConfig config, const std::string& name, const Stopwatch& clock)
       : config_(std::move(config)),
-        session_(config_, loadModel(config_, {.log = context.log(), .join = joiningHand(name)}),
+        session_(config_, loadModel(config_.model, {.log = context.log(), .join = joiningHand(name)}),
                  {.backend = context.backends().named(config_.backend.name), .threads = 1, .log = &context.log()}),
         device_(clock, farPlace()) {
     if (!session_.shared())
@@ -89,7 +89,7 @@ class SharedHand {
 SessionConfig configOf(const ShareOptions& share, const std::string& backend, double duration_s) {
   SessionConfig config;
   config.model.file = share.name;
-  config.join =
+  config.model.join =
       JoinConfig{.network = share.network.interface, .peers = share.network.peers, .domain = share.network.domain};
   config.backend.name = backend;
   config.realtime = true;

@@ -119,7 +119,7 @@ FeltStream feel(Context& context, const FeltScene& scene, const std::string& sit
                        .realtime = true};
   Model model{.cloud = scene.map, .scale = {1000}, .spacing = scene.spacing_m, .wideSpacing = scene.spacing_m};
   if (situation != "still") {
-    config.stream = StreamConfig{.live = true, .fuse = situation == "fused"};
+    config.model.stream = StreamConfig{.live = true, .fuse = situation == "fused"};
     model.source =
         CameraPoints{playedStream(std::make_shared<PacedFrames>(scene.camera, scene.frames), {.exact = false})};
   }

@@ -61,7 +61,7 @@ void printSessions(std::FILE* out, const TouchResults& results) {
   const std::vector<TouchColumn> columns{
       {"M7 p50", 8}, {"p99", 7},        {"p99.9", 7}, {"max", 8},    {"late %", 8},    {"M8 N", 7},  {"M10 Ft/Fn", 11},
       {"drift", 7},  {"M11 edits", 11}, {"ticks", 7}, {"step N", 8}, {"M12 same", 10}, {"cpu mN", 8}};
-  printHead(out, "M7 ticks in us, M8 force in the air, M10 drift in um, M11 after an edit, M12 sameness", columns);
+  printHead(out, "M7 ticks in us, M8 force in the air, M10 drift in um, M11 after an edit, M12 repeatability", columns);
   for (const Judgement& j : results.judgements) {
     const double tangential = j.slides.empty() ? 0 : j.slides.front().tangentialShare;
     std::vector<std::string> edit{"–", "–", "–"};
@@ -204,9 +204,9 @@ constexpr Reported<Judgement> kJudgements[]{
     {"M10_friction.drift_mm", "mm", "drift at rest", [](const Judgement& r) -> Value { return r.drift_mm; }},
     {"M11_edit", "", "M11: after an edit; null: not measured",
      [](const Judgement& r) -> Value { return r.edit ? jsonBy(kJudgedEdit, *r.edit) : Json(nullptr); }},
-    {"M12_sameness.identical", "", "M12: whether the same path gives the same forces twice",
+    {"M12_repeatability.identical", "", "M12: whether the same path gives the same forces twice",
      [](const Judgement& r) -> Value { return r.identical; }},
-    {"M12_sameness.from_cpu_N", "N", "largest difference from the CPU's forces; null: the CPU itself",
+    {"M12_repeatability.from_cpu_N", "N", "largest difference from the CPU's forces; null: the CPU itself",
      [](const Judgement& r) -> Value { return orNull(r.fromCpu_N); }},
     {"slide_N.felt", "N", "force along the first slide at the main speed, tick by tick",
      [](const Judgement& r) -> Value { return forcesOf(r.force_N, 0); }},

@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kTick{1};
-constexpr int kTicks = 200;  // for the first pose to come
+constexpr int kTicks = 200;  // timeout for the first pose
 
 const char* yesNo(bool yes) { return yes ? "yes" : "no"; }
 

@@ -219,10 +219,12 @@ void addInfo(Options& app, Context& context, Command& command) {
   sub.heading("Options");
   sub.whenNamed([&, file, look, keepUnreliable, stream] {
     command = [&context, file, look, keepUnreliable, stream] {
-      if (streamConfig(*stream, *file))
+      ModelConfig model{.file = *file};
+      setSource(model, *stream);
+      if (model.stream)
         infoOfFrames(context, *file, *stream);
-      else if (const SceneRef scene = sceneNamed(*file))
-        infoOfScene(context, *file, scene);
+      else if (model.matter)
+        infoOfScene(context, *file, model.matter);
       else
         info(context, *file, *look, *keepUnreliable);
     };

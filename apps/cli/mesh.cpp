@@ -30,7 +30,7 @@ std::string inWords(const MeshReport& report) {
 
 void mesh(Context& context, const MeshCommandOptions& options) {
   checkOutput(options.output, Output::mesh);
-  const Model model = loadModel(context, options.model, EstimateOn::gpu);
+  const Model model = loadModel(context, options.model.config(), EstimateOn::gpu);
   if (model.cloud.empty()) throw FileError(options.model.file, "contains no points; there is nothing to mesh");
   Progress progress(context.log(), options.output);
   const MeshPlan plan = planFor(model, options.choices);

@@ -84,26 +84,14 @@ double supportRadius(const std::string& text, const Model& model) {
   return given_mm ? model.scale.toUnits(*given_mm) : usualSupportRadius(model);
 }
 
-namespace {
-
-ModelLoading loadingOf(Context& context, EstimateOn where, const NetworkOptions* network) {
+Model loadModel(Context& context, const ModelConfig& config, EstimateOn where, const NetworkOptions* network) {
   ModelLoading loading{.log = context.log(), .threads = context.threads(), .join = joiningOnlooker()};
   if (network) {
     loading.fetch = rosFetcher(*network);
     loading.watch = rosWatcher(*network, context.threads());
   }
   if (where == EstimateOn::gpu) loading.estimate = estimateNormalsOn([&]() -> Device& { return context.device(); });
-  return loading;
-}
-
-}  // namespace
-
-Model loadModel(Context& context, const SessionConfig& config, EstimateOn where, const NetworkOptions* network) {
-  return loadModel(config, loadingOf(context, where, network));
-}
-
-Model loadModel(Context& context, const ModelOptions& options, EstimateOn where, const NetworkOptions* network) {
-  return loadModel(options.config(), loadingOf(context, where, network));
+  return loadModel(config, loading);
 }
 
 }  // namespace palpate

@@ -41,11 +41,7 @@ double supportRadius(const std::string& text, const Model& model);
 
 /// Where normals are estimated: on the GPU if one is opened anyway.
 enum class EstimateOn { cpu, gpu };
-/// Reads the file, with normals according to the options. `network`: for a ROS topic in place of a file; null: not
-/// supported. Throws FileError, UsageError.
-Model loadModel(Context& context, const ModelOptions& options, EstimateOn where,
-                const NetworkOptions* network = nullptr);
-Model loadModel(Context& context, const SessionConfig& config, EstimateOn where,
-                const NetworkOptions* network = nullptr);
+/// Loads the model. `network`: for a ROS topic in place of a file; null: not supported. Throws FileError, UsageError.
+Model loadModel(Context& context, const ModelConfig& config, EstimateOn where, const NetworkOptions* network = nullptr);
 
 }  // namespace palpate

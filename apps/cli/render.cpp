@@ -28,18 +28,12 @@ void drawMesh(Context& context, const Model& model, const RenderOptions& options
 void render(Context& context, const RenderOptions& options) {
   checkPictureOptions(options.picture);
   checkOutput(options.output, Output::picture);
-  SessionConfig config{.model = options.model.config()};
-  config.join = joinConfig(options.join, config.model.file);
-  if (config.model.file.empty()) throw UsageError("model: is required; name a file, or a session with --join");
-  if (!config.join) {
-    const RosQuestion ros{options.join.network, context.log()};
-    config.stream = streamConfig(options.stream, config.model.file, &ros);
-    config.realtime = config.stream && config.stream->live;
-    config.matter = sceneNamed(config.model.file);
-  }
-  validate(config);
-  const Model model = loadModel(context, config, EstimateOn::gpu, &options.join.network);
-  if (model.cloud.empty()) throw FileError(config.model.file, "contains no points; there is nothing to draw");
+  if (options.model.file.empty() && options.join.name.empty())
+    throw UsageError("model: is required; name a file, or a session with --join");
+  const ModelConfig chosen = chosenModel(options.model, options.stream, options.join, context.log());
+  validate(SessionConfig{.model = chosen, .realtime = chosen.stream && chosen.stream->live});
+  const Model model = loadModel(context, chosen, EstimateOn::gpu, &options.join.network);
+  if (model.cloud.empty()) throw FileError(chosen.file, "contains no points; there is nothing to draw");
   if (options.mode == "mesh") {
     drawMesh(context, model, options);
   } else {
@@ -49,7 +43,7 @@ void render(Context& context, const RenderOptions& options) {
     takePicture(context, model, drawn, picture, {}, options.output);
   }
   context.log().say("{}: {}{} of {}", options.output, options.mode == "mesh" ? "mesh through " : "",
-                    counted(model.cloud.size(), "point"), config.model.file);
+                    counted(model.cloud.size(), "point"), chosen.file);
   context.writeJson({{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}});
 }
 

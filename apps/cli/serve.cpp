@@ -52,8 +52,7 @@ SessionConfig servedConfig(Context& context, const ServeOptions& options) {
   config.backend.name = chooseBackend(context, {.backend = options.backend}).name;
   config.realtime = true;
   config.motion = motionConfig(options.motion);
-  config.stream = streamConfig(options.stream, config.model.file);
-  config.matter = sceneNamed(config.model.file);
+  setSource(config.model, options.stream);
   validate(config);
   if (config.moves() && (!options.journalFile.empty() || !options.saveFile.empty() || !options.ros.name.empty()))
     throw UsageError("--journal, --save and --ros: require a model that does not move; {} moves", config.model.file);
@@ -93,7 +92,8 @@ void serve(Context& context, const ServeOptions& options) {
   checkOutput(options.journalFile, Output::only);
   sayWhatIsLost(options.saveFile, context.log());
   const SessionConfig config = servedConfig(context, options);
-  const auto loaded = std::make_shared<const Model>(loadModel(context, config, EstimateOn::cpu, &options.network));
+  const auto loaded =
+      std::make_shared<const Model>(loadModel(context, config.model, EstimateOn::cpu, &options.network));
   const Model& model = *loaded;
   if (model.cloud.empty()) throw FileError(config.model.file, "contains no points; there is nothing to serve");
   const StopBySignal stop;
@@ -104,7 +104,7 @@ void serve(Context& context, const ServeOptions& options) {
                            .sculptable = !options.readOnly && !config.moves(),
                            .journal = options.journalFile,
                            .log = &context.log(),
-                           .facts = factsOf(model, config.matter)};
+                           .facts = factsOf(model, config.model.matter)};
   addMotion(parts, context, config, loaded);
   CloudServer server(model.cloud, std::move(parts));
   context.log().say("serving '{}': {} of {}{}; {}", options.name, counted(model.cloud.size(), "point"),

@@ -64,4 +64,20 @@ std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::stri
   return std::nullopt;
 }
 
+void setSource(ModelConfig& model, const StreamOptions& options, const RosQuestion* ros) {
+  model.stream = streamConfig(options, model.file, ros);
+  if (!model.stream) model.matter = sceneNamed(model.file);
+}
+
+ModelConfig chosenModel(const ModelOptions& options, const StreamOptions& stream, const JoinOptionsGiven& join,
+                        Log& log) {
+  ModelConfig model = options.config();
+  model.join = joinConfig(join, model.file, stream.live);
+  const RosQuestion ros{join.network, log};
+  if (!model.join) setSource(model, stream, &ros);
+  std::string joined = "--join " + model.file;
+  if (model.join) streamConfig(stream, joined);  // refuses the options of a stream
+  return model;
+}
+
 }  // namespace palpate

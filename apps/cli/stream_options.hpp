@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/cli/model.hpp"
 #include "apps/cli/options.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "haptics/session/session_config.hpp"
@@ -35,5 +36,10 @@ struct RosQuestion {
 /// UsageError for incompatible options, NetworkError.
 std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile,
                                          const RosQuestion* ros = nullptr);
+/// Sets the stream of a model, or else the scene that its file names. As streamConfig().
+void setSource(ModelConfig& model, const StreamOptions& options, const RosQuestion* ros = nullptr);
+/// The model of a command that may also join a session in place of a file. As joinConfig() and streamConfig().
+ModelConfig chosenModel(const ModelOptions& options, const StreamOptions& stream, const JoinOptionsGiven& join,
+                        Log& log);
 
 }  // namespace palpate

@@ -142,7 +142,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .pacedByDevice = result.pacedByDevice,
                      .realtime = config.realtime,
                      .interrupted = StopBySignal::requested(),
-                     .edits = config.brush.has_value() && !config.matter,
+                     .edits = config.brush.has_value() && !config.model.matter,
                      .stiffness_N_per_mm = config.force.stiffness_N_per_mm,
                      .radius_mm = model.scale.toMm(session.surface().radius),
                      .cell_mm = model.scale.toMm(backend.cell),
@@ -160,9 +160,9 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
     report.points = model.extent()->points;
     report.far = FarReport{.counts = model.far()->counts(), .ticks = session.unknownTicks()};
   }
-  if (config.matter)
-    report.matter = MatterReport{.scene = config.matter->report(),
-                                 .isSoft = config.matter->isSoft(),
+  if (config.model.matter)
+    report.matter = MatterReport{.scene = config.model.matter->report(),
+                                 .isSoft = config.model.matter->isSoft(),
                                  .dropped_s = session.simulation()->dropped_s(),
                                  .advances = session.simulation()->advances(),
                                  .duration_s = durationOf(result.trace()),
@@ -171,7 +171,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
   if (const ShapeStrokes* const shape = touch.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // Not for tools with many points, whose proxy is a mean; not in real time for a motion, whose frames are older than
   // the poses; not for streams, of which only the first frame is known here; not for matter, which has no surface.
-  if (touch.points(0).empty() && !model.far() && !config.stream && !config.matter &&
+  if (touch.points(0).empty() && !model.far() && !config.model.stream && !config.model.matter &&
       !(config.motion && config.realtime))
     report.error =
         contactError(result.trace(), model, session.surface(), backend.firstEdit_s, rigidMotion(config, model));
@@ -223,12 +223,12 @@ void checkModel(const TouchCommandOptions& options, const SessionConfig& config,
 
 Model openModel(Context& context, const TouchCommandOptions& options, const SessionConfig& config,
                 const BackendKind& kind) {
-  return loadModel(config, {.log = context.log(),
-                            .threads = context.threads(),
-                            .estimate = kind.normalEstimator(),
-                            .join = joiningHand(options.join.hand),
-                            .fetch = rosFetcher(options.join.network),
-                            .watch = rosWatcher(options.join.network, context.threads())});
+  return loadModel(config.model, {.log = context.log(),
+                                  .threads = context.threads(),
+                                  .estimate = kind.normalEstimator(),
+                                  .join = joiningHand(options.join.hand),
+                                  .fetch = rosFetcher(options.join.network),
+                                  .watch = rosWatcher(options.join.network, context.threads())});
 }
 
 void warnOfSmallBrush(Context& context, const TouchCommandOptions& options, const Model& model) {
@@ -307,6 +307,16 @@ void checkTicks(const TouchReport& report, const Trace& trace, double planned_s)
   if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
 }
 
+void addHands(TouchReport& report, const TouchCommandOptions& options, const std::vector<FurtherHand>& others,
+              const HandSource& first, const ServoResult& result) {
+  report.tool = options.backend.tool;
+  report.remembered = first.remembered.inWords();
+  report.hands = reportsOf(others, result);
+  if (first.recorded) report.recorded = compareForces(result.trace(), *first.recorded);
+}
+
+LogReport reportOf(const SessionWriter& log) { return {log.bytes(), log.lostTicks(), log.mergedEdits()}; }
+
 void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   StartStages start;
   SessionConfig config = sessionConfig(options, context.log());
@@ -361,15 +371,10 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   report.start = start.all();
   report.unit = unitOf(session.model().cloud, options.picture.look);
   report.ros = heard;
-  report.tool = options.backend.tool;
-  report.remembered = sources.front().remembered.inWords();
   report.back = undone;
-  report.hands = reportsOf(others, result);
-  if (sources.front().recorded) report.recorded = compareForces(result.trace(), *sources.front().recorded);
+  addHands(report, options, others, sources.front(), result);
   if (session.shared()) report.shared = checkShared(outputs, session, options);
-  if (recording)
-    report.log =
-        LogReport{recording->writer().bytes(), recording->writer().lostTicks(), recording->writer().mergedEdits()};
+  if (recording) report.log = reportOf(recording->writer());
   outputs.write([&] {
     if (!options.saveFile.empty()) saveKeeping(options.saveFile, end.cloud);
   });

@@ -123,7 +123,7 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
 }
 
 SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {
-  SessionConfig config{.model = options.model.config(),
+  SessionConfig config{.model = chosenModel(options.model, options.stream, options.join, log),
                        .force = options.force,
                        .undo = options.undo,
                        .hands = {options.hand.config(options.path, options.penetration_mm)},
@@ -132,15 +132,6 @@ SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {
   setBackend(config, options.backend);
   config.realtime = options.session.realtime;
   config.motion = motionConfig(options.motion);
-  config.join = joinConfig(options.join, config.model.file, options.stream.live);
-  if (config.join) {
-    std::string joined = "--join " + config.model.file;  // which excludes the options of a stream
-    streamConfig(options.stream, joined);
-  } else {
-    const RosQuestion ros{options.join.network, log};
-    config.stream = streamConfig(options.stream, config.model.file, &ros);
-    config.matter = sceneNamed(config.model.file);
-  }
   for (const FurtherHand& hand : furtherHands(options.hands, options.hand, options.session.realtime))
     config.hands.push_back(choicesFor(options.hand, hand).config(hand.path, options.penetration_mm));
   if (const auto kind = valueNamed(kBrushKinds, options.edit)) {

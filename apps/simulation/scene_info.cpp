@@ -26,8 +26,7 @@ Json sceneJson(const MatterScene& scene, const MatterPlan& plan) {
 /// For a soft body. Builds its lattice, because a scan has fewer nodes than its bounding box.
 void infoOfSoftBody(Context& context, const std::string& name, const MatterScene& scene) {
   const MatterPlan plan = planOf(scene);
-  const Model model =
-      sceneModel(scene, {.model = {.file = name}}, {.log = context.log(), .threads = context.threads()});
+  const Model model = sceneModel(scene, {.file = name}, {.log = context.log(), .threads = context.threads()});
   const SoftLattice& lattice = softBodyOf(model)->solid.lattice;
   const double mass_kg = scene.density_kg_m3 * lattice.volume_m3();
   const auto& box = scene.box_mm;

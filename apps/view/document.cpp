@@ -17,13 +17,15 @@ namespace palpate {
 
 namespace {
 
-/// Nothing where the file is a cloud. A live camera is always the first model.
-std::optional<StreamConfig> streamOf(const std::string& file, const WindowOptions& options) {
-  if (options.stream.live && file == options.config.model.file) return options.stream;
-  if (!isRgbdFolder(file)) return std::nullopt;
-  StreamConfig stream = options.stream;
-  stream.live = false;
-  return stream;
+/// The model of that name. A joined session or a live camera is always the first model.
+ModelConfig modelNamed(const std::string& file, const WindowOptions& options) {
+  ModelConfig model = options.config.model;
+  if (file == model.file) return model;
+  model.file = file;
+  model.join.reset();
+  model.stream = isRgbdFolder(file) ? std::optional(options.stream) : std::nullopt;
+  model.matter = model.stream ? SceneRef() : sceneNamed(file);
+  return model;
 }
 
 std::string nameOf(const std::string& file) { return std::filesystem::path(file).filename().string(); }
@@ -62,9 +64,6 @@ void Document::goOnWith(LeftStrokes left) {
   left_.clear();
   WindowOptions options = options_;
   options.config.model = left.model();
-  options.config.join.reset();
-  options.config.stream.reset();
-  options.config.matter.reset();
   const std::string what = "opening " + nameOf(left.document());
   const std::vector<std::string> lacks = left.lacks;
   options.live.left = std::make_shared<const LeftStrokes>(std::move(left));
@@ -89,11 +88,7 @@ void Document::offer(const std::vector<std::string>& files) {
 
 void Document::open(const std::string& file) {
   WindowOptions options = options_;
-  options.config.model.file = file;
-  options.config.stream = streamOf(file, options_);
-  // A joined session is the first model.
-  if (file != options_.config.model.file) options.config.join.reset();
-  options.config.matter = options.config.stream || options.config.join ? SceneRef() : sceneNamed(file);
+  options.config.model = modelNamed(file, options_);
   read(std::move(options), "opening " + nameOf(file));
 }
 
@@ -142,7 +137,7 @@ bool Document::load(const std::function<void()>& letGo) {
     before_.reset();
     letGo();
     install(std::move(result->session), left ? left->document() : opened_.config.model.file);
-    if (!isLive() && !opened_.config.join && !isRosModel(file_)) recent_.add(file_);
+    if (!isLive() && !opened_.config.model.join && !isRosModel(file_)) recent_.add(file_);
     return isAnother;
   }
   if (result->lacksMemory && makeRoom()) return false;
@@ -224,7 +219,7 @@ void Document::install(std::unique_ptr<WindowSession> session, const std::string
   file_ = file;
   session_->setDocument(file_);
   saveFile_ = isLive() ? "camera.ply"
-              : session_->config().matter || session_->config().join || isRosModel(file_)
+              : session_->config().model.matter || session_->config().model.join || isRosModel(file_)
                   ? std::filesystem::path(file_).stem().string() + ".ply"
                   : whereToSave(file_).string();
 }
@@ -382,7 +377,7 @@ void Document::pause() {
 void Document::sculptHeld() {
   if (!session_->holdsFrames() || !parts_.settings.brush.kind || !session_->isTouching() || loader_.isLoading()) return;
   WindowOptions options = opened_;
-  options.config.stream.reset();
+  options.config.model.stream.reset();
   handedOn_ = HandedOn::held;
   agreed_ = Agreed::yes;
   loader_.open(options, parts_.settings.brush, parts_.settings.feel, session_->handOn());
@@ -395,7 +390,7 @@ void Document::letFramesGoOn() {
     loader_.open(opened_, parts_.settings.brush, parts_.settings.feel, session_->handOn());
   };
   // Without fusion the next frame replaces all points.
-  if (opened_.config.stream->fuse) return goOn();
+  if (opened_.config.model.stream->fuse) return goOn();
   leave("the frames continue", goOn);
 }
 

@@ -92,7 +92,7 @@ class Document {
   // `what`: purpose of the read, as in leave().
   void read(WindowOptions options, const std::string& what);
   void giveWay(const std::function<void()>& letGo);
-  bool isLive() const { return opened_.config.stream && opened_.config.stream->live; }
+  bool isLive() const { return opened_.config.model.stream && opened_.config.model.stream->live; }
   // Whether the points are those of a file, so that a saved file can replace it as the document's file.
   bool isOfFile() const;
   bool makeRoom();

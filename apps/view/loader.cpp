@@ -22,7 +22,7 @@ void Loader::open(WindowOptions options, const BrushSettings& brush, const FeelS
   given_.reset();
   const std::string name = std::filesystem::path(options.config.model.file).filename().string();
   const bool isHeard = isRosModel(options.config.model.file);
-  const std::string what = (options.config.join ? "joining " : isHeard ? "receiving " : "reading ") + name;
+  const std::string what = (options.config.model.join ? "joining " : isHeard ? "receiving " : "reading ") + name;
   begin(std::move(options), brush, feel, what);
 }
 
@@ -61,12 +61,13 @@ void Loader::build() {
 Loader::Result Loader::load() {
   try {
     // Normals are estimated on the CPU: the present session still uses the GPU's queues.
-    Model model = given_ ? std::move(*given_)
-                         : loadModel(options_.config, {.log = context_.log(),
-                                                       .threads = context_.threads(),
-                                                       .join = joiningHand(options_.hand),
-                                                       .fetch = rosFetcher(options_.network),
-                                                       .watch = rosWatcher(options_.network, context_.threads())});
+    Model model = given_
+                      ? std::move(*given_)
+                      : loadModel(options_.config.model, {.log = context_.log(),
+                                                          .threads = context_.threads(),
+                                                          .join = joiningHand(options_.hand),
+                                                          .fetch = rosFetcher(options_.network),
+                                                          .watch = rosWatcher(options_.network, context_.threads())});
     requirePoints(model, options_.config.model.file);
     if (options_.live.left) options_.live.left->requireModel(model);
     isRead_ = true;

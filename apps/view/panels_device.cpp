@@ -93,7 +93,7 @@ void Panels::drawDeviceFindings(const DeviceCheckResult& found, const OpenedDevi
   const auto stiffness = found.offeredStiffness_N_per_mm();
   const auto axes = found.offeredAxes();
   if ((stiffness || axes) && opened.key.empty()) {
-    line("The device tells no serial number, so nothing can be remembered for it.");
+    line("The device reports no serial number, so nothing can be remembered for it.");
   } else {
     if (stiffness) {
       line(fmt::format("Never stiffer than {:.2f} N/mm with this device from now on?", *stiffness));
@@ -107,7 +107,7 @@ void Panels::drawDeviceFindings(const DeviceCheckResult& found, const OpenedDevi
     }
   }
   post(button("Close##result"), DeviceCommand::closeResult);
-  help("remembers nothing more");
+  help("leaves what is remembered as it is");
   ImGui::SameLine();
   if (noted("result", ImGui::TreeNode("result"))) {
     for (const auto& [name, text] : deviceCheckRows(found)) faintLine(fmt::format("{}: {}", name, text));

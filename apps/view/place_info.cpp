@@ -42,12 +42,12 @@ std::string textOf(const Attribute& attribute, std::size_t point) {
 void findStiffness(const WindowSession& session, PlaceInfo& info) {
   const double hand = session.feel().stiffness_N_per_mm;
   const SessionConfig& config = session.config();
-  if (!config.matter) {
+  if (!config.model.matter) {
     info.stiffness_N_mm = hand;
     info.stiffnessOf = "the hand's spring; the model is rigid";
     return;
   }
-  const BodyStiffness body = config.matter->stiffness(0.5 * session.model().scale.toMm(session.surface().radius));
+  const BodyStiffness body = config.model.matter->stiffness(0.5 * session.model().scale.toMm(session.surface().radius));
   info.stiffnessOf = body.why;
   if (!body.why.empty()) return;
   info.stiffness_N_mm = 1 / (1 / hand + 1 / body.N_per_mm);

@@ -81,7 +81,7 @@ class Line {
     return std::string(found.substr(0, found.find_last_not_of(kBlank) + 1));
   }
   void end() {
-    if (!atEnd()) fail(fmt::format("'{}' is more than this event takes", rest("more")));
+    if (!atEnd()) fail(fmt::format("unexpected '{}'", rest("more")));
   }
 
  private:

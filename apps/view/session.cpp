@@ -19,7 +19,7 @@ std::optional<BrushConfig> brushOf(const BrushSettings& brush, const SessionConf
                      .strength = brush.strength,
                      .falloff = brush.falloff,
                      .color = brush.color,
-                     .resample = !config.join};
+                     .resample = !config.model.join};
 }
 
 SurfaceConfig surfaceOf(SurfaceConfig surface, const FeelSettings& feel) {
@@ -73,7 +73,7 @@ DrawnCloud& WindowSession::drawn() {
 
 HeldTool WindowSession::heldTool() const {
   HeldTool tool{.ballRadius = model().ballRadius()};
-  if (const auto brush = brushOf(brush_, config()); brush && (config().brush || !config().matter))
+  if (const auto brush = brushOf(brush_, config()); brush && (config().brush || !config().model.matter))
     tool.brush = brushOptions(*brush, model().scale);
   return tool;
 }
@@ -88,7 +88,7 @@ void WindowSession::setBrushSettings(const BrushSettings& brush) {
   if (brush == brush_ || !isTouching()) return;
   brush_ = brush;
   const Abilities can(modelKindOf(config()));
-  if (brush.kind && config().stream && holdsFrames()) return;  // another session sculpts a paused frame
+  if (brush.kind && config().model.stream && holdsFrames()) return;  // another session sculpts a paused frame
   if (!brush.kind || can.allow(actionOf(*brush.kind))) return setBrush(brushOf(brush, config()));
   if (can.allow(Action::sculpt)) setBrush(std::nullopt);
   throw Error("{}", can.refusal(actionOf(*brush.kind)));

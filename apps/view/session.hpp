@@ -37,13 +37,13 @@ struct FeelSettings {
 
 /// Options of the window.
 struct WindowOptions {
-  SessionConfig config;        ///< its model's file changes from model to model
+  SessionConfig config;        ///< its model changes
   bool backendIsOpen = false;  ///< measured for each model: the CPU may answer sooner than the GPU
   NetworkOptions network;      ///< of ROS topics
   bool hidesCamera = false;    ///< do not publish the camera to the participants of the joined session
   std::string ros;             ///< name under which the camera is published to ROS; empty: not published
   std::string hand;            ///< name of the hand in the joined session; empty: the machine's name
-  StreamConfig stream;         ///< of models that are depth cameras
+  StreamConfig stream;         ///< of recorded depth cameras
   std::uint64_t undo_bytes = 1ull << 30;
   InteractiveOptions live;
 };

@@ -40,26 +40,24 @@ void hold(const ViewCommandOptions& options, HeldDevice& held) {
   if (options.script.empty()) held.chooseLast();
 }
 
-/// Sets the stream of the first model; later models that are depth cameras are played with the same options.
-void setStream(const StreamOptions& options, const RosQuestion& ros, ViewOptions& view) {
+/// Sets the model if the first one is a joined session or a live camera; files can be opened after it. Recordings, also
+/// later ones, are played with the same options.
+void setModel(const StreamOptions& stream, const JoinOptionsGiven& join, Log& log, ViewOptions& view) {
+  SessionConfig& config = view.session.config;
   std::string first = view.models.empty() ? std::string() : view.models.front();
-  if (first.empty() && options.live.empty()) return;
-  view.session.stream = streamConfig(options, first, &ros).value_or(StreamConfig{});
-  if (!view.session.stream.live) return;
+  config.model.join = joinConfig(join, first, stream.live);
+  view.session.network = join.network;
+  view.session.hand = join.hand;
+  if (config.model.join) {
+    if (config.motion) Abilities(modelKindOf(config)).require(Action::move, "--motion");
+  } else if (!first.empty() || !stream.live.empty()) {
+    const RosQuestion ros{join.network, log};
+    const std::optional<StreamConfig> played = streamConfig(stream, first, &ros);
+    (played && played->live ? config.model.stream.emplace() : view.session.stream) = played.value_or(StreamConfig{});
+  }
+  if (!config.model.join && !config.model.stream) return;
   view.models = {first};
-  view.session.config.model.file = first;
-}
-
-/// A joined session is the first model; other models can be opened after it.
-void setJoin(const JoinOptionsGiven& options, const std::string& live, ViewOptions& view) {
-  std::string first = view.models.empty() ? std::string() : view.models.front();
-  view.session.config.join = joinConfig(options, first, live);
-  view.session.network = options.network;
-  if (!view.session.config.join) return;
-  if (view.session.config.motion) Abilities(modelKindOf(view.session.config)).require(Action::move, "--motion");
-  view.models = {first};
-  view.session.config.model.file = first;
-  view.session.hand = options.hand;
+  config.model.file = first;
 }
 
 // Without a display, an error in the model file is reported first.
@@ -68,8 +66,8 @@ std::unique_ptr<Window> openWindow(const ViewOptions& view) {
     return std::make_unique<Window>(view.size_px, "palpate");
   } catch (const Error&) {
     const std::string file = view.models.empty() ? std::string() : view.models.front();
-    const bool isFile = !file.empty() && !view.session.config.join && !isRosModel(file) && !isRgbdFolder(file) &&
-                        !view.session.stream.live && !sceneNamed(file);
+    const bool isFile = !file.empty() && view.session.config.model.file.empty() && !isRosModel(file) &&
+                        !isRgbdFolder(file) && !sceneNamed(file);
     if (isFile) contentsOf(file);
     throw;
   }
@@ -99,12 +97,11 @@ void view(Context& context, const ViewCommandOptions& options) {
   view.session.config.rate_Hz = options.rate_Hz;
   view.session.config.motion = motionConfig(options.motion);
   if (options.edit != "none") Abilities(modelKindOf(view.session.config)).require(Action::sculpt, "--edit");
-  setJoin(options.join, options.stream.live, view);
-  if (options.hidesCamera && !view.session.config.join)
+  setModel(options.stream, options.join, context.log(), view);
+  if (options.hidesCamera && !view.session.config.model.join)
     throw UsageError("--hide-camera: requires --join; a model that is not shared has no other participants");
   view.session.hidesCamera = options.hidesCamera;
   view.session.ros = options.join.ros.name;
-  if (!view.session.config.join) setStream(options.stream, {options.join.network, context.log()}, view);
   constexpr double kMiB = 1 << 20;
   view.session.undo_bytes = static_cast<std::uint64_t>(options.undoMemory_MiB * kMiB);
   for (const auto& [name, kind] : kSurfaceKinds)

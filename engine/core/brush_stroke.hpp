@@ -68,8 +68,8 @@ class BrushStroke {
   bool isGoingOn() const { return open_ || hasWay(); }
   /// Whether an edit with next() would have an effect.
   bool acts() const { return acts_ || hasWay(); }
-  /// Moves the tool along its path, for an edit at `time_s`: slower, and at last not at all, while points of the last
-  /// edit wait that have moved far. The tool acts only if this stroke acts.
+  /// Moves the tool along its path, for an edit at `time_s`. The tool slows down, and finally stops, while points that
+  /// the last edit moved far are not yet resampled. It acts only if this stroke acts.
   const Tool& next(double time_s, const Backlog& backlog = {});
   /// The tool that the last next() returned.
   const Tool& tool() const { return tool_; }

@@ -17,7 +17,7 @@ namespace {
 // most brushes some ten nanoseconds.
 constexpr std::size_t kFewestGathers = 16, kFewestBrushed = 512, kFewestCells = 256;
 constexpr std::size_t kAhead = 8;  // points whose memory is fetched ahead of a brush
-constexpr std::size_t kTurns = 8;  // of a thread, so that all end at about the same time
+constexpr std::size_t kTurns = 8;  // parts of the work that a thread takes, so that all end at about the same time
 // Number of neighbours that a point examines before it decides on insertion or removal. More are within its
 // neighbourhood radius only where many points coincide: they are merged with the examined ones, and no new point is
 // requested.
@@ -29,7 +29,7 @@ constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
 // kOwnWork for the point itself.
 constexpr double kTickWork = 60'000, kOwnWork = 192;
 constexpr std::size_t kFewestAtOnce = 32;
-// In support radii: the priority that a waiting point gains with each edit, so that every point has its turn.
+// Priority, in support radii, that a waiting point gains with each edit, so that every point has its turn.
 constexpr float kWaitStrain = 1.0f / 512;
 
 // Calls body(i) for every i below `count`, on all threads; a thread takes `fewest` at a time, or more.

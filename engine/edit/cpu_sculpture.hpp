@@ -103,7 +103,7 @@ class CpuSculpture {
   std::optional<PlacedBrush> cuts_;
   SurfaceMeasure measure_;
   std::vector<std::uint32_t> waiting_;  // numbers of all points that may be unsettled, each once
-  // By point: displacement since it was last resampled, model units, and what it gains by waiting.
+  // By point: displacement since it was last resampled, model units, and the priority that it has gained by waiting.
   std::vector<float> strains_;
   std::vector<std::uint32_t> strayed_;  // numbers of points that the index has still to follow
   // Working data of one tick.

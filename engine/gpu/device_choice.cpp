@@ -50,11 +50,11 @@ std::size_t chooseGpu(std::span<const GpuDescription> gpus, const std::string& s
   const char* end = selector.data() + selector.size();
   if (const auto [last, error] = std::from_chars(selector.data(), end, number); error == std::errc() && last == end) {
     if (number < gpus.size()) return number;
-    throw GpuError("there is no GPU number {}; there are {}", number, listOf(gpus));
+    throw GpuError("there is no GPU number {}; GPUs are {}", number, listOf(gpus));
   }
   for (std::size_t i = 0; i < gpus.size(); ++i)
     if (lowered(gpus[i].name).find(lowered(selector)) != std::string::npos) return i;
-  throw GpuError("no GPU has '{}' in its name; there are {}", selector, listOf(gpus));
+  throw GpuError("no GPU has '{}' in its name; GPUs are {}", selector, listOf(gpus));
 }
 
 std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> families,

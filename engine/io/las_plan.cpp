@@ -183,7 +183,7 @@ bool LasPlan::isTaken(const Attribute& attribute) const {
 
 void LasPlan::check(const std::filesystem::path& file) const {
   if (pointBytes > kMaxLasBytes || descriptors.size() > kMaxLasBytes)
-    throw FileError(file, fmt::format("LAS has no room for {} attributes of a point; PLY has", attributes_.size()));
+    throw FileError(file, fmt::format("LAS cannot hold {} attributes of a point; write PLY", attributes_.size()));
 }
 
 const LasSource* LasPlan::sourceOf(std::string_view name) const {

@@ -156,7 +156,7 @@ class NpyTable {
                colored = six && !facing && areColors(columns.subspan(3));
     if (columns.size() != 3 && columns.size() != 4 && !facing && !colored)
       throw FileError(path_,
-                      fmt::format("an array of shape {}, whose columns may mean anything; (N, 3) are positions, (N, 4) "
+                      fmt::format("an array of shape {}, whose columns have no names; (N, 3) are positions, (N, 4) "
                                   "have an intensity, (N, 6) normals or colours, others need names: a structured dtype",
                                   array.shapeText()));
     name(0, kNpyPlaces);

@@ -97,7 +97,7 @@ void setParameter(MatterScene& scene, std::string_view name, double value) {
       throw Error("{}: is {:g}; it must be from {:g} to {:g}", name, value, each.low, each.high);
     return each.write(scene, value);
   }
-  throw Error("{}: is not a parameter of {} that can be changed while it runs; there are {}", name,
+  throw Error("{}: is not a parameter of {} that can be changed while it runs; parameters are {}", name,
               nameOf(kMatters, scene.matter), fmt::join(names, ", "));
 }
 

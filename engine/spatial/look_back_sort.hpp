@@ -5,9 +5,9 @@
 namespace palpate {
 
 struct LookBackOptions {
-  /// Looks at an earlier tile without news, before a workgroup counts that tile itself.
+  /// Number of reads of an earlier tile whose count is missing, before a workgroup counts that tile itself.
   std::uint32_t mostLooks = 256;
-  std::uint32_t silent = 0;  ///< for tests: not 0, every so many tiles never tell their counts
+  std::uint32_t silent = 0;  ///< for tests: if not 0, one tile in this many never publishes its count
 };
 
 /// LSD radix sort that reads and writes every pair once per digit ("onesweep", Adinets and Merrill 2022). Workgroups

@@ -23,8 +23,8 @@ class SortedGrid final : public NeighbourSearch {
     std::uint32_t number;
   };
 
-  /// Whether a build costs a pass over the points more, so that a wide ball need not visit buckets whose points are
-  /// those of other cells.
+  /// On: a build takes one more pass over the points, and a search in a wide ball skips buckets that contain only
+  /// points of cells outside it.
   enum class CellTags { off, on };
   /// `threads`: 0: one per core.
   explicit SortedGrid(const HashGrid& grid, unsigned threads = 0, CellTags cellTags = CellTags::off);

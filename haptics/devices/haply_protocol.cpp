@@ -147,8 +147,8 @@ std::string_view meaningOf(Trouble trouble) {
     case Trouble::safety:
       return "was stopped by its safety (cyan light), so there is no force; let go of it until the light is white";
     case Trouble::shared:
-      return "has the force of another program on it, so there is no force from here; close that program, or add both "
-             "forces with haply:SERIAL:shared";
+      return "receives forces from another program, so palpate sends none; close that program, or add both forces with "
+             "haply:SERIAL:shared";
   }
   return {};
 }

@@ -52,7 +52,7 @@ const haply::Inverse& HaplyService::device(const std::string& serial, bool share
   if (serial.empty() && all.size() > 1)
     throw Error("haply: there are {} devices; choose one by its serial number: {}", all.size(), listOf(all));
   const auto chosen = serial.empty() ? all.begin() : std::ranges::find(all, serial, &haply::Inverse::id);
-  if (chosen == all.end()) throw Error("haply: there is no device '{}'; there is {}", serial, listOf(all));
+  if (chosen == all.end()) throw Error("haply: no device '{}' is connected; devices are {}", serial, listOf(all));
   if (chosen->inUse && !shares)
     throw Error(
         "haply: another program uses {}, and the forces of both would add up; close it, or use it nevertheless: "

@@ -31,12 +31,11 @@ pp_status pp_session_open_stream(const char* folder, const pp_stream_options* st
     openSession(options, session, [&] {
       Subject subject;
       subject.model.file = name;
-      subject.stream.emplace();
-      subject.stream->speed = given.speed;
-      subject.stream->loop = given.loop != 0;
-      subject.stream->fuse = given.fuse != 0;
-      subject.stream->depthScale = given.depth_scale;
-      subject.stream->intrinsics = textOf(given.intrinsics);
+      subject.model.stream = StreamConfig{.speed = given.speed,
+                                          .loop = given.loop != 0,
+                                          .fuse = given.fuse != 0,
+                                          .depthScale = given.depth_scale,
+                                          .intrinsics = textOf(given.intrinsics)};
       return subject;
     });
   });

@@ -44,8 +44,7 @@ pp_status pp_session_open_matter(const char* scene, const pp_session_options* op
     const std::string name = &required(scene, "scene");
     openSession(options, session, [&] {
       Subject subject;
-      subject.model.file = name;
-      subject.scene = openScene(name);
+      subject.model = {.file = name, .matter = openScene(name)};
       return subject;
     });
   });

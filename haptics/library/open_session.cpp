@@ -24,9 +24,6 @@ SessionConfig configFrom(const Subject& subject, const pp_session_options& optio
   SessionConfig config{.model = subject.model, .surface = surfaceFrom(contact), .force = forceFrom(contact)};
   config.model.mm_per_unit = options.mm_per_unit;
   if (options.estimate_normals) config.model.normals = NormalSource::estimate;
-  config.matter = subject.scene;
-  config.stream = subject.stream;
-  if (subject.join) config.join = subject.join->network;
   if (options.tool) config.tool = toolFrom(optionsFrom(options.tool, "tool"));
   config.hands.resize(handsFrom(options));
   config.rate_Hz = options.rate_Hz;
@@ -52,7 +49,7 @@ bool isOpen(const pp_session_options& options) {
 bool hasArrays(const Subject& subject) { return subject.cloud || !subject.clouds.empty(); }
 
 Model modelFrom(const Subject& subject, const SessionConfig& config, const ModelLoading& loading) {
-  if (!hasArrays(subject)) return loadModel(config, loading);
+  if (!hasArrays(subject)) return loadModel(config.model, loading);
   ModelConfig model = config.model;
   PointCloud cloud;
   if (subject.clouds.empty()) {

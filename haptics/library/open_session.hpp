@@ -24,15 +24,13 @@
 
 namespace palpate::library {
 
-/// Model of a session: points, a scene of matter, a recorded camera, or a joined session.
+/// Model of a session: points of the program, or else what `model` describes.
 struct Subject {
-  ModelConfig model;  ///< with the name of its file
+  ModelConfig model;
   const PointCloud* cloud = nullptr;
-  std::vector<PlacedCloud> clouds;  ///< several, instead of `cloud`
-  SceneRef scene;
-  std::optional<StreamConfig> stream;       ///< a recorded depth camera, in the model's folder
+  std::vector<PlacedCloud> clouds;          ///< several, instead of `cloud`
   std::optional<pp_frames_options> frames;  ///< points that the program moves frame by frame
-  std::optional<JoinSubject> join;          ///< session that another program serves, under the model's name
+  std::optional<JoinSubject> join;          ///< how this program takes part in the session that the model joins
 };
 
 /// All calls but claims() and the last group require a claim of the calling thread: touch, look, or all, as marked.

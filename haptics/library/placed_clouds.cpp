@@ -28,7 +28,7 @@ pp_status pp_session_open_clouds(const pp_placed_cloud* clouds, uint64_t count, 
                                  pp_session* session) {
   clear(session);
   return guarded([&] {
-    if (count == 0) throw UsageError("clouds: none is given");
+    if (count == 0) throw UsageError("clouds: is empty; give at least one");
     required(clouds, "clouds");
     std::vector<std::shared_ptr<CloudObject>> kept;
     Subject subject;

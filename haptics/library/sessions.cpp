@@ -82,7 +82,7 @@ pp_status pp_session_open(pp_cloud cloud, const pp_session_options* options, pp_
   clear(session);
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
-    openSession(options, session, [&] { return Subject{.model = found->source, .cloud = &found->cloud, .scene = {}}; });
+    openSession(options, session, [&] { return Subject{.model = found->source, .cloud = &found->cloud}; });
   });
 }
 

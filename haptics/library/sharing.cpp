@@ -80,6 +80,7 @@ pp_status pp_session_join(const char* name, const pp_join_options* join, const p
       Subject subject;
       subject.model.file = called;
       subject.join = joinFrom(optionsFrom(join, "join"));
+      subject.model.join = subject.join->network;
       return subject;
     });
   });

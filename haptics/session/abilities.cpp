@@ -69,9 +69,9 @@ Action actionOf(BrushKind kind) {
 }
 
 ModelKind modelKindOf(const SessionConfig& config) {
-  if (config.matter) return config.matter->isSoft() ? ModelKind::soft : ModelKind::fluid;
-  if (config.stream) return config.stream->live ? ModelKind::liveFrames : ModelKind::frames;
-  if (config.join) return config.join->partial ? ModelKind::partial : ModelKind::shared;
+  if (config.model.matter) return config.model.matter->isSoft() ? ModelKind::soft : ModelKind::fluid;
+  if (config.model.stream) return config.model.stream->live ? ModelKind::liveFrames : ModelKind::frames;
+  if (config.model.join) return config.model.join->partial ? ModelKind::partial : ModelKind::shared;
   return config.motion ? ModelKind::moved : ModelKind::cloud;
 }
 
@@ -79,8 +79,8 @@ ModelKind modelKindOf(const SessionConfig& config, const Model& model, bool move
   if (movedByProgram) return ModelKind::programFrames;
   if (model.far() && model.far()->moves()) return ModelKind::partialMoving;
   if (model.far()) return model.far()->isSculptable() ? ModelKind::partial : ModelKind::partialReadOnly;
-  if (config.join) return model.share() ? ModelKind::shared : ModelKind::readOnly;
-  if (model.stream() && !config.stream) return ModelKind::pausedFrames;
+  if (config.model.join) return model.share() ? ModelKind::shared : ModelKind::readOnly;
+  if (model.stream() && !config.model.stream) return ModelKind::pausedFrames;
   return modelKindOf(config);
 }
 

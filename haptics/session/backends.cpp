@@ -63,11 +63,11 @@ void BackendKind::check(const SessionConfig& config) const {
                       nameOf(kBrushKinds, config.brush->kind));
   if (!can.followsMotion && config.motion)
     throw ConfigError("motion.kind", "backend.name {} requires a model at rest; use vulkan or cpu", name());
-  if (!can.followsMotion && config.stream)
+  if (!can.followsMotion && config.model.stream)
     throw ConfigError("backend.name", "{} requires a model at rest; use vulkan or cpu for a depth camera", name());
-  if (!can.followsMotion && config.matter)
+  if (!can.followsMotion && config.model.matter)
     throw ConfigError("backend.name", "{} requires a model at rest; use vulkan or cpu for matter", name());
-  if (config.matter) config.matter->check(*this);
+  if (config.model.matter) config.model.matter->check(*this);
   const Abilities abilities(modelKindOf(config), can, name());
   if (config.undo.undo > 0 && !abilities.allow(Action::undo))
     throw ConfigError("undo.undo", "{}", abilities.refusal(Action::undo));

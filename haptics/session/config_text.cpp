@@ -57,7 +57,7 @@ struct SectionReader {
 std::string configText(const SessionConfig& config) {
   SettingsJson json{{"version", SessionConfig::kVersion}};
   visitSections(config, SectionWriter{json});
-  if (config.matter) json["matter"] = SettingsJson::parse(config.matter->text());
+  if (config.model.matter) json["matter"] = SettingsJson::parse(config.model.matter->text());
   json["hands"] = SettingsJson::array();
   for (const HandConfig& hand : config.hands)
     writeSettings(json["hands"].emplace_back(SettingsJson::object()), settingsOf<HandConfig>(), hand);
@@ -75,7 +75,7 @@ SessionConfig parseConfig(std::string_view text) {
   SectionReader sections{json};
   visitSections(config, sections);
   if (const auto matter = json.find("matter"); matter != json.end() && !matter->is_null())
-    config.matter = parseScene("matter", matter->dump());
+    config.model.matter = parseScene("matter", matter->dump());
   if (const auto hands = json.find("hands"); hands != json.end()) {
     if (!hands->is_array()) throw ConfigError("hands", "is {}, not a list", hands->dump());
     config.hands.clear();

@@ -21,7 +21,7 @@ class CpuBackend final : public BackendKind {
   }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
     const SessionConfig& config = request.config;
-    if (config.matter && !request.source) return config.matter->touch(*this, request);
+    if (config.model.matter && !request.source) return config.model.matter->touch(*this, request);
     return std::make_unique<CpuTouch>(request.model.cloud, CpuTouchOptions{.radius = request.surface.radius,
                                                                            .cell = cellFor(request.model, config.index),
                                                                            .bucketKey = config.index.bucketKey,

@@ -29,9 +29,9 @@ bool canBeSculpted(const SessionConfig& config, const Model& model) {
 // A model at rest is built with a brush, so that later brushes are possible. A soft body accepts one at any time.
 SessionConfig withBrush(SessionConfig config, const Model& model) {
   config.realtime = true;
-  if (config.join && !canBeSculpted(config, model)) config.brush.reset();
-  if (!canBeSculpted(config, model) || config.matter) return config;
-  BrushConfig brush = config.brush.value_or(BrushConfig{.resample = !config.join});
+  if (config.model.join && !canBeSculpted(config, model)) config.brush.reset();
+  if (!canBeSculpted(config, model) || config.model.matter) return config;
+  BrushConfig brush = config.brush.value_or(BrushConfig{.resample = !config.model.join});
   brush.kind = BrushKind::push;
   config.brush = brush;
   return config;
@@ -79,7 +79,7 @@ InteractiveSession::InteractiveSession(const SessionConfig& config, Model model,
       map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model(), bounds_)),
       history_(1 / config.rate_Hz) {
   if (player()) held_ = player()->isPaused();
-  if (!config.matter && canBeSculpted(config, this->model()) &&
+  if (!config.model.matter && canBeSculpted(config, this->model()) &&
       (!config.brush || config.brush->kind != BrushKind::push))
     Session::setBrush(config.brush);
   if (!options.unsavedIn.empty()) keepUnsaved(config);
@@ -190,7 +190,7 @@ void InteractiveSession::setDevice(std::shared_ptr<TurnedDevice> device, const H
 
 void InteractiveSession::setBrush(const std::optional<BrushConfig>& brush) {
   if (brush == config().brush || failed_) return;
-  if (config().join) require(Action::sculpt, file());
+  if (config().model.join) require(Action::sculpt, file());
   endRecording();
   Session::setBrush(brush);
 }

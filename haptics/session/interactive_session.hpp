@@ -94,7 +94,7 @@ class InteractiveSession : public Session {
   /// Whether frames are paused.
   bool holdsFrames() const { return held_; }
   /// Whether the points are a camera's frame that is paused while a person sculpts it (handOn()).
-  bool isHeldStill() const { return !config().stream && model().stream() && model().stream()->player; }
+  bool isHeldStill() const { return !config().model.stream && model().stream() && model().stream()->player; }
   /// The present points as a model; a camera's with its stream, which is paused and leaves this session. A session
   /// without a configured stream sculpts the points; one with a stream continues from them. Throws query failures.
   Model handOn();

@@ -57,9 +57,7 @@ Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
   return modelOf(loading.fetch(config.file, loading.log), config, loading);
 }
 
-}  // namespace
-
-Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
+Model readModel(const ModelConfig& config, const ModelLoading& loading) {
   if (isRosModel(config.file)) return fetchModel(config, loading);
   if (isRgbdFolder(config.file))
     throw FileError(config.file, "is a recorded depth camera, and not one cloud; touch, view, render and info read it");
@@ -74,6 +72,8 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
   model.cameras = std::move(stored.cameras);
   return model;
 }
+
+}  // namespace
 
 Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& loading) {
   Model model{.cloud = std::move(points)};
@@ -134,17 +134,17 @@ SharedPresence* Model::presence() const {
   return as<JoinedPoints>() ? as<JoinedPoints>()->presence.get() : nullptr;
 }
 
-Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
+Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
   if (config.matter) return config.matter->load(config, loading);
   if (config.join) {
-    if (!loading.join) throw Error("{}: this program cannot join sessions", config.model.file);
-    JoinedModel joined = loading.join(config.model.file, *config.join, loading.log);
-    if (joined.far) return farModel(std::move(joined), config.model, loading);
-    Model model = modelOf(std::move(joined.cloud), config.model, loading);
+    if (!loading.join) throw Error("{}: this program cannot join sessions", config.file);
+    JoinedModel joined = loading.join(config.file, *config.join, loading.log);
+    if (joined.far) return farModel(std::move(joined), config, loading);
+    Model model = modelOf(std::move(joined.cloud), config, loading);
     model.source = JoinedPoints{.share = std::move(joined.share), .presence = std::move(joined.presence)};
     return model;
   }
-  if (!config.stream) return loadModel(config.model, loading);
+  if (!config.stream) return readModel(config, loading);
   FirstFrame first = readFirstFrame(config, loading);
   Model model;
   model.cloud = std::move(first.cloud);
@@ -152,7 +152,7 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
   if (first.camera) model.cameras = {*first.camera};
   model.upright = findUp(model.cloud);
   model.shown = coreBoundsOf(model.cloud);
-  measure(model, config.model, loading.threads);
+  measure(model, config, loading.threads);
   return model;
 }
 

@@ -146,10 +146,8 @@ struct ModelLoading {
 };
 /// Makes a model of a cloud in memory, with normals as configured; the configuration's file is only its name.
 Model modelOf(PointCloud cloud, const ModelConfig& config, const ModelLoading& loading);
-/// Reads the file; normals are as configured. Throws FileError, UsageError.
+/// Reads, joins or makes the model; the cloud of a stream is that of its first frame. Throws FileError, UsageError.
 Model loadModel(const ModelConfig& config, const ModelLoading& loading);
-/// The same for a whole configuration. If its model is a stream, the cloud is that of the first frame.
-Model loadModel(const SessionConfig& config, const ModelLoading& loading);
 
 /// Sets the properties that follow from the points: the scale, and their spacing.
 void measure(Model& model, const ModelConfig& config, unsigned threads);

@@ -56,7 +56,7 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
               .journal = (parts.journal || shared_) && kind_.capabilities().keepsEdits,
               .undo_bytes = parts.undo_bytes}) {
   // No file tells a replay the scale, so the configuration must.
-  if (config_.join) config_.model.mm_per_unit = model_->scale.mm_per_unit;
+  if (config_.model.join) config_.model.mm_per_unit = model_->scale.mm_per_unit;
 }
 
 Session::Session(SessionConfig config, Model model, const SessionParts& parts)
@@ -97,7 +97,7 @@ std::vector<EditFollower*> Session::followers() const {
 std::unique_ptr<SharedFollower> Session::takePart() {
   const SharedMaker share = model_->share();
   if (!share) {
-    if (config_.join && config_.brush && !model_->far()) throw Error("{}", fixedBecause(config_, *model_));
+    if (config_.model.join && config_.brush && !model_->far()) throw Error("{}", fixedBecause(config_, *model_));
     return nullptr;
   }
   if (!backend_->edits() || backend_->edits()->mostOffered() == 0)
@@ -153,7 +153,7 @@ void Session::setContact(const SurfaceConfig& surface, const ForceOptions& force
 void Session::setParameter(std::string_view name, double value) {
   if (!simulation()) throw Error("{}: the model is not simulated", name);
   simulation()->set(name, value);
-  config_.matter = config_.matter->with(name, value);
+  config_.model.matter = config_.model.matter->with(name, value);
 }
 
 void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault, const RunOptions& run) {

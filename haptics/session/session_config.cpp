@@ -66,11 +66,11 @@ void validate(const SessionConfig& config) {
   requireDirection("tool.axis", config.tool.axis);
   if (config.motion) requireDirection("motion.axis", config.motion->axis);
   checkAbilities(config);
-  if (config.stream) validate(*config.stream, config);
-  if (config.join) validateJoined(config);
-  if (config.join && (config.stream || config.matter))
+  if (config.model.stream) validate(*config.model.stream, config);
+  if (config.model.join) validateJoined(config);
+  if (config.model.join && (config.model.stream || config.model.matter))
     throw ConfigError("join", "the model is a stream or a scene of matter; leave it out");
-  if (config.matter) config.matter->check(config);
+  if (config.model.matter) config.model.matter->check(config);
 }
 
 BrushOptions brushOptions(const BrushConfig& brush, const ModelScale& scale) {

@@ -28,11 +28,38 @@ enum class NormalSource { keep, estimate, face };
 inline constexpr std::array<std::pair<std::string_view, NormalSource>, 3> kNormalSources{
     {{"keep", NormalSource::keep}, {"estimate", NormalSource::estimate}, {"face", NormalSource::face}}};
 
+/// A depth camera, whose newest frame is the model: recorded in the folder that ModelConfig::file names, or live.
+struct StreamConfig {
+  bool live = false;  ///< ModelConfig::file is a camera's device, "-" (raw frames on standard input), or a topic of ROS
+  double speed = 1;   ///< of a recording: its seconds per second of the session
+  bool loop = false;  ///< of a recording: restarts after its last frame
+  bool fuse = false;  ///< fuses its frames into one map; otherwise the newest one is the cloud
+  double depthScale = 0;   ///< depth values per metre; 0: as the source says
+  std::string intrinsics;  ///< a JSON file; empty: as the source says
+
+  bool operator==(const StreamConfig&) const = default;
+};
+
+/// A session that another program serves over a network, under the name in ModelConfig::file: its points are the model.
+struct JoinConfig {
+  std::string network;             ///< interface, by name or address; empty: this machine alone
+  std::vector<std::string> peers;  ///< addresses of machines to ask, if the network has no multicast
+  std::uint32_t domain = 0;        ///< of DDS
+  std::string security;            ///< a folder of keys; empty: nothing is encrypted
+  bool partial = false;            ///< fetches only the points around the hands; always so for a moving model
+
+  bool operator==(const JoinConfig&) const = default;
+};
+
+/// Which model a session has, and how it is read: a cloud in a file, unless one of the last three members is set.
 struct ModelConfig {
-  std::string file;
+  std::string file;        ///< of the cloud; otherwise the folder, device, topic, session or scene that is the model
   double mm_per_unit = 0;  ///< millimetres per model unit; 0: as the file says, or the longest side becomes 100 mm
   NormalSource normals = NormalSource::keep;
   bool keepUnreliable = false;  ///< reads also the points that a reconstruction's own measures mark as unreliable
+  std::optional<StreamConfig> stream;
+  std::optional<JoinConfig> join;
+  SceneRef matter;
 
   bool operator==(const ModelConfig&) const = default;
 };
@@ -124,29 +151,6 @@ struct MotionConfig {
   bool operator==(const MotionConfig&) const = default;
 };
 
-/// A depth camera, whose newest frame is the model: recorded in the folder that ModelConfig::file names, or live.
-struct StreamConfig {
-  bool live = false;  ///< ModelConfig::file is a camera's device, "-" (raw frames on standard input), or a topic of ROS
-  double speed = 1;   ///< of a recording: its seconds per second of the session
-  bool loop = false;  ///< of a recording: restarts after its last frame
-  bool fuse = false;  ///< fuses its frames into one map; otherwise the newest one is the cloud
-  double depthScale = 0;   ///< depth values per metre; 0: as the source says
-  std::string intrinsics;  ///< a JSON file; empty: as the source says
-
-  bool operator==(const StreamConfig&) const = default;
-};
-
-/// A session that another program serves over a network, under the name in ModelConfig::file: its points are the model.
-struct JoinConfig {
-  std::string network;             ///< interface, by name or address; empty: this machine alone
-  std::vector<std::string> peers;  ///< addresses of machines to ask, if the network has no multicast
-  std::uint32_t domain = 0;        ///< of DDS
-  std::string security;            ///< a folder of keys; empty: nothing is encrypted
-  bool partial = false;            ///< fetches only the points around the hands; always so for a moving model
-
-  bool operator==(const JoinConfig&) const = default;
-};
-
 /// Strokes to undo and redo once the path of a session has ended.
 struct UndoConfig {
   std::size_t undo = 0, redo = 0;  ///< strokes
@@ -168,9 +172,6 @@ struct SessionConfig {
   ForceOptions force;
   UndoConfig undo;
   std::optional<MotionConfig> motion;           ///< empty: the model stands still, unless it is a stream
-  std::optional<StreamConfig> stream;           ///< empty: the model is a cloud in a file
-  std::optional<JoinConfig> join;               ///< the model is served by another program
-  SceneRef matter;                              ///< the model is this scene, with a tool; its file is only a name then
   std::vector<HandConfig> hands{HandConfig{}};  ///< the first one may sculpt, the others feel
   double rate_Hz = 1000;                        ///< ticks per second
   double duration_s = 0;                        ///< 0: as long as the paths
@@ -178,7 +179,7 @@ struct SessionConfig {
 
   bool operator==(const SessionConfig&) const = default;
   /// Whether the points move without a hand.
-  bool moves() const { return motion || stream || bool(matter); }
+  bool moves() const { return motion || model.stream || bool(model.matter); }
 };
 
 /// Throws ConfigError that names the first field out of bounds, and the bounds.

@@ -45,17 +45,17 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
   ModelConfig& model = config.model;
   if (!parts.model.empty()) {
     model.file = parts.model;
-    config.join.reset();
+    config.model.join.reset();
   }
-  const bool isHere = parts.cloud && !config.matter && !config.stream;
-  if (config.join && !isHere)
+  const bool isHere = parts.cloud && !config.model.matter && !config.model.stream;
+  if (config.model.join && !isHere)
     throw FileError(model.file,
                     fmt::format("was served by another program; save its points and name them with {}", parts.naming));
-  if (!config.matter && !isHere && !std::filesystem::exists(model.file))
+  if (!config.model.matter && !isHere && !std::filesystem::exists(model.file))
     throw FileError(model.file, fmt::format("does not exist; name the model of the session with {}", parts.naming));
   const BackendKind& kind = parts.backends.named(config.backend.name);
   const ModelLoading loading{.log = parts.log, .threads = parts.threads, .estimate = kind.normalEstimator()};
-  recorded.model = isHere ? modelOf(*parts.cloud, model, loading) : loadModel(config, loading);
+  recorded.model = isHere ? modelOf(*parts.cloud, model, loading) : loadModel(model, loading);
   recorded.scale = recorded.model.scale;
   if (recorded.model.cloud.size() != recorded.session.points)
     throw FileError(model.file,

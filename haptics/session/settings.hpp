@@ -50,8 +50,8 @@ void visitSections(Config& config, auto&& visit) {
   visit("force", config.force, Presence::always);
   visit("undo", config.undo, Presence::always);
   visit("motion", config.motion, Presence::leftOutIfAbsent);
-  visit("stream", config.stream, Presence::leftOutIfAbsent);
-  visit("join", config.join, Presence::leftOutIfAbsent);
+  visit("stream", config.model.stream, Presence::leftOutIfAbsent);
+  visit("join", config.model.join, Presence::leftOutIfAbsent);
 }
 
 /// All settings of a session, with those of a scene of matter.

@@ -18,6 +18,7 @@ class SceneRef;
 class TouchBackend;
 struct BackendRequest;
 struct Model;
+struct ModelConfig;
 struct ModelLoading;
 struct SessionConfig;
 
@@ -89,7 +90,7 @@ class SimulatedScene {
   /// Throws ConfigError if it exceeds the memory of the back end, or that simulates nothing.
   virtual void check(const BackendKind& backend) const = 0;
   /// The points of its initial state. Throws Error.
-  virtual Model load(const SessionConfig& config, const ModelLoading& loading) const = 0;
+  virtual Model load(const ModelConfig& config, const ModelLoading& loading) const = 0;
   /// Makes a simulation that can be touched, with a hand for each tool of the request. Throws Error.
   virtual std::unique_ptr<TouchBackend> touch(const BackendKind& backend, const BackendRequest& request) const = 0;
   /// Runs it without hands, as the model of that name. Throws Error.

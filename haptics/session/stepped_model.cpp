@@ -31,7 +31,7 @@ SteppedModel::SteppedModel(const SessionConfig& config, std::shared_ptr<const Mo
     : model_(std::move(model)), log_(parts.log) {
   validate(config);
   if (!config.moves()) throw ConfigError("motion.kind", "nothing moves the model");
-  if (!config.matter) {
+  if (!config.model.matter) {
     stream_ = takeStream(config, *model_);
     fusion_ = fusedStream(config, model_, stream_, parts.threads, parts.log);
     source_ = makeSource(config, *model_, stream_, fusion_);

@@ -96,29 +96,29 @@ FirstFrame firstMap(const DepthCamera& camera, const DepthFrame& frame) {
   return first;
 }
 
-OpenedStream openLive(const SessionConfig& config, const ModelLoading& loading) {
-  const std::string& name = config.model.file;
+OpenedStream openLive(const ModelConfig& config, const ModelLoading& loading) {
+  const std::string& name = config.file;
   if (isRosModel(name)) return watchRos(name, *config.stream, loading);
   return {.stream = openDevice(name, *config.stream)};
 }
 
-OpenedStream openFolder(const SessionConfig& config, Log* log) {
+OpenedStream openFolder(const ModelConfig& config, Log* log) {
   const StreamConfig& stream = *config.stream;
   const auto folder = std::make_shared<RgbdFolder>(
-      config.model.file, RgbdOptions{.intrinsics = stream.intrinsics, .depthScale = stream.depthScale}, log);
+      config.file, RgbdOptions{.intrinsics = stream.intrinsics, .depthScale = stream.depthScale}, log);
   return {.stream = folder, .up = folder->up()};
 }
 
 }  // namespace
 
-FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loading) {
+FirstFrame readFirstFrame(const ModelConfig& config, const ModelLoading& loading) {
   Log& log = loading.log;
   const auto [stream, cameraUp, worldUp, mm_per_unit] =
       config.stream->live ? openLive(config, loading) : openFolder(config, &log);
   DepthFrame frame;
   FirstFrame first;
   while (first.cloud.empty()) {
-    if (!readFrame(*stream, frame, log)) throw Error("{}: ends without a frame that has points", config.model.file);
+    if (!readFrame(*stream, frame, log)) throw Error("{}: ends without a frame that has points", config.file);
     first = config.stream->fuse ? firstMap(stream->camera(), frame)
                                 : FirstFrame{.cloud = firstCloud(stream->camera(), frame), .stream = nullptr};
   }
@@ -134,8 +134,8 @@ FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loadi
 }
 
 std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Model& model) {
-  if (!config.stream) return nullptr;
-  const StreamConfig& stream = *config.stream;
+  if (!config.model.stream) return nullptr;
+  const StreamConfig& stream = *config.model.stream;
   PlayedStream* const behind = model.stream();
   if (behind && behind->player) {
     auto taken = std::make_shared<PlayedStream>(std::exchange(*behind, {}));
@@ -144,7 +144,7 @@ std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Mode
   }
   if (stream.live || (behind && !behind->behind)) throw Error("{}: is played by another session", config.model.file);
   const PlayOptions options{.speed = stream.speed, .loop = stream.loop, .exact = !config.realtime};
-  auto opened = playedStream(openFolder(config, nullptr).stream, options);
+  auto opened = playedStream(openFolder(config.model, nullptr).stream, options);
   if (!behind) return opened;
   opened->player->beginBehind(*behind->behind);
   opened->seenFrom = behind->seenFrom;
@@ -153,7 +153,7 @@ std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Mode
 
 std::optional<FusedStream> fusedStream(const SessionConfig& config, const std::shared_ptr<const Model>& model,
                                        std::shared_ptr<PlayedStream> stream, unsigned threads, Log* log) {
-  if (!stream || !config.stream->fuse) return std::nullopt;
+  if (!stream || !config.model.stream->fuse) return std::nullopt;
   FusedStream fused{.stream = std::move(stream), .begin = {model, &model->cloud}, .log = log};
   fused.options.capacity = std::max(fused.options.capacity, model->cloud.size());
   fused.options.threads = threads;

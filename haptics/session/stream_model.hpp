@@ -21,7 +21,7 @@ struct FirstFrame {
   std::shared_ptr<PlayedStream> stream;
   std::optional<CameraFrustum> camera;  ///< that took it; empty if the frame has no pose
 };
-FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loading);
+FirstFrame readFirstFrame(const ModelConfig& config, const ModelLoading& loading);
 
 /// The configured stream, to be played behind the model's cloud: that of the model, in its paused state, or else the
 /// recording. Null if none is configured. Throws FileError, and Error if another session plays it.

@@ -34,7 +34,7 @@ class VulkanBackend final : public BackendKind {
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
   const Simulator* simulator() const override { return simulator_.get(); }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
-    if (request.config.matter && !request.source) return request.config.matter->touch(*this, request);
+    if (request.config.model.matter && !request.source) return request.config.model.matter->touch(*this, request);
     return std::make_unique<TouchSide>(device_(), request.model.cloud, optionsFor(request));
   }
 

@@ -21,7 +21,7 @@ namespace palpate {
 
 /// Changes that are applied together.
 struct BrickUpdate {
-  double true_s = 0;              ///< for moving points: steadyNow_s() at which all known bricks are where they are now
+  double true_s = 0;              ///< for moving points: steadyNow_s() of the positions of all known bricks
   bool whole = false;             ///< nothing requested is still to be received
   std::vector<BrickKey> dropped;  ///< no longer known
   std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;  ///< new contents

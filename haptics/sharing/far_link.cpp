@@ -24,9 +24,9 @@ constexpr std::size_t kRoom = 1 << 18;  // points known at once, twice what a se
 constexpr double kHandPoll_s = 0.004;   // polling interval of the hands' positions
 constexpr double kAsk_s = 0.05;         // between two requests if nothing is new
 constexpr double kNews_s = 0.005;       // and if something is
-constexpr double kServerTimeout_s = 3;  // then another server of the same points is looked for
-constexpr double kStrokeTimeout_s = 5;  // then strokes that were sent and not taken are sent again,
-constexpr int kMaxStrokeRetries = 12;   // at most this many times in a row while the server is heard
+constexpr double kServerTimeout_s = 3;  // then another server of the same points is searched for
+constexpr double kStrokeTimeout_s = 5;  // then unacknowledged strokes are sent again
+constexpr int kMaxStrokeRetries = 12;   // maximum number of these in a row while the server sends messages
 constexpr int kMaxSpoilt = 100;         // invalid samples before one step is complete
 constexpr double kFirstTrip_s = 0.1;    // until one is measured
 constexpr double kMinSpeed_mm_s = 60;   // of a hand that may start to move
@@ -223,8 +223,8 @@ class FarLink final : public BrickCloud {
     if (isWhole && !std::exchange(wasWhole_, true))
       messages_.add(fmt::format("messages from {} of {} arrive again", to_.name, to_.host));
     if (!isWhole && std::exchange(wasWhole_, false))
-      messages_.add(fmt::format("no message from {} of {} for {:.1f} s: the force fades until one arrives", to_.name,
-                                to_.host, silent_s));
+      messages_.add(fmt::format("no message from {} of {} for {:.1f} s: the force fades until the next message",
+                                to_.name, to_.host, silent_s));
     if (silent_s <= kServerTimeout_s) return;
     for (const SessionNotice& notice : notices_.known()) {
       if (notice.name != to_.name || notice.session == server_ || left_.contains(notice.session)) continue;

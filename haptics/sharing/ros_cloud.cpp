@@ -6,6 +6,7 @@
 
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/up.hpp"
+#include "engine/core/counted.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_intake.hpp"
 #include "haptics/sharing/ros_tf.hpp"
@@ -151,7 +152,7 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
                        taken.skipped);
   if (listening.log)
     listening.log->say(
-        "ros:{}: {} points{}", topic, taken.cloud.size(),
+        "ros:{}: {}{}", topic, counted(taken.cloud.size(), "point"),
         taken.skipped > 0 ? fmt::format("; {} without a valid position are left out", taken.skipped) : "");
   sayScale(taken.cloud.storedAs.comments, kMmPerMetre);
   sayUnit(taken.cloud.storedAs.comments, LengthUnit::m);

@@ -180,8 +180,8 @@ class SharedEdits final : public SharedFollower {
           fmt::format("no message from {} of {} for {:.1f} s: the force fades; edits made here are kept for it",
                       session_.name, session_.host, silent_s));
     if (now == Felt::gone)
-      messages_.add(fmt::format("no message from {} of {} for {:.1f} s: there is no force until one arrives",
-                                session_.name, session_.host, silent_s));
+      messages_.add(fmt::format("no message from {} of {} for {:.1f} s: no force until the next message", session_.name,
+                                session_.host, silent_s));
   }
 
   // Reports a server that takes nothing or has restarted as another session.

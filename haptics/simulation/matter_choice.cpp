@@ -78,7 +78,7 @@ class MatterChoice final : public SimulatedScene {
     checkPlan(scene_, kAnyMemory);
     if (scene_.periodic != MatterScene{}.periodic)
       throw ConfigError("matter.periodic", "requires a simulation without a hand");
-    if (config.stream) throw ConfigError("stream", "the model is a scene of matter; leave it out");
+    if (config.model.stream) throw ConfigError("stream", "the model is a scene of matter; leave it out");
     if (isSoft()) {
       if (config.brush) checkBrush(*config.brush, scene_, config.model.mm_per_unit);
       if (!(scene_.gain > 0)) throw ConfigError("matter.gain", "is 0; pressing a soft body requires more");
@@ -88,7 +88,7 @@ class MatterChoice final : public SimulatedScene {
     if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
   }
   void check(const BackendKind& backend) const override { checkPlan(scene_, simulatorOf(backend).memory_bytes()); }
-  Model load(const SessionConfig& config, const ModelLoading& loading) const override {
+  Model load(const ModelConfig& config, const ModelLoading& loading) const override {
     return sceneModel(scene_, config, loading);
   }
   std::unique_ptr<TouchBackend> touch(const BackendKind& backend, const BackendRequest& request) const override {
@@ -98,7 +98,7 @@ class MatterChoice final : public SimulatedScene {
                                       const ModelLoading& loading) const override {
     const MatterSimulator& simulator = simulatorOf(backend);
     planOf(scene_, simulator.memory_bytes());  // before a file is read
-    const Model model = load({.model = {.file = name}}, loading);
+    const Model model = load({.file = name}, loading);
     MatterOptions options{.threads = loading.threads, .model = standingOf(model)};
     options.soft = softBodyOf(model);
     return runFreely(simulator.simulate(scene_, options));

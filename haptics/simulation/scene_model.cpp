@@ -59,13 +59,13 @@ FluidPoints drawnAsFluid(Model& model, const MatterScene& scene) {
 }
 
 // The initial state of a scene of water or sand.
-Model matterModel(const MatterScene& scene, const SessionConfig& config, const ModelLoading& loading) {
+Model matterModel(const MatterScene& scene, const ModelConfig& config, const ModelLoading& loading) {
   Model model;
   planOf(scene);  // before a file is read
   std::shared_ptr<const MatterModel> standing = standingModel(scene, loading);
   model.cloud = cloudOf(scene, standing.get(), loading.threads);
   placeInScene(model, scene);
-  measure(model, config.model, loading.threads);
+  measure(model, config, loading.threads);
   FluidPoints fluid = drawnAsFluid(model, scene);
   setStanding(fluid, std::move(standing));
   model.source = std::move(fluid);
@@ -73,7 +73,7 @@ Model matterModel(const MatterScene& scene, const SessionConfig& config, const M
 }
 
 // A soft body at rest: the points of its surface, which are felt and drawn as any cloud's.
-Model softModel(const MatterScene& scene, const SessionConfig& config, const ModelLoading& loading) {
+Model softModel(const MatterScene& scene, const ModelConfig& config, const ModelLoading& loading) {
   PointCloud scan;
   if (!scene.model.empty()) {
     planOf(scene);  // before the file is read
@@ -82,25 +82,25 @@ Model softModel(const MatterScene& scene, const SessionConfig& config, const Mod
   const Stopwatch watch;
   Model model;
   const auto body = softModelOf(scene, std::move(scan), loading.threads);
-  loading.log.say("{}: a body of {}, filled with {} in {:.0f} ms", config.model.file,
+  loading.log.say("{}: a body of {}, filled with {} in {:.0f} ms", config.file,
                   counted(body->points.size(), "point"), counted(body->solid.lattice.nodes(), "node"),
                   watch.elapsed_us() * 1e-3);
   model.cloud = cloudOf(*body, scene);
   model.source = SoftPoints{.container = boxOf(scene), .body = kept(body)};
   placeInScene(model, scene);
-  measure(model, config.model, loading.threads);
+  measure(model, config, loading.threads);
   return model;
 }
 
 }  // namespace
 
-Model sceneModel(const MatterScene& scene, const SessionConfig& config, const ModelLoading& loading) {
+Model sceneModel(const MatterScene& scene, const ModelConfig& config, const ModelLoading& loading) {
   return scene.matter == Matter::soft ? softModel(scene, config, loading) : matterModel(scene, config, loading);
 }
 
 void takeFarScene(Model& model, FarPoints& far, const FarFacts& facts, const ModelLoading& loading) {
   const SceneRef told = parseScene("matter", facts.matter);
-  validate(SessionConfig{.matter = told});
+  validate(SessionConfig{.model = {.matter = told}});
   MatterScene scene = matterOf(told);
   if (scene.matter == Matter::soft)
     throw Error("matter: the served scene is a soft body, which must be served as a surface");

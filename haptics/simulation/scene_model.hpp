@@ -10,7 +10,7 @@
 namespace palpate {
 
 /// The initial state of a scene. Throws Error.
-Model sceneModel(const MatterScene& scene, const SessionConfig& config, const ModelLoading& loading);
+Model sceneModel(const MatterScene& scene, const ModelConfig& config, const ModelLoading& loading);
 
 /// The body that stands in a scene of water or sand: reads its file or samples its shape, and computes a field. Null if
 /// there is none. Throws FileError, and Error if the body is not closed.

@@ -50,7 +50,7 @@ float reach;  // of the point that decides: how far from it a new one may be cre
 vec3 axisU, axisV;
 // Of this invocation's neighbours.
 uint firstRank, firstSlot;  // of those that crowd the point
-bool through;               // the point is through the sheet of one of them
+bool through;               // the point has passed through the sheet of one of them
 vec2 votes;                 // weights of the points at rest: of those that it has risen over, and of all
 Seen first;
 bool firstYields;

@@ -26,19 +26,19 @@ const float kCrowded = 0.4f;
 // or had the same position, which is less than kSamePlace spacings apart.
 const float kComeNearer = 0.75f, kSamePlace = 1e-3f;
 
-// In support radii. The neighbourhood of a point is no wider than this, or than kNeighbourhoodSpacings of its own
-// target if that is more: far enough for what one tick may tear open, but in regions much denser than the radius is
-// chosen for not so far that there are too many neighbours to visit.
+// Radius of the neighbourhood of a point: this many support radii, or kNeighbourhoodSpacings times the point's own
+// target if that is more. The surface cannot open a wider gap in one tick, and where points are much denser than the
+// support radius is chosen for, there are few enough neighbours to visit.
 const float kMinNeighbourhood = 0.5f;
 const float kNeighbourhoodSpacings = 8.0f;
-// In support radii: how far from a point that the brush has moved new points may be created because of it, in a
-// chain from one to the next. With the longest move that is one support radius beyond the brush.
+// Maximum distance, in support radii, of a new point from the moved point that caused it, directly or through other
+// new points. With the longest move that is one support radius beyond the brush.
 const float kReach = 0.75f;
 
-// In support radii: minimum target; points nearer to each other than this count as one when the targets are
-// measured, so that a cluster of points in one position does not request more of them all around.
+// Minimum target, in support radii. Points closer than this count as one when targets are measured, so that a
+// cluster of points in one position does not request more of them all around.
 const float kMinSpacing = 0.03125f;
-// In support radii: maximum target, or a gap could be wider than a point's neighbourhood.
+// Maximum target, in support radii: with a larger one a gap could be wider than a point's neighbourhood.
 const float kMaxSpacing = 0.5f;
 
 // Minimum sum of weights at a position: with less there is no surface to measure a target by.

@@ -145,7 +145,7 @@ TEST_CASE("bench touch judges the force: none in the air, equal in two runs, alo
     for (const char* key : {"surface", "subject", "condition", "M7_step_us", "M10_friction", "M11_edit", "slide_N"})
       CHECK_MESSAGE(judgement.contains(key), key);
     CHECK(judgement["M8_free_force_N"] == 0.0);
-    CHECK(judgement["M12_sameness"]["identical"] == true);
+    CHECK(judgement["M12_repeatability"]["identical"] == true);
     REQUIRE(judgement["slides"].size() == 3);
     for (const auto& slide : judgement["slides"])
       for (const char* key : {"M1_angle_deg", "M2_height", "M3_force_relative_rms", "M4_continuity", "M6_lag"})

@@ -286,7 +286,7 @@ TEST_CASE("a Haply device is felt through its service, and doctor describes it" 
     CHECK(service.commands().empty());
     const Outcome two = palpate("doctor --device haply:1234");
     CHECK(two.code == 1);
-    CHECK(says(two.text, "there is no device '1234'; there is haply:049D (right hand)"));
+    CHECK(says(two.text, "no device '1234' is connected; devices are haply:049D (right hand)"));
   }
   {
     const FakeHaply service({.handedness = "left"});

@@ -122,7 +122,7 @@ TEST_CASE("the force fades while a server hangs, and returns from outside; of a 
   clay.program.send(SIGSTOP);
   still.program.send(SIGSTOP);
   CHECK(hand.waitFor([&] { return has(contentOf(folder / "hand.said"), "the force fades"); }));
-  CHECK(hand.waitFor([&] { return has(contentOf(folder / "hand.said"), "there is no force until one arrives"); }));
+  CHECK(hand.waitFor([&] { return has(contentOf(folder / "hand.said"), "no force until the next message"); }));
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   clay.program.send(SIGCONT);
   still.program.send(SIGCONT);
@@ -184,7 +184,7 @@ TEST_CASE("a window reports the effect of a silent server on the force") {
   CHECK(begin["shared"]["force_share"] == 1);
   CHECK(end["shared"]["force_share"] == 0);
   CHECK(end["shared"]["age_s"] > 2);
-  CHECK(has(end["last_message"].get<std::string>(), "there is no force until one arrives"));
+  CHECK(has(end["last_message"].get<std::string>(), "no force until the next message"));
 }
 
 namespace {

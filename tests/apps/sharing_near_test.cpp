@@ -301,6 +301,7 @@ TEST_CASE("models that cannot be served, and incompatible sharing options, are r
   refuses("touch a.ply --partial", "require --join");
   refuses("doctor --domain 3", "require --network");
   refuses("render -o " + (folder / "p.png").string(), "a session with --join");
+  refuses("render --join city --depth-scale 1000 -o " + (folder / "p.png").string(), "is not a recorded depth camera");
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 1000 -o " + model);
   refuses("serve " + model + " --name ''", "is not a valid session name");

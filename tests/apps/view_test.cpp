@@ -33,7 +33,7 @@ TEST_CASE("an invalid script is refused with its line before anything is opened"
         {"0.2 push 0 0 0 1", "script.txt:2: the turn is missing"},
         {"0.05 quit", "script.txt:2: the time is before that of the line above"},
         {"0.2 click", "script.txt:2: the name is missing"},
-        {"0.2 quit now", "script.txt:2: 'now' is more than this event takes"}}) {
+        {"0.2 quit now", "script.txt:2: unexpected 'now'"}}) {
     const auto played = play("", std::string("0.1 mouse 1 2\n") + line + "\n");
     CHECK(played->outcome.code == 1);
     CHECK_MESSAGE(played->outcome.text.find(complaint) != std::string::npos, played->outcome.text);

@@ -161,7 +161,7 @@ TEST_CASE(
   CHECK(gate.after(1) == 0);  // known again, and the hand is still inside
   gate.free(kTick_s);
   CHECK(gate.after(0.25) == near(0.4, 0.01));
-  // Half of the knowledge gives half of the force, which returns through the ramp without a wait.
+  // A share of 0.5 of the points known halves the force, which returns through the ramp without a wait.
   Gate other = engaged();
   CHECK(other.after(0.2, {.known = 0.5}) == near(0.4, 1e-6));
   CHECK(other.after(0.1) == near(0.56, 0.01));

@@ -227,7 +227,7 @@ TEST_CASE(
   CHECK(most_N(commands, 0, fault_s) > FakeHaply::kFelt_N);
   CHECK(most_N(commands, 1.7, 2.2) > 0.3);
   CHECK(commands.back().force_N == DVec3(0));
-  const std::string sentence = "has the force of another program on it";
+  const std::string sentence = "receives forces from another program";
   const std::size_t said = felt.said.find(sentence);
   if (shares) {
     CHECK(most_N(commands, fault_s, fault_s + options.fault_s) > FakeHaply::kFelt_N);
@@ -312,7 +312,7 @@ TEST_CASE("two Haply devices are told apart by their serial numbers") {
   const FakeHaply service({.ids = {"049D", "0815"}});
   CHECK(
       says(complaintOf(), "there are 2 devices; choose one by its serial number: haply:049D (right hand), haply:0815"));
-  CHECK(says(complaintOf({.serial = "1234"}), "there is no device '1234'; there is haply:049D"));
+  CHECK(says(complaintOf({.serial = "1234"}), "no device '1234' is connected; devices are haply:049D"));
   {
     HaplyDevice device({.serial = "0815"});
     settled(device);

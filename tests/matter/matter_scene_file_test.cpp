@@ -83,8 +83,8 @@ TEST_CASE("an invalid scene of matter is refused with the field") {
   CHECK(says(refusal(softWith(R"("young_Pa": "soft")")), "young_Pa: is"));
   CHECK(says(refusal(softWith(R"("model": 3)")), "model: is 3, not a text"));
   CHECK(says(refusal(softWith(R"("model": "")")), "model: is empty, not the name of a file"));
-  CHECK(says(refusal(softWith(R"("shape": "cone")")), "there is box, ball"));
-  CHECK(says(refusal(softWith(R"("preset": "rubber")")), "there is elastic, shape-matching"));
+  CHECK(says(refusal(softWith(R"("shape": "cone")")), "choose box, ball"));
+  CHECK(says(refusal(softWith(R"("preset": "rubber")")), "choose elastic, shape-matching"));
   CHECK(says(refusal(softWith(R"("preset": "shape-matching", "young_Pa": 1000)")),
              "young_Pa: does not apply to the preset shape-matching, which is not calibrated"));
   CHECK(says(refusal(softWith(R"("preset": "shape-matching", "viscosity_Pa_s": 1)")),

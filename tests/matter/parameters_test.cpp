@@ -49,7 +49,7 @@ TEST_CASE("an unknown parameter, or a value outside its bounds, is refused with 
     return std::string("taken");
   };
   CHECK(says(refused("friction", 0.5), "is not a parameter of water"));
-  CHECK(says(refused("spacing_mm", 5), "there are viscosity_Pa_s, cohesion_N_m"));
+  CHECK(says(refused("spacing_mm", 5), "parameters are viscosity_Pa_s, cohesion_N_m"));
   CHECK(says(refused("viscosity_Pa_s", -1), "viscosity_Pa_s: is -1; it must be from 0 to 50"));
   CHECK(says(refused("gravity_y_m_s2", std::nan("")), "gravity_y_m_s2: is nan"));
   CHECK(scene == before);

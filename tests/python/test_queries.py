@@ -84,7 +84,7 @@ def test_several_clouds_are_felt_as_one_and_read_back_each_in_its_own_frame(ball
         pp.Session.of_clouds([ball], gpu="cpu", poses=[pp.Pose(orientation=(1, 1, 0, 0))])
     with pytest.raises(pp.ArgumentTypeError, match="a list of Cloud"):
         pp.Session.of_clouds([ball, 3])
-    with pytest.raises(pp.UsageError, match="none is given"):
+    with pytest.raises(pp.UsageError, match="is empty"):
         pp.Session.of_clouds([])
 
 

@@ -21,20 +21,20 @@ std::map<ModelKind, SessionConfig> configured() {
   made[ModelKind::moved] = file;
   made[ModelKind::moved].motion = MotionConfig{};
   made[ModelKind::frames] = file;
-  made[ModelKind::frames].stream = StreamConfig{};
+  made[ModelKind::frames].model.stream = StreamConfig{};
   made[ModelKind::liveFrames] = file;
-  made[ModelKind::liveFrames].stream = StreamConfig{.live = true};
+  made[ModelKind::liveFrames].model.stream = StreamConfig{.live = true};
   made[ModelKind::liveFrames].realtime = true;
   if (canSimulate()) {
     made[ModelKind::fluid] = file;
-    made[ModelKind::fluid].matter = sceneNamed("water");
+    made[ModelKind::fluid].model.matter = sceneNamed("water");
     made[ModelKind::soft] = file;
-    made[ModelKind::soft].matter = sceneNamed("jelly");
+    made[ModelKind::soft].model.matter = sceneNamed("jelly");
   }
   made[ModelKind::shared] = file;
-  made[ModelKind::shared].join = JoinConfig{};
+  made[ModelKind::shared].model.join = JoinConfig{};
   made[ModelKind::partial] = file;
-  made[ModelKind::partial].join = JoinConfig{.partial = true};
+  made[ModelKind::partial].model.join = JoinConfig{.partial = true};
   return made;
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("a session has the abilities of its model: all at rest, no brush and n
   CHECK(still.abilities().kind() == ModelKind::cloud);
   still.require(Action::record, "log");
   SessionConfig joined = config;
-  joined.join = JoinConfig{};
+  joined.model.join = JoinConfig{};
   CHECK(modelKindOf(joined, model) == ModelKind::readOnly);
   CHECK(modelKindOf(config, model, true) == ModelKind::programFrames);
   CHECK_FALSE(Abilities(ModelKind::programFrames).allow(Action::sculpt));

@@ -48,7 +48,7 @@ TEST_CASE("a held stream passes from one session to the next together with the e
   writePoses(folder.path());
   const auto cpu = cpuBackend();
   SessionConfig config = playing(folder.path());
-  config.stream->fuse = true;
+  config.model.stream->fuse = true;
   config.duration_s = 0.075;  // frames 0 to 7
   Session session(config, load(config), {.backend = *cpu, .threads = 1});
   runAlone(session, intoWall(0.075));
@@ -113,7 +113,7 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   writePoses(folder.path());
   const auto cpu = cpuBackend();
   SessionConfig config = playing(folder.path());
-  config.stream->fuse = config.realtime = true;
+  config.model.stream->fuse = config.realtime = true;
   config.duration_s = 0;
   const auto clock = std::make_shared<SteppedClock>();
   auto playing = std::make_unique<InteractiveSession>(config, load(config), SessionParts{.backend = *cpu, .threads = 1},
@@ -130,7 +130,7 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   const std::uint64_t played = held.stream()->player->counts().played;
 
   SessionConfig still = config;
-  still.stream.reset();
+  still.model.stream.reset();
   still.brush = BrushConfig{.kind = BrushKind::carve, .radius_mm = 30};
   const auto second = std::make_shared<SteppedClock>();
   auto sculpting = std::make_unique<InteractiveSession>(
@@ -186,7 +186,7 @@ TEST_CASE("a back end that fuses frames itself receives the stream and no source
   writeWall(folder.path());
   writePoses(folder.path());
   SessionConfig config = playing(folder.path());
-  config.stream->fuse = true;
+  config.model.stream->fuse = true;
   const auto cpu = cpuBackend();
   Session own(config, load(config), {.backend = *cpu, .threads = 1});
   config.backend.name = "fusing";
@@ -204,7 +204,7 @@ TEST_CASE("several sessions of one model each play a fused recording from its st
   std::filesystem::resize_file(folder / "depth" / "0000.png", 200);
   const auto cpu = cpuBackend();
   SessionConfig config = playing(folder.path());
-  config.stream->fuse = true;
+  config.model.stream->fuse = true;
   const auto model = std::make_shared<const Model>(load(config));
   Session one(config, model, {.backend = *cpu, .threads = 1}), other(config, model, {.backend = *cpu, .threads = 1});
   const Trace first = runAlone(one, intoWall(kDuration_s)).trace(),
@@ -221,14 +221,14 @@ TEST_CASE("a live fused camera continues after the frame that was the model, unt
   writeWall(folder.path());
   writePoses(folder.path());
   SessionConfig config = playing(folder.path());
-  config.stream->fuse = true;
+  config.model.stream->fuse = true;
   Model model = load(config);
   const CameraPose pose{};
   model.source = CameraPoints{
       playedStream(stream, {.exact = false}, DepthFrame{.number = 0, .depth_m = wall(kRest_m), .pose = pose})};
   model.stream()->seenFrom = pose;
   config.model.file = "-";
-  config.stream->live = config.realtime = true;
+  config.model.stream->live = config.realtime = true;
   config.duration_s = 0;
   const auto cpu = cpuBackend();
   const auto clock = std::make_shared<SteppedClock>();
@@ -258,7 +258,7 @@ TEST_CASE("fused frames are felt as the map they form, and a session with them i
   writePoses(folder.path());
   const auto cpu = cpuBackend();
   SessionConfig config = playing(folder.path());
-  config.stream->fuse = true;
+  config.model.stream->fuse = true;
   CHECK(parseConfig(configText(config)) == config);
   const Model model = load(config);
   CHECK(model.cloud.size() > 1'000);
@@ -281,7 +281,7 @@ TEST_CASE("fused frames are felt as the map they form, and a session with them i
       CHECK(row.proxy.z < kRest_m + 0.0005);
       CHECK(row.proxy.z > kRest_m - 0.0025);
     }
-  config.stream->fuse = false;
+  config.model.stream->fuse = false;
   Session newest(config, load(config), {.backend = *cpu, .threads = 1});
   CHECK_FALSE(sameTrace(first, runAlone(newest, Path({{0, before}, {0.05, in}, {kDuration_s, in}})).trace()));
 }

@@ -77,7 +77,7 @@ Model sharedSphere(Others::State& others) {
   return model;
 }
 
-SessionConfig joined() { return {.model = {.file = "shared"}, .backend = {.name = "cpu"}, .join = JoinConfig{}}; }
+SessionConfig joined() { return {.model = {.file = "shared", .join = JoinConfig{}}, .backend = {.name = "cpu"}}; }
 
 /// Ticks of 1 ms at a distance from the sphere's centre; returns the last force, N.
 class Puller {

@@ -42,10 +42,9 @@ struct Felt {
 /// Evaluates the ticks after the hand has arrived.
 Felt feel(const SeenPlane& seen, bool fused, double duration_s) {
   const auto cpu = cpuBackend();
-  const SessionConfig config{.model = {.file = "plane", .mm_per_unit = 1000},
+  const SessionConfig config{.model = {.file = "plane", .mm_per_unit = 1000, .stream = StreamConfig{.fuse = fused}},
                              .backend = {.name = "cpu"},
                              .force = {.stiffness_N_per_mm = kStiffness_N_per_mm},
-                             .stream = StreamConfig{.fuse = fused},
                              .duration_s = duration_s};
   std::vector<PathKey> keys;
   for (int tick = 0; 1e-3 * tick <= duration_s; ++tick)

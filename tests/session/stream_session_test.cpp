@@ -62,7 +62,7 @@ TEST_CASE("a hand at rest feels the depth of a wall that moves from frame to fra
   const auto cpu = cpuBackend();
   for (const double speed : {1.0, 2.0}) {
     SessionConfig config = playing(folder.path());
-    config.stream->speed = speed;
+    config.model.stream->speed = speed;
     config.duration_s = speed > 1 ? 2 * kDuration_s : kDuration_s;
     Session session(config, load(config), {.backend = *cpu, .threads = 1});
     const ServoResult result = runAlone(session, atRest(config.duration_s));
@@ -95,7 +95,7 @@ TEST_CASE("a looped recording continues at its start") {
   const ScratchFolder folder;
   writeWall(folder.path());
   SessionConfig config = playing(folder.path());
-  config.stream->loop = true;
+  config.model.stream->loop = true;
   config.duration_s = 2.5 * kDuration_s;
   const auto cpu = cpuBackend();
   Session session(config, load(config), {.backend = *cpu, .threads = 1});
@@ -131,7 +131,7 @@ TEST_CASE("a recorded session with a recorded camera is replayed from its config
   const std::string log = (folder / "log").string();
   const auto cpu = cpuBackend();
   SessionConfig config = playing(folder / "wall");
-  config.stream->speed = 1.7;
+  config.model.stream->speed = 1.7;
   Session session(config, load(config), {.backend = *cpu, .threads = 1, .journal = true});
   const ServoResult result = runRecorded(session, log, atRest());
   SessionRecord record = readSessionLog(log);
@@ -145,13 +145,13 @@ TEST_CASE("a recorded session with a recorded camera is replayed from its config
 TEST_CASE("a configuration's text has a stream only if there is one") {
   CHECK(configText({}).find("stream") == std::string::npos);
   SessionConfig config;
-  config.stream = StreamConfig{.speed = 0.3, .loop = true, .depthScale = 5000, .intrinsics = "c.json"};
+  config.model.stream = StreamConfig{.speed = 0.3, .loop = true, .depthScale = 5000, .intrinsics = "c.json"};
   CHECK(parseConfig(configText(config)) == config);
-  config.stream = StreamConfig{.live = true};
+  config.model.stream = StreamConfig{.live = true};
   config.realtime = true;
   CHECK(parseConfig(configText(config)) == config);
   SessionConfig usual;
-  usual.stream.emplace();
+  usual.model.stream.emplace();
   CHECK(parseConfig(R"({"version": 1, "stream": {}})") == usual);
   CHECK(parseConfig(R"({"version": 1, "stream": null})") == SessionConfig{});
 }
@@ -168,21 +168,21 @@ TEST_CASE("settings that are incompatible with a stream are refused by field nam
     return std::string();
   };
   CHECK(with([](auto&) {}).empty());
-  CHECK(with([](auto& c) { c.stream->speed = 0; }) == "stream.speed");
-  CHECK(with([](auto& c) { c.stream->speed = std::nan(""); }) == "stream.speed");
-  CHECK(with([](auto& c) { c.stream->depthScale = 0.001; }) == "stream.depth_scale");
+  CHECK(with([](auto& c) { c.model.stream->speed = 0; }) == "stream.speed");
+  CHECK(with([](auto& c) { c.model.stream->speed = std::nan(""); }) == "stream.speed");
+  CHECK(with([](auto& c) { c.model.stream->depthScale = 0.001; }) == "stream.depth_scale");
   CHECK(with([](auto& c) { c.brush.emplace(); }) == "brush.kind");
   CHECK(with([](auto& c) { c.motion.emplace(); }) == "motion.kind");
   CHECK(with([](auto& c) { c.model.normals = NormalSource::estimate; }) == "model.normals");
   const auto live = [&](auto&& change) {
     return with([&](auto& c) {
-      c.stream->live = c.realtime = true;
+      c.model.stream->live = c.realtime = true;
       change(c);
     });
   };
   CHECK(live([](auto&) {}).empty());
-  CHECK(live([](auto& c) { c.stream->speed = 2; }) == "stream.speed");
-  CHECK(live([](auto& c) { c.stream->loop = true; }) == "stream.loop");
+  CHECK(live([](auto& c) { c.model.stream->speed = 2; }) == "stream.speed");
+  CHECK(live([](auto& c) { c.model.stream->loop = true; }) == "stream.loop");
   CHECK(live([](auto& c) { c.realtime = false; }) == "realtime");
 }
 
@@ -191,13 +191,14 @@ TEST_CASE("a stream that cannot be a model is refused with its kind") {
   writeWall(folder.path());
   const SessionConfig config = playing(folder.path());
   Log log(true);
-  CHECK(says(errorOf([&] { loadModel(config.model, {.log = log}); }), "is a recorded depth camera, and not one cloud"));
+  CHECK(says(errorOf([&] { loadModel({.file = config.model.file}, {.log = log}); }),
+             "is a recorded depth camera, and not one cloud"));
   SessionConfig live = config;
-  live.stream->live = live.realtime = true;
+  live.model.stream->live = live.realtime = true;
   live.model.file = "/dev/null";
   CHECK(says(errorOf([&] { load(live); }), "stream.intrinsics: /dev/null provides none; give a JSON file"));
   live.model.file = "-";
-  live.stream->intrinsics = "camera.json";
+  live.model.stream->intrinsics = "camera.json";
   CHECK(says(errorOf([&] { load(live); }), "stream.intrinsics: raw frames contain them in their first line"));
   for (int i = 0; i < kFrames; ++i)  // isolated pixels without neighbours
     writeBytes(folder / "depth" / fmt::format("{:04}.png", i), [] {
@@ -246,7 +247,7 @@ TEST_CASE("a live camera is felt at its newest frame, from the model's frame on"
   Model model = load(playing(folder.path()));
   model.source = CameraPoints{playedStream(stream, {.exact = false}, first)};
   SessionConfig config = playing("-");
-  config.stream->live = true;
+  config.model.stream->live = true;
   config.realtime = true;
   config.duration_s = 0;
   const auto cpu = cpuBackend();

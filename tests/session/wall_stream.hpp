@@ -43,10 +43,9 @@ inline void writeWall(const std::filesystem::path& folder) {
 }
 
 inline SessionConfig playing(const std::filesystem::path& folder) {
-  return {.model = {.file = folder.string(), .mm_per_unit = 1000},
+  return {.model = {.file = folder.string(), .mm_per_unit = 1000, .stream = StreamConfig{}},
           .backend = {.name = "cpu"},
           .force = {.stiffness_N_per_mm = 0.5, .damping_N_s_per_mm = 0},
-          .stream = StreamConfig{},
           .duration_s = kDuration_s};
 }
 
@@ -58,7 +57,7 @@ inline Path atRest(double duration_s = kDuration_s) {
 
 inline Model load(const SessionConfig& config) {
   Log log(true);
-  return loadModel(config, {.log = log, .threads = 1});
+  return loadModel(config.model, {.log = log, .threads = 1});
 }
 
 }  // namespace palpate

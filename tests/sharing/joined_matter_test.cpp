@@ -59,7 +59,7 @@ class RestingFar final : public BrickCloud {
 /// The model of a client that has joined.
 Model joinedPool(const std::string& matter, std::uint64_t standing = 0) {
   SessionConfig config{.model = {.file = "pool"}, .backend = {.name = "cpu"}};
-  config.join = JoinConfig{};
+  config.model.join = JoinConfig{};
   Log log(true);
   const MatterScene scene = pool();
   JoinedModel joined;
@@ -77,7 +77,7 @@ Model joinedPool(const std::string& matter, std::uint64_t standing = 0) {
                           .standing = standing};
   const ModelLoading loading{
       .log = log, .threads = 1, .join = [&](const std::string&, const JoinConfig&, Log&) { return joined; }};
-  return loadModel(config, loading);
+  return loadModel(config.model, loading);
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ Model joinedPool(const std::string& matter, std::uint64_t standing = 0) {
 TEST_CASE("joined water is felt as water, shown as particles, and not felt where it is unknown") {
   const auto cpu = cpuBackend();
   SessionConfig config{.model = {.file = "pool"}, .backend = {.name = "cpu"}};
-  config.join = JoinConfig{};
+  config.model.join = JoinConfig{};
   config.realtime = true;
   Session session(config, joinedPool(sceneRef(pool())->text()), {.backend = *cpu, .threads = 1});
   CHECK(session.model().discRadius() > 0);

@@ -215,7 +215,7 @@ TEST_CASE("a client's moving points all belong to the same time after each step"
       frame.normals.emplace_back(0, 0, 1);
       frame.velocities.emplace_back(0, 0, turn);
     }
-    // Every other time bricks are requested that the last frame was not searched for: they are sent with the next one.
+    // Every second request is for bricks that the last frame was not searched for; the next frame contains them.
     if (turn % 2 == 0) {
       shown = {wanted.begin(), wanted.end()};
       served.show(frame, {wanted.begin(), wanted.end()});

@@ -14,13 +14,13 @@ TEST_CASE("after a failure of the simulation a command throws, and a restart is 
   MatterScene scene{.box_mm = DVec3(16), .fill_mm = DVec3(16), .spacing_mm = 2, .gravity_m_s2 = DVec3(0)};
   scene.tool = usualTool(scene);
   SessionConfig config{.model = {.file = "water"}, .backend = {.name = "cpu"}};
-  config.matter = sceneRef(scene);
+  config.model.matter = sceneRef(scene);
   config.duration_s = 0;
   Log log;
   const auto cpu = cpuBackend();
   const auto clock = std::make_shared<SteppedClock>();
-  InteractiveSession session(config, loadModel(config, {.log = log, .threads = 1}), {.backend = *cpu, .threads = 1},
-                             {.clock = clock});
+  InteractiveSession session(config, loadModel(config.model, {.log = log, .threads = 1}),
+                             {.backend = *cpu, .threads = 1}, {.clock = clock});
   double until_s = 0;
   const auto hasFailed = [&] { return !session.simulation()->failure().empty(); };
   for (int beat = 0; beat < 2'000 && !hasFailed(); ++beat) {

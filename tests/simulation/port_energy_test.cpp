@@ -26,10 +26,10 @@ Dive dived(double gain, double maxForce_N) {
   SessionConfig config{.model = {.file = "pool"}, .backend = {.name = "cpu"}};
   MatterScene scene{.box_mm = {80, 120, 80}, .fill_mm = {80, 70, 80}, .spacing_mm = 10, .gain = gain};
   scene.tool = {.radius_mm = 20, .mass_kg = 0.034};
-  config.matter = sceneRef(scene);
+  config.model.matter = sceneRef(scene);
   config.force.maxForce_N = maxForce_N;
   Log log(true);
-  const auto model = std::make_shared<const Model>(loadModel(config, {.log = log, .threads = 1}));
+  const auto model = std::make_shared<const Model>(loadModel(config.model, {.log = log, .threads = 1}));
   Session session(config, model, {.backend = *cpu, .threads = 1});
   const ServoResult result = runAlone(session, dive());
   Dive dive{.said_mJ = 1e3 * session.simulation()->portEnergies().front().now_J};

@@ -20,7 +20,7 @@ TEST_CASE("a scene of matter is kept whole in the text, and incompatible setting
                     .substeps = 77,
                     .tool = {.radius_mm = 8, .mass_kg = 0.5},
                     .gain = 2.5};
-  config.matter = sceneRef(scene);
+  config.model.matter = sceneRef(scene);
   CHECK(parseConfig(configText(config)) == config);
   CHECK(faultOf(config).empty());
   CHECK(config.moves());
@@ -32,14 +32,14 @@ TEST_CASE("a scene of matter is kept whole in the text, and incompatible setting
   const auto withScene = [&](auto&& change) {
     MatterScene other = scene;
     change(other);
-    return with([&](auto& c) { c.matter = sceneRef(other); });
+    return with([&](auto& c) { c.model.matter = sceneRef(other); });
   };
   CHECK(withScene([](auto& s) { s.spacing_mm = 0; }) == "matter");
   CHECK(withScene([](auto& s) { s.tool.radius_mm = 0; }) == "matter.tool.radius_mm");
   CHECK(withScene([](auto& s) { s.periodic[0] = true; }).starts_with("matter"));
   CHECK(with([](auto& c) { c.brush.emplace(); }) == "brush.kind");
   CHECK(with([](auto& c) { c.motion.emplace(); }) == "motion.kind");
-  CHECK(with([](auto& c) { c.stream.emplace(); }) == "stream");
+  CHECK(with([](auto& c) { c.model.stream.emplace(); }) == "stream");
   CHECK(with([](auto& c) { c.tool.kind = ToolKind::ball; }) == "tool.kind");
 }
 
@@ -56,19 +56,19 @@ TEST_CASE("a scene of a soft body is kept whole in the text, and allows tools of
                     .hole_mm = 3,
                     .pinned_mm = {{DVec3(1, 2, 3), DVec3(4, 5, 6)}},
                     .gain = 2};
-  config.matter = sceneRef(scene);
+  config.model.matter = sceneRef(scene);
   CHECK(parseConfig(configText(config)) == config);
   CHECK(faultOf(config).empty());
   scene.shape = SoftShape::box;
   scene.model = "scan.ply";
   scene.pinned_mm.reset();
-  config.matter = sceneRef(scene);
+  config.model.matter = sceneRef(scene);
   CHECK(parseConfig(configText(config)) == config);
   scene.gain = 0;
-  config.matter = sceneRef(scene);
+  config.model.matter = sceneRef(scene);
   CHECK(faultOf(config) == "matter.gain");
   scene.gain = 1;
-  config.matter = sceneRef(scene);
+  config.model.matter = sceneRef(scene);
   config.brush = BrushConfig{.radius_mm = scene.spacing_mm};
   CHECK(faultOf(config).empty());
   config.brush->kind = BrushKind::carve;

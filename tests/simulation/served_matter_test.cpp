@@ -31,9 +31,9 @@ class Served {
   explicit Served(const MatterScene& scene) {
     log_.listen(&lines_);
     SessionConfig config{.model = {.file = "pool"}, .backend = {.name = "cpu"}};
-    config.matter = sceneRef(scene);
+    config.model.matter = sceneRef(scene);
     config.realtime = true;
-    model_ = std::make_shared<const Model>(loadModel(config, {.log = log_, .threads = 1}));
+    model_ = std::make_shared<const Model>(loadModel(config.model, {.log = log_, .threads = 1}));
     stepped_.emplace(config, model_, SteppedModel::Parts{.backend = *cpu_, .threads = 1, .log = &log_});
   }
   /// Steps until `holds` is true of a frame, for at most `seconds` of real time.
@@ -144,7 +144,7 @@ namespace {
 
 SceneRef heard(const std::string& text) {
   const SceneRef scene = parseScene("matter", text);
-  validate(SessionConfig{.matter = scene});
+  validate(SessionConfig{.model = {.matter = scene}});
   return scene;
 }
 

@@ -25,7 +25,7 @@ SessionConfig softSession(const MatterScene& scene = block()) {
                        .backend = {.name = "cpu"},
                        .force = {.stiffness_N_per_mm = 0.5, .damping_N_s_per_mm = 0},
                        .duration_s = 0.4};
-  config.matter = sceneRef(scene);
+  config.model.matter = sceneRef(scene);
   return config;
 }
 
@@ -33,7 +33,7 @@ Path pressed() { return Path({{0, {50, 33, 50}}, {0.2, {50, 25, 50}}, {0.4, {50,
 
 Model modelOf(const SessionConfig& config) {
   Log log;
-  return loadModel(config, {.log = log, .threads = 1});
+  return loadModel(config.model, {.log = log, .threads = 1});
 }
 
 /// Replays a log, checks its forces and points, and returns its configuration.
@@ -68,7 +68,7 @@ TEST_CASE("a soft body is touched, dented and recorded, and a replay gives the s
   const SculptedCloud dented = session.sculpted();
   CHECK(dented.edited > 100);
   CHECK(dented.cloud.size() == session.model().cloud.size());
-  CHECK(replayedConfig(file, result.trace(), dented.cloud).matter == config.matter);
+  CHECK(replayedConfig(file, result.trace(), dented.cloud).model.matter == config.model.matter);
 }
 
 TEST_CASE("a sculpted soft body keeps its dent, a replay gives the same forces, and undo removes it") {
@@ -123,7 +123,7 @@ TEST_CASE("a body with shape matching is felt and dented, and its text says so")
   scene.preset = SoftPreset::shapeMatching;
   scene.stiffness = 0.25;
   const SessionConfig config = softSession(scene);
-  CHECK(parseConfig(configText(config)).matter == config.matter);
+  CHECK(parseConfig(configText(config)).model.matter == config.model.matter);
   const auto cpu = cpuBackend();
   Session session(config, modelOf(config), {.backend = *cpu, .threads = 1});
   const ServoResult result = runAlone(session, pressed());
@@ -171,7 +171,7 @@ TEST_CASE("a scan is filled, felt and dented like a shape, and an open scan is r
   session.finish();
   CHECK(session.sculpted().edited > 1'000);
   scene.model = (folder / "none.ply").string();
-  config.matter = sceneRef(scene);
+  config.model.matter = sceneRef(scene);
   CHECK_THROWS_AS(modelOf(config), Error);
 }
 

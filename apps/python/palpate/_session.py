@@ -141,7 +141,7 @@ class Session(_palpate._Session):
         if len(placed) != len(clouds):
             raise UsageError(f"poses: {len(placed)} are given for {len(clouds)} clouds")
         if not clouds:
-            raise UsageError("clouds: none is given")
+            raise UsageError("clouds: is empty; give at least one")
         given = []
         for cloud, pose in zip(clouds, placed):
             if not isinstance(cloud, _palpate.Cloud):
