@@ -20,9 +20,9 @@ void Panels::help(const std::string& text) const {
   const float x = display.x - right >= width ? right
                   : left >= width            ? left - width
                                              : std::max(0.0f, std::min(ImGui::GetItemRectMin().x, display.x - width));
+  // Above, since what a control changes is usually below it.
   const float below = ImGui::GetItemRectMax().y + gap, above = ImGui::GetItemRectMin().y - gap - height;
-  const float y = fitsBeside ? std::min(ImGui::GetItemRectMin().y, display.y - height)
-                             : (below + height <= display.y ? below : above);
+  const float y = fitsBeside ? std::min(ImGui::GetItemRectMin().y, display.y - height) : (above >= 0 ? above : below);
   ImGui::SetNextWindowPos({x, y});
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(padding.x + wrap);
