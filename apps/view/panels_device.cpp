@@ -163,8 +163,11 @@ void Panels::drawDeviceOffers(const HeldDevice& held) {
 }
 
 void Panels::drawMissingDevices(const DevicesFound& around) {
-  if (around.offers.empty()) line("No device was found.");
+  const bool isAnswer = around.offers.empty();
+  if (isAnswer) line("No device was found.");
+  if (around.missing.empty() || (!isAnswer && !noted("not found", ImGui::TreeNode("not found")))) return;
   for (const MissingKind& each : around.missing) faintLine(each.reason);
+  if (!isAnswer) ImGui::TreePop();
 }
 
 }  // namespace palpate
