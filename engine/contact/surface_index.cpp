@@ -148,8 +148,9 @@ void SurfaceIndex::searchBlock(const OccupiedBlocks::Block& block, const DVec3& 
   std::array<Distant, OccupiedBlocks::kCells> cells;
   std::size_t count = 0, nearest = 0;
   block.forEachCell([&](const IVec3& cell) {
-    cells[count] = {squaredDistanceTo(boxOf(cell, 1), x), bucketOf(grid_.grid(), cell)};
-    if (cells[count].squared > best.squared) return;
+    const double squared = squaredDistanceTo(boxOf(cell, 1), x);
+    if (squared > best.squared) return;
+    cells[count] = {squared, bucketOf(grid_.grid(), cell)};
     if (cells[count].squared < cells[nearest].squared) nearest = count;
     ++count;
   });
