@@ -190,23 +190,31 @@ std::optional<SurfaceIndex::Foot> SurfaceIndex::land(DVec3 x, DVec3 facing) cons
 }
 
 // Slides over the surface to where its normal points at `x`; a slide is taken only if it comes nearer, so that it
-// converges however far `x` is behind the centre of curvature.
+// converges however far `x` is behind the centre of curvature. The farther `x` is, the more a slide overshoots: the
+// secant through its two ends then corrects the next ones.
 std::optional<SurfaceIndex::Foot> SurfaceIndex::footOf(const DVec3& x, std::uint32_t point) const {
   constexpr int kMaxSlides = 100;
   constexpr double kSmallestShare = 1e-6;
+  const auto tangential = [&](const Foot& foot) {
+    const DVec3 towards = x - foot.position, normal = foot.surface.normal;
+    return towards - glm::dot(towards, normal) * normal;
+  };
   std::optional<Foot> foot = land(DVec3(positions_[point]), DVec3(normals_[point]));
   double share = 1;
   for (int i = 0; foot && i < kMaxSlides && share > kSmallestShare; ++i) {
-    const DVec3 way = x - foot->position, normal = foot->surface.normal;
-    const DVec3 slide = share * (way - glm::dot(way, normal) * normal);
+    const DVec3 direction = tangential(*foot), slide = share * direction;
     const double length = glm::length(slide);
     if (length <= kArrived * options_.radius) break;
     const double longest = kLongestStep * options_.radius;
-    const std::optional<Foot> next = land(foot->position + slide * std::min(1.0, longest / length), normal);
-    if (next && glm::distance(x, next->position) < glm::length(way))
-      foot = next;
-    else
+    const std::optional<Foot> next =
+        land(foot->position + slide * std::min(1.0, longest / length), foot->surface.normal);
+    if (!next || glm::distance(x, next->position) >= glm::distance(x, foot->position)) {
       share *= 0.5;
+      continue;
+    }
+    const double left = glm::dot(tangential(*next), direction) / glm::dot(direction, direction);
+    if (left < 0 && length <= longest) share /= 1 - left;
+    foot = next;
   }
   return foot;
 }
