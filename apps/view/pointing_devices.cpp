@@ -17,6 +17,8 @@ constexpr double kZoom_per_s = 1.5;     // with the cap of a 3D mouse
 constexpr double kSteepest = 4, kStep_mm = 2;
 // Time without contact after which a pressing stylus is put down again; time that it may need to reach contact.
 constexpr double kLost_s = 0.06, kPutDown_s = 0.2;
+// A stylus farther than this from the position that is pressed has not followed the cursor yet.
+constexpr double kArrived_mm = 10;
 constexpr double kLongestTap_s = 0.3;  // maximum wait for the hand to reach the surface
 constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
 
@@ -195,11 +197,11 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
   const std::optional<DVec3> last = std::exchange(pressedAt_, hand_.isPressing() ? std::optional(place) : std::nullopt);
   const bool comesBack = std::exchange(wasBeside_, hand_.isBeside()) && !wasBeside_;
   const DVec3 along = glm::normalize(place - at.viewpoint.camera().eye);
+  const auto& rows = at.session->history().rows();
   bool isPutDown = false;
   if (last && pressedAt_) {
     const double deeper = std::abs(glm::dot(place - *last, along));
     const double aside = glm::length(place - *last - glm::dot(place - *last, along) * along);
-    const auto& rows = at.session->history().rows();
     if (!rows.empty() && rows.back().contact) felt_s_ = std::max(felt_s_, at.time_s);
     // Contact lost although the surface under the cursor is visible, e.g. in a crease: the stylus is inside the model.
     if (comesBack || deeper > kSteepest * aside + model.scale.toUnits(kStep_mm) || at.time_s - felt_s_ > kLost_s) {
@@ -209,6 +211,13 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
     }
   } else {
     felt_s_ = at.time_s + kPutDown_s;
+    // On its way it would pass through the model, and sculpt there.
+    if (pressedAt_ && !rows.empty() &&
+        model.scale.toMm(glm::distance(rows.back().hip, model.cloud.origin + place)) > kArrived_mm) {
+      isPutDown = true;
+      hand_.putDownAgain();
+      pressedAt_.reset();
+    }
   }
   const double inward_mm = hand_.takeInward_mm(view.press_mm);
   const double given_mm = at.session->givenWay_mm();

@@ -29,6 +29,11 @@ const float kAtCenter = 1e-6f;
 // point decreases; below the second it is zero, since the point belongs to another side of the model, which the tool
 // does not touch.
 const float kTurnedAway = -0.3f, kOtherSide = -0.8f;
+// The same cosines: below the first a face that the ball meets with its side begins to yield along its own normal, and
+// below the second it does not yield along the axis at all.
+const float kSlope = 0.5f, kWall = 0.17f;
+// In radii of the brush: a face yields along its normal if the tool's axis is this far in front of it.
+const float kInFront = 0.25f;
 // Units of a measured weight, normal and height of 1: integers, so that sums do not depend on the order of addition.
 const float kWeightSteps = 63.0f, kNormalSteps = 511.0f, kHeightSteps = 255.0f;
 const float kMaxHeight = 4.0f;  // in radii of the brush
@@ -137,10 +142,11 @@ PALPATE_FORMULA Real brushWeight(PALPATE_OF(Brush) brush, Real distance) {
   return weight;
 }
 
+PALPATE_FORMULA Real clampedShare(Real share) { return max(Real(0.0), min(Real(1.0), share)); }
+
 // Weight of a point by its normal as the stroke found it, 0 to 1.
 PALPATE_FORMULA Real facingShare(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 foundNormal) {
-  const Real share = (dot(foundNormal, tool.outward) - Real(kOtherSide)) / Real(kTurnedAway - kOtherSide);
-  return max(Real(0.0), min(Real(1.0), share));
+  return clampedShare((dot(foundNormal, tool.outward) - Real(kOtherSide)) / Real(kTurnedAway - kOtherSide));
 }
 
 // Share of the full effect that a point gets in this edit, by its distance from the tool's centre and its normal.
@@ -174,9 +180,17 @@ PALPATE_FORMULA uint connectedCell(PALPATE_OF(BrushTool) tool, PALPATE_OF(FoundP
 // Whether a brush acts on everything within its tool, connected or not.
 PALPATE_FUNCTION bool actsOnAll(uint kind) { return kind == kBrushCarve; }
 
+// Rest of a displacement of which a point gets a share only: of the full one from where the stroke found it, minus
+// `gone`, the part already done.
+PALPATE_FORMULA Real restOfShare(Real share, Real displacement, Real gone) {
+  return max(Real(0.0), displacement - (Real(1.0) - share) * (displacement + max(gone, Real(0.0))));
+}
+
 // Push (thesis section 5.2). The thesis moves every point towards the proxy, which on flat ground only crowds the
 // points. Here a point moves along the tool's axis to the underside of the ball: the brush leaves its shape, and points
-// ahead of a moving hand are pressed down, not carried along. For a point-sized brush both are the same.
+// ahead of a moving hand are pressed down, not carried along. For a point-sized brush both are the same. In an inner
+// corner the ball meets the other face with its side: that face yields along its own normal, by as much as the ball
+// is in it. Along the axis it would be dragged out of its place and torn.
 PALPATE_FORMULA PALPATE_OF(Brushed)
     pushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_OF(FoundPoint) found) {
   PALPATE_OF(Brushed) result;
@@ -190,12 +204,22 @@ PALPATE_FORMULA PALPATE_OF(Brushed)
   const Real squared = brush.radius * brush.radius - dot(aside, aside);
   if (!(squared > Real(0.0))) return result;
   const Real chord = sqrt(squared);
-  if (height > max(tool.shaft, chord)) return result;
-  // Of the full displacement from where the point was found, minus the part already done.
-  const Real gone = dot(found.position - position, tool.outward);
-  const Real depth = height + chord - (Real(1.0) - share) * (height + chord + max(gone, Real(0.0)));
-  if (!(depth > Real(0.0))) return result;
-  result.position = position - min(tool.share * depth, brush.longestMove) * tool.outward;
+  const Real depth = height + chord;
+  if (height > max(tool.shaft, chord) || !(depth > Real(0.0))) return result;
+  const PALPATE_VEC3 gone = found.position - position;
+  PALPATE_VEC3 way = -restOfShare(share, depth, dot(gone, tool.outward)) * tool.outward;
+  const Real wall = clampedShare((Real(kSlope) - dot(found.normal, tool.outward)) / Real(kSlope - kWall));
+  if (wall > Real(0.0)) {
+    const PALPATE_VEC3 fromAxis = offset - max(Real(0.0), min(tool.shaft, height)) * tool.outward;
+    const Real front = -dot(found.normal, fromAxis);
+    const Real inside = max(Real(0.0), brush.radius * brush.radius - dot(fromAxis, fromAxis));
+    const Real sunk = sqrt(front * front + inside) - front;
+    const Real weight = wall * clampedShare(front / (Real(kInFront) * brush.radius)) *
+                        clampedShare(Real(2.0) * (Real(1.0) - sunk / depth));
+    way = way - weight * (way + restOfShare(share, sunk, dot(gone, found.normal)) * found.normal);
+  }
+  const Real step = tool.share * length(way);
+  result.position = position + (step > brush.longestMove ? brush.longestMove / step : Real(1.0)) * tool.share * way;
   return result;
 }
 

@@ -1,4 +1,6 @@
 // The window under scripts of a user's input, on a display without a screen (Xvfb).
+#include "engine/cloud/point_tree.hpp"
+#include "engine/io/ply_reader.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/near.hpp"
@@ -183,6 +185,38 @@ TEST_CASE("a second press at one position meets the surface, however soon the cu
     CHECK(state["contact"] == true);
     CHECK(state["penetration_mm"] > 0.1);
   }
+}
+
+TEST_CASE("a press acts where the cursor is, not on the stylus's way there, however quickly it follows a motion") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 560x420 --edit push", R"(
+0.1 mouse 360 280
+0.3 key space down
+0.6 mouse 470 160
+0.6 button left down
+1.2 state %/pressed.json
+1.3 button left up
+1.6 save %/after.ply
+1.8 quit
+)",
+                           "", [](const std::filesystem::path& folder) { makeSphere(folder); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto state = played->state("pressed.json");
+  CHECK(state["contact"] == true);
+  const auto at = state["proxy"];
+  const DVec3 proxy(at[0].get<double>(), at[1].get<double>(), at[2].get<double>());
+  const PointCloud before = readPly(played->folder / "sphere.ply"), after = readPly(played->folder / "after.ply");
+  const PointTree whole(before.positions);
+  std::vector<std::uint32_t> same;
+  double farthest = 0;
+  for (const Vec3& place : after.positions) {
+    same.clear();
+    whole.near(DVec3(place), 1e-4, same);
+    if (same.empty()) farthest = std::max(farthest, glm::distance(DVec3(place), proxy));
+  }
+  CHECK(farthest > 3);
+  CHECK(farthest < 12);
 }
 
 TEST_CASE("a script runs the same ticks on any machine; in real time ticks follow the clock") {

@@ -15,6 +15,7 @@
 #include "engine/core/brush.hpp"
 #include "engine/core/point_state.hpp"
 #include "engine/touch/touch_backend.hpp"
+#include "tests/edit/surface_gaps.hpp"
 #include "tests/near.hpp"
 
 namespace palpate {
@@ -258,6 +259,33 @@ inline void checkEdge(const MakeLimbTouch& make) {
   CHECK(upper > 30);
   CHECK(side > 30);
   CHECK(depthUnder(after, place) == near(4 - kLimbTau, 0.1));
+}
+
+// A wall on a floor: a ball that is pressed into the wall and dragged along it is in the floor with its side. The floor
+// yields downwards; along the tool's axis it would be dragged to the wall, and a hole would be left.
+inline void checkCorner(const MakeLimbTouch& make) {
+  constexpr double kHigh = 4, kDepth = 4;
+  const LimbPlace from{{0, -8, kHigh}, {1, 0, 0}}, to{{0, 8, kHigh}, {1, 0, 0}};
+  for (const bool random : {false, true}) {
+    CAPTURE(random);
+    Limbs limbs(random);
+    limbs.addSheet({0, -25, 0}, {0, 50, 0}, {0, 0, 25});
+    limbs.addSheet({0, -25, 0}, {25, 0, 0}, {0, 50, 0});
+    const PointCloud before = limbs.cloud();
+    CHECK(insideBall(before, before.size(), to, kDepth) > 100);
+    const PointCloud after = stroked(make, limbs, BrushKind::push, pressed({from, to}, kDepth));
+    CHECK(depthUnder(after, to) == near(kDepth - kLimbTau, random ? 0.15 : 0.05));
+    CHECK(deepestInBall(after, to, kDepth) < 0.15);
+    double lowest = 0;
+    for (const Vec3& position : after.positions) lowest = std::min(lowest, double{position.z});
+    CHECK(lowest == near(kHigh - kLimbBrush, 0.1));
+    const auto gaps = [](const PointCloud& cloud) {
+      return SurfaceGapFinder(cloud, kLimbSupport, kLimbSpacing).find([](const DVec3& at) {
+        return std::abs(at.y) < 18 && at.x < 15 && at.z < 15;
+      });
+    };
+    CHECK(gaps(after).widest <= std::max(1.4, gaps(before).widest));
+  }
 }
 
 // A crease between two rods that have grown together: a push into it presses both.

@@ -35,6 +35,10 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a press on a plate leaves a plate 
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a press on an edge moves both of its faces") { checkEdge(onGpu(device)); }
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a push along a wall leaves no hole in the floor beside it") {
+  checkCorner(onGpu(device));
+}
+
 TEST_CASE_FIXTURE(CoreGpuFixture,
                   "on the GPU a press into the crease of two limbs that have grown together moves both") {
   checkMerged(onGpu(device));
