@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/core/error.hpp"
+#include "engine/core/unknown_name.hpp"
 #include "haptics/surface_walk.hpp"
 #include "haptics/touch_target.hpp"
 
@@ -189,7 +190,7 @@ Dive diveInto(const MatterPlace& place, const ModelScale& scale, double penetrat
 Path builtinPathInMatter(std::string_view name, const MatterPlace& place, const ModelScale& scale,
                          double penetration_mm) {
   if (std::find(kNamesInMatter.begin(), kNamesInMatter.end(), name) == kNamesInMatter.end())
-    throw UsageError("there is no built-in path '{}' in matter; there are {}", name, fmt::join(kNamesInMatter, ", "));
+    throw UsageError("{}", unknownName("built-in path in matter", name, kNamesInMatter));
   const Dive dive = diveInto(place, scale, penetration_mm);
   PathBuilder builder(DVec3(0), scale);
   builder.startAt(dive.from);
@@ -216,7 +217,7 @@ std::span<const std::string_view> builtinPathNames() { return kNames; }
 
 Path builtinPath(std::string_view name, const PointCloud& cloud, const ModelScale& scale, double penetration_mm) {
   if (std::find(kNames.begin(), kNames.end(), name) == kNames.end())
-    throw UsageError("there is no built-in path '{}'; there are {}", name, fmt::join(kNames, ", "));
+    throw UsageError("{}", unknownName("built-in path", name, kNames));
   if (!(penetration_mm > 0) || !std::isfinite(penetration_mm))
     throw UsageError("a penetration of {} mm: it must be above 0", penetration_mm);
   if (name == "orbit") return orbit(cloud, scale);

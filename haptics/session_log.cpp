@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/core/checksum.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 
 namespace palpate {
@@ -229,9 +230,9 @@ std::string sentenceOf(const SessionRecord& record, const LogGap& gap) {
   const std::string when = gap.tick < record.ticks.size()
                                ? fmt::format("between {} and {:.3f} s", from, record.ticks[gap.tick].time_s)
                                : "after " + from;
-  const std::string what = gap.ticks
-                               ? fmt::format("{} ticks and {} edits of points, {},", *gap.ticks, *gap.states, when)
-                               : fmt::format("ticks and edits {}", when);
+  const std::string what = gap.ticks ? fmt::format("{} and {} of points, {},", counted(*gap.ticks, "tick"),
+                                                   counted(*gap.states, "edit"), when)
+                                     : fmt::format("ticks and edits {}", when);
   if (gap.begin == gap.end) return fmt::format("at byte {} {} are missing: they were not written", gap.begin, what);
   return fmt::format("bytes {} to {} of {} are damaged: {} are missing", gap.begin, gap.end, record.fileBytes, what);
 }

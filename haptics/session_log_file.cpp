@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/checksum.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 
 namespace palpate {
@@ -93,10 +94,10 @@ void SessionLogFile::close() {
   sync();
   if (const int error = output_.close(); error != 0) fail(error);
   if (failure_.empty()) return;
-  const std::string missing =
-      unwrittenTicks_ + unwrittenEdits_ > 0
-          ? fmt::format("{} ticks and {} edits of points are missing in it", unwrittenTicks_, unwrittenEdits_)
-          : "its content may not be on the disk";
+  const std::string missing = unwrittenTicks_ + unwrittenEdits_ > 0
+                                  ? fmt::format("{} and {} of points are missing in it",
+                                                counted(unwrittenTicks_, "tick"), counted(unwrittenEdits_, "edit"))
+                                  : "its content may not be on the disk";
   throw FileError(file_, fmt::format("{} ({}; the session continued)", failure_, missing));
 }
 

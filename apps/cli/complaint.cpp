@@ -6,8 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "apps/cli/suggestion.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/unknown_name.hpp"
 
 namespace palpate {
 
@@ -41,13 +41,8 @@ Named namedIn(const CLI::App& app) {
   return named;
 }
 
-std::string question(const std::string& meant) {
-  return meant.empty() ? std::string() : fmt::format("; did you mean {}?", meant);
-}
-
 std::string noSubcommand(const CLI::App& command, const std::string& word) {
-  return fmt::format("there is no subcommand '{}'{}", word,
-                     question(nearestName(word, namesOf(command.get_subcommands({})))));
+  return unknownWord("subcommand", word, namesOf(command.get_subcommands({})));
 }
 
 // Describes an unexpected word.
@@ -57,7 +52,7 @@ std::string aboutWord(const CLI::App& app, const CLI::App& command, const std::s
     std::vector<std::string> names;
     addOptionNames(command, names);
     addOptionNames(app, names);
-    return fmt::format("there is no option '{}'{}", name, question(nearestName(name, names)));
+    return unknownWord("option", name, names);
   }
   if (command.get_subcommands({}).empty()) return fmt::format("'{}' is one word too many", word);
   return noSubcommand(command, word);

@@ -8,6 +8,7 @@
 #include "apps/cli/sharing_options.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/foreign_file.hpp"
@@ -49,7 +50,7 @@ std::vector<std::string> attributesOf(const StoredCloud& stored) {
   if (cloud.hasNormals()) names.emplace_back("normals");
   if (cloud.hasColors()) names.emplace_back("colours");
   for (const Attribute& attribute : cloud.extra) names.push_back(attribute.name);
-  if (!stored.triangles.empty()) names.push_back(fmt::format("{} triangles", stored.triangles.size()));
+  if (!stored.triangles.empty()) names.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
   return names;
 }
 
@@ -133,7 +134,7 @@ void convert(Context& context, const ConvertOptions& options) {
             .triangles = stored.triangles.empty() ? nullptr : &stored.triangles,
             .keptAs = ontoItself(options) ? &keptAs : nullptr});
   if (!keptAs.empty()) context.log().say("{}: what was read is kept as {}", options.output, keptAs.string());
-  context.log().say("{}: {} points with {}", options.output, stored.cloud.size(), fmt::join(kept, ", "));
+  context.log().say("{}: {} with {}", options.output, counted(stored.cloud.size(), "point"), fmt::join(kept, ", "));
   Json result{{"input", options.input},
               {"output", options.output},
               {"from", input.format},

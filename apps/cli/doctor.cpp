@@ -8,6 +8,7 @@
 #include "apps/cli/tick_times.hpp"
 #include "apps/view/copied_presentation.hpp"
 #include "apps/view/presentation.hpp"
+#include "engine/core/counted.hpp"
 #include "haptics/devices/driver_survey.hpp"
 #include "haptics/devices/hid_choice.hpp"
 #include "haptics/pace_check.hpp"
@@ -202,8 +203,8 @@ Json network(std::FILE* out, const NetworkConfig& config) {
                             : session.roundTrip_ms ? fmt::format("round trip {:.2f} ms, {:.0f} % of {} pings lost",
                                                                  *session.roundTrip_ms, lost_percent, session.pings)
                                                    : "no reply to pings";
-    fmt::print(out, "  {}: {} points of {}, by {}; {}\n", session.name, session.points, session.model, session.host,
-               way);
+    fmt::print(out, "  {}: {} of {}, by {}; {}\n", session.name, counted(session.points, "point"), session.model,
+               session.host, way);
     json.push_back({{"name", session.name},
                     {"host", session.host},
                     {"model", session.model},
@@ -274,8 +275,8 @@ Json forgetBackends(std::FILE* out) {
   const std::size_t count = memory.count();
   const bool existed = memory.forget();
   fmt::print(out, "{}\n",
-             existed ? fmt::format("{}: {} measurement{} removed; --backend auto measures again",
-                                   memory.file().string(), count, count == 1 ? "" : "s")
+             existed ? fmt::format("{}: {} removed; --backend auto measures again", memory.file().string(),
+                                   counted(count, "measurement"))
                      : "--backend auto has measured nothing yet");
   return existed ? Json(count) : Json(0);
 }

@@ -1,5 +1,6 @@
 #include "apps/cli/fused_folder.hpp"
 
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/motion/frame_fusion.hpp"
 
@@ -42,8 +43,8 @@ FusedFolder readFused(Context& context, const std::filesystem::path& folder, con
     throw FileError(folder, fmt::format("its {} frames show no surface: {} were fused, {} could not be placed, {} not "
                                         "read; check the depth scale ({} values a metre) and the intrinsics",
                                         fused.frames, fused.fused, fused.unplaced, fused.lost, stream.depthScale()));
-  log.say("{}: {} of {} frames fused into {} points, in metres", folder.string(), fused.fused, fused.frames,
-          fused.stored.cloud.size());
+  log.say("{}: {} of {} frames fused into {}, in metres", folder.string(), fused.fused, fused.frames,
+          counted(fused.stored.cloud.size(), "point"));
   return fused;
 }
 

@@ -8,6 +8,7 @@
 #include "engine/cloud/length_text.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/voxel_sample.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/core/units.hpp"
 #include "engine/io/cloud_formats.hpp"
@@ -36,8 +37,9 @@ struct ModelInfo {
 };
 
 ModelInfo infoOf(const Context& context, const std::string& file, const LookOptions& look, bool keepUnreliable) {
-  ModelInfo info{.format = cloudFormats().toRead(file).name, .contents = contentsOf(file)};
+  // Before the contents, which are not read so thoroughly: every subcommand reports the same error of a file.
   StoredCloud stored = readCloud(file, nullptr, {.keepUnreliable = keepUnreliable});
+  ModelInfo info{.format = cloudFormats().toRead(file).name, .contents = contentsOf(file)};
   info.lost = std::move(stored.lost);
   info.leftOut = std::move(stored.leftOut);
   info.model = {.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};
@@ -68,8 +70,8 @@ void printPoints(std::FILE* out, const ModelInfo& info) {
   const PointCloud& cloud = info.model.cloud;
   const double resolution = resolutionOf(info.bounds);
   const auto corner = [&](const DVec3& place) { return coordinateText(place, isExact(cloud) ? 0 : resolution, ", "); };
-  fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
-             cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
+  fmt::print(out, "  normals: {}   colours: {}   carried through: {} of points\n", cloud.hasNormals() ? "yes" : "no",
+             cloud.hasColors() ? "yes" : "no", counted(cloud.extra.size(), "property", "properties"));
   fmt::print(out, "  bounding box: ({}) to ({})\n", corner(info.inFile.min), corner(info.inFile.max));
   const DVec3 size = info.bounds.max - info.bounds.min;
   fmt::print(out, "  size: {} x {} x {}\n", lengthText(size.x), lengthText(size.y), lengthText(size.z, info.unit));
@@ -83,7 +85,7 @@ void printPoints(std::FILE* out, const ModelInfo& info) {
 }
 
 void print(std::FILE* out, const std::string& file, const ModelInfo& info) {
-  fmt::print(out, "{}: {} points, {}\n", file, info.model.cloud.size(), info.format);
+  fmt::print(out, "{}: {}, {}\n", file, counted(info.model.cloud.size(), "point"), info.format);
   if (!info.contents.madeFrom.empty()) fmt::print(out, "  made from: {}\n", info.contents.madeFrom);
   for (const FileElement& element : info.contents.elements) {
     fmt::print(out, "  element {}: {}", element.name, element.count);
@@ -186,7 +188,7 @@ void infoOfFrames(Context& context, const std::string& file, const StreamOptions
   const DepthCamera& camera = folder.camera();
   const auto up = folder.up();
   std::FILE* out = context.tables();
-  fmt::print(out, "{}: {} frames of a depth camera ({}), {:.6g} s\n", file, folder.frames(), folder.kind(),
+  fmt::print(out, "{}: {} of a depth camera ({}), {:.6g} s\n", file, counted(folder.frames(), "frame"), folder.kind(),
              folder.duration_s());
   fmt::print(out, "  size: {} x {} pixels, focal lengths {:g} and {:g}, principal point {:g}, {:g}\n", camera.width,
              camera.height, camera.fx, camera.fy, camera.cx, camera.cy);

@@ -10,6 +10,7 @@
 #include "apps/cli/config_flags.hpp"
 #include "apps/cli/context.hpp"
 #include "apps/cli/stop_by_signal.hpp"
+#include "engine/core/counted.hpp"
 
 namespace palpate {
 namespace {
@@ -114,7 +115,7 @@ int run(std::vector<std::string> arguments) {
     command();
     checkStdout();
     if (const std::size_t messages = context.closeDevices())
-      throw Error("{} validation message{}; see above", messages, messages == 1 ? "" : "s");
+      throw Error("{}; see above", counted(messages, "validation message"));
     return 0;
   } catch (const CLI::Success& asked) {  // --help or --version was given
     if (!app.get_subcommands().empty() || firstUnexpected(app).empty()) return app.exit(asked);

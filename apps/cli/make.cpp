@@ -3,6 +3,7 @@
 #include "apps/cli/progress.hpp"
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
 
@@ -41,7 +42,8 @@ void make(Context& context, const MakeOptions& options) {
   writeCloud(options.output, cloud, {.ascii = options.ascii, .progress = [&](double share) {
                                        progress.set(kSampling + (1 - kSampling) * share);
                                      }});
-  context.log().say("{}: {} points of {} in {:.2f} s", options.output, cloud.size(), options.shape, watch.elapsed_s());
+  context.log().say("{}: {} of {} in {:.2f} s", options.output, counted(cloud.size(), "point"), options.shape,
+                    watch.elapsed_s());
   context.writeJson({{"file", options.output}, {"shape", options.shape}, {"points", cloud.size()}});
 }
 
@@ -53,7 +55,7 @@ void addMake(Options& app, Context& context, Command& command) {
   std::string names;
   for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
   sub.add("shape", options->shape, "one of " + names).required().typeName("SHAPE");
-  sub.add("-n,--points", options->count, "number of points").check(wholeBetween(0, kMaxPoints)).showDefault();
+  sub.add("-n,--points", options->count, "number of points").check(wholeBetween(1, kMaxPoints)).showDefault();
   sub.add("-o,--output", options->output, "output: " + cloudFormats().endingsWritten(Written::points))
       .required()
       .typeName("FILE");

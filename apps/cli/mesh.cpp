@@ -2,6 +2,7 @@
 #include "apps/cli/output.hpp"
 #include "apps/cli/progress.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/mesh/mesh_memory.hpp"
 
@@ -43,14 +44,15 @@ void mesh(Context& context, const MeshCommandOptions& options) {
   const Mesh result = cubes.download();
   progress.set(0.8);
   if (result.triangles.empty())
-    throw Error("{}: {} points show no surface within {:.3g} mm (in the hand) of one another; try a larger --radius",
-                options.model.file, model.cloud.size(), model.scale.toMm(static_cast<double>(plan.lattice.radius)));
+    throw Error("{}: no surface within {:.3g} mm (in the hand) of its {}; try a larger --radius", options.model.file,
+                model.scale.toMm(static_cast<double>(plan.lattice.radius)), counted(model.cloud.size(), "point"));
   const double cell = static_cast<double>(plan.lattice.cell);
   writeMesh(options.output, result, cell, options.ascii);
   const MeshReport report = examine(result);
-  context.log().say("{}: {} vertices, {} triangles in {} part{}, {}; {} blocks, {:.1f} MiB, {:.1f} ms", options.output,
-                    report.vertices, report.triangles, report.parts, report.parts == 1 ? "" : "s", inWords(report),
-                    step.blocks, static_cast<double>(cubes.bytes()) / (1 << 20), wall_us * 1e-3);
+  context.log().say("{}: {}, {} in {}, {}; {}, {:.1f} MiB, {:.1f} ms", options.output,
+                    counted(report.vertices, "vertex", "vertices"), counted(report.triangles, "triangle"),
+                    counted(report.parts, "part"), inWords(report), counted(step.blocks, "block"),
+                    static_cast<double>(cubes.bytes()) / (1 << 20), wall_us * 1e-3);
   const double mm = model.scale.mm_per_unit;
   context.writeJson({{"file", options.output},
                      {"points", model.cloud.size()},

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <optional>
 
-#include "apps/cli/suggestion.hpp"
+#include "engine/core/unknown_name.hpp"
 #include "haptics/session/bounds.hpp"
 
 namespace palpate {
@@ -83,9 +83,7 @@ Check oneOf(std::vector<std::string> words) {
   std::string description = fmt::format("{{{}}}", fmt::join(words, ","));
   return {[words = std::move(words)](const std::string& text) {
             if (std::ranges::find(words, text) != words.end()) return std::string();
-            const std::string meant = nearestName(text, words);
-            return fmt::format("there is no '{}'{}; choose {}", text,
-                               meant.empty() ? "" : fmt::format(", but {}", meant), fmt::join(words, ", "));
+            return unknownName("value", text, words);
           },
           std::move(description)};
 }

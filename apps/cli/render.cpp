@@ -3,6 +3,7 @@
 #include "apps/cli/picture.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stream_options.hpp"
+#include "engine/core/counted.hpp"
 #include "haptics/session/simulation.hpp"
 
 namespace palpate {
@@ -47,8 +48,8 @@ void render(Context& context, const RenderOptions& options) {
     picture.points = options.mode == "points";
     takePicture(context, model, drawn, picture, {}, options.output);
   }
-  context.log().say("{}: {}{} points of {}", options.output, options.mode == "mesh" ? "mesh through " : "",
-                    model.cloud.size(), config.model.file);
+  context.log().say("{}: {}{} of {}", options.output, options.mode == "mesh" ? "mesh through " : "",
+                    counted(model.cloud.size(), "point"), config.model.file);
   context.writeJson({{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}});
 }
 

@@ -2,6 +2,7 @@
 #include "apps/cli/output.hpp"
 #include "apps/cli/results.hpp"
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/session/session_replay.hpp"
@@ -19,13 +20,15 @@ struct ReplayOptions {
 void print(std::FILE* out, const Recorded& recorded, const ReplayOutcome* outcome, const std::string& machine) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
   const SessionRecord& record = recorded.record;
-  row("session", fmt::format("{} ticks, {} edits of points, {}", record.ticks.size(), record.edits.points.size(),
-                             record.end ? "to its end" : "not to its end"));
+  row("session",
+      fmt::format("{}, {} of points, {}", counted(record.ticks.size(), "tick"),
+                  counted(record.edits.points.size(), "edit"), record.end ? "to its end" : "not to its end"));
   for (const std::string& sentence : whatIsMissing(record)) row("missing in the log", sentence);
   if (record.end && record.end->lostTicks)
-    row("missing in the log", fmt::format("{} ticks: its thread had fallen behind", record.end->lostTicks));
+    row("missing in the log", fmt::format("{}: its thread had fallen behind", counted(record.end->lostTicks, "tick")));
   if (record.mergedEdits)
-    row("merged in the log", fmt::format("{} edits that others of the same point followed", record.mergedEdits));
+    row("merged in the log",
+        fmt::format("{} that others of the same point followed", counted(record.mergedEdits, "edit")));
   row("recorded on", recorded.session.machine);
   if (recorded.endsAsRecorded)
     row("recorded edits", *recorded.endsAsRecorded ? "give the recorded points"

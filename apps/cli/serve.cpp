@@ -9,6 +9,7 @@
 #include "apps/cli/stream_options.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/simulation.hpp"
 #include "haptics/session/stepped_model.hpp"
@@ -106,8 +107,8 @@ void serve(Context& context, const ServeOptions& options) {
                            .facts = factsOf(model, config.matter)};
   addMotion(parts, context, config, loaded);
   CloudServer server(model.cloud, std::move(parts));
-  context.log().say("serving '{}': {} points of {}{}; {}", options.name, model.cloud.size(), config.model.file,
-                    config.moves() ? ", which move" : "", opennessOf(options.network.config()));
+  context.log().say("serving '{}': {} of {}{}; {}", options.name, counted(model.cloud.size(), "point"),
+                    config.model.file, config.moves() ? ", which move" : "", opennessOf(options.network.config()));
   std::exception_ptr ended;  // by a failure: the edited points are saved nevertheless
   try {
     if (options.ros.name.empty()) {
@@ -120,13 +121,13 @@ void serve(Context& context, const ServeOptions& options) {
     ended = std::current_exception();
   }
   const ServedCounts counts = server.counts();
-  context.log().say("served '{}' to {} client{}: {} blocks of points; {} sculpted it, {} states of points in {} pieces",
-                    options.name, counts.clients, counts.clients == 1 ? "" : "s", counts.blocks, counts.sculptors,
-                    counts.states, counts.pieces);
+  context.log().say("served '{}' to {}: {} of points; {} sculpted it, {} states of points in {}", options.name,
+                    counted(counts.clients, "client"), counted(counts.blocks, "block"), counts.sculptors, counts.states,
+                    counted(counts.pieces, "piece"));
   if (counts.partial > 0)
-    context.log().say("{} client{} streamed only the points around their hands: {} points in {} steps{}",
-                      counts.partial, counts.partial == 1 ? "" : "s", counts.partialPoints, counts.partialSteps,
-                      config.moves() ? fmt::format(", of {} frames", counts.frames) : std::string());
+    context.log().say("{} streamed only the points around their hands: {} in {}{}", counted(counts.partial, "client"),
+                      counted(counts.partialPoints, "point"), counted(counts.partialSteps, "step"),
+                      config.moves() ? fmt::format(", of {}", counted(counts.frames, "frame")) : std::string());
   if (!options.saveFile.empty()) saveKeeping(options.saveFile, editedCloud(model.cloud, server.points()));
   context.writeJson({{"name", options.name},
                      {"points", model.cloud.size()},

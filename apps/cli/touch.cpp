@@ -7,6 +7,7 @@
 #include "apps/cli/touch_results.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/drawn_follower.hpp"
 #include "haptics/session/session.hpp"
@@ -295,9 +296,12 @@ SharedCounts checkShared(Outputs& outputs, Session& session, const TouchCommandO
   return counts;
 }
 
-/// Throws if the session was interrupted, or if ticks had no valid answer.
-void checkTicks(const TouchReport& report) {
-  if (report.interrupted) throw Error("interrupted after {} ticks; their results are kept", report.trace.ticks);
+/// Throws if the session was interrupted, or if ticks had no valid answer. `planned_s`: duration without an
+/// interruption; 0: unlimited.
+void checkTicks(const TouchReport& report, const Trace& trace, double planned_s) {
+  if (report.interrupted)
+    throw Error("interrupted after {}{}; their results are kept", counted(report.trace.ticks, "tick"),
+                planned_s > 0 ? fmt::format(", {:.3f} of {:.6g} s", durationOf(trace), planned_s) : "");
   std::uint64_t faults = report.trace.faultTicks;
   for (const FurtherHandReport& hand : report.hands) faults = std::max(faults, hand.trace.faultTicks);
   if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
@@ -381,7 +385,7 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   outputs.write([&] { context.writeJson(toJson(report)); });
   if (result.deviceFailed) outputs.failed(result.fault);
   outputs.check();
-  checkTicks(report);
+  checkTicks(report, result.trace(), session.durationOf(hands));
 }
 
 }  // namespace

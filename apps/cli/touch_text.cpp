@@ -4,6 +4,7 @@
 #include "apps/cli/tick_times.hpp"
 #include "apps/cli/touch_report.hpp"
 #include "engine/cloud/length_text.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/named_values.hpp"
 
 namespace palpate {
@@ -50,9 +51,10 @@ std::string inWords(std::span<const SeenHand> hands) {
 std::string inWords(const FarReport& far) {
   const FarCounts& counts = far.counts;
   std::string words = fmt::format(
-      "{} of {} ticks lacked points around a hand and had no force; {} points received in {} steps, at most {} "
+      "{} of {} ticks lacked points around a hand and had no force; {} received in {}, at most {} "
       "at a time",
-      far.ticks.without, far.ticks.ticks, counts.points, counts.updates, counts.mostKnown);
+      far.ticks.without, far.ticks.ticks, counted(counts.points, "point"), counted(counts.updates, "step"),
+      counts.mostKnown);
   if (counts.sent > 0)
     words += fmt::format("; {} point states edited here{}", counts.sent,
                          counts.delivered ? ", all delivered" : ", NOT all delivered");
@@ -82,7 +84,8 @@ class Rows {
 
 void printParticipants(const Rows& rows, const TouchReport& report) {
   if (report.ros)
-    rows.print("ROS", fmt::format("{} ticks sent, {} dropped (queue full)", report.ros->ticks, report.ros->lost));
+    rows.print("ROS",
+               fmt::format("{} sent, {} dropped (queue full)", counted(report.ros->ticks, "tick"), report.ros->lost));
   if (report.shared) rows.print("others", inWords(*report.shared));
   if (!report.others.empty()) rows.print("others' hands", inWords(std::span(report.others)));
   if (report.cameras.value_or(0) > 0) rows.print("others' cameras", fmt::format("{}", *report.cameras));
@@ -101,7 +104,7 @@ void printMatter(const Rows& rows, const MatterReport& matter, std::size_t parti
   if (matter.scene.coupling_N_mm > 0)
     force += fmt::format("; spring between hand and ball {:.3g} N/mm", matter.scene.coupling_N_mm);
   if (matter.holds.gaveWayTicks > 0)
-    force += fmt::format("; the body yielded to a hand in {} ticks", matter.holds.gaveWayTicks);
+    force += fmt::format("; the body yielded to a hand in {}", counted(matter.holds.gaveWayTicks, "tick"));
   rows.print("force", force);
   for (const PortEnergy& port : matter.ports)
     rows.print("energy of a hand",
@@ -130,16 +133,17 @@ void printTicks(const Rows& rows, const TouchReport& report) {
   if (trace.gpu_us.count)
     rows.print("GPU time p50 / p99.9", fmt::format("{:.1f} / {:.1f} us", trace.gpu_us.p50, trace.gpu_us.p999));
   if (report.edits)
-    rows.print("edit p50 / p99.9", fmt::format("{:.1f} / {:.1f} us ({} ticks), {} points moved", report.edit_us.p50,
-                                               report.edit_us.p999, report.edit_us.count, report.movedPoints));
+    rows.print("edit p50 / p99.9",
+               fmt::format("{:.1f} / {:.1f} us ({}), {} moved", report.edit_us.p50, report.edit_us.p999,
+                           counted(report.edit_us.count, "tick"), counted(report.movedPoints, "point")));
   if (report.shape) rows.print("shape", fmt::format("strokes that changed the rest shape: {}", report.shape->strokes));
   if (trace.contactTicks == 0 && !report.matter)
     rows.print("contact",
                "none: the HIP never crossed the surface from outside; check the path, and that the support radius "
                "is some spacings wide");
   if (report.error.ticks)
-    rows.print("contact error", fmt::format("{}, largest of {} ticks against double precision{}",
-                                            rows.length(report.error.worst_mm), report.error.ticks,
+    rows.print("contact error", fmt::format("{}, largest of {} against double precision{}",
+                                            rows.length(report.error.worst_mm), counted(report.error.ticks, "tick"),
                                             report.error.undefined ? fmt::format("; {} of them without a surface there",
                                                                                  report.error.undefined)
                                                                    : std::string()));
@@ -152,13 +156,14 @@ void printForces(const Rows& rows, const TouchReport& report) {
   if (report.matter && report.matter->scene.coupling_N_mm > 0)
     rows.print("peak torque", fmt::format("{:.3g} mN m about the middle of the ball", trace.peakTorque_mNm));
   if (report.toolPoints)
-    rows.print("peak torque", fmt::format("{:.3f} mN m about the HIP, of a {} with {} points", trace.peakTorque_mNm,
-                                          report.tool, report.toolPoints));
+    rows.print("peak torque", fmt::format("{:.3f} mN m about the HIP, of a {} with {}", trace.peakTorque_mNm,
+                                          report.tool, counted(report.toolPoints, "point")));
   for (std::size_t i = 0; i < report.hands.size(); ++i) {
     const auto& [device, felt, counts] = report.hands[i];
     rows.print(
         fmt::format("hand {}", i + 2),
-        fmt::format("{}: {} ticks in contact, peak force {:.3f} N{}", device, felt.contactTicks, felt.peakForce_N,
+        fmt::format("{}: {} in contact, peak force {:.3f} N{}", device, counted(felt.contactTicks, "tick"),
+                    felt.peakForce_N,
                     report.realtime ? fmt::format(", {:.1f} % of answers in time", 100 * felt.freshFraction) : ""));
   }
 }
@@ -183,10 +188,11 @@ void printLimits(const Rows& rows, const TouchReport& report) {
                fmt::format("minimum {:.3g} mJ (below 0: energy generated by the loop)", *report.servo.leastEnergy_mJ));
   const GateCounts& withheld = report.servo.withheld;
   if (withheld.aged)
-    rows.print("force faded out", fmt::format("on {} ticks: no update from the server", withheld.aged));
+    rows.print("force faded out", fmt::format("on {}: no update from the server", counted(withheld.aged, "tick")));
   if (withheld.errors + withheld.stale + withheld.hot)
-    rows.print("force reduced", fmt::format("after {} errors, on {} ticks with old data and {} with hot motors",
-                                            withheld.errors, withheld.stale, withheld.hot));
+    rows.print("force reduced",
+               fmt::format("after {}, on {} with old data and {} with hot motors", counted(withheld.errors, "error"),
+                           counted(withheld.stale, "tick"), withheld.hot));
   if (report.bridge_us.count)
     rows.print(
         "late answers bridged",
@@ -207,17 +213,16 @@ void printStrokes(const Rows& rows, const TouchReport& report) {
   }
   if (report.recorded)
     rows.print("recorded forces",
-               fmt::format("differ by {:.3g} N rms, at most {:.3g} N, over {} ticks", report.recorded->rms_N,
-                           report.recorded->worst_N, report.recorded->ticks));
+               fmt::format("differ by {:.3g} N rms, at most {:.3g} N, over {}", report.recorded->rms_N,
+                           report.recorded->worst_N, counted(report.recorded->ticks, "tick")));
   if (report.log) {
     const LogReport& log = *report.log;
     rows.print("session log", fmt::format("{} bytes, {:.1f} a tick", log.bytes,
                                           static_cast<double>(log.bytes) /
                                               static_cast<double>(std::max<std::uint64_t>(1, trace.ticks))));
     if (log.lostTicks + log.mergedEdits)
-      rows.print("log behind",
-                 fmt::format("{} ticks are missing in it; {} edits superseded by later ones of the same points",
-                             log.lostTicks, log.mergedEdits));
+      rows.print("log behind", fmt::format("{} ticks are missing in it; {} superseded by later ones of the same points",
+                                           log.lostTicks, counted(log.mergedEdits, "edit")));
   }
 }
 
@@ -231,9 +236,9 @@ void printShortfalls(const Rows& rows, const TouchReport& report) {
   if (shortfalls.editsHeldUp)
     rows.print("dropped edits", fmt::format("{} (the index was being compacted)", shortfalls.editsHeldUp));
   if (report.edits)
-    rows.print("index", fmt::format("{}: followed {} edits, rebuilt {} times, {} for edits that it could not follow; "
+    rows.print("index", fmt::format("{}: followed {}, rebuilt {} times, {} for edits that it could not follow; "
                                     "compacted {} times in the background",
-                                    nameOf(report.index), report.index.followed, report.index.built,
+                                    nameOf(report.index), counted(report.index.followed, "edit"), report.index.built,
                                     shortfalls.editsRebuilt, report.compactions));
   if (shortfalls.thinnedTicks)
     rows.print("subsampled ticks",

@@ -1,6 +1,7 @@
 #include "apps/simulation/matter_backend.hpp"
 
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/matter/gpu_soft_world.hpp"
@@ -32,8 +33,9 @@ std::unique_ptr<MatterSimulation> softBody(Context& context, const std::string& 
   PointCloud cloud = readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
   const Stopwatch watch;
   const auto model = softModelOf(scene, std::move(cloud), options.threads);
-  context.log().say("{}: a body of {} points, filled with {} nodes in {:.0f} ms", scene.model, model->points.size(),
-                    model->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
+  context.log().say("{}: a body of {}, filled with {} in {:.0f} ms", scene.model,
+                    counted(model->points.size(), "point"), counted(model->solid.lattice.nodes(), "node"),
+                    watch.elapsed_us() * 1e-3);
   return startSoft(context, backend, scene, options, model->solid, model->points);
 }
 

@@ -1,5 +1,6 @@
 #include "apps/cli/scene_info.hpp"
 
+#include "engine/core/counted.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/matter/matter_scene.hpp"
 #include "haptics/simulation/matter_choice.hpp"
@@ -31,8 +32,9 @@ void infoOfSoftBody(Context& context, const std::string& name, const MatterScene
   const double mass_kg = scene.density_kg_m3 * lattice.volume_m3();
   const auto& box = scene.box_mm;
   std::FILE* out = context.tables();
-  fmt::print(out, "{}: a soft body of {} nodes, {:g} mm apart, with {} points, in a box of {:g} x {:g} x {:g} mm\n",
-             name, lattice.nodes(), scene.spacing_mm, model.cloud.size(), box.x, box.y, box.z);
+  fmt::print(out, "{}: a soft body of {}, {:g} mm apart, with {}, in a box of {:g} x {:g} x {:g} mm\n", name,
+             counted(lattice.nodes(), "node"), scene.spacing_mm, counted(model.cloud.size(), "point"), box.x, box.y,
+             box.z);
   fmt::print(out, "  {}, {:.3g} kg\n", elasticityInWords(scene), mass_kg);
   fmt::print(out,
              "  {} substeps in a millisecond; its surface is felt, and pressed; the force is {:g} times the real one\n",

@@ -4,6 +4,7 @@
 #include "apps/cli/context.hpp"
 #include "apps/cli/output.hpp"
 #include "apps/cli/progress.hpp"
+#include "apps/cli/stop_by_signal.hpp"
 #include "apps/simulation/matter_backend.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
@@ -99,7 +100,8 @@ void simulate(Context& context, const SimulateOptions& options) {
   std::vector<double> step_us;
   double mostCompression = 0;
   Progress progress(context.log(), options.scene);
-  for (std::size_t k = 0; k < steps; ++k) {
+  const StopBySignal stop;  // until all results are written
+  for (std::size_t k = 0; k < steps && !StopBySignal::requested(); ++k) {
     const Stopwatch watch;
     world.step();
     const double wall_us = watch.elapsed_us();
@@ -110,7 +112,7 @@ void simulate(Context& context, const SimulateOptions& options) {
   }
   if (!options.save.empty()) save(options.save, world);
   const MatterObservation seen = world.observe();
-  const Summary times = summarize(std::move(step_us));
+  const Summary times = summarize(step_us);
   const bool hasPressure = !options.probe.empty() && scene.matter == Matter::water;
   const double pressure_Pa = hasPressure ? world.pressureAt(probe_mm / kMmPerMetre) : 0;
   std::FILE* out = context.tables();
@@ -142,6 +144,9 @@ void simulate(Context& context, const SimulateOptions& options) {
                      {"gain", scene.gain},
                      {"coupling_N_mm", hand},
                      {"model", model}});
+  if (step_us.size() < steps)
+    throw Error("interrupted after {:.3f} of {:g} simulated seconds; the results until then are kept", seen.time_s,
+                options.duration_s);
 }
 
 }  // namespace

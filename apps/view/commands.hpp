@@ -79,6 +79,7 @@ struct LeftQuestion {
   std::string file;
   std::size_t strokes = 0;
   std::filesystem::file_time_type made;
+  std::size_t waiting = 0;  ///< number of further programs whose strokes are asked about next
 };
 
 }  // namespace palpate

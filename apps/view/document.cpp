@@ -8,6 +8,7 @@
 #include "apps/view/messages.hpp"
 #include "apps/view/window.hpp"
 #include "engine/core/atomic_file.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/simulation.hpp"
@@ -40,15 +41,24 @@ Document::Document(const DocumentParts& parts, WindowOptions options, bool asks)
 
 void Document::findLeft() {
   left_ = leftStrokes(options_.live.unsavedIn, [this](const std::string& what) { messages_.say(what); });
+  std::erase_if(left_, [&](const LeftStrokes& left) { return putOff_.contains(left.folder->path()); });
 }
 
 std::optional<LeftQuestion> Document::leftQuestion() const {
   if (left_.empty() || loader_.isLoading()) return std::nullopt;
-  return LeftQuestion{.file = left_.front().document(), .strokes = left_.front().strokes, .made = left_.front().made};
+  return LeftQuestion{.file = left_.front().document(),
+                      .strokes = left_.front().strokes,
+                      .made = left_.front().made,
+                      .waiting = left_.size() - 1};
 }
 
-// The other strokes are offered at the next start.
+// The other strokes are offered once these are saved, as only one model is open; until then any program can have them.
 void Document::goOnWith(LeftStrokes left) {
+  othersWait_ = left_.size() > 1;
+  std::string others;
+  if (othersWait_)
+    others = counted(left_.size() - 1, "more set") +
+             " of unsaved strokes: offered once these are saved, or at the next start";
   left_.clear();
   WindowOptions options = options_;
   options.config.model = left.model();
@@ -60,6 +70,7 @@ void Document::goOnWith(LeftStrokes left) {
   options.live.left = std::make_shared<const LeftStrokes>(std::move(left));
   read(std::move(options), what);
   for (const std::string& lack : lacks) messages_.say(lack);
+  if (!others.empty()) messages_.say(others);
 }
 
 void Document::askFromNowOn() {
@@ -255,6 +266,7 @@ void Document::finishSaving(const WindowSession::Saved& saved) {
   if (saved.failure.empty()) {
     messages_.say(saved.file + " is saved" + kept);
     becomeFile(saved.file);
+    if (std::exchange(othersWait_, false)) findLeft();
   } else {
     messages_.sayError(saved.failure);
   }
@@ -297,6 +309,7 @@ void Document::answer(Answer answer) {
   if (isOfLeft && !left_.empty()) {
     if (answer == Answer::goOnWithLeft) return goOnWith(std::move(left_.front()));
     if (answer == Answer::discardLeft) left_.front().folder->remove();
+    if (answer == Answer::keepLeft) putOff_.insert(left_.front().folder->path());
     left_.erase(left_.begin());
   }
   if (answer == Answer::discard && afterQuestion_) std::exchange(afterQuestion_, nullptr)();

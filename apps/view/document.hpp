@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -131,7 +132,9 @@ class Document {
   } saidOfFrames_;
   std::string saidOfSimulation_;
 
-  std::vector<LeftStrokes> left_;  // pending questions, the first one is shown
+  std::vector<LeftStrokes> left_;           // pending questions, the first one is shown
+  std::set<std::filesystem::path> putOff_;  // folders of strokes that are offered again at the next start
+  bool othersWait_ = false;                 // to be offered once the restored strokes are saved
   bool asks_;
   std::string reading_;                                        // purpose of the read, as in leave()
   enum class Agreed { no, asked, yes } agreed_ = Agreed::yes;  // the user lets the next model replace this one

@@ -98,7 +98,7 @@ std::vector<FileBrowser::Filter> filtersToSave(bool triangles) {
   std::vector<FileBrowser::Filter> filters;
   for (const CloudFormat& format : cloudFormats().all())
     if (format.write != nullptr && !format.onlyCopied &&
-        (triangles ? format.ofTriangles || filters.empty() : !format.ofTriangles))
+        (triangles ? format.ofTriangles || format.keepsTriangles : !format.ofTriangles))
       filters.push_back(filterOf(format));
   return filters;
 }

@@ -7,6 +7,7 @@
 
 #include "apps/view/shown_lines.hpp"
 #include "engine/cloud/length_text.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "haptics/session/settings.hpp"
 
@@ -268,8 +269,7 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   ImGui::EndDisabled();
   help("Ctrl+Shift+Z");
   ImGui::SameLine();
-  const auto strokes = static_cast<unsigned long long>(counts.undoCount);
-  ImGui::TextDisabled("%llu stroke%s", strokes, strokes == 1 ? "" : "s");
+  ImGui::TextDisabled("%s", counted(counts.undoCount, "stroke").c_str());
 }
 
 void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn) {

@@ -8,6 +8,7 @@
 #include "apps/cli/legend.hpp"
 #include "apps/view/panels.hpp"
 #include "engine/cloud/length_text.hpp"
+#include "engine/core/counted.hpp"
 #include "shaders/shared/ramp.h"
 
 namespace palpate {
@@ -28,7 +29,7 @@ std::string ago(std::filesystem::file_time_type then) {
     unit = next;
   }
   if (count == 0) return "just now";
-  return fmt::format("{} {}{} ago", count, unit, count == 1 ? "" : "s");
+  return counted(count, unit) + " ago";
 }
 
 // The last ticks, reduced to kCurve values.
@@ -89,8 +90,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view) {
               history.step_us().quantile_us(0.999));
   ImGui::Text("missed %llu of %llu ticks", static_cast<unsigned long long>(history.missed()),
               static_cast<unsigned long long>(history.ticks()));
-  const double fps = std::round(status.fps);
-  ImGui::Text("%.0f frame%s per second", fps, fps == 1 ? "" : "s");
+  ImGui::Text("%s per second", counted(std::lround(status.fps), "frame").c_str());
   ImGui::TextDisabled("%s", status.gpu.c_str());
   drawLink();
   if (noted("GPU passes, us", ImGui::TreeNode("GPU passes, us"))) {
@@ -226,8 +226,10 @@ void Panels::drawQuestions(const ViewStatus& status) {
   });
   ask("Strokes", status.leftQuestion.has_value(), [&] {
     const LeftQuestion& question = *status.leftQuestion;
-    ImGui::TextWrapped("%s: %zu stroke%s of %s, not saved when the program ended.", nameOf(question.file).c_str(),
-                       question.strokes, question.strokes == 1 ? "" : "s", ago(question.made).c_str());
+    ImGui::TextWrapped("%s: %s of %s, not saved when the program ended.", nameOf(question.file).c_str(),
+                       counted(question.strokes, "stroke").c_str(), ago(question.made).c_str());
+    if (question.waiting > 0)
+      ImGui::TextWrapped("Next: %s of unsaved strokes.", counted(question.waiting, "more set").c_str());
     const bool isAnswered = answers({{"Restore them", Answer::goOnWithLeft, ImGuiKey_Enter},
                                      {"Discard them", Answer::discardLeft, {}},
                                      {"Ask again later", Answer::keepLeft, ImGuiKey_Escape}});

@@ -9,6 +9,7 @@
 #include "apps/view/window.hpp"
 #include "engine/core/characters.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/unknown_name.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/render/image.hpp"
 
@@ -96,7 +97,7 @@ std::vector<int> keysOf(const Line& line, const std::string& name) {
     const std::size_t plus = std::min(name.find('+', from + 1), name.size());
     const auto key = keyNamed(std::string_view(name).substr(from, plus - from));
     if (!key)
-      line.fail(fmt::format("key: '{}' is not known; keys are {}, and several with + between them", name, keyNames()));
+      line.fail(fmt::format("unknown key '{}'; keys are {}, and several with + between them", name, keyNames()));
     keys.push_back(*key);
     from = plus + 1;
   }
@@ -200,7 +201,9 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     return ViewCommand(SetParameter{name, line.number("its value")});
   }
   if (what == "quit") return WindowEvent(CloseEvent{});
-  line.fail(fmt::format("'{}' is not an event; events are {}", what, scriptEventNames()));
+  std::vector<std::string> names;
+  for (const ScriptEvent& event : kEvents) names.emplace_back(event.name);
+  line.fail(unknownName("event", what, names));
 }
 
 }  // namespace

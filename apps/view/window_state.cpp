@@ -138,6 +138,11 @@ constexpr Reported<WindowState> kWindow[]{
      [](const WindowState& w) -> Value { return w.document.saveQuestion().has_value(); }},
     {"asks_about_strokes", "", "whether a question about unsaved strokes of an earlier program is shown",
      [](const WindowState& w) -> Value { return w.document.leftQuestion().has_value(); }},
+    {"strokes_waiting", "", "number of further programs whose unsaved strokes are asked about next",
+     [](const WindowState& w) -> Value {
+       const auto question = w.document.leftQuestion();
+       return question ? question->waiting : 0;
+     }},
     {"last_message", "", "the last message, also when it is no longer shown",
      [](const WindowState& w) -> Value { return w.messages.last(); }},
     {"messages", "", "shown messages", [](const WindowState& w) -> Value { return w.messages.remarks(); }},

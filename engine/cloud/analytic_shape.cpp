@@ -7,6 +7,7 @@
 #include "engine/cloud/shapes.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
+#include "engine/core/unknown_name.hpp"
 
 namespace palpate {
 namespace {
@@ -51,7 +52,7 @@ std::unique_ptr<AnalyticShape> makeShape(std::string_view name, double size, con
   if (!isFinite(center)) throw UsageError("a shape's centre must be three finite numbers");
   for (const Entry& entry : kShapes)
     if (entry.name == name) return entry.make(size, center);
-  throw UsageError("there is no shape '{}'; there are {}", name, fmt::join(kShapeNames, ", "));
+  throw UsageError("{}", unknownName("shape", name, kShapeNames));
 }
 
 PointCloud sampleShape(const AnalyticShape& shape, const SampleOptions& options) {

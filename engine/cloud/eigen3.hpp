@@ -26,30 +26,59 @@ struct Eigen3 {
   std::array<DVec3, 3> vectors;  ///< of these values in order; unit length, pairwise perpendicular, of either sign
 };
 
+/// The plane rotation that makes an entry beside the diagonal zero.
+struct JacobiRotation {
+  double t, c, s;  ///< tangent, cosine and sine of its angle
+};
+/// `app`, `aqq`: the entries on the diagonal; `apq`: the other one, not zero.
+inline JacobiRotation jacobiRotation(double app, double aqq, double apq) {
+  const double theta = (aqq - app) / (2 * apq);
+  // Rounded alike on every system, unlike std::hypot. A theta whose square overflows rotates by nothing.
+  const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
+  const double c = 1 / std::sqrt(t * t + 1);
+  return {t, c, t * c};
+}
+inline constexpr int kMostJacobiSweeps = 32;        ///< six are enough in practice; convergence is quadratic
+inline constexpr double kLeastOffDiagonal = 1e-40;  ///< sum of squares beside the diagonal; the largest entry is 1 to 2
+
+/// Exponent of the power of two that scales the largest entry of a matrix to 1 to 2, so that scaling is exact and
+/// squares neither overflow nor vanish.
+inline int exponentOf(const SymmetricMatrix3& m) {
+  double largest = 0;
+  for (const double entry : {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz}) largest = std::fmax(largest, std::fabs(entry));
+  return largest > 0 ? std::ilogb(largest) : 0;
+}
+
+/// Ascending order and unit length. `diagonal`: after all rotations; `columns`: the vectors.
+inline Eigen3 sortedEigen(const std::array<double, 3>& diagonal, const std::array<DVec3, 3>& columns, int exponent) {
+  std::array<int, 3> order{0, 1, 2};
+  const auto sortPair = [&](int i, int j) {
+    if (diagonal[order[i]] > diagonal[order[j]]) std::swap(order[i], order[j]);
+  };
+  sortPair(0, 1), sortPair(1, 2), sortPair(0, 1);
+  Eigen3 result;
+  for (int k = 0; k < 3; ++k) {
+    result.values[k] = std::scalbn(diagonal[order[k]], exponent);
+    result.vectors[k] = glm::normalize(columns[order[k]]);
+  }
+  return result;
+}
+
 /// Defined for every matrix of finite entries; the zero matrix gives the axes.
 inline Eigen3 eigenSymmetric(const SymmetricMatrix3& matrix) {
   double a[3][3] = {
       {matrix.xx, matrix.xy, matrix.xz}, {matrix.xy, matrix.yy, matrix.yz}, {matrix.xz, matrix.yz, matrix.zz}};
-  double largest = 0;
-  for (const auto& row : a)
-    for (const double entry : row) largest = std::fmax(largest, std::fabs(entry));
-  // A power of two, so that scaling is exact and squares neither overflow nor vanish.
-  const int exponent = largest > 0 ? std::ilogb(largest) : 0;
+  const int exponent = exponentOf(matrix);
   for (auto& row : a)
     for (double& entry : row) entry = std::scalbn(entry, -exponent);
 
   std::array<DVec3, 3> columns{DVec3(1, 0, 0), DVec3(0, 1, 0), DVec3(0, 0, 1)};
-  constexpr int kMaxSweeps = 32;  // six are enough in practice; convergence is quadratic
-  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kMostJacobiSweeps; ++sweep) {
     const double offDiagonal = a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2];
-    if (offDiagonal < 1e-40) break;
+    if (offDiagonal < kLeastOffDiagonal) break;
     for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
       if (a[p][q] == 0) continue;
-      const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-      // Rounded alike on every system, unlike std::hypot. A theta whose square overflows rotates by nothing.
-      const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
-      const double c = 1 / std::sqrt(t * t + 1);
-      const double s = t * c;
+      const auto [t, c, s] = jacobiRotation(a[p][p], a[q][q], a[p][q]);
       const int r = 3 - p - q;
       const double arp = a[r][p], arq = a[r][q];
       a[p][p] -= t * a[p][q];
@@ -62,18 +91,7 @@ inline Eigen3 eigenSymmetric(const SymmetricMatrix3& matrix) {
       columns[q] = s * vp + c * vq;
     }
   }
-
-  std::array<int, 3> order{0, 1, 2};
-  const auto sortPair = [&](int i, int j) {
-    if (a[order[i]][order[i]] > a[order[j]][order[j]]) std::swap(order[i], order[j]);
-  };
-  sortPair(0, 1), sortPair(1, 2), sortPair(0, 1);
-  Eigen3 result;
-  for (int k = 0; k < 3; ++k) {
-    result.values[k] = std::scalbn(a[order[k]][order[k]], exponent);
-    result.vectors[k] = glm::normalize(columns[order[k]]);
-  }
-  return result;
+  return sortedEigen({a[0][0], a[1][1], a[2][2]}, columns, exponent);
 }
 
 }  // namespace palpate

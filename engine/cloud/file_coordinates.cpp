@@ -1,5 +1,7 @@
 #include "engine/cloud/file_coordinates.hpp"
 
+#include <cmath>
+
 #include <glm/common.hpp>
 
 #include "engine/core/parallel_collect.hpp"
@@ -25,6 +27,46 @@ Bounds fileBoundsOf(const PointCloud& cloud) {
       [](const Bounds& a, const Bounds& b) {
         return Bounds{glm::min(a.min, b.min), glm::max(a.max, b.max)};
       });
+}
+
+namespace {
+
+constexpr double kMaxWhole = 1e14;  // below it, whole numbers and their quotients by powers of ten are rounded once
+
+/// The least power of ten by which both are whole numbers; 0: none.
+double partsOf(double step, double offset) {
+  constexpr double kRounding = 1e-15, kMostParts = 1e12;
+  const auto isWhole = [](double x) {
+    return std::abs(x) < kMaxWhole && std::abs(x - std::round(x)) <= kRounding * std::abs(x);
+  };
+  for (double parts = 1; parts <= kMostParts; parts *= 10)
+    if (std::abs(step * parts) > 0.5 && isWhole(step * parts) && isWhole(offset * parts)) return parts;
+  return 0;
+}
+
+}  // namespace
+
+DecimalGrid::DecimalGrid(const CoordinateGrid& grid) : grid_(grid) {
+  for (int axis = 0; axis < 3; ++axis) parts_[axis] = partsOf(grid.step[axis], grid.offset[axis]);
+}
+
+DVec3 DecimalGrid::at(const DVec3& k) const {
+  DVec3 place = grid_.at(k);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double whole = std::round(place[axis] * parts_[axis]);
+    if (parts_[axis] > 0 && std::abs(whole) < kMaxWhole) place[axis] = whole / parts_[axis];
+  }
+  return place;
+}
+
+std::optional<CoordinateGrid> DecimalGrid::tenths() const {
+  CoordinateGrid finer = grid_;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(parts_[axis] > 0)) return std::nullopt;
+    finer.step[axis] = std::round(grid_.step[axis] * parts_[axis]) / (10 * parts_[axis]);
+    if (!(partsOf(finer.step[axis], finer.offset[axis]) > 0)) return std::nullopt;
+  }
+  return finer;
 }
 
 }  // namespace palpate

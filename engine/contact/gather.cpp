@@ -5,6 +5,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
+#include "engine/core/unknown_name.hpp"
 #include "engine/gpu/transfer.hpp"
 
 namespace palpate {
@@ -29,7 +30,7 @@ QueryMethod queryMethodNamed(std::string_view name) {
   if (const auto method = valueNamed(builtMethods(), name)) return *method;
   if (valueNamed(kQueryMethods, name))
     throw UsageError("{} needs PALPATE_STUDY, which this palpate was built without", name);
-  throw UsageError("'{}' is not a query method", name);
+  throw UsageError("{}", unknownName("query method", name, namesOf(builtMethods())));
 }
 
 std::uint32_t cellsPerGather(const shared::HashGrid& grid, double radius) {

@@ -93,6 +93,7 @@ void CpuSculpture::measureSpacings() {
       }
     }
   });
+  for (const float spacing : points_.spacings) widestSpacing_ = std::max(widestSpacing_, double{spacing});
 }
 
 bool CpuSculpture::isAtRest(std::uint32_t point) const {
@@ -309,21 +310,24 @@ void CpuSculpture::refit() {
   groups_.assign(grid_.grid(), unsettled_.size(),
                  [&](std::size_t i) { return std::pair(DVec3(points_.positions[unsettled_[i]]), radius); });
   surroundings_.resize(std::max(surroundings_.size(), groups_.groups().size()));
-  groups_.forEach(grid_.team(), kFewestGathers, [&](std::size_t number, const CellGroups::Group& group) {
+  groups_.forEachPart(grid_.team(), kFewestGathers, [&](std::size_t first, std::span<const CellGroups::Group> part) {
     thread_local NormalRefit refit;
     thread_local NearPoints near;
-    Surroundings& around = surroundings_[number];
-    around.points.gather(grid_, group.balls);
-    around.near.clear();
-    around.ends.clear();
-    refit.gather(around.points, points_.normals);
-    for (const std::uint32_t i : groups_.members(group)) {
-      const std::uint32_t point = unsettled_[i];
-      around.points.near(DVec3(points_.positions[point]), radius, near);
-      normals_[i] = refit.refitted(near, points_.normals[point], options_.radius);
-      around.near.insert(around.near.end(), near.indices().begin(), near.indices().end());
-      around.ends.push_back(static_cast<std::uint32_t>(around.near.size()));
+    for (const CellGroups::Group& group : part) {
+      Surroundings& around = surroundings_[first++];
+      around.points.gather(grid_, group.balls);
+      around.near.clear();
+      around.ends.clear();
+      refit.gather(around.points, points_.normals);
+      for (const std::uint32_t i : groups_.members(group)) {
+        const std::uint32_t point = unsettled_[i];
+        around.points.near(DVec3(points_.positions[point]), radius, near);
+        refit.add(i, near, points_.normals[point], options_.radius);
+        around.near.insert(around.near.end(), near.indices().begin(), near.indices().end());
+        around.ends.push_back(static_cast<std::uint32_t>(around.near.size()));
+      }
     }
+    refit.solve(normals_);
   });
   double work = 0;
   for (std::size_t k = 0; k < groups_.groups().size(); ++k)
@@ -363,6 +367,7 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, std::span<const std
   const SculptedPoints::Found as = cuts_ ? points_.found(point, cuts_->stroke()) : SculptedPoints::Found{};
   return resampleRequest(seen(point), {.neighbours = neighbours,
                                        .reach = reachOf(point),
+                                       .widest = widestSpacing_,
                                        .fills = fills_ && complete,
                                        .carves = carves_,
                                        .moved = isMoved(point),
@@ -374,20 +379,24 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, std::span<const std
                                        .place = place});
 }
 
+// Of the members of a group.
+void CpuSculpture::request(const CellGroups::Group& group, const Surroundings& around) {
+  thread_local ResampleNeighbours neighbours;
+  neighbours.gather(around.points, points_.normals, [this](std::uint32_t each) { return seen(each); });
+  for (std::size_t member = 0; member < group.count; ++member) {
+    const std::uint32_t i = groups_.members(group)[member], point = unsettled_[i];
+    Request& request = requests_[i];
+    static_cast<ResampleRequest&>(request) = requestOf(point, around.nearOf(member), neighbours);
+    if (!request.inserts) continue;
+    request.place = Vec3(DVec3(points_.positions[point]) + request.offset);
+    request.reach = static_cast<float>(reachOf(point) - glm::length(request.offset));
+  }
+}
+
 void CpuSculpture::resample() {
   requests_.resize(unsettled_.size());
-  groups_.forEach(grid_.team(), kFewestGathers, [&](std::size_t number, const CellGroups::Group& group) {
-    thread_local ResampleNeighbours neighbours;
-    const Surroundings& around = surroundings_[number];
-    neighbours.gather(around.points, [&](std::uint32_t each) { return seen(each); });
-    for (std::size_t member = 0; member < group.count; ++member) {
-      const std::uint32_t i = groups_.members(group)[member], point = unsettled_[i];
-      Request& request = requests_[i];
-      static_cast<ResampleRequest&>(request) = requestOf(point, around.nearOf(member), neighbours);
-      if (!request.inserts) continue;
-      request.place = Vec3(DVec3(points_.positions[point]) + request.offset);
-      request.reach = static_cast<float>(reachOf(point) - glm::length(request.offset));
-    }
+  groups_.forEachPart(grid_.team(), kFewestGathers, [&](std::size_t first, std::span<const CellGroups::Group> part) {
+    for (const CellGroups::Group& group : part) request(group, surroundings_[first++]);
   });
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     const std::uint32_t point = unsettled_[i];

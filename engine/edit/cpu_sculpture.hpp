@@ -81,6 +81,8 @@ class CpuSculpture {
   double neighbourhoodOf(std::uint32_t point) const;
   ResampleRequest requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
                             ResampleNeighbours& neighbours) const;
+  struct Surroundings;
+  void request(const CellGroups::Group& group, const Surroundings& around);
   void resample();
   void insertClaimed();
   void tellOf(std::uint32_t point);
@@ -91,6 +93,7 @@ class CpuSculpture {
   SortedGrid grid_;
   InsertionClaims claims_;
   double buildTime_us_ = 0;
+  double widestSpacing_ = 0;  // of all targets, model units
   std::uint64_t followed_ = 0;
   bool settled_ = true, carves_ = false, fills_ = true;
   bool someWait_ = false;  // more points are unsettled than an edit processes

@@ -6,17 +6,19 @@
 
 namespace palpate {
 
-NormalFit::Result NormalFit::normal(const Sums& sums, const DVec3& old) {
+SymmetricMatrix3 NormalFit::spread(const Sums& sums) {
   const auto& [weights, offsets, squares, neighbours] = sums;
-  if (neighbours < shared::kMinNeighbours || weights <= 0) return {.normal = old};
+  if (neighbours < shared::kMinNeighbours || weights <= 0) return {};
   const DVec3 mean = offsets / weights;
-  const SymmetricMatrix3 spread{.xx = squares.xx / weights - mean.x * mean.x,
-                                .yy = squares.yy / weights - mean.y * mean.y,
-                                .zz = squares.zz / weights - mean.z * mean.z,
-                                .xy = squares.xy / weights - mean.x * mean.y,
-                                .xz = squares.xz / weights - mean.x * mean.z,
-                                .yz = squares.yz / weights - mean.y * mean.z};
-  const Eigen3 eigen = eigenSymmetric(spread);
+  return {.xx = squares.xx / weights - mean.x * mean.x,
+          .yy = squares.yy / weights - mean.y * mean.y,
+          .zz = squares.zz / weights - mean.z * mean.z,
+          .xy = squares.xy / weights - mean.x * mean.y,
+          .xz = squares.xz / weights - mean.x * mean.z,
+          .yz = squares.yz / weights - mean.y * mean.z};
+}
+
+NormalFit::Result NormalFit::normal(const Eigen3& eigen, const DVec3& old) {
   // Collinear or coincident points have more than one direction of least variance.
   constexpr double kMinGap = 1e-5;
   if (eigen.values[1] - eigen.values[0] <= kMinGap * (eigen.values[2] - eigen.values[0])) return {.normal = old};

@@ -36,8 +36,11 @@ class NormalFit {
     double flatness = 1;  ///< smallest over middle eigenvalue, 0 to 1: near 1 the direction is arbitrary
   };
   /// The old normal if there are too few neighbours, or they do not span a surface.
-  Result normal(const DVec3& old) const { return normal(sums_, old); }
-  static Result normal(const Sums& sums, const DVec3& old);
+  Result normal(const DVec3& old) const { return normal(eigenSymmetric(spread(sums_)), old); }
+  /// The variances of the neighbours; zero if there are too few.
+  static SymmetricMatrix3 spread(const Sums& sums);
+  /// Of a spread with these eigenvalues.
+  static Result normal(const Eigen3& eigen, const DVec3& old);
 
  private:
   double inverseRadius_;

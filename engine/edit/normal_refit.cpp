@@ -75,7 +75,7 @@ void NormalRefit::gather(const GatheredPoints& points, std::span<const Vec3> nor
   }
 }
 
-Vec3 NormalRefit::refitted(const NearPoints& near, const Vec3& old, double radius) {
+void NormalRefit::add(std::uint32_t index, const NearPoints& near, const Vec3& old, double radius) {
   for (std::size_t k = 0; k < near.size(); ++k) {
     const std::uint32_t i = near.indices()[k];
     nearX_[k] = normalX_[i];
@@ -92,9 +92,19 @@ Vec3 NormalRefit::refitted(const NearPoints& near, const Vec3& old, double radiu
       .offsets = {sums[1], sums[2], sums[3]},
       .squares = {.xx = sums[4], .yy = sums[5], .zz = sums[6], .xy = sums[7], .xz = sums[8], .yz = sums[9]},
       .neighbours = static_cast<std::uint32_t>(sums[13])};
-  const DVec3 side(sums[10], sums[11], sums[12]);
-  const DVec3 normal = NormalFit::normal(fit, DVec3(old)).normal;
-  return Vec3(glm::dot(normal, side) < 0 ? -normal : normal);
+  spreads_.add(NormalFit::spread(fit));
+  added_.push_back({.index = index, .old = DVec3(old), .side = {sums[10], sums[11], sums[12]}});
+}
+
+void NormalRefit::solve(std::span<Vec3> normals) {
+  spreads_.solve();
+  for (std::size_t i = 0; i < added_.size(); ++i) {
+    const auto& [index, old, side] = added_[i];
+    const DVec3 normal = NormalFit::normal(spreads_[i], old).normal;
+    normals[index] = Vec3(glm::dot(normal, side) < 0 ? -normal : normal);
+  }
+  added_.clear();
+  spreads_.clear();
 }
 
 }  // namespace palpate

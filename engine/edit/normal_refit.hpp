@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/cloud/eigen3_many.hpp"
 #include "engine/core/vec.hpp"
 #include "engine/spatial/gathered_points.hpp"
 
@@ -17,13 +18,21 @@ class NormalRefit {
  public:
   /// Collects the normals of gathered points; `normals` are of all points by number.
   void gather(const GatheredPoints& points, std::span<const Vec3> normals);
-  /// The new normal, unit, of a point with this normal and these neighbours, itself included. `radius`: support radius,
-  /// model units; neighbours that are further away do not count.
-  Vec3 refitted(const NearPoints& near, const Vec3& old, double radius);
+  /// Adds a point with this index, normal and neighbours, itself included. `radius`: support radius, model units;
+  /// neighbours that are further away do not count.
+  void add(std::uint32_t index, const NearPoints& near, const Vec3& old, double radius);
+  /// Sets the new normals, unit, of all points added since the last call, also after other gathers, by index.
+  void solve(std::span<Vec3> normals);
 
  private:
   void makeRoom(std::size_t points);
 
+  struct Added {
+    std::uint32_t index;
+    DVec3 old, side;  // side: sum of the weighted normals around
+  };
+  std::vector<Added> added_;
+  ManyEigen3 spreads_;                              // of these
   std::vector<float> normalX_, normalY_, normalZ_;  // of the gathered points
   std::vector<float> nearX_, nearY_, nearZ_;        // normals of the near ones
   std::vector<double> terms_;                       // kTerms rows, one for each sum, of as many as room for points

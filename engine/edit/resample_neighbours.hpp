@@ -2,19 +2,22 @@
 // several at a time.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "engine/core/vec.hpp"
 #include "engine/spatial/gathered_points.hpp"
+#include "shaders/shared/resample.h"
 
 namespace palpate {
 
 /// A neighbour of the deciding point.
 struct ResampleNeighbour {
   DVec3 offset{0};           ///< from the deciding point, model units
-  DVec3 normal{0};           ///< unit
+  DVec3 normal{0};           ///< unit, in single precision
   DVec3 rest{0};             ///< position in the cloud as loaded; of a new point, between its ends'; model units
   double spacing = 0;        ///< target, model units
   bool isNew = false;        ///< not in the cloud as loaded
@@ -26,13 +29,16 @@ struct ResampleNeighbour {
 /// The neighbours of one point after another of a group. Keeps its memory. Used by one thread.
 class ResampleNeighbours {
  public:
+  /// Gives a point by its number, without its offset.
+  using Seen = std::function<ResampleNeighbour(std::uint32_t number)>;
+
   ResampleNeighbours() = default;
   /// These, all of them near.
   explicit ResampleNeighbours(std::span<const ResampleNeighbour> neighbours);
 
-  /// Collects gathered points, which have to stay: seen(number) gives each, without its offset.
-  template <class Seen>
-  void gather(const GatheredPoints& points, Seen&& seen);
+  /// Looks at gathered points, which have to stay, as `seen` does. `normals` are of all points by number. Most points
+  /// are far from any decision: `seen` is called for those that are not.
+  void gather(const GatheredPoints& points, std::span<const Vec3> normals, Seen seen);
   /// Finds the neighbours of the point with the number `self`: those of the points with the indices `among` that are
   /// nearer than `radius` to its position, the first `most`. False: there are more.
   struct Self {
@@ -45,40 +51,38 @@ class ResampleNeighbours {
   /// Number of neighbours.
   std::size_t size() const { return near_.size(); }
   ResampleNeighbour operator[](std::size_t k) const;
-  /// Maximum target spacing of the gathered points, model units.
-  double widest() const { return widest_; }
 
-  /// By neighbour, until the next call: squared distance, and cosine between its normal and another one.
-  const double* squaredDistances();
-  const double* cosines(const DVec3& normal);
-  /// By neighbour: its distance, and its sector in a tangent plane (shared::sectorOf()).
-  struct Sectors {
-    const double* distance;
-    const std::uint32_t* sector;
+  /// What decides for most points that nothing is to be done.
+  struct Survey {
+    double nearest = 0;  ///< least squared distance of a neighbour; infinity without one
+    bool anyFacesAway =
+        false;  ///< whether the cosine between a neighbour's normal and the axis is shared::kOtherSide at most
+    std::array<double, shared::kGapSectors>
+        gaps{};  ///< distance of the nearest of the same sheet by sector, or infinity
   };
-  Sectors sectors(const Frame3& frame);
+  /// Surveys the neighbours of a point with this tangent plane; then, by neighbour: its squared distance, and the
+  /// cosine between its normal and the axis.
+  Survey survey(const Frame3& frame, const DVec3& axis);
+  const double* squaredDistances() const { return squared_.data(); }
+  const double* cosinesAlong() const { return along_.data(); }
+  /// The neighbour at the distance gaps[sector] of the last survey; of several the one with the smallest number.
+  std::size_t atGap(std::size_t sector, double distance) const;
 
  private:
-  void setNormals();
+  void makeRoom(std::size_t points);
+  const ResampleNeighbour& point(std::uint32_t index) const;
 
   const GatheredPoints* gathered_ = nullptr;
+  Seen seen_;
   NearPoints near_;
-  std::vector<ResampleNeighbour> points_;  // gathered ones
-  double widest_ = 0;
-  std::vector<double> normalX_, normalY_, normalZ_;  // of the near ones
-  std::vector<double> squared_, cosine_, distance_;
+  // The gathered points: normals, and the points as far as they were needed.
+  std::vector<float> normalX_, normalY_, normalZ_;
+  mutable std::vector<ResampleNeighbour> points_;
+  mutable std::vector<std::uint8_t> isSeen_;
+  // The near ones.
+  std::vector<float> nearX_, nearY_, nearZ_;   // normals
+  std::vector<double> squared_, along_, gap_;  // gap_: squared distance in the same sheet, or infinity
   std::vector<std::uint32_t> sectors_;
 };
-
-template <class Seen>
-void ResampleNeighbours::gather(const GatheredPoints& points, Seen&& seen) {
-  gathered_ = &points;
-  points_.clear();
-  widest_ = 0;
-  for (const std::uint32_t number : points.numbers()) {
-    points_.push_back(seen(number));
-    widest_ = std::max(widest_, points_.back().spacing);
-  }
-}
 
 }  // namespace palpate

@@ -42,29 +42,6 @@ bool hasToYield(const ResampleNeighbour& point, const ResampleNeighbour& other) 
   return rank(other) < rank(point) && crowd(point, other);
 }
 
-// The nearest neighbour in each sector of the tangent plane, and its distance.
-struct SectorView {
-  std::array<double, shared::kGapSectors> distance;
-  std::array<std::size_t, shared::kGapSectors> nearest;
-};
-
-SectorView nearestInSectors(const ResampleNeighbour& self, ResampleNeighbours& neighbours) {
-  SectorView view{};
-  view.distance.fill(kFar);
-  const auto [distances, sectors] = neighbours.sectors(frameAround(self.normal));
-  const double* const cosines = neighbours.cosines(self.normal);
-  for (std::size_t i = 0; i < neighbours.size(); ++i) {
-    if (!(cosines[i] > static_cast<double>(shared::kSameSheet))) continue;
-    const shared::uint sector = sectors[i];
-    const double distance = distances[i];
-    if (distance > view.distance[sector]) continue;
-    if (distance == view.distance[sector] && neighbours[i].number > neighbours[view.nearest[sector]].number) continue;
-    view.distance[sector] = distance;
-    view.nearest[sector] = i;
-  }
-  return view;
-}
-
 template <class Holds>
 bool anyOf(const ResampleNeighbours& neighbours, Holds&& holds) {
   for (std::size_t i = 0; i < neighbours.size(); ++i)
@@ -129,9 +106,11 @@ std::optional<double> thicknessSeen(const ResampleNeighbour& self, const Resampl
   return least;
 }
 
-// Whether a point pushed along an axis has reached a sheet that faces away from the tool.
-bool stopsBefore(const ResampleNeighbour& self, const DVec3& axis, ResampleNeighbours& neighbours) {
-  const double* const cosines = neighbours.cosines(axis);
+// Whether a point pushed along the axis of a survey has reached a sheet that faces away from the tool.
+bool stopsBefore(const ResampleNeighbour& self, const ResampleNeighbours::Survey& survey,
+                 const ResampleNeighbours& neighbours) {
+  if (!survey.anyFacesAway) return false;
+  const double* const cosines = neighbours.cosinesAlong();
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     if (!(cosines[i] <= static_cast<double>(shared::kOtherSide))) continue;
     const ResampleNeighbour other = neighbours[i];
@@ -142,12 +121,14 @@ bool stopsBefore(const ResampleNeighbour& self, const DVec3& axis, ResampleNeigh
   return false;
 }
 
-// The lowest-ranked of the neighbours that crowd a point and rank before it.
-std::optional<ResampleNeighbour> firstToCrowd(const ResampleNeighbour& self, ResampleNeighbours& neighbours) {
+// The lowest-ranked of the neighbours that crowd a point and rank before it. `widest`: no spacing is wider.
+std::optional<ResampleNeighbour> firstToCrowd(const ResampleNeighbour& self, const ResampleNeighbours::Survey& survey,
+                                              const ResampleNeighbours& neighbours, double widest) {
   // Most are too far away for any spacing; the margin covers the rounding of the square.
   constexpr double kMargin = 1e-9;
-  const double farthest = static_cast<double>(shared::kCrowded) * std::max(self.spacing, neighbours.widest());
+  const double farthest = static_cast<double>(shared::kCrowded) * std::max(self.spacing, widest);
   const double most = farthest * farthest * (1 + kMargin);
+  if (survey.nearest > most) return {};
   const double* const squared = neighbours.squaredDistances();
   std::optional<ResampleNeighbour> first;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
@@ -175,8 +156,10 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
     const double least = request.thick.value_or(view.thick) - static_cast<double>(shared::kSkin) * self.spacing;
     if (view.moved && (deep > least || standsOutside(self, DVec3(0), neighbours, kGoes))) return {.goes = true};
   }
-  request.stops = view.pushedFrom && stopsBefore(self, *view.pushedFrom, neighbours);
-  if (const std::optional<ResampleNeighbour> first = firstToCrowd(self, neighbours)) {
+  const ResampleNeighbours::Survey survey =
+      neighbours.survey(frameAround(self.normal), view.pushedFrom.value_or(DVec3(0)));
+  request.stops = view.pushedFrom && stopsBefore(self, survey, neighbours);
+  if (const std::optional<ResampleNeighbour> first = firstToCrowd(self, survey, neighbours, view.widest)) {
     const auto firstYieldsTo = [&](const ResampleNeighbour& third) { return hasToYield(*first, third); };
     // A settled point stays.
     if (!first->unsettled || !anyOf(neighbours, firstYieldsTo)) return {.goes = true, .stops = request.stops};
@@ -184,12 +167,11 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
   }
 
   if (!view.fills) return request;
-  const SectorView sectors = nearestInSectors(self, neighbours);
   double narrowest = kFar;
   for (std::size_t sector = 0; sector < shared::kGapSectors; ++sector) {
-    const double gap = sectors.distance[sector];
-    if (gap == kFar || gap >= narrowest) continue;
-    const ResampleNeighbour other = neighbours[sectors.nearest[sector]];
+    const double gap = survey.gaps[sector];
+    if (gap == kFar || gap >= narrowest || gap <= static_cast<double>(shared::kWidestGap) * self.spacing) continue;
+    const ResampleNeighbour other = neighbours[neighbours.atGap(sector, gap)];
     const double spacing = std::max(self.spacing, other.spacing);
     if (gap <= static_cast<double>(shared::kWidestGap) * spacing || !torn(self, other)) continue;
     const DVec3 place = shared::halfWay(other.offset, self.normal, other.normal);

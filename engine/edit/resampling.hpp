@@ -33,8 +33,9 @@ class InsertionClaims;
 
 /// The neighbourhood of the deciding point.
 struct ResampleView {
-  ResampleNeighbours& neighbours;                          ///< all others within the neighbourhood radius
-  double reach = std::numeric_limits<double>::infinity();  ///< maximum distance of a new point, model units
+  ResampleNeighbours& neighbours;                           ///< all others within the neighbourhood radius
+  double reach = std::numeric_limits<double>::infinity();   ///< maximum distance of a new point, model units
+  double widest = std::numeric_limits<double>::infinity();  ///< no target spacing is wider, model units
   /// False: no new point is requested, since the stroke is over or not all neighbours could be examined.
   bool fills = true;
   bool carves = false;              ///< a ball carves: points that it has moved out of the solid are removed

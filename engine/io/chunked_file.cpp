@@ -167,6 +167,12 @@ char ChunkedFile::lineEndOfFirstLine(std::size_t longest) {
   }
 }
 
+FileError ChunkedFile::errorInLine(std::string_view what) const {
+  return FileError::atLine(
+      path_, line_,
+      lineIsOpen_ ? fmt::format("{}; the file ends in this line, it may be truncated", what) : std::string(what));
+}
+
 std::optional<std::string_view> ChunkedFile::readLine(std::size_t longest) {
   if (lineEnd_ == 0) {
     passTextMark();
@@ -188,6 +194,7 @@ std::optional<std::string_view> ChunkedFile::readLine(std::size_t longest) {
     }
     if (newline || lastLine) {
       ++line_;
+      lineIsOpen_ = !newline;
       consume(length + (newline ? 1 : 0));
       if (length > 0 && text[length - 1] == '\r') --length;
       return std::string_view(text, length);

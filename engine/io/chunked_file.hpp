@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "engine/core/bare_vector.hpp"
+#include "engine/core/error.hpp"
 #include "engine/io/utf16.hpp"
 
 namespace palpate {
@@ -28,6 +29,10 @@ class ChunkedFile {
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t offset() const { return offset_; }  ///< of the next unread byte
   std::uint64_t line() const { return line_; }      ///< 1-based, of the last line returned by readLine()
+  /// Whether that line has no end, because the file ends in it.
+  bool endsInLine() const { return lineIsOpen_; }
+  /// An error in that line; says if the file ends in it.
+  FileError errorInLine(std::string_view what) const;
   /// Called from time to time with the share that was read, if the size is known.
   void onProgress(std::function<void(double share)> progress) { onProgress_ = std::move(progress); }
   /// Bytes not yet read; nothing if unknown.
@@ -77,6 +82,7 @@ class ChunkedFile {
   bool atEnd_ = false;
   std::uint64_t offset_ = 0;
   std::uint64_t line_ = 0;
+  bool lineIsOpen_ = false;
   char lineEnd_ = 0;  // last byte of a line's end; 0: not known yet
   std::optional<Utf16Decoder> utf16_;
 };

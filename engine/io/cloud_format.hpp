@@ -113,6 +113,8 @@ struct CloudFormat {
   std::string_view family = {};
   /// The files contain triangles: reading converts them to points; writing and saving require triangles.
   bool ofTriangles = false;
+  /// The files can contain triangles beside points.
+  bool keepsTriangles = false;
   /// Reading it does not give back what was written: clouds are converted to this format, but never saved as it.
   bool onlyCopied = false;
 };

@@ -46,7 +46,8 @@ const CloudFormat* named(std::span<const CloudFormat> formats, const std::filesy
 bool any(const CloudFormat&) { return true; }
 bool isWritten(const CloudFormat& format, Written what) {
   if (!format.write || what == Written::copy) return format.write != nullptr;
-  return !format.onlyCopied && (what == Written::mesh || !format.ofTriangles);
+  if (what == Written::mesh) return format.ofTriangles || format.keepsTriangles;
+  return !format.onlyCopied && !format.ofTriangles;
 }
 bool isSaved(const CloudFormat& format) { return format.write && !format.onlyCopied; }
 
@@ -103,6 +104,8 @@ const CloudFormat& CloudFormats::toWrite(const std::filesystem::path& file, Writ
   if (!format->write) throw UsageError("{}: {} can be read but not written; {}", file.string(), format->name, rest);
   if (format->onlyCopied)
     throw UsageError("{}: only palpate convert can write {}; {}", file.string(), format->name, rest);
+  if (what == Written::mesh)
+    throw UsageError("{}: {} cannot hold the triangles of a mesh; {}", file.string(), format->name, rest);
   throw UsageError("{}: {} contains triangles, but these are points; {}", file.string(), format->name, rest);
 }
 
@@ -161,8 +164,7 @@ const CloudFormat& readable(const std::filesystem::path& file, const CloudFormat
                     "standard input cannot be read under this name; write it to a file, or name /dev/stdin for PLY");
   refuseForeign(file);
   const CloudFormat* format = formats.recognised(file);
-  const bool mayBeEmpty = format && (format->isText || !format->folder.empty());
-  if (const auto start = startOf(file); start && start->size == 0 && !mayBeEmpty)
+  if (const auto start = startOf(file); start && start->size == 0)
     throw FileError(file, "is empty; it contains no points");
   std::error_code ignored;
   if (!format && std::filesystem::is_directory(file, ignored)) refuseFolder(file, formats);

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "engine/cloud/view_normals.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/colmap_frusta.hpp"
 #include "engine/io/colmap_model.hpp"
@@ -144,7 +145,7 @@ StoredCloud readColmap(const std::filesystem::path& path, Log* log, const CloudR
   }
   if (const auto up = upOf(model)) stored.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
   const auto lose = [&](std::size_t count, std::string_view what) {
-    if (count > 0) stored.lost.push_back(fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"));
+    if (count > 0) stored.lost.push_back(counted(count, what));
   };
   lose(model.images.size(), "image");
   lose(model.cameras.size(), "camera");

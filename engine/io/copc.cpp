@@ -34,7 +34,8 @@ class Hierarchy {
   /// `saidAt`: the byte that contains the page's position.
   void addPage(std::uint64_t at, std::uint64_t bytes, std::uint64_t saidAt) {
     if (bytes % kEntryBytes != 0 || bytes == 0 || !isInside(at, bytes))
-      throw refuse(saidAt, fmt::format("a page of {} bytes of the hierarchy at byte {}, outside the file of {} bytes",
+      throw refuse(saidAt, fmt::format("a page of {} bytes of the hierarchy at byte {}, outside the file, which ends "
+                                       "at byte {}; it is truncated, or its header is wrong",
                                        bytes, at, bodyAt_ + body_.size()));
     if (!pages_.insert(at).second)
       throw refuse(saidAt, fmt::format("the page of the hierarchy at byte {} is referenced twice", at));

@@ -13,6 +13,7 @@
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/up.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/parallel_collect.hpp"
 #include "engine/io/color_scale.hpp"
@@ -294,7 +295,7 @@ StoredCloud readE57(const std::filesystem::path& file, Log* log, const CloudRead
   stored.cloud = cloud.finish(log);
   stored.cloud.storedAs.comments.emplace_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
   sayUnit(stored.cloud.storedAs.comments, LengthUnit::m);  // as defined by the format
-  if (invalid > 0) stored.lost.push_back(fmt::format("{} points without coordinates", invalid));
+  if (invalid > 0) stored.lost.push_back(fmt::format("{} without coordinates", counted(invalid, "point")));
   if (invalid > 0 && log) log->warn("{}: {} points have no coordinates (no echo) and are skipped", name, invalid);
   const auto isPlaced = [](const E57Scan& scan) {
     return scan.rotation != std::array<double, 4>{1, 0, 0, 0} || scan.translation != DVec3(0);

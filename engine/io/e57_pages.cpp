@@ -12,6 +12,7 @@
 #include "engine/core/parallel.hpp"
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/crc32c.hpp"
+#include "engine/io/ends_after.hpp"
 
 namespace palpate {
 
@@ -61,6 +62,7 @@ void E57Pages::readHeader(std::size_t fileBytes) {
              minor = loadScalar<std::uint32_t>(bytes_.data() + 12);
   if (major != 1)
     throw FileError::atByte(file_, 8, fmt::format("E57 version {}.{}; only version 1 can be read", major, minor));
+  if (number(16) > fileBytes) throw endsAfter(file_, fileBytes, fileBytes, number(16), "bytes");
   if (number(16) != fileBytes)
     throw FileError::atByte(file_, 16,
                             fmt::format("the header promises {} bytes, but the file has {}", number(16), fileBytes));

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "engine/cloud/scalar_type.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 
 namespace palpate {
@@ -98,11 +99,11 @@ void E57Records::checkCounts(const E57Pages& pages) const {
     if (there < scan_.points)
       throw FileError::atByte(
           pages.file(), scan_.pointsAt,
-          fmt::format("a scan of {} points has {} values of {}", scan_.points, there, scan_.fields[k].name));
+          fmt::format("a scan of {} has {} values of {}", counted(scan_.points, "point"), there, scan_.fields[k].name));
   }
   if (!any)
     throw FileError::atByte(pages.file(), scan_.pointsAt,
-                            fmt::format("a scan of {} points stores no data", scan_.points));
+                            fmt::format("a scan of {} stores no data", counted(scan_.points, "point")));
 }
 
 double E57Records::value(std::size_t field, std::uint64_t point) const {

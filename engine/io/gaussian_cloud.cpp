@@ -9,6 +9,7 @@
 
 #include "engine/cloud/gaussian_surface.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 
 namespace palpate {
 
@@ -49,7 +50,7 @@ std::size_t leaveOutBad(GaussianScene& scene) {
 
 }  // namespace
 
-std::string gaussiansInWords(std::uint64_t count) { return fmt::format("{} Gaussian{}", count, count == 1 ? "" : "s"); }
+std::string gaussiansInWords(std::uint64_t count) { return counted(count, "Gaussian"); }
 
 StoredCloud surfaceOfGaussians(const std::string& name, GaussianScene scene, Log* log) {
   const std::size_t gaussians = scene.size(), bad = leaveOutBad(scene);
@@ -57,10 +58,10 @@ StoredCloud surfaceOfGaussians(const std::string& name, GaussianScene scene, Log
   GaussianSurface surface = surfaceOf(scene);
   if (log) {
     log->say(
-        "{}: {} points, {:.3g} apart, are the surface of {}; made in {:.0f} ms. Left out: {} faint, {} oversized, {} "
+        "{}: {}, {:.3g} apart, are the surface of {}; made in {:.0f} ms. Left out: {} faint, {} oversized, {} "
         "far from all others, {} not finite",
-        name, surface.cloud.size(), surface.spacing, gaussiansInWords(gaussians), watch.elapsed_us() * 1e-3,
-        surface.faint, surface.oversized, surface.outlying, bad);
+        name, counted(surface.cloud.size(), "point"), surface.spacing, gaussiansInWords(gaussians),
+        watch.elapsed_us() * 1e-3, surface.faint, surface.oversized, surface.outlying, bad);
     if (surface.cloud.empty() && gaussians > 0) log->warn("{}: no Gaussian is visible; there is no surface", name);
   }
   StoredCloud stored{.cloud = std::move(surface.cloud)};

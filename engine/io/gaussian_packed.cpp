@@ -151,7 +151,8 @@ GaussianScene readCompressedScene(const std::filesystem::path& path, Log* log) {
   if (!left || chunk.count > *left / (4 * chunkFloats) || vertex.count > *left / kWordBytes ||
       4 * chunkFloats * chunk.count + kWordBytes * vertex.count > *left)
     throw FileError::atByte(path, file.offset(),
-                            fmt::format("the header promises {} chunks and {}, for which the file is too short",
+                            fmt::format("the header promises {} chunks and {}, for which the file is too short; it is "
+                                        "truncated, or its header is wrong",
                                         chunk.count, gaussiansInWords(vertex.count)));
   std::vector<float> boxes(chunkFloats * chunk.count);
   const auto read = [&](void* to, std::size_t bytes) {

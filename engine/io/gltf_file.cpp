@@ -9,6 +9,7 @@
 #include <string>
 
 #include "engine/io/chunked_file.hpp"
+#include "engine/io/ends_after.hpp"
 #include "engine/io/in_quotes.hpp"
 
 namespace palpate {
@@ -74,7 +75,8 @@ std::unique_ptr<const Json> parsed(const std::filesystem::path& path, std::span<
     auto json = std::make_unique<const Json>(Json::parse(text, text + bytes.size()));
     if (json->is_object()) return json;
   } catch (const Json::parse_error& error) {
-    throw FileError::atByte(path, before + error.byte, "invalid JSON");
+    throw FileError::atByte(path, before + error.byte,
+                            error.byte > bytes.size() ? "the file ends inside its JSON" : "invalid JSON");
   } catch (const Json::exception&) {  // a number that is too large
   }
   throw FileError::atByte(path, before, "the JSON from here on is not glTF");
@@ -167,7 +169,9 @@ void GltfFile::readGlb(const Bytes& all) {
   if (all.size() < kHead) throw FileError::atByte(path_, all.size(), "the file ends within its header");
   if (const std::uint32_t version = bitsAt(all.data() + 4, 4); version != 2)
     throw FileError::atByte(path_, 4, fmt::format("GLB of version {}; version 2 is read", version));
-  if (const std::uint32_t said = bitsAt(all.data() + 8, 4); said != all.size())
+  const std::uint32_t said = bitsAt(all.data() + 8, 4);
+  if (said > all.size()) throw endsAfter(path_, all.size(), all.size(), said, "bytes");
+  if (said != all.size())
     throw FileError::atByte(path_, 8,
                             fmt::format("states a length of {} bytes, but the file has {}", said, all.size()));
   for (std::size_t at = kHead, chunk = 0; at < all.size(); ++chunk) {

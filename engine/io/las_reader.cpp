@@ -9,8 +9,10 @@
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
+#include "engine/io/ends_after.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/las_unit.hpp"
 #include "engine/io/las_unpacked.hpp"
@@ -90,9 +92,7 @@ void LasReader::checkCount() const {
   const auto there = file_.remaining();
   const LasHeader& header = head_.header;
   if (there && !header.packed && header.points > *there / header.pointBytes)
-    throw FileError::atByte(file_.path(), header.minor == 4 ? 247 : 107,
-                            fmt::format("the header promises {} points of {} bytes, but {} bytes follow", header.points,
-                                        header.pointBytes, *there));
+    throw endsAfter(file_.path(), file_.offset() + *there, *there / header.pointBytes, header.points, "points");
 }
 
 PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, const CloudReadOptions& options) {
@@ -165,7 +165,7 @@ LasReader::Tail LasReader::readPacked(LasColumns& columns, Log* log, std::vector
   if (isCopc(head_.bytes)) {
     const LasRecord info = lasRecords(file_.path(), header, head_.bytes).front();
     CopcNodes nodes = readCopcNodes(file_.path(), header, info, body);
-    lost.push_back(fmt::format("the octree of COPC: {} nodes on {} levels", nodes.nodes, nodes.deepest + 1));
+    lost.push_back(fmt::format("the octree of COPC: {} on {} levels", counted(nodes.nodes, "node"), nodes.deepest + 1));
     found = std::move(nodes.found);
   } else {
     found = readLazChunks(file_.path(), header, *head_.packing, body);
@@ -198,7 +198,7 @@ std::shared_ptr<LasBaggage> LasReader::packBaggage(const Tail& tail) {
     name(record);
     unpacked.addLong(record);
   }
-  if (count > 0) baggage->sentence = fmt::format("{} record{} of LAS: {}", count, count == 1 ? "" : "s", names);
+  if (count > 0) baggage->sentence = fmt::format("{} of LAS: {}", counted(count, "record"), names);
   baggage->format = "LAS";
   baggage->head = header.packed ? unpacked.head() : std::move(head_.bytes);
   baggage->tail = copc ? unpacked.tail() : tail.bytes;

@@ -110,7 +110,16 @@ std::size_t tablePlace(const std::filesystem::path& file, std::uint64_t bodyAt, 
   }
   const auto first = static_cast<std::int64_t>(bodyAt) + 8;
   const auto last = static_cast<std::int64_t>(bodyAt + body.size()) - 8;
-  if (place < first || place > last)
+  const bool isPlace = place >= first && place <= last;
+  if (!isPlace && saidAt > 0)
+    throw FileError::atByte(file, bodyAt + saidAt,
+                            "the file does not end with the position of its table of chunks; it is truncated");
+  if (!isPlace && place > last)
+    throw FileError::atByte(file, bodyAt + body.size(),
+                            fmt::format("the file ends before its table of chunks, which is said to be at byte {}; it "
+                                        "is truncated, or its header is wrong",
+                                        place));
+  if (!isPlace)
     throw FileError::atByte(
         file, bodyAt + saidAt,
         fmt::format("the table of chunks is at byte {}; expected one from {} to {}", place, first, last));

@@ -8,8 +8,10 @@
 #include <glm/geometric.hpp>
 
 #include "engine/cloud/length_unit.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_arrays.hpp"
+#include "engine/io/ends_after.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_writer.hpp"
 #include "engine/io/ply_faces.hpp"
@@ -23,7 +25,7 @@ constexpr std::uint64_t kSeed = 1;
 constexpr std::array<std::string_view, 1> kObj{".obj"}, kStl{".stl"}, kOff{".off"};
 constexpr std::array<std::string_view, 2> kGltf{".gltf", ".glb"};
 
-std::string madeFrom(const TriangleSoup& soup) { return fmt::format("{} triangles", soup.triangles.size()); }
+std::string madeFrom(const TriangleSoup& soup) { return fmt::format("{}", counted(soup.triangles.size(), "triangle")); }
 
 using Import = ImportedMesh (*)(const std::filesystem::path& file);
 
@@ -36,9 +38,9 @@ ImportedMesh importedBy(Import import, const std::filesystem::path& file) {
     throw FileError(file, before + bad.corners > 0 ? "none of its corners has a finite position"
                                                    : "has neither triangles nor points");
   if (bad.triangles > 0)
-    mesh.lost.push_back(fmt::format("{} triangles with a corner that is not finite", bad.triangles));
+    mesh.lost.push_back(fmt::format("{} with a corner that is not finite", counted(bad.triangles, "triangle")));
   else if (bad.corners > 0)
-    mesh.lost.push_back(fmt::format("{} points without a finite position", bad.corners));
+    mesh.lost.push_back(fmt::format("{} without a finite position", counted(bad.corners, "point")));
   return mesh;
 }
 
@@ -88,10 +90,10 @@ PointCloud cornersOf(const TriangleSoup& soup, Log* log) {
 template <Import import>
 StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
   ImportedMesh mesh = importedBy(import, file);
+  const std::string name = file.filename().string();
+  if (log && mesh.openLine > 0) sayOpenLine(name, mesh.openLine, *log);
   if (mesh.soup.triangles.empty()) {
-    if (log)
-      log->say("{}: has no triangles; its {} corners are the points", file.filename().string(),
-               mesh.soup.corners.size());
+    if (log) log->say("{}: has no triangles; its {} corners are the points", name, mesh.soup.corners.size());
     return {.cloud = cornersOf(mesh.soup, log), .triangles = {}, .lost = std::move(mesh.lost)};
   }
   if (options.normalsFromFaces) mesh.soup.normals.clear();
@@ -107,11 +109,10 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
   const std::size_t count = options.samples > 0 ? options.samples : kUsualSamples;
   SampledSoup sampled = sampleSoup(mesh.soup, count, kSeed);
   if (sampled.cloud.empty()) throw FileError(file, fmt::format("none of its {} has an area", madeFrom(mesh.soup)));
-  const std::string name = file.filename().string();
-  if (log) log->say("{}: {} points, spread evenly over {}", name, sampled.cloud.size(), madeFrom(mesh.soup));
+  if (log) log->say("{}: {}, spread evenly over {}", name, counted(sampled.cloud.size(), "point"), madeFrom(mesh.soup));
   StoredCloud stored{.cloud = std::move(sampled.cloud), .triangles = {}, .lost = std::move(mesh.lost)};
   stored.lost.insert(stored.lost.begin(), madeFrom(mesh.soup) + ", of which the points are samples");
-  if (sampled.flat > 0) stored.lost.push_back(fmt::format("{} triangles without an area", sampled.flat));
+  if (sampled.flat > 0) stored.lost.push_back(fmt::format("{} without an area", counted(sampled.flat, "triangle")));
   return stored;
 }
 

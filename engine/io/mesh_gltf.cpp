@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "engine/core/counted.hpp"
 #include "engine/io/color_scale.hpp"
 #include "engine/io/gltf_file.hpp"
 #include "engine/io/mesh_import.hpp"
@@ -199,7 +200,7 @@ class GltfReader {
   GltfNumbers numbersLike(const GltfNumbers& places, const Json& accessor, std::initializer_list<unsigned> perElement) {
     const GltfNumbers numbers = file_.numbers(accessor, perElement);
     if (numbers.count != places.count)
-      file_.fail(fmt::format("{} normals or colours of {} corners", numbers.count, places.count));
+      file_.fail(fmt::format("{} normals or colours of {}", numbers.count, counted(places.count, "corner")));
     return numbers;
   }
   static DVec3 threeOf(const GltfNumbers& numbers, std::size_t i) {

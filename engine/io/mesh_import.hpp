@@ -12,6 +12,8 @@ namespace palpate {
 struct ImportedMesh {
   TriangleSoup soup;
   std::vector<std::string> lost;  ///< contents of the file other than triangles, in words
+  /// For a format that does not state how much there is: number of the last line, if it has no end.
+  std::uint64_t openLine = 0;
 };
 
 /// All of them throw FileError with the line or the byte, and allocate memory for data present in the file, not for

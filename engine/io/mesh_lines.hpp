@@ -46,7 +46,8 @@ class MeshLines {
     return {number(k, what), number(k + 1, what), number(k + 2, what)};
   }
   std::uint64_t line() const { return file_.line(); }
-  [[noreturn]] void fail(std::string_view what) const { throw FileError::atLine(file_.path(), file_.line(), what); }
+  bool endsInLine() const { return file_.endsInLine(); }
+  [[noreturn]] void fail(std::string_view what) const { throw file_.errorInLine(what); }
 
  private:
   static constexpr std::size_t kLongestLine = std::size_t{1} << 20;

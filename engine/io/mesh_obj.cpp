@@ -4,6 +4,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "engine/core/counted.hpp"
 #include "engine/io/color_scale.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_lines.hpp"
@@ -35,6 +36,7 @@ class ObjReader {
         ++unknown_;
       }
     }
+    if (lines_.endsInLine()) mesh_.openLine = lines_.line();
     return finish();
   }
 
@@ -110,8 +112,8 @@ class ObjReader {
     if (freeForms_ > 0) mesh_.lost.push_back(fmt::format("{} free-form curves and surfaces", freeForms_));
     if (unknown_ > 0) mesh_.lost.push_back(fmt::format("{} unknown statements", unknown_));
     if (large_ > 0)
-      mesh_.lost.push_back(
-          fmt::format("the dents of {} polygons with more than {} corners", large_, kLargestConcavePolygon));
+      mesh_.lost.push_back(fmt::format("the dents of {} with more than {}", counted(large_, "polygon"),
+                                       counted(kLargestConcavePolygon, "corner")));
     return std::move(mesh_);
   }
 

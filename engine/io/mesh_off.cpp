@@ -1,6 +1,7 @@
 #include <array>
 #include <optional>
 
+#include "engine/core/counted.hpp"
 #include "engine/io/color_scale.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_lines.hpp"
@@ -24,13 +25,13 @@ class OffReader {
       needLine(fmt::format("{} of {} faces", i, faces_));
       face();
     }
-    if (lines_.next()) lines_.fail(fmt::format("unexpected data after the last of {} faces", faces_));
+    if (lines_.next()) lines_.fail(fmt::format("unexpected data after the last of {}", counted(faces_, "face")));
     settleColors();
     if (others_ > 0) mesh_.lost.push_back(fmt::format("{} points and lines", others_));
-    if (colors_ > 0) mesh_.lost.push_back(fmt::format("the colours of {} faces", colors_));
+    if (colors_ > 0) mesh_.lost.push_back(fmt::format("the colours of {}", counted(colors_, "face")));
     if (large_ > 0)
-      mesh_.lost.push_back(
-          fmt::format("the dents of {} polygons with more than {} corners", large_, kLargestConcavePolygon));
+      mesh_.lost.push_back(fmt::format("the dents of {} with more than {}", counted(large_, "polygon"),
+                                       counted(kLargestConcavePolygon, "corner")));
     return std::move(mesh_);
   }
 

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <string>
 
+#include "engine/core/counted.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_lines.hpp"
 
@@ -55,8 +56,8 @@ ImportedMesh importBinary(ChunkedFile& file) {
     rest += piece.size();
     file.consume(piece.size());
   }
-  if (rest > 0) mesh.lost.push_back(fmt::format("{} bytes after the last of {} triangles", rest, count));
-  if (marked > 0) mesh.lost.push_back(fmt::format("colours or marks of {} triangles", marked));
+  if (rest > 0) mesh.lost.push_back(fmt::format("{} bytes after the last of {}", rest, counted(count, "triangle")));
+  if (marked > 0) mesh.lost.push_back(fmt::format("colours or marks of {}", counted(marked, "triangle")));
   return mesh;
 }
 
@@ -73,7 +74,7 @@ class StlText {
         corners_.push_back(lines_.three(1, "a coordinate"));
         if (corners_.size() > 3) lines_.fail("a facet of more than three corners");
       } else if (word == "endfacet") {
-        if (corners_.size() != 3) lines_.fail(fmt::format("a facet of {} corners", corners_.size()));
+        if (corners_.size() != 3) lines_.fail(fmt::format("a facet of {}", counted(corners_.size(), "corner")));
         addCorners(file_, mesh_.soup, {corners_[0], corners_[1], corners_[2]});
         corners_.clear();
       } else if (word == "solid" || word == "endsolid") {

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "engine/core/error.hpp"
+#include "engine/io/ends_after.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/text_number.hpp"
 
@@ -247,9 +248,8 @@ NpyArray readNpyArray(const std::filesystem::path& name, std::span<const std::by
   array.bytes = product(array.rows, rowBytes, text);
   array.data = file.subspan(headAt + length);
   if (array.data.size() < array.bytes)
-    throw FileError::atByte(name, at + headAt + length,
-                            fmt::format("an array of shape {} has {} bytes, but {} follow", array.shapeText(),
-                                        array.bytes, array.data.size()));
+    throw endsAfter(name, at + file.size(), rowBytes == 0 ? 0 : array.data.size() / rowBytes, array.rows,
+                    fmt::format("rows of an array of shape {}", array.shapeText()));
   array.data = array.data.first(array.bytes);
   return array;
 }

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
+#include "engine/io/ends_after.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/lzf.hpp"
 #include "engine/io/pcd_rows.hpp"
@@ -39,8 +41,7 @@ class PcdBody {
 
   void readBinary() {
     if (const auto there = file_.remaining(); there && header_.points > *there / rowBytes_)
-      failAt(file_.offset(), fmt::format("the header promises {} points of {} bytes, but {} bytes follow",
-                                         header_.points, rowBytes_, *there));
+      throw endsAfter(file_.path(), file_.offset() + *there, *there / rowBytes_, header_.points, "points");
     if (file_.remaining()) rows_.reserve(header_.points);
     for (std::uint64_t done = 0; done < header_.points;) {
       const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kPointBatch, header_.points - done));
@@ -133,15 +134,14 @@ class PcdBody {
         visitPcd(field, [&]<class T>(std::type_identity<T>) {
           const auto value = textNumber<T>(word);
           if (!value)
-            throw FileError::atLine(
-                file_.path(), file_.line(),
+            throw file_.errorInLine(
                 fmt::format("found {} for {}, expected a number", inQuotes(word), inQuotes(field.name)));
           const auto* bytes = reinterpret_cast<const std::byte*>(&*value);
           rows.insert(rows.end(), bytes, bytes + sizeof(T));
         });
       }
     if (line.find_first_not_of(" \t", at) != line.npos)
-      throw FileError::atLine(file_.path(), file_.line(), "a point of more numbers than the header has fields");
+      throw file_.errorInLine("a point of more numbers than the header has fields");
   }
 
   ChunkedFile& file_;
@@ -241,7 +241,7 @@ void writePcd(const std::filesystem::path& path, const PointCloud& cloud, const 
 
 std::vector<std::string> lacksOfPcd(const StoredCloud& stored) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
+  if (!stored.triangles.empty()) lost.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
   for (const Attribute& attribute : stored.cloud.extra)
     if (fieldGivesWay(stored.cloud, attribute.name))
       lost.push_back(fmt::format("the field '{}', because another one is written under its name", attribute.name));

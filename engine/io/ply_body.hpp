@@ -22,8 +22,8 @@ void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyRowSink&
 void passBinaryElement(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyFaces* faces);
 void passAsciiElement(ChunkedFile& file, const PlyElement& element, PlyFaces* faces);
 
-/// Error message if `element`, whose rows have at least `rowBytes`, cannot fit into the rest of the file; empty if it
-/// can or the size of the file is unknown. Called before memory is allocated for the element.
-std::string brokenPromise(const ChunkedFile& file, const PlyElement& element, std::uint64_t rowBytes);
+/// Throws FileError if `element`, whose rows have at least `rowBytes`, cannot fit into the rest of the file and `spare`
+/// bytes; nothing if the size of the file is unknown. Called before memory is allocated for the element.
+void checkPromise(const ChunkedFile& file, const PlyElement& element, std::uint64_t rowBytes, std::uint64_t spare = 0);
 
 }  // namespace palpate

@@ -14,7 +14,7 @@ class AsciiRows {
  public:
   AsciiRows(ChunkedFile& file, const PlyElement& element) : file_(file), element_(element) {}
 
-  [[noreturn]] void fail(std::string_view what) const { throw FileError::atLine(file_.path(), file_.line(), what); }
+  [[noreturn]] void fail(std::string_view what) const { throw file_.errorInLine(what); }
 
   void nextRow(std::uint64_t row) {
     row_ = row;
@@ -79,21 +79,16 @@ class AsciiRows {
   std::string_view rest_;
 };
 
-/// Minimum size of a row: a digit and a separator per value. The last line may lack its separator.
-std::uint64_t minAsciiRowBytes(const PlyElement& element) { return 2 * element.properties.size(); }
-
-std::string brokenAsciiPromise(const ChunkedFile& file, const PlyElement& element) {
-  PlyElement lastLineOpen = element;
-  if (lastLineOpen.count > 0) --lastLineOpen.count;
-  const std::string broken = brokenPromise(file, lastLineOpen, minAsciiRowBytes(element));
-  return broken.empty() ? broken : brokenPromise(file, element, minAsciiRowBytes(element));
+void checkAsciiPromise(const ChunkedFile& file, const PlyElement& element) {
+  // A digit and a separator per value; where the last row is too short, its line is named.
+  const std::uint64_t rowBytes = 2 * element.properties.size();
+  checkPromise(file, element, rowBytes, rowBytes);
 }
 
 }  // namespace
 
 void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyRowSink& vertices) {
-  const std::string broken = brokenAsciiPromise(file, element);
-  if (!broken.empty()) throw FileError::atLine(file.path(), element.line, broken);
+  checkAsciiPromise(file, element);
   if (file.remaining()) vertices.reserve(element.count);
   AsciiRows walk(file, element);
   std::vector<std::byte> packed;
@@ -129,8 +124,7 @@ void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyRowSink&
 /// Checks only the shape of the rows: some programs write other values here than their header declares, and unused data
 /// should not cause errors.
 void passAsciiElement(ChunkedFile& file, const PlyElement& element, PlyFaces* faces) {
-  const std::string broken = brokenAsciiPromise(file, element);
-  if (!broken.empty()) throw FileError::atLine(file.path(), element.line, broken);
+  checkAsciiPromise(file, element);
   if (element.properties.empty()) return;
   const PlyProperty* indices = faces ? PlyFaces::indexList(element) : nullptr;
   AsciiRows walk(file, element);

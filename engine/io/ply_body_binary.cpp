@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "engine/core/error.hpp"
+#include "engine/io/ends_after.hpp"
 #include "engine/io/ply_body.hpp"
 #include "engine/io/point_batch.hpp"
 
@@ -123,18 +124,16 @@ void readVerticesWithLists(ChunkedFile& file, const PlyElement& element, bool sw
 
 }  // namespace
 
-std::string brokenPromise(const ChunkedFile& file, const PlyElement& element, std::uint64_t rowBytes) {
+void checkPromise(const ChunkedFile& file, const PlyElement& element, std::uint64_t rowBytes, std::uint64_t spare) {
   const auto left = file.remaining();
-  if (!left || rowBytes == 0 || element.count <= *left / rowBytes) return {};
-  return fmt::format(
-      "the header promises {} {} of at least {} bytes each, but only {} bytes follow; the file is truncated or its "
-      "header is wrong",
-      element.count, element.name, rowBytes, *left);
+  if (!left || rowBytes == 0 || element.count <= (*left + spare) / rowBytes) return;
+  const std::string things = fmt::format("rows of element '{}'", element.name);
+  throw endsAfter(file.path(), file.offset() + *left, *left / rowBytes, element.count, things,
+                  element.hasLists() || spare > 0);
 }
 
 void readBinaryVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyRowSink& vertices) {
-  const std::string broken = brokenPromise(file, element, minBinaryRowBytes(element));
-  if (!broken.empty()) throw FileError::atByte(file.path(), file.offset(), broken);
+  checkPromise(file, element, minBinaryRowBytes(element));
   if (file.remaining()) vertices.reserve(element.count);
   if (element.hasLists())
     readVerticesWithLists(file, element, swapBytes, vertices);
@@ -143,8 +142,7 @@ void readBinaryVertices(ChunkedFile& file, const PlyElement& element, bool swapB
 }
 
 void passBinaryElement(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyFaces* faces) {
-  const std::string broken = brokenPromise(file, element, minBinaryRowBytes(element));
-  if (!broken.empty()) throw FileError::atByte(file.path(), file.offset(), broken);
+  checkPromise(file, element, minBinaryRowBytes(element));
   BinaryRows walk(file, element, swapBytes);
   if (element.properties.empty()) return;
   if (!element.hasLists()) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/core/counted.hpp"
 #include "engine/io/ply_faces.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "engine/io/ply_writer.hpp"
@@ -30,7 +31,8 @@ std::vector<std::string> lostByReading(const PlyInfo& info, const StoredCloud& s
     if (PlyFaces::indexList(element)) faces += element.count;
   }
   if (faces != stored.triangles.size() && known == 0)
-    lost.push_back(fmt::format("the outlines of {} faces, which become {} triangles", faces, stored.triangles.size()));
+    lost.push_back(fmt::format("the outlines of {}, which become {}", counted(faces, "face"),
+                               counted(stored.triangles.size(), "triangle")));
   const StoredAs& as = stored.cloud.storedAs;
   if (stored.cloud.hasColors() && as.color != ScalarType::u8) lost.emplace_back("colours finer than 8 bits a channel");
   if (stored.cloud.hasNormals() && as.normal == ScalarType::f64)
@@ -82,7 +84,8 @@ CloudFormat plyFormat() {
           .read = readPlyFile,
           .write = writePly,
           .lacks = lacksOfPly,
-          .hasComments = true};
+          .hasComments = true,
+          .keepsTriangles = true};
 }
 
 }  // namespace palpate

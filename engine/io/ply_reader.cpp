@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/ply_body.hpp"
 #include "engine/io/ply_vertices.hpp"
@@ -49,7 +50,7 @@ PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions o
   if (options.leftOutRows) *options.leftOutRows = vertices.leftOut();
   if (options.lost) {
     *options.lost = vertices.lost();
-    if (gone > 0) options.lost->push_back(fmt::format("{} triangles of points that are left out", gone));
+    if (gone > 0) options.lost->push_back(fmt::format("{} of points that are left out", counted(gone, "triangle")));
   }
   if (options.normalsFromFaces) faces->applyTo(cloud, path, log);
   if (options.triangles)

@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 
 #include "engine/cloud/normals.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/color_scale.hpp"
 #include "engine/io/column_names.hpp"
@@ -177,12 +178,9 @@ void PlyVertices::moveRow(std::size_t from, std::size_t to) {
 
 std::vector<std::string> PlyVertices::lost() const {
   std::vector<std::string> lost;
-  if (!leftOut_.empty())
-    lost.push_back(
-        fmt::format("{} point{} without a finite position", leftOut_.size(), leftOut_.size() == 1 ? "" : "s"));
+  if (!leftOut_.empty()) lost.push_back(fmt::format("{} without a finite position", counted(leftOut_.size(), "point")));
   if (darkColors_ > 0)
-    lost.push_back(fmt::format("the colour{} of {} point{} that are not numbers, which are black",
-                               darkColors_ == 1 ? "" : "s", darkColors_, darkColors_ == 1 ? "" : "s"));
+    lost.push_back(fmt::format("colours of {} that are not numbers, which are black", counted(darkColors_, "point")));
   return lost;
 }
 

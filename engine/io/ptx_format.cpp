@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engine/cloud/up.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/ply_vertices.hpp"
@@ -30,7 +31,7 @@ class PtxScans {
  public:
   explicit PtxScans(const std::filesystem::path& path) : file_(path) {}
 
-  [[noreturn]] void fail(std::string_view what) const { throw FileError::atLine(file_.path(), file_.line(), what); }
+  [[noreturn]] void fail(std::string_view what) const { throw file_.errorInLine(what); }
   ChunkedFile& file() { return file_; }
   std::uint64_t scans() const { return scans_; }
   const PtxPlace& place() const { return place_; }
@@ -198,7 +199,7 @@ StoredCloud readPtx(const std::filesystem::path& path, Log* log, const CloudRead
   stored.lost = vertices.lost();
   if (scans.scans() == 1) std::erase_if(stored.cloud.extra, [](const Attribute& a) { return a.name == "scan"; });
   stored.cloud.storedAs.comments.emplace_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
-  if (silent > 0) stored.lost.push_back(fmt::format("{} points without an echo", silent));
+  if (silent > 0) stored.lost.push_back(fmt::format("{} without an echo", counted(silent, "point")));
   if (silent > 0 && log) log->warn("{}: {} points are left out, as no echo came back", name, silent);
   if (moved > 0) stored.lost.push_back(fmt::format("the poses of {} scans, which are applied", scans.scans()));
   if (scans.scans() > 0) stored.lost.emplace_back("the grids of the scans");

@@ -10,7 +10,11 @@ namespace palpate {
 
 namespace {
 
-constexpr std::string_view kOurs = "comment written by palpate";
+constexpr std::string_view kOurs = "comment written by palpate", kEstimated = "comment normals: estimated";
+
+bool has(std::span<const std::string> comments, std::string_view comment) {
+  return std::ranges::find(comments, comment) != comments.end();
+}
 
 // "1 face", "2 faces".
 std::string counted(const FileElement& element) {
@@ -58,15 +62,24 @@ void sayWhatIsLost(const std::filesystem::path& file, Log& log) {
   log.say("{}; the existing file is kept as {}", inTheWay.sentence(), AtomicFile::nameToKeep(file).string());
 }
 
-bool isOurs(std::span<const std::string> comments) { return std::ranges::find(comments, kOurs) != comments.end(); }
+bool isOurs(std::span<const std::string> comments) { return has(comments, kOurs); }
 
 void markAsOurs(PointCloud& cloud) {
   auto& comments = cloud.storedAs.comments;
   if (!isOurs(comments)) comments.emplace_back(kOurs);
 }
 
+void markNormalsAsEstimated(PointCloud& cloud, bool are) {
+  std::erase(cloud.storedAs.comments, kEstimated);
+  if (are) cloud.storedAs.comments.emplace_back(kEstimated);
+}
+
+bool areNormalsEstimated(const PointCloud& cloud) { return has(cloud.storedAs.comments, kEstimated); }
+
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const CloudFormats& formats) {
   markAsOurs(cloud);
+  if (areNormalsEstimated(cloud)) cloud.normals.clear();
+  markNormalsAsEstimated(cloud, false);
   std::filesystem::path kept;
   writeCloud(file, cloud, {.keptAs = fileInTheWay(file, formats).losesSomething() ? &kept : nullptr}, formats);
   return kept;

@@ -1,11 +1,11 @@
 #include "engine/io/setting_json.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <nlohmann/json.hpp>
+
+#include "engine/core/unknown_name.hpp"
 
 namespace palpate {
 
@@ -115,7 +115,7 @@ void requireKnown(std::string_view path, const SettingsJson& json, const std::ve
     std::vector<std::string_view> ofPart;
     for (const std::string_view each : known)
       if (each.starts_with(part)) ofPart.push_back(each.substr(part.size()));
-    if (ofPart.empty()) throw ConfigError(pathOf(path, name), "is unknown; there are {}", fmt::join(known, ", "));
+    if (ofPart.empty()) throw ConfigError(pathOf(path, name), "{}", unknownName("key", name, known));
     requireObject(pathOf(path, name), inside);
     requireKnown(pathOf(path, name), inside, ofPart);
   }
@@ -151,7 +151,7 @@ void readWord(std::string_view path, const SettingsJson& json, bool mayBeNull,
     return;
   }
   const std::string word = text(path, json);
-  if (!choose(&word)) throw ConfigError(path, "cannot be '{}'; there is {}", word, fmt::join(all(), ", "));
+  if (!choose(&word)) throw ConfigError(path, "{}", unknownName("value", word, all()));
 }
 
 void write(SettingsJson& json, const Pointers::Out& value) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/column_names.hpp"
 #include "engine/io/in_quotes.hpp"
@@ -114,7 +115,7 @@ void TextRows::checkColumns() {
   if (words_.endsOpen() && words().size() + 1 == names_.size()) words_.addEmpty();
   if (words().size() == names_.size()) return;
   const bool twice = words().size() == 2 * names_.size() && !words_.hasDecimalCommas();
-  fail(fmt::format("a point of {} columns{} {}{}{}", words().size(),
+  fail(fmt::format("a point of {}{} {}{}{}", counted(words().size(), "column"),
                    seen_ > 1 ? " where those before have" : ", of which", names_.size(), seen_ > 1 ? "" : " have names",
                    twice ? "; if its commas are decimal ones, write points, or blanks between the numbers" : ""));
 }
@@ -145,7 +146,8 @@ void TextRows::countPoint() {
 }
 
 void TextRows::checkEnd() const {
-  if (promised_ && seen_ < *promised_) fail(fmt::format("ends after {} of {} points", seen_, *promised_));
+  if (!promised_ || seen_ >= *promised_) return;
+  throw FileError::atLine(file_.path(), file_.line(), fmt::format("ends after {} of {} points", seen_, *promised_));
 }
 
 /// Advances to the first point, past the line that names the columns.
@@ -185,8 +187,7 @@ std::vector<std::string> TextRows::usualNames() {
   if (columns == 6) add({kUnnamed[0], kUnnamed[1], kUnnamed[2]});
   if (columns == 7) add({"red", "green", "blue"});
   if (names.size() != columns)
-    fail(fmt::format("a point of {} column{}, which may mean anything; {}", columns, columns == 1 ? "" : "s",
-                     kHowToName));
+    fail(fmt::format("a point of {}, which may mean anything; {}", counted(columns, "column"), kHowToName));
   return names;
 }
 

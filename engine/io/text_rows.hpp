@@ -27,7 +27,7 @@ class TextRows {
   /// Advances to the first point. `columns`: names that replace those of the file. Throws FileError.
   TextRows(const std::filesystem::path& path, TextKind kind, const std::vector<std::string>& columns);
 
-  [[noreturn]] void fail(std::string_view what) const { throw FileError::atLine(file_.path(), file_.line(), what); }
+  [[noreturn]] void fail(std::string_view what) const { throw file_.errorInLine(what); }
 
   ChunkedFile& file() { return file_; }
   /// Columns 4 to 6 that may be normals or colours are called kUnnamed until all rows were read.

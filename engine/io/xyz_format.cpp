@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include "engine/cloud/normals.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/color_scale.hpp"
 #include "engine/io/column_names.hpp"
+#include "engine/io/ends_after.hpp"
 #include "engine/io/ply_vertices.hpp"
 #include "engine/io/ply_writer.hpp"
 #include "engine/io/point_batch.hpp"
@@ -110,6 +112,7 @@ StoredCloud readText(const std::filesystem::path& path, Log* log, const CloudRea
   }
   append();
   rows.checkUnnamed();
+  if (log && kKind != TextKind::pts && rows.file().endsInLine()) sayOpenLine(name, rows.file().line(), *log);
   if (rows.unnamed().whole) vertices.countColorSteps();
   StoredCloud stored{.cloud = vertices.finish(log)};
   stored.lost = vertices.lost();
@@ -189,7 +192,7 @@ void writePts(const std::filesystem::path& path, const PointCloud& cloud, const 
 
 std::vector<std::string> lacksOfText(const StoredCloud& stored) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
+  if (!stored.triangles.empty()) lost.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
   if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
   for (const std::string& name : namesGivingWay(stored.cloud))
     lost.push_back(fmt::format("the column '{}', because another one is written under its name", name));
@@ -199,7 +202,7 @@ std::vector<std::string> lacksOfText(const StoredCloud& stored) {
 
 std::vector<std::string> lacksOfPts(const StoredCloud& stored) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
+  if (!stored.triangles.empty()) lost.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
   if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
   if (stored.cloud.hasNormals()) lost.emplace_back("normals");
   for (const Attribute& attribute : stored.cloud.extra)

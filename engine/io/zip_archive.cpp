@@ -35,7 +35,8 @@ class ZipReader {
     const std::size_t last = archive_.size() < kEndBytes ? 0 : archive_.size() - kEndBytes;
     for (std::size_t back = 0; archive_.size() >= kEndBytes && back <= std::min(last, kLongestRemark); ++back)
       if (load<std::uint32_t>(last - back) == kEndOfArchive) return last - back;
-    fail(archive_.size(), "not a ZIP archive, or its end is missing");
+    const bool begins = archive_.size() >= 4 && load<std::uint32_t>(0) == kLocalHead;
+    fail(archive_.size(), begins ? "the file ends before its list of members; it is truncated" : "not a ZIP archive");
   }
 
   std::vector<ZipMember> members() const {
@@ -170,7 +171,7 @@ std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<c
   const auto checksum = loadScalar<std::uint32_t>(packed.data() + end),
              size = loadScalar<std::uint32_t>(packed.data() + end + 4);
   if (size > kMaxInflated || packed.size() > kMaxInflated)
-    fail(end + 4, "is larger than 2 GiB, which is not unpacked here");
+    fail(end + 4, "is larger than 2 GiB, which is not unpacked here, or is truncated");
   if (size / kMaxPerDeflatedByte > packed.size()) fail(end + 4, "has an impossible size");
   std::vector<std::byte> bytes(size);
   if (!inflatesTo(bytes, packed.subspan(at, end - at))) fail(at, "is damaged: it cannot be unpacked");

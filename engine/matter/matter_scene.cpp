@@ -6,6 +6,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
+#include "engine/core/unknown_name.hpp"
 #include "engine/matter/matter_bounds.hpp"
 #include "engine/matter/matter_rules.hpp"
 #include "engine/matter/scene_settings.hpp"
@@ -278,7 +279,7 @@ std::vector<std::string_view> matterSceneNames() {
 
 MatterScene matterSceneNamed(std::string_view name) {
   if (const auto scene = valueNamed(builtInScenes(), name)) return *scene;
-  throw Error("there is no scene '{}'; there are {}", name, fmt::join(matterSceneNames(), ", "));
+  throw Error("{}", unknownName("scene", name, matterSceneNames()));
 }
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/point_tree.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/winding_number.hpp"
@@ -207,7 +208,7 @@ std::vector<SurfacePlace> thinned(std::span<const SurfacePlace> points, const La
 
 std::vector<SurfacePlace> placeScan(PointCloud cloud, const MatterScene& scene, unsigned threads) {
   if (cloud.size() < kMinPoints)
-    throw Error("model: has {} points; a body needs a surface of at least {}", cloud.size(), kMinPoints);
+    throw Error("model: has {}; a body needs a surface of at least {}", counted(cloud.size(), "point"), kMinPoints);
   if (!cloud.hasNormals()) estimateNormals(cloud, 16, threads);
   const Bounds bounds = boundsOf(cloud);
   const auto [low, high] = standOf(scene);

@@ -85,6 +85,7 @@ MeshReport examine(const Mesh& mesh) {
 
 void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell, bool ascii,
                std::filesystem::path* keptAs) {
+  cloudFormats().toWrite(file, Written::mesh);  // refuses formats that cannot hold triangles
   const PointCloud& vertices = mesh.vertices;
   double farthest = 0;
   for (std::size_t i = 0; i < vertices.size(); ++i) {

@@ -37,7 +37,8 @@ MeshReport examine(const Mesh& mesh);
 
 /// Writes vertices (x y z nx ny nz [red green blue]) and faces (a list of three each). Coordinates are doubles if
 /// single precision cannot resolve a thousandth of `cell` (of the lattice, model units). The file appears under its
-/// name only when it is complete; `keptAs`: see CloudWriteOptions. Throws FileError.
+/// name only when it is complete; `keptAs`: see CloudWriteOptions. Throws UsageError for
+/// a format that cannot hold triangles, FileError.
 void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell, bool ascii,
                std::filesystem::path* keptAs = nullptr);
 

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "engine/core/error.hpp"
+#include "engine/core/named_values.hpp"
+#include "engine/core/unknown_name.hpp"
 
 namespace palpate {
 
@@ -12,13 +14,9 @@ namespace {
 
 template <class T>
 T named(std::string_view option, std::string_view name, std::span<const std::pair<std::string_view, T>> choices) {
-  std::string known;
-  for (const auto& [text, value] : choices) {
+  for (const auto& [text, value] : choices)
     if (text == name) return value;
-    known += known.empty() ? "" : ", ";
-    known += text;
-  }
-  throw UsageError("{}: '{}' is not known; known are {}", option, name, known);
+  throw UsageError("{}: {}", option, unknownName("value", name, namesOf(choices)));
 }
 
 }  // namespace

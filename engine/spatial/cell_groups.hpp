@@ -28,13 +28,14 @@ class CellGroups {
     return {members_.data() + group.first, group.count};
   }
 
-  /// Calls body(k, groups()[k]) for all groups, on the threads of a team; a thread takes groups with at least `fewest`
-  /// positions at a time.
+  /// Calls body(first, groups) for parts of groups(), from number `first` on, on the threads of a team; each part has
+  /// at least `fewest` positions.
   template <class Body>
-  void forEach(WorkerTeam& team, std::size_t fewest, Body&& body) {
+  void forEachPart(WorkerTeam& team, std::size_t fewest, Body&& body) {
     share(std::max(fewest, groupOf_.size() / (kTurns * team.size())));
     team.forEach(parts_.size() - 1, [&](std::size_t part) {
-      for (std::uint32_t k = parts_[part]; k < parts_[part + 1]; ++k) body(std::size_t{k}, groups_[k]);
+      const std::size_t first = parts_[part];
+      body(first, groups().subspan(first, parts_[part + 1] - first));
     });
   }
 

@@ -1,7 +1,5 @@
 #include "engine/study/uneven_clouds.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <array>
 #include <numbers>
@@ -9,6 +7,7 @@
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/counter_random.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/unknown_name.hpp"
 
 namespace palpate {
 
@@ -136,8 +135,7 @@ PointCloud makePlate(std::size_t count, double thickness, unsigned threads) {
 
 UnevenCloud makeUnevenCloud(std::string_view name, std::size_t count) {
   const auto known = std::ranges::find(kUnevenNames, name);
-  if (known == kUnevenNames.end())
-    throw UsageError("'{}' is not an uneven cloud; choose one of {}", name, fmt::join(kUnevenNames, ", "));
+  if (known == kUnevenNames.end()) throw UsageError("{}", unknownName("uneven cloud", name, kUnevenNames));
   UnevenCloud uneven{.name = *known,
                      .cloud = {},
                      .place = {0, 0, kRadius},

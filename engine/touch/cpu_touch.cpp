@@ -1,6 +1,7 @@
 #include "engine/touch/cpu_touch.hpp"
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/processor.hpp"
 #include "shaders/shared/motion.h"
@@ -41,7 +42,7 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
     hands_.push_back({.probes = group, .trackers = {group.probes(), ProxyTracker(options.radius, options.friction)}});
   answers_.resize(hands_.size());
   const std::size_t threads = sculpture_.threads();
-  machine_ = fmt::format("{}, {} thread{}", processorName(), threads, threads == 1 ? "" : "s");
+  machine_ = fmt::format("{}, {}", processorName(), counted(threads, "thread"));
 }
 
 // Calls visit(offset, normal, number) for the points around a position, as they are at the time of the question in the

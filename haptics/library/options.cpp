@@ -88,7 +88,7 @@ std::string backendOf(const char* backend, const GpuChoice& choice, bool (*autom
   const std::string word = backend ? backend : "auto", gpu = choice.gpu ? choice.gpu : "";
   constexpr std::array<std::string_view, 3> kWords{"auto", "vulkan", "cpu"};
   if (std::ranges::find(kWords, word) == kWords.end())
-    throw UsageError("backend: '{}' is not known; choose one of auto, vulkan, cpu", word);
+    throw UsageError("backend: {}", unknownName("value", word, kWords));
   const bool namesGpu = choice.lent || (!gpu.empty() && gpu != "cpu");
   if (word == "vulkan" && gpu == "cpu")
     throw UsageError("backend: vulkan conflicts with gpu 'cpu'; leave one of them out");

@@ -10,6 +10,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
+#include "engine/core/unknown_name.hpp"
 #include "engine/io/cloud_arrays.hpp"
 #include "engine/mesh/mesh_plan.hpp"
 #include "haptics/library/defaults.hpp"
@@ -84,9 +85,7 @@ auto chosen(const Table& table, const char* name, typename Table::value_type::se
             std::string_view field) {
   if (!name) return usual;
   if (const auto value = valueNamed(table, name)) return *value;
-  std::string all;
-  for (const auto& [known, value] : table) all += (all.empty() ? "" : ", ") + std::string(known);
-  throw UsageError("{}: '{}' is not known; choose one of {}", field, name, all);
+  throw UsageError("{}: {}", field, unknownName("value", name, namesOf(table)));
 }
 
 ToolConfig toolFrom(const pp_tool& tool);

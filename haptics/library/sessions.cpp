@@ -1,4 +1,5 @@
 // The C interface: sessions, touched by path or tick by tick, sculpted, drawn, meshed and live.
+#include "engine/core/counted.hpp"
 #include "haptics/library/held_session.hpp"
 
 #include <algorithm>
@@ -27,13 +28,14 @@ struct TickRoom {
 void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>& paths,
              const std::optional<BrushConfig>& brush) {
   if (paths.size() != session.hands())
-    throw UsageError("paths: {} were given to a session of {} hands; give one for each hand", paths.size(),
-                     session.hands());
+    throw UsageError("paths: {} were given to a session of {}; give one for each hand", paths.size(),
+                     counted(session.hands(), "hand"));
   std::uint64_t ticks = 0;
   for (const Path& path : paths) ticks = std::max(ticks, ticksOf(path, session.config().rate_Hz));
   const std::size_t hands = paths.size();
   if (ticks * hands > room.capacity)
-    throw UsageError("capacity: the path takes {} ticks, but there is room for {}", ticks, room.capacity / hands);
+    throw UsageError("capacity: the path takes {}, but there is room for {}", counted(ticks, "tick"),
+                     room.capacity / hands);
   required(room.ticks, "ticks");
   required(room.count, "count");
   const ServoResult result = session.run(paths, brush);
@@ -147,7 +149,7 @@ pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double*
   }
   return with(session, Claim::touch, [&](OpenSession& open) {
     if (hands != open.hands())
-      throw UsageError("hands: {} poses were given to a session of {} hands", hands, open.hands());
+      throw UsageError("hands: {} poses were given to a session of {}", hands, counted(open.hands(), "hand"));
     required(poses, "pose");
     required(contacts, "contact");
     std::array<Pose, PP_MAX_HANDS> asked;
@@ -264,7 +266,6 @@ pp_status pp_mesh_write(pp_mesh mesh, const char* file, const pp_write_options* 
     const auto found = objectOf<MeshObject>(mesh.id);
     const std::string name = &required(file, "file");
     const pp_write_options given = optionsFrom(options, "options");
-    cloudFormats().toWrite(name, Written::mesh);  // refuses other extensions
     std::filesystem::path kept;
     writeMesh(name, found->mesh, found->cell, given.ascii != 0, given.backup ? &kept : nullptr);
   });

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/core/named_values.hpp"
+#include "engine/core/unknown_name.hpp"
 #include "haptics/session/abilities.hpp"
 
 namespace palpate {
@@ -75,7 +76,7 @@ void BackendKind::check(const SessionConfig& config) const {
 const BackendKind& Backends::named(std::string_view name) const {
   for (const auto& kind : kinds_)
     if (kind->name() == name) return *kind;
-  throw ConfigError("backend.name", "'{}' is unknown; choose one of {}", name, fmt::join(names(), ", "));
+  throw ConfigError("backend.name", "{}", unknownName("back end", name, names()));
 }
 
 std::vector<std::string> Backends::names() const {

@@ -12,6 +12,7 @@
 #include "engine/core/job_stop.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "engine/io/saving.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/session/simulation.hpp"
 #include "haptics/session/stream_model.hpp"
@@ -66,6 +67,7 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
                                  {.normalsFromFaces = config.normals == NormalSource::face,
                                   .pointsOnly = true,
                                   .keepUnreliable = config.keepUnreliable});
+  markNormalsAsEstimated(stored.cloud, false);  // whatever a comment in the file says: they are its own
   if (!stored.leftOut.empty())
     loading.log.warn("{}: left out: {}; the setting keep_unreliable keeps them", config.file, stored.leftOut);
   Model model = modelOf(std::move(stored.cloud), config, loading);
@@ -82,6 +84,7 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
   model.shown = coreBoundsOf(cloud);
   throwIfStopWanted();
   if (!cloud.hasNormals() || config.normals == NormalSource::estimate) {
+    markNormalsAsEstimated(cloud, config.normals != NormalSource::estimate);
     const std::string cost = loading.estimate(cloud, loading.threads);
     if (!cloud.empty()) loading.log.say("{}: normals are estimated from the points: {}", config.file, cost);
     // One or two points define no plane: their discs face the default view.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/core/counted.hpp"
 #include "engine/core/point_state.hpp"
 #include "engine/io/cloud_arrays.hpp"
 
@@ -19,7 +20,7 @@ std::vector<Vec3> normalsOf(const PointCloud& cloud, NormalSource source, const 
   if (cloud.hasNormals() && source != NormalSource::estimate) return cloud.normals;
   PointCloud copy{.origin = cloud.origin, .positions = cloud.positions};
   const std::string cost = loading.estimate(copy, loading.threads);
-  loading.log.say("a cloud of {} points: normals are estimated from the points: {}", copy.size(), cost);
+  loading.log.say("a cloud of {}: normals are estimated from the points: {}", counted(copy.size(), "point"), cost);
   return copy.normals;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/job_stop.hpp"
 #include "engine/edit/point_states.hpp"
@@ -58,8 +59,8 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
   recorded.scale = recorded.model.scale;
   if (recorded.model.cloud.size() != recorded.session.points)
     throw FileError(model.file,
-                    fmt::format("has {} points, the model of the session had {}; name the right model with {}",
-                                recorded.model.cloud.size(), recorded.session.points, parts.naming));
+                    fmt::format("has {}, the model of the session had {}; name the right model with {}",
+                                counted(recorded.model.cloud.size(), "point"), recorded.session.points, parts.naming));
   if (checksumOf(recorded.model) != recorded.session.checksum)
     throw FileError(
         model.file,

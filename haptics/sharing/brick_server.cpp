@@ -43,6 +43,7 @@ BrickServer::BrickServer(const Parts& parts)
   said_.edge = known.edge;
   put(said_.matter, known.matter);
   said_.standing = known.standing;
+  put(said_, parts.file);
   facts_.write(said_);
 }
 

@@ -13,6 +13,7 @@
 #include "haptics/session/far_cloud.hpp"
 #include "haptics/sharing/brick_ledger.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/served_file.hpp"
 #include "haptics/sharing/shared_points.hpp"
 
 namespace palpate::sharing {
@@ -30,6 +31,7 @@ class BrickServer {
     const Topics& topics;
     Id session;
     FarFacts facts;
+    ServedFile file;
     const SharedPoints& points;  ///< of a static cloud
     Log* log = nullptr;          ///< logs each new client
   };

@@ -239,7 +239,7 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   session->host = notice.host;
   session->sculptable = notice.sculptable;
   session->checksum = notice.checksum;
-  const std::optional<FarFacts> facts = hearFacts(*session, options.timeout_s, options.stop);
+  const std::optional<HeardFacts> facts = hearFacts(*session, options.timeout_s, options.stop);
   if (!facts || facts->extent.points != notice.points)
     throw NetworkError("'{}' of {}: does not describe its model; is it still served?", notice.name, notice.host);
   const bool isNear = options.partial || (facts->moves && !options.present);
@@ -247,6 +247,8 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   const std::uint64_t every = isNear && facts->standing == 0 ? everyFor(notice.points) : 1;
   JoinedCloud joined = Fetch(session->participant, session->topics, notice, options, every).run();
   joined.sculptable = notice.sculptable && !isNear;
+  describe(joined.cloud, facts->file);
+  joined.unsent = facts->file.unsent;
   if (isNear) {
     joined.facts = facts;
     joined.far = openFarCloud({.session = session, .notice = notice, .facts = *facts, .log = options.log});

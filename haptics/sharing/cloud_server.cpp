@@ -8,6 +8,7 @@
 #include "engine/cloud/spacing.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "haptics/sharing/brick_server.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/motion_thread.hpp"
@@ -88,6 +89,7 @@ struct CloudServer::Link {
                                     .topics = topics,
                                     .session = session,
                                     .facts = factsOf(cloud, parts),
+                                    .file = servedFileOf(cloud),
                                     .points = shared,
                                     .log = parts.log});
     near->attach(wait);
@@ -110,7 +112,7 @@ struct CloudServer::Link {
           });
       session = journal->session();
       if (parts.log && journal->pieces() > 0)
-        parts.log->say("{}: continues with {} pieces of strokes", parts.journal.string(), journal->pieces());
+        parts.log->say("{}: continues with {} of strokes", parts.journal.string(), counted(journal->pieces(), "piece"));
       if (parts.log && journal->tornBytes() > 0)
         parts.log->say("{}: its last {} bytes were an incomplete piece and are removed; its client sends it again",
                        parts.journal.string(), journal->tornBytes());

@@ -325,37 +325,42 @@ class FarLink final : public BrickCloud {
 
 std::unique_ptr<BrickCloud> openFarCloud(const FarParts& parts) { return std::make_unique<FarLink>(parts); }
 
-std::optional<FarFacts> hearFacts(const JoinedSession& session, double timeout_s, const StopSign& stop) {
+std::optional<HeardFacts> hearFacts(const JoinedSession& session, double timeout_s, const StopSign& stop) {
   const Topic<Facts> topic = factsOf(session.participant, session.session);
   const Reader<Facts> reader(session.participant, topic, keepingInstances(reliableQos(true), 1));
   ReaderWait wait(session.participant);
   wait.attach(reader);
-  std::optional<FarFacts> heard;
+  std::optional<HeardFacts> heard;
+  bool isFileValid = true;
   for (const Stopwatch since; !heard && since.elapsed_s() < timeout_s;) {
     throwIfStopped(stop);
     wait.sleep(0.05);
     reader.take([&](const Facts& facts) {
       if (!isSame(facts.session, session.session)) return;
-      heard = FarFacts{.extent = {.bounds = {.min = DVec3(facts.low[0], facts.low[1], facts.low[2]),
-                                             .max = DVec3(facts.high[0], facts.high[1], facts.high[2])},
-                                  .points = facts.points},
-                       .spacing = facts.spacing,
-                       .wideSpacing = facts.wide_spacing,
-                       .noise = facts.noise,
-                       .up = static_cast<UpAxis>(facts.up),
-                       .edge = facts.edge,
-                       .moves = facts.moves,
-                       .matter = facts.matter,
-                       .standing = facts.standing};
+      const auto file = servedFileIn(facts);
+      isFileValid = file.has_value();
+      heard.emplace();
+      heard->extent = {.bounds = {.min = DVec3(facts.low[0], facts.low[1], facts.low[2]),
+                                  .max = DVec3(facts.high[0], facts.high[1], facts.high[2])},
+                       .points = facts.points};
+      heard->spacing = facts.spacing;
+      heard->wideSpacing = facts.wide_spacing;
+      heard->noise = facts.noise;
+      heard->up = static_cast<UpAxis>(facts.up);
+      heard->edge = facts.edge;
+      heard->moves = facts.moves;
+      heard->matter = facts.matter;
+      heard->standing = facts.standing;
+      heard->file = file.value_or(ServedFile{});
     });
   }
   if (!heard) return heard;
   constexpr double kLargest = 1e30;
   const auto isLength = [](double value) { return value >= 0 && value <= kLargest; };
   const auto isPlace = [](const DVec3& place) { return glm::length(place) <= kLargest; };
-  if (!(heard->edge > 0) || !isLength(heard->edge) || !isLength(heard->spacing) || !isLength(heard->wideSpacing) ||
-      !isLength(heard->noise) || !isPlace(heard->extent.bounds.min) || !isPlace(heard->extent.bounds.max) ||
-      heard->up > UpAxis::minusZ || heard->standing > heard->extent.points ||
+  if (!isFileValid || !(heard->edge > 0) || !isLength(heard->edge) || !isLength(heard->spacing) ||
+      !isLength(heard->wideSpacing) || !isLength(heard->noise) || !isPlace(heard->extent.bounds.min) ||
+      !isPlace(heard->extent.bounds.max) || heard->up > UpAxis::minusZ || heard->standing > heard->extent.points ||
       heard->extent.points >= std::uint64_t{1} << 32)
     throw NetworkError("'{}' of {} announces an invalid cloud", session.name, session.host);
   return heard;

@@ -5,6 +5,7 @@
 
 #include "engine/core/log.hpp"
 #include "haptics/sharing/brick_cloud.hpp"
+#include "haptics/sharing/served_file.hpp"
 #include "haptics/sharing/session_notices.hpp"
 
 namespace palpate {
@@ -19,8 +20,12 @@ struct FarParts {
 };
 std::unique_ptr<BrickCloud> openFarCloud(const FarParts& parts);
 
+/// Of all points, and of their file.
+struct HeardFacts : FarFacts {
+  sharing::ServedFile file;
+};
 /// Facts that the session's server announces; nothing if they are not received within `timeout_s`. Throws NetworkError
 /// if they describe no valid cloud.
-std::optional<FarFacts> hearFacts(const JoinedSession& session, double timeout_s, const StopSign& stop);
+std::optional<HeardFacts> hearFacts(const JoinedSession& session, double timeout_s, const StopSign& stop);
 
 }  // namespace palpate

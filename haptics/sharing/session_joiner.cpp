@@ -1,6 +1,7 @@
 #include "haptics/sharing/session_joiner.hpp"
 
 #include "engine/cloud/length_unit.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/touch/touch_backend.hpp"
 #include "haptics/sharing/brick_cloud.hpp"
 #include "haptics/sharing/presence.hpp"
@@ -25,8 +26,11 @@ JoinedCloud join(const std::string& name, const JoinConfig& config, const Joinin
             joined.facts->extent.points, joined.model, joined.host, joined.facts->moves ? "; they move" : "",
             opennessOf(network));
   else
-    log.say("{}: {} points of {}, served by {}; {}", name, joined.cloud.size(), joined.model, joined.host,
+    log.say("{}: {} of {}, served by {}; {}", name, counted(joined.cloud.size(), "point"), joined.model, joined.host,
             opennessOf(network));
+  if (!joined.unsent.empty() && !joined.far)
+    log.say("{}: these stay with the server: {}; palpate serve --save writes them, a file saved here lacks them", name,
+            joined.unsent);
   sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
   return joined;
 }

@@ -88,6 +88,7 @@ struct JoinedCloud {
   double mm_per_unit = 0;
   std::string host, model;
   bool sculptable = false;
+  std::string unsent;  ///< what the cloud lacks of the server's file, in words; empty: nothing
   std::shared_ptr<const JoinedSession> session;
   /// If only the points around the hands are streamed: `cloud` is then a subsample of a few thousand points.
   std::shared_ptr<BrickCloud> far;

@@ -4,6 +4,7 @@
 
 #include "engine/cloud/length_unit.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/matter/matter_touch.hpp"
@@ -81,8 +82,9 @@ Model softModel(const MatterScene& scene, const SessionConfig& config, const Mod
   const Stopwatch watch;
   Model model;
   const auto body = softModelOf(scene, std::move(scan), loading.threads);
-  loading.log.say("{}: a body of {} points, filled with {} nodes in {:.0f} ms", config.model.file, body->points.size(),
-                  body->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
+  loading.log.say("{}: a body of {}, filled with {} in {:.0f} ms", config.model.file,
+                  counted(body->points.size(), "point"), counted(body->solid.lattice.nodes(), "node"),
+                  watch.elapsed_us() * 1e-3);
   model.cloud = cloudOf(*body, scene);
   model.source = SoftPoints{.container = boxOf(scene), .body = kept(body)};
   placeInScene(model, scene);
@@ -124,8 +126,8 @@ std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const
   const Stopwatch watch;
   const std::size_t points = cloud.size();
   auto model = std::make_shared<const MatterModel>(std::move(cloud), scene, loading.threads);
-  loading.log.say("{}: a solid of {} points, as a field of {} nodes in {:.0f} ms", scene.model, points,
-                  model->nodes().size(), watch.elapsed_us() * 1e-3);
+  loading.log.say("{}: a solid of {}, as a field of {} in {:.0f} ms", scene.model, counted(points, "point"),
+                  counted(model->nodes().size(), "node"), watch.elapsed_us() * 1e-3);
   return model;
 }
 

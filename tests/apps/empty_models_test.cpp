@@ -34,6 +34,25 @@ TEST_CASE("a cloud of no points is said to have 0 points, and nothing is written
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()) == 1);
 }
 
+TEST_CASE("a file without a byte is an error in every format, and no cloud of no points is made") {
+  const ScratchFolder folder;
+  for (const char* name : {"a.ply", "a.las", "a.laz", "a.e57", "a.pcd", "a.npy", "a.npz", "a.xyz", "a.txt", "a.csv",
+                           "a.pts", "a.ptx", "a.obj", "a.stl", "a.off", "a.gltf", "a.glb", "a.splat", "a.spz"}) {
+    const std::string file = (folder / name).string();
+    std::ofstream(file).close();
+    for (const std::string& command : {"info " + file, "convert " + file + " " + (folder / "b.ply").string()}) {
+      CAPTURE(command);
+      const Outcome outcome = palpate(command);
+      CHECK(outcome.code == 1);
+      CHECK(says(outcome.text, file + ": is empty; it contains no points"));
+    }
+  }
+  const Outcome made = palpate("make sphere -n 0 -o " + (folder / "none.ply").string());
+  CHECK(made.code == 2);
+  CHECK(says(made.text, "--points: 0 is not a whole number from 1 to"));
+  CHECK_FALSE(std::filesystem::exists(folder / "none.ply"));
+}
+
 TEST_CASE("info on an unknown folder names the known kinds of folders and what in it can be read") {
   const ScratchFolder folder;
   const auto refused = [&](const std::string& what) {

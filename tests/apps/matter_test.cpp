@@ -214,9 +214,9 @@ TEST_CASE("options that are incompatible with a scene are refused with the reaso
   refused("touch dam --motion turn", 2, "--motion: a simulated scene moves already");
   refused("touch dam --backend cuda", 2, "--backend: cuda requires a model at rest");
   refused("touch dam --fuse on", 2, "is not a recorded depth camera");
-  refused("touch dam --path builtin:scan", 2, "there are press, stir");
-  refused("touch " + bad, 1, bad + ": salt: is unknown");
-  refused("info " + bad, 1, bad + ": salt: is unknown");
+  refused("touch dam --path builtin:scan", 2, "choose press, stir");
+  refused("touch " + bad, 1, bad + ": salt: unknown key 'salt'");
+  refused("info " + bad, 1, bad + ": salt: unknown key 'salt'");
 }
 
 TEST_CASE("the window plays, pauses and restarts water, saves it beside the scene, and refuses a tool") {

@@ -1,6 +1,8 @@
 // Files written by palpate touch --save: beside existing files, and with all properties of the points.
 #include <cmath>
 
+#include "engine/cloud/file_coordinates.hpp"
+#include "engine/io/cloud_formats.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "engine/io/ply_writer.hpp"
 #include "tests/apps/program.hpp"
@@ -31,6 +33,48 @@ Attribute numbered(const std::string& name, ScalarType type, std::size_t count, 
 }
 
 }  // namespace
+
+TEST_CASE("a scan without normals is saved without them, and after undo it is the scan, number by number") {
+  const ScratchFolder folder;
+  PointCloud cloud = sphere(folder);
+  cloud.normals.clear();
+  cloud.origin = DVec3(849000, 4877000, 400);
+  const CoordinateGrid grid{.step = DVec3(0.01)};
+  cloud.storedAs.grid = grid;
+  for (Vec3& place : cloud.positions)
+    place = Vec3(DecimalGrid(grid).at(grid.nearest(cloud.origin + DVec3(place))) - cloud.origin);
+  cloud.extra.push_back(numbered<std::uint16_t>("intensity", ScalarType::u16, cloud.size(), 1));
+  writeCloud(folder / "scan.laz", cloud);
+  const PointCloud scan = readCloud(folder / "scan.laz").cloud;
+  for (const char* options : {"--undo 1 ", ""}) {
+    CAPTURE(options);
+    works(touch(folder / "scan.laz", options + ("--no-resample --save " + (folder / "out.laz").string())));
+    const PointCloud out = readCloud(folder / "out.laz").cloud;
+    CHECK_FALSE(out.hasNormals());
+    REQUIRE(out.size() == scan.size());
+    REQUIRE(out.extra.size() == 1);
+    CHECK(out.extra[0].name == "intensity");
+    CHECK(out.extra[0].data == scan.extra[0].data);
+    bool isSame = true;
+    for (std::size_t i = 0; i < out.size(); ++i) isSame &= out.fileCoordinates(i) == scan.fileCoordinates(i);
+    CHECK(isSame == (options[0] != '\0'));
+  }
+  // Normals that were asked for are written.
+  works(touch(folder / "scan.laz", "--normals estimate --save " + (folder / "more.laz").string()));
+  CHECK(readCloud(folder / "more.laz").cloud.hasNormals());
+  // A coordinate has the decimals of its file.
+  works("convert " + (folder / "scan.laz").string() + " " + (folder / "scan.csv").string());
+  std::ifstream lines(folder / "scan.csv");
+  std::size_t longest = 0;
+  std::string line;
+  std::getline(lines, line);
+  CHECK(line == "x,y,z,intensity");
+  while (std::getline(lines, line)) longest = std::max(longest, line.size());
+  CHECK(longest <= std::string("849050.12,4877050.12,450.12,2999").size());
+  works("convert " + (folder / "scan.csv").string() + " " + (folder / "back.laz").string());
+  const PointCloud back = readCloud(folder / "back.laz").cloud;
+  for (std::size_t i = 0; i < back.size(); ++i) REQUIRE(back.fileCoordinates(i) == scan.fileCoordinates(i));
+}
 
 TEST_CASE("touch --save keeps unknown point properties, and new points have those of a neighbour") {
   const ScratchFolder folder;

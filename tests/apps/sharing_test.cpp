@@ -9,6 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/cloud/file_coordinates.hpp"
+#include "engine/cloud/length_unit.hpp"
+#include "engine/io/cloud_formats.hpp"
 #include "tests/apps/running_program.hpp"
 #include "tests/apps/serving.hpp"
 #include "tests/apps/window_play.hpp"
@@ -51,6 +54,37 @@ TEST_CASE("a joined model is felt like its file, byte for byte, drawn, recorded,
   CHECK(report["refused"] == 0);
   // Later clients do not find it any more.
   CHECK(palpate("doctor --network" + domain()).text.find("the city") == std::string::npos);
+}
+
+TEST_CASE(
+    "a joined LAZ keeps its unit and coordinates, and what stays with the server is named before anything is written") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("make bumpy-sphere -n 4000 --center 637000,4877000,400 -o " + in("m.ply"));
+  PointCloud cloud = readCloud(in("m.ply")).cloud;
+  cloud.normals.clear();
+  cloud.exactPositions.clear();
+  cloud.extra.push_back({"intensity", ScalarType::u16, std::vector<std::byte>(2 * cloud.size(), std::byte{1})});
+  setUnit(cloud.storedAs.comments, LengthUnit::foot);
+  const CoordinateGrid grid{.step = DVec3(0.01), .offset = DVec3(637000, 4877000, 0)};
+  cloud.storedAs.grid = grid;
+  for (Vec3& place : cloud.positions)
+    place = Vec3(DecimalGrid(grid).at(grid.nearest(cloud.origin + DVec3(place))) - cloud.origin);
+  writeCloud(in("m.laz"), cloud);
+  Serving serving(in("m.laz") + " --name city", folder / "said");
+  const Outcome joined =
+      palpate("touch --join city" + domain() + " --backend cpu --edit push --undo 1 --save " + in("out.laz"));
+  CHECK(joined.code == 0);
+  const std::size_t named = joined.text.find("these stay with the server: intensity;");
+  CHECK_MESSAGE(named != std::string::npos, joined.text);
+  const PointCloud scan = readCloud(in("m.laz")).cloud, out = readCloud(in("out.laz")).cloud;
+  CHECK(unitSaidIn(out.storedAs.comments) == LengthUnit::foot);
+  CHECK_FALSE(out.hasNormals());
+  REQUIRE(out.size() == scan.size());
+  bool isSame = true;
+  for (std::size_t i = 0; i < out.size(); ++i) isSame &= out.fileCoordinates(i) == scan.fileCoordinates(i);
+  CHECK(isSame);
 }
 
 TEST_CASE("two hands sculpt a served model, and all three programs and later clients have the same points") {

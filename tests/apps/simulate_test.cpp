@@ -3,7 +3,7 @@
 
 #include "engine/core/processor.hpp"
 #include "engine/io/ply_reader.hpp"
-#include "tests/apps/program.hpp"
+#include "tests/apps/running_program.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
@@ -154,6 +154,22 @@ TEST_CASE("a scene too large for the memory is refused before it runs, and info 
     }
 }
 
+TEST_CASE("an interrupted simulation keeps its results, and says how far it came") {
+  const ScratchFolder folder;
+  const std::filesystem::path said = folder / "said", json = folder / "out.json", save = folder / "out.ply";
+  std::ofstream(folder / "scene.json") << kSmallTank;
+  RunningProgram program("simulate " + (folder / "scene.json").string() + " --backend cpu --duration 1000 --json " +
+                             json.string() + " --save " + save.string(),
+                         said);
+  CHECK(program.waitFor([&] { return contentOf(said).find(" 0 %") != std::string::npos; }));
+  CHECK(WEXITSTATUS(program.wait(SIGTERM)) == 128 + SIGTERM);
+  CHECK(says(contentOf(said), " of 1000 simulated seconds; the results until then are kept"));
+  const Result result = jsonOf(json);
+  CHECK(result["time_s"] > 0);
+  CHECK(result["time_s"] < 1000);
+  CHECK(std::filesystem::file_size(save) > 100);
+}
+
 TEST_CASE("a scene that cannot be simulated is refused with a reason, and leaves no file") {
   const ScratchFolder folder;
   const std::string scene = (folder / "scene.json").string(), save = (folder / "out.ply").string();
@@ -166,7 +182,7 @@ TEST_CASE("a scene that cannot be simulated is refused with a reason, and leaves
   };
   CHECK(says(refusal(R"({"matter": "soft"})"), "scene.json: "));
   CHECK(says(refusal(std::string(kSmallTank).replace(12, 5, "honey")), "there is water, sand, soft"));
-  CHECK(says(refusal(std::string(kSmallTank).insert(1, "\"colour\": 1, ")), "colour: is unknown"));
+  CHECK(says(refusal(std::string(kSmallTank).insert(1, "\"colour\": 1, ")), "colour: unknown key 'colour'"));
   CHECK(says(palpate("simulate nothing.json").text, "nothing.json"));
   CHECK(palpate("simulate water --duration -1").code == 2);
   CHECK(palpate("simulate water --probe 1,2").code == 2);

@@ -155,7 +155,7 @@ TEST_CASE("options that are incompatible with another hand are refused with a re
   wrong(path + "--log " + scene.file("log"), "--log: a session log has one hand");
   wrong(path + "--method brute", "--hand: --method brute supports one hand; use fused", "vulkan");
   wrong(path + "--ahead on", "--ahead: queries of several hands cannot be submitted ahead", "vulkan");
-  wrong("--second-device path", "there is no option '--second-device'");
+  wrong("--second-device path", "unknown option '--second-device'");
   const Outcome cuda = palpate("touch " + scene.model + " --backend cuda " + path);
   CHECK(cuda.code == 2);
   CHECK(says(cuda.text, "--hand: --backend cuda supports one hand; use vulkan or cpu"));

@@ -101,6 +101,39 @@ TEST_CASE("unsaved strokes survive SIGKILL and can be resumed with their points,
   CHECK(contentOf(path / "again.ply") == contentOf(whole->folder.path() / "whole.ply"));
 }
 
+TEST_CASE("strokes of three killed windows are counted, and offered one after another") {
+  if (!hasDisplay()) return;
+  Struck struck;
+  for (int i = 0; i < 3; ++i) {
+    std::filesystem::remove(struck.folder.path() / "end.json");
+    strike(struck, SIGKILL, kTwoStrokes);
+  }
+  CHECK(struck.later("0.2 click Ask again later\n0.4 state %/second.json\n0.5 click Discard them\n"
+                     "0.7 state %/third.json\n")["strokes_waiting"] == 2);
+  const std::filesystem::path& path = struck.folder.path();
+  CHECK(jsonOf(path / "second.json")["strokes_waiting"] == 1);
+  CHECK(jsonOf(path / "third.json")["strokes_waiting"] == 0);
+  CHECK(jsonOf(path / "third.json")["asks_about_strokes"] == true);
+  // Two are left. The second one is offered once the first one is saved.
+  CHECK(struck.later(R"(0.2 click Restore them
+0.5 state %/first.json
+0.6 save %/one.ply
+1.2 state %/saved.json
+1.3 click Restore them
+1.8 save %/two.ply
+2.4 state %/both.json
+)")["strokes_waiting"] == 1);
+  CHECK(jsonOf(path / "first.json")["asks_about_strokes"] == false);
+  CHECK(says(jsonOf(path / "first.json")["messages"].dump(),
+             "1 more set of unsaved strokes: offered once these are saved"));
+  CHECK(jsonOf(path / "saved.json")["asks_about_strokes"] == true);
+  CHECK(jsonOf(path / "saved.json")["strokes_waiting"] == 0);
+  CHECK(jsonOf(path / "both.json")["asks_about_strokes"] == false);
+  CHECK(contentOf(path / "one.ply").size() > 10'000);
+  CHECK(contentOf(path / "two.ply").size() > 10'000);
+  CHECK_FALSE(struck.keepsSomething());
+}
+
 TEST_CASE("a window ended by SIGTERM keeps its strokes, which can be discarded or offered again later") {
   if (!hasDisplay()) return;
   Struck struck;

@@ -176,8 +176,7 @@ TEST_CASE("a far centre moves the origin without loss of precision") {
 
 TEST_CASE("an invalid name or size of a shape is a usage error with the valid ones") {
   CHECK_THROWS_WITH_AS(makeShape("ball"),
-                       "there is no shape 'ball'; there are plane, cube, sphere, torus, bumpy-sphere, sculpture",
-                       UsageError);
+                       "unknown shape 'ball'; choose plane, cube, sphere, torus, bumpy-sphere, sculpture", UsageError);
   for (const double size : {0.0, -1.0, std::nan(""), HUGE_VAL}) CHECK_THROWS_AS(makeShape("cube", size), UsageError);
   CHECK_THROWS_AS(makeShape("cube", 1, DVec3(HUGE_VAL)), UsageError);
 }

@@ -2,7 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <bit>
+
 #include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/eigen3_many.hpp"
 
 namespace palpate::test::eigen3_test {
 namespace {
@@ -49,6 +52,34 @@ TEST_CASE("matrices with equal, zero and negative eigenvalues are solved") {
   checkEigen({1, 1e-12, 1e-24, 1e-7, 1e-13, 0});  // graded
   checkEigen({0, 0, 0, 1, 0, 0});
   checkEigen({5e-324, 0, 0, 0, 0, 0});
+}
+
+TEST_CASE("many matrices at once have the same eigenvalues and vectors bit by bit, however many there are") {
+  std::vector<SymmetricMatrix3> matrices{{},
+                                         {1, 1, 1, 0, 0, 0},
+                                         {-3, -0.0, 5, 0, -0.0, 0},
+                                         {2, 2, 2, 1, 1, 1},
+                                         {1, 1e-12, 1e-24, 1e-7, 1e-13, 0},
+                                         {0, 0, 0, 1, 0, 0},
+                                         {5e-324, 0, 0, 0, 0, 0}};
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    const DVec3 diagonal = randomNormal3(1, i), rest = randomNormal3(2, i);
+    const double scale = std::exp2(static_cast<double>(i % 300) - 150);
+    matrices.push_back(
+        {scale * diagonal.x, scale * diagonal.y, scale * diagonal.z, scale * rest.x, scale * rest.y, scale * rest.z});
+  }
+  ManyEigen3 many;
+  for (const std::size_t count : {std::size_t{1}, std::size_t{11}, matrices.size(), std::size_t{9}}) {
+    many.clear();
+    for (std::size_t i = 0; i < count; ++i) many.add(matrices[matrices.size() - count + i]);
+    many.solve();
+    REQUIRE(many.size() == count);
+    std::size_t differ = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      differ += std::bit_cast<std::array<std::uint64_t, 12>>(many[i]) !=
+                std::bit_cast<std::array<std::uint64_t, 12>>(eigenSymmetric(matrices[matrices.size() - count + i]));
+    CHECK(differ == 0);
+  }
 }
 
 TEST_CASE("the smallest eigenvector of points on a plane is its normal") {

@@ -1,6 +1,12 @@
 #include "engine/cloud/file_coordinates.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "tests/near.hpp"
 
 namespace palpate::file_coordinates_test {
 
@@ -20,6 +26,31 @@ TEST_CASE("the bounding box of a cloud far from zero has the digits of its file"
   onGrid.positions = {Vec3(DVec3(637177.125, 4877754.375, 421.125) - cloud.origin)};
   CHECK(fileBoundsOf(onGrid).min == DVec3(637177.125, 4877754.375, 421.125));
   CHECK(fileBoundsOf({}) == Bounds{});
+}
+
+TEST_CASE("coordinates on a decimal grid have no more digits than the grid") {
+  for (const auto& [step, offset] :
+       {std::pair(0.01, 0.0), {0.001, 600000.0}, {0.00025, 849000.5}, {1e-7, -3.25}, {-0.01, 12.34}}) {
+    const CoordinateGrid grid{.step = DVec3(step), .offset = DVec3(offset)};
+    const DecimalGrid decimals(grid);
+    for (int k = 0; k < 100'000; ++k) {
+      const double number = k * 849.0 + 7, value = decimals.at(DVec3(number)).x;
+      CAPTURE(number);
+      REQUIRE(grid.nearest(DVec3(value)).x == number);
+      REQUIRE(value == within(number * step + offset, 1e-9));
+      const std::string text = fmt::format("{:.9f}", value), digits = text.substr(0, text.find_last_not_of('0') + 1);
+      REQUIRE(fmt::format("{}", value).size() <= digits.size());
+    }
+  }
+  const auto at = [](double step, double offset, double k) {
+    return DecimalGrid({.step = DVec3(step), .offset = DVec3(offset)}).at(DVec3(k)).x;
+  };
+  CHECK(at(0.01, 0, 84939395) == 849393.95);
+  CHECK(84939395 * 0.01 != 849393.95);
+  // Binary steps, thirds and huge numbers stay as they are.
+  CHECK(at(1.0 / 3, 0, 5) == 5 * (1.0 / 3));
+  CHECK(at(std::exp2(-20), 0.5, 12345) == 12345 * std::exp2(-20) + 0.5);
+  CHECK(at(1e20, 1e28, 3) == 3 * 1e20 + 1e28);
 }
 
 }  // namespace palpate::file_coordinates_test

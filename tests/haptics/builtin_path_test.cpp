@@ -183,7 +183,8 @@ TEST_CASE("a built-in path for a cloud that cannot be touched is refused with a 
                        Error);
   CHECK_NOTHROW(builtinPath("orbit", bare, {}));
   CHECK_THROWS_WITH_AS(builtinPath("pres", bare, {}),
-                       "there is no built-in path 'pres'; there are press, slide, scan, orbit", UsageError);
+                       "unknown built-in path 'pres'; did you mean 'press'? Choose press, slide, scan, orbit",
+                       UsageError);
   CHECK_THROWS_AS(builtinPath("press", bare, {}, 0), UsageError);
   CHECK_THROWS_AS(builtinPath("press", bare, {}, -1), UsageError);
 }

@@ -94,6 +94,10 @@ TEST_CASE("points are not written as STL or 3DGS, a mesh not as 3DGS, and a devi
   refuses("a.3dgs.ply", Written::points, "only palpate convert can write 3DGS");
   refuses("a.3dgs.ply", Written::mesh, "only palpate convert can write 3DGS; meshes are written as .ply");
   refuses("a.foo", Written::mesh, "a.foo: meshes are written as .ply");
+  for (const char* file : {"a.xyz", "a.csv", "a.pts", "a.las", "a.laz", "a.pcd", "a.npy", "a.npz"})
+    refuses(file, Written::mesh,
+            "cannot hold the triangles of a mesh; meshes are written as .ply, .obj, .stl, .off; use one of these");
+  CHECK(cloudFormats().toWrite("a.ply", Written::mesh).name == "PLY");
   CHECK(cloudFormats().toWrite("a.stl", Written::mesh).name == "STL");
   CHECK(cloudFormats().toWrite("a.las", Written::points).name == "LAS");
   CHECK(cloudFormats().endingsWritten(Written::points) ==
@@ -122,8 +126,8 @@ TEST_CASE("every format that is written is read back, point by point") {
         REQUIRE(again.cloud.size() == cloud.size());
         for (std::size_t i = 0; i < cloud.size(); ++i)
           CHECK(again.cloud.fileCoordinates(i) == cloud.fileCoordinates(i));
-        const bool keepsTriangles = format.ofTriangles || format.name == "PLY";
-        CHECK(again.triangles == (keepsTriangles ? triangles : decltype(again.triangles)()));
+        CHECK(again.triangles ==
+              (format.ofTriangles || format.keepsTriangles ? triangles : decltype(again.triangles)()));
         CHECK(again.lost.empty());
       }
   CHECK(tried.size() == 14);

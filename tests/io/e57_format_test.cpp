@@ -144,7 +144,7 @@ TEST_CASE("spherical E57 coordinates become Cartesian ones; points without an ec
   CHECK(glm::length(stored.cloud.fileCoordinates(0) - DVec3(2, 0, 0)) < 1e-12);
   CHECK(glm::length(stored.cloud.fileCoordinates(1) - DVec3(0, 3, 0)) < 1e-12);
   CHECK(glm::length(stored.cloud.fileCoordinates(2) - DVec3(0, 0, 4)) < 1e-12);
-  CHECK(stored.lost == std::vector<std::string>{"1 points without coordinates"});
+  CHECK(stored.lost == std::vector<std::string>{"1 point without coordinates"});
 }
 
 TEST_CASE("E57 normals are rotated with their scan" * doctest::skip(!canReadE57())) {
@@ -195,7 +195,7 @@ TEST_CASE("an E57 page with a wrong checksum is reported by its number, at any p
   }
   CHECK(refusalOfE57(good.substr(0, 3000)).starts_with(": byte 3000: the file ends inside page 3"));
   CHECK(refusalOfE57("ASTM-E58").starts_with(": byte 0: not an E57 file"));
-  CHECK(refusalOfE57(good.substr(0, good.size() - 1024)).starts_with(": byte 16: the header promises"));
+  CHECK(refusalOfE57(good.substr(0, good.size() - 1024)).find("the file ends after") != std::string::npos);
 }
 
 TEST_CASE("invalid E57 content under valid checksums is refused with its byte" * doctest::skip(!canReadE57())) {

@@ -148,8 +148,9 @@ TEST_CASE("a damaged or inconsistent LAS file is refused with its byte") {
   CHECK(with(104, std::uint8_t{11}).starts_with(": byte 104: point format 11"));
   CHECK(with(105, std::uint16_t{33}).starts_with(": byte 105: points of 33 bytes"));
   CHECK(with(105, std::uint16_t{34 + 4097}).starts_with(": byte 105: points of 4131 bytes; of format 3 at most 4130"));
-  CHECK(
-      with(107, std::uint32_t{11}).starts_with(": byte 107: the header promises 11 points of 34 bytes, but 340 bytes"));
+  CHECK(with(107, std::uint32_t{11}) ==
+        fmt::format(": byte {}: the file ends after 10 of 11 points; it is truncated, or its header is wrong",
+                    good.size()));
   CHECK(with(131, 0.0).starts_with(": byte 131: the scale of x is 0"));
   CHECK(with(139, std::nan("")).starts_with(": byte 139: the scale of y is nan"));
   CHECK(with(155, HUGE_VAL).starts_with(": byte 155: the offset of x is inf"));
@@ -163,7 +164,7 @@ TEST_CASE("a damaged or inconsistent LAS file is refused with its byte") {
   putAt(behind, 235, std::uint64_t{1} << 60);
   CHECK(refusal(behind).starts_with(": byte 235: records behind the points"));
   putAt(behind, 247, std::uint64_t{1} << 61);
-  CHECK(refusal(behind).starts_with(": byte 247: the header promises"));
+  CHECK(refusal(behind).find("the file ends after 3 of 2305843009213693952 points") != std::string::npos);
   LasBytes described{.minor = 4, .format = 0, .pointBytes = 21};
   described.records = lasRecord("LASF_Spec", 4, lasDescriptor("wide", 10));
   described.recordCount = 1;

@@ -106,7 +106,7 @@ TEST_CASE("clouds of other formats are written to LAS without a change, or the c
   rough.cloud.storedAs.alpha = true;
   const std::vector<std::string> lost = lasFormat().lacks(rough);
   REQUIRE(lost.size() == 3);
-  CHECK(lost[0] == "1 triangles");
+  CHECK(lost[0] == "1 triangle");
   CHECK(lost[1] == "the alpha of colours");
   CHECK(lost[2].starts_with("coordinates finer than "));
   const PointCloud roughBack = reading(written(rough.cloud)).cloud;

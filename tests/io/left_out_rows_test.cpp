@@ -28,8 +28,8 @@ TEST_CASE("rows without a finite position are left out and counted: PLY, PCD, te
   checkTwoPoints(readingFile("a.xyz", rows), "3 points without a finite position");
   checkTwoPoints(readingFile("a.csv", "x,y,z\n1,2,3\n1.#QNAN,0,0\n4,5,6\n7,,8\nNA,1,1\n"),
                  "3 points without a finite position");
-  checkTwoPoints(readingFile("a.obj", "v 1 2 3\nv nan 0 0\nv 4 5 6\n"), "1 points without a finite position");
-  checkTwoPoints(readingFile("a.off", "OFF\n3 0 0\n1 2 3\ninf 0 0\n4 5 6\n"), "1 points without a finite position");
+  checkTwoPoints(readingFile("a.obj", "v 1 2 3\nv nan 0 0\nv 4 5 6\n"), "1 point without a finite position");
+  checkTwoPoints(readingFile("a.off", "OFF\n3 0 0\n1 2 3\ninf 0 0\n4 5 6\n"), "1 point without a finite position");
   const std::string values = npy::bytes({1.f, 2.f, 3.f, NAN, 0.f, 0.f, 4.f, 5.f, 6.f});
   checkTwoPoints(readingFile("a.npy", npy::array("'<f4'", "(3, 3)", values)), "1 point without a finite position");
 }
@@ -42,7 +42,7 @@ TEST_CASE("faces keep their vertices when invalid rows are left out, and faces o
   REQUIRE(stored.triangles.size() == 1);
   CHECK(stored.triangles[0] == std::array<std::uint32_t, 3>{0, 1, 2});
   REQUIRE(stored.lost.size() == 2);
-  CHECK(stored.lost[1] == "1 triangles of points that are left out");
+  CHECK(stored.lost[1] == "1 triangle of points that are left out");
 }
 
 TEST_CASE("triangles with a non-finite corner are left out and counted, in text STL") {
@@ -54,7 +54,7 @@ TEST_CASE("triangles with a non-finite corner are left out and counted, in text 
       readingFile("a.stl", "solid a\n" + facet("0") + facet("nan") + "endsolid a\n", {.asTriangles = true});
   CHECK(stored.triangles.size() == 1);
   REQUIRE(stored.lost.size() == 1);
-  CHECK(stored.lost[0] == "1 triangles with a corner that is not finite");
+  CHECK(stored.lost[0] == "1 triangle with a corner that is not finite");
 }
 
 TEST_CASE("a normal that is not a number is treated as missing") {

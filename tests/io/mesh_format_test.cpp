@@ -198,7 +198,7 @@ TEST_CASE("files without a mesh or triangles are refused with their name") {
   }
   CHECK(refusalOf(folder / "none.obj") != "read");
   CHECK(with("empty.obj", "# nothing\no a\n") != "read");
-  CHECK(with("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").find("none of its 1 triangles has an area") !=
+  CHECK(with("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").find("none of its 1 triangle has an area") !=
         std::string::npos);
   CHECK(with("beyond.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n") != "read");
 }

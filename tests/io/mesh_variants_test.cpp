@@ -69,7 +69,7 @@ TEST_CASE("binary STL that begins like text, with bytes after its triangles, is 
   const StoredCloud stored = readingFile("a.stl", stl, {.asTriangles = true});
   CHECK(areaOf(stored) == near(0.5, 1e-12));
   REQUIRE(stored.lost.size() == 1);
-  CHECK(stored.lost[0] == "6 bytes after the last of 1 triangles");
+  CHECK(stored.lost[0] == "6 bytes after the last of 1 triangle");
 }
 
 TEST_CASE("points of glTF are read as points, and Draco compression is named in the error") {

@@ -205,6 +205,8 @@ TEST_CASE("a damaged or inconsistent PCD file is refused with its line or byte")
   CHECK(refusal(ascii + "1 2 3\n") == ":12: the file ends after 1 of 2 points");
   CHECK(refusal(ascii + "1 2 3\n4 5 6\n7 8 9\n") == ":13: more than the 2 points of the header");
   CHECK(refusal(ascii + "1 2 3\n4 5\n") == ":12: found '' for 'z', expected a number");
+  CHECK(refusal(ascii + "1 2 3\n4 5") ==
+        ":12: found '' for 'z', expected a number; the file ends in this line, it may be truncated");
   CHECK(refusal(ascii + "1 2 3\n4 5 6 7\n") == ":12: a point of more numbers than the header has fields");
   CHECK(refusal(ascii + "1 2 3\n4 five 6\n").starts_with(":12: "));
   CHECK(refusal(header("x y", "4 4", "F F", 1, "ascii")).find("no scalar property 'z'") != std::string::npos);
@@ -217,9 +219,10 @@ TEST_CASE("a damaged or inconsistent PCD file is refused with its line or byte")
         ":6: 5 points in a grid of 3 x 2");
   const std::string binary = header("x y z", "4 4 4", "F F F", 2, "binary");
   CHECK(refusal(binary + bytesOf(1.f, 2.f, 3.f)) ==
-        fmt::format(": byte {}: the header promises 2 points of 12 bytes, but 12 bytes follow", binary.size()));
+        fmt::format(": byte {}: the file ends after 1 of 2 points; it is truncated, or its header is wrong",
+                    binary.size() + 12));
   const std::string lying = header("x y z", "4 4 4", "F F F", 1000000000000, "binary");
-  CHECK(refusal(lying + bytesOf(1.f)).find("promises 1000000000000 points") != std::string::npos);
+  CHECK(refusal(lying + bytesOf(1.f)).find("ends after 0 of 1000000000000 points") != std::string::npos);
   const std::string packed = header("x y z", "4 4 4", "F F F", 2, "binary_compressed");
   const std::string body = stored(std::string(24, '\0'));
   CHECK(refusal(packed + body) == "read");
@@ -254,7 +257,7 @@ TEST_CASE("properties that PCD cannot hold are listed") {
   some.cloud.colors = {{1, 2, 3, 255}};
   some.cloud.extra.push_back({"rgb", ScalarType::f32, std::vector<std::byte>(4)});
   CHECK(pcdFormat().lacks(some) ==
-        std::vector<std::string>{"1 triangles", "the field 'rgb', because another one is written under its name"});
+        std::vector<std::string>{"1 triangle", "the field 'rgb', because another one is written under its name"});
   CHECK(again(some.cloud, false).colors == some.cloud.colors);
 }
 

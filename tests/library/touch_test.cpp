@@ -141,7 +141,7 @@ TEST_CASE("session options out of their bounds are refused by their name") {
   refused([](auto& o) { o.budget_us = -1; }, "budget_us");
   refused([](auto& o) { o.undo_memory_MiB = 0; }, "undo.memory_MiB");
   refused([](auto& o) { o.law_library = "nothing"; }, "LIBRARY:FUNCTION");
-  refused([](auto& o) { o.backend = "cuda"; }, "backend: 'cuda' is not known; choose one of auto, vulkan, cpu");
+  refused([](auto& o) { o.backend = "cuda"; }, "backend: unknown value 'cuda'; choose auto, vulkan, cpu");
   refused([](auto& o) { o.backend = "vulkan"; }, "backend: vulkan conflicts with gpu 'cpu'");
   refused([](auto& o) { o.gpu = "0", o.backend = "cpu"; }, "backend: cpu conflicts with gpu '0'");
   refused([](auto& o) { o.size = 12345; }, "pp_default");

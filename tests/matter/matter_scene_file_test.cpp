@@ -78,7 +78,7 @@ TEST_CASE("an invalid scene of matter is refused with the field") {
   CHECK(says(refusal("{}"), "matter: is missing"));
   CHECK(says(refusal(R"({"matter": "water"})"), "box_mm: is missing"));
   CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kMin + "}"), "there is water, sand, soft"));
-  CHECK(says(refusal(waterWith(R"("colour": 1000)")), "colour: is unknown; there are matter, box_mm"));
+  CHECK(says(refusal(waterWith(R"("colour": 1000)")), "colour: unknown key 'colour'; choose matter, box_mm"));
   CHECK(says(refusal(waterWith(R"("young_Pa": 1000)")), "young_Pa: does not apply to water"));
   CHECK(says(refusal(softWith(R"("young_Pa": "soft")")), "young_Pa: is"));
   CHECK(says(refusal(softWith(R"("model": 3)")), "model: is 3, not a text"));
@@ -103,7 +103,7 @@ TEST_CASE("an invalid scene of matter is refused with the field") {
   CHECK(says(refusal(waterWith(R"("gravity_m_s2": [0, 1, "2"])")), "gravity_m_s2: is"));
   CHECK(says(refusal(waterWith(R"("substeps": 1.5)")), "substeps: is 1.5, not a whole number"));
   CHECK(says(refusal(waterWith(R"("tool": 3)")), "tool: is not an object"));
-  CHECK(says(refusal(waterWith(R"("tool": {"colour": 3})")), "tool.colour: is unknown"));
+  CHECK(says(refusal(waterWith(R"("tool": {"colour": 3})")), "tool.colour: unknown key 'colour'"));
   CHECK(says(refusal(waterWith(R"("tool": {"mass_kg": "3"})")), "tool.mass_kg: is"));
 }
 

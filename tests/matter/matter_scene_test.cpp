@@ -114,7 +114,7 @@ TEST_CASE("a scene is refused only for the memory of the machine that it is to r
 TEST_CASE("built-in scenes need no file, and an unknown name is refused with their list") {
   for (const std::string_view name : matterSceneNames()) CHECK(refusal(matterSceneNamed(name)).empty());
   CHECK_THROWS_WITH(matterSceneNamed("lava"),
-                    "there is no scene 'lava'; there are water, dam, sand, statue in water, drop, jelly, soft statue");
+                    "unknown scene 'lava'; choose water, dam, sand, statue in water, drop, jelly, soft statue");
 }
 
 }  // namespace palpate::matter_scene_test

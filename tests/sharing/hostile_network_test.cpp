@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <string>
 #include <thread>
 
@@ -15,7 +16,9 @@
 #include "haptics/sharing/brick_cloud.hpp"
 #include "haptics/sharing/far_link.hpp"
 #include "haptics/sharing/joined_session.hpp"
+#include "tests/error_of.hpp"
 #include "tests/labels.hpp"
+#include "tests/says.hpp"
 #include "tests/sharing/honest_hand.hpp"
 #include "tests/sharing/served_square.hpp"
 
@@ -232,6 +235,27 @@ TEST_CASE("facts of thousands of sessions do not hide the later facts of the joi
   hears.join();
   REQUIRE(heard);
   CHECK(heard->extent.points == 1234);
+}
+
+TEST_CASE("facts with an unknown unit or an invalid grid are refused") {
+  const sharing::Participant hostile(ownNetwork());
+  const sharing::Topics topics(hostile);
+  const sharing::Writer<sharing::Facts> writer(hostile, topics.facts, sharing::reliableQos(true));
+  const auto heard = [&](auto&& change) {
+    const JoinedSession session(ownNetwork(), sharing::freshId(), sharing::freshId());
+    sharing::Facts facts{};
+    facts.edge = facts.spacing = 1;
+    facts.gridded = true;
+    for (double& step : facts.step) step = 0.01;
+    change(facts);
+    sharing::set(facts.session, session.session);
+    writer.write(facts);
+    return errorOf([&] { hearFacts(session, 20, {}); });
+  };
+  CHECK(heard([](sharing::Facts&) {}).empty());
+  CHECK(says(heard([](sharing::Facts& facts) { facts.unit = 6; }), "announces an invalid cloud"));
+  CHECK(says(heard([](sharing::Facts& facts) { facts.step[1] = 0; }), "announces an invalid cloud"));
+  CHECK(says(heard([](sharing::Facts& facts) { facts.offset[2] = std::nan(""); }), "announces an invalid cloud"));
 }
 
 TEST_CASE("foreign pings and random bytes disturb no client" * kMoreInFull) {

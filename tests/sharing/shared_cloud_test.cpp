@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "engine/cloud/length_unit.hpp"
+#include "engine/io/saving.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "tests/error_of.hpp"
 #include "tests/says.hpp"
@@ -50,6 +52,32 @@ TEST_CASE("clouds of awkward sizes arrive bit for bit, with colours and far from
     CHECK(joined.mm_per_unit == 2.5);
     CHECK(joined.model == "a test's cloud");
   }
+}
+
+TEST_CASE("a client knows the unit and the grid of the file, and what of it stays with the server") {
+  PointCloud cloud = cloudOf(100, false, DVec3(637000, 4877000, 0));
+  const CoordinateGrid grid{.step = DVec3(0.01), .offset = DVec3(0.5)};
+  cloud.storedAs.grid = grid;
+  markNormalsAsEstimated(cloud, true);
+  setUnit(cloud.storedAs.comments, LengthUnit::foot);
+  for (const char* name : {"intensity", "gps_time"})
+    cloud.extra.push_back({name, ScalarType::u8, std::vector<std::byte>(cloud.size())});
+  {
+    Served served(cloud, "scan");
+    const JoinedCloud joined = joinCloud("scan", {.network = ownNetwork()});
+    CHECK(unitSaidIn(joined.cloud.storedAs.comments) == LengthUnit::foot);
+    CHECK(joined.cloud.storedAs.grid == grid);
+    CHECK(areNormalsEstimated(joined.cloud));
+    CHECK(joined.unsent == "intensity, gps_time");
+  }
+  for (int i = 0; i < 100; ++i)
+    cloud.extra.push_back({fmt::format("attribute {}", i), ScalarType::u8, std::vector<std::byte>(cloud.size())});
+  Served served(cloud, "long");
+  const std::string unsent = joinCloud("long", {.network = ownNetwork()}).unsent;
+  CHECK(says(unsent, "intensity, gps_time, attribute 0, attribute 1, "));
+  CHECK(unsent.ends_with(" more"));
+  CHECK(unsent.size() <= 200);
+  CHECK(joinCloud("long", {.network = ownNetwork(), .partial = true}).far);
 }
 
 TEST_CASE("several clients join at once, and each receives the whole cloud") {

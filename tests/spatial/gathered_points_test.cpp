@@ -85,8 +85,10 @@ TEST_CASE("all threads together take each group once") {
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, positions.size()}) {
     groups.assign(grid.grid(), count, [&](std::size_t i) { return std::pair(DVec3(positions[i]), 1.0); });
     std::vector<std::atomic<int>> met(count);
-    groups.forEach(grid.team(), 16, [&](std::size_t, const CellGroups::Group& group) {
-      for (const std::uint32_t i : groups.members(group)) ++met[i];
+    groups.forEachPart(grid.team(), 16, [&](std::size_t first, std::span<const CellGroups::Group> part) {
+      CHECK(part.data() == groups.groups().data() + first);
+      for (const CellGroups::Group& group : part)
+        for (const std::uint32_t i : groups.members(group)) ++met[i];
     });
     CHECK(std::ranges::all_of(met, [](const std::atomic<int>& times) { return times == 1; }));
   }

@@ -1,4 +1,7 @@
-#include "apps/cli/suggestion.hpp"
+#include "engine/core/unknown_name.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -7,7 +10,7 @@ namespace palpate {
 namespace {
 
 // Damerau 1964, Levenshtein 1966; swapped letters are not edited again.
-std::size_t distanceBetween(const std::string& a, const std::string& b) {
+std::size_t distanceBetween(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> least(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i)
     for (std::size_t j = 0; j <= b.size(); ++j) {
@@ -25,7 +28,7 @@ std::size_t distanceBetween(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string nearestName(const std::string& word, const std::vector<std::string>& names) {
+std::string nearestName(std::string_view word, const std::vector<std::string>& names) {
   std::string nearest;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& name : names)
@@ -34,6 +37,16 @@ std::string nearestName(const std::string& word, const std::vector<std::string>&
       nearest = name;
     }
   return nearest;
+}
+
+std::string unknownWord(std::string_view kind, std::string_view word, const std::vector<std::string>& names) {
+  const std::string meant = nearestName(word, names);
+  return fmt::format("unknown {} '{}'{}", kind, word, meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant));
+}
+
+std::string unknownName(std::string_view kind, std::string_view word, const std::vector<std::string>& names) {
+  const std::string unknown = unknownWord(kind, word, names);
+  return fmt::format("{}{} {}", unknown, unknown.ends_with('?') ? " Choose" : "; choose", fmt::join(names, ", "));
 }
 
 }  // namespace palpate
