@@ -12,8 +12,19 @@ struct DeviceOffer {
   std::string mend;  ///< a command that grants a missing permission; empty: none is missing
 };
 
+/// A kind of device of which none was found.
+struct MissingKind {
+  std::string kind;    ///< as in --device
+  std::string reason;  ///< what is missing and what to do
+};
+
+struct DevicesFound {
+  std::vector<DeviceOffer> offers;
+  std::vector<MissingKind> missing;
+};
+
 /// Asks the drivers and services of this machine, which may take seconds. `held`: the device in use by this program,
 /// as in --device, whose driver is left alone; empty: none.
-std::vector<DeviceOffer> devicesPluggedIn(const std::string& held);
+DevicesFound devicesPluggedIn(const std::string& held);
 
 }  // namespace palpate

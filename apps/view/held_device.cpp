@@ -211,7 +211,7 @@ bool HeldDevice::follow(Messages& messages, bool mayChange) {
     heard.swap(heard_);
   }
   if (!heard.empty()) messages.add(said_ = heard.back());  // the panel shows what was said before
-  if (isReady(looking_)) offers_ = looking_.get();
+  if (isReady(looking_)) around_ = looking_.get();
   if (stage_ == Stage::opening && !hasChanged_) takeOpened(messages);
   if (stage_ == Stage::tested && !hasChanged_) takeTested(messages);
   if (stage_ == Stage::mouse && !hasChanged_) device_.reset();

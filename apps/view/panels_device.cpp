@@ -145,10 +145,8 @@ void Panels::drawDeviceOffers(const HeldDevice& held) {
   post(button(held.isLooking() ? "Looking..." : "Look for devices"), DeviceCommand::look);
   ImGui::EndDisabled();
   help("lists the devices that are plugged in");
-  if (!held.offers()) return;
-  if (held.offers()->empty())
-    line("No device is plugged in, or its driver or service is missing: palpate doctor says more.");
-  for (const DeviceOffer& offer : *held.offers()) {
+  if (!held.around()) return;
+  for (const DeviceOffer& offer : held.around()->offers) {
     ImGui::PushID(offer.name.c_str());
     const bool isHeld = held.stage() == HeldDevice::Stage::held && held.name() == offer.device;
     post(noted(offer.device, ImGui::Button(offer.name.c_str())) && !isHeld, ChooseDevice{offer.device});
@@ -161,6 +159,15 @@ void Panels::drawDeviceOffers(const HeldDevice& held) {
     }
     ImGui::PopID();
   }
+  drawMissingDevices(*held.around());
+}
+
+void Panels::drawMissingDevices(const DevicesFound& around) {
+  const bool isAnswer = around.offers.empty();
+  if (isAnswer) line("No device was found.");
+  if (around.missing.empty() || (!isAnswer && !noted("not found", ImGui::TreeNode("not found")))) return;
+  for (const MissingKind& each : around.missing) faintLine(each.reason);
+  if (!isAnswer) ImGui::TreePop();
 }
 
 }  // namespace palpate

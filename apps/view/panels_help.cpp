@@ -13,7 +13,8 @@ void Panels::help(const std::string& text) const {
   const ImVec2 display = ImGui::GetIO().DisplaySize, padding = ImGui::GetStyle().WindowPadding;
   const float gap = em(kMargin_em), left = ImGui::GetWindowPos().x - gap,
               right = ImGui::GetWindowPos().x + ImGui::GetWindowWidth() + gap;
-  const float wrap = std::min(em(24), display.x - 2 * (gap + padding.x));
+  const float beside = std::max(display.x - right, left) - 2 * padding.x;
+  const float wrap = std::min(em(24), beside >= em(9) ? beside : display.x - 2 * (gap + padding.x));
   const ImVec2 inner = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
   const float width = inner.x + 2 * padding.x, height = inner.y + 2 * padding.y;
   const bool fitsBeside = display.x - right >= width || left >= width;

@@ -302,9 +302,19 @@ void Viewer::followDevice() {
     document_.setDevice(held_.device(), held_.centredFacts());
     pointing_.setDevice(held_.device(), pointed());
   });
-  if (!held_.device()) return;
-  if (const auto stiffness = held_.opened()->remembered.stiffness_N_per_mm)
-    settings_.feel.stiffness_N_per_mm = *stiffness;
+  followStiffness(held_.device() ? held_.opened()->remembered.stiffness_N_per_mm : std::nullopt);
+}
+
+// A stiffness that is remembered for a device applies while the device is held.
+void Viewer::followStiffness(std::optional<double> ofDevice_N_per_mm) {
+  double& stiffness_N_per_mm = settings_.feel.stiffness_N_per_mm;
+  if (!ofDevice_N_per_mm && !ownStiffness_N_per_mm_) return;
+  if (!ofDevice_N_per_mm) {
+    stiffness_N_per_mm = *std::exchange(ownStiffness_N_per_mm_, {});
+    return;
+  }
+  if (!ownStiffness_N_per_mm_) ownStiffness_N_per_mm_ = stiffness_N_per_mm;
+  stiffness_N_per_mm = *ofDevice_N_per_mm;
 }
 
 void Viewer::followSession() {

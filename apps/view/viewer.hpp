@@ -58,6 +58,7 @@ class Viewer {
   void welcome();
   void followSession();
   void followDevice();
+  void followStiffness(std::optional<double> ofDevice_N_per_mm);
   void followName();
   void sayLost(const std::string& failure);
   void playTicks();
@@ -97,6 +98,7 @@ class Viewer {
     std::optional<PlaceInfo> info;
   } picked_;
   BrushNotes brushNotes_;
+  std::optional<double> ownStiffness_N_per_mm_;  // for other devices; set while a remembered one applies
   ScriptPlayer script_;
   enum class Closing { no, asked, done } closing_ = Closing::no;
 };

@@ -38,10 +38,18 @@ constexpr Reported<PlaceInfo> kPicked[]{
 
 Json offersOf(const HeldDevice& held) {
   Json offers = Json::array();
-  if (held.offers())
-    for (const DeviceOffer& offer : *held.offers())
+  if (held.around())
+    for (const DeviceOffer& offer : held.around()->offers)
       offers.push_back({{"device", offer.device}, {"name", offer.name}, {"state", offer.state}, {"fix", offer.mend}});
   return offers;
+}
+
+Json missingOf(const HeldDevice& held) {
+  Json missing = Json::array();
+  if (held.around())
+    for (const MissingKind& each : held.around()->missing)
+      missing.push_back({{"device", each.kind}, {"reason", each.reason}});
+  return missing;
 }
 
 template <class Of>
@@ -68,6 +76,8 @@ constexpr Reported<HeldDevice> kDevice[]{
      [](const HeldDevice& h) -> Value { return h.test() ? instructionOf(h.test()->stage()) : ""; }},
     {"offers", "", "devices that are plugged in: device, name, state and fix",
      [](const HeldDevice& h) -> Value { return offersOf(h); }},
+    {"missing", "", "kinds of devices of which none was found, each with device and reason",
+     [](const HeldDevice& h) -> Value { return missingOf(h); }},
     {"model", "", "its model",
      [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.facts.model; }); }},
     {"serial", "", "its serial number",

@@ -34,8 +34,11 @@ std::size_t OccupiedBlocks::Hash::operator()(const IVec3& low) const {
 void OccupiedBlocks::add(const IVec3& cell) {
   const IVec3 low = firstCell(cell);
   const auto [found, isNew] = indices_.try_emplace(low, static_cast<std::uint32_t>(blocks_.size()));
-  if (isNew) blocks_.push_back({low, 0});
-  ++blocks_[found->second].points;
+  if (isNew) blocks_.push_back({low, 0, {}});
+  Block& block = blocks_[found->second];
+  ++block.points;
+  const IVec3 inside = cell - low;
+  block.cells[static_cast<std::size_t>(inside.z)] |= std::uint64_t{1} << (inside.y * kSide + inside.x);
 }
 
 void OccupiedBlocks::remove(const IVec3& cell) {
@@ -113,27 +116,63 @@ std::optional<SurfaceIndex::Near> SurfaceIndex::nearestPoint(const DVec3& x, dou
   return best == none ? std::nullopt : std::optional(best);
 }
 
-// The nearest blocks first. Buckets may contain points of other cells, which count as well.
+// The nearest block first: what it contains leaves few of the others.
 void SurfaceIndex::searchBlocks(const DVec3& x, Near& best, const std::optional<Near>& after) const {
-  std::vector<std::pair<double, IVec3>> order;
+  struct Distant {
+    double squared;
+    const OccupiedBlocks::Block* block;
+  };
+  std::vector<Distant> blocks;
   for (const OccupiedBlocks::Block& block : blocks_.all()) {
     const double squared = squaredDistanceTo(boxOf(block.low, OccupiedBlocks::kSide), x);
-    if (squared <= best.squared) order.emplace_back(squared, block.low);
+    if (squared <= best.squared) blocks.push_back({squared, &block});
   }
-  const auto isFarther = [](const auto& a, const auto& b) { return a.first > b.first; };
-  std::ranges::make_heap(order, isFarther);
-  for (; !order.empty() && order.front().first <= best.squared; order.pop_back()) {
-    const IVec3 low = order.front().second;
-    CellBox{low, low + (OccupiedBlocks::kSide - 1)}.forEach([&](const IVec3& cell) {
-      if (squaredDistanceTo(boxOf(cell, 1), x) > best.squared) return;
-      for (const SortedGrid::Placed& point : grid_.bucket(bucketOf(grid_.grid(), cell))) {
-        const DVec3 d = DVec3(point.position) - x;
-        const Near near{glm::dot(d, d), point.number};
-        if (near < best && (!after || *after < near)) best = near;
-      }
-    });
-    std::ranges::pop_heap(order, isFarther);
+  if (blocks.empty()) return;
+  std::iter_swap(blocks.begin(), std::ranges::min_element(blocks, {}, &Distant::squared));
+  searchBlock(*blocks.front().block, x, best, after);
+  blocks.erase(blocks.begin());
+  std::erase_if(blocks, [&](const Distant& each) { return each.squared > best.squared; });
+  std::ranges::sort(blocks, {}, &Distant::squared);
+  for (const Distant& each : blocks)
+    if (each.squared <= best.squared) searchBlock(*each.block, x, best, after);
+}
+
+// The nearest cell first. In passes, whose memory accesses overlap: each bucket is a cache miss. Buckets may contain
+// points of other cells, which count as well.
+void SurfaceIndex::searchBlock(const OccupiedBlocks::Block& block, const DVec3& x, Near& best,
+                               const std::optional<Near>& after) const {
+  struct Distant {
+    double squared;
+    std::uint32_t bucket;
+  };
+  std::array<Distant, OccupiedBlocks::kCells> cells;
+  std::size_t count = 0, nearest = 0;
+  block.forEachCell([&](const IVec3& cell) {
+    const double squared = squaredDistanceTo(boxOf(cell, 1), x);
+    if (squared > best.squared) return;
+    cells[count] = {squared, bucketOf(grid_.grid(), cell)};
+    if (cells[count].squared < cells[nearest].squared) nearest = count;
+    ++count;
+  });
+  const auto visit = [&](std::uint32_t bucket) {
+    for (const SortedGrid::Placed& point : grid_.bucket(bucket)) {
+      const DVec3 d = DVec3(point.position) - x;
+      const Near near{glm::dot(d, d), point.number};
+      if (near < best && (!after || *after < near)) best = near;
+    }
+  };
+  if (count == 0) return;
+  visit(cells[nearest].bucket);
+  constexpr std::size_t kPerCacheLine = 64 / sizeof(SortedGrid::Placed);
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i == nearest || cells[i].squared > best.squared) continue;
+    const std::span<const SortedGrid::Placed> points = grid_.bucket(cells[i].bucket);
+    for (std::size_t k = 0; k < points.size(); k += kPerCacheLine) __builtin_prefetch(&points[k]);
+    cells[left++] = cells[i];
   }
+  for (std::size_t i = 0; i < left; ++i)
+    if (cells[i].squared <= best.squared) visit(cells[i].bucket);
 }
 
 // Steps onto the surface whose face is `facing`.
@@ -151,23 +190,31 @@ std::optional<SurfaceIndex::Foot> SurfaceIndex::land(DVec3 x, DVec3 facing) cons
 }
 
 // Slides over the surface to where its normal points at `x`; a slide is taken only if it comes nearer, so that it
-// converges however far `x` is behind the centre of curvature.
+// converges however far `x` is behind the centre of curvature. The farther `x` is, the more a slide overshoots: the
+// secant through its two ends then corrects the next ones.
 std::optional<SurfaceIndex::Foot> SurfaceIndex::footOf(const DVec3& x, std::uint32_t point) const {
   constexpr int kMaxSlides = 100;
   constexpr double kSmallestShare = 1e-6;
+  const auto tangential = [&](const Foot& foot) {
+    const DVec3 towards = x - foot.position, normal = foot.surface.normal;
+    return towards - glm::dot(towards, normal) * normal;
+  };
   std::optional<Foot> foot = land(DVec3(positions_[point]), DVec3(normals_[point]));
   double share = 1;
   for (int i = 0; foot && i < kMaxSlides && share > kSmallestShare; ++i) {
-    const DVec3 way = x - foot->position, normal = foot->surface.normal;
-    const DVec3 slide = share * (way - glm::dot(way, normal) * normal);
+    const DVec3 direction = tangential(*foot), slide = share * direction;
     const double length = glm::length(slide);
     if (length <= kArrived * options_.radius) break;
     const double longest = kLongestStep * options_.radius;
-    const std::optional<Foot> next = land(foot->position + slide * std::min(1.0, longest / length), normal);
-    if (next && glm::distance(x, next->position) < glm::length(way))
-      foot = next;
-    else
+    const std::optional<Foot> next =
+        land(foot->position + slide * std::min(1.0, longest / length), foot->surface.normal);
+    if (!next || glm::distance(x, next->position) >= glm::distance(x, foot->position)) {
       share *= 0.5;
+      continue;
+    }
+    const double left = glm::dot(tangential(*next), direction) / glm::dot(direction, direction);
+    if (left < 0 && length <= longest) share /= 1 - left;
+    foot = next;
   }
   return foot;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <bit>
 #include <optional>
 #include <span>
 #include <unordered_map>
@@ -24,9 +26,21 @@ struct SurfaceHit {
 class OccupiedBlocks {
  public:
   static constexpr int kSide = 8;  ///< cells
+  static constexpr std::size_t kCells = std::size_t{kSide} * kSide * kSide;
+  /// A bit stays set after the last point has left its cell, until the block is empty.
   struct Block {
     IVec3 low;  ///< its first cell
     std::uint32_t points;
+    std::array<std::uint64_t, kSide> cells;  ///< by z, a bit for each cell that contains points
+    /// Calls visit(cell) for every cell that may contain points.
+    template <class Visit>
+    void forEachCell(Visit&& visit) const {
+      for (int z = 0; z < kSide; ++z)
+        for (std::uint64_t left = cells[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
+          const int bit = std::countr_zero(left);
+          visit(low + IVec3(bit % kSide, bit / kSide, z));
+        }
+    }
   };
 
   void add(const IVec3& cell);
@@ -91,6 +105,8 @@ class SurfaceIndex {
   SurfaceSample surface(const DVec3& x, const DVec3& facing) const;
   std::optional<Near> nearestPoint(const DVec3& x, double within, const std::optional<Near>& after) const;
   void searchBlocks(const DVec3& x, Near& best, const std::optional<Near>& after) const;
+  void searchBlock(const OccupiedBlocks::Block& block, const DVec3& x, Near& best,
+                   const std::optional<Near>& after) const;
   std::optional<Foot> land(DVec3 x, DVec3 facing) const;
   std::optional<Foot> footOf(const DVec3& x, std::uint32_t point) const;
   std::vector<Stretch> stretches(const Ray& ray, double longest) const;

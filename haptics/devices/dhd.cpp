@@ -19,6 +19,7 @@ SymbolTable Api::fill(const VendorLibrary& library) {
   table.need(enableForce, "dhdEnableForce");
   table.need(setWatchdog, "dhdSetWatchdog");
   table.offer(getSystemName, "dhdGetSystemName");
+  table.offer(getSerialNumber, "dhdGetSerialNumber");
   table.offer(lastError, "dhdErrorGetLastStr");
   table.offer(getDeviceCount, "dhdGetDeviceCount");
   table.offer(getVersion, "dhdGetSDKVersion");

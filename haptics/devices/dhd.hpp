@@ -22,6 +22,7 @@ struct Api {
   int (*setWatchdog)(unsigned char ms, char id) = nullptr;  ///< forces end if none was set for this long
   // Missing in some libraries.
   const char* (*getSystemName)(char id) = nullptr;
+  int (*getSerialNumber)(unsigned short* number, char id) = nullptr;  ///< -1 on an error
   const char* (*lastError)() = nullptr;
   int (*getDeviceCount)() = nullptr;
   void (*getVersion)(int* major, int* minor, int* release, int* revision) = nullptr;

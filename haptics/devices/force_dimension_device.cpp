@@ -39,6 +39,9 @@ ForceDimensionDevice::ForceDimensionDevice(int index) : library_(loadedDhd()), d
   device_ = static_cast<char>(id);
   const char* name = dhd_.getSystemName ? dhd_.getSystemName(device_) : nullptr;
   facts_.model = name ? name : "Force Dimension device";
+  unsigned short serial = 0;
+  if (dhd_.getSerialNumber && dhd_.getSerialNumber(&serial, device_) == 0 && serial != 0)  // 0: it has none
+    facts_.serial = fmt::format("{}", serial);
   if (dhd_.getVersion) {
     int parts[4]{};
     dhd_.getVersion(&parts[0], &parts[1], &parts[2], &parts[3]);

@@ -82,6 +82,74 @@ TEST_CASE("the window lists the devices, holds one, shows its state, and goes ba
   CHECK(says(settings.devices(), R"("window": "mouse")"));
 }
 
+TEST_CASE("a small window says why each kind of device cannot be used, and its tooltip is beside the panel" * kClock) {
+  if (!hasDisplay()) return;
+  const Settings settings;
+  const Variable noTouch("PALPATE_HD_LIBRARY", "/no/libHD.so"), noOmega("PALPATE_DHD_LIBRARY", "/no/libdhd.so");
+  const Variable none("PALPATE_HAPLY_CONFIG", (settings.folder / "none.json").string());
+  std::ofstream(settings.folder / "none.json") << R"({"communication/websocket/port": 1})";
+  const auto played = play("%/sphere.ply --backend cpu --realtime --size 480x360", R"(
+0.1 click Device
+0.3 click Look for devices
+3.0 state %/found.json
+3.1 screenshot %/pointed.png
+3.2 mouse 400 200
+3.5 screenshot %/beside.png
+3.6 quit
+)",
+                           "", makeSmallSphere);
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const Result device = played->state("found.json")["device"], missing = device["missing"];
+  CHECK(device["offers"].empty());
+  REQUIRE(missing.size() == 3);
+  const std::array<std::array<const char*, 2>, 3> expected{
+      {{"haply", "does not answer"}, {"openhaptics", "/no/libHD.so"}, {"dhd", "/no/libdhd.so"}}};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    CHECK(missing[i]["device"] == expected[i][0]);
+    CHECK(says(missing[i]["reason"].get<std::string>(), expected[i][1]));
+  }
+  // In the panel only the button itself looks different when it is pointed at.
+  const Picture pointed(played->folder / "pointed.png"), beside(played->folder / "beside.png");
+  constexpr int kPanel = 266, kButton_px = 115 * 22;
+  int inPanel = 0, tooltip = 0;
+  for (int y = 0; y < pointed.height; ++y)
+    for (int x = 0; x < pointed.width; ++x) (x < kPanel ? inPanel : tooltip) += pointed.at(x, y) != beside.at(x, y);
+  CHECK(inPanel > 1000);
+  CHECK(inPanel < kButton_px);
+  CHECK(tooltip > 1000);
+}
+
+TEST_CASE("a stiffness that is remembered for a device applies while it is held and not forgotten" * kClock) {
+  if (!hasDisplay()) return;
+  const Settings settings;
+  std::filesystem::create_directories(settings.folder / "palpate");
+  std::ofstream(settings.folder / "palpate" / "devices.json")
+      << R"({"version": 1, "devices": {"haply:049D": {"stiffness_N_per_mm": 0.35}}})";
+  const FakeHaply service({});
+  const auto played = play("%/sphere.ply --mm-per-unit 1 --backend cpu --device haply", R"(
+0.1 click Device
+0.5 state %/held.json
+0.6 click Use the mouse
+1.5 state %/mouse.json
+1.6 click Look for devices
+3.5 click haply:049D
+5.5 state %/again.json
+5.6 click Forget
+7.5 state %/forgotten.json
+7.6 quit
+)",
+                           "", makeSmallSphere);
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto stiffness = [&](const char* state) { return played->state(state)["stiffness_N_per_mm"].get<double>(); };
+  CHECK(stiffness("held.json") == near(0.35, 1e-9));
+  CHECK(stiffness("mouse.json") == near(0.8, 1e-9));
+  CHECK(stiffness("again.json") == near(0.35, 1e-9));
+  const Result forgotten = played->state("forgotten.json");
+  CHECK(forgotten["device"]["stage"] == "held");
+  CHECK(forgotten["device"]["remembered"] == "");
+  CHECK(stiffness("forgotten.json") == near(0.8, 1e-9));
+}
+
 TEST_CASE("a device that is lost while a model is felt leaves the stylus to the mouse, and says why" * kClock) {
   if (!hasDisplay()) return;
   const Settings settings;

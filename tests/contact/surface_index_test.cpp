@@ -191,6 +191,50 @@ TEST_CASE("the nearest position is where a hand's proxy comes to rest") {
   CHECK(glm::distance(hit->position, tracker.proxy()) < 1e-3 * ball.scene.radius);
 }
 
+TEST_CASE("the nearest point is that of a pass over all points, at any distance, for clouds in pieces, after edits") {
+  constexpr std::uint32_t kPieces = 9, kPerPiece = 400;
+  PointCloud cloud;
+  const auto place = [](std::uint32_t i) {  // small tilted sheets, far apart, on both sides of every plane of the axes
+    const DVec3 up = randomDirection(i / kPerPiece), right = glm::normalize(glm::cross(up, DVec3(0.3, 0.5, 0.8)));
+    const std::uint32_t k = i % kPerPiece;
+    return Vec3(160.0 * randomDirection(50 + i / kPerPiece) + right * (0.5 * (k % 20)) +
+                glm::cross(up, right) * (0.5 * (k / 20)));
+  };
+  for (std::uint32_t i = 0; i < kPieces * kPerPiece; ++i) {
+    cloud.positions.push_back(place(i));
+    cloud.normals.emplace_back(randomDirection(i / kPerPiece));
+  }
+  SurfaceIndex index = indexOf(cloud, {.radius = 2});
+  std::vector<std::uint8_t> there(cloud.size(), 1);
+  const auto judge = [&] {
+    for (std::uint64_t i = 0; i < 300; ++i) {
+      const DVec3 x = (i % 3 == 0 ? 20.0 : i % 3 == 1 ? 250.0 : 5000.0) * randomDirection(100 + i);
+      std::uint32_t nearest = 0;
+      double least = kEndless;
+      for (std::uint32_t k = 0; k < cloud.size(); ++k) {
+        const DVec3 d = DVec3(cloud.positions[k]) - x;
+        if (there[k] && glm::dot(d, d) < least) least = glm::dot(d, d), nearest = k;
+      }
+      CAPTURE(i);
+      const auto hit = index.nearest(x, kEndless);
+      REQUIRE(hit);
+      CHECK(hit->point == nearest);
+      CHECK_FALSE(index.nearest(x, std::sqrt(least) - 4));
+    }
+  };
+  judge();
+  std::vector<PointState> states;
+  for (std::uint32_t i = 0; i < 3 * kPerPiece; ++i) {  // one piece goes, one moves, one is halved
+    const bool stays = i / kPerPiece == 1 || (i / kPerPiece == 2 && i % 2 == 0);
+    if (i / kPerPiece == 1) cloud.positions[i] += Vec3(30, -20, 10);
+    there[i] = stays;
+    states.push_back(
+        {.position = cloud.positions[i], .id = i | (stays ? 0 : PointState::kGone), .normal = cloud.normals[i]});
+  }
+  index.follow(states);
+  judge();
+}
+
 TEST_CASE("an index that follows edits answers as one of the edited points, to the last bit") {
   const Scene scene = makeScene("sphere", 5'000);
   const SurfaceOptions options{.radius = scene.radius, .kind = SurfaceKind::sphere};

@@ -76,6 +76,12 @@ int dhdEnableForce(unsigned char on, char id) {
 int dhdSetWatchdog(unsigned char, char id) { return answers(id) ? 0 : -1; }
 #endif
 const char* dhdGetSystemName(char id) { return answers(id) ? "omega.3" : nullptr; }
+int dhdGetSerialNumber(unsigned short* number, char id) {
+  if (!answers(id)) return -1;
+  if (library().device->fault("serial")) return fail(2);
+  *number = 40123;
+  return 0;
+}
 const char* dhdErrorGetLastStr() {
   switch (library().error) {
     case 2:

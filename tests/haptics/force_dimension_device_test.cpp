@@ -55,6 +55,15 @@ TEST_CASE("positions and forces of a Force Dimension device keep their axes") {
   CHECK(device.facts().driver == "3.17.6.0");
 }
 
+TEST_CASE("a Force Dimension device tells its serial number, for which its user's choices are remembered") {
+  {
+    const FakeDriver driver("fake_dhd");
+    CHECK(ForceDimensionDevice().facts().serial == "40123");
+  }
+  const FakeDriver driver("fake_dhd", "fault serial");
+  CHECK(ForceDimensionDevice().facts().serial == "");
+}
+
 TEST_CASE("faults of a Force Dimension device are reported with a reason") {
   SUBCASE("no device") {
     const FakeDriver driver("fake_dhd", "fault init");

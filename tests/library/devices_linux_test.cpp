@@ -62,27 +62,33 @@ struct Taps {
   double up_mm = 0, towards_mm = 0;  // farthest from the middle
   double stiffness_N_per_mm = 0;     // median; less after a stall of the machine, when the force ramps up again
 };
-/// Three seconds of taps.
-Taps taps(pp_session session, const pp_live_options& options) {
-  PP_REQUIRE_OK(pp_live_start(session, &options));
-  std::this_thread::sleep_for(std::chrono::seconds(3));
-  PP_REQUIRE_OK(pp_live_stop(session));
+Taps tapsIn(std::span<const pp_tick> ticks) {
   Taps found;
   std::vector<double> ratios;
-  std::vector<pp_tick> ticks(512);
-  for (std::uint64_t count = 1; count > 0;) {
-    PP_REQUIRE_OK(pp_live_read_ticks(session, ticks.data(), ticks.size(), &count));
-    for (const pp_tick& tick : std::span(ticks).first(count)) {
-      found.up_mm = std::max(found.up_mm, 0.6 * std::abs(tick.hip[1]));
-      found.towards_mm = std::max(found.towards_mm, 0.6 * std::abs(tick.hip[2]));
-      if (tick.t_s > 1.5 && tick.contact == 1 && tick.penetration_mm > 0.5)
-        ratios.push_back(std::hypot(tick.force_N[0], tick.force_N[1], tick.force_N[2]) / tick.penetration_mm);
-    }
+  for (const pp_tick& tick : ticks) {
+    found.up_mm = std::max(found.up_mm, 0.6 * std::abs(tick.hip[1]));
+    found.towards_mm = std::max(found.towards_mm, 0.6 * std::abs(tick.hip[2]));
+    if (tick.t_s > 1.5 && tick.contact == 1 && tick.penetration_mm > 0.5)
+      ratios.push_back(std::hypot(tick.force_N[0], tick.force_N[1], tick.force_N[2]) / tick.penetration_mm);
   }
   REQUIRE(ratios.size() > 20);
   std::ranges::nth_element(ratios, ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2));
   found.stiffness_N_per_mm = ratios[ratios.size() / 2];
   return found;
+}
+
+constexpr std::chrono::seconds kTime{3};  // of taps
+
+Taps taps(pp_session session, const pp_live_options& options) {
+  PP_REQUIRE_OK(pp_live_start(session, &options));
+  std::this_thread::sleep_for(kTime);
+  PP_REQUIRE_OK(pp_live_stop(session));
+  std::vector<pp_tick> all, ticks(512);
+  for (std::uint64_t count = 1; count > 0;) {
+    PP_REQUIRE_OK(pp_live_read_ticks(session, ticks.data(), ticks.size(), &count));
+    all.insert(all.end(), ticks.begin(), ticks.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  return tapsIn(all);
 }
 
 pp_live_options haply() {
@@ -117,6 +123,27 @@ TEST_CASE("the axes that a program asks for replace those that a device's user a
   CHECK(asked.up_mm == within(40, 1));
   CHECK(asked.towards_mm < 2);
   CHECK(asked.stiffness_N_per_mm == within(0.2, 0.12));
+}
+
+TEST_CASE("a session of the C++ header is felt through a device, with the axes that the program asks for") {
+  const Desk desk;
+  const BallArrays<float> ball(20'000);
+  pp::Session session(pp::Cloud(ball.arrays()), smallBall());
+  pp_live_options options = haply();
+  options.axes = "z,x,y";
+  session.startLive(options);
+  std::this_thread::sleep_for(kTime);
+  CHECK(session.liveState().running == 1);
+  session.stopLive();
+  std::vector<pp_tick> all;
+  for (std::vector<pp_tick> ticks = session.readTicks(); !ticks.empty(); ticks = session.readTicks())
+    all.insert(all.end(), ticks.begin(), ticks.end());
+  const Taps felt = tapsIn(all);
+  CHECK(felt.up_mm < 2);
+  CHECK(felt.towards_mm == within(40, 1));
+  CHECK(felt.stiffness_N_per_mm > 0.5);
+  options.axes = "x,y";
+  CHECK_THROWS_WITH_AS(session.startLive(options), doctest::Contains("'x,y' is not a permutation of x,y,z"), pp::Error);
 }
 
 TEST_CASE("axes that are not a permutation, or of a device that is not in a hand, are refused") {
