@@ -1,4 +1,5 @@
 #include "engine/io/saving.hpp"
+#include "engine/cloud/estimated_normals.hpp"
 
 #include <algorithm>
 
@@ -10,11 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::string_view kOurs = "comment written by palpate", kEstimated = "comment normals: estimated";
-
-bool has(std::span<const std::string> comments, std::string_view comment) {
-  return std::ranges::find(comments, comment) != comments.end();
-}
+constexpr std::string_view kOurs = "comment written by palpate";
 
 // "1 face", "2 faces".
 std::string counted(const FileElement& element) {
@@ -62,19 +59,12 @@ void sayWhatIsLost(const std::filesystem::path& file, Log& log) {
   log.say("{}; the existing file is kept as {}", inTheWay.sentence(), AtomicFile::nameToKeep(file).string());
 }
 
-bool isOurs(std::span<const std::string> comments) { return has(comments, kOurs); }
+bool isOurs(std::span<const std::string> comments) { return std::ranges::find(comments, kOurs) != comments.end(); }
 
 void markAsOurs(PointCloud& cloud) {
   auto& comments = cloud.storedAs.comments;
   if (!isOurs(comments)) comments.emplace_back(kOurs);
 }
-
-void markNormalsAsEstimated(PointCloud& cloud, bool are) {
-  std::erase(cloud.storedAs.comments, kEstimated);
-  if (are) cloud.storedAs.comments.emplace_back(kEstimated);
-}
-
-bool areNormalsEstimated(const PointCloud& cloud) { return has(cloud.storedAs.comments, kEstimated); }
 
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const CloudFormats& formats) {
   markAsOurs(cloud);

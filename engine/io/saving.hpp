@@ -35,10 +35,6 @@ bool isOurs(std::span<const std::string> comments);
 /// Adds the comment that palpate wrote the file to `cloud`.
 void markAsOurs(PointCloud& cloud);
 
-/// Adds or removes the comment that the normals of `cloud` are estimates and not of its file.
-void markNormalsAsEstimated(PointCloud& cloud, bool are);
-bool areNormalsEstimated(const PointCloud& cloud);
-
 /// Writes `cloud`, marked as ours, and without normals that are marked as estimates; keeps an existing file whose
 /// contents would be lost. Returns the kept file's new path, or an empty path. Throws FileError.
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/estimated_normals.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/spacing.hpp"

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "engine/io/saving.hpp"
+#include "engine/cloud/estimated_normals.hpp"
 
 namespace palpate::sharing {
 

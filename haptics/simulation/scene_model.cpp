@@ -82,9 +82,8 @@ Model softModel(const MatterScene& scene, const ModelConfig& config, const Model
   const Stopwatch watch;
   Model model;
   const auto body = softModelOf(scene, std::move(scan), loading.threads);
-  loading.log.say("{}: a body of {}, filled with {} in {:.0f} ms", config.file,
-                  counted(body->points.size(), "point"), counted(body->solid.lattice.nodes(), "node"),
-                  watch.elapsed_us() * 1e-3);
+  loading.log.say("{}: a body of {}, filled with {} in {:.0f} ms", config.file, counted(body->points.size(), "point"),
+                  counted(body->solid.lattice.nodes(), "node"), watch.elapsed_us() * 1e-3);
   model.cloud = cloudOf(*body, scene);
   model.source = SoftPoints{.container = boxOf(scene), .body = kept(body)};
   placeInScene(model, scene);

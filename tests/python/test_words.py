@@ -55,7 +55,8 @@ from conftest import ball_arrays, press_path
      "Session(): tool_axis must be three numbers, not (1, 2)"),
     (lambda s: pp.Session.of_stream("x", gpu="cpu", loop="yes"),
      "Session.of_stream(): loop must be True or False, not the text 'yes'"),
-    (lambda s: pp.Session(s.cloud(), backend="gpu"), "backend: unknown value 'gpu'; did you mean 'cpu'? Choose auto, vulkan, cpu"),
+    (lambda s: pp.Session(s.cloud(), backend="gpu"),
+     "backend: unknown value 'gpu'; did you mean 'cpu'? Choose auto, vulkan, cpu"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", backend="vulkan"), "backend: vulkan conflicts with gpu 'cpu'"),
     (lambda s: pp.Session(s.cloud(), gpu=0, backend="cpu"), "backend: cpu conflicts with gpu '0'"),
     (lambda s: pp.Matter("dam", gpu=0, backend="cpu"), "backend: cpu conflicts with gpu '0'"),
@@ -80,8 +81,8 @@ from conftest import ball_arrays, press_path
     (lambda s: pp.Session(3), "Session(): cloud must be a Cloud, not 3"),
     (lambda s: pp.Session("water"), "Session(): cloud must be a Cloud, not the text 'water'"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", law=3), "law: 3 is not the address of a function"),
-    (lambda s: pp.Session(s.cloud(), gpu="cpu", surface="shrp"), "surface: unknown value 'shrp'; did you mean 'sharp'? Choose "
-     "average, sphere, sharp"),
+    (lambda s: pp.Session(s.cloud(), gpu="cpu", surface="shrp"),
+     "surface: unknown value 'shrp'; did you mean 'sharp'? Choose average, sphere, sharp"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", tool="x"), "tool: unknown value 'x'; choose point, pad, ball, "
      "spatula"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", mm_per_unit=-1), "mm_per_unit: -1 is not between"),

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine/cloud/estimated_normals.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/sharing/messages.hpp"
