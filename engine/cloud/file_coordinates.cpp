@@ -46,27 +46,22 @@ double partsOf(double step, double offset) {
 
 }  // namespace
 
-DecimalGrid::DecimalGrid(const CoordinateGrid& grid) : grid_(grid) {
-  for (int axis = 0; axis < 3; ++axis) parts_[axis] = partsOf(grid.step[axis], grid.offset[axis]);
+TextCoordinates::TextCoordinates(const PointCloud& cloud) : cloud_(cloud) {
+  if (const auto& grid = cloud.storedAs.grid)
+    for (int axis = 0; axis < 3; ++axis) parts_[axis] = partsOf(grid->step[axis], grid->offset[axis]);
 }
 
-DVec3 DecimalGrid::at(const DVec3& k) const {
-  DVec3 place = grid_.at(k);
+DVec3 TextCoordinates::at(std::size_t i) const {
+  DVec3 place = cloud_.fileCoordinates(i);
+  if (parts_ == DVec3(0)) return place;
+  const CoordinateGrid& grid = *cloud_.storedAs.grid;
+  const DVec3 onGrid = grid.at(grid.nearest(place));
   for (int axis = 0; axis < 3; ++axis) {
     const double whole = std::round(place[axis] * parts_[axis]);
-    if (parts_[axis] > 0 && std::abs(whole) < kMaxWhole) place[axis] = whole / parts_[axis];
+    if (parts_[axis] > 0 && place[axis] == onGrid[axis] && std::abs(whole) < kMaxWhole)
+      place[axis] = whole / parts_[axis];
   }
   return place;
-}
-
-std::optional<CoordinateGrid> DecimalGrid::tenths() const {
-  CoordinateGrid finer = grid_;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(parts_[axis] > 0)) return std::nullopt;
-    finer.step[axis] = std::round(grid_.step[axis] * parts_[axis]) / (10 * parts_[axis]);
-    if (!(partsOf(finer.step[axis], finer.offset[axis]) > 0)) return std::nullopt;
-  }
-  return finer;
 }
 
 }  // namespace palpate

@@ -13,19 +13,16 @@ inline bool isExact(const PointCloud& cloud) { return !cloud.exactPositions.empt
 /// The box around these coordinates. All zero for an empty cloud.
 Bounds fileBoundsOf(const PointCloud& cloud);
 
-/// The positions of a CoordinateGrid, each the double next to its decimal if step and offset are decimals, as 0.01 and
-/// 637000.5: 849393.95, and not 849393.9500000001 like k * step + offset in double precision.
-class DecimalGrid {
+/// Coordinates of a cloud for text. Those on its CoordinateGrid are the doubles next to their decimals if step and
+/// offset are decimals, as 0.01 and 637000.5: 849393.95, and not 849393.9500000001 like k * step + offset in double
+/// precision.
+class TextCoordinates {
  public:
-  explicit DecimalGrid(const CoordinateGrid& grid);
-  /// `k`: whole numbers.
-  DVec3 at(const DVec3& k) const;
-  /// The grid with a tenth of the step, which contains these positions bit by bit; empty if they are not decimals, or
-  /// have too many digits.
-  std::optional<CoordinateGrid> tenths() const;
+  explicit TextCoordinates(const PointCloud& cloud);
+  DVec3 at(std::size_t i) const;
 
  private:
-  CoordinateGrid grid_;
+  const PointCloud& cloud_;
   DVec3 parts_{0};  ///< of a unit, of which step and offset are whole numbers: a power of ten; 0: they are not decimals
 };
 

@@ -3,7 +3,6 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
-#include "engine/cloud/file_coordinates.hpp"
 #include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
@@ -14,7 +13,7 @@ DVec3 PointCloud::fileCoordinates(std::size_t i) const {
   if (!exactPositions.empty() && Vec3(exactPositions[i] - origin) == positions[i]) return exactPositions[i];
   const DVec3 place = origin + DVec3(positions[i]);
   if (!storedAs.grid) return place;
-  const DVec3 onGrid = DecimalGrid(*storedAs.grid).at(storedAs.grid->nearest(place));
+  const DVec3 onGrid = storedAs.grid->at(storedAs.grid->nearest(place));
   return Vec3(onGrid - origin) == positions[i] ? onGrid : place;
 }
 

@@ -10,7 +10,6 @@
 
 #include <glm/common.hpp>
 
-#include "engine/cloud/file_coordinates.hpp"
 #include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
@@ -270,8 +269,7 @@ void LasColumns::placePoints() {
   const CoordinateGrid& grid = header_.grid;
   cloud_.storedAs.grid = grid;
   if (size_ == 0) return;
-  const DecimalGrid decimals(grid);
-  const auto at = [&](const Numbers& n) { return decimals.at(DVec3(n[0], n[1], n[2])); };
+  const auto at = [&](const Numbers& n) { return grid.at(DVec3(n[0], n[1], n[2])); };
   const DVec3 one = at(range_.least), other = at(range_.most);
   const DVec3 low = glm::min(one, other), high = glm::max(one, other);  // a step may be negative
   const DVec3 origin = cloud_.origin = originFor({low, high});

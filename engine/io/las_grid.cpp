@@ -7,7 +7,6 @@
 
 #include <glm/common.hpp>
 
-#include "engine/cloud/file_coordinates.hpp"
 #include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
@@ -45,12 +44,11 @@ bool fits(const CoordinateGrid& grid, const Bounds& box) {
 
 /// `beside`: allowed distance from the grid, relative to the coordinate.
 bool allOn(const CoordinateGrid& grid, const PointCloud& cloud, double beside) {
-  const DecimalGrid decimals(grid);
   std::atomic<bool> all = true;
   parallelBlocks(cloud.size(), 1 << 16, 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end && all; ++i) {
       const DVec3 p = cloud.fileCoordinates(i);
-      const DVec3 on = decimals.at(grid.nearest(p));
+      const DVec3 on = grid.at(grid.nearest(p));
       for (int k = 0; k < 3; ++k)
         if (!(std::abs(on[k] - p[k]) <= beside * std::abs(p[k]))) all = false;
     }
@@ -58,18 +56,15 @@ bool allOn(const CoordinateGrid& grid, const PointCloud& cloud, double beside) {
   return all;
 }
 
-/// Makes the step finer, by tenths if it is a decimal, else by halves, as often as 32 bits allow, and as float32 can
-/// resolve. The positions of the grid remain on it, bit by bit.
+/// Halves the step as often as 32 bits allow, and as float32 can resolve.
 CoordinateGrid refined(const CoordinateGrid& grid, const Bounds& box) {
-  constexpr double kFinest = 1e-6;  // of the step
-  const bool byTenths = DecimalGrid(grid).tenths().has_value();
+  constexpr int kMaxHalvings = 20;
   CoordinateGrid finer = grid;
-  for (double part = 1; part > kFinest; part *= byTenths ? 0.1 : 0.5) {
-    std::optional<CoordinateGrid> next = finer;
-    next->step *= 0.5;
-    if (byTenths) next = DecimalGrid(finer).tenths();
-    if (!next || !fits(*next, box)) break;
-    finer = *next;
+  for (int k = 0; k < kMaxHalvings; ++k) {
+    CoordinateGrid next = finer;
+    next.step *= 0.5;
+    if (!fits(next, box)) break;
+    finer = next;
   }
   return finer;
 }

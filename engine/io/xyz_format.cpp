@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/cloud/file_coordinates.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
@@ -136,8 +137,8 @@ void writeValue(RowOutput& out, const Attribute& attribute, std::size_t i) {
               [&]<class T>(std::type_identity<T>) { out.value(loadScalar<T>(attribute.data.data() + i * sizeof(T))); });
 }
 
-void writePlace(RowOutput& out, const PointCloud& cloud, bool wide, std::size_t i) {
-  const DVec3 position = cloud.fileCoordinates(i);
+void writePlace(RowOutput& out, const TextCoordinates& coordinates, bool wide, std::size_t i) {
+  const DVec3 position = coordinates.at(i);
   for (int k = 0; k < 3; ++k) out.real(wide ? ScalarType::f64 : ScalarType::f32, position[k]);
 }
 
@@ -154,9 +155,10 @@ void writeText(const std::filesystem::path& path, const PointCloud& cloud, const
   std::ranges::replace(names, ' ', kBetweenNumbers);
   if (kKind == TextKind::csv || names.size() > std::string_view("x y z").size()) out.headerLine(names);
   const bool wide = needsDoubles(cloud, options);
+  const TextCoordinates coordinates(cloud);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     report(options, i, cloud.size());
-    writePlace(out, cloud, wide, i);
+    writePlace(out, coordinates, wide, i);
     if (cloud.hasNormals())
       for (int k = 0; k < 3; ++k) out.value(cloud.normals[i][k]);
     if (cloud.hasColors())
@@ -178,9 +180,10 @@ void writePts(const std::filesystem::path& path, const PointCloud& cloud, const 
   out.headerLine(fmt::format("{}", cloud.size()));
   const Attribute* intensity = intensityOf(cloud);
   const bool wide = needsDoubles(cloud, options);
+  const TextCoordinates coordinates(cloud);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     report(options, i, cloud.size());
-    writePlace(out, cloud, wide, i);
+    writePlace(out, coordinates, wide, i);
     if (intensity) writeValue(out, *intensity, i);
     if (!intensity && cloud.hasColors()) out.value(0);
     if (cloud.hasColors())

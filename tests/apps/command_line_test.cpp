@@ -145,7 +145,7 @@ TEST_CASE("an output with an unknown ending is refused before any work, with the
   for (const char* name : {"b.foo", "b"}) {
     refused("make sphere -n 500 -o ", name, "clouds are written as .ply, .las");
     refused("convert " + none + " ", name, "clouds are written as .ply, .las");
-    refused("mesh " + none + " -o ", name, "meshes are written as .ply, .las");
+    refused("mesh " + none + " -o ", name, "meshes are written as .ply, .obj");
     refused("render " + none + " -o ", name, "pictures are written as .png, .jpg, .jpeg; use one of these extensions");
     refused("simulate none.json --save ", name, "clouds are written as .ply, .las");
     refused("replay none --recover --save ", name, "clouds are written as .ply, .las");
@@ -260,12 +260,12 @@ TEST_CASE("an option has one name: no second one is accepted, and a slip is corr
     refused("touch " + model + ' ' + other, "unknown option '" + std::string(other, std::strcspn(other, " ")) + "'");
   refused("mesh " + model + " -o m.ply --lattice 64", "unknown option '--lattice'");
   refused("view " + model + " --lattice 64", "unknown option '--lattice'");
-  refused("touch " + model + " --yeild-depth 1", "did you mean --yield-depth?");
-  refused("touch " + model + " --push-rat 1", "did you mean --push-rate?");
-  refused("touch " + model + " --brush-raduis 6", "did you mean --brush-radius?");
-  refused("touch " + model + " --no-resampel", "did you mean --no-resample?");
-  refused("touch " + model + " --hand-nam anna", "did you mean --hand-name?");
-  refused("mesh " + model + " -o m.ply --resoluton 64", "did you mean --resolution?");
+  refused("touch " + model + " --yeild-depth 1", "did you mean '--yield-depth'?");
+  refused("touch " + model + " --push-rat 1", "did you mean '--push-rate'?");
+  refused("touch " + model + " --brush-raduis 6", "did you mean '--brush-radius'?");
+  refused("touch " + model + " --no-resampel", "did you mean '--no-resample'?");
+  refused("touch " + model + " --hand-nam anna", "did you mean '--hand-name'?");
+  refused("mesh " + model + " -o m.ply --resoluton 64", "did you mean '--resolution'?");
 }
 
 TEST_CASE("progress is a bar on a terminal, lines in a file, and absent with --quiet" * kMoreInFull) {

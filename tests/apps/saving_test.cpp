@@ -1,7 +1,6 @@
 // Files written by palpate touch --save: beside existing files, and with all properties of the points.
 #include <cmath>
 
-#include "engine/cloud/file_coordinates.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "engine/io/ply_writer.hpp"
@@ -41,8 +40,7 @@ TEST_CASE("a scan without normals is saved without them, and after undo it is th
   cloud.origin = DVec3(849000, 4877000, 400);
   const CoordinateGrid grid{.step = DVec3(0.01)};
   cloud.storedAs.grid = grid;
-  for (Vec3& place : cloud.positions)
-    place = Vec3(DecimalGrid(grid).at(grid.nearest(cloud.origin + DVec3(place))) - cloud.origin);
+  for (Vec3& place : cloud.positions) place = Vec3(grid.at(grid.nearest(cloud.origin + DVec3(place))) - cloud.origin);
   cloud.extra.push_back(numbered<std::uint16_t>("intensity", ScalarType::u16, cloud.size(), 1));
   writeCloud(folder / "scan.laz", cloud);
   const PointCloud scan = readCloud(folder / "scan.laz").cloud;

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "engine/cloud/file_coordinates.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "tests/apps/running_program.hpp"
@@ -69,8 +68,7 @@ TEST_CASE(
   setUnit(cloud.storedAs.comments, LengthUnit::foot);
   const CoordinateGrid grid{.step = DVec3(0.01), .offset = DVec3(637000, 4877000, 0)};
   cloud.storedAs.grid = grid;
-  for (Vec3& place : cloud.positions)
-    place = Vec3(DecimalGrid(grid).at(grid.nearest(cloud.origin + DVec3(place))) - cloud.origin);
+  for (Vec3& place : cloud.positions) place = Vec3(grid.at(grid.nearest(cloud.origin + DVec3(place))) - cloud.origin);
   writeCloud(in("m.laz"), cloud);
   Serving serving(in("m.laz") + " --name city", folder / "said");
   const Outcome joined =

@@ -181,7 +181,7 @@ TEST_CASE("a scene that cannot be simulated is refused with a reason, and leaves
     return outcome.text;
   };
   CHECK(says(refusal(R"({"matter": "soft"})"), "scene.json: "));
-  CHECK(says(refusal(std::string(kSmallTank).replace(12, 5, "honey")), "there is water, sand, soft"));
+  CHECK(says(refusal(std::string(kSmallTank).replace(12, 5, "honey")), "choose water, sand, soft"));
   CHECK(says(refusal(std::string(kSmallTank).insert(1, "\"colour\": 1, ")), "colour: unknown key 'colour'"));
   CHECK(says(palpate("simulate nothing.json").text, "nothing.json"));
   CHECK(palpate("simulate water --duration -1").code == 2);

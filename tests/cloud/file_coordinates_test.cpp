@@ -28,13 +28,25 @@ TEST_CASE("the bounding box of a cloud far from zero has the digits of its file"
   CHECK(fileBoundsOf({}) == Bounds{});
 }
 
-TEST_CASE("coordinates on a decimal grid have no more digits than the grid") {
+namespace {
+
+/// x of a point on the grid, as text has it.
+double textOf(const CoordinateGrid& grid, double k) {
+  const DVec3 place = grid.at(DVec3(k));
+  PointCloud cloud{.positions = {Vec3(0)}, .origin = place};
+  cloud.exactPositions = {place};
+  cloud.storedAs.grid = grid;
+  return TextCoordinates(cloud).at(0).x;
+}
+
+}  // namespace
+
+TEST_CASE("text has coordinates on a decimal grid with no more digits than the grid") {
   for (const auto& [step, offset] :
        {std::pair(0.01, 0.0), {0.001, 600000.0}, {0.00025, 849000.5}, {1e-7, -3.25}, {-0.01, 12.34}}) {
     const CoordinateGrid grid{.step = DVec3(step), .offset = DVec3(offset)};
-    const DecimalGrid decimals(grid);
     for (int k = 0; k < 100'000; ++k) {
-      const double number = k * 849.0 + 7, value = decimals.at(DVec3(number)).x;
+      const double number = k * 849.0 + 7, value = textOf(grid, number);
       CAPTURE(number);
       REQUIRE(grid.nearest(DVec3(value)).x == number);
       REQUIRE(value == within(number * step + offset, 1e-9));
@@ -43,7 +55,7 @@ TEST_CASE("coordinates on a decimal grid have no more digits than the grid") {
     }
   }
   const auto at = [](double step, double offset, double k) {
-    return DecimalGrid({.step = DVec3(step), .offset = DVec3(offset)}).at(DVec3(k)).x;
+    return textOf({.step = DVec3(step), .offset = DVec3(offset)}, k);
   };
   CHECK(at(0.01, 0, 84939395) == 849393.95);
   CHECK(84939395 * 0.01 != 849393.95);

@@ -1,6 +1,6 @@
 // Sculpting on the CPU at the cost of the touched points: its index and its lists against fresh ones, and its sums
 // against those of neighbours one by one. Random edits are as many as the tier says, or for a given time:
-// PALPATE_EDITS_S=3600
+// PALPATE_EDITS_S=3600 PALPATE_EDITS_SEED=7
 #include "engine/edit/cpu_sculpture.hpp"
 
 #include <doctest/doctest.h>
@@ -126,7 +126,9 @@ TEST_CASE("whatever is sculpted and undone, the CPU's points and index are those
   const PointCloud cloud = ballOf(3000);
   const double radius = supportFor(cloud.size());
   CpuSculpture sculpture = sculptureOf(cloud, 1), rebuilt = sculptureOf(cloud, 3, IndexFollow::rebuild);
-  RandomSculpting random(sculpture, radius, 5), same(rebuilt, radius, 5);
+  const char* const named = std::getenv("PALPATE_EDITS_SEED");
+  const auto seed = static_cast<std::uint32_t>(named ? std::atoi(named) : 5);
+  RandomSculpting random(sculpture, radius, seed), same(rebuilt, radius, seed);
   const Stopwatch watch;
   const char* const given = std::getenv("PALPATE_EDITS_S");
   for (int edit = 0; given ? watch.elapsed_s() < std::atof(given) : edit < byTier(100, 3000); ++edit) {
