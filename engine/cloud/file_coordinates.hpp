@@ -13,9 +13,9 @@ inline bool isExact(const PointCloud& cloud) { return !cloud.exactPositions.empt
 /// The box around these coordinates. All zero for an empty cloud.
 Bounds fileBoundsOf(const PointCloud& cloud);
 
-/// Coordinates of a cloud for text. Those on its CoordinateGrid are the doubles next to their decimals if step and
-/// offset are decimals, as 0.01 and 637000.5: 849393.95, and not 849393.9500000001 like k * step + offset in double
-/// precision.
+/// Coordinates of a cloud for tables of text. Those on its CoordinateGrid are the doubles next to their decimals if
+/// step and offset are decimals, as 0.01 and 637000.5: 849393.95, and not 849393.9500000001 like k * step + offset in
+/// double precision.
 class TextCoordinates {
  public:
   explicit TextCoordinates(const PointCloud& cloud);

@@ -60,7 +60,8 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
   grid_.build(points_.positions, points_.there);
   buildTime_us_ = watch.elapsed_us();
   isChanged_.reserve(points_.positions.capacity());
-  isChanged_.resize(points_.size());
+  strains_.reserve(points_.positions.capacity());
+  makeRoom();
   if (options.resample) measureSpacings();
 }
 
@@ -148,6 +149,7 @@ void CpuSculpture::set(std::span<const PointChange> changes) {
     points_.set(change.to);
     strayed_.push_back(change.to.number());
   }
+  makeRoom();
   for (const std::uint32_t point : waiting_) points_.unsettled[point] = 0;
   for (const std::uint32_t point : waiting_) strains_[point] = 0;
   waiting_.clear();
@@ -179,8 +181,13 @@ void CpuSculpture::remove(std::uint32_t point) {
   tellOf(point);
 }
 
+// For points that were added.
+void CpuSculpture::makeRoom() {
+  isChanged_.resize(points_.size());
+  strains_.resize(points_.size());
+}
+
 void CpuSculpture::tellOf(std::uint32_t point) {
-  isChanged_.resize(points_.size(), 0);
   if (std::exchange(isChanged_[point], 1) == 0) changed_.push_back(point);
 }
 
@@ -270,10 +277,7 @@ DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) cons
                         }));
 }
 
-void CpuSculpture::strain(std::uint32_t point, float by) {
-  strains_.resize(points_.size());
-  strains_[point] += by;
-}
+void CpuSculpture::strain(std::uint32_t point, float by) { strains_[point] += by; }
 
 std::size_t CpuSculpture::mostAtOnce(EditSize size) const {
   if (size == EditSize::tick) return std::max(kFewestAtOnce, static_cast<std::size_t>(kTickWork / workOfPoint_));
@@ -283,7 +287,6 @@ std::size_t CpuSculpture::mostAtOnce(EditSize size) const {
 // Those that have moved furthest since their last turn, so that no gap becomes too wide to be filled.
 void CpuSculpture::findUnsettled(EditSize size) {
   std::erase_if(waiting_, [&](std::uint32_t point) { return !points_.there[point]; });
-  strains_.resize(points_.size());
   unsettled_ = waiting_;
   const std::size_t most = mostAtOnce(size);
   someWait_ = unsettled_.size() > most;
@@ -424,6 +427,7 @@ void CpuSculpture::insertClaimed() {
     claims_.grant(request.place);
     const std::uint32_t parent = request.takesAfterOther ? request.other : point;
     const std::uint32_t added = points_.insertBetween(point, request.other, parent, request.place);
+    makeRoom();
     points_.reaches[added - points_.fromFile] = request.reach;
     waiting_.push_back(added);
     strayed_.push_back(added);

@@ -85,6 +85,7 @@ class CpuSculpture {
   void request(const CellGroups::Group& group, const Surroundings& around);
   void resample();
   void insertClaimed();
+  void makeRoom();
   void tellOf(std::uint32_t point);
   void takeSwallowed();
 

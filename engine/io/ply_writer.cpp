@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <string>
 
-#include "engine/cloud/file_coordinates.hpp"
 #include "engine/core/check.hpp"
 #include "engine/io/row_output.hpp"
 
@@ -112,11 +111,10 @@ void writePly(const std::filesystem::path& path, const PointCloud& cloud, const 
   const Layout layout = layoutOf(cloud, options.doubles);
   RowOutput out(path, options.ascii);
   writeHeader(out, cloud, layout, options);
-  const TextCoordinates text(cloud);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (options.progress && i % kBetweenReports == 0)
       options.progress(static_cast<double>(i) / static_cast<double>(cloud.size()));
-    const DVec3 position = options.ascii ? text.at(i) : cloud.fileCoordinates(i);
+    const DVec3 position = cloud.fileCoordinates(i);
     for (int k = 0; k < 3; ++k) out.real(layout.position, position[k]);
     if (cloud.hasNormals())
       for (int k = 0; k < 3; ++k) out.real(layout.normal, cloud.normals[i][k]);

@@ -33,7 +33,9 @@ namespace {
 /// x of a point on the grid, as text has it.
 double textOf(const CoordinateGrid& grid, double k) {
   const DVec3 place = grid.at(DVec3(k));
-  PointCloud cloud{.positions = {Vec3(0)}, .origin = place};
+  PointCloud cloud;
+  cloud.positions = {Vec3(0)};
+  cloud.origin = place;
   cloud.exactPositions = {place};
   cloud.storedAs.grid = grid;
   return TextCoordinates(cloud).at(0).x;

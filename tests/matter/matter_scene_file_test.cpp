@@ -77,7 +77,7 @@ TEST_CASE("an invalid scene of matter is refused with the field") {
   CHECK(says(refusal("[]"), "is not a JSON object"));
   CHECK(says(refusal("{}"), "matter: is missing"));
   CHECK(says(refusal(R"({"matter": "water"})"), "box_mm: is missing"));
-  CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kMin + "}"), "there is water, sand, soft"));
+  CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kMin + "}"), "choose water, sand, soft"));
   CHECK(says(refusal(waterWith(R"("colour": 1000)")), "colour: unknown key 'colour'; choose matter, box_mm"));
   CHECK(says(refusal(waterWith(R"("young_Pa": 1000)")), "young_Pa: does not apply to water"));
   CHECK(says(refusal(softWith(R"("young_Pa": "soft")")), "young_Pa: is"));
