@@ -42,7 +42,7 @@ class HidLink {
   std::unique_ptr<HidConnection> connection_;
   Stopwatch searched_, absent_, found_;  // since the last search, since it was last missing, since it came back
   double wait_s_;                        // until the next search
-  bool complained_ = false;              // that it is present and cannot be opened
+  bool complained_ = false;              // the log says that it is present and cannot be opened
   std::mutex restLock_;
   std::condition_variable_any stopped_;
 };
