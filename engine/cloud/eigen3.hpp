@@ -38,8 +38,8 @@ inline JacobiRotation jacobiRotation(double app, double aqq, double apq) {
   const double c = 1 / std::sqrt(t * t + 1);
   return {t, c, t * c};
 }
-inline constexpr int kMostJacobiSweeps = 32;        ///< six are enough in practice; convergence is quadratic
-inline constexpr double kLeastOffDiagonal = 1e-40;  ///< sum of squares beside the diagonal; the largest entry is 1 to 2
+inline constexpr int kMaxJacobiSweeps = 32;       ///< six are enough in practice; convergence is quadratic
+inline constexpr double kMinOffDiagonal = 1e-40;  ///< sum of squares beside the diagonal; the largest entry is 1 to 2
 
 /// Exponent of the power of two that scales the largest entry of a matrix to 1 to 2, so that scaling is exact and
 /// squares neither overflow nor vanish.
@@ -73,9 +73,9 @@ inline Eigen3 eigenSymmetric(const SymmetricMatrix3& matrix) {
     for (double& entry : row) entry = std::scalbn(entry, -exponent);
 
   std::array<DVec3, 3> columns{DVec3(1, 0, 0), DVec3(0, 1, 0), DVec3(0, 0, 1)};
-  for (int sweep = 0; sweep < kMostJacobiSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kMaxJacobiSweeps; ++sweep) {
     const double offDiagonal = a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2];
-    if (offDiagonal < kLeastOffDiagonal) break;
+    if (offDiagonal < kMinOffDiagonal) break;
     for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
       if (a[p][q] == 0) continue;
       const auto [t, c, s] = jacobiRotation(a[p][p], a[q][q], a[p][q]);

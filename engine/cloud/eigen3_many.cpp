@@ -74,11 +74,11 @@ void ManyEigen3::solve() {
                   entries_[rq].data(), column(p),          column(q),           turns_.data()};
   };
   const std::array rotations{turned(0, 1, kXY, kXZ, kYZ), turned(0, 2, kXZ, kXY, kYZ), turned(1, 2, kYZ, kXY, kXZ)};
-  for (int sweep = 0; sweep < kMostJacobiSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kMaxJacobiSweeps; ++sweep) {
     bool any = false;
     for (std::size_t i = 0; i < padded; ++i) {
       const double xy = entries_[kXY][i], xz = entries_[kXZ][i], yz = entries_[kYZ][i];
-      const bool turns = !(xy * xy + xz * xz + yz * yz < kLeastOffDiagonal);
+      const bool turns = !(xy * xy + xz * xz + yz * yz < kMinOffDiagonal);
       turns_[i] = turns ? 1 : 0;
       any = any || turns;
     }

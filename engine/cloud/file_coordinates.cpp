@@ -35,11 +35,11 @@ constexpr double kMaxWhole = 1e14;  // below it, whole numbers and their quotien
 
 /// The least power of ten by which both are whole numbers; 0: none.
 double partsOf(double step, double offset) {
-  constexpr double kRounding = 1e-15, kMostParts = 1e12;
+  constexpr double kRounding = 1e-15, kMaxParts = 1e12;
   const auto isWhole = [](double x) {
     return std::abs(x) < kMaxWhole && std::abs(x - std::round(x)) <= kRounding * std::abs(x);
   };
-  for (double parts = 1; parts <= kMostParts; parts *= 10)
+  for (double parts = 1; parts <= kMaxParts; parts *= 10)
     if (std::abs(step * parts) > 0.5 && isWhole(step * parts) && isWhole(offset * parts)) return parts;
   return 0;
 }

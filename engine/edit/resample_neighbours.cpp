@@ -72,7 +72,7 @@ void findLeast(std::size_t count, const Surveyed& surveyed, LeastBits& least) {
   for (std::size_t k = 0; k < count; ++k) {
     const auto any = std::bit_cast<std::int64_t>(squared[k]), bits = std::bit_cast<std::int64_t>(gap[k]);
     const std::uint64_t in = sector[k];
-    // With the bits of infinity it is no less than that.
+    // Any bits combined with those of infinity are not less than infinity, so that other sectors never win.
     const auto ifIn = [&](std::uint64_t wanted) { return bits | (in == wanted ? std::int64_t{0} : kNone); };
     const std::int64_t inA = ifIn(0), inB = ifIn(1), inC = ifIn(2), inD = ifIn(3), inE = ifIn(4), inF = ifIn(5);
     nearest = nearest < any ? nearest : any;
