@@ -15,7 +15,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$palpate" --quiet make bumpy-sphere -n 100000 --noise 0.07 -o "$folder/ball.ply"
 # 3 mm deep along a line; and in, then out by 10 mm.
-python3 - "$folder" <<'PYTHON'
+/usr/bin/python3 - "$folder" <<'PYTHON'
 import sys
 
 
@@ -38,7 +38,7 @@ for brush in $brushes; do
   "$palpate" --quiet touch "$folder/ball.ply" --backend cpu --mm-per-unit 1 --path "$folder/$path.csv" --edit $brush \
     --strength 1 --size 315x300 --camera "$camera" --picture "$folder/$brush.png" > /dev/null
 done
-python3 - "$folder" "$out" before $brushes <<'PYTHON'
+/usr/bin/python3 - "$folder" "$out" before $brushes <<'PYTHON'
 import os
 import sys
 
