@@ -50,7 +50,7 @@ std::vector<std::string> attributesOf(const StoredCloud& stored) {
   if (cloud.hasNormals()) names.emplace_back("normals");
   if (cloud.hasColors()) names.emplace_back("colours");
   for (const Attribute& attribute : cloud.extra) names.push_back(attribute.name);
-  if (!stored.triangles.empty()) names.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
+  if (!stored.triangles.empty()) names.push_back(counted(stored.triangles.size(), "triangle"));
   return names;
 }
 
@@ -133,7 +133,7 @@ void convert(Context& context, const ConvertOptions& options) {
            {.ascii = options.ascii,
             .triangles = stored.triangles.empty() ? nullptr : &stored.triangles,
             .keptAs = ontoItself(options) ? &keptAs : nullptr});
-  if (!keptAs.empty()) context.log().say("{}: what was read is kept as {}", options.output, keptAs.string());
+  if (!keptAs.empty()) context.log().say("{}: the file that was read is kept as {}", options.output, keptAs.string());
   context.log().say("{}: {} with {}", options.output, counted(stored.cloud.size(), "point"), fmt::join(kept, ", "));
   Json result{{"input", options.input},
               {"output", options.output},
