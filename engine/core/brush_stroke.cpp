@@ -298,14 +298,36 @@ const BrushStroke::Tool& BrushStroke::next(double time_s, const Backlog& backlog
   return tool_;
 }
 
-// Limited sideways to the distance that the surface can follow without folding over.
+// Limited sideways to the distance that the surface can follow without folding over, and in all to the one that its
+// parts ahead can: less where a limb is pushed into itself or a wall of a crease is near.
 DVec3 BrushStroke::held() const {
   const DVec3 way = place_ - heldFrom_;
   const double along = glm::dot(way, outward_);
   const DVec3 aside = way - along * outward_;
   const double length = glm::length(aside), mostAside = kMaxHeldAside * brush_.radius;
   const double most = kMaxHeld * brush_.radius;
-  return std::clamp(along, -most, most) * outward_ + (length > mostAside ? mostAside / length : 1.0) * aside;
+  const DVec3 held =
+      std::clamp(along, -most, most) * outward_ + (length > mostAside ? mostAside / length : 1.0) * aside;
+  return held / std::max(1.0, steepestAhead(held));
+}
+
+// How much less far a point is moved than one behind it, at most, as a share of their distance: over 1 the surface
+// would fold over or go through itself. By the connected cells, where the stroke found them.
+double BrushStroke::steepestAhead(const DVec3& motion) const {
+  const double length = glm::length(motion), radius = brush_.radius;
+  if (!(length > 0)) return 0;
+  const DVec3 ahead = motion / length;
+  double steepest = 0;
+  for (shared::uint cell = 0; cell < shared::kSheetCells; ++cell) {
+    if (!hasCell(connected_, cell)) continue;
+    const DVec3 middle = connectedFrom_ + sheetCell() * sheetCellMiddle(cell);
+    const DVec3 offset = (middle - heldAt_ + 0.5 * sheetCell() * ahead) / radius;  // of the front of the cell
+    const double inside = 1 - glm::dot(offset, offset);
+    if (!(inside > 0) || brush_.falloff == 0) continue;
+    const double slope = 2.0 * brush_.falloff * std::pow(inside, brush_.falloff - 1.0) * glm::dot(offset, ahead);
+    steepest = std::max(steepest, slope * length / radius);
+  }
+  return steepest;
 }
 
 void BrushStroke::placeTool() {

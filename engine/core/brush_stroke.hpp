@@ -99,6 +99,7 @@ class BrushStroke {
   void takeIn(const SurfaceMeasure& measure);
   void placeTool();
   DVec3 held() const;
+  double steepestAhead(const DVec3& motion) const;
 
   double support_;
   BrushOptions brush_;
