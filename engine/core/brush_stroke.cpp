@@ -273,6 +273,7 @@ DVec3 BrushStroke::sheetCorner() const {
 }
 
 void BrushStroke::beginSheet() {
+  measuredSheet_ = false;
   connectedFrom_ = sheetCorner();
   connected_ = cellsAround(shared::sheetPlace(connectedFrom_, sheetCell(), foundAt_, outward_));
 }
@@ -315,17 +316,18 @@ DVec3 BrushStroke::held() const {
 // would fold over or go through itself. By the connected cells, where the stroke found them.
 double BrushStroke::steepestAhead(const DVec3& motion) const {
   const double length = glm::length(motion), radius = brush_.radius;
-  if (!(length > 0)) return 0;
+  if (!measuredSheet_ || !(length > 0)) return 0;
   const DVec3 ahead = motion / length;
+  const double cellSide = sheetCell() / radius, falloff = brush_.falloff;
+  const DVec3 corner = (connectedFrom_ - heldAt_) / radius + shared::kSheetInside * cellSide * outward_;
   double steepest = 0;
   for (shared::uint cell = 0; cell < shared::kSheetCells; ++cell) {
     if (!hasCell(connected_, cell)) continue;
-    const DVec3 middle = connectedFrom_ + sheetCell() * sheetCellMiddle(cell);
-    const DVec3 offset = (middle - heldAt_ + 0.5 * sheetCell() * ahead) / radius;  // of the front of the cell
-    const double inside = 1 - glm::dot(offset, offset);
-    if (!(inside > 0) || brush_.falloff == 0) continue;
-    const double slope = 2.0 * brush_.falloff * std::pow(inside, brush_.falloff - 1.0) * glm::dot(offset, ahead);
-    steepest = std::max(steepest, slope * length / radius);
+    const DVec3 middle = corner + cellSide * sheetCellMiddle(cell);
+    const double squared = glm::dot(middle, middle), along = glm::dot(middle, ahead);
+    if (squared >= 1) continue;
+    const double front = std::min(along + 0.5 * cellSide, std::sqrt(1 - squared + along * along));
+    steepest = std::max(steepest, 2 * falloff * std::pow(1 - squared, falloff - 1) * front * length / radius);
   }
   return steepest;
 }
@@ -373,6 +375,7 @@ void BrushStroke::note(const SurfaceMeasure& measure) {
   if (tool_.acts == 0 || tool_.stroke != number_) return;
   takeIn(measure);
   if (measure.nearest == shared::kOutsideSheet) return;
+  measuredSheet_ = true;
   connectedFrom_ = tool_.entersFrom;
   connected_ = connectedCells(measure.seen, measure.nearest % shared::kSheetCells);
 }

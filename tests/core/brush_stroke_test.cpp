@@ -243,6 +243,7 @@ TEST_CASE("grab moves its points only as far as the connected surface ahead of t
     return hand.next().motion;
   };
   CHECK(heldBy({0, 0, -30}, false).z == near(-1.9 * kRadius, 1e-9));
+  CHECK(heldBy({20, 0, -30}, false).z < -1.6 * kRadius);
   CHECK(heldBy({0, 0, 30}, true).z == near(1.9 * kRadius, 1e-9));
   CHECK(heldBy({30, 0, 0}, true).x == near(0.5 * kRadius, 1e-9));
   // The side is moved along itself, and has 5.7 mm to its rim.
