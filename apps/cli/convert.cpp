@@ -43,6 +43,12 @@ void checkTarget(const ConvertOptions& options) {
               ontoItself(options) ? "is the file that is read" : "exists");
 }
 
+void refuseMissing(const std::string& input) {
+  std::error_code ignored;
+  if (input != "-" && !std::filesystem::exists(input, ignored)) throw FileError(input, "does not exist");
+  refuseForeign(input);
+}
+
 // Names of the attributes in the file.
 std::vector<std::string> attributesOf(const StoredCloud& stored) {
   const PointCloud& cloud = stored.cloud;
@@ -105,9 +111,9 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
 }
 
 void convert(Context& context, const ConvertOptions& options) {
-  // Rejects foreign files first.
+  // Errors of the input are reported before those of the output.
   checkRosHearing(options.network, options.input);
-  if (!isRosModel(options.input)) refuseForeign(options.input);
+  if (!isRosModel(options.input)) refuseMissing(options.input);
   const CloudFormat& to = cloudFormats().toWrite(options.output);
   const double mm_per_unit = options.scale.given();
   checkTarget(options);
