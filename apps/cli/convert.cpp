@@ -157,7 +157,10 @@ void addConvert(Options& app, Context& context, Command& command) {
                       cloudFormats().endingsRead(), rgbdFoldersRead()))
       .required()
       .typeName("IN");
-  sub.add("output", options->output, "output: " + cloudFormats().endingsWritten()).required().typeName("OUT");
+  sub.add("output", options->output, "output: " + cloudFormats().endingsWritten())
+      .required()
+      .typeName("OUT")
+      .writes(Writes::keeping);
   sub.add("--normals", options->normals,
           "keep: copy the normals of the file; estimate: estimate them from the points; face: from the "
           "faces")

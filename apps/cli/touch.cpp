@@ -205,9 +205,6 @@ void checkOutputs(Context& context, const TouchCommandOptions& options, const st
         std::pair{&options.logFile, Output::only}})
     checkOutput(*file, kind);
   for (const FurtherHand& hand : hands) checkOutput(hand.traceFile, Output::only);
-  std::error_code ignored;
-  if (std::filesystem::equivalent(options.model.file, options.logFile, ignored))
-    throw UsageError("--log: {} is the model itself", options.logFile);
   sayWhatIsLost(options.saveFile, context.log());
 }
 
