@@ -141,10 +141,13 @@ class WaterLaw final : public MatterLaw {
     shared::WallEffect walls, model{};
   };
 
-  // Data of a block: `pulls` per neighbour in its lists, 0 for copies; `fixed` per slot.
+  // Data of a block: `pulls` per neighbour in its lists, 0 for copies; `fixed` per slot; `met`: points of bodies, and
+  // `metUntil` the end of those of each slot and body.
   struct Pairs {
     std::vector<float> pulls;
     std::vector<Fixed> fixed;
+    std::vector<BoundaryMeeting> met;
+    std::vector<std::size_t> metUntil;
   };
 
   Fixed fixedAt(const MatterParticles::Config& config, const Vec3& place) const {
@@ -173,12 +176,19 @@ class WaterLaw final : public MatterLaw {
     const std::size_t room = particles.lists().inBlock(block);
     if (pairs.pulls.size() < room) pairs.pulls.resize(room);
     pairs.fixed.resize(kSlotsOfBlock);
+    pairs.met.clear();
+    pairs.metUntil.clear();
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 place(particles.places()[i]);
       float sum = 1;  // the particle itself
       sum += weigh(around(particles, i), rules_.support, pairs.pulls.data() + particles.lists().firstOf(i));
-      for (const BoundaryBody& body : bodies)
-        body.forEachNear(place, [&](const BoundaryMeeting& met) { sum += met.volume * shared::wendland(met.r); });
+      for (const BoundaryBody& body : bodies) {
+        body.forEachNear(place, [&](const BoundaryMeeting& met) {
+          sum += met.volume * shared::wendland(met.r);
+          pairs.met.push_back(met);
+        });
+        pairs.metUntil.push_back(pairs.met.size());
+      }
       const Fixed& fixed = pairs.fixed[i - begin] = fixedAt(particles.config(), place);
       sum += fixed.walls.sum + fixed.model.sum;
       particles.pressed()[i] = Vec4(place, shared::compressionOf(rules_, sum));
@@ -186,16 +196,16 @@ class WaterLaw final : public MatterLaw {
   }
 
   Vec3 changeByBody(const MatterParticles& particles, const BoundaryBody& body, std::size_t slot,
-                    Exchange& exchange) const {
+                    std::span<const BoundaryMeeting> meetings, Exchange& exchange) const {
     const Vec4 place = particles.pressed()[slot];
     const Vec3 velocity(particles.velocities()[slot]);
     Vec3 change{0};
-    body.forEachNear(Vec3(place), [&](const BoundaryMeeting& met) {
+    for (const BoundaryMeeting& met : meetings) {
       const Vec3 part = met.volume * shared::changeByNeighbour(rules_, met.offset, shared::wendlandPull(met.r),
                                                                shared::pressing(place.w), met.velocity - velocity);
       exchange.add(-static_cast<double>(particles.config().mass_kg) * DVec3(part), DVec3(met.arm));
       change += part;
-    });
+    }
     const Vec3 outwards = body.pushedOut(Vec3(place), rules_.step);
     exchange.add(-static_cast<double>(particles.config().mass_kg) * DVec3(outwards), DVec3(Vec3(place) - body.place()));
     return change + outwards;
@@ -205,11 +215,16 @@ class WaterLaw final : public MatterLaw {
     const std::size_t begin = block * kSlotsOfBlock, end = std::min(begin + kSlotsOfBlock, particles.size());
     const Pairs& pairs = pairs_[block];
     const std::span<const Vec4> places = std::as_const(particles).pressed();
+    std::size_t met = 0, of = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const float compression = shared::pressing(places[i].w);
       const Vec3 velocity(std::as_const(particles).velocities()[i]);
       Vec3 change = changeByNeighbours(around(particles, i), rules_, pairs.pulls.data() + particles.lists().firstOf(i));
-      for (std::size_t b = 0; b < bodies.size(); ++b) change += changeByBody(particles, bodies[b], i, sums.bodies[b]);
+      for (std::size_t b = 0; b < bodies.size(); ++b) {
+        const std::size_t until = pairs.metUntil[of++];
+        change += changeByBody(particles, bodies[b], i, std::span(pairs.met).subspan(met, until - met), sums.bodies[b]);
+        met = until;
+      }
       const Fixed& fixed = pairs.fixed[i - begin];
       const Vec3 byWalls = shared::changeByWalls(rules_, fixed.walls, compression, velocity);
       const Vec3 byModel = shared::changeByWalls(rules_, fixed.model, compression, velocity);
