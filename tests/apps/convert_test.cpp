@@ -294,4 +294,18 @@ TEST_CASE("convert keeps triangles from mesh to mesh, samples them for points, a
   CHECK(jsonOf(folder / "c.json")["to"] == "3DGS");
 }
 
+TEST_CASE("convert --unit against the unit of the file says that no length is converted") {
+  const ScratchFolder folder;
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  works("make sphere -n 100 -o " + file("a.ply"));
+  works("convert " + file("a.ply") + " " + file("feet.ply") + " --unit ft");
+  const Outcome again = palpate("convert " + file("feet.ply") + " " + file("b.ply") + " --unit ft");
+  CHECK(again.code == 0);
+  CHECK_FALSE(says(again.text, "no length is converted"));
+  const Outcome metres = palpate("convert " + file("feet.ply") + " " + file("c.ply") + " --unit m");
+  CHECK(metres.code == 0);
+  CHECK(says(metres.text, "feet.ply: its unit is ft; "));
+  CHECK(says(metres.text, "c.ply says m, with the same coordinates: no length is converted"));
+}
+
 }  // namespace palpate::convert_test
