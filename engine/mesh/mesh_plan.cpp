@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMaxBlocks = 1u << 26;
 // Points of a square lattice whose side is the support radius.
-constexpr int kSidePoints = static_cast<int>(shared::kSupportSpacings) + 1, kFewestPoints = kSidePoints * kSidePoints;
+const int kSidePoints = static_cast<int>(shared::kSupportSpacings) + 1, kFewestPoints = kSidePoints * kSidePoints;
 // More spacings within a support radius give no better surface, only more points to visit.
 constexpr double kMaxSpacings = 5;
 constexpr std::uint64_t kChoice = 0x6d657368;  // seed for the choice of points
