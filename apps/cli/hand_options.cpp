@@ -111,7 +111,7 @@ void addFurtherHandOption(Options& command, std::vector<std::string>& hands) {
       .typeName("HAND")
       .repeatable()
       .offers({"device=", "path=", "trace="})
-      .writes(Writes::anew, "trace=");
+      .writes(Writes::replacing, "trace=");
 }
 
 std::vector<FurtherHand> furtherHands(const std::vector<std::string>& hands, const HandChoices& first, bool realtime) {

@@ -92,7 +92,7 @@ void addMesh(Options& app, Context& context, Command& command) {
           "output, vertices with normals and triangles: " + cloudFormats().endingsWritten(Written::mesh))
       .required()
       .typeName("MESH.ply")
-      .writes(Writes::anew);
+      .writes(Writes::replacing);
   addMeshOptions(sub, options->choices);
   sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
   sub.footer(

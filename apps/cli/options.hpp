@@ -43,8 +43,8 @@ Check lengthOrAuto();
 /// What becomes of an existing file that an option names.
 enum class Writes {
   nothing,
-  keeping,  ///< its command keeps what is there, where that could be missed
-  anew,     ///< it is replaced
+  keeping,    ///< its command keeps what is there, where that could be missed
+  replacing,  ///< it is replaced
 };
 
 /// What the reference page, completion and requireDistinctFiles() know of an option beside its help.

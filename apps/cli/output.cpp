@@ -99,8 +99,8 @@ void requireDistinctFiles(const Options& program) {
     for (auto other = all.begin(); other != all.end(); ++other) {
       if (one == other) continue;
       const std::string second = outputOf(*other);
-      const bool clash =
-          second.empty() ? one->option.facts().writes == Writes::anew && reads(*other, file) : isSameFile(file, second);
+      const bool clash = second.empty() ? one->option.facts().writes == Writes::replacing && reads(*other, file)
+                                        : isSameFile(file, second);
       if (clash)
         throw UsageError("{}: {} is also named by {}, and would be lost; name another file", one->option.name(), file,
                          other->option.name());

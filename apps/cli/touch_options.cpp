@@ -41,11 +41,11 @@ void addPathOptions(Options& sub, TouchCommandOptions& options) {
 void addOutputOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--trace", options.traceFile, "one row per tick; its two wall-clock columns are 0 in virtual time")
       .typeName("FILE.csv")
-      .writes(Writes::anew);
+      .writes(Writes::replacing);
   sub.add("--picture", options.pictureFile,
           "picture of the model at the end with HIP, proxy disc and force arrow, .png or .jpg")
       .typeName("IMG.png")
-      .writes(Writes::anew);
+      .writes(Writes::replacing);
   sub.add("--save", options.saveFile,
           "write the edited points with all their properties; faces and other elements are dropped. An "
           "existing file that palpate did not write, or that holds more, is kept as OUT.ply.bak")
@@ -54,12 +54,12 @@ void addOutputOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--log", options.logFile,
           "record poses, forces and edits for palpate replay; what is recorded survives a crash")
       .typeName("SESSION")
-      .writes(Writes::anew);
+      .writes(Writes::replacing);
   sub.add("--trajectory", options.trajectoryFile,
           "time, position (model units) and force (N) of each tick: comma-separated with a header in a "
           ".csv, else blank-separated without one")
       .typeName("FILE")
-      .writes(Writes::anew);
+      .writes(Writes::replacing);
   addSettingFor<BackendConfig>(sub, options.backend.timePasses, "times_passes");
 }
 
