@@ -43,6 +43,12 @@ void checkTarget(const ConvertOptions& options) {
               ontoItself(options) ? "is the file that is read" : "exists");
 }
 
+void refuseMissing(const std::string& input) {
+  std::error_code ignored;
+  if (input != "-" && !std::filesystem::exists(input, ignored)) throw FileError(input, "does not exist");
+  refuseForeign(input);
+}
+
 // Names of the attributes in the file.
 std::vector<std::string> attributesOf(const StoredCloud& stored) {
   const PointCloud& cloud = stored.cloud;
@@ -50,7 +56,7 @@ std::vector<std::string> attributesOf(const StoredCloud& stored) {
   if (cloud.hasNormals()) names.emplace_back("normals");
   if (cloud.hasColors()) names.emplace_back("colours");
   for (const Attribute& attribute : cloud.extra) names.push_back(attribute.name);
-  if (!stored.triangles.empty()) names.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
+  if (!stored.triangles.empty()) names.push_back(counted(stored.triangles.size(), "triangle"));
   return names;
 }
 
@@ -117,9 +123,9 @@ void stateUnit(Log& log, const ConvertOptions& options, const CloudFormat& to, s
 }
 
 void convert(Context& context, const ConvertOptions& options) {
-  // Rejects foreign files first.
+  // Errors of the input are reported before those of the output.
   checkRosHearing(options.network, options.input);
-  if (!isRosModel(options.input)) refuseForeign(options.input);
+  if (!isRosModel(options.input)) refuseMissing(options.input);
   const CloudFormat& to = cloudFormats().toWrite(options.output);
   const double mm_per_unit = options.scale.given();
   checkTarget(options);
@@ -143,7 +149,7 @@ void convert(Context& context, const ConvertOptions& options) {
            {.ascii = options.ascii,
             .triangles = stored.triangles.empty() ? nullptr : &stored.triangles,
             .keptAs = ontoItself(options) ? &keptAs : nullptr});
-  if (!keptAs.empty()) context.log().say("{}: what was read is kept as {}", options.output, keptAs.string());
+  if (!keptAs.empty()) context.log().say("{}: the file that was read is kept as {}", options.output, keptAs.string());
   context.log().say("{}: {} with {}", options.output, counted(stored.cloud.size(), "point"), fmt::join(kept, ", "));
   Json result{{"input", options.input},
               {"output", options.output},

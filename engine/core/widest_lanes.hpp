@@ -7,7 +7,12 @@
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PALPATE_WIDEST_LANES [[gnu::target_clones("avx512f", "avx2", "default")]]
 #define PALPATE_INTO_CALLER __attribute__((always_inline))
+// Two definitions of a function, each with all that it calls: for a processor with AVX2, whose lanes are eight floats,
+// and for any other.
+#define PALPATE_WITH_AVX2 [[gnu::target("avx2"), gnu::flatten]]
+#define PALPATE_WITHOUT_AVX2 [[gnu::target("default"), gnu::flatten]]
 #else
 #define PALPATE_WIDEST_LANES
 #define PALPATE_INTO_CALLER
+#define PALPATE_WITHOUT_AVX2
 #endif

@@ -24,13 +24,19 @@ double widestBorder(const Bounds& bounds, double spacing) {
 
 }  // namespace
 
-SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing, bool edited)
+DiscShapes::DiscShapes(Device& device, std::uint32_t places)
+    : clips(Buffer::of<std::uint32_t>(device, places, Memory::device, "disc clips")),
+      widths(Buffer::of<std::uint32_t>(device, (places + shared::kDiscBlock - 1) / shared::kDiscBlock, Memory::device,
+                                       "disc widths")) {}
+
+SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing, bool edited,
+                       std::span<const Vec3> positions)
     : device_(device),
       places_(places),
       spacing_(spacing),
       widest_(widestBorder(bounds, spacing)),
       index_(device, makeHashGrid(Vec3(bounds.min), static_cast<double>(shared::kSplatFirstSearch) * spacing, places),
-             places, edited),
+             positions, places, edited),
       pass_(device, shader_code::render_splat_radius,
             {.pushBytes = sizeof(shared::SplatRadiusArgs), .sliceThreads = kSliceThreads}),
       changedPass_(device, shader_code::render_splat_changed, {.pushBytes = sizeof(shared::SplatChangedArgs)}),
@@ -52,15 +58,18 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
   device.throughputQueue().run(list_);
 }
 
-void SplatRadii::measure(const LiveCloud::Half& points, const Buffer& clips) {
+void SplatRadii::measure(const LiveCloud::Half& points, const DiscShapes& shapes) {
   index_.build(points, [](CommandList&) {});
   ++work_.builds;
-  measure(points, clips, places_, false);
+  measure(points, shapes, places_, Discs::all);
 }
 
-void SplatRadii::measureChanged(const LiveCloud::Half& points, const Buffer& clips) {
+void SplatRadii::measureChanged(const LiveCloud::Half& points, const DiscShapes& shapes) {
   const std::optional<std::uint32_t> near = listNear();
-  measure(points, clips, near ? *near : listAmongAll(points), true);
+  if (near)
+    measure(points, shapes, *near, Discs::listedNear);
+  else
+    measure(points, shapes, listAmongAll(points), Discs::listedAmongAll);
 }
 
 std::optional<std::uint32_t> SplatRadii::listNear() {
@@ -103,26 +112,37 @@ std::uint32_t SplatRadii::listAmongAll(const LiveCloud::Half& points) {
   return countRead_.mapped<const std::uint32_t>()[0];
 }
 
-void SplatRadii::measure(const LiveCloud::Half& points, const Buffer& clips, std::uint32_t count, bool onlyListed) {
+void SplatRadii::measure(const LiveCloud::Half& points, const DiscShapes& shapes, std::uint32_t count, Discs which) {
   const shared::SplatRadiusArgs args{.cloud = index_.view(),
                                      .normals = points.normals.address(),
-                                     .clips = clips.address(),
+                                     .clips = shapes.clips.address(),
+                                     .widths = shapes.widths.address(),
                                      .reaches = reaches_.address(),
                                      .list = changedSlots_.address(),
                                      .largest = largest_.address(),
                                      .spacing = static_cast<float>(spacing_),
                                      .widest = static_cast<float>(widest_),
-                                     .onlyListed = onlyListed ? 1u : 0u,
+                                     .onlyListed = which == Discs::all ? 0u : 1u,
                                      .count = count};
   list_.begin();
   list_.dispatch(pass_, std::uint64_t{count} * device_.subgroupSize(), args);
-  list_.fill(changed_, 0, changed_.bytes());
+  recordClearMarks(list_, which);
   index_.recordForget(list_);
   list_.copy(largest_, largestRead_, largest_.bytes());
   list_.end();
   device_.throughputQueue().run(list_);
   index_.forget();
   work_.measured += count;
+}
+
+void SplatRadii::recordClearMarks(CommandList& list, Discs which) {
+  if (which == Discs::listedNear) {
+    work_.cells += *index_.changedCells();
+    index_.recordClearMarks(list, changed_);
+  } else {
+    ++work_.clears;
+    list.fill(changed_, 0, changed_.bytes());
+  }
 }
 
 double SplatRadii::largest() const {

@@ -216,6 +216,12 @@ TEST_CASE("convert overwrites neither its input nor another existing file") {
   CHECK(taken.code == 1);
   CHECK(taken.text.find("exists; name another file, or add --force") != std::string::npos);
   CHECK(contentOf(other) == "mine");
+  const std::string missing = (folder / "nothing.ply").string();
+  for (const std::string& target : {other, std::string("/nowhere/b.ply")}) {
+    const Outcome absent = palpate("convert " + missing + " " + target);
+    CHECK(absent.code == 1);
+    CHECK(absent.text.find(missing + ": does not exist") != std::string::npos);
+  }
   works("convert " + in + " " + other + " --force");
   CHECK(contentOf(other).starts_with("ply\n"));
   works("convert " + in + " " + in + " --force --ascii");
