@@ -24,7 +24,7 @@ namespace palpate::haply_device_test {
 namespace {
 
 constexpr double kStiffness_N_per_mm = 0.4, kRadius_mm = 20;
-constexpr double kRate_Hz = 1000;  // of the states; more take longer on a slow machine
+constexpr double kRate_Hz = 1000;  // of the states; where faults are judged, as many as a service tells: four a tick
 constexpr DVec3 kMiddle_mm = FakeHaply::kMiddle_mm;
 /// Above the sphere, then 3 mm deep in it.
 const std::vector<PathKey> kPressing{{0, {0, 26, 0}}, {0.2, {0, 26, 0}}, {0.4, {0, 14, 0}}};
@@ -187,7 +187,7 @@ namespace {
 
 /// Presses, has a fault, and keeps pressing until the end.
 void checkFault(const std::string& name, const std::string& sentence, bool ends, double fault_s = 0.15) {
-  const Felt felt = feel({.hand = kPressing, .rate_Hz = kRate_Hz, .fault = name, .fault_s = fault_s}, ends ? 5 : 1.6);
+  const Felt felt = feel({.hand = kPressing, .fault = name, .fault_s = fault_s}, ends ? 5 : 0.9);
   REQUIRE_MESSAGE(felt.faultBegan_s > 0, felt.said);
   const auto forces = felt.forcesAfterFault();
   CHECK(forces.size() <= 1);
