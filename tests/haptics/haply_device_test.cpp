@@ -310,8 +310,10 @@ TEST_CASE("a Haply device's pose has palpate's axes, and its grip's orientation 
     buttons = 0;
     count = 0;
   }
+  SteppedClock still;
+  options.clock = &still;
   const FakeHaply service(options);
-  HaplyDevice device({});
+  HaplyDevice device({.clock = &still});
   const DeviceState state = settled(device);
   REQUIRE(state.ok);
   CHECK(glm::distance(state.position, kMiddle_mm + DVec3(11, 22, -33)) < 0.1);
@@ -372,8 +374,9 @@ TEST_CASE("without a Haply service, a device or a readable configuration an erro
 }
 
 TEST_CASE("a crash leaves a Haply device without a force") {
-  const FakeHaply service({});
-  HaplyDevice device({});
+  SteppedClock still;
+  const FakeHaply service({.clock = &still});
+  HaplyDevice device({.clock = &still});
   settled(device);
   pushUntilFelt(device, service, {0, 1, 0});
   device.emergencyStop();
@@ -383,7 +386,7 @@ TEST_CASE("a crash leaves a Haply device without a force") {
   CHECK(most_N({later.begin() + static_cast<std::ptrdiff_t>(before) + 1, later.end()}, 0, 1e9) == 0);
 }
 
-TEST_CASE("a session that no longer writes forces to a Haply device leaves it without one") {
+TEST_CASE("a session that no longer writes forces to a Haply device leaves it without one" * kClock) {
   const FakeHaply service({});
   HaplyDevice device({});
   settled(device);
