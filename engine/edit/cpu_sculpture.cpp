@@ -253,7 +253,8 @@ void CpuSculpture::reach(const PlacedBrush& brush, std::size_t number, Layer& la
     if (brush.mayAffect(DVec3(near.position))) layer.reached.push_back(near.number);
   });
   for (std::size_t i = 0; i < layer.measured.size(); ++i) {
-    if (i + kAhead < layer.measured.size()) points_.prefetchNormal(layer.measured[i + kAhead].number);
+    if (i + 2 * kAhead < layer.measured.size()) points_.prefetchNormal(layer.measured[i + 2 * kAhead].number);
+    if (i + kAhead < layer.measured.size()) points_.prefetchFound(layer.measured[i + kAhead].number, brush.stroke());
     const auto& [place, point] = layer.measured[i];
     brush.measure(DVec3(place), DVec3(points_.normals[point]), found(brush, point, place), layer.measure);
   }

@@ -1,6 +1,8 @@
 #include "engine/spatial/gathered_points.hpp"
 
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include "engine/core/widest_lanes.hpp"
 
@@ -15,6 +17,15 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kLanes = 8;  // in which points are searched
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+// Two steps of single precision further.
+Vec3 beyond(const DVec3& place, float towards) {
+  const auto further = [&](double x) {
+    return std::nextafter(std::nextafter(static_cast<float>(x), towards), towards);
+  };
+  return {further(place.x), further(place.y), further(place.z)};
+}
 
 PALPATE_WIDEST_LANES
 void squaredDistances(const float* x, const float* y, const float* z, std::size_t count, const DVec3& place,
@@ -116,33 +127,29 @@ void GatheredPoints::makeRoom(std::size_t more) {
   numbers_.resize(room + room / 4);
 }
 
-void GatheredPoints::add(const SortedGrid::Placed& point, bool keep) {
-  x_[count_] = point.position.x;
-  y_[count_] = point.position.y;
-  z_[count_] = point.position.z;
-  numbers_[count_] = point.number;
-  count_ += keep;
-}
-
 void GatheredPoints::gather(const SortedGrid& grid, const Balls& balls) {
   count_ = 0;
-  if (balls.box.cells() > SortedGrid::kFewCells) {
-    grid.forEachNear(balls.low, balls.radius, [&](const SortedGrid::Placed& point) {
-      makeRoom(1);
-      add(point, true);
-    });
-    return;
-  }
-  // Leaves out points that are too far along one axis. Rounding is monotonic, so that their distances to all positions
-  // are also computed as too large.
-  grid.forEachBucket(balls.box, [&](std::span<const SortedGrid::Placed> points) {
+  // Leaves out points that are too far along one axis, with a margin for rounding.
+  const Vec3 above = beyond(balls.high + balls.radius, kFar), below = beyond(balls.low - balls.radius, -kFar);
+  const auto add = [&](std::span<const SortedGrid::Placed> points) {
     makeRoom(points.size());
-    for (const SortedGrid::Placed& point : points) {
-      const DVec3 above = DVec3(point.position) - balls.high, below = balls.low - DVec3(point.position);
-      const DVec3 beside = glm::max(above, below);
-      add(point, (beside.x < balls.radius) & (beside.y < balls.radius) & (beside.z < balls.radius));
+    std::size_t count = count_;
+    float *const x = x_.data(), *const y = y_.data(), *const z = z_.data();
+    std::uint32_t* const numbers = numbers_.data();
+    for (const auto& [place, number] : points) {  // without unpredictable branches
+      x[count] = place.x;
+      y[count] = place.y;
+      z[count] = place.z;
+      numbers[count] = number;
+      count += (place.x < above.x) & (place.y < above.y) & (place.z < above.z) & (place.x > below.x) &
+               (place.y > below.y) & (place.z > below.z);
     }
-  });
+    count_ = count;
+  };
+  if (balls.box.cells() > SortedGrid::kFewCells)
+    grid.forEachNear(balls.low, balls.radius, [&](const SortedGrid::Placed& point) { add({&point, 1}); });
+  else
+    grid.forEachBucket(balls.box, add);
 }
 
 void GatheredPoints::near(const DVec3& place, double radius, NearPoints& near, double closest) const {

@@ -66,7 +66,6 @@ class GatheredPoints {
 
  private:
   void makeRoom(std::size_t more);
-  void add(const SortedGrid::Placed& point, bool keep);
 
   std::size_t count_ = 0;
   std::vector<float> x_, y_, z_;
