@@ -47,6 +47,10 @@ std::uint32_t spareIn(const MeshPlan& plan, std::size_t points, std::uint32_t sp
 
 std::uint32_t packed(const std::array<std::uint8_t, 4>& color) { return std::bit_cast<std::uint32_t>(color); }
 
+HashGrid gridOf(const MeshPlan& plan, const LiveCloud& live) {
+  return makeHashGrid(plan.lattice.origin, static_cast<double>(plan.lattice.radius), live.slots());
+}
+
 }  // namespace
 
 MeshPoints::MeshPoints(Device& device, const PointCloud& cloud, const MeshPlan& plan, std::uint32_t spare, bool painted)
@@ -56,8 +60,9 @@ MeshPoints::MeshPoints(Device& device, const PointCloud& cloud, const MeshPlan& 
       origin_(cloud.origin),
       live_(device, partOf(cloud, plan), plan.share < 1 ? spareIn(plan, cloud.size(), spare) : spare,
             &device.throughputQueue()),
-      hash_(device, makeHashGrid(plan.lattice.origin, static_cast<double>(plan.lattice.radius), live_.slots()),
-            live_.slots(), kDefaultSort, BucketOrder::stable, Slots::spare, &device.throughputQueue()),
+      hash_(device, gridOf(plan, live_), live_.slots(),
+            sortInOrder(device, gridOf(plan, live_), cloud.positions, Slots::spare), BucketOrder::stable, Slots::spare,
+            &device.throughputQueue()),
       movePoints_(device, shader_code::mesh_move_points, {.pushBytes = sizeof(shared::MeshMoveArgs)}),
       colors_(
           Buffer::of<std::uint32_t>(device, colored_ ? live_.slots() : 0, Memory::device, "mesh colours of points")),

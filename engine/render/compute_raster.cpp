@@ -14,7 +14,7 @@ namespace {
 // the GPU.
 constexpr std::uint32_t kWorkgroup = 64;
 // Picking reads every point, but most are rejected quickly.
-constexpr std::uint32_t kPickSlice = 1 << 21;
+constexpr std::uint32_t kPickSlice = (1 << 21) / shared::kPickPoints;
 
 ComputePipeline splatPass(Device& device, const ShaderCode& code, bool large) {
   return {device, code, {.workgroupSize = kWorkgroup, .pushBytes = sizeof(shared::SplatArgs), .constants = {large}}};
@@ -50,7 +50,8 @@ void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const Ras
                          .positions = cloud.positions().address(),
                          .normals = cloud.normals().address(),
                          .colors = cloud.colors().address(),
-                         .clips = cloud.clips().address(),
+                         .clips = cloud.shapes().clips.address(),
+                         .widths = cloud.shapes().widths.address(),
                          .depth = target.depth,
                          .normalSums = target.normalSums,
                          .colorSums = target.colorSums};
@@ -63,7 +64,7 @@ void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const Ras
   };
   const auto section = list.section("splat");
   list.fill(counts_, 0, counts_.bytes());
-  list.dispatch(pick_, cloud.count(), args);
+  list.dispatch(pick_, (std::uint64_t{cloud.count()} + shared::kPickPoints - 1) / shared::kPickPoints, args);
   list.dispatch(plan_, 1,
                 shared::SplatPlanArgs{.counts = counts_.address(),
                                       .smallsPerGroup = kWorkgroup,

@@ -53,8 +53,8 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
       points_{Buffer::of<Vec4>(device, count_, Memory::device, "drawn positions"),
               Buffer::of<Vec4>(device, count_, Memory::device, "drawn normals"), 1},
       colors_(Buffer::of<std::uint32_t>(device, hasColors_ ? count_ : 0, Memory::device, "drawn colors")),
-      clips_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn clips")),
       picked_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "picked splats")),
+      shapes_(device, count_),
       latest_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn latest")),
       claim_(device, shader_code::render_drawn_cloud_claim, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       apply_(device, shader_code::render_drawn_cloud_apply, {.pushBytes = sizeof(shared::CatchUpArgs)}),
@@ -72,12 +72,13 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
   }
   list_.begin();
   list_.fill(latest_, 0, latest_.bytes());
-  list_.fill(clips_, 0, clips_.bytes());
+  list_.fill(shapes_.clips, 0, shapes_.clips.bytes());
+  list_.fill(shapes_.widths, 0, shapes_.widths.bytes());
   list_.end();
   device.throughputQueue().run(list_);
   if (!(spacing_ > 0)) return;
-  radii_.emplace(device, bounds_, count_, spacing_, options.edited);
-  radii_->measure(points_, clips_);
+  radii_.emplace(device, bounds_, count_, spacing_, options.edited, cloud.positions);
+  radii_->measure(points_, shapes_);
   largestRadius_ = radii_->largest();
   if (!options.edited) radii_.reset();
 }
@@ -182,13 +183,13 @@ void DrawnCloud::place(const CloudFrame& frame) {
 
 void DrawnCloud::closeSurface() {
   if (!radii_ || !isStale_) return;
-  radii_->measureChanged(points_, clips_);
+  radii_->measureChanged(points_, shapes_);
   largestRadius_ = radii_->largest();
   isStale_ = false;
 }
 
 std::uint64_t DrawnCloud::bytes() const {
-  return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + clips_.bytes() + picked_.bytes() +
+  return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + shapes_.bytes() + picked_.bytes() +
          latest_.bytes() + (fromHost_ ? fromHost_->bytes() : 0) +
          (frame_ ? frame_->positions.bytes() + frame_->normals.bytes() : 0) + (measured_ ? measured_->bytes() : 0) +
          (radii_ ? radii_->bytes() : 0);

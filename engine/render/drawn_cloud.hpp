@@ -53,7 +53,7 @@ class DrawnCloud {
   /// count vec4: xyz unit, or zero when unknown; w the radius of the disc, model units.
   const Buffer& normals() const { return points_.normals; }
   const Buffer& colors() const { return colors_; }  ///< count RGBA8; empty without colours
-  const Buffer& clips() const { return clips_; }    ///< count words: how discs are clipped (SplatRadii)
+  const DiscShapes& shapes() const { return shapes_; }
   const Buffer& picked() const { return picked_; }  ///< count words: scratch memory of the rasteriser
   /// Mean spacing from the options, and the largest radius of a disc, model units; 0 without discs.
   double spacing() const { return spacing_; }
@@ -77,7 +77,8 @@ class DrawnCloud {
   Bounds bounds_;
   double spacing_, largestRadius_ = 0;
   LiveCloud::Half points_;
-  Buffer colors_, clips_, picked_;
+  Buffer colors_, picked_;
+  DiscShapes shapes_;
   Buffer latest_;                         // count uint32, zero between calls
   std::optional<Buffer> fromHost_;        // PointState; allocated at the first use
   std::optional<LiveCloud::Half> frame_;  // likewise

@@ -108,7 +108,7 @@ void HardwareRaster::record(CommandList& list, const DrawnCloud& cloud, const Ra
       .positions = cloud.positions().address(),
       .normals = cloud.normals().address(),
       .colors = cloud.colors().address(),
-      .clips = cloud.clips().address(),
+      .clips = cloud.shapes().clips.address(),
       .center_px = frame.view.center_px,
       .focal_px = frame.view.focal_px,
       .nearDepth = frame.view.nearDepth,

@@ -54,11 +54,13 @@ std::uint64_t SplatIndex::Following::bytes() const {
   return update.bytes() + cells.bytes() + cellsRead.bytes() + lastOf.bytes() + lists.bytes();
 }
 
-SplatIndex::SplatIndex(Device& device, const HashGrid& grid, std::uint32_t places, bool follows)
+SplatIndex::SplatIndex(Device& device, const HashGrid& grid, std::span<const Vec3> positions, std::uint32_t places,
+                       bool follows)
     : device_(device),
       places_(places),
       slots_(places + (follows ? HashUpdate::spareSlots(places) : 0)),
-      hash_(device, grid, places, kDefaultSort, BucketOrder::stable, Slots::spare, &device.throughputQueue()),
+      hash_(device, grid, places, sortInOrder(device, grid, positions, Slots::spare), BucketOrder::stable, Slots::spare,
+            &device.throughputQueue()),
       ordered_{Buffer::of<Vec4>(device, slots_, Memory::device, "hashed positions"),
                Buffer::of<Vec4>(device, slots_, Memory::device, "hashed normals"), 0},
       list_(device, device.throughputQueue(), "splat index") {

@@ -17,8 +17,8 @@ namespace palpate {
 /// small; then it must be built again. Works on the throughput queue.
 class SplatIndex {
  public:
-  /// `follows`: with the memory to follow edits.
-  SplatIndex(Device& device, const HashGrid& grid, std::uint32_t places, bool follows);
+  /// `positions`: in the order of their ids. `follows`: with the memory to follow edits.
+  SplatIndex(Device& device, const HashGrid& grid, std::span<const Vec3> positions, std::uint32_t places, bool follows);
 
   /// Builds the whole index, records `then` in the same list, and waits. `points`: in the order of their ids, with ids
   /// in the w of their positions.

@@ -24,13 +24,19 @@ double widestBorder(const Bounds& bounds, double spacing) {
 
 }  // namespace
 
-SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing, bool edited)
+DiscShapes::DiscShapes(Device& device, std::uint32_t places)
+    : clips(Buffer::of<std::uint32_t>(device, places, Memory::device, "disc clips")),
+      widths(Buffer::of<std::uint32_t>(device, (places + shared::kDiscBlock - 1) / shared::kDiscBlock, Memory::device,
+                                       "disc widths")) {}
+
+SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing, bool edited,
+                       std::span<const Vec3> positions)
     : device_(device),
       places_(places),
       spacing_(spacing),
       widest_(widestBorder(bounds, spacing)),
       index_(device, makeHashGrid(Vec3(bounds.min), static_cast<double>(shared::kSplatFirstSearch) * spacing, places),
-             places, edited),
+             positions, places, edited),
       pass_(device, shader_code::render_splat_radius,
             {.pushBytes = sizeof(shared::SplatRadiusArgs), .sliceThreads = kSliceThreads}),
       changedPass_(device, shader_code::render_splat_changed, {.pushBytes = sizeof(shared::SplatChangedArgs)}),
@@ -52,15 +58,15 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
   device.throughputQueue().run(list_);
 }
 
-void SplatRadii::measure(const LiveCloud::Half& points, const Buffer& clips) {
+void SplatRadii::measure(const LiveCloud::Half& points, const DiscShapes& shapes) {
   index_.build(points, [](CommandList&) {});
   ++work_.builds;
-  measure(points, clips, places_, false);
+  measure(points, shapes, places_, false);
 }
 
-void SplatRadii::measureChanged(const LiveCloud::Half& points, const Buffer& clips) {
+void SplatRadii::measureChanged(const LiveCloud::Half& points, const DiscShapes& shapes) {
   const std::optional<std::uint32_t> near = listNear();
-  measure(points, clips, near ? *near : listAmongAll(points), true);
+  measure(points, shapes, near ? *near : listAmongAll(points), true);
 }
 
 std::optional<std::uint32_t> SplatRadii::listNear() {
@@ -103,10 +109,12 @@ std::uint32_t SplatRadii::listAmongAll(const LiveCloud::Half& points) {
   return countRead_.mapped<const std::uint32_t>()[0];
 }
 
-void SplatRadii::measure(const LiveCloud::Half& points, const Buffer& clips, std::uint32_t count, bool onlyListed) {
+void SplatRadii::measure(const LiveCloud::Half& points, const DiscShapes& shapes, std::uint32_t count,
+                         bool onlyListed) {
   const shared::SplatRadiusArgs args{.cloud = index_.view(),
                                      .normals = points.normals.address(),
-                                     .clips = clips.address(),
+                                     .clips = shapes.clips.address(),
+                                     .widths = shapes.widths.address(),
                                      .reaches = reaches_.address(),
                                      .list = changedSlots_.address(),
                                      .largest = largest_.address(),

@@ -13,20 +13,31 @@ struct DiscWork {
   std::uint64_t measured = 0;  ///< discs
 };
 
+/// What is known of discs beside their radii.
+struct DiscShapes {
+  explicit DiscShapes(Device& device, std::uint32_t places);
+  std::uint64_t bytes() const { return clips.bytes() + widths.bytes(); }
+
+  Buffer clips;   ///< a word for each index: where the disc is clipped, packHalf2x16
+  Buffer widths;  ///< a word for each shared::kDiscBlock indices: bits of the largest radius ever measured, model units
+};
+
 /// Measures the radius that each point's disc needs to close the surface around it (shaders/shared/splat_radius.h).
 /// Works on the throughput queue and waits.
 class SplatRadii {
  public:
   /// `places`: maximum number of points; `spacing`: mean, model units, positive. Borders farther than a tenth of the
-  /// box are ignored. `edited`: with the memory to follow edits.
-  SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing, bool edited = false);
+  /// box are ignored. `edited`: with the memory to follow edits. `positions`: of
+  /// points in the order of their ids, which tell how the index is sorted fastest.
+  SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing, bool edited = false,
+             std::span<const Vec3> positions = {});
 
-  /// Writes the radius of every point (model units) into the w of its normal, and how its disc is clipped into `clips`,
-  /// a word for each index. `points`: in the order of their ids, with ids in the w of their positions.
-  void measure(const LiveCloud::Half& points, const Buffer& clips);
+  /// Writes the radius of every point (model units) into the w of its normal, and the rest of its disc into `shapes`.
+  /// `points`: in the order of their ids, with ids in the w of their positions.
+  void measure(const LiveCloud::Half& points, const DiscShapes& shapes);
   /// The same only for points with changes near them since the last call; the result equals that of measure(). At a
   /// cost of the changed points, if the index has followed them.
-  void measureChanged(const LiveCloud::Half& points, const Buffer& clips);
+  void measureChanged(const LiveCloud::Half& points, const DiscShapes& shapes);
 
   SplatIndex& index() { return index_; }
   const SplatIndex& index() const { return index_; }
@@ -44,7 +55,7 @@ class SplatRadii {
   std::optional<std::uint32_t> listNear();
   std::uint32_t listAmongAll(const LiveCloud::Half& points);
   void recordAmongAll(CommandList& list) const;
-  void measure(const LiveCloud::Half& points, const Buffer& clips, std::uint32_t count, bool onlyListed);
+  void measure(const LiveCloud::Half& points, const DiscShapes& shapes, std::uint32_t count, bool onlyListed);
 
   Device& device_;
   std::uint32_t places_;

@@ -29,6 +29,17 @@ float nextAbove(float value) {
 
 std::uint32_t bucketBits(const HashGrid& grid) { return static_cast<std::uint32_t>(std::bit_width(grid.bucketMask)); }
 
+bool isScattered(const HashGrid& grid, std::span<const Vec3> positions) {
+  if (positions.size() < 2) return false;
+  const std::size_t pairs = std::min<std::size_t>(positions.size() - 1, 4096);
+  std::size_t together = 0;
+  for (std::size_t k = 0; k < pairs; ++k) {
+    const std::size_t i = k * (positions.size() - 1) / pairs;
+    together += bucketOf(grid, cellOf(grid, positions[i])) == bucketOf(grid, cellOf(grid, positions[i + 1]));
+  }
+  return 2 * together < pairs;
+}
+
 HashGrid makeHashGrid(const Vec3& origin, double cell, std::uint64_t count, BucketKey key) {
   PALPATE_CHECK_LT(0.0, cell);
   const std::uint64_t buckets = std::clamp(std::bit_ceil(count / kPointsPerBucket), kFewestBuckets, kMaxBuckets);

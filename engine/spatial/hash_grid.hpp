@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/index_options.hpp"
@@ -20,6 +21,9 @@ std::uint32_t bucketBits(const HashGrid& grid);
 /// A grid for `count` points with cells of edge `cell` (model units, positive). About four points share a bucket: on a
 /// surface with cells of the support radius that is about one occupied cell per four buckets.
 HashGrid makeHashGrid(const Vec3& origin, double cell, std::uint64_t count, BucketKey key = BucketKey::teschner);
+
+/// Whether points in this order seldom share a bucket with the one before, by a sample.
+bool isScattered(const HashGrid& grid, std::span<const Vec3> positions);
 
 /// A box of cells, both corners included.
 struct CellBox {

@@ -22,11 +22,20 @@ SortMethod fallbackFor(const Device& device, SortMethod sort, std::uint32_t keyB
   return prefersLookBack(device) && LookBackSort::fits(device, keyBits) ? SortMethod::radixLookBack : SortMethod::radix;
 }
 
+// Fewer points are counted as fast as they are sorted (apps/bench/README.md: builds in file order).
+constexpr std::size_t kFewestSorted = 2'000'000;
+
 Buffer makeRanges(Device& device, std::uint32_t buckets) {
   return Buffer::of<UVec2>(device, buckets, Memory::device, "hash ranges");
 }
 
 }  // namespace
+
+SortMethod sortInOrder(const Device& device, const HashGrid& grid, std::span<const Vec3> positions, Slots slots) {
+  const SortMethod sorting = fallbackFor(device, kDefaultSort, keyBits(grid, slots));
+  const bool pays = sorting == SortMethod::radixLookBack && positions.size() >= kFewestSorted;
+  return pays && isScattered(grid, positions) ? sorting : kDefaultSort;
+}
 
 HashBuildScratch::HashBuildScratch(Device& device, std::uint32_t slots)
     : keys(deviceWords(device, slots, "hash keys")),

@@ -14,6 +14,11 @@ namespace palpate {
 /// Whether some slots of the cloud may be empty: this takes an additional bucket, which may cost a sort time.
 enum class Slots { full, spare };
 
+/// The sort for builds that read these points in this order each time, in place of that of the last build: `counting`,
+/// or the sort with look-back for many points in random order, where that has been measured to be faster. Both give the
+/// same index, bit by bit.
+SortMethod sortInOrder(const Device& device, const HashGrid& grid, std::span<const Vec3> positions, Slots slots);
+
 /// The index of a live cloud: a hashed regular grid, built by key, sort, ranges and reorder (thesis section 4.2; grid
 /// and hash after Teschner et al. 2003). Memory grows with the number of points, never with the extent of the cloud.
 class SpatialHash {

@@ -36,13 +36,16 @@ const PointCloud& fitting(const Device& device, const PointCloud& cloud, const T
   return cloud;
 }
 
-LiveIndexOptions indexOptions(const PointCloud& cloud, const TouchOptions& options) {
+LiveIndexOptions indexOptions(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
   const double cell = options.cell > 0 ? options.cell : options.radius;
   const PointExtent extent = options.extent.value_or(PointExtent{.bounds = boundsOf(cloud), .points = cloud.size()});
-  return {.grid = makeHashGrid(Vec3(extent.bounds.min), std::max(cell, smallestCell(options.radius)), extent.points,
-                               options.bucketKey),
+  const HashGrid grid = makeHashGrid(Vec3(extent.bounds.min), std::max(cell, smallestCell(options.radius)),
+                                     extent.points, options.bucketKey);
+  // Frames arrive in their own order, and usually all in the same.
+  const bool chooses = moves(options) && options.sort == kDefaultSort;
+  return {.grid = grid,
           .spareSlots = spareSlots(cloud, options),
-          .sort = options.sort,
+          .sort = chooses ? sortInOrder(device, grid, cloud.positions, Slots::spare) : options.sort,
           .bucketOrder = options.bucketOrder,
           .slots = options.brush || moves(options) ? Slots::spare : Slots::full,
           .colored = moves(options)};
@@ -64,7 +67,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       origin_(cloud.origin),
       hands_(makeHands()),
       answers_(hands_.size()),
-      index_(device, fitting(device, cloud, options), indexOptions(cloud, options)),
+      index_(device, fitting(device, cloud, options), indexOptions(device, cloud, options)),
       record_{.log = EditLog(device, options.brush ? index_.cloud().count() : 0)},
       questions_(device, contactOptions(), index_.hash().grid(), index_.cloud().slots(),
                  options.wait.value_or(device.defaultWait()), options.timing),

@@ -4,6 +4,7 @@
 #define PALPATE_RENDER_SPLAT_GLSL
 #include "shaders/lib/index.glsl"
 #include "shaders/render/disc.glsl"
+#include "shaders/shared/splat_radius.h"
 
 layout(push_constant, scalar) uniform Push { SplatArgs args; };
 
@@ -22,6 +23,18 @@ float detailOf(float radius_px) {
 
 float commonRadius() { return args.frame.at[0].splatRadius; }
 
+// The radius of the widest disc among those of this point and its neighbours in memory, or of all.
+float widthAround(uint point) {
+  return commonRadius() > 0 ? commonRadius() : uintBitsToFloat(args.widths.at[point / kDiscBlock]);
+}
+
+// Whether a point may be drawn, by its position and its lot alone.
+bool mayBeDrawn(RenderView view, uint point, vec3 position) {
+  Disc disc;
+  return placeDisc(view, position, disc) &&
+         lotOf(point) < detailOf(widthAround(point) * (view.focal_px / disc.center.z));
+}
+
 // The disc of a point as it is drawn; false if it is not drawn. Where points are finer than samples, points with low
 // lots represent the others, at random but the same in every picture. A point fades before it is left out, so that
 // nothing pops while the camera moves.
@@ -29,7 +42,6 @@ bool loadDisc(RenderView view, uint point, out Disc disc) {
   if (!placeDisc(view, args.positions.at[point].xyz, disc)) return false;
   const float lot = lotOf(point);
   const float unitPx = view.focal_px / disc.center.z;
-  if (lot >= detailOf(args.frame.at[0].widestSplat * unitPx)) return false;
   orientDisc(view, args.normals.at[point], args.clips.at[point], commonRadius(), disc);
   const float detail = detailOf(disc.radius * unitPx);
   if (lot >= detail) return false;

@@ -2,24 +2,36 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_EXT_control_flow_attributes : require
 // Surface splatting in compute, pass 1: lists the visible splats, the small ones and the large ones with their tiles.
-// The lists are in the order of arrival, on which no picture depends.
+// The lists are in the order of arrival, on which no picture depends. Most points of a large cloud are not drawn, which
+// their position and their lot show: a workgroup looks at those of several points for each invocation, whose reads are
+// in flight together, and measures the discs of the others side by side.
 #include "shaders/render/splat.glsl"
 
-// Of this workgroup, and their first indices in the lists: one addition to each global counter for all its invocations,
-// since additions to one memory location are serialised.
+// Points that may be drawn.
+shared uint candidates[kPickPoints * gl_WorkGroupSize.x], candidateCount;
+// Of a round of this workgroup, and their first indices in the lists: one addition to each global counter for all its
+// invocations, since additions to one memory location are serialised.
 shared uint smallsHere, largesHere, sharesHere;
 shared uvec3 starts;
 // Of each invocation: its point, and the first index of its shares among those of its subgroup.
 shared uint points[gl_WorkGroupSize.x], subgroupStarts[gl_WorkGroupSize.x];
 
-void main() {
-  if (gl_LocalInvocationIndex == 0) smallsHere = largesHere = sharesHere = 0;
-  barrier();
-  const RenderView view = args.frame.at[0].view;
-  const uint point = threadIndex();
+// The whole subgroup calls it together.
+void listCandidates(bool wanted, uint point) {
+  const uvec4 ballot = subgroupBallot(wanted);
+  uint first = 0;
+  if (subgroupElect()) first = atomicAdd(candidateCount, subgroupBallotBitCount(ballot));
+  first = subgroupBroadcastFirst(first);
+  if (wanted) candidates[first + subgroupBallotExclusiveBitCount(ballot)] = point;
+}
+
+// Lists the splats of one candidate for each invocation. The whole workgroup calls it together.
+void listSplats(RenderView view, uint candidate) {
+  const uint point = candidate < candidateCount ? candidates[candidate] : 0;
   Disc disc;
-  bool seen = point < args.frame.at[0].count && loadDisc(view, point, disc);
+  bool seen = candidate < candidateCount && loadDisc(view, point, disc);
   PixelBox box = PixelBox(ivec2(0), ivec2(-1));
   if (seen) box = splatBox(view, disc);
   const ivec2 size = box.last - box.first + 1;
@@ -43,6 +55,7 @@ void main() {
     starts.x = smallsHere > 0 ? atomicAdd(args.counts.at[0].small, smallsHere) : 0;
     starts.y = largesHere > 0 ? atomicAdd(args.counts.at[0].large, largesHere) : 0;
     starts.z = sharesHere > 0 ? atomicAdd(args.counts.at[0].shares, sharesHere) : 0;
+    smallsHere = largesHere = sharesHere = 0;
   }
   barrier();
   if (seen && !large) args.picked.at[starts.x + before.x + subgroupBallotExclusiveBitCount(smalls)] = point;
@@ -57,4 +70,25 @@ void main() {
       if (subgroupStarts[owner + step] <= i) owner += step;
     args.shares.at[first + i] = uvec2(points[owner], i - subgroupStarts[owner]);
   }
+}
+
+void main() {
+  if (gl_LocalInvocationIndex == 0) candidateCount = smallsHere = largesHere = sharesHere = 0;
+  barrier();
+  const RenderView view = args.frame.at[0].view;
+  const uint first = workgroupIndex() * gl_WorkGroupSize.x * kPickPoints + gl_LocalInvocationIndex;
+  const uint end = args.frame.at[0].count;
+  vec3 positions[kPickPoints];
+  [[unroll]] for (uint k = 0; k < kPickPoints; ++k) {
+    const uint point = first + k * gl_WorkGroupSize.x;
+    if (point < end) positions[k] = args.positions.at[point].xyz;
+  }
+  [[unroll]] for (uint k = 0; k < kPickPoints; ++k) {
+    const uint point = first + k * gl_WorkGroupSize.x;
+    listCandidates(point < end && mayBeDrawn(view, point, positions[k]), point);
+  }
+  barrier();
+  // Every round but the last is full.
+  for (uint done = 0; done < candidateCount; done += gl_WorkGroupSize.x)
+    listSplats(view, done + gl_LocalInvocationIndex);
 }

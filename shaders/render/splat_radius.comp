@@ -209,6 +209,7 @@ void main() {
   const uvec2 sizes = floatBitsToUint(vec2(radius, max(reach, kSplatEdgeReach * radius)));
   args.reaches.at[id] = sizes.y;
   // The plain reads may be stale, but the largest only grow.
+  if (sizes.x > args.widths.at[id / kDiscBlock]) atomicMax(args.widths.at[id / kDiscBlock], sizes.x);
   [[unroll]] for (uint k = 0; k < 2; ++k)
     if (sizes[k] > args.largest.at[k]) atomicMax(args.largest.at[k], sizes[k]);
 }

@@ -21,6 +21,8 @@ const uint kMaxShares = 1u << 20;
 const uint kCrowdedSplat = 64;
 // Invocations of a workgroup that picks splats: more share one addition to the global counters.
 const uint kPickWorkgroup = 512;
+// Points that an invocation looks at when picking: more are in flight together, fewer end sooner.
+const uint kPickPoints = 2;
 // Workgroups in a row of a splat pass: one axis holds too few for all points.
 const uint kSplatRow = 256;
 // Splats are walked in this many rounds while a hand touches, since a contact step may have to wait for the end of one
@@ -171,13 +173,14 @@ struct SplatArgs {
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(Uints) colors;      // RGBA8
   PALPATE_ADDRESS(Uints) clips;       // where discs are clipped, in pairs of half floats
+  PALPATE_ADDRESS(Uints) widths;      // one per kDiscBlock points: bits of their largest radius
   PALPATE_ADDRESS(Uints) depth;       // one per sample: bits of the nearest depth
   PALPATE_ADDRESS(Uints) normalSums;  // four per sample (shaders/render/sums.glsl)
   PALPATE_ADDRESS(Uints) colorSums;   // three per sample
   uint turn;                          // round of those that walk splats
   uint unused;
 };
-PALPATE_SIZE(SplatArgs, 96);
+PALPATE_SIZE(SplatArgs, 104);
 
 struct SplatPlanArgs {
   PALPATE_ADDRESS(SplatCountsAt) counts;

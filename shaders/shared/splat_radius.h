@@ -65,6 +65,9 @@ PALPATE_FUNCTION uint splatMostInBucket(uint subgroup) {
   return kSplatInBucketEach * (subgroup < 16u ? 16u : subgroup);
 }
 
+// Points whose largest radius is kept, so that a picture need not read the discs of points that it leaves out.
+const uint kDiscBlock = 32;
+
 // In `reaches`: the disc is listed to be measured again.
 const uint kSplatListed = 0x80000000u;
 
@@ -81,6 +84,7 @@ struct SplatRadiusArgs {
   CloudView cloud;                 // the points in hash order
   PALPATE_ADDRESS(Vec4s) normals;  // by id; the radius goes into w
   PALPATE_ADDRESS(Uints) clips;    // by id: where a disc is clipped, packHalf2x16 (clipOf in shaders/render/splat.glsl)
+  PALPATE_ADDRESS(Uints) widths;   // of kDiscBlock ids each: bits of the largest radius ever measured, model units
   PALPATE_ADDRESS(Uints) reaches;  // by id: bits of the radius of the last search, model units; or kSplatListed
   PALPATE_ADDRESS(Uints) list;     // slots of the points to measure, if `onlyListed` is set
   PALPATE_ADDRESS(Uints) largest;  // bits of the largest radius, and of the largest reach
@@ -89,7 +93,7 @@ struct SplatRadiusArgs {
   uint onlyListed;                 // 0: measures the points of all slots
   uint count;                      // of slots, or of listed slots
 };
-PALPATE_SIZE(SplatRadiusArgs, 112);
+PALPATE_SIZE(SplatRadiusArgs, 120);
 
 PALPATE_SHARED_END
 #endif

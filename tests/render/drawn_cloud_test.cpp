@@ -87,7 +87,7 @@ class DrawnCloudFixture : public GpuFixture {
   /// All data that a frame reads, bit by bit: an empty slot is NaN.
   std::vector<std::uint32_t> bits(const DrawnCloud& drawn) {
     std::vector<std::uint32_t> all;
-    for (const Buffer* buffer : {&drawn.positions(), &drawn.normals(), &drawn.colors(), &drawn.clips()}) {
+    for (const Buffer* buffer : {&drawn.positions(), &drawn.normals(), &drawn.colors(), &drawn.shapes().clips}) {
       const auto words = download<std::uint32_t>(device, *buffer, buffer->bytes() / sizeof(std::uint32_t));
       all.insert(all.end(), words.begin(), words.end());
     }
@@ -320,9 +320,9 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "after a frame with small changes each disc
   drawn.closeSurface();
   const auto positions = download<Vec4>(device, drawn.positions(), drawn.count());
   const auto normals = download<Vec4>(device, drawn.normals(), drawn.count());
-  const auto clips = download<std::uint32_t>(device, drawn.clips(), drawn.count());
+  const auto clips = download<std::uint32_t>(device, drawn.shapes().clips, drawn.count());
   const auto expectedNormals = download<Vec4>(device, measured.normals(), measured.count());
-  const auto expectedClips = download<std::uint32_t>(device, measured.clips(), measured.count());
+  const auto expectedClips = download<std::uint32_t>(device, measured.shapes().clips, measured.count());
   std::size_t wrong = 0, there = 0;
   for (std::size_t k = 0; k < frame.ids.size(); ++k) {
     const std::uint32_t id = frame.ids[k];

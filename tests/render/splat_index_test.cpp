@@ -114,7 +114,8 @@ class SplatIndexFixture : public PictureFixture {
   std::size_t wrongDiscs(const DrawnCloud& drawn, const EditedCloud& truth) {
     const std::uint32_t count = drawn.count();
     const auto normals = download<Vec4>(device, drawn.normals(), count);
-    const auto clips = download<std::uint32_t>(device, drawn.clips(), count);
+    const auto clips = download<std::uint32_t>(device, drawn.shapes().clips, count);
+    const auto widths = download<std::uint32_t>(device, drawn.shapes().widths, drawn.shapes().widths.bytes() / 4);
     std::vector<Vec4> points(count, Vec4(Vec3(0), std::bit_cast<float>(shared::kEmptySlot))),
         directions(count, Vec4(0));
     for (std::uint32_t id = 0; id < count; ++id) {
@@ -126,16 +127,17 @@ class SplatIndexFixture : public PictureFixture {
                                Buffer::of<Vec4>(device, count, Memory::device, "normals"), 1};
     upload(device, side.positions, points);
     upload(device, side.normals, directions);
-    const Buffer freshClips = Buffer::of<std::uint32_t>(device, count, Memory::device, "clips");
+    const DiscShapes freshShapes(device, count);
     SplatRadii fresh(device, drawn.bounds(), count, drawn.spacing());
-    fresh.measure(side, freshClips);
+    fresh.measure(side, freshShapes);
     const auto freshNormals = download<Vec4>(device, side.normals, count);
-    const auto expectedClips = download<std::uint32_t>(device, freshClips, count);
+    const auto expectedClips = download<std::uint32_t>(device, freshShapes.clips, count);
     std::size_t wrong = 0;
     for (std::uint32_t id = 0; id < count; ++id)
       if (EditedCloud::isThere(truth.states()[id]))
         wrong += std::bit_cast<std::uint32_t>(normals[id].w) != std::bit_cast<std::uint32_t>(freshNormals[id].w) ||
-                 clips[id] != expectedClips[id];
+                 clips[id] != expectedClips[id] ||
+                 std::bit_cast<float>(widths[id / shared::kDiscBlock]) < normals[id].w;
     return wrong;
   }
 

@@ -114,7 +114,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc beside an edge ends at the edge, ot
   const PointCloud cube = shapeCloud("cube", 6000);
   const DrawnCloud drawn(device, cube, {.spacing = meanSpacing(cube)});
   const auto radii = radiiOf(drawn);
-  const auto clips = download<std::uint32_t>(device, drawn.clips(), drawn.count());
+  const auto clips = download<std::uint32_t>(device, drawn.shapes().clips, drawn.count());
   std::size_t clipped = 0, wrong = 0;
   for (std::size_t i = 0; i < cube.size(); ++i) {
     // Distance of the nearest edge.
@@ -129,7 +129,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc beside an edge ends at the edge, ot
   CHECK(wrong <= clipped / 50);  // for a few points the other side is farther than it appears
   const PointCloud sphere = shapeCloud("sphere", 6000);
   const DrawnCloud round(device, sphere, {.spacing = meanSpacing(sphere)});
-  CHECK(std::ranges::count(download<std::uint32_t>(device, round.clips(), round.count()), 0u) == 6000);
+  CHECK(std::ranges::count(download<std::uint32_t>(device, round.shapes().clips, round.count()), 0u) == 6000);
 }
 
 TEST_CASE_FIXTURE(SplatRadiiFixture, "borders keep their positions") {
@@ -218,10 +218,10 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "after edits every radius is that of a newl
     for (Vec4& normal : normals) normal.w = 0;
     upload(device, side.positions, download<Vec4>(device, drawn.positions(), drawn.count()));
     upload(device, side.normals, normals);
-    const Buffer clips = Buffer::of<std::uint32_t>(device, drawn.count(), Memory::device, "clips");
-    fresh.measure(side, clips);
-    const auto freshClips = download<std::uint32_t>(device, clips, drawn.count());
-    const auto clipsDrawn = download<std::uint32_t>(device, drawn.clips(), drawn.count());
+    const DiscShapes shapes(device, drawn.count());
+    fresh.measure(side, shapes);
+    const auto freshClips = download<std::uint32_t>(device, shapes.clips, drawn.count());
+    const auto clipsDrawn = download<std::uint32_t>(device, drawn.shapes().clips, drawn.count());
     normals = download<Vec4>(device, side.normals, drawn.count());
     std::size_t different = 0, present = 0;
     for (std::size_t id = 0; id < radii.size(); ++id) {

@@ -157,6 +157,25 @@ struct Plate {
 
 }  // namespace
 
+TEST_CASE("points in random order are scattered, points in the order of their buckets, or cell by cell, are not") {
+  std::mt19937 random(11);
+  std::vector<Vec3> positions(20'000);
+  for (Vec3& p : positions)
+    for (int k = 0; k < 3; ++k) p[k] = std::uniform_real_distribution<float>(0, 1)(random);
+  const HashGrid grid = makeHashGrid(Vec3(0), 0.1, positions.size());
+  CHECK(isScattered(grid, positions));
+  std::ranges::sort(positions, {}, [&](const Vec3& p) { return bucketOf(grid, cellOf(grid, p)); });
+  CHECK(!isScattered(grid, positions));
+  const auto cell = [&](const Vec3& p) { return cellOf(grid, p); };
+  std::ranges::sort(positions, [&](const Vec3& a, const Vec3& b) {
+    const IVec3 i = cell(a), k = cell(b);
+    return std::tie(i.z, i.y, i.x) < std::tie(k.z, k.y, k.x);
+  });
+  CHECK(!isScattered(grid, positions));
+  for (const std::size_t few : {0, 1}) CHECK(!isScattered(grid, std::span(positions).first(few)));
+  CHECK(!isScattered(grid, std::vector<Vec3>(5, Vec3(1))));
+}
+
 TEST_CASE("after any edits the index has each bucket's points in the order of a fresh build" * kMoreInFull) {
   for (const unsigned threads : {1u, 3u})
     for (const std::size_t count : {0, 1, 3000}) checkFollows(count, threads, 7 + threads);

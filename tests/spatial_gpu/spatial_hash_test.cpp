@@ -147,6 +147,20 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "in arrival order every bucket contains th
   }
 }
 
+TEST_CASE_FIXTURE(SpatialHashFixture, "many points in random order are sorted with look-back where that is faster") {
+  std::vector<Vec3> positions(2'000'000);
+  std::uint32_t state = 1;
+  for (Vec3& p : positions)
+    for (int k = 0; k < 3; ++k) p[k] = static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) / 16777216.0f;
+  const HashGrid grid = makeHashGrid(Vec3(0), 0.01, positions.size());
+  const bool faster = prefersLookBack(device) && LookBackSort::fits(device, bucketBits(grid) + 1);
+  CHECK(sortInOrder(device, grid, positions, Slots::spare) ==
+        (faster ? SortMethod::radixLookBack : SortMethod::counting));
+  CHECK(sortInOrder(device, grid, std::span(positions).first(1000), Slots::spare) == SortMethod::counting);
+  std::ranges::sort(positions, {}, [&](const Vec3& p) { return bucketOf(grid, cellOf(grid, p)); });
+  CHECK(sortInOrder(device, grid, positions, Slots::spare) == SortMethod::counting);
+}
+
 TEST_CASE_FIXTURE(SpatialHashFixture, "counting sort is replaced by a radix sort only if a bucket is crowded") {
   const auto crowd = [&](std::size_t together) {
     auto positions = randomPositions(3000, Vec3(0), 40);
