@@ -41,6 +41,7 @@ TEST_CASE("in a burst the engaged threads take part and no others, before, betwe
           threads.insert(std::this_thread::get_id());
         }
         while (!isFull()) std::this_thread::yield();  // a thread that is not woken would be waited for forever
+        std::this_thread::sleep_for(std::chrono::microseconds(50));  // long enough for others to take part
         ++done;
       });
       CHECK(done == 200);
