@@ -15,7 +15,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$palpate" --quiet make bumpy-sphere -n 100000 --noise 0.07 -o "$folder/ball.ply"
 # 3 mm deep along a line; and in, then out by 10 mm.
-python3 - "$folder" <<'PYTHON'
+/usr/bin/python3 - "$folder" <<'PYTHON'
 import sys
 
 
@@ -31,23 +31,24 @@ path("pull", [(0, 0, 0, -10), (0.3, 0, 0, 3), (0.5, 0, 0, 3), (1.3, 3, 3, -10), 
 PYTHON
 camera='eye=25,40,150 target=0,0,46 fov=22'
 "$palpate" --quiet render "$folder/ball.ply" --size 315x300 --camera "$camera" -o "$folder/before.png"
-for brush in push carve inflate smooth flatten grab paint; do
+brushes="push carve inflate smooth flatten grab paint"
+for brush in $brushes; do
   path=slide
   [ $brush = grab ] && path=pull
   "$palpate" --quiet touch "$folder/ball.ply" --backend cpu --mm-per-unit 1 --path "$folder/$path.csv" --edit $brush \
     --strength 1 --size 315x300 --camera "$camera" --picture "$folder/$brush.png" > /dev/null
 done
-python3 - "$folder" "$out" <<'PYTHON'
+/usr/bin/python3 - "$folder" "$out" before $brushes <<'PYTHON'
 import os
 import sys
 
 from PIL import Image, ImageDraw, ImageFont
 
-folder, out = sys.argv[1:]
+folder, out, *names = sys.argv[1:]
 width, height = 315, 300
 font = ImageFont.truetype("DejaVuSans.ttf", 16)
-page = Image.new("RGB", (4 * width, 2 * height))
-for k, name in enumerate("before push carve inflate smooth flatten grab paint".split()):
+page = Image.new("RGB", (4 * width, -(-len(names) // 4) * height))
+for k, name in enumerate(names):
     picture = Image.open(f"{folder}/{name}.png").convert("RGB")
     ImageDraw.Draw(picture).text((10, 10), name, fill=(235, 235, 235), font=font)
     page.paste(picture, (width * (k % 4), height * (k // 4)))

@@ -261,6 +261,7 @@ DeviceCheckResult checkDevice(HapticDevice& device, DeviceCheckQuery& query) {
                   .duration_s = options.realtime ? 0 : kLongest_s,
                   .endless = options.realtime,
                   .realtime = options.realtime,
+                  .clock = options.clock,
                   .stop = &query.isDone()},
                  {.passivity = PassivityMode::observe});  // a damper would hide the limit
   const ServoResult run = loop.run();

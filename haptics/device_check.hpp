@@ -12,6 +12,7 @@
 #include "haptics/devices/device_axes.hpp"
 #include "haptics/devices/haptic_device.hpp"
 #include "haptics/oscillation.hpp"
+#include "haptics/session_clock.hpp"
 
 namespace palpate {
 
@@ -26,6 +27,7 @@ struct DeviceCheckOptions {
   double stageTimeout_s = 30;  ///< for each stage; then the test ends with what it knows
   double softest_N_per_mm = 0.1, stiffest_N_per_mm = 4, factor = 1.15;  ///< steps of the wall
   bool realtime = true;                     ///< false: in virtual time, for a simulated device
+  SteppedClock* clock = nullptr;            ///< as in ServoOptions
   const std::atomic<bool>* stop = nullptr;  ///< ends the test early
 };
 

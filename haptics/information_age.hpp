@@ -37,7 +37,7 @@ class InformationAge {
   void setRoundTrip(double roundTrip_s) noexcept { roundTrip_s_ = roundTrip_s; }
   /// Others are changing the surface that the hand touches.
   void changed(Clock::time_point now = Clock::now()) noexcept { changed_ = now.time_since_epoch().count(); }
-  /// Permanently: no force any more.
+  /// From now on the information counts as false, permanently: no force any more.
   void fail() noexcept { isTrue_ = false; }
 
   // For any thread.

@@ -89,14 +89,16 @@ bool ServoLoop::next(std::uint64_t index, double budget_us, Progress& progress, 
   const std::size_t place = options_.endless ? 0 : progress.done;
   if (place > 0)  // last positions of the hands, in case a device fails now
     for (HandResult& hand : result.hands) hand.trace.rows[place].hip = hand.trace.rows[place - 1].hip;
-  const double lastTime_s = progress.lastTime_s.value_or(time_s - 1 / options_.rate_Hz);
-  const Tick how = tick(time_s, time_s - lastTime_s, budget_us, place, result);
+  // By the number of ticks, and not as a difference of times, whose rounding depends on when the session began: a
+  // replay begins at 0.
+  const std::uint64_t ticks = progress.lastIndex ? index - *progress.lastIndex : 1;
+  const Tick how = tick(time_s, static_cast<double>(ticks) / options_.rate_Hz, budget_us, place, result);
   ++progress.done;
   result.deviceFailed = how == Tick::deviceFailed;
   result.queryLost = how == Tick::queryLost;
   if (how != Tick::done) return false;
   result.step_us.add(result.trace().rows[place].step_us);
-  progress.lastTime_s = time_s;
+  progress.lastIndex = index;
   return true;
 }
 

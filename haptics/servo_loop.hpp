@@ -109,7 +109,7 @@ class ServoLoop {
   double budgetOf(const TickPacer& pacer, std::uint64_t index) const noexcept;
   struct Progress {
     std::size_t done = 0;
-    std::optional<double> lastTime_s;
+    std::optional<std::uint64_t> lastIndex;
   };
   /// Runs the tick `index`; false if it was the last.
   bool next(std::uint64_t index, double budget_us, Progress& progress, ServoResult& result) noexcept;

@@ -25,7 +25,7 @@ class Source {
   explicit Source(const std::filesystem::path& file) : in_(file, std::ios::binary) {
     std::error_code error;
     size_ = std::filesystem::file_size(file, error);
-    if (!in_ || error) throw FileError(file, "cannot be opened; does it exist, and may you read it?");
+    if (!in_ || error) throw FileError(file, "cannot be opened; check that it exists and may be read");
   }
 
   std::uint64_t size() const { return size_; }

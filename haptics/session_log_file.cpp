@@ -22,6 +22,10 @@ SessionLogFile::SessionLogFile(std::filesystem::path file, std::string text,
                                std::function<void(const std::string&)> onFailure)
     : file_(std::move(file)), onFailure_(std::move(onFailure)) {
   if (file_.empty()) throw Error("a session log has an empty name; give it one");
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(file_, ignored) && std::filesystem::file_size(file_, ignored) > 0 &&
+      !isSessionLog(file_))
+    throw FileError(file_, "exists, and is not a session log; name another file");
   if (const int error = output_.open(file_); error != 0) throw FileError(file_, whyNotWritten(error));
   text.resize((text.size() + 7) / 8 * 8, ' ');
   Header header{.textBytes = static_cast<std::uint32_t>(text.size())};

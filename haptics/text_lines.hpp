@@ -26,7 +26,7 @@ class TextLines {
  public:
   /// Throws FileError for a file that cannot be opened.
   explicit TextLines(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
-    if (!in_) throw FileError(file_, "cannot be opened; does it exist, and may you read it?");
+    if (!in_) throw FileError(file_, "cannot be opened; check that it exists and may be read");
   }
 
   /// The next line, without blanks at its ends; valid until the next call. Throws FileError for a line that is far too

@@ -1,8 +1,10 @@
-// Counts the allocations of a test program. Included by one file of a program, since it replaces its operator new.
+// Counts the allocations of a test program, and makes them fail. Included by one file of a program, since it replaces
+// its operator new.
 #pragma once
 
 #include <atomic>
 #include <cstdlib>
+#include <limits>
 #include <new>
 #include <thread>
 
@@ -10,14 +12,16 @@ namespace {
 
 std::atomic<bool> counting = false;
 std::atomic<int> allocations = 0;
-std::atomic<std::thread::id> countedThread{};  // default: all threads
+std::atomic<int> mostAllocations = std::numeric_limits<int>::max();  // further ones fail
+std::atomic<std::thread::id> countedThread{};                        // default: all threads
 
 }  // namespace
 
 // Counts only while `counting` is true.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   const std::thread::id only = countedThread;
-  if (counting && (only == std::thread::id() || only == std::this_thread::get_id())) ++allocations;
+  if (counting && (only == std::thread::id() || only == std::this_thread::get_id()) && ++allocations > mostAllocations)
+    return nullptr;
   return std::malloc(size ? size : 1);
 }
 void* operator new(std::size_t size) {

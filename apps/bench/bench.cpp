@@ -72,7 +72,7 @@ void addFrictionOption(Options& bench, BenchOptions& options) {
 }
 
 void addPlotOption(Options& bench, BenchOptions& options, const std::string& what) {
-  bench.add("--plot", options.plotFile, what + " (needs matplotlib)").typeName("IMG.png");
+  bench.add("--plot", options.plotFile, what + " (needs matplotlib)").typeName("IMG.png").writes(Writes::replacing);
 }
 
 Option addListOption(Options& bench, const std::string& name, std::vector<std::string>& values,

@@ -227,7 +227,7 @@ constexpr Reported<EditCost> kEditCosts[]{
      [](const EditCost& c) -> Value { return c.memory.plain; }},
     {"memory.over_plain", "1", "memory of points, index and lists relative to plain_bytes",
      [](const EditCost& c) -> Value { return c.memory.overPlain(); }},
-    {"stroke", "", "the stroke, in real time (--duration)",
+    {"stroke", "", "a stroke in real time (--duration)",
      [](const EditCost& c) -> Value { return partBy(kRealtimeStroke, c.stroke); }},
 };
 

@@ -372,7 +372,7 @@ void addOptions(Options& bench, LocalityBenchOptions& options) {
 }  // namespace
 
 void addLocalityBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("locality", "judges whether edits change what they must not");
+  Options& sub = bench.addSubcommand("locality", "judge whether edits change points that they must not change");
   const auto options = std::make_shared<LocalityBenchOptions>();
   options->backend.surface = "average";
   addOptions(sub, *options);

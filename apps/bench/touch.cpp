@@ -188,7 +188,7 @@ void addOptions(Options& bench, TouchBenchOptions& options) {
 }  // namespace
 
 void addTouchBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("touch", "judges touch against known surfaces");
+  Options& sub = bench.addSubcommand("touch", "judge touch against known surfaces");
   const auto options = std::make_shared<TouchBenchOptions>();
   addOptions(sub, *options);
   Option backends = addBackendsOption(sub, *options, backendChoices());

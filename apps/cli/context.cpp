@@ -32,6 +32,7 @@ void Context::addOptions(Options& app) {
               "slow GPU-assisted part); any message makes the exit code 1");
   app.add("--json", json_, "write machine-readable results to this file, or to stdout with -")
       .typeName("FILE|-")
+      .writes(Writes::replacing)
       .check({[](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; }});
   app.add("--threads", threads_, "CPU threads for loading, making clouds and --backend cpu; 0: one per core")
       .check(wholeBetween(0, bounds::kMaxThreads));

@@ -43,6 +43,12 @@ void checkTarget(const ConvertOptions& options) {
               ontoItself(options) ? "is the file that is read" : "exists");
 }
 
+void refuseMissing(const std::string& input) {
+  std::error_code ignored;
+  if (input != "-" && !std::filesystem::exists(input, ignored)) throw FileError(input, "does not exist");
+  refuseForeign(input);
+}
+
 // Names of the attributes in the file.
 std::vector<std::string> attributesOf(const StoredCloud& stored) {
   const PointCloud& cloud = stored.cloud;
@@ -50,7 +56,7 @@ std::vector<std::string> attributesOf(const StoredCloud& stored) {
   if (cloud.hasNormals()) names.emplace_back("normals");
   if (cloud.hasColors()) names.emplace_back("colours");
   for (const Attribute& attribute : cloud.extra) names.push_back(attribute.name);
-  if (!stored.triangles.empty()) names.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
+  if (!stored.triangles.empty()) names.push_back(counted(stored.triangles.size(), "triangle"));
   return names;
 }
 
@@ -104,10 +110,22 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
           {"frames", fused.frames}, {"fused", fused.fused}, {"unplaced", fused.unplaced}, {"lost_frames", fused.lost}}};
 }
 
+// The unit that --unit gives to the file; the coordinates stay as they are.
+void stateUnit(Log& log, const ConvertOptions& options, const CloudFormat& to, std::vector<std::string>& comments) {
+  const auto unit = valueNamed(kLengthUnits, options.unit);
+  if (!unit) return;
+  if (!to.hasComments)
+    return log.say("{}: {} cannot hold a unit of length; {} is not kept", options.output, to.name, options.unit);
+  if (const LengthUnit before = unitSaidIn(comments); before != LengthUnit::unknown && before != *unit)
+    log.warn("{}: its unit is {}; {} says {}, with the same coordinates: no length is converted", options.input,
+             nameOf(before), options.output, options.unit);
+  setUnit(comments, *unit);
+}
+
 void convert(Context& context, const ConvertOptions& options) {
-  // Rejects foreign files first.
+  // Errors of the input are reported before those of the output.
   checkRosHearing(options.network, options.input);
-  if (!isRosModel(options.input)) refuseForeign(options.input);
+  if (!isRosModel(options.input)) refuseMissing(options.input);
   const CloudFormat& to = cloudFormats().toWrite(options.output);
   const double mm_per_unit = options.scale.given();
   checkTarget(options);
@@ -124,16 +142,14 @@ void convert(Context& context, const ConvertOptions& options) {
   // Reports losses before the file is written.
   if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
   markAsOurs(stored.cloud);
-  if (const auto unit = valueNamed(kLengthUnits, options.unit)) setUnit(stored.cloud.storedAs.comments, *unit);
-  if (!options.unit.empty() && !to.hasComments)
-    context.log().say("{}: {} cannot hold a unit of length; {} is not kept", options.output, to.name, options.unit);
+  stateUnit(context.log(), options, to, stored.cloud.storedAs.comments);
   if (mm_per_unit > 0) sayScale(stored.cloud.storedAs.comments, mm_per_unit);
   std::filesystem::path keptAs;
   to.write(options.output, stored.cloud,
            {.ascii = options.ascii,
             .triangles = stored.triangles.empty() ? nullptr : &stored.triangles,
             .keptAs = ontoItself(options) ? &keptAs : nullptr});
-  if (!keptAs.empty()) context.log().say("{}: what was read is kept as {}", options.output, keptAs.string());
+  if (!keptAs.empty()) context.log().say("{}: the file that was read is kept as {}", options.output, keptAs.string());
   context.log().say("{}: {} with {}", options.output, counted(stored.cloud.size(), "point"), fmt::join(kept, ", "));
   Json result{{"input", options.input},
               {"output", options.output},
@@ -157,7 +173,10 @@ void addConvert(Options& app, Context& context, Command& command) {
                       cloudFormats().endingsRead(), rgbdFoldersRead()))
       .required()
       .typeName("IN");
-  sub.add("output", options->output, "output: " + cloudFormats().endingsWritten()).required().typeName("OUT");
+  sub.add("output", options->output, "output: " + cloudFormats().endingsWritten())
+      .required()
+      .typeName("OUT")
+      .writes(Writes::keeping);
   sub.add("--normals", options->normals,
           "keep: copy the normals of the file; estimate: estimate them from the points; face: from the "
           "faces")

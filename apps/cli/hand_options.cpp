@@ -110,7 +110,8 @@ void addFurtherHandOption(Options& command, std::vector<std::string>& hands) {
                        kMaxHands))
       .typeName("HAND")
       .repeatable()
-      .offers({"device=", "path=", "trace="});
+      .offers({"device=", "path=", "trace="})
+      .writes(Writes::replacing, "trace=");
 }
 
 std::vector<FurtherHand> furtherHands(const std::vector<std::string>& hands, const HandChoices& first, bool realtime) {

@@ -9,6 +9,7 @@
 #include "apps/cli/completion_scripts.hpp"
 #include "apps/cli/config_flags.hpp"
 #include "apps/cli/context.hpp"
+#include "apps/cli/output.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "engine/core/counted.hpp"
 
@@ -111,6 +112,7 @@ int run(std::vector<std::string> arguments) {
   }
   try {
     parse(app, std::move(arguments));
+    requireDistinctFiles(options);
     context.checkJson();
     command();
     checkStdout();

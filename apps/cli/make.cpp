@@ -39,9 +39,11 @@ void make(Context& context, const MakeOptions& options) {
                                           .threads = context.threads(),
                                           .progress = [&](double share) { progress.set(kSampling * share); }});
   markAsOurs(cloud);
-  writeCloud(options.output, cloud, {.ascii = options.ascii, .progress = [&](double share) {
-                                       progress.set(kSampling + (1 - kSampling) * share);
-                                     }});
+  std::filesystem::path kept;
+  writeCloud(options.output, cloud,
+             {.ascii = options.ascii,
+              .keptAs = whereToKeep(options.output, kept, context.log()),
+              .progress = [&](double share) { progress.set(kSampling + (1 - kSampling) * share); }});
   context.log().say("{}: {} of {} in {:.2f} s", options.output, counted(cloud.size(), "point"), options.shape,
                     watch.elapsed_s());
   context.writeJson({{"file", options.output}, {"shape", options.shape}, {"points", cloud.size()}});
@@ -58,7 +60,8 @@ void addMake(Options& app, Context& context, Command& command) {
   sub.add("-n,--points", options->count, "number of points").check(wholeBetween(1, kMaxPoints)).showDefault();
   sub.add("-o,--output", options->output, "output: " + cloudFormats().endingsWritten(Written::points))
       .required()
-      .typeName("FILE");
+      .typeName("FILE")
+      .writes(Writes::keeping);
   sub.add("--seed", options->seed, "seed of the sampling and the noise; the same seed gives the same bytes")
       .check(wholeBetween(0, bounds::kMaxSeed))
       .showDefault();

@@ -4,6 +4,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/io/saving.hpp"
 #include "engine/mesh/mesh_memory.hpp"
 
 namespace palpate {
@@ -41,13 +42,15 @@ void mesh(Context& context, const MeshCommandOptions& options) {
   const MeshStep step = cubes.build();
   const double wall_us = watch.elapsed_us();
   progress.set(0.7);
-  const Mesh result = cubes.download();
+  Mesh result = cubes.download();
   progress.set(0.8);
   if (result.triangles.empty())
     throw Error("{}: no surface within {:.3g} mm (in the hand) of its {}; try a larger --radius", options.model.file,
                 model.scale.toMm(static_cast<double>(plan.lattice.radius)), counted(model.cloud.size(), "point"));
   const double cell = static_cast<double>(plan.lattice.cell);
-  writeMesh(options.output, result, cell, options.ascii);
+  markAsOurs(result.vertices);
+  std::filesystem::path kept;
+  writeMesh(options.output, result, cell, options.ascii, whereToKeep(options.output, kept, context.log()));
   const MeshReport report = examine(result);
   context.log().say("{}: {}, {} in {}, {}; {}, {:.1f} MiB, {:.1f} ms", options.output,
                     counted(report.vertices, "vertex", "vertices"), counted(report.triangles, "triangle"),
@@ -88,7 +91,8 @@ void addMesh(Options& app, Context& context, Command& command) {
   sub.add("-o,--output", options->output,
           "output, vertices with normals and triangles: " + cloudFormats().endingsWritten(Written::mesh))
       .required()
-      .typeName("MESH.ply");
+      .typeName("MESH.ply")
+      .writes(Writes::replacing);
   addMeshOptions(sub, options->choices);
   sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
   sub.footer(

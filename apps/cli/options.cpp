@@ -151,6 +151,12 @@ Option Option::offers(std::vector<std::string> words, std::string endings) {
   return *this;
 }
 
+Option Option::writes(Writes writes, std::string key) {
+  facts_->writes = writes;
+  facts_->fileKey = std::move(key);
+  return *this;
+}
+
 void Option::set(const std::string& text) {
   option_->clear();
   option_->add_result(text);
@@ -161,6 +167,7 @@ std::string Option::longName() const { return "--" + option_->get_lnames().front
 bool Option::given() const { return option_->count() > 0; }
 bool Option::takesValue() const { return option_->get_expected_min() > 0; }
 std::string Option::text() const { return option_->results().front(); }
+std::vector<std::string> Option::texts() const { return option_->results(); }
 std::string Option::defaultText() const { return option_->get_default_str(); }
 std::string Option::allNames() const { return option_->get_name(false, true); }
 std::string Option::type() const { return option_->get_type_name(); }

@@ -40,11 +40,20 @@ Check wholeBetween(double least, double most);
 /// A length in mm, or the word auto.
 Check lengthOrAuto();
 
-/// What the reference page and completion know of an option beside its help.
+/// What becomes of an existing file that an option names.
+enum class Writes {
+  nothing,
+  keeping,    ///< its command keeps what is there, where that could be missed
+  replacing,  ///< it is replaced
+};
+
+/// What the reference page, completion and requireDistinctFiles() know of an option beside its help.
 struct OptionFacts {
   std::string bounds, unit;
   std::vector<std::string> offers;  ///< words
   std::string endings;              ///< of files beside them
+  Writes writes = Writes::nothing;
+  std::string fileKey;  ///< what precedes the name of the file within a value
 };
 
 /// An option of Options, which must outlive it.
@@ -70,6 +79,8 @@ class Option {
   Option unit(std::string_view unit);
   /// Words that completion offers where the help lists no choices, and the endings of files beside them.
   Option offers(std::vector<std::string> words, std::string endings = {});
+  /// Its value, or what follows `key` in it, names a file that the command writes.
+  Option writes(Writes writes, std::string key = {});
   /// Sets the value as if it were given on the command line.
   void set(const std::string& text);
 
@@ -81,6 +92,8 @@ class Option {
   bool takesValue() const;
   /// The first given value.
   std::string text() const;
+  /// All given values.
+  std::vector<std::string> texts() const;
   /// The text that showDefault() shows.
   std::string defaultText() const;
   /// Names, as in "-o,--output"; the kind of value, as in "FLOAT" or "{on,off}"; the help.

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "apps/cli/options.hpp"
+
 namespace palpate {
 
 enum class Output {
@@ -18,5 +20,9 @@ enum class Output {
 /// unknown, and FileError if the file cannot be written: now, rather than after an hour's work. The name of a device or
 /// a pipe may have any ending. Ignores an empty name.
 void checkOutput(const std::string& file, Output kind);
+
+/// Throws UsageError if two options of the command line write the same file, or if one would replace a file that
+/// another one reads: the model, say. Devices and pipes may be named twice.
+void requireDistinctFiles(const Options& program);
 
 }  // namespace palpate

@@ -97,7 +97,9 @@ void addPictureOptions(Options& command, PictureOptions& options) {
            "rasteriser of the discs: compute (compute shaders) or hardware; the picture is the same")
       .showDefault();
   command.add("--background", options.background, "R,G,B, 0 to 255 each (default: a gradient)");
-  command.add("--depth", options.depthFile, "also write eye-space depth as PFM, model units").typeName("FILE.pfm");
+  command.add("--depth", options.depthFile, "also write eye-space depth as PFM, model units")
+      .typeName("FILE.pfm")
+      .writes(Writes::replacing);
   command.addFlag("--scale-bar", options.scaleBar,
                   "draw a scale bar in the unit of the file, at the depth of the camera target");
   command.addFlag("--cameras", options.cameras,

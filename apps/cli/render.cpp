@@ -53,7 +53,10 @@ void addRender(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("render", "render a picture of a model, headless");
   auto options = std::make_shared<RenderOptions>();
   addModelOptions(sub, options->model, modelsAndStreams() + " (the first frame is drawn)", false);
-  sub.add("-o,--output", options->output, "output: .png or .jpg").required().typeName("IMG.png");
+  sub.add("-o,--output", options->output, "output: .png or .jpg")
+      .required()
+      .typeName("IMG.png")
+      .writes(Writes::replacing);
   sub.add("--mode", options->mode,
           "splat: a disc per point; points: a sample per point; mesh: the triangles of palpate mesh")
       .check(oneOf({"splat", "points", "mesh"}))

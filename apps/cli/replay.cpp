@@ -167,8 +167,10 @@ void addReplay(Options& app, Context& context, Command& command) {
       .showDefault();
   sub.addFlag("--recover", options->recover,
               "do not run the session: only apply its recorded edits, and --save the points");
-  sub.add("--save", options->saveFile, "points after the recorded edits").typeName("OUT.ply");
-  sub.add("--trace", options->traceFile, "trace of the replayed session, one row per tick").typeName("FILE.csv");
+  sub.add("--save", options->saveFile, "points after the recorded edits").typeName("OUT.ply").writes(Writes::keeping);
+  sub.add("--trace", options->traceFile, "trace of the replayed session, one row per tick")
+      .typeName("FILE.csv")
+      .writes(Writes::replacing);
   sub.footer(
       "A session recorded against the wall clock can only be reproduced up to its first late "
       "answer; from there on, and where edits were applied in order of arrival, forces are not "

@@ -161,8 +161,11 @@ void addServe(Options& app, Context& context, Command& command) {
   sub.add("--journal", options->journalFile,
           "append each stroke to this file; serving the model again with the file resumes from there, "
           "and so do the hands that had joined")
-      .typeName("FILE");
-  sub.add("--save", options->saveFile, "write the final points; an existing file is kept as a backup").typeName("FILE");
+      .typeName("FILE")
+      .writes(Writes::keeping);
+  sub.add("--save", options->saveFile, "write the final points; an existing file is kept as a backup")
+      .typeName("FILE")
+      .writes(Writes::keeping);
   sub.addFlag("--read-only", options->readOnly, "participants feel the model and cannot sculpt it");
   sub.add("--ros", options->ros.name, "publish the points for ROS 2 as NAME/cloud, also while they are sculpted")
       .typeName("NAME");

@@ -38,7 +38,7 @@ class Outputs {
 };
 
 /// After a failure of the back end, `error`: saves the points of the journal and throws.
-[[noreturn]] void saveAndThrow(const Error& error, Session& session, const std::string& saveFile) {
+[[noreturn]] void saveAndThrow(const std::exception& error, Session& session, const std::string& saveFile) {
   if (!session.journal() || saveFile.empty()) throw;
   saveKeeping(saveFile, session.sculpted().cloud);
   throw Error("{}; {} contains the last known points", error.what(), saveFile);
@@ -205,9 +205,6 @@ void checkOutputs(Context& context, const TouchCommandOptions& options, const st
         std::pair{&options.logFile, Output::only}})
     checkOutput(*file, kind);
   for (const FurtherHand& hand : hands) checkOutput(hand.traceFile, Output::only);
-  std::error_code ignored;
-  if (std::filesystem::equivalent(options.model.file, options.logFile, ignored))
-    throw UsageError("--log: {} is the model itself", options.logFile);
   sayWhatIsLost(options.saveFile, context.log());
 }
 
@@ -279,7 +276,7 @@ std::optional<UndoneStrokes> finish(Session& session, const TouchCommandOptions&
     const UndoneStrokes undone = session.undo(options.undo.undo, options.undo.redo);
     session.settleShared(kSharedPatience_s);
     return undone;
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {  // also where memory has run out
     session.abandonEdits();
     saveAndThrow(error, session, options.saveFile);
   }

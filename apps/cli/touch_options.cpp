@@ -40,21 +40,26 @@ void addPathOptions(Options& sub, TouchCommandOptions& options) {
 
 void addOutputOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--trace", options.traceFile, "one row per tick; its two wall-clock columns are 0 in virtual time")
-      .typeName("FILE.csv");
+      .typeName("FILE.csv")
+      .writes(Writes::replacing);
   sub.add("--picture", options.pictureFile,
           "picture of the model at the end with HIP, proxy disc and force arrow, .png or .jpg")
-      .typeName("IMG.png");
+      .typeName("IMG.png")
+      .writes(Writes::replacing);
   sub.add("--save", options.saveFile,
           "write the edited points with all their properties; faces and other elements are dropped. An "
           "existing file that palpate did not write, or that holds more, is kept as OUT.ply.bak")
-      .typeName("OUT.ply");
+      .typeName("OUT.ply")
+      .writes(Writes::keeping);
   sub.add("--log", options.logFile,
           "record poses, forces and edits for palpate replay; what is recorded survives a crash")
-      .typeName("SESSION");
+      .typeName("SESSION")
+      .writes(Writes::replacing);
   sub.add("--trajectory", options.trajectoryFile,
           "time, position (model units) and force (N) of each tick: comma-separated with a header in a "
           ".csv, else blank-separated without one")
-      .typeName("FILE");
+      .typeName("FILE")
+      .writes(Writes::replacing);
   addSettingFor<BackendConfig>(sub, options.backend.timePasses, "times_passes");
 }
 

@@ -84,39 +84,19 @@ Brush::Brush(const std::string& name, const py::kwargs& settings, double mm_per_
   brush.kind = kind.c_str();
 }
 
-PySession::PySession(const Source& source, const SessionSettings& settings, Law law, py::object onMessage)
+PySession::PySession(const Source& source, pp_session_options options, const pp_contact_options& contact,
+                     const std::string& surface, Law law, py::object onMessage)
     : cloud_(source.cloud),
       heard_(std::move(onMessage)),
-      surface_(settings.surface),
-      hands_(settings.hands),
-      hasTorques_(settings.tool != "point"),
+      surface_(surface),
+      contact_(contact),
+      hands_(options.hands),
+      hasTorques_(std::string_view(options.tool->kind) != "point"),
       law_(std::move(law)),
-      budget_us_(settings.budget_us) {
-  contact_ = pp_default_contact_options();
-  contact_.friction = settings.friction;
-  contact_.radius_mm = settings.radius_mm.value_or(0);
-  contact_.stiffness_N_per_mm = settings.stiffness_N_per_mm;
-  contact_.damping_N_s_per_mm = settings.damping_N_s_per_mm;
-  contact_.max_force_N = settings.max_force_N;
-  const pp_contact_options contact = contactWith(surface_);
-  pp_tool tool = pp_default_tool();
-  tool.kind = settings.tool.c_str();
-  tool.points = settings.tool_points;
-  tool.size_mm = settings.tool_size_mm;
-  std::ranges::copy(settings.tool_axis, tool.axis);
-  pp_session_options options = pp_default_session_options();
-  options.contact = &contact;
-  options.gpu = orNull(settings.gpu);
-  options.backend = settings.backend.c_str();
-  options.mm_per_unit = settings.mm_per_unit.value_or(0);
-  options.rate_Hz = settings.rate_Hz;
-  options.budget_us = settings.budget_us;
-  options.estimate_normals = settings.estimate_normals ? 1 : 0;
-  options.threads = settings.threads;
-  options.undo_memory_MiB = settings.undo_memory_MiB;
-  options.hands = settings.hands;
-  if (settings.hands == 0) refuse("hands: is 0; a session has 1 to 8");
-  options.tool = &tool;
+      budget_us_(options.budget_us) {
+  if (options.hands == 0) refuse("hands: is 0; a session has 1 to 8");
+  const pp_contact_options felt = contactWith(surface_);
+  options.contact = &felt;
   options.law = law_.function();
   options.law_user = law_.user();
   options.law_library = law_.library();

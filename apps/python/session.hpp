@@ -28,24 +28,6 @@ struct Source {
   std::vector<std::tuple<CloudPointer, std::array<double, 3>, std::array<double, 4>>> clouds;  ///< with their poses
 };
 
-struct SessionSettings {
-  std::optional<std::string> gpu;
-  std::string backend = "auto";
-  std::optional<double> mm_per_unit;
-  std::string surface = "average";
-  std::optional<double> radius_mm;
-  double budget_us = 0;
-  double friction = 0, stiffness_N_per_mm = 0, damping_N_s_per_mm = 0, max_force_N = 0, rate_Hz = 1000;
-  bool estimate_normals = false;
-  std::uint32_t threads = 0;
-  double undo_memory_MiB = 0;
-  std::uint32_t hands = 1;
-  std::string tool = "point";
-  std::uint32_t tool_points = 1;
-  double tool_size_mm = 1;
-  std::array<double, 3> tool_axis{};
-};
-
 /// A brush of any kind.
 struct Brush {
   std::string kind;
@@ -62,8 +44,10 @@ py::list brushSettings();
 /// Only one thread at a time uses it; others wait.
 class PySession {
  public:
+  /// `options`: with a tool; contact, law, log and watch are set here. `contact`: with `surface` as its kind.
   /// `onMessage`: as for Heard.
-  PySession(const Source& source, const SessionSettings& settings, Law law, py::object onMessage);
+  PySession(const Source& source, pp_session_options options, const pp_contact_options& contact,
+            const std::string& surface, Law law, py::object onMessage);
   ~PySession();
   PySession(const PySession&) = delete;
   PySession& operator=(const PySession&) = delete;
@@ -118,7 +102,7 @@ class PySession {
   CloudPointer cloud_;
   Heard heard_;
   std::string surface_;
-  pp_contact_options contact_{};
+  pp_contact_options contact_;
   std::uint32_t hands_;
   bool hasTorques_;
   Law law_, liveLaw_;

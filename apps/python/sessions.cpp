@@ -1,6 +1,8 @@
 // Sessions in Python. No Python code runs on a servo thread.
 #include "apps/python/session.hpp"
 
+#include <algorithm>
+
 namespace palpate::python {
 
 using namespace py::literals;
@@ -136,11 +138,29 @@ void bindOpening(py::class_<PySession>& session) {
                        bool estimate_normals, std::uint32_t threads, double undo_memory_MiB, std::uint32_t hands,
                        const std::string& tool, std::uint32_t tool_points, double tool_size_mm, const Vector& tool_axis,
                        const py::object& law, bool allow_python_law, double budget_us, const py::object& on_message) {
-             const SessionSettings settings{gpu,       backend,          mm_per_unit,  surface,         radius_mm,
-                                            budget_us, friction,         stiffness,    damping,         max_force,
-                                            rate,      estimate_normals, threads,      undo_memory_MiB, hands,
-                                            tool,      tool_points,      tool_size_mm, tool_axis};
-             return std::make_unique<PySession>(source, settings, Law(law, allow_python_law), on_message);
+             pp_contact_options felt = pp_default_contact_options();
+             felt.radius_mm = radius_mm.value_or(0);
+             felt.friction = friction;
+             felt.stiffness_N_per_mm = stiffness;
+             felt.damping_N_s_per_mm = damping;
+             felt.max_force_N = max_force;
+             pp_tool held = pp_default_tool();
+             held.kind = tool.c_str();
+             held.points = tool_points;
+             held.size_mm = tool_size_mm;
+             std::ranges::copy(tool_axis, held.axis);
+             pp_session_options options = pp_default_session_options();
+             options.gpu = gpu ? gpu->c_str() : nullptr;
+             options.backend = backend.c_str();
+             options.mm_per_unit = mm_per_unit.value_or(0);
+             options.rate_Hz = rate;
+             options.budget_us = budget_us;
+             options.estimate_normals = estimate_normals ? 1 : 0;
+             options.threads = threads;
+             options.undo_memory_MiB = undo_memory_MiB;
+             options.hands = hands;
+             options.tool = &held;
+             return std::make_unique<PySession>(source, options, felt, surface, Law(law, allow_python_law), on_message);
            }),
            py::arg("source"), py::arg("gpu") = py::none(), py::arg("mm_per_unit") = py::none(),
            py::arg("backend") = "auto", py::arg("surface") = "average", py::arg("radius_mm") = py::none(),

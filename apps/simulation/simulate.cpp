@@ -46,8 +46,7 @@ void save(const std::string& file, MatterSimulation& world) {
   PointCloud cloud{.positions = std::move(frame.positions), .normals = std::move(frame.normals)};
   for (Vec3& position : cloud.positions) position *= static_cast<float>(kMmPerMetre);
   cloud.storedAs.comments.emplace_back("comment units: mm");
-  markAsOurs(cloud);
-  writeCloud(file, cloud);
+  saveKeeping(file, std::move(cloud));
 }
 
 MatterScene sceneOf(const SimulateOptions& options) {
@@ -91,6 +90,7 @@ Json sayHand(std::FILE* out, const MatterScene& scene) {
 
 void simulate(Context& context, const SimulateOptions& options) {
   checkOutput(options.save, Output::points);
+  sayWhatIsLost(options.save, context.log());
   const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
   const MatterScene scene = sceneOf(options);
   const std::string backend = chooseMatterBackend(context, options.backend, scene);
@@ -171,7 +171,8 @@ void addSimulate(Options& app, Context& context, Command& command) {
   sub.add("--save", options->save,
           "write the final particles, or the surface of a soft body, mm: " +
               cloudFormats().endingsWritten(Written::points))
-      .typeName("FILE");
+      .typeName("FILE")
+      .writes(Writes::keeping);
   sub.whenNamed([&, options] { command = [&context, options] { simulate(context, *options); }; });
 }
 

@@ -218,7 +218,7 @@ std::string scriptEventNames() {
 
 std::vector<TimedAction> readScript(const std::filesystem::path& file) {
   std::ifstream in(file);
-  if (!in) throw FileError(file, "cannot be opened; does it exist, and may you read it?");
+  if (!in) throw FileError(file, "cannot be opened; check that it exists and may be read");
   std::vector<TimedAction> actions;
   std::string text;
   for (std::size_t number = 1; std::getline(in, text); ++number) {

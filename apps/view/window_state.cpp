@@ -84,7 +84,7 @@ constexpr Reported<HeldDevice> kDevice[]{
      [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.facts.serial; }); }},
     {"axes", "", "its axes, as in --axes",
      [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.axes.text(); }); }},
-    {"remembered", "", "what is remembered for it",
+    {"remembered", "", "settings that are remembered for it",
      [](const HeldDevice& h) -> Value { return ofOpened(h, [](const auto& o) { return o.remembered.inWords(); }); }},
     {"position_mm", "mm", "its position, as the last tick read it",
      [](const HeldDevice& h) -> Value { return ofSeen(h, [](const auto& s) { return vectorJson(s.position); }); }},

@@ -273,6 +273,7 @@ DVec3 BrushStroke::sheetCorner() const {
 }
 
 void BrushStroke::beginSheet() {
+  measuredSheet_ = false;
   connectedFrom_ = sheetCorner();
   connected_ = cellsAround(shared::sheetPlace(connectedFrom_, sheetCell(), foundAt_, outward_));
 }
@@ -298,14 +299,37 @@ const BrushStroke::Tool& BrushStroke::next(double time_s, const Backlog& backlog
   return tool_;
 }
 
-// Limited sideways to the distance that the surface can follow without folding over.
+// Limited sideways to the distance that the surface can follow without folding over, and in all to the one that its
+// parts ahead can: less where a limb is pushed into itself or a wall of a crease is near.
 DVec3 BrushStroke::held() const {
   const DVec3 way = place_ - heldFrom_;
   const double along = glm::dot(way, outward_);
   const DVec3 aside = way - along * outward_;
   const double length = glm::length(aside), mostAside = kMaxHeldAside * brush_.radius;
   const double most = kMaxHeld * brush_.radius;
-  return std::clamp(along, -most, most) * outward_ + (length > mostAside ? mostAside / length : 1.0) * aside;
+  const DVec3 held =
+      std::clamp(along, -most, most) * outward_ + (length > mostAside ? mostAside / length : 1.0) * aside;
+  return held / std::max(1.0, steepestAhead(held));
+}
+
+// How much less far a point is moved than one behind it, at most, as a share of their distance: over 1 the surface
+// would fold over or go through itself. By the connected cells, where the stroke found them.
+double BrushStroke::steepestAhead(const DVec3& motion) const {
+  const double length = glm::length(motion), radius = brush_.radius;
+  if (!measuredSheet_ || !(length > 0)) return 0;
+  const DVec3 ahead = motion / length;
+  const double cellSide = sheetCell() / radius, falloff = brush_.falloff;
+  const DVec3 corner = (connectedFrom_ - heldAt_) / radius + shared::kSheetInside * cellSide * outward_;
+  double steepest = 0;
+  for (shared::uint cell = 0; cell < shared::kSheetCells; ++cell) {
+    if (!hasCell(connected_, cell)) continue;
+    const DVec3 middle = corner + cellSide * sheetCellMiddle(cell);
+    const double squared = glm::dot(middle, middle), along = glm::dot(middle, ahead);
+    if (squared >= 1) continue;
+    const double front = std::min(along + 0.5 * cellSide, std::sqrt(1 - squared + along * along));
+    steepest = std::max(steepest, 2 * falloff * std::pow(1 - squared, falloff - 1) * front * length / radius);
+  }
+  return steepest;
 }
 
 void BrushStroke::placeTool() {
@@ -351,6 +375,7 @@ void BrushStroke::note(const SurfaceMeasure& measure) {
   if (tool_.acts == 0 || tool_.stroke != number_) return;
   takeIn(measure);
   if (measure.nearest == shared::kOutsideSheet) return;
+  measuredSheet_ = true;
   connectedFrom_ = tool_.entersFrom;
   connected_ = connectedCells(measure.seen, measure.nearest % shared::kSheetCells);
 }

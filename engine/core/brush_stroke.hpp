@@ -99,6 +99,7 @@ class BrushStroke {
   void takeIn(const SurfaceMeasure& measure);
   void placeTool();
   DVec3 held() const;
+  double steepestAhead(const DVec3& motion) const;
 
   double support_;
   BrushOptions brush_;
@@ -114,6 +115,7 @@ class BrushStroke {
   DVec3 touchedAt_{0};           // position of the proxy when the hand was at place_
   DVec3 connectedFrom_{0};       // corner of the grid of the connected cells
   SheetCells connected_{};
+  bool measuredSheet_ = false;     // whether an edit has measured them
   DVec3 heldAt_{0}, heldFrom_{0};  // grab: position of the held surface and of the hand at the start
   // Remaining path, a ring buffer.
   std::array<Place, kMaxWay> way_;

@@ -36,6 +36,10 @@ std::error_code replaceFile(const std::filesystem::path& from, const std::filesy
 /// Removes a file, if there is one; may be called in a signal handler.
 void removeNow(const std::filesystem::path::value_type* file) noexcept;
 
+/// Holds the file for this program, so that no second one writes it, until it is closed. True also where the file
+/// system has no locks, and for pipes and other special files. False: another holds it.
+bool holdAlone(std::FILE* file) noexcept;
+
 /// "cannot be written: …", and what to do, for an errno value.
 std::string whyNotWritten(int error);
 
@@ -51,7 +55,8 @@ class UnbufferedFile {
   UnbufferedFile(const UnbufferedFile&) = delete;
   UnbufferedFile& operator=(const UnbufferedFile&) = delete;
 
-  /// Creates it, empty. It must not be open.
+  /// Creates it, or empties it. It must not be open. EAGAIN, and no change to the file: another program
+  /// writes it.
   int open(const std::filesystem::path& file) noexcept;
   bool isOpen() const noexcept { return descriptor_ >= 0; }
   int write(std::span<const std::byte> bytes) noexcept;

@@ -18,6 +18,8 @@ std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcep
 
 namespace {
 
+bool hold(int descriptor) noexcept { return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
+
 /// Whether a program has opened a pipe for writing, or has left bytes in it: tee(2) finds bytes without consuming them.
 bool hasWriter(int pipe) noexcept {
   int copies[2];
@@ -76,7 +78,10 @@ std::error_code replaceFile(const std::filesystem::path& from, const std::filesy
   return error;
 }
 
+bool holdAlone(std::FILE* file) noexcept { return hold(::fileno(file)); }
+
 std::string whyNotWritten(int error) {
+  if (error == EAGAIN) return "is being written by another program; end that one, or name another file";
   const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
   return fmt::format("cannot be written: {}{}", std::strerror(error), full ? "; free some space" : "");
 }
@@ -84,8 +89,13 @@ std::string whyNotWritten(int error) {
 int processNumber() noexcept { return ::getpid(); }
 
 int UnbufferedFile::open(const std::filesystem::path& file) noexcept {
-  descriptor_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  return descriptor_ < 0 ? errno : 0;
+  descriptor_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) return errno;
+  const bool alone = hold(descriptor_);
+  if (alone && (::ftruncate(descriptor_, 0) == 0 || errno == EINVAL)) return 0;  // EINVAL: a pipe or a device
+  const int error = alone ? errno : EAGAIN;
+  close();
+  return error;
 }
 
 int UnbufferedFile::write(std::span<const std::byte> bytes) noexcept {
@@ -107,7 +117,11 @@ int UnbufferedFile::sync() noexcept {
   return ::fdatasync(descriptor_) != 0 && errno != EINVAL && errno != EROFS ? errno : 0;
 }
 
-int UnbufferedFile::close() noexcept { return isOpen() && ::close(std::exchange(descriptor_, -1)) != 0 ? errno : 0; }
+int UnbufferedFile::close() noexcept {
+  if (!isOpen()) return 0;
+  ::flock(descriptor_, LOCK_UN);  // also for a child of fork(), which has the descriptor too
+  return ::close(std::exchange(descriptor_, -1)) != 0 ? errno : 0;
+}
 
 bool FileLock::take(const std::filesystem::path& file) noexcept {
   release();

@@ -19,6 +19,16 @@ namespace {
 
 constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;  // maximum count of the runtime's int
 
+// Locks a byte that no file reaches: other programs may read the file meanwhile.
+bool hold(int descriptor) noexcept {
+  const auto handle = reinterpret_cast<HANDLE>(::_get_osfhandle(descriptor));
+  if (::GetFileType(handle) != FILE_TYPE_DISK) return true;
+  OVERLAPPED place{};
+  place.OffsetHigh = 0x40000000;
+  return ::LockFileEx(handle, LOCKFILE_EXCLUSIVE_LOCK | LOCKFILE_FAIL_IMMEDIATELY, 0, 1, 0, &place) != 0 ||
+         ::GetLastError() != ERROR_LOCK_VIOLATION;
+}
+
 }  // namespace
 
 std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcept {
@@ -70,7 +80,10 @@ std::error_code replaceFile(const std::filesystem::path& from, const std::filesy
   }
 }
 
+bool holdAlone(std::FILE* file) noexcept { return hold(::_fileno(file)); }
+
 std::string whyNotWritten(int error) {
+  if (error == EAGAIN) return "is being written by another program; end that one, or name another file";
   const bool full = error == ENOSPC || error == EFBIG;
   return fmt::format("cannot be written: {}{}", std::strerror(error), full ? "; free some space" : "");
 }
@@ -78,9 +91,14 @@ std::string whyNotWritten(int error) {
 int processNumber() noexcept { return static_cast<int>(::GetCurrentProcessId()); }
 
 int UnbufferedFile::open(const std::filesystem::path& file) noexcept {
-  constexpr int kHow = _O_WRONLY | _O_CREAT | _O_TRUNC | _O_BINARY | _O_NOINHERIT;
+  constexpr int kHow = _O_WRONLY | _O_CREAT | _O_BINARY | _O_NOINHERIT;
   descriptor_ = ::_wopen(file.c_str(), kHow, _S_IREAD | _S_IWRITE);
-  return descriptor_ < 0 ? errno : 0;
+  if (descriptor_ < 0) return errno;
+  const bool alone = hold(descriptor_);
+  const bool isDisk = ::GetFileType(reinterpret_cast<HANDLE>(::_get_osfhandle(descriptor_))) == FILE_TYPE_DISK;
+  const int error = !alone ? EAGAIN : isDisk ? ::_chsize_s(descriptor_, 0) : 0;
+  if (error != 0) close();
+  return error;
 }
 
 int UnbufferedFile::write(std::span<const std::byte> bytes) noexcept {

@@ -9,9 +9,14 @@
 #define PALPATE_INTO_CALLER __attribute__((always_inline))
 // A function of AVX-512's own, such as those that compress lanes; to be called only where hasAvx512().
 #define PALPATE_AVX512 [[gnu::target("avx512f,avx512vl,popcnt")]]
+// Two definitions of a function, each with all that it calls: for a processor with AVX2, whose lanes are eight floats,
+// and for any other.
+#define PALPATE_WITH_AVX2 [[gnu::target("avx2"), gnu::flatten]]
+#define PALPATE_WITHOUT_AVX2 [[gnu::target("default"), gnu::flatten]]
 #else
 #define PALPATE_WIDEST_LANES
 #define PALPATE_INTO_CALLER
+#define PALPATE_WITHOUT_AVX2
 #endif
 
 #ifdef PALPATE_AVX512

@@ -103,7 +103,7 @@ bool CpuSculpture::isAtRest(std::uint32_t point) const {
 
 float CpuSculpture::mostReach() const { return shared::kReach * static_cast<float>(options_.radius); }
 
-// A new point with less reach than a brush gives is still where it was inserted.
+// A new point has been moved if its reach is that which a brush gives: an inserted one has less.
 bool CpuSculpture::isMoved(std::uint32_t point) const {
   return point < points_.fromFile ? !isAtRest(point) : points_.reaches[point - points_.fromFile] == mostReach();
 }

@@ -5,6 +5,10 @@
 #include <cctype>
 #include <charconv>
 #include <map>
+#include <string>
+#include <vector>
+
+#include "engine/core/unknown_name.hpp"
 
 namespace palpate {
 
@@ -15,9 +19,9 @@ std::string lowered(std::string text) {
   return text;
 }
 
-std::string listOf(std::span<const GpuDescription> gpus) {
-  std::string list;
-  for (std::size_t i = 0; i < gpus.size(); ++i) list += fmt::format("{}{}: {}", i ? ", " : "", i, gpus[i].name);
+std::vector<std::string> listOf(std::span<const GpuDescription> gpus) {
+  std::vector<std::string> list;
+  for (std::size_t i = 0; i < gpus.size(); ++i) list.push_back(fmt::format("{} ({})", i, gpus[i].name));
   return list;
 }
 
@@ -50,11 +54,11 @@ std::size_t chooseGpu(std::span<const GpuDescription> gpus, const std::string& s
   const char* end = selector.data() + selector.size();
   if (const auto [last, error] = std::from_chars(selector.data(), end, number); error == std::errc() && last == end) {
     if (number < gpus.size()) return number;
-    throw GpuError("there is no GPU number {}; GPUs are {}", number, listOf(gpus));
+    throw GpuError("{}", unknownName("GPU number", selector, listOf(gpus)));
   }
   for (std::size_t i = 0; i < gpus.size(); ++i)
     if (lowered(gpus[i].name).find(lowered(selector)) != std::string::npos) return i;
-  throw GpuError("no GPU has '{}' in its name; GPUs are {}", selector, listOf(gpus));
+  throw GpuError("{}", unknownName("GPU", selector, listOf(gpus)));
 }
 
 std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> families,

@@ -23,7 +23,7 @@ bool isFolderOfFormat(const std::filesystem::path& path, const CloudFormats& for
          });
 }
 
-/// Whether a name ends as a format's files do; what they hold is not looked at.
+/// Whether a name ends as a format's files do; the content of the files is not checked.
 bool hasKnownEnding(const std::filesystem::path& file, const CloudFormats& formats) {
   const std::string ending = file.extension().string();
   return !ending.empty() && std::ranges::any_of(formats.all(), [&](const CloudFormat& format) {

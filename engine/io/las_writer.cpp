@@ -112,7 +112,7 @@ void writeLaz(const std::filesystem::path& path, const PointCloud& cloud, const 
 
 std::vector<std::string> lacksOfLas(const StoredCloud& stored) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
+  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
   if (stored.cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
   if (const LasGrid grid = lasGridFor(stored.cloud); !grid.exact)
     lost.push_back(fmt::format("coordinates finer than {:.3g}", 0.5 * std::abs(grid.grid.step.x)));

@@ -25,7 +25,7 @@ constexpr std::uint64_t kSeed = 1;
 constexpr std::array<std::string_view, 1> kObj{".obj"}, kStl{".stl"}, kOff{".off"};
 constexpr std::array<std::string_view, 2> kGltf{".gltf", ".glb"};
 
-std::string madeFrom(const TriangleSoup& soup) { return fmt::format("{}", counted(soup.triangles.size(), "triangle")); }
+std::string madeFrom(const TriangleSoup& soup) { return counted(soup.triangles.size(), "triangle"); }
 
 using Import = ImportedMesh (*)(const std::filesystem::path& file);
 

@@ -30,7 +30,7 @@ class OffReader {
     if (others_ > 0) mesh_.lost.push_back(fmt::format("{} points and lines", others_));
     if (colors_ > 0) mesh_.lost.push_back(fmt::format("the colours of {}", counted(colors_, "face")));
     if (large_ > 0)
-      mesh_.lost.push_back(fmt::format("the dents of {} with more than {}", counted(large_, "polygon"),
+      mesh_.lost.push_back(fmt::format("the concave outlines of {} with more than {}", counted(large_, "polygon"),
                                        counted(kLargestConcavePolygon, "corner")));
     return std::move(mesh_);
   }

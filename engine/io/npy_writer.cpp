@@ -99,7 +99,7 @@ bool isTakenInNpz(const std::string& name) {
 
 std::vector<std::string> lacksOf(const StoredCloud& stored) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
+  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
   if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
   for (const std::string& name : namesGivingWay(stored.cloud))
     lost.push_back(fmt::format("the field '{}', because another one is written under its name", name));

@@ -241,7 +241,7 @@ void writePcd(const std::filesystem::path& path, const PointCloud& cloud, const 
 
 std::vector<std::string> lacksOfPcd(const StoredCloud& stored) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
+  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
   for (const Attribute& attribute : stored.cloud.extra)
     if (fieldGivesWay(stored.cloud, attribute.name))
       lost.push_back(fmt::format("the field '{}', because another one is written under its name", attribute.name));

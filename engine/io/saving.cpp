@@ -59,6 +59,14 @@ void sayWhatIsLost(const std::filesystem::path& file, Log& log) {
   log.say("{}; the existing file is kept as {}", inTheWay.sentence(), AtomicFile::nameToKeep(file).string());
 }
 
+std::filesystem::path* whereToKeep(const std::filesystem::path& file, std::filesystem::path& kept, Log& log) {
+  FileInTheWay inTheWay = fileInTheWay(file);
+  inTheWay.more.clear();  // ours, or kept in any case
+  if (!inTheWay.losesSomething()) return nullptr;
+  log.say("{}; it is kept as {}", inTheWay.sentence(), AtomicFile::nameToKeep(file).string());
+  return &kept;
+}
+
 bool isOurs(std::span<const std::string> comments) { return std::ranges::find(comments, kOurs) != comments.end(); }
 
 void markAsOurs(PointCloud& cloud) {

@@ -35,6 +35,10 @@ bool isOurs(std::span<const std::string> comments);
 /// Adds the comment that palpate wrote the file to `cloud`.
 void markAsOurs(PointCloud& cloud);
 
+/// Where writeCloud() and writeMesh() store the name under which they keep an existing file: `kept` if it was not
+/// written by palpate, which is logged now; null if there is none, or it is ours and may be replaced.
+std::filesystem::path* whereToKeep(const std::filesystem::path& file, std::filesystem::path& kept, Log& log);
+
 /// Writes `cloud`, marked as ours, and without normals that are marked as estimates; keeps an existing file whose
 /// contents would be lost. Returns the kept file's new path, or an empty path. Throws FileError.
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud,

@@ -195,7 +195,7 @@ void writePts(const std::filesystem::path& path, const PointCloud& cloud, const 
 
 std::vector<std::string> lacksOfText(const StoredCloud& stored) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
+  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
   if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
   for (const std::string& name : namesGivingWay(stored.cloud))
     lost.push_back(fmt::format("the column '{}', because another one is written under its name", name));
@@ -205,7 +205,7 @@ std::vector<std::string> lacksOfText(const StoredCloud& stored) {
 
 std::vector<std::string> lacksOfPts(const StoredCloud& stored) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(fmt::format("{}", counted(stored.triangles.size(), "triangle")));
+  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
   if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
   if (stored.cloud.hasNormals()) lost.emplace_back("normals");
   for (const Attribute& attribute : stored.cloud.extra)

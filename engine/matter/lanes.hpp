@@ -8,73 +8,143 @@
 #include <limits>
 #include <type_traits>
 
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
+
 namespace palpate {
 
-/// Four floats, each with bitwise the same results as a float.
-class Lanes {
- public:
-  static constexpr std::size_t kCount = 4;
+template <std::size_t N>
+struct VectorOf;
+template <>
+struct VectorOf<4> {
+  using Type [[gnu::vector_size(16)]] = float;
+};
+template <>
+struct VectorOf<8> {
+  using Type [[gnu::vector_size(32)]] = float;
+};
 
-  Lanes() = default;
+/// `N` floats, each with bitwise the same results as a float.
+template <std::size_t N>
+class LanesOf {
+ public:
+  static constexpr std::size_t kCount = N;
+
+  LanesOf() = default;
   template <class Number>
   requires std::is_arithmetic_v<Number>
-  explicit Lanes(Number all) : values_(Vector{} + static_cast<float>(all)) {}
-  explicit Lanes(const std::array<float, kCount>& values) : values_{values[0], values[1], values[2], values[3]} {}
+  explicit LanesOf(Number all) : values_(Vector{} + static_cast<float>(all)) {}
+  explicit LanesOf(const std::array<float, kCount>& values) { std::memcpy(&values_, values.data(), sizeof(Vector)); }
 
   /// From and to memory.
-  static Lanes at(const float* values) {
-    Lanes lanes;
+  static LanesOf at(const float* values) {
+    LanesOf lanes;
     std::memcpy(&lanes.values_, values, sizeof(Vector));
     return lanes;
   }
   void writeTo(float* values) const { std::memcpy(values, &values_, sizeof(Vector)); }
 
   float operator[](std::size_t lane) const { return values_[lane]; }
-  float sum() const { return (values_[0] + values_[1]) + (values_[2] + values_[3]); }
+  float sum() const requires(N == 4) { return (values_[0] + values_[1]) + (values_[2] + values_[3]); }
 
-  Lanes operator-() const { return Lanes(-values_); }
-  Lanes& operator+=(Lanes b) { return *this = *this + b; }
-  Lanes& operator-=(Lanes b) { return *this = *this - b; }
-  Lanes& operator*=(Lanes b) { return *this = *this * b; }
-  Lanes& operator/=(Lanes b) { return *this = *this / b; }
-  /// Selects four of the eight values of `a` and `b`.
-  template <int i, int j, int k, int l>
-  static Lanes shuffled(Lanes a, Lanes b) {
-    return Lanes(__builtin_shufflevector(a.values_, b.values_, i, j, k, l));
+  LanesOf operator-() const { return LanesOf(-values_); }
+  LanesOf& operator+=(LanesOf b) { return *this = *this + b; }
+  LanesOf& operator-=(LanesOf b) { return *this = *this - b; }
+  LanesOf& operator*=(LanesOf b) { return *this = *this * b; }
+  LanesOf& operator/=(LanesOf b) { return *this = *this / b; }
+  /// Selects as many of the values of `a` and `b`.
+  template <int... chosen>
+  static LanesOf shuffled(LanesOf a, LanesOf b) {
+    return LanesOf(__builtin_shufflevector(a.values_, b.values_, chosen...));
   }
-  friend Lanes min(Lanes a, Lanes b) { return Lanes(a.values_ < b.values_ ? a.values_ : b.values_); }
-  friend Lanes max(Lanes a, Lanes b) { return Lanes(a.values_ > b.values_ ? a.values_ : b.values_); }
-  friend Lanes sqrt(Lanes a) {
+  /// Adds the lanes to those of `sum`, four after four.
+  void addTo(LanesOf<4>& sum) const {
+    if constexpr (N == 4)
+      sum += *this;
+    else
+      sum = sum + low() + high();
+  }
+
+  /// From two halves, and back.
+  static LanesOf of(LanesOf<N / 2> low, LanesOf<N / 2> high) {
+    return LanesOf(__builtin_shufflevector(low.values_, high.values_, 0, 1, 2, 3, 4, 5, 6, 7));
+  }
+  LanesOf<N / 2> low() const { return LanesOf<N / 2>(__builtin_shufflevector(values_, values_, 0, 1, 2, 3)); }
+  LanesOf<N / 2> high() const { return LanesOf<N / 2>(__builtin_shufflevector(values_, values_, 4, 5, 6, 7)); }
+  friend LanesOf min(LanesOf a, LanesOf b) { return LanesOf(a.values_ < b.values_ ? a.values_ : b.values_); }
+  friend LanesOf max(LanesOf a, LanesOf b) { return LanesOf(a.values_ > b.values_ ? a.values_ : b.values_); }
+  friend LanesOf sqrt(LanesOf a) {
     Vector roots;
     for (std::size_t k = 0; k < kCount; ++k) roots[k] = std::sqrt(a.values_[k]);
-    return Lanes(roots);
+    return LanesOf(roots);
   }
-  friend Lanes operator+(Lanes a, Lanes b) { return Lanes(a.values_ + b.values_); }
-  friend Lanes operator-(Lanes a, Lanes b) { return Lanes(a.values_ - b.values_); }
-  friend Lanes operator*(Lanes a, Lanes b) { return Lanes(a.values_ * b.values_); }
-  friend Lanes operator/(Lanes a, Lanes b) { return Lanes(a.values_ / b.values_); }
+  /// A bit for each lane, the lowest for the first one: whether a < b.
+  friend unsigned areBelow(LanesOf a, LanesOf b) {
+    if constexpr (N > 4) {
+      return areBelow(a.low(), b.low()) | areBelow(a.high(), b.high()) << (N / 2);
+    } else {
+#ifdef __SSE__
+      return static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(a.values_, b.values_)));
+#else
+      unsigned bits = 0;
+      for (std::size_t k = 0; k < N; ++k) bits |= static_cast<unsigned>(a.values_[k] < b.values_[k]) << k;
+      return bits;
+#endif
+    }
+  }
+  friend LanesOf operator+(LanesOf a, LanesOf b) { return LanesOf(a.values_ + b.values_); }
+  friend LanesOf operator-(LanesOf a, LanesOf b) { return LanesOf(a.values_ - b.values_); }
+  friend LanesOf operator*(LanesOf a, LanesOf b) { return LanesOf(a.values_ * b.values_); }
+  friend LanesOf operator/(LanesOf a, LanesOf b) { return LanesOf(a.values_ / b.values_); }
 
  private:
-  using Vector [[gnu::vector_size(16)]] = float;
-  explicit Lanes(Vector values) : values_(values) {}
+  template <std::size_t>
+  friend class LanesOf;
+  using Vector = typename VectorOf<N>::Type;
+  explicit LanesOf(const Vector& values) : values_(values) {}
 
   Vector values_;
 };
 
-/// Four vectors transposed: one Lanes per component.
-struct FourVectors {
-  Lanes x, y, z, w;
+using Lanes = LanesOf<4>;
 
-  static FourVectors of(Lanes a, Lanes b, Lanes c, Lanes d) {
-    const auto low = [](Lanes p, Lanes q) { return Lanes::shuffled<0, 4, 1, 5>(p, q); };
-    const auto high = [](Lanes p, Lanes q) { return Lanes::shuffled<2, 6, 3, 7>(p, q); };
-    const Lanes acLow = low(a, c), acHigh = high(a, c), bdLow = low(b, d), bdHigh = high(b, d);
+/// `N` vectors transposed: lanes for each component.
+template <std::size_t N>
+struct VectorsOf {
+  LanesOf<N> x, y, z, w;
+
+  static VectorsOf of(const std::array<Lanes, N>& all) {
+    if constexpr (N == 4) {
+      return transposed(all[0], all[1], all[2], all[3]);
+    } else {
+      const auto both = [&](std::size_t k) { return LanesOf<N>::of(all[k], all[k + 4]); };
+      return transposed(both(0), both(1), both(2), both(3));
+    }
+  }
+
+ private:
+  static VectorsOf transposed(LanesOf<N> a, LanesOf<N> b, LanesOf<N> c, LanesOf<N> d) {
+    const LanesOf<N> acLow = low(a, c), acHigh = high(a, c), bdLow = low(b, d), bdHigh = high(b, d);
     return {low(acLow, bdLow), high(acLow, bdLow), low(acHigh, bdHigh), high(acHigh, bdHigh)};
+  }
+  // The first, or last, two of each four lanes of both, alternating.
+  static LanesOf<N> low(LanesOf<N> p, LanesOf<N> q) {
+    if constexpr (N == 4)
+      return LanesOf<N>::template shuffled<0, 4, 1, 5>(p, q);
+    else
+      return LanesOf<N>::template shuffled<0, 8, 1, 9, 4, 12, 5, 13>(p, q);
+  }
+  static LanesOf<N> high(LanesOf<N> p, LanesOf<N> q) {
+    if constexpr (N == 4)
+      return LanesOf<N>::template shuffled<2, 6, 3, 7>(p, q);
+    else
+      return LanesOf<N>::template shuffled<2, 10, 3, 11, 6, 14, 7, 15>(p, q);
   }
 };
 
 }  // namespace palpate
 
-/// Required by glm to accept Lanes as a number.
-template <>
-class std::numeric_limits<palpate::Lanes> : public std::numeric_limits<float> {};
+/// Required by glm to accept them as numbers.
+template <std::size_t N>
+class std::numeric_limits<palpate::LanesOf<N>> : public std::numeric_limits<float> {};

@@ -1,6 +1,7 @@
 // Neighbour lists, valid for some substeps.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -25,7 +26,7 @@ struct Neighbour {
 inline constexpr std::size_t kMaxNeighbours = 1000;
 
 /// Lists are padded to a multiple of this, so that as many neighbours can be processed at once.
-inline constexpr std::size_t kListedTogether = 4;
+inline constexpr std::size_t kListedTogether = 8;
 
 class NeighbourLists {
  public:
@@ -36,17 +37,12 @@ class NeighbourLists {
   /// kMaxNeighbours; its list is truncated.
   bool build(const CellGrid& grid, std::span<const Vec4> places, WorkerTeam& team);
 
-  /// Neighbours of a slot, excluding itself, in the order of their slots.
+  /// Neighbours of a slot, excluding itself, in the order of their slots. Copies of the last one follow, up to a
+  /// multiple of kListedTogether.
   std::span<const Neighbour> of(std::size_t slot) const {
     const Block& block = blocks_[slot / kSlotsOfBlock];
     const std::size_t k = slot % kSlotsOfBlock;
     return std::span(block.neighbours).subspan(block.first[k], block.counts[k]);
-  }
-  /// The same, padded with copies of the last one to a multiple of kListedTogether.
-  std::span<const Neighbour> filledUp(std::size_t slot) const {
-    const Block& block = blocks_[slot / kSlotsOfBlock];
-    const std::size_t k = slot % kSlotsOfBlock;
-    return std::span(block.neighbours).subspan(block.first[k], block.first[k + 1] - block.first[k]);
   }
   /// Index of a slot's first neighbour in its block.
   std::size_t firstOf(std::size_t slot) const { return blocks_[slot / kSlotsOfBlock].first[slot % kSlotsOfBlock]; }
@@ -64,6 +60,7 @@ class NeighbourLists {
 
   float reach_;
   std::vector<Block> blocks_;
+  std::array<std::vector<float>, 3> along_;  // coordinates of the positions, for a few more than there are
 };
 
 }  // namespace palpate

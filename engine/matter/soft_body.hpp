@@ -96,8 +96,8 @@ class SoftBody {
   void stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>& forces, WorkerTeam& team);
   /// Strain energy relative to rest, J.
   double strainEnergy_J() const;
-  /// Deformation gradients over the lattice minus 1: means of the cells around a node, weighted by their fill. Exact
-  /// for a rotation and a stretch. `gradients`: one per node.
+  /// Deformation gradients over the lattice, minus the identity: means of the cells around a node, weighted by their
+  /// fill. Exact for a rotation and a stretch. `gradients`: one per node.
   void gradients(std::vector<glm::mat3>& gradients, WorkerTeam& team) const;
   /// The same for one cell.
   glm::mat3 gradientOf(std::size_t cell) const;

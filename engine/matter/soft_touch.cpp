@@ -161,7 +161,7 @@ void SoftTouch::rememberBrush(const Pose& pose, const Contact& answer) {
 
 DVec3 SoftTouch::hipAt(const Hand& hand, double time_s) const {
   const std::size_t known = std::min(ticks_, kRemembered);
-  // From the newest tick back.
+  // Backwards from the newest tick.
   for (std::size_t back = 1; back < known; ++back) {
     const std::size_t later = (ticks_ - back) % kRemembered, before = (ticks_ - back - 1) % kRemembered;
     if (times_s_[before] > time_s || !(times_s_[later] > times_s_[before])) continue;

@@ -13,6 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr double kMaxBlocks = 1u << 26;
+// Points of a square lattice whose side is the support radius.
+const int kSidePoints = static_cast<int>(shared::kSupportSpacings) + 1, kFewestPoints = kSidePoints * kSidePoints;
 // More spacings within a support radius give no better surface, only more points to visit.
 constexpr double kMaxSpacings = 5;
 constexpr std::uint64_t kChoice = 0x6d657368;  // seed for the choice of points
@@ -27,6 +29,11 @@ MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& optio
   MeshPlan plan{.surface = options.surface};
   const double side = bounds.longestSide();
   const double wanted = options.radius > 0 ? options.radius : static_cast<double>(shared::kSupportSpacings) * spacing;
+  if (!(options.radius > 0) && side > 0 && wanted > side)
+    throw Error(
+        "points {:.3g} apart on a model {:.3g} long are too few for a surface, which needs at least {}: its support "
+        "radius, four spacings, must not exceed the model; add points, or use a smaller radius",
+        spacing, side, kFewestPoints);
   // A cloud without extent is a single position: any cell size works.
   const double cell = side > 0 ? side / options.resolution : wanted > 0 ? wanted / 4 : 1.0;
   const double radius = std::max(wanted, kMinRadius_cells * cell);

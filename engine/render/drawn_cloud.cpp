@@ -122,7 +122,7 @@ void DrawnCloud::apply(const Entries& entries) {
                                  .pointCount = count_,
                                  .colored = hasColors_ ? 1u : 0u,
                                  .marks = radii_ ? 1u : 0u,
-                                 .changed = radii_ ? radii_->changed() : 0,
+                                 .changed = radii_ ? radii_->changed().address() : 0,
                                  .grid = radii_ ? radii_->grid() : HashGrid{}};
   const bool follows = radii_ && radii_->index().isCurrent();
   list_.begin();
@@ -149,7 +149,7 @@ void DrawnCloud::place(const LiveCloud::Half& live, std::uint32_t slots, bool co
                                .pointCount = count_,
                                .colored = colored && hasColors_ ? 1u : 0u,
                                .marks = radii_ ? 1u : 0u,
-                               .changed = radii_ ? radii_->changed() : 0,
+                               .changed = radii_ ? radii_->changed().address() : 0,
                                .grid = radii_ ? radii_->grid() : HashGrid{},
                                .keepsWithin = static_cast<float>(shared::kKeepsDiscWithin * spacing_),
                                .unused = 0};

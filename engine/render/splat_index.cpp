@@ -23,6 +23,7 @@ SplatIndex::Following::Following(Device& device, const SpatialHash& hash, const 
     : update(device, device.throughputQueue(), hash, options),
       follow(device, shader_code::render_splat_follow, followPipeline(update.dispatch())),
       near(device, shader_code::render_splat_near, {.pushBytes = sizeof(shared::SplatNearArgs)}),
+      clearMarks(device, shader_code::render_splat_forget, {.pushBytes = sizeof(shared::SplatForgetArgs)}),
       // Room for a vec4 at the end: the validation layer of Debian 12 takes the store of an ivec3 for one.
       cells(device, sizeof(shared::ChangedCells) + sizeof(IVec3) * std::uint64_t{update.mostMoves()} + sizeof(float),
             Memory::device, "changed cells"),
@@ -132,6 +133,17 @@ void SplatIndex::recordForget(CommandList& list) const {
   if (!following_) return;
   list.fill(following_->cells, 0, sizeof(shared::ChangedCells));
   if (restarts()) list.fill(following_->lastOf, 0, following_->lastOf.bytes());
+}
+
+void SplatIndex::recordClearMarks(CommandList& list, const Buffer& marks) const {
+  const std::uint32_t listed = changes().count;
+  if (listed == 0) return;
+  list.dispatch(following_->clearMarks, listed,
+                shared::SplatForgetArgs{.cells = following_->cells.address(),
+                                        .changed = marks.address(),
+                                        .grid = grid(),
+                                        .listed = listed,
+                                        .unused = 0});
 }
 
 // Whether the numbers of cells begin again at 0: they may have outgrown a word, or the list.

@@ -41,6 +41,8 @@ class SplatIndex {
   void recordNear(CommandList& list, shared::SplatNearArgs args) const;
   /// Records that discs are measured as the points are now; once that list has run, call forget().
   void recordForget(CommandList& list) const;
+  /// Records that marks are cleared (SplatRadii::changed()): those of changedCells() alone. Before recordForget().
+  void recordClearMarks(CommandList& list, const Buffer& marks) const;
   void forget();
 
   /// The copy of the points, and the first and one-past-last slot of every bucket in it, where points are in the order
@@ -57,7 +59,7 @@ class SplatIndex {
     std::uint64_t bytes() const;
 
     HashUpdate update;
-    ComputePipeline follow, near;
+    ComputePipeline follow, near, clearMarks;
     Buffer cells, cellsRead;  // ChangedCells and the list after it
     Buffer lastOf, lists;
     std::uint32_t mostCells;

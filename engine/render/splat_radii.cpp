@@ -61,12 +61,15 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
 void SplatRadii::measure(const LiveCloud::Half& points, const DiscShapes& shapes) {
   index_.build(points, [](CommandList&) {});
   ++work_.builds;
-  measure(points, shapes, places_, false);
+  measure(points, shapes, places_, Discs::all);
 }
 
 void SplatRadii::measureChanged(const LiveCloud::Half& points, const DiscShapes& shapes) {
   const std::optional<std::uint32_t> near = listNear();
-  measure(points, shapes, near ? *near : listAmongAll(points), true);
+  if (near)
+    measure(points, shapes, *near, Discs::listedNear);
+  else
+    measure(points, shapes, listAmongAll(points), Discs::listedAmongAll);
 }
 
 std::optional<std::uint32_t> SplatRadii::listNear() {
@@ -109,8 +112,7 @@ std::uint32_t SplatRadii::listAmongAll(const LiveCloud::Half& points) {
   return countRead_.mapped<const std::uint32_t>()[0];
 }
 
-void SplatRadii::measure(const LiveCloud::Half& points, const DiscShapes& shapes, std::uint32_t count,
-                         bool onlyListed) {
+void SplatRadii::measure(const LiveCloud::Half& points, const DiscShapes& shapes, std::uint32_t count, Discs which) {
   const shared::SplatRadiusArgs args{.cloud = index_.view(),
                                      .normals = points.normals.address(),
                                      .clips = shapes.clips.address(),
@@ -120,17 +122,27 @@ void SplatRadii::measure(const LiveCloud::Half& points, const DiscShapes& shapes
                                      .largest = largest_.address(),
                                      .spacing = static_cast<float>(spacing_),
                                      .widest = static_cast<float>(widest_),
-                                     .onlyListed = onlyListed ? 1u : 0u,
+                                     .onlyListed = which == Discs::all ? 0u : 1u,
                                      .count = count};
   list_.begin();
   list_.dispatch(pass_, std::uint64_t{count} * device_.subgroupSize(), args);
-  list_.fill(changed_, 0, changed_.bytes());
+  recordClearMarks(list_, which);
   index_.recordForget(list_);
   list_.copy(largest_, largestRead_, largest_.bytes());
   list_.end();
   device_.throughputQueue().run(list_);
   index_.forget();
   work_.measured += count;
+}
+
+void SplatRadii::recordClearMarks(CommandList& list, Discs which) {
+  if (which == Discs::listedNear) {
+    work_.cells += *index_.changedCells();
+    index_.recordClearMarks(list, changed_);
+  } else {
+    ++work_.clears;
+    list.fill(changed_, 0, changed_.bytes());
+  }
 }
 
 double SplatRadii::largest() const {

@@ -11,6 +11,8 @@ struct DiscWork {
   std::uint64_t builds = 0;    ///< of the whole index
   std::uint64_t searches = 0;  ///< among all points for discs to be measured
   std::uint64_t measured = 0;  ///< discs
+  std::uint64_t cells = 0;     ///< changed ones, around which discs were searched
+  std::uint64_t clears = 0;    ///< of the marks of all buckets
 };
 
 /// What is known of discs beside their radii.
@@ -43,7 +45,7 @@ class SplatRadii {
   const SplatIndex& index() const { return index_; }
   const HashGrid& grid() const { return index_.grid(); }
   /// One bit per bucket of the grid, set when a point in it is added, removed, moved or rotated.
-  DeviceAddress changed() const { return changed_.address(); }
+  const Buffer& changed() const { return changed_; }
   /// Largest radius ever measured, model units.
   double largest() const;
   const DiscWork& work() const { return work_; }
@@ -55,7 +57,9 @@ class SplatRadii {
   std::optional<std::uint32_t> listNear();
   std::uint32_t listAmongAll(const LiveCloud::Half& points);
   void recordAmongAll(CommandList& list) const;
-  void measure(const LiveCloud::Half& points, const DiscShapes& shapes, std::uint32_t count, bool onlyListed);
+  enum class Discs { all, listedNear, listedAmongAll };
+  void measure(const LiveCloud::Half& points, const DiscShapes& shapes, std::uint32_t count, Discs which);
+  void recordClearMarks(CommandList& list, Discs which);
 
   Device& device_;
   std::uint32_t places_;

@@ -11,6 +11,7 @@
 #include "haptics/devices/haply_force_watch.hpp"
 #include "haptics/devices/haply_service.hpp"
 #include "haptics/devices/haptic_device.hpp"
+#include "haptics/session_clock.hpp"
 
 namespace palpate {
 
@@ -18,6 +19,8 @@ struct HaplyOptions {
   std::string serial;                           ///< empty: the only device
   bool shares = false;                          ///< takes a device that another program uses, whose forces add to these
   std::function<void(const std::string&)> say;  ///< messages for the user, also from the thread of the exchange
+  /// Replaces the machine's clock, and must outlive the device. The service paces the exchange then.
+  SessionClock* clock = nullptr;
 };
 
 /// A thread of its own exchanges messages with the service, at most 4000 times a second: each tells the newest force
@@ -44,6 +47,7 @@ class HaplyDevice final : public HapticDevice {
 
  private:
   void choose();
+  std::int64_t now_ns() const noexcept { return clock_.now_ns(); }
   void say(const std::string& sentence);
   void exchange(const std::stop_token& stop);
   /// False at the end of the session.
@@ -57,6 +61,7 @@ class HaplyDevice final : public HapticDevice {
   bool send(const DVec3& force_N);
 
   HaplyOptions options_;
+  SessionClock& clock_;
   std::unique_ptr<HaplyService> service_;
   haply::Choice choice_;
   bool values_ = false;  ///< spelling of the force

@@ -35,7 +35,7 @@ enum class Trouble : std::uint8_t {
   safety,         ///< the firmware has stopped it
   shared          ///< another program applies a force to it
 };
-/// What the light of a device means, a line for each colour.
+/// Meaning of the light of a device, one line per colour.
 inline constexpr std::string_view kLights =
     "white: ready, no force\ngreen: force\nred: no data\npurple: not calibrated\ncyan: stopped by its safety";
 /// Whether a state with it has a pose.

@@ -6,14 +6,14 @@ namespace palpate::library {
 
 void BuiltSession::build(bool journal, bool editable) {
   if (!session_) return make(parts_.config, journal, editable);
-  const Before before{session_->config(), session_->journal() != nullptr, editable_};
+  std::optional<Before> before({session_->config(), session_->journal() != nullptr, editable_});
   try {
-    make(before.config, journal, editable);
+    make(before->config, journal, editable);
   } catch (const Stopped&) {
-    before_ = before;  // building it now would take as long again
+    before_ = std::move(before);  // building it now would take as long again
     throw;
   } catch (...) {
-    before_ = before;
+    before_ = std::move(before);  // moved: a copy would allocate, and memory may be what is missing
     ensure();
     throw;
   }

@@ -1,4 +1,6 @@
 // The C interface: clouds whose frames the program provides, and recorded depth cameras.
+#include <utility>
+
 #include "engine/io/rgbd_folder.hpp"
 #include "haptics/library/held_session.hpp"
 #include "haptics/library/options.hpp"
@@ -52,6 +54,8 @@ pp_status pp_session_push_frame(pp_session session, const pp_frame_arrays* frame
                              .positions = rowsFrom(given.positions, false, "positions"),
                              .normals = rowsFrom(given.normals, false, "normals"),
                              .colors = {}};
-    found->pushFrame(cloudOf(arrays, nullptr), vectorsFrom(given.velocities, given.count, "velocities"), given.t_s);
+    PointCloud cloud = cloudOf(arrays, nullptr);
+    if (!cloud.hasNormals()) throw UsageError("normals: are zero for too many points; each frame requires them");
+    found->pushFrame(std::move(cloud), vectorsFrom(given.velocities, given.count, "velocities"), given.t_s);
   });
 }

@@ -66,10 +66,11 @@ std::uint32_t HandleTable::freePlace() {
   const std::scoped_lock lock(lock_);
   if (free_.empty()) {
     if (owned_.size() == kChunks) throw Error("{} handles are open, which is the maximum", kSlots * kChunks);
+    free_.reserve((owned_.size() + 1) * kSlots);  // first: nothing below, nor remove(), may fail half done
     owned_.push_back(std::make_unique<Chunk>());
+    chunks_[owned_.size() - 1].store(owned_.back().get(), std::memory_order_release);
     const auto first = static_cast<std::uint32_t>((owned_.size() - 1) * kSlots);
     for (std::uint32_t k = kSlots; k-- > 0;) free_.push_back(first + k);
-    chunks_[owned_.size() - 1].store(owned_.back().get(), std::memory_order_release);
   }
   const std::uint32_t place = free_.back();
   free_.pop_back();

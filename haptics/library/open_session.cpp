@@ -202,9 +202,12 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
   struct BrushBefore {
     ~BrushBefore() {
       try {
-        of.setBrushBetween(brush);
-      } catch (const std::exception& error) {
-        of.messages_.sink().warn("{}", error.what());
+        try {
+          of.setBrushBetween(brush);
+        } catch (const std::exception& error) {
+          of.messages_.sink().warn("{}", error.what());
+        }
+      } catch (...) {  // no memory for the warning either
       }
     }
     OpenSession& of;
@@ -290,7 +293,21 @@ std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
 }
 
 PointCloud OpenSession::points() {
-  settle();
+  const auto hasFailed = [&] {
+    try {
+      session_->backend().finish();
+    } catch (...) {
+      return true;
+    }
+    return false;
+  };
+  try {
+    settle();
+  } catch (const std::exception& error) {
+    if (isLive() || !session_->journal() || !hasFailed()) throw;
+    session_->abandonEdits();
+    messages_.sink().warn("these are the last known points, without edits that were in progress: {}", error.what());
+  }
   return views_.points(*session_, frameIfMoving().get());
 }
 

@@ -30,10 +30,10 @@ enum class ModelKind {
   partialReadOnly,  ///< the same, served read-only
   partialMoving,    ///< the same of a model that moves
 };
-inline constexpr std::size_t kModelKinds = 13;
+inline constexpr std::size_t kModelKinds = static_cast<std::size_t>(ModelKind::partialMoving) + 1;  // the last
 
 enum class Action { sculpt, carve, paint, insertPoints, move, undo, save, record };
-inline constexpr std::size_t kActions = 8;
+inline constexpr std::size_t kActions = static_cast<std::size_t>(Action::record) + 1;  // the last
 
 /// The action that a brush requires: carve and paint for themselves, Action::sculpt for all others.
 Action actionOf(BrushKind kind);

@@ -49,7 +49,7 @@ class LiveRun {
   void take(std::vector<TraceRow>& rows);
   /// The thread has ended, because of a fault or a pause.
   bool hasEnded() const { return ended_; }
-  /// Why the thread has ended by itself; empty: it has not. For use after its end.
+  /// Reason for which the thread ended by itself; empty if it did not. For use after its end.
   const std::string& fault() const { return fault_; }
   /// The device caused the fault.
   bool deviceFailed() const { return deviceFailed_; }

@@ -115,8 +115,7 @@ constexpr Setting<ToolConfig> kTool[]{
 
 constexpr Setting<BrushConfig> kBrush[]{
     {"kind", words<&BrushConfig::kind, kBrushKinds>(), "--edit",
-     "brush: none, push, carve, inflate, smooth, grab, paint (see --paint-color) or flatten; cuda "
-     "has push only, a soft body neither carve nor paint"},
+     "the brush; cuda has push only, a soft body neither carve nor paint"},
     {"yield_depth_mm",
      &BrushConfig::yieldDepth_mm,
      "--yield-depth",
@@ -307,7 +306,7 @@ constexpr Setting<HandConfig> kHand[]{
     {"own_scheduler", &HandConfig::ownScheduler, "--scheduler",
      "thread that runs the ticks of an OpenHaptics device: device (the driver) or own (palpate)"},
     {"rumbles", &HandConfig::rumbles, "--rumble",
-     "a DualSense on a cable rumbles at each contact, whatever the device"},
+     "a DualSense that is connected by cable rumbles at each contact, with any --device"},
     {"axes", &HandConfig::axes, "--axes",
      "axes of the device that point right, up and towards the user, as in x,z,-y (default: as remembered for it, "
      "else x,y,z)"},

@@ -50,8 +50,8 @@ class ProfileReader {
     if (!std::filesystem::is_directory(folder_, none))
       throw FileError(folder_, "is not a folder of keys: it does not exist");
     if (std::filesystem::exists(folder_ / "authority", none))
-      throw FileError(
-          folder_, "has an authority and the keys of several holders; name the folder of one of them, which is in it");
+      throw FileError(folder_,
+                      "contains an authority and the keys of several holders; name the folder of one holder in it");
   }
 
   std::string contentOf(Kind kind) const {

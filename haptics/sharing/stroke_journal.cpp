@@ -48,11 +48,13 @@ StrokeJournal::StrokeJournal(std::filesystem::path file, std::uint64_t points, s
     : file_(std::move(file)), session_(fresh) {
   stream_.reset(openFile(file_, "r+b"));
   if (stream_) {
+    if (!holdAlone(stream_.get())) throw FileError(file_, whyNotWritten(EAGAIN));
     goOn(points, checksum, take);
   } else {
     if (errno != ENOENT) throw FileError(file_, fmt::format("cannot be read: {}", std::strerror(errno)));
     stream_.reset(openFile(file_, "wbx"));
     if (!stream_) throw FileError(file_, whyNotWritten(errno));
+    if (!holdAlone(stream_.get())) throw FileError(file_, whyNotWritten(EAGAIN));
     begin(points, checksum);
   }
 }

@@ -9,6 +9,7 @@
 
 layout(push_constant, scalar) uniform Push { CatchUpArgs args; };
 #include "shaders/render/changed_buckets.glsl"
+#include "shaders/render/changed_point.glsl"
 
 void main() {
   const uint i = threadIndex();
@@ -18,14 +19,18 @@ void main() {
   const uint state = args.entries.at[slot].id;
   const uint id = state & ~kPointGone;
   if (id >= args.pointCount || args.latest.at[id] != i + 1) return;
-  markBucketOf(args.positions.at[id]);
   // A point with a NaN as position is not drawn.
   const bool gone = (state & kPointGone) != 0;
   const vec3 place = gone ? vec3(uintBitsToFloat(0x7fc00000u)) : args.entries.at[slot].position;
   const vec4 point = vec4(place, uintBitsToFloat(gone ? kEmptySlot : id));
-  markBucketOf(point);
+  const vec3 normal = args.entries.at[slot].normal;
+  const vec4 before = args.positions.at[id];
+  if (changesDiscs(before, args.normals.at[id].xyz, !gone, place, normal)) {
+    markBucketOf(before);
+    markBucketOf(point);
+  }
   args.positions.at[id] = point;
-  args.normals.at[id].xyz = args.entries.at[slot].normal;
+  args.normals.at[id].xyz = normal;
   const uint color = args.entries.at[slot].color;
   if (args.colored != 0) args.colors.at[id] = color == 0 ? kUnpainted : color;  // 0: it has no colour (yet, or again)
   args.latest.at[id] = 0;

@@ -4,6 +4,7 @@
 // drawn points, and the cells that it changes.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/cell_lists.glsl"
+#include "shaders/render/changed_point.glsl"
 #include "shaders/shared/splat_radius.h"
 
 layout(push_constant, scalar) uniform Push { SplatFollowArgs args; };
@@ -51,8 +52,6 @@ void listCell(bool changes, ivec3 cell) {
   atomicMax(args.lists.at[0].lastOf.at[bucket], args.listedBefore + at + 1);
 }
 
-bool differ(vec3 one, vec3 other) { return any(notEqual(floatBitsToUint(one), floatBitsToUint(other))); }
-
 void main() {
   const uint i = threadIndex();
   bool isLast = false, wasThere = false, stays = false;
@@ -74,8 +73,7 @@ void main() {
     const vec4 point = args.positions.at[move.id];
     before = point.xyz;
     wasThere = floatBitsToUint(point.w) != kEmptySlot;
-    changes = wasThere != stays ||
-              stays && (differ(before, move.position) || differ(args.normals.at[move.id].xyz, move.normal));
+    changes = changesDiscs(point, args.normals.at[move.id].xyz, stays, move.position, move.normal);
   }
   wasThere = wasThere && changes;
   stays = stays && changes;

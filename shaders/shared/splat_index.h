@@ -68,5 +68,14 @@ struct SplatNearArgs {
 };
 PALPATE_SIZE(SplatNearArgs, 112);
 
+struct SplatForgetArgs {
+  PALPATE_ADDRESS(CellLists) cells;
+  PALPATE_ADDRESS(Uints) changed;  // out: no mark is left in the words of the cells' buckets
+  HashGrid grid;
+  uint listed;
+  uint unused;
+};
+PALPATE_SIZE(SplatForgetArgs, 48);
+
 PALPATE_SHARED_END
 #endif

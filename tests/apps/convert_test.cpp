@@ -216,6 +216,12 @@ TEST_CASE("convert overwrites neither its input nor another existing file") {
   CHECK(taken.code == 1);
   CHECK(taken.text.find("exists; name another file, or add --force") != std::string::npos);
   CHECK(contentOf(other) == "mine");
+  const std::string missing = (folder / "nothing.ply").string();
+  for (const std::string& target : {other, std::string("/nowhere/b.ply")}) {
+    const Outcome absent = palpate("convert " + missing + " " + target);
+    CHECK(absent.code == 1);
+    CHECK(absent.text.find(missing + ": does not exist") != std::string::npos);
+  }
   works("convert " + in + " " + other + " --force");
   CHECK(contentOf(other).starts_with("ply\n"));
   works("convert " + in + " " + in + " --force --ascii");
@@ -286,6 +292,20 @@ TEST_CASE("convert keeps triangles from mesh to mesh, samples them for points, a
   CHECK_FALSE(std::filesystem::exists(folder / "part.copc.laz"));
   works("convert " + file("part.ply") + " " + file("part.3dgs.ply") + " --json " + file("c.json"));
   CHECK(jsonOf(folder / "c.json")["to"] == "3DGS");
+}
+
+TEST_CASE("convert --unit against the unit of the file says that no length is converted") {
+  const ScratchFolder folder;
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  works("make sphere -n 100 -o " + file("a.ply"));
+  works("convert " + file("a.ply") + " " + file("feet.ply") + " --unit ft");
+  const Outcome again = palpate("convert " + file("feet.ply") + " " + file("b.ply") + " --unit ft");
+  CHECK(again.code == 0);
+  CHECK_FALSE(says(again.text, "no length is converted"));
+  const Outcome metres = palpate("convert " + file("feet.ply") + " " + file("c.ply") + " --unit m");
+  CHECK(metres.code == 0);
+  CHECK(says(metres.text, "feet.ply: its unit is ft; "));
+  CHECK(says(metres.text, "c.ply says m, with the same coordinates: no length is converted"));
 }
 
 }  // namespace palpate::convert_test

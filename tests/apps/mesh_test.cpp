@@ -63,6 +63,10 @@ TEST_CASE("mesh refuses what it cannot do with a reason, and leaves no file") {
   CHECK(one.code == 1);
   CHECK(one.text.find("no surface") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(out));
+  std::ofstream(folder / "two.xyz") << "0 0 0\n1 0 0\n";
+  const Outcome two = palpate("mesh " + (folder / "two.xyz").string() + " -o " + out);
+  CHECK(two.code == 1);
+  CHECK(two.text.find("too few for a surface, which needs at least 25") != std::string::npos);
   CHECK(palpate("mesh " + cloud + " -o /nowhere/m.ply").code == 1);
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/core/brush.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/running_program.hpp"
 #include "tests/labels.hpp"
@@ -143,7 +144,7 @@ TEST_CASE("every brush sculpts on the CPU, and the report states the number of e
   const std::string model = (folder / "plain.ply").string(), saved = (folder / "saved.ply").string();
   works("make sphere -n 20000 -o " + model);
   const PointCloud before = readPly(model);
-  for (const std::string_view edit : {"push", "carve", "inflate", "smooth", "grab", "paint", "flatten"}) {
+  for (const auto& [edit, kind] : kBrushKinds) {
     CAPTURE(edit);
     works("touch " + model + " --backend cpu --penetration 4 --strength 1 --falloff 2 --paint-color 0,0,255 --edit " +
           std::string(edit) + " --save " + saved + " --json " + (folder / "touch.json").string());

@@ -168,4 +168,47 @@ TEST_CASE("a trace that does not fit on the disk does not cost the sculpted poin
   CHECK_FALSE(std::filesystem::exists(folder / "t.csv"));
 }
 
+TEST_CASE("no output replaces the model, what else is read, or another output") {
+  const ScratchFolder folder;
+  sphere(folder);
+  const std::filesystem::path model = folder / "sphere.ply";
+  const std::string name = model.string(), other = (folder / "." / "sphere.ply").string();
+  const std::string before = contentOf(model), out = (folder / "out").string();
+  works("--quiet touch " + name + " --backend cpu --trajectory " + (folder / "path.csv").string());
+  const std::string path = (folder / "path.csv").string(), steps = contentOf(path);
+  for (const std::string& wrong : {
+           "touch " + name + " --trace " + other,
+           "touch " + name + " --log " + name,
+           "touch " + name + " --json " + name,
+           "touch " + name + " --hand path=builtin:slide,trace=" + name,
+           "touch " + name + " --path " + path + " --trace " + path,
+           "touch " + name + " --hand path=" + path + " --json " + path,
+           "touch " + name + " --trace " + out + " --json " + out,
+           "touch " + name + " --hand path=builtin:slide,trace=" + out + " --trace " + out,
+           "touch \"" + name + " in water\" --trace " + name,
+           "info " + name + " --json " + name,
+           "convert " + name + " " + out + ".ply --json " + out + ".ply",
+           "mesh " + name + " -o " + name,
+       }) {
+    CAPTURE(wrong);
+    const Outcome refused = palpate(wrong);
+    CHECK_MESSAGE(refused.code == 2, refused.text);
+    CHECK(says(refused.text, "is also named by"));
+    CHECK(contentOf(model) == before);
+    CHECK(contentOf(path) == steps);
+  }
+  works("--quiet touch " + name + " --backend cpu --trace /dev/null --trajectory /dev/null");
+}
+
+TEST_CASE("make keeps a file that palpate did not write, and replaces its own") {
+  const ScratchFolder folder;
+  const std::string scan = (folder / "scan.ply").string();
+  std::ofstream(scan) << "a scan";
+  works("make sphere -n 100 -o " + scan);
+  works("make sphere -n 200 -o " + scan);
+  CHECK(contentOf(folder / "scan.ply.bak") == "a scan");
+  CHECK_FALSE(std::filesystem::exists(folder / "scan.ply.bak2"));
+  CHECK(readPly(scan).size() == 200);
+}
+
 }  // namespace palpate::saving_test

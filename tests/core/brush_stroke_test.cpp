@@ -223,6 +223,34 @@ TEST_CASE("grab keeps its points as the hand pulls, at most two radii outwards a
   CHECK_FALSE(hand.stroke.acts());
 }
 
+TEST_CASE("grab moves its points only as far as the connected surface ahead of them can follow") {
+  // The motion of a hand on a plane, which an edge 2 mm beside it ends or not.
+  const auto heldBy = [](const DVec3& way, bool hasEdge) {
+    Hand hand(BrushKind::grab);
+    hand.feel({0, 0, -1});
+    const auto& tool = hand.next();
+    const auto options = brushOf(brush(BrushKind::grab), kSupport);
+    SurfaceMeasure measure;
+    const auto enter = [&](const DVec3& place, const DVec3& normal) {
+      measure.enter(shared::entered<double>(options, tool, place, normal, {place, normal}));
+    };
+    for (double x = hasEdge ? -2 : -8; x <= 8; x += 0.5)
+      for (double y = -8; y <= 8; y += 0.5) enter({x, y, 0}, kUp);
+    for (double z = -0.5; hasEdge && z >= -8; z -= 0.5)
+      for (double y = -8; y <= 8; y += 0.5) enter({-2, y, z}, {-1, 0, 0});
+    hand.stroke.note(measure);
+    for (int k = 1; k <= 40; ++k) hand.feel(DVec3(0, 0, -1) + k / 40.0 * way);
+    return hand.next().motion;
+  };
+  CHECK(heldBy({0, 0, -30}, false).z == near(-1.9 * kRadius, 1e-9));
+  CHECK(heldBy({20, 0, -30}, false).z < -1.6 * kRadius);
+  CHECK(heldBy({0, 0, 30}, true).z == near(1.9 * kRadius, 1e-9));
+  CHECK(heldBy({30, 0, 0}, true).x == near(0.5 * kRadius, 1e-9));
+  // The side is moved along itself, and has 5.7 mm to its rim.
+  CHECK(heldBy({0, 0, -30}, true).z == near(-kRadius * kRadius / (2 * 5.7), 0.1));
+  CHECK(heldBy({0, 0, -2}, true).z == near(-2, 1e-9));
+}
+
 TEST_CASE("no tool reaches beyond the range of an edit, wherever the hand and the surface are") {
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);

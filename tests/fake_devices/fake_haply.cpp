@@ -2,6 +2,8 @@
 
 #include <utility>  // Boost 1.74 uses std::exchange without it
 
+#include <algorithm>
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -15,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/core/clock.hpp"
+#include "engine/core/error.hpp"
 #include "haptics/devices/simulated_touch.hpp"
 
 namespace palpate {
@@ -52,6 +55,16 @@ DVec3 unpermuted(const std::string& permutation, const Json& vector) {
     sign = 1;
   }
   return {haply.x, haply.z, -haply.y};
+}
+
+/// A message with forces, and at most the program's name, besides.
+bool isForce(Json message) {
+  const Json named{{"configure", {{"profile", {{"name", "palpate"}}}}}};
+  if (message.contains("session") && message["session"] == named) message.erase("session");
+  return message.size() == 1 && std::ranges::all_of(message.at("inverse3"), [](const Json& entry) {
+           const Json& commands = entry.at("commands");
+           return entry.size() == 2 && commands.size() == 1 && commands.at("set_cursor_force").size() == 1;
+         });
 }
 
 }  // namespace
@@ -101,6 +114,7 @@ struct FakeHaply::Service {
         if (client->events) {
           listener = client;
         } else {
+          ++connections;
           say(client, state(true).dump());
           hear(client);
         }
@@ -109,6 +123,10 @@ struct FakeHaply::Service {
     }
     // Up to 3.4 the version has the number of the format before it.
     const bool old = options.version < "3.5";
+    if (client->request.method() != beast::http::verb::get || !client->request.target().ends_with("/version")) {
+      const std::scoped_lock lock(guard);
+      others.emplace_back(client->request.target());
+    }
     const bool known = client->request.target() == (old ? "/3.0/version" : "/version");
     client->answer.result(known ? beast::http::status::ok : beast::http::status::not_found);
     client->answer.body() = Json{{"build_time", "2025-01-07T16:00:00"}, {"version", options.version}}.dump();
@@ -136,7 +154,10 @@ struct FakeHaply::Service {
 
   void hear(const ClientPtr& client) {
     client->web.async_read(client->buffer, [this, client](const Failure& failure, std::size_t) {
-      if (failure) return;
+      if (failure) {
+        --connections;
+        return;
+      }
       const Json message = Json::parse(beast::buffers_to_string(client->buffer.data()));
       client->buffer.consume(client->buffer.size());
       take(message);
@@ -147,8 +168,9 @@ struct FakeHaply::Service {
 
   void take(const Json& message) {
     const std::scoped_lock lock(guard);
-    const double now_s = since.elapsed_s();
+    const double now_s = time_s();
     if (!began_s && (options.begins.empty() || std::filesystem::exists(folder / options.begins))) began_s = now_s;
+    if (!isForce(message)) others.push_back(message.dump());
     for (const Json& entry : message.at("inverse3")) {
       const Json& command = entry.at("commands").at("set_cursor_force");
       Command told{.time_s = now_s,
@@ -171,17 +193,20 @@ struct FakeHaply::Service {
   }
 
   bool faultIsOn(double now_s) const { return fault_s >= 0 && now_s < fault_s + options.fault_s; }
-  bool faultIs(const char* name) const { return options.fault == name && faultIsOn(since.elapsed_s()); }
+  bool faultIs(const char* name) const { return options.fault == name && faultIsOn(time_s()); }
+
+  double time_s() const { return options.clock ? stepped_s.load() : since.elapsed_s(); }
+  void pass(double duration_s) {
+    if (!options.clock) return;
+    const double until_s = stepped_s + duration_s;
+    options.clock->goOnTo(until_s);
+    stepped_s = until_s;
+  }
 
   void answer(const ClientPtr& client) {
-    const double now_s = since.elapsed_s();
-    {
-      const std::scoped_lock lock(guard);
-      if (fault_s < 0 && !options.fault.empty() && felt >= 30) {
-        fault_s = now_s;
-        std::ofstream(folder / "fault");
-      }
-    }
+    pass(1 / options.rate_Hz);
+    heard_s = since.elapsed_s();
+    if (fault_s < 0 && !options.fault.empty() && felt >= 30) begin(client);
     if (faultIs("closed")) {
       Failure ignored;
       client->web.next_layer().close(ignored);
@@ -190,25 +215,33 @@ struct FakeHaply::Service {
       if (!std::exchange(halved, true))
         asio::write(client->web.next_layer(), asio::buffer(std::string("\x81\x7e\x03\xe8{\"inverse3", 14)));
     } else if (faultIs("mute")) {
-      after(fault_s + options.fault_s, client);
-    } else if (options.rate_Hz > 0) {
-      due_s = std::max(now_s, due_s + 1 / options.rate_Hz);
-      after(due_s, client);
+      ++owed;
     } else {
       reply(client);
     }
   }
-  void after(double at_s, const ClientPtr& client) {
-    const auto timer = std::make_shared<asio::steady_timer>(
-        io, std::chrono::duration_cast<std::chrono::nanoseconds>(
-                std::chrono::duration<double>(std::max(0.0, at_s - since.elapsed_s()))));
+
+  void begin(const ClientPtr& client) {
+    {
+      const std::scoped_lock lock(guard);
+      fault_s = time_s();
+    }
+    std::ofstream(folder / "fault");
+    tend(client);
+  }
+  /// Each millisecond until the fault is over, as it keeps the device from asking or the service from answering.
+  void tend(const ClientPtr& client) {
+    const auto timer = std::make_shared<asio::steady_timer>(io, std::chrono::milliseconds(1));
     timer->async_wait([this, client, timer](const Failure& failure) {
-      if (!failure) reply(client);
+      if (failure) return;
+      if (owed > 0 || since.elapsed_s() - heard_s > kRests_s) pass(1e-3);
+      if (faultIsOn(time_s())) return tend(client);
+      for (; owed > 0; --owed) reply(client);
     });
   }
 
   void reply(const ClientPtr& client) {
-    if (listener && options.fault == "safety" && fault_s >= 0 && stage < (faultIsOn(since.elapsed_s()) ? 1 : 2)) {
+    if (listener && options.fault == "safety" && fault_s >= 0 && stage < (faultIsOn(time_s()) ? 1 : 2)) {
       ++stage;
       say(listener, Json{{"name", "device-safety-triggered"},
                          {"category", "device"},
@@ -228,16 +261,16 @@ struct FakeHaply::Service {
   }
 
   DVec3 position_mm() {
-    const double now_s = since.elapsed_s(), time_s = began_s ? now_s - *began_s : 0;
+    const double now_s = time_s(), since_s = began_s ? now_s - *began_s : 0;
     if (options.step_s > 0) {
-      const double wanted = std::fmod(time_s, 2 * options.step_s) < options.step_s ? 0 : kStep_mm;
+      const double wanted = std::fmod(since_s, 2 * options.step_s) < options.step_s ? 0 : kStep_mm;
       if (!step_mm || wanted != *step_mm) steppedAt_s = now_s;
       step_mm = wanted;
       return {0, wanted, 0};
     }
     const DVec3 jump(0, 0, faultIs("jump") ? 30 : 0);
-    if (time_s >= options.hand.back().t_s && !std::exchange(isAtEnd, true)) std::ofstream(folder / "path_end");
-    return hand.read(time_s).position + jump;
+    if (since_s >= options.hand.back().t_s && !std::exchange(isAtEnd, true)) std::ofstream(folder / "path_end");
+    return hand.read(since_s).position + jump;
   }
 
   Json state(bool whole) {
@@ -281,20 +314,26 @@ struct FakeHaply::Service {
     return json;
   }
 
+  static constexpr double kRests_s = 0.05;  // without a command: the device has given up
+
   FakeHaplyOptions options;
   std::filesystem::path folder;
   asio::io_context io{1};
   tcp::acceptor simulation, events;
   ClientPtr listener;
   Stopwatch since;
-  mutable std::mutex guard;  // of what follows
+  double heard_s = 0;
+  std::atomic<double> stepped_s = 0;
+  std::atomic<int> connections = 0;  // of devices
+  mutable std::mutex guard;          // of what follows
   SimulatedTouch hand;
   std::optional<double> began_s, step_mm, steppedAt_s;
-  double fault_s = -1, due_s = 0;
-  int felt = 0, stage = 0;
+  double fault_s = -1;
+  int felt = 0, stage = 0, owed = 0;
   bool halved = false, isAtEnd = false;
   DVec3 sent_mm{0}, applied_N{0};
   std::vector<Command> commands;
+  std::vector<std::string> others;
   std::vector<double> latencies;
 };
 
@@ -304,6 +343,7 @@ FakeHaply::FakeHaply(FakeHaplyOptions options)
       thread_([this] { service_->io.run(); }) {
   const std::uint16_t port = service_->simulation.local_endpoint().port();
   std::ofstream(folder_ / "haply.json") << Json{
+      {"communication/websocket/host", "192.0.2.1"},  // of nobody
       {"communication/websocket/port", port},
       {"communication/http/port", port},
       {"communication/events/port", service_->events.local_endpoint().port()}};
@@ -314,6 +354,17 @@ FakeHaply::~FakeHaply() { service_->io.stop(); }
 std::vector<FakeHaply::Command> FakeHaply::commands() const {
   const std::scoped_lock lock(service_->guard);
   return service_->commands;
+}
+
+void FakeHaply::waitUntilLeft() const {
+  for (int i = 0; i < 30'000 && service_->connections > 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  if (service_->connections > 0) throw Error("a device keeps its connection to the fake Haply service");
+}
+
+std::vector<std::string> FakeHaply::otherRequests() const {
+  const std::scoped_lock lock(service_->guard);
+  return service_->others;
 }
 
 double FakeHaply::faultBegan_s() const {

@@ -1,5 +1,9 @@
 // A service of Haply devices in this process, with a simulated hand behind it and faults on demand. It answers on ports
 // of its own, which the program finds through PALPATE_HAPLY_CONFIG.
+//
+// With a SteppedClock time passes by its answers: each lets the session do the ticks until then, and comes after them.
+// So a test of faults does the same on a machine that stalls. Where a fault keeps it from answering, time passes by the
+// machine's clock, but never faster than the session ticks.
 #pragma once
 
 #include <memory>
@@ -10,6 +14,7 @@
 
 #include "engine/core/vec.hpp"
 #include "haptics/path.hpp"
+#include "haptics/session_clock.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/surroundings.hpp"
 
@@ -21,9 +26,10 @@ struct FakeHaplyOptions {
   std::string version = "3.5.0", permutation = "XYZ", handedness = "right";
   std::vector<std::string> ids{"049D"};
   bool inUse = false, calibrated = true, wireless = true, grips = true, pressed = false;
-  double rate_Hz = 0;      ///< of its answers at most; 0: at once
-  double step_s = 0;       ///< if not 0, the cursor steps by kStep_mm each time
-  bool tellsForce = true;  ///< false: it reports no force, whatever it applies
+  SteppedClock* clock = nullptr;  ///< of the session and the device; must outlive the service
+  double rate_Hz = 4000;          ///< of its answers by that clock; without one they come at once
+  double step_s = 0;              ///< if not 0, the cursor steps by kStep_mm each time
+  bool tellsForce = true;         ///< false: it reports no force, whatever it applies
   /// Begins once a force of kFelt_N was felt in 30 commands in a row: mute, half, closed, nan, null, uncalibrated,
   /// unpowered, safety, jump, gone, second (a program that adds kSecond_N).
   std::string fault;
@@ -50,6 +56,12 @@ class FakeHaply {
     bool duringFault = false, afterFault = false;
   };
   std::vector<Command> commands() const;
+  /// Returns when no device has a connection any more, so that no further command comes. Throws Error after half a
+  /// minute.
+  void waitUntilLeft() const;
+  /// Whatever came that was neither a force, nor the program's name, nor a question for the version: a request that
+  /// could change a setting of a device.
+  std::vector<std::string> otherRequests() const;
   /// When the first faulty state was sent, or not sent; negative if none was.
   double faultBegan_s() const;
   /// Commands with a force that came after the first faulty state.

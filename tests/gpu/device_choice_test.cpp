@@ -42,8 +42,10 @@ TEST_CASE("a GPU is selected by number, or by part of its name in any case") {
 }
 
 TEST_CASE("a request that cannot be met lists the available GPUs") {
-  CHECK_THROWS_WITH_AS(chooseGpu(kGpus, "4"), doctest::Contains("NVIDIA T4"), GpuError);
-  CHECK_THROWS_WITH_AS(chooseGpu(kGpus, "radeon"), doctest::Contains("Intel Iris"), GpuError);
+  CHECK_THROWS_WITH_AS(chooseGpu(std::span(kGpus).first(1), "4"),
+                       "unknown GPU number '4'; choose 0 (llvmpipe (LLVM 15))", GpuError);
+  CHECK_THROWS_WITH_AS(chooseGpu(std::span(kGpus).first(1), "radeon"),
+                       "unknown GPU 'radeon'; choose 0 (llvmpipe (LLVM 15))", GpuError);
   CHECK_THROWS_WITH_AS(chooseGpu({}, ""), doctest::Contains("mesa-vulkan-drivers"), GpuError);
 }
 

@@ -128,7 +128,7 @@ TEST_CASE("a contact's debt from before others change the surface is not charged
   CHECK(force.z == near(1, 1e-6));
   passivity.acted(force);
   CHECK(passivity.leastEnergy_mJ() == owed_mJ);
-  // Only once: energy that it gives from then on counts.
+  // The change excuses the energy before it only: energy that the surface returns from then on counts.
   for (int i = 0; i < 100; ++i) {
     passivity.changed();
     position.z += 0.1;

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -110,6 +111,30 @@ TEST_CASE("two runs in virtual time give the same bytes") {
     if (run == 0) first = csvOf(loop.run().trace());
     CHECK(csvOf(loop.run().trace()) == first);  // also the second run of one loop
   }
+}
+
+TEST_CASE("the forces are the same bit by bit whenever the session begins") {
+  class Again : public FaultyDevice {  // plays from the first tick on
+   public:
+    Again(double begin_s) : FaultyDevice(touchAndGo()), begin_s_(begin_s) {}
+    DeviceState read(double time_s) noexcept override {
+      return FaultyDevice::read(std::round((time_s - begin_s_) * 1000) / 1000);
+    }
+
+   private:
+    double begin_s_;
+  };
+  const auto played = [](double begin_s) {
+    Again device(begin_s);
+    SphereContact sphere(kRadius);
+    ServoOptions options = lasting(0.5);
+    options.begin_s = begin_s;
+    return ServoLoop(device, sphere, ForceLaw({}, {}), options).run();
+  };
+  const ServoResult first = played(0), later = played(12.345);
+  REQUIRE(first.trace().rows.size() == 500);
+  REQUIRE(later.trace().rows.size() == 500);
+  for (std::size_t i = 0; i < 500; ++i) CHECK(first.trace().rows[i].force_N == later.trace().rows[i].force_N);
 }
 
 TEST_CASE("the workspace map positions the device in the model") {

@@ -55,6 +55,24 @@ TEST_CASE("a missing log, another file and another version are refused with a re
   CHECK_THROWS_AS(SessionWriter(folder / "no" / "where", ""), FileError);
 }
 
+TEST_CASE("a log replaces an older log, but no other file, and none that is being written") {
+  const ScratchFolder folder;
+  write(folder / "notes", "notes");
+  CHECK_THROWS_WITH_AS(SessionWriter(folder / "notes", ""), doctest::Contains("exists, and is not a session log"),
+                       FileError);
+  CHECK(contentOf(folder / "notes") == "notes");
+  writeSession(folder / "log", 10);
+  {
+    const SessionWriter first(folder / "log", "first");
+    const std::string begun = contentOf(folder / "log");
+    CHECK_THROWS_WITH_AS(SessionWriter(folder / "log", "second"), doctest::Contains("written by another program"),
+                         FileError);
+    CHECK(contentOf(folder / "log") == begun);
+  }
+  writeSession(folder / "log", 20);
+  CHECK(readSessionLog(folder / "log").ticks.size() == 20);
+}
+
 TEST_CASE("adding a tick never waits: ticks faster than they can be written are lost and counted") {
   const ScratchFolder folder;
   SessionWriter writer(folder / "log", "");

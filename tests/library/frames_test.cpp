@@ -268,6 +268,10 @@ TEST_CASE("invalid frames are refused, and the last valid one is still felt") {
   frame.positions = bare.arrays().positions;
   CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("normals"));
+  const std::vector<float> zeros(3 * kPoints, 0);
+  frame.normals = {zeros.data(), PP_FLOAT32, 0, 0};
+  CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("normals: are zero"));
   frame.normals = bare.arrays().normals;
   std::vector<float> velocities(3 * kPoints, 1);
   velocities[7] = INFINITY;

@@ -1,6 +1,8 @@
-// Concurrent use of one session, in permitted and in forbidden ways.
+// Concurrent use of one session, in permitted and in forbidden ways; and calls that run out of memory.
 #include <atomic>
+#include <functional>
 #include <thread>
+#include <vector>
 
 #include "tests/allocation_count.hpp"
 #include "tests/library/serving.hpp"
@@ -11,7 +13,92 @@ namespace {
 
 pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}}; }
 
+// Status of a call in which all allocations but the first ones fail, on any thread.
+pp_status withMemoryFor(int most, const std::function<pp_status()>& call) {
+  allocations = 0;
+  mostAllocations = most;
+  counting = true;
+  const pp_status status = call();
+  counting = false;
+  mostAllocations = std::numeric_limits<int>::max();
+  return status;
+}
+
+// The brush is pressed into the ball at the end of an axis, from outside.
+struct Press {
+  std::vector<double> poses = std::vector<double>(3 * 60, 0.0);
+  std::vector<pp_tick> ticks = std::vector<pp_tick>(60);
+
+  explicit Press(std::size_t axis) {
+    for (std::size_t i = 0; i < 60; ++i) poses[3 * i + axis] = 52 - 0.1 * static_cast<double>(i);
+  }
+  // Itself without an allocation.
+  pp_status on(pp_session session) {
+    const pp_path path = pathOf(poses);
+    pp_brush brush = pp_default_brush();
+    brush.resample = 0;
+    std::uint64_t count = 0;
+    return pp_session_stroke(session, &path, &brush, ticks.data(), ticks.size(), &count);
+  }
+};
+
 }  // namespace
+
+TEST_CASE("an object that cannot be opened for lack of memory harms no handle that is opened later") {
+  const BallArrays<float> arrays(10);
+  const pp_cloud_arrays given = arrays.arrays();
+  std::vector<pp_cloud> clouds(1100);  // more than the table of handles grows by
+  for (pp_cloud& cloud : clouds) {
+    pp_status status = PP_ERROR_MEMORY;
+    for (int most = 0; status != PP_OK; ++most) {
+      status = withMemoryFor(most, [&] { return pp_cloud_create(&given, &cloud); });
+      REQUIRE((status == PP_OK || (status == PP_ERROR_MEMORY && cloud.id == 0)));
+    }
+  }
+  for (const pp_cloud cloud : clouds) {
+    pp_points points{};
+    REQUIRE(pp_cloud_view(cloud, &points) == PP_OK);
+    CHECK(points.count == 10);
+    PP_CHECK_OK(pp_cloud_close(cloud));
+  }
+}
+
+TEST_CASE("a stroke that runs out of memory costs no earlier stroke") {
+  std::size_t failed = 0;
+  Press above(2), beside(0);
+  pp_status status = PP_ERROR_MEMORY;
+  for (int most = 0; status != PP_OK; ++most) {
+    CAPTURE(most);
+    const OpenBall ball(cpuOptions(), 2000);
+    const std::vector<double> before = placesOf(ball.session);
+    PP_REQUIRE_OK(above.on(ball.session));
+    const std::vector<double> dented = placesOf(ball.session);
+    REQUIRE(dented != before);
+    status = withMemoryFor(most, [&] { return beside.on(ball.session); });
+    if (status == PP_OK) break;
+    ++failed;
+    CHECK(status == PP_ERROR_MEMORY);
+    const std::vector<double> now = placesOf(ball.session);
+    std::size_t lost = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) lost += dented[i] != before[i] && now[i] != dented[i];
+    CHECK(lost == 0);
+  }
+  CHECK(failed > 5);
+}
+
+TEST_CASE("a session whose first stroke runs out of memory can be used and closed") {
+  Press above(2);
+  pp_status status = PP_ERROR_MEMORY;
+  for (int most = 0; status != PP_OK; most += 11) {
+    CAPTURE(most);
+    const OpenBall ball(cpuOptions(), 1000);
+    status = withMemoryFor(most, [&] { return above.on(ball.session); });
+    CHECK((status == PP_OK || status == PP_ERROR_MEMORY));
+    const pp_status again = above.on(ball.session);
+    CHECK((again == PP_OK || again == PP_ERROR_MEMORY));
+    CHECK(placesOf(ball.session).size() == 3000);
+  }
+}
 
 TEST_CASE("a tick of a host's own servo loop allocates nothing, nor does it to tell of a contact") {
   pp_session_options options = cpuOptions();

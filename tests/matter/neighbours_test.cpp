@@ -1,8 +1,10 @@
 // Cells and lists compared with all pairs, and formulas compared with numerical integrals.
 #include <algorithm>
+#include <bit>
 #include <random>
 #include <set>
 
+#include "engine/matter/lanes.hpp"
 #include "engine/matter/matter_rules.hpp"
 #include "engine/matter/neighbour_lists.hpp"
 #include "tests/matter/matter_scenes.hpp"
@@ -42,8 +44,8 @@ TEST_CASE("neighbour lists contain exactly the particles within reach, also acro
       }
       REQUIRE(listed == expected);
       REQUIRE(lists.of(i).size() == expected.size());
-      const std::span<const Neighbour> filled = lists.filledUp(i);
-      REQUIRE(filled.size() == (expected.size() + kListedTogether - 1) / kListedTogether * kListedTogether);
+      const std::span<const Neighbour> filled(
+          lists.of(i).data(), (expected.size() + kListedTogether - 1) / kListedTogether * kListedTogether);
       REQUIRE(lists.firstOf(i) % kListedTogether == 0);
       for (std::size_t k = expected.size(); k < filled.size(); ++k)
         REQUIRE(filled[k].slot == filled[expected.size() - 1].slot);
@@ -51,6 +53,39 @@ TEST_CASE("neighbour lists contain exactly the particles within reach, also acro
     }
     CHECK(pairs > 5000);
   }
+}
+
+TEST_CASE("eight lanes give the same bits as four, and as floats") {
+  using Eight = LanesOf<8>;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> share(-1, 1);
+  std::vector<Vec4> vectors(400);
+  for (Vec4& vector : vectors)
+    for (int axis = 0; axis < 4; ++axis) vector[axis] = share(random);
+  const auto lanesOf = [&](std::size_t i) { return Lanes::at(&vectors[i].x); };
+  const auto same = [](float one, float other) {
+    return std::bit_cast<std::uint32_t>(one) == std::bit_cast<std::uint32_t>(other);
+  };
+  Lanes sumOfFours(0), sumOfEights(0);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i + 8 <= vectors.size(); i += 8) {
+    const auto low = VectorsOf<4>::of({lanesOf(i), lanesOf(i + 1), lanesOf(i + 2), lanesOf(i + 3)});
+    const auto high = VectorsOf<4>::of({lanesOf(i + 4), lanesOf(i + 5), lanesOf(i + 6), lanesOf(i + 7)});
+    const auto all = VectorsOf<8>::of({lanesOf(i), lanesOf(i + 1), lanesOf(i + 2), lanesOf(i + 3), lanesOf(i + 4),
+                                       lanesOf(i + 5), lanesOf(i + 6), lanesOf(i + 7)});
+    (low.x * low.y - low.z).addTo(sumOfFours);
+    (high.x * high.y - high.z).addTo(sumOfFours);
+    const Eight eight = all.x * all.y - all.z;
+    eight.addTo(sumOfEights);
+    const unsigned below = areBelow(eight, all.w);
+    for (std::size_t k = 0; k < Eight::kCount; ++k) {
+      const Vec4& v = vectors[i + k];
+      wrong += !same(eight[k], v.x * v.y - v.z) || (below >> k & 1) != (eight[k] < v.w ? 1u : 0u);
+    }
+  }
+  for (std::size_t k = 0; k < Lanes::kCount; ++k) wrong += !same(sumOfFours[k], sumOfEights[k]);
+  CHECK(wrong == 0);
+  CHECK(sumOfFours.sum() != 0);
 }
 
 TEST_CASE("the contribution beyond a wall is the integral of the weights there") {

@@ -8,7 +8,9 @@ import pytest
 pytestmark = pytest.mark.skipif(pp.can_simulate(), reason="this palpate was built with PALPATE_SIMULATION")
 
 
-@pytest.mark.parametrize("opened", [lambda: pp.Matter("dam", gpu="cpu"), lambda: pp.Session("water", gpu="cpu")])
+@pytest.mark.parametrize(
+    "opened", [lambda: pp.Matter("dam", gpu="cpu"), lambda: pp.Session.of_scene("water", gpu="cpu")]
+)
 def test_a_scene_names_the_missing_option(opened):
     with pytest.raises(pp.Error, match="needs PALPATE_SIMULATION") as caught:
         opened()

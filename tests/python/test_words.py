@@ -59,7 +59,6 @@ from conftest import ball_arrays, press_path
      "backend: unknown value 'gpu'; did you mean 'cpu'? Choose auto, vulkan, cpu"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", backend="vulkan"), "backend: vulkan conflicts with gpu 'cpu'"),
     (lambda s: pp.Session(s.cloud(), gpu=0, backend="cpu"), "backend: cpu conflicts with gpu '0'"),
-    (lambda s: pp.Matter("dam", gpu=0, backend="cpu"), "backend: cpu conflicts with gpu '0'"),
     (lambda s: s.push(press_path(1), yield_depth_mm="a"), "yield_depth_mm: must be a number, not the text 'a'"),
     (lambda s: s.push(press_path(1), color=(1, 2, 300)), "color: must be three whole numbers from 0 to 255, not "
      "(1, 2, 300)"),
@@ -97,6 +96,7 @@ def test_a_call_that_does_not_fit_says_what_was_meant(session, call, told):
 @pytest.mark.skipif(not pp.can_simulate(), reason="this palpate was built without PALPATE_SIMULATION")
 @pytest.mark.parametrize("call, told", [
     (lambda m: m.simulate("a"), "simulate(): seconds must be a number, not the text 'a'"),
+    (lambda m: pp.Matter("dam", gpu=0, backend="cpu"), "backend: cpu conflicts with gpu '0'"),
     (lambda m: m.set("gain", "a"), "set(): value must be a number, not the text 'a'"),
 ])
 def test_a_call_of_matter_that_does_not_fit_says_what_was_meant(dam, call, told):

@@ -227,6 +227,28 @@ TEST_CASE_FIXTURE(SplatIndexFixture, "a small edit measures few discs, and one w
   CHECK(drawn.radii()->work().measured == small.measured);
 }
 
+TEST_CASE_FIXTURE(SplatIndexFixture, "marks of followed edits do not outlast their picture") {
+  const PointCloud cloud = shapeCloud("sphere", 20'000);
+  DrawnCloud drawn(device, cloud, {.spare = 100, .spacing = meanSpacing(cloud), .edited = true});
+  EditedCloud truth(cloud, 100);
+  std::mt19937 random(3);
+  const auto marks = [&] {
+    const SplatRadii& radii = *drawn.radii();
+    const auto words = download<std::uint32_t>(device, radii.changed(), (radii.grid().bucketMask + 32) / 32);
+    return std::ranges::count_if(words, [](std::uint32_t word) { return word != 0; });
+  };
+  for (int tick = 0; tick < 3; ++tick) {
+    truth.stroke(random, 8);
+    drawn.catchUp(truth.takeChanges());
+    CHECK(marks() > 10);
+    drawn.closeSurface();
+    CHECK(marks() == 0);
+    drawn.catchUp(std::vector{truth.states()[5]});  // as it is
+    CHECK(marks() == 0);
+  }
+  CHECK(drawn.radii()->work().clears == 1);
+}
+
 TEST_CASE_FIXTURE(SplatIndexFixture, "several edits before one picture are followed, of the same points, too") {
   for (const std::size_t count : {1u, 31u, 32u, 33u, 1'025u}) {
     CAPTURE(count);
@@ -327,5 +349,47 @@ TEST_CASE_FIXTURE(SplatIndexFixture, "discs follow a far crowd that shares their
 }
 
 TEST_SUITE_END();
+
+TEST_CASE_FIXTURE(SplatIndexFixture, "an edit costs what is drawn its own points, whatever the size of the cloud") {
+  constexpr std::uint32_t kEdited = 100;
+  std::vector<std::uint64_t> measured;
+  for (const std::size_t count : {10'000u, 100'000u, 1'000'000u}) {
+    CAPTURE(count);
+    const PointCloud cloud = shapeCloud("sphere", count);
+    DrawnCloud drawn(device, cloud, {.spacing = meanSpacing(cloud), .edited = true});
+    const DiscWork& work = drawn.radii()->work();
+    const DiscWork loaded = work;
+    // The points around one, in three edits: they are moved, turned and painted.
+    std::vector<std::pair<float, std::uint32_t>> around;
+    for (std::uint32_t id = 0; id < count; ++id)
+      around.emplace_back(glm::distance(cloud.positions[id], cloud.positions[count / 2]), id);
+    std::ranges::nth_element(around, around.begin() + kEdited);
+    std::vector<PointState> states;
+    for (const auto& [distance, id] : std::span(around).first(kEdited))
+      states.push_back(
+          {.position = 0.9999f * cloud.positions[id], .id = id, .normal = cloud.normals[id], .parent = id});
+    const auto edit = [&] {
+      drawn.catchUp(states);
+      drawn.closeSurface();
+    };
+    edit();
+    for (PointState& state : states) state.normal = glm::normalize(state.normal + Vec3(0.1f, 0, 0));
+    edit();
+    const DiscWork edited = work;
+    for (PointState& state : states) state.color = 0xff0000ff;
+    edit();
+    CHECK(edited.measured == work.measured);
+    CHECK(edited.cells == work.cells);
+    CHECK(work.builds == loaded.builds);
+    CHECK(work.searches == loaded.searches);
+    CHECK(work.clears == loaded.clears);
+    CHECK(work.cells >= 2 * kEdited);
+    CHECK(work.cells <= 3 * kEdited);
+    CHECK(work.measured - loaded.measured >= 2 * kEdited);
+    measured.push_back(work.measured - loaded.measured);
+  }
+  MESSAGE("discs measured for two edits of ", kEdited, " points: ", measured[0], ", ", measured[1], ", ", measured[2]);
+  CHECK(*std::ranges::max_element(measured) < 1.5 * static_cast<double>(*std::ranges::min_element(measured)));
+}
 
 }  // namespace palpate::splat_index_test

@@ -288,6 +288,35 @@ inline void checkCorner(const MakeLimbTouch& make) {
   }
 }
 
+// The side of a plate, held 2 mm under its edge and dragged into it by far more than its upper face, which is in the
+// brush with it, can be compressed: the edge goes with the side, and nothing is drawn through below the upper face.
+inline void checkHeldEdge(const MakeLimbTouch& make) {
+  const DVec3 held(0, 0.2, -2), in(-1, 0, 0);
+  for (const bool random : {false, true}) {
+    CAPTURE(random);
+    Limbs limbs(random);
+    limbs.addPlate({-15, 0, 0}, 30, 20);
+    const PointCloud before = limbs.cloud();
+    const PointCloud after = stroked(make, limbs, BrushKind::grab, {held - in, held + in, held + 10.0 * in});
+    const auto between = [](double low, double value, double high) { return low < value && value < high; };
+    double edge = -1e9, side = 0;
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      const DVec3 place(after.positions[i]), normal(after.normals[i]);
+      if (!between(-1, place.y - held.y, 1) || !between(-8, place.x, 1)) continue;
+      if (normal.z > 0.7 && place.z > -0.3) edge = std::max(edge, place.x);
+      if (normal.x > 0.7 && between(-2.5, place.z, -1)) side = std::min(side, place.x);
+    }
+    CHECK(side < -2);
+    CHECK(edge < side + kLimbSpacing);
+    const auto gaps = [](const PointCloud& cloud) {
+      return SurfaceGapFinder(cloud, kLimbSupport, kLimbSpacing).find([](const DVec3& at) {
+        return at.x > -12 && std::abs(at.y) < 10 && at.z > -12;
+      });
+    };
+    CHECK(gaps(after).widest <= std::max(1.4, gaps(before).widest));
+  }
+}
+
 // A crease between two rods that have grown together: a push into it presses both.
 inline void checkMerged(const MakeLimbTouch& make) {
   Limbs limbs(false);

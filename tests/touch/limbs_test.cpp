@@ -20,6 +20,7 @@ TEST_CASE("a press leaves a limb that crosses over the pressed one unchanged") {
 TEST_CASE("a press on a plate leaves a plate below it unchanged") { checkPlates(onCpu); }
 TEST_CASE("a press on an edge moves both of its faces") { checkEdge(onCpu); }
 TEST_CASE("a push along a wall leaves no hole in the floor beside it") { checkCorner(onCpu); }
+TEST_CASE("an edge is dragged with the side that is held under it, without holes") { checkHeldEdge(onCpu); }
 TEST_CASE("a press into the crease of two limbs that have grown together moves both") { checkMerged(onCpu); }
 TEST_CASE("repeated presses widen and deepen a dent: its walls belong to the stroke") { checkOwnDent(onCpu); }
 TEST_CASE("a press that is dragged from one limb to the next moves both") { checkDragOver(onCpu); }

@@ -39,6 +39,10 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a push along a wall leaves no hole
   checkCorner(onGpu(device));
 }
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU an edge is dragged with the side that is held under it, without holes") {
+  checkHeldEdge(onGpu(device));
+}
+
 TEST_CASE_FIXTURE(CoreGpuFixture,
                   "on the GPU a press into the crease of two limbs that have grown together moves both") {
   checkMerged(onGpu(device));

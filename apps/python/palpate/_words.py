@@ -166,9 +166,12 @@ def _in_words(name: str, function: Callable[..., Any], is_method: bool, is_bound
         return f"{args[0].__name__}.{name}" if is_method and isinstance(args[0], type) else name
 
     def told(text: str, args: tuple[Any, ...], settings: dict[str, Any]) -> str | None:
+        by_pybind = any(words in text for words in _PYBIND)
+        if is_bound and not by_pybind:  # raised by a function of the user that it called
+            return None
         given = args[is_method:]
         wrong = _misfit(known(text), given, settings)
-        if wrong is None and any(words in text for words in _PYBIND):
+        if wrong is None and by_pybind:
             kinds = [described(each) for each in given]
             kinds += [f"{key}={described(each)}" for key, each in settings.items() if each is not None]
             wrong = f"its arguments do not fit: {', '.join(kinds)}"

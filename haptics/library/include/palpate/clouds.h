@@ -3,7 +3,7 @@
 #ifndef PALPATE_CLOUDS_H
 #define PALPATE_CLOUDS_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup clouds Clouds: points with normals and colours, immutable

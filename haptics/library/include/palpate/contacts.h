@@ -3,7 +3,7 @@
 #ifndef PALPATE_CONTACTS_H
 #define PALPATE_CONTACTS_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup contacts Beginning and end of contacts

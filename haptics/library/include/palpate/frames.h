@@ -4,7 +4,7 @@
 #ifndef PALPATE_FRAMES_H
 #define PALPATE_FRAMES_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup frames Frames of the program, and of depth cameras

@@ -3,7 +3,7 @@
 #ifndef PALPATE_LIVE_H
 #define PALPATE_LIVE_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup live Live sessions: palpate's own servo thread, with a haptic device

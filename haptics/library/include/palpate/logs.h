@@ -4,7 +4,7 @@
 #ifndef PALPATE_LOGS_H
 #define PALPATE_LOGS_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup logs Session logs

@@ -4,7 +4,7 @@
 #ifndef PALPATE_MATTER_H
 #define PALPATE_MATTER_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup matter Matter: water, sand and soft bodies

@@ -3,7 +3,7 @@
 #ifndef PALPATE_PICTURES_H
 #define PALPATE_PICTURES_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup pictures Pictures and meshes

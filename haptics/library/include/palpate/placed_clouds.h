@@ -3,7 +3,7 @@
 #ifndef PALPATE_PLACED_CLOUDS_H
 #define PALPATE_PLACED_CLOUDS_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup placed Several clouds in one session

@@ -3,7 +3,7 @@
 #ifndef PALPATE_QUERIES_H
 #define PALPATE_QUERIES_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup queries Nearest positions and ray casts

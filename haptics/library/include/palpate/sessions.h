@@ -3,7 +3,7 @@
 #ifndef PALPATE_SESSIONS_H
 #define PALPATE_SESSIONS_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 #include <palpate/clouds.h>

@@ -4,7 +4,7 @@
 #ifndef PALPATE_SHARING_H
 #define PALPATE_SHARING_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup sharing Shared sessions

@@ -3,7 +3,7 @@
 #ifndef PALPATE_TOUCH_H
 #define PALPATE_TOUCH_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 #include <palpate/sessions.h>
@@ -92,7 +92,8 @@ PP_API pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t*
  * edits are dropped once too many are pending. Pictures and pp_live_read_ticks() do it, too. In a joined session this
  * also sends the edits to the other programs; PP_ERROR_NETWORK once this hand's part in it has ended. */
 PP_API pp_status pp_session_apply_edits(pp_session session);
-/** Copies the present points into a new cloud. */
+/** Copies the present points into a new cloud; after a failure, such as a lost GPU or missing memory, the last known
+ * ones, with a warning to the log. */
 PP_API pp_status pp_session_cloud(pp_session session, pp_cloud* cloud);
 
 /** @} */

@@ -4,7 +4,7 @@
 #ifndef PALPATE_VULKAN_H
 #define PALPATE_VULKAN_H
 #ifndef PALPATE_H
-#error "include <palpate/palpate.h>, which has this"
+#error "include <palpate/palpate.h>, which includes this header"
 #endif
 
 /** @defgroup vulkan A Vulkan device of the program

@@ -1,0 +1,61 @@
+// Where a Haply device looks for its service: this program's own connect() sees every address.
+#include <arpa/inet.h>
+#include <dlfcn.h>
+#include <doctest/doctest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptics/devices/driver_survey.hpp"
+#include "haptics/devices/haply_device.hpp"
+#include "tests/fake_devices/fake_haply.hpp"
+
+namespace palpate::unreachable_hosts_test {
+namespace {
+
+std::mutex guard;
+std::vector<std::string> connected;
+
+void note(const sockaddr* address) {
+  std::string text(INET6_ADDRSTRLEN, '\0');
+  if (address->sa_family == AF_INET)
+    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, text.data(), INET6_ADDRSTRLEN);
+  else if (address->sa_family == AF_INET6)
+    inet_ntop(AF_INET6, &reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr, text.data(), INET6_ADDRSTRLEN);
+  else
+    return;
+  const std::scoped_lock lock(guard);
+  connected.emplace_back(text.c_str());
+}
+
+}  // namespace
+}  // namespace palpate::unreachable_hosts_test
+
+extern "C" int connect(int socket, const sockaddr* address, socklen_t size) {
+  static const auto next = reinterpret_cast<int (*)(int, const sockaddr*, socklen_t)>(dlsym(RTLD_NEXT, "connect"));
+  palpate::unreachable_hosts_test::note(address);
+  return next(socket, address, size);
+}
+
+namespace palpate::unreachable_hosts_test {
+
+TEST_CASE("a Haply device is only looked for on this machine, whatever host its service's configuration names") {
+  const FakeHaply service({});
+  {
+    const std::scoped_lock lock(guard);
+    connected.clear();
+  }
+  { const HaplyDevice device({}); }
+  CHECK(surveyHaply().problem.empty());
+  const std::scoped_lock lock(guard);
+  CHECK(connected.size() >= 3);  // states, events and the version
+  CHECK(std::ranges::all_of(connected, [](const std::string& address) { return address == "127.0.0.1"; }));
+}
+
+}  // namespace palpate::unreachable_hosts_test
