@@ -7,6 +7,8 @@
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PALPATE_WIDEST_LANES [[gnu::target_clones("avx512f", "avx2", "default")]]
 #define PALPATE_INTO_CALLER __attribute__((always_inline))
+// A function of AVX-512's own, such as those that compress lanes; to be called only where hasAvx512().
+#define PALPATE_AVX512 [[gnu::target("avx512f,avx512vl,popcnt")]]
 // Two definitions of a function, each with all that it calls: for a processor with AVX2, whose lanes are eight floats,
 // and for any other.
 #define PALPATE_WITH_AVX2 [[gnu::target("avx2"), gnu::flatten]]
@@ -15,4 +17,15 @@
 #define PALPATE_WIDEST_LANES
 #define PALPATE_INTO_CALLER
 #define PALPATE_WITHOUT_AVX2
+#endif
+
+#ifdef PALPATE_AVX512
+namespace palpate {
+
+inline bool hasAvx512() {
+  static const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl");
+  return has;
+}
+
+}  // namespace palpate
 #endif

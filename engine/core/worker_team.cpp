@@ -1,86 +1,131 @@
 #include "engine/core/worker_team.hpp"
 
+#include <algorithm>
+
 #include "engine/core/clock.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/core/thread_priority.hpp"
 
 namespace palpate {
 
+namespace {
+
 // Jobs often follow each other within microseconds, in which a thread would not even fall asleep.
-template <class Done>
-void WorkerTeam::spinUntil(Done&& done) {
-  constexpr double kSpin_us = 20;
-  const Stopwatch watch;
-  while (!done() && watch.elapsed_us() < kSpin_us) {
-  }
+constexpr double kSpin_us = 20, kBurstSpin_us = 1000;
+// A thread wakes so many others, which wake so many in turn: to wake one takes microseconds of the one that wakes it.
+constexpr std::size_t kWakes = 3;
+
+// For the other thread of a core.
+void relax() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
 }
 
+template <class Done>
+bool spinUntil(double most_us, Done&& done) {
+  const Stopwatch watch;
+  while (!done()) {
+    if (watch.elapsed_us() > most_us) return false;
+    relax();
+  }
+  return true;
+}
+
+}  // namespace
+
 WorkerTeam::WorkerTeam(unsigned threads) {
-  for (unsigned i = 1; i < threadCount(threads); ++i) workers_.emplace_back([this] { work(); });
+  const unsigned count = threadCount(threads);
+  for (unsigned i = 1; i < count; ++i) workers_.push_back(std::make_unique<Worker>());
+  for (std::size_t i = 0; i < workers_.size(); ++i) workers_[i]->thread = std::jthread([this, i] { work(i); });
 }
 
 WorkerTeam::~WorkerTeam() {
-  {
-    const std::scoped_lock hold(lock_);
-    stop_ = true;
-  }
-  wake_.notify_all();
+  stop_ = true;
+  for (const std::unique_ptr<Worker>& worker : workers_)
+    if (worker->asleep.exchange(false)) worker->bell.post();
+}
+
+WorkerTeam::Burst::Burst(WorkerTeam& team) : team_(team) {
+  team.called_ = 0;
+  team.inBurst_ = true;
+}
+
+void WorkerTeam::Burst::engage(std::size_t threads) {
+  team_.called_ = std::clamp<std::size_t>(threads, 1, team_.size()) - 1;
+  team_.ring(0, kWakes);
+}
+
+WorkerTeam::Burst::~Burst() { team_.inBurst_ = false; }
+
+// Those of these workers that are called and asleep.
+void WorkerTeam::ring(std::size_t first, std::size_t count) {
+  const std::size_t end = std::min(first + count, called_.load());
+  for (std::size_t i = first; i < end; ++i)
+    if (workers_[i]->asleep.exchange(false)) workers_[i]->bell.post();
 }
 
 void WorkerTeam::run(std::size_t parts, Call call, void* context) {
-  if (parts <= 1 || workers_.empty()) {
+  if (!inBurst_) called_ = std::min(parts, size()) - std::min<std::size_t>(parts, 1);
+  if (parts <= 1 || called_ == 0) {
     for (std::size_t part = 0; part < parts; ++part) {
       throwIfStopWanted();
       call(context, part);
     }
     return;
   }
-  {
-    const std::scoped_lock hold(lock_);
-    parts_ = parts;
-    call_ = call;
-    context_ = context;
-    stopsBy_ = jobStop;
-    next_ = 0;
-    isOpen_ = true;
-    ++turn_;
-  }
-  if (parts <= workers_.size())
-    for (std::size_t part = 1; part < parts; ++part) wake_.notify_one();
-  else
-    wake_.notify_all();
+  parts_ = parts;
+  call_ = call;
+  context_ = context;
+  stopsBy_ = jobStop;
+  next_ = 0;
+  state_ = (jobOf(state_) + 1) * kJob + kOpen;
+  ring(0, kWakes);
   {
     const JobStopScope whole(JobStopScope::whole());  // for each part
     takeParts();
   }
-  std::unique_lock hold(lock_);
-  isOpen_ = false;
-  if (busy_ > 0) {
-    hold.unlock();
-    spinUntil([this] { return busy_ == 0; });
-    hold.lock();
-  }
-  idle_.wait(hold, [this] { return busy_ == 0; });
+  state_ -= kOpen;
+  if (!spinUntil(inBurst_ ? kBurstSpin_us : kSpin_us, [this] { return (state_ & kBusy) == 0; }))
+    for (std::uint32_t state = state_; (state & kBusy) != 0; state = state_) state_.wait(state);
   throwIfStopWanted();
 }
 
-void WorkerTeam::work() {
+// A job later than `seen` that this worker may join, or the end.
+bool WorkerTeam::hasNews(std::size_t worker, std::uint32_t seen) const {
+  const std::uint32_t state = state_;
+  return stop_ || (jobOf(state) != seen && (state & kOpen) != 0 && worker < called_);
+}
+
+// Sleeps, unless there are news.
+void WorkerTeam::rest(std::size_t worker, std::uint32_t seen) {
+  Worker& self = *workers_[worker];
+  self.asleep = true;
+  if (!hasNews(worker, seen) || !self.asleep.exchange(false)) self.bell.take();
+}
+
+void WorkerTeam::work(std::size_t worker) {
   giveWay();  // work of a team is not urgent
-  std::size_t done = 0;
-  std::unique_lock hold(lock_);
-  while (true) {
-    hold.unlock();
-    spinUntil([&] { return turn_ != done || stop_; });
-    hold.lock();
-    wake_.wait(hold, [&] { return stop_ || (isOpen_ && turn_ != done); });
-    if (stop_) return;
-    done = turn_;
-    ++busy_;
-    hold.unlock();
-    takeParts();
-    hold.lock();
-    if (--busy_ == 0) idle_.notify_one();
+  std::uint32_t seen = 0;
+  while (!stop_) {
+    const auto isAwaited = [&] { return inBurst_ && worker < called_; };
+    const bool awaited = isAwaited();
+    if (!spinUntil(awaited ? kBurstSpin_us : kSpin_us, [&] { return hasNews(worker, seen) || isAwaited() != awaited; }))
+      rest(worker, seen);
+    if (worker < called_) ring(kWakes * (worker + 1), kWakes);
+    if (hasNews(worker, seen)) takePartsAfter(seen);
   }
+}
+
+// The caller waits for a worker that has joined its job.
+void WorkerTeam::takePartsAfter(std::uint32_t& seen) {
+  std::uint32_t state = state_;
+  do {
+    if ((state & kOpen) == 0) return;
+  } while (!state_.compare_exchange_weak(state, state + 1));
+  seen = jobOf(state);
+  takeParts();
+  if ((--state_ & (kBusy | kOpen)) == 0) state_.notify_one();
 }
 
 void WorkerTeam::takeParts() {

@@ -1,21 +1,21 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <type_traits>
 #include <vector>
 
 #include "engine/core/job_stop.hpp"
+#include "engine/core/semaphore.hpp"
 
 namespace palpate {
 
-/// A persistent thread pool for repeated parallel work: starting a job creates no threads and does not allocate. Used
-/// by one thread at a time, which takes part itself, and never waits for a thread that has not begun a part: where the
-/// others wake late it does all the work. Between jobs the others spin for 20 us before they sleep.
+/// A persistent thread pool for repeated parallel work: starting a job creates no threads, does not allocate and takes
+/// no lock. Used by one thread at a time, which takes part itself, and never waits for a thread that has not begun a
+/// part: where the others wake late it does all the work. Between jobs the others spin for 20 us before they sleep.
 class WorkerTeam {
  public:
   /// `threads`: including the caller; 0: one per core.
@@ -36,26 +36,51 @@ class WorkerTeam {
         parts, [](void* context, std::size_t part) { (*static_cast<Plain*>(context))(part); }, std::addressof(body));
   }
 
+  /// Jobs that follow each other soon, while it lives: only the engaged threads take part, which spin between the jobs
+  /// for as long as 1 ms.
+  class Burst {
+   public:
+    /// Engages the caller alone.
+    explicit Burst(WorkerTeam& team);
+    ~Burst();
+    Burst(const Burst&) = delete;
+    Burst& operator=(const Burst&) = delete;
+    /// From the next job on, `threads` take part, including the caller: as many as the work is worth. Wakes them at
+    /// once.
+    void engage(std::size_t threads);
+
+   private:
+    WorkerTeam& team_;
+  };
+
  private:
   using Call = void (*)(void* context, std::size_t part);
-  void run(std::size_t parts, Call call, void* context);
-  void work();
-  void takeParts();
-  template <class Done>
-  static void spinUntil(Done&& done);
+  struct alignas(64) Worker {
+    std::atomic<bool> asleep = false;
+    Semaphore bell;
+    std::jthread thread;
+  };
+  // The number of the job, whether workers may still join it, and how many of them take parts.
+  static constexpr std::uint32_t kBusy = 0xffff, kOpen = kBusy + 1, kJob = 2 * kOpen;
 
-  std::mutex lock_;
-  std::condition_variable wake_, idle_;
-  std::atomic<std::size_t> turn_ = 0;  // incremented by every job
-  std::atomic<std::size_t> busy_ = 0;  // workers that take parts of this job
-  bool isOpen_ = false;                // workers may still join this job
-  std::atomic<bool> stop_ = false;
+  void run(std::size_t parts, Call call, void* context);
+  void work(std::size_t worker);
+  void rest(std::size_t worker, std::uint32_t seen);
+  void takePartsAfter(std::uint32_t& seen);
+  void ring(std::size_t first, std::size_t count);
+  void takeParts();
+  bool hasNews(std::size_t worker, std::uint32_t seen) const;
+  static std::uint32_t jobOf(std::uint32_t state) { return state / kJob; }
+
+  std::atomic<std::uint32_t> state_ = 0;
+  std::atomic<std::size_t> called_ = 0;  // so many workers, the first ones, take part
+  std::atomic<bool> inBurst_ = false, stop_ = false;
   std::size_t parts_ = 0;
-  std::atomic<std::size_t> next_ = 0;
+  alignas(64) std::atomic<std::size_t> next_ = 0;
   Call call_ = nullptr;
   void* context_ = nullptr;
   JobStop stopsBy_;  // stop request of the caller
-  std::vector<std::jthread> workers_;
+  std::vector<std::unique_ptr<Worker>> workers_;
 };
 
 }  // namespace palpate

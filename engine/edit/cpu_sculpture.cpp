@@ -13,15 +13,9 @@ namespace palpate {
 
 namespace {
 
-// Fewest points that a thread takes at a time: as many as take longer than to wake it. A gather takes microseconds,
-// most brushes some ten nanoseconds.
-constexpr std::size_t kFewestGathers = 16, kFewestBrushed = 512, kFewestCells = 256;
-constexpr std::size_t kAhead = 8;  // points whose memory is fetched ahead of a brush
+constexpr std::size_t kFewestCells = 64;  // that a thread takes at a time
+constexpr std::size_t kAhead = 8;         // points whose memory is fetched ahead of a brush
 constexpr std::size_t kTurns = 8;  // parts of the work that a thread takes, so that all end at about the same time
-// Number of neighbours that a point examines before it decides on insertion or removal. More are within its
-// neighbourhood radius only where many points coincide: they are merged with the examined ones, and no new point is
-// requested.
-constexpr std::size_t kMaxNeighbours = 2048;
 // Maximum number of points that get normals and are resampled in one edit: this many, or this share of all, whichever
 // is more; the others follow in later edits.
 constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
@@ -29,6 +23,8 @@ constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
 // kOwnWork for the point itself.
 constexpr double kTickWork = 60'000, kOwnWork = 192;
 constexpr std::size_t kFewestAtOnce = 32;
+// Work for which another thread is woken.
+constexpr double kThreadWork = 4000;
 // Priority, in support radii, that a waiting point gains with each edit, so that every point has its turn.
 constexpr float kWaitStrain = 1.0f / 512;
 
@@ -41,6 +37,9 @@ void forEachOf(WorkerTeam& team, std::size_t count, std::size_t fewest, Body&& b
     for (std::size_t i = k * batch; i < end; ++i) body(i);
   });
 }
+
+// As many threads as the work is worth, which are woken while it begins.
+void engage(WorkerTeam::Burst& burst, double work) { burst.engage(static_cast<std::size_t>(1 + work / kThreadWork)); }
 
 // Insertions nearer to each other than this spacing requires wait for each other.
 double claimSpacing(const SculptOptions& options) {
@@ -115,6 +114,8 @@ double CpuSculpture::reachOf(std::uint32_t point) const {
 }
 
 void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
+  WorkerTeam::Burst burst(grid_.team());
+  engage(burst, work_);
   for (const std::uint32_t point : changed_) isChanged_[point] = 0;
   changed_.clear();
   measure_ = {};
@@ -128,6 +129,7 @@ void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   if ((brush.kind() == BrushKind::push || brush.kind() == BrushKind::grab) && brush.acts()) pushes_ = brush;
   if (brush.acts()) applyBrush(brush);
   findUnsettled(size);
+  engage(burst, workOfPoint_ * static_cast<double>(unsettled_.size()));
   refit();
   settled_ = !someWait_;
   if (resamples(brush))
@@ -191,42 +193,35 @@ void CpuSculpture::tellOf(std::uint32_t point) {
   if (std::exchange(isChanged_[point], 1) == 0) changed_.push_back(point);
 }
 
-// Every point reads the previous positions of the others.
 void CpuSculpture::applyBrush(const PlacedBrush& brush) {
   reach(brush);
-  places_.resize(reached_.size());
-  const bool smooths = brush.kind() == BrushKind::smooth, paints = brush.kind() == BrushKind::paint;
-  forEachOf(grid_.team(), reached_.size(), smooths ? kFewestGathers : kFewestBrushed, [&](std::size_t i) {
-    const std::uint32_t point = reached_[i];
-    if (i + kAhead < reached_.size()) points_.prefetch(reached_[i + kAhead]);
-    if (smooths)
-      places_[i] = {smoothed(brush, point)};
-    else
-      places_[i] = brush.brushed(DVec3(points_.positions[point]), DVec3(points_.normals[point]), found(brush, point));
-  });
-  for (std::size_t i = 0; i < reached_.size(); ++i) {
-    const std::uint32_t point = reached_[i];
-    const Vec3 place(places_[i].position);
-    const std::uint32_t before = points_.colors[point];
-    const std::uint32_t color =
-        paints ? brush.painted(DVec3(points_.positions[point]), found(brush, point), before) : before;
-    if (places_[i].taken && cuts_) {  // removed with the next edit, so that the near sheet still sees the far one
-      swallowed_.push_back(point);
-      continue;
-    }
-    const bool moved = place != points_.positions[point];
-    if (moved) strain(point, glm::distance(place, points_.positions[point]));
-    if (moved) points_.setFound(point, points_.found(point, brush.stroke()));
-    if (moved || places_[i].taken || color != before) tellOf(point);
-    points_.positions[point] = place;
-    points_.colors[point] = color;
-    points_.there[point] = !places_[i].taken;
-    if (moved || places_[i].taken) strayed_.push_back(point);
-    if (!moved) continue;
-    setUnsettled(point);
-    if (point >= points_.fromFile) points_.reaches[point - points_.fromFile] = mostReach();
+  const std::size_t layers = grid_.layers(brush.center(), brush.radius());
+  for (const Layer& layer : std::span(layers_).first(layers)) {
+    measure_.add(layer.measure);
+    for (const Brushed& brushed : layer.brushed) apply(brush, brushed);
   }
   followInIndex();
+}
+
+void CpuSculpture::apply(const PlacedBrush& brush, const Brushed& to) {
+  const std::uint32_t point = to.number;
+  if (to.taken && cuts_) {  // removed with the next edit, so that the near sheet still sees the far one
+    swallowed_.push_back(point);
+    return;
+  }
+  tellOf(point);
+  points_.colors[point] = to.color;
+  const Vec3 place(to.position);
+  const bool moved = place != points_.positions[point];
+  if (!moved && !to.taken) return;
+  strayed_.push_back(point);
+  points_.there[point] = !to.taken;
+  if (!moved) return;
+  strain(point, glm::distance(place, points_.positions[point]));
+  points_.setFound(point, points_.found(point, brush.stroke()));
+  points_.positions[point] = place;
+  setUnsettled(point);
+  if (point >= points_.fromFile) points_.reaches[point - points_.fromFile] = mostReach();
 }
 
 PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t point) const {
@@ -240,29 +235,45 @@ PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t p
   return {DVec3(found.position), DVec3(found.normal)};
 }
 
-// Finds the points that the brush may affect, and measures the surface under it.
+// Finds the points that the brush changes, and measures the surface under it. Every point reads the previous positions
+// of the others.
 void CpuSculpture::reach(const PlacedBrush& brush) {
   const std::size_t layers = grid_.layers(brush.center(), brush.radius());
   layers_.resize(std::max(layers_.size(), layers));
-  forEachOf(grid_.team(), layers, std::max<std::size_t>(1, kFewestCells / (layers * layers)), [&](std::size_t k) {
-    Layer& layer = layers_[k];
-    layer.reached.clear();
-    layer.measured.clear();
-    layer.measure = {};
-    grid_.forEachNear(brush.center(), brush.radius(), k, [&](const SortedGrid::Placed& near) {
-      if (brush.measures(near.number)) layer.measured.push_back(near);
-      if (brush.mayAffect(DVec3(near.position))) layer.reached.push_back(near.number);
-    });
-    for (std::size_t i = 0; i < layer.measured.size(); ++i) {
-      if (i + kAhead < layer.measured.size()) points_.prefetchNormal(layer.measured[i + kAhead].number);
-      const auto& [place, point] = layer.measured[i];
-      brush.measure(DVec3(place), DVec3(points_.normals[point]), found(brush, point, place), layer.measure);
-    }
+  forEachOf(grid_.team(), layers, std::max<std::size_t>(1, kFewestCells / (layers * layers)),
+            [&](std::size_t k) { reach(brush, k, layers_[k]); });
+}
+
+void CpuSculpture::reach(const PlacedBrush& brush, std::size_t number, Layer& layer) const {
+  layer.reached.clear();
+  layer.measured.clear();
+  layer.measure = {};
+  grid_.forEachNear(brush.center(), brush.radius(), number, [&](const SortedGrid::Placed& near) {
+    if (brush.measures(near.number)) layer.measured.push_back(near);
+    if (brush.mayAffect(DVec3(near.position))) layer.reached.push_back(near.number);
   });
-  reached_.clear();
-  for (const Layer& layer : std::span(layers_).first(layers)) {
-    reached_.insert(reached_.end(), layer.reached.begin(), layer.reached.end());
-    measure_.add(layer.measure);
+  for (std::size_t i = 0; i < layer.measured.size(); ++i) {
+    if (i + 2 * kAhead < layer.measured.size()) points_.prefetchNormal(layer.measured[i + 2 * kAhead].number);
+    if (i + kAhead < layer.measured.size()) points_.prefetchFound(layer.measured[i + kAhead].number, brush.stroke());
+    const auto& [place, point] = layer.measured[i];
+    brush.measure(DVec3(place), DVec3(points_.normals[point]), found(brush, point, place), layer.measure);
+  }
+  brushEach(brush, layer);
+}
+
+void CpuSculpture::brushEach(const PlacedBrush& brush, Layer& layer) const {
+  const bool smooths = brush.kind() == BrushKind::smooth, paints = brush.kind() == BrushKind::paint;
+  layer.brushed.clear();
+  for (std::size_t i = 0; i < layer.reached.size(); ++i) {
+    const std::uint32_t point = layer.reached[i], before = points_.colors[point];
+    if (i + kAhead < layer.reached.size()) points_.prefetch(layer.reached[i + kAhead]);
+    const DVec3 place(points_.positions[point]);
+    const PlacedBrush::Found as = found(brush, point);
+    const PlacedBrush::Point to =
+        smooths ? PlacedBrush::Point{smoothed(brush, point)} : brush.brushed(place, DVec3(points_.normals[point]), as);
+    const std::uint32_t color = paints ? brush.painted(place, as, before) : before;
+    if (to.taken || color != before || Vec3(to.position) != points_.positions[point])
+      layer.brushed.push_back({to, point, color});
   }
 }
 
@@ -320,119 +331,27 @@ void CpuSculpture::refit() {
       Surroundings& around = surroundings_[first++];
       around.points.gather(grid_, group.balls);
       around.near.clear();
-      around.ends.clear();
+      around.closest.clear();
       refit.gather(around.points, points_.normals);
       for (const std::uint32_t i : groups_.members(group)) {
         const std::uint32_t point = unsettled_[i];
-        around.points.near(DVec3(points_.positions[point]), radius, near);
+        around.points.near(DVec3(points_.positions[point]), radius, near, std::min(radius, closestOf(point)));
         refit.add(i, near, points_.normals[point], options_.radius);
-        around.near.insert(around.near.end(), near.indices().begin(), near.indices().end());
-        around.ends.push_back(static_cast<std::uint32_t>(around.near.size()));
+        around.near.add(near.indices());
+        around.closest.add(near.closest());
       }
     }
     refit.solve(normals_);
   });
-  double work = 0;
+  work_ = 0;
   for (std::size_t k = 0; k < groups_.groups().size(); ++k)
-    work += kOwnWork * groups_.groups()[k].count + static_cast<double>(surroundings_[k].near.size());
-  if (!unsettled_.empty()) workOfPoint_ = work / static_cast<double>(unsettled_.size());
+    work_ += kOwnWork * groups_.groups()[k].count + static_cast<double>(surroundings_[k].near.size());
+  if (!unsettled_.empty()) workOfPoint_ = work_ / static_cast<double>(unsettled_.size());
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     Vec3& normal = points_.normals[unsettled_[i]];
     if (normal != normals_[i]) tellOf(unsettled_[i]);
     normal = normals_[i];
   }
-}
-
-std::optional<DVec3> CpuSculpture::pushedFrom(std::uint32_t point) const {
-  if (!pushes_ || points_.strokes[point] != pushes_->stroke()) return std::nullopt;
-  return pushes_->outward();
-}
-
-ResampleNeighbour CpuSculpture::seen(std::uint32_t number) const {
-  return {.normal = DVec3(points_.normals[number]),
-          .rest = DVec3(points_.rests[number]),
-          .spacing = points_.spacing(number),
-          .isNew = number >= points_.fromFile,
-          .atRest = carves_ && isAtRest(number),
-          .number = number,
-          .unsettled = points_.unsettled[number] != 0};
-}
-
-double CpuSculpture::neighbourhoodOf(std::uint32_t point) const {
-  return double{
-      shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius))};
-}
-
-ResampleRequest CpuSculpture::requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
-                                        ResampleNeighbours& neighbours) const {
-  const DVec3 place(points_.positions[point]);
-  const bool complete = neighbours.look({place, neighbourhoodOf(point), point}, near, kMaxNeighbours);
-  const SculptedPoints::Found as = cuts_ ? points_.found(point, cuts_->stroke()) : SculptedPoints::Found{};
-  return resampleRequest(seen(point), {.neighbours = neighbours,
-                                       .reach = reachOf(point),
-                                       .widest = widestSpacing_,
-                                       .fills = fills_ && complete,
-                                       .carves = carves_,
-                                       .moved = isMoved(point),
-                                       .pushedFrom = pushedFrom(point),
-                                       .found = DVec3(as.position) - place,
-                                       .foundNormal = DVec3(as.normal),
-                                       .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity(),
-                                       .claims = &claims_,
-                                       .place = place});
-}
-
-// Of the members of a group.
-void CpuSculpture::request(const CellGroups::Group& group, const Surroundings& around) {
-  thread_local ResampleNeighbours neighbours;
-  neighbours.gather(around.points, points_.normals, [this](std::uint32_t each) { return seen(each); });
-  for (std::size_t member = 0; member < group.count; ++member) {
-    const std::uint32_t i = groups_.members(group)[member], point = unsettled_[i];
-    Request& request = requests_[i];
-    static_cast<ResampleRequest&>(request) = requestOf(point, around.nearOf(member), neighbours);
-    if (!request.inserts) continue;
-    request.place = Vec3(DVec3(points_.positions[point]) + request.offset);
-    request.reach = static_cast<float>(reachOf(point) - glm::length(request.offset));
-  }
-}
-
-void CpuSculpture::resample() {
-  requests_.resize(unsettled_.size());
-  groups_.forEachPart(grid_.team(), kFewestGathers, [&](std::size_t first, std::span<const CellGroups::Group> part) {
-    for (const CellGroups::Group& group : part) request(group, surroundings_[first++]);
-  });
-  for (std::size_t i = 0; i < unsettled_.size(); ++i) {
-    const std::uint32_t point = unsettled_[i];
-    points_.unsettled[point] = requests_[i].unsettled;
-    // From now on it counts as part of the sheet that it has reached.
-    if (requests_[i].stops) points_.founds[point].normal = Vec3(-pushes_->outward());
-    if (requests_[i].thick && cuts_ && points_.strokes[point] == cuts_->stroke())
-      points_.founds[point].thick = static_cast<float>(*requests_[i].thick);
-    settled_ = settled_ && !requests_[i].unsettled;
-    if (requests_[i].goes) remove(point);
-  }
-  insertClaimed();
-  followInIndex();
-}
-
-void CpuSculpture::insertClaimed() {
-  const auto forEachRequest = [&](auto&& visit) {
-    for (std::size_t i = 0; i < unsettled_.size(); ++i)
-      if (requests_[i].inserts) visit(unsettled_[i], requests_[i]);
-  };
-  forEachRequest([&](std::uint32_t point, const Request& request) { claims_.claim(request.place, point); });
-  forEachRequest([&](std::uint32_t point, const Request& request) { claims_.confirm(request.place, point); });
-  forEachRequest([&](std::uint32_t point, const Request& request) {
-    if (!claims_.stands(request.place, point)) return;
-    claims_.grant(request.place);
-    const std::uint32_t parent = request.takesAfterOther ? request.other : point;
-    const std::uint32_t added = points_.insertBetween(point, request.other, parent, request.place);
-    makeRoom();
-    points_.reaches[added - points_.fromFile] = request.reach;
-    waiting_.push_back(added);
-    strayed_.push_back(added);
-    tellOf(added);
-  });
 }
 
 }  // namespace palpate

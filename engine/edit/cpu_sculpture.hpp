@@ -58,6 +58,7 @@ class CpuSculpture {
   void set(std::span<const PointChange> changes);
 
  private:
+  static constexpr std::size_t kFewestGathers = 8;  // points that a thread takes at a time
   void measureSpacings();
   double reachOf(std::uint32_t point) const;
   float mostReach() const;
@@ -71,7 +72,12 @@ class CpuSculpture {
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point, const Vec3& place) const;
   DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;
+  struct Layer;
+  struct Brushed;
+  void apply(const PlacedBrush& brush, const Brushed& brushed);
   void reach(const PlacedBrush& brush);
+  void reach(const PlacedBrush& brush, std::size_t number, Layer& layer) const;
+  void brushEach(const PlacedBrush& brush, Layer& layer) const;
   void strain(std::uint32_t point, float by);
   std::size_t mostAtOnce(EditSize size) const;
   void findUnsettled(EditSize size);
@@ -82,6 +88,9 @@ class CpuSculpture {
   ResampleRequest requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
                             ResampleNeighbours& neighbours) const;
   struct Surroundings;
+  bool anyFacesAway(const Surroundings& around) const;
+  double closestOf(std::uint32_t point) const;
+  bool requestsNothing(std::uint32_t point, const Surroundings& around, std::span<const std::uint32_t> closest) const;
   void request(const CellGroups::Group& group, const Surroundings& around);
   void resample();
   void insertClaimed();
@@ -99,7 +108,7 @@ class CpuSculpture {
   bool settled_ = true, carves_ = false, fills_ = true;
   bool someWait_ = false;  // more points are unsettled than an edit processes
   Backlog backlog_;
-  double workOfPoint_;                 // mean of the last edit
+  double work_ = 0, workOfPoint_;      // of the last edit, and its mean
   std::optional<PlacedBrush> pushes_;  // of this tick
   std::optional<PlacedBrush> cuts_;
   SurfaceMeasure measure_;
@@ -113,29 +122,42 @@ class CpuSculpture {
     float reach = 0;
   };
   CellGroups groups_;  // of the unsettled points
-  // The points around a group, and those near each of its members: indices in `points`, up to `ends` by member.
+  // Indices of points by member of a group.
+  class MemberLists {
+   public:
+    void clear();
+    void add(std::span<const std::uint32_t> indices);
+    std::size_t size() const { return indices_.size(); }
+    std::span<const std::uint32_t> operator[](std::size_t member) const {
+      const std::uint32_t begin = member == 0 ? 0 : ends_[member - 1];
+      return std::span(indices_).subspan(begin, ends_[member] - begin);
+    }
+
+   private:
+    std::vector<std::uint32_t> indices_, ends_;
+  };
+  // The points around a group; those near each of its members, and of these the closest: closestOf().
   struct Surroundings {
     GatheredPoints points;
-    std::vector<std::uint32_t> near, ends;
-
-    std::span<const std::uint32_t> nearOf(std::size_t member) const {
-      const std::uint32_t begin = member == 0 ? 0 : ends[member - 1];
-      return std::span(near).subspan(begin, ends[member] - begin);
-    }
+    MemberLists near, closest;
   };
   std::vector<Surroundings> surroundings_;  // by group
+  // A point that the brush changes.
+  struct Brushed : PlacedBrush::Point {
+    std::uint32_t number, color;
+  };
   struct alignas(128) Layer {
     std::vector<std::uint32_t> reached;  // numbers of points
     std::vector<SortedGrid::Placed> measured;
+    std::vector<Brushed> brushed;
     SurfaceMeasure measure;
   };
   std::vector<Layer> layers_;
-  std::vector<std::uint32_t> reached_, unsettled_, changed_;  // numbers of points
-  std::vector<std::uint32_t> swallowed_;                      // by the carving ball: removed with the next edit
-  std::vector<PlacedBrush::Point> places_;                    // of the reached points
-  std::vector<Vec3> normals_;                                 // new normals of the unsettled points
-  std::vector<Request> requests_;                             // of the unsettled points
-  std::vector<std::uint8_t> isChanged_;                       // by point: whether it is in changed_
+  std::vector<std::uint32_t> unsettled_, changed_;  // numbers of points
+  std::vector<std::uint32_t> swallowed_;            // by the carving ball: removed with the next edit
+  std::vector<Vec3> normals_;                       // new normals of the unsettled points
+  std::vector<Request> requests_;                   // of the unsettled points
+  std::vector<std::uint8_t> isChanged_;             // by point: whether it is in changed_
 };
 
 }  // namespace palpate

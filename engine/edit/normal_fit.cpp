@@ -6,6 +6,15 @@
 
 namespace palpate {
 
+NormalFit::Sums NormalFit::sums() const {
+  std::array<double, std::tuple_size_v<decltype(lanes_)>> sums;
+  std::ranges::transform(lanes_, sums.begin(), &sumOf);
+  return {.weights = sums[0],
+          .offsets = {sums[1], sums[2], sums[3]},
+          .squares = {.xx = sums[4], .yy = sums[5], .zz = sums[6], .xy = sums[7], .xz = sums[8], .yz = sums[9]},
+          .neighbours = neighbours_};
+}
+
 SymmetricMatrix3 NormalFit::spread(const Sums& sums) {
   const auto& [weights, offsets, squares, neighbours] = sums;
   if (neighbours < shared::kMinNeighbours || weights <= 0) return {};

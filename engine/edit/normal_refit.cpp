@@ -1,6 +1,6 @@
 #include "engine/edit/normal_refit.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 
 #include "engine/core/widest_lanes.hpp"
@@ -11,57 +11,57 @@ namespace palpate {
 
 namespace {
 
-// One for each sum: weight, offsets, their six products, normals, and 1 for a neighbour with a share.
-constexpr std::size_t kTerms = 14;
-
 struct NearNormals {
   const float *x, *y, *z;
 };
 
-// As NormalFit::add(), and of the weighted normals; `rows`: kTerms of them, `stride` apart. A neighbour
-// without a share has terms of zero, which leave every sum as it is.
+// As NormalFit::add() of each in turn, and of the weighted normals. A neighbour without a share has terms of zero,
+// which leave every sum as it is.
 PALPATE_WIDEST_LANES
-void termsOf(const NearPoints& near, const NearNormals& normals, const Vec3& old, double radius, double* rows,
-             std::size_t stride) {
+void sumsOf(const NearPoints& near, const NearNormals& normals, const Vec3& old, double radius,
+            NormalRefit::Sums& sums) {
   const float oldX = old.x, oldY = old.y, oldZ = old.z;
   const double inverseRadius = 1.0 / radius, mostSquared = radius * radius;
-  const double *nearX = near.x(), *nearY = near.y(), *nearZ = near.z();
-  const std::size_t count = near.size();
+  NormalRefit::Sums to{};
+  for (std::size_t begin = 0; begin < near.size(); begin += NormalFit::kLanes) {
+    const double *nearX = near.x() + begin, *nearY = near.y() + begin, *nearZ = near.z() + begin;
+    const float *normalX = normals.x + begin, *normalY = normals.y + begin, *normalZ = normals.z + begin;
+    const std::size_t left = near.size() - begin;
 #pragma GCC ivdep
-  for (std::size_t k = 0; k < count; ++k) {
-    const float nx = normals.x[k], ny = normals.y[k], nz = normals.z[k];
-    const float given = shared::fitShare(nx * oldX + ny * oldY + nz * oldZ);
-    const double x = nearX[k], y = nearY[k], z = nearZ[k];
-    const double squared = x * x + y * y + z * z;
-    const double share = squared < mostSquared ? double{given} : 0.0;
-    const double length = std::sqrt(squared);
-    const double w = share * wendland(length * inverseRadius);
-    const double root = std::sqrt(w);
-    const double rx = root * x, ry = root * y, rz = root * z;
-    rows[k] = w;
-    rows[stride + k] = w * x;
-    rows[2 * stride + k] = w * y;
-    rows[3 * stride + k] = w * z;
-    rows[4 * stride + k] = rx * rx;
-    rows[5 * stride + k] = ry * ry;
-    rows[6 * stride + k] = rz * rz;
-    rows[7 * stride + k] = rx * ry;
-    rows[8 * stride + k] = rx * rz;
-    rows[9 * stride + k] = ry * rz;
-    rows[10 * stride + k] = w * double{nx};
-    rows[11 * stride + k] = w * double{ny};
-    rows[12 * stride + k] = w * double{nz};
-    rows[13 * stride + k] = share > 0 ? 1 : 0;
+    for (std::size_t lane = 0; lane < NormalFit::kLanes; ++lane) {
+      const float nx = normalX[lane], ny = normalY[lane], nz = normalZ[lane];
+      const float given = shared::fitShare(nx * oldX + ny * oldY + nz * oldZ);
+      const double x = nearX[lane], y = nearY[lane], z = nearZ[lane];
+      const double squared = x * x + y * y + z * z;
+      const double share = (lane < left) & (squared < mostSquared) ? double{given} : 0.0;
+      const double w = share * wendland(std::sqrt(squared) * inverseRadius);
+      const double wx = w * x, wy = w * y, wz = w * z;
+      to[0][lane] += w;
+      to[1][lane] += wx;
+      to[2][lane] += wy;
+      to[3][lane] += wz;
+      to[4][lane] += wx * x;
+      to[5][lane] += wy * y;
+      to[6][lane] += wz * z;
+      to[7][lane] += wx * y;
+      to[8][lane] += wx * z;
+      to[9][lane] += wy * z;
+      to[10][lane] += w * double{nx};
+      to[11][lane] += w * double{ny};
+      to[12][lane] += w * double{nz};
+      to[13][lane] += share > 0 ? 1.0 : 0.0;
+    }
   }
+  sums = to;
 }
 
 }  // namespace
 
 void NormalRefit::makeRoom(std::size_t points) {
+  points += NormalFit::kLanes;  // read whole
   if (normalX_.size() >= points) return;
   for (std::vector<float>* each : {&normalX_, &normalY_, &normalZ_, &nearX_, &nearY_, &nearZ_})
     each->resize(2 * points);
-  terms_.resize(kTerms * 2 * points);
 }
 
 void NormalRefit::gather(const GatheredPoints& points, std::span<const Vec3> normals) {
@@ -82,11 +82,10 @@ void NormalRefit::add(std::uint32_t index, const NearPoints& near, const Vec3& o
     nearY_[k] = normalY_[i];
     nearZ_[k] = normalZ_[i];
   }
-  const std::size_t stride = nearX_.size();
-  termsOf(near, {nearX_.data(), nearY_.data(), nearZ_.data()}, old, radius, terms_.data(), stride);
-  std::array<double, kTerms> sums{};
-  for (std::size_t k = 0; k < near.size(); ++k)
-    for (std::size_t term = 0; term < kTerms; ++term) sums[term] += terms_[term * stride + k];
+  Sums lanes;
+  sumsOf(near, {nearX_.data(), nearY_.data(), nearZ_.data()}, old, radius, lanes);
+  std::array<double, kTerms> sums;
+  std::ranges::transform(lanes, sums.begin(), &NormalFit::sumOf);
   const NormalFit::Sums fit{
       .weights = sums[0],
       .offsets = {sums[1], sums[2], sums[3]},

@@ -1,12 +1,14 @@
 // New normals of many points at once, the same bit by bit as NormalFit of their neighbours one by one.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "engine/cloud/eigen3_many.hpp"
 #include "engine/core/vec.hpp"
+#include "engine/edit/normal_fit.hpp"
 #include "engine/spatial/gathered_points.hpp"
 
 namespace palpate {
@@ -24,6 +26,10 @@ class NormalRefit {
   /// Sets the new normals, unit, of all points added since the last call, also after other gathers, by index.
   void solve(std::span<Vec3> normals);
 
+  /// One for each sum: weight, offsets, their six products, normals, and 1 for a neighbour with a share.
+  static constexpr std::size_t kTerms = 14;
+  using Sums = std::array<NormalFit::Lanes, kTerms>;
+
  private:
   void makeRoom(std::size_t points);
 
@@ -35,7 +41,6 @@ class NormalRefit {
   ManyEigen3 spreads_;                              // of these
   std::vector<float> normalX_, normalY_, normalZ_;  // of the gathered points
   std::vector<float> nearX_, nearY_, nearZ_;        // normals of the near ones
-  std::vector<double> terms_;                       // kTerms rows, one for each sum, of as many as room for points
 };
 
 }  // namespace palpate

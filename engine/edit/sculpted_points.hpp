@@ -69,6 +69,9 @@ struct SculptedPoints {
     __builtin_prefetch(&normals[point]);
     __builtin_prefetch(&strokes[point]);
   }
+  void prefetchFound(std::uint32_t point, std::uint32_t stroke) const {
+    if (strokes[point] == stroke) __builtin_prefetch(&founds[point]);
+  }
 
   PointState state(std::uint32_t point) const;
   /// Sets a point, which is then settled; extends the arrays for a new one. Its parent must be one of the file's

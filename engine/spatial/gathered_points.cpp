@@ -1,10 +1,31 @@
 #include "engine/spatial/gathered_points.hpp"
 
+#include <array>
+#include <cmath>
+#include <limits>
+
 #include "engine/core/widest_lanes.hpp"
+
+#ifdef PALPATE_AVX512
+#include <immintrin.h>
+
+#include <bit>
+#endif
 
 namespace palpate {
 
 namespace {
+
+constexpr std::size_t kLanes = 8;  // in which points are searched
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+// Two steps of single precision further.
+Vec3 beyond(const DVec3& place, float towards) {
+  const auto further = [&](double x) {
+    return std::nextafter(std::nextafter(static_cast<float>(x), towards), towards);
+  };
+  return {further(place.x), further(place.y), further(place.z)};
+}
 
 PALPATE_WIDEST_LANES
 void squaredDistances(const float* x, const float* y, const float* z, std::size_t count, const DVec3& place,
@@ -15,6 +36,69 @@ void squaredDistances(const float* x, const float* y, const float* z, std::size_
     squared[i] = dx * dx + dy * dy + dz * dz;
   }
 }
+
+using Coordinates = std::array<const float*, 3>;
+struct Squares {
+  double near, closest;  // of radii
+};
+struct Counts {
+  std::size_t near = 0, closest = 0;
+};
+struct Into {
+  std::uint32_t *index, *closest;
+  double *x, *y, *z;
+};
+
+Counts search(const Coordinates& from, std::size_t size, const DVec3& place, const Squares& most, double* squared,
+              const Into& into) {
+  squaredDistances(from[0], from[1], from[2], size, place, squared);
+  Counts counts;
+  for (std::size_t i = 0; i < size; ++i) {  // without unpredictable branches
+    into.index[counts.near] = static_cast<std::uint32_t>(i);
+    counts.near += squared[i] < most.near;
+  }
+  for (std::size_t k = 0; k < counts.near; ++k) {
+    const std::uint32_t i = into.index[k];
+    into.x[k] = double{from[0][i]} - place.x;
+    into.y[k] = double{from[1][i]} - place.y;
+    into.z[k] = double{from[2][i]} - place.z;
+    into.closest[counts.closest] = i;
+    counts.closest += squared[i] < most.closest;
+  }
+  return counts;
+}
+
+#ifdef PALPATE_AVX512
+PALPATE_AVX512
+Counts searchWide(const Coordinates& from, std::size_t size, const DVec3& place, const Squares& most,
+                  const Into& into) {
+  const __m512d px = _mm512_set1_pd(place.x), py = _mm512_set1_pd(place.y), pz = _mm512_set1_pd(place.z);
+  const __m512d mostNear = _mm512_set1_pd(most.near), mostClosest = _mm512_set1_pd(most.closest);
+  __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  Counts counts;
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    const __m512d x = _mm512_sub_pd(_mm512_cvtps_pd(_mm256_loadu_ps(from[0] + i)), px);
+    const __m512d y = _mm512_sub_pd(_mm512_cvtps_pd(_mm256_loadu_ps(from[1] + i)), py);
+    const __m512d z = _mm512_sub_pd(_mm512_cvtps_pd(_mm256_loadu_ps(from[2] + i)), pz);
+    const __m512d far = _mm512_add_pd(_mm512_add_pd(_mm512_mul_pd(x, x), _mm512_mul_pd(y, y)), _mm512_mul_pd(z, z));
+    const auto there = static_cast<__mmask8>(0xff >> (kLanes - std::min(kLanes, size - i)));
+    const __mmask8 within = _mm512_mask_cmp_pd_mask(there, far, mostNear, _CMP_LT_OQ);
+    const __mmask8 close = _mm512_mask_cmp_pd_mask(within, far, mostClosest, _CMP_LT_OQ);
+    // Whole registers: to store only some lanes takes long.
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(into.index + counts.near),
+                        _mm256_maskz_compress_epi32(within, index));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(into.closest + counts.closest),
+                        _mm256_maskz_compress_epi32(close, index));
+    _mm512_storeu_pd(into.x + counts.near, _mm512_maskz_compress_pd(within, x));
+    _mm512_storeu_pd(into.y + counts.near, _mm512_maskz_compress_pd(within, y));
+    _mm512_storeu_pd(into.z + counts.near, _mm512_maskz_compress_pd(within, z));
+    counts.near += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(within)));
+    counts.closest += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(close)));
+    index = _mm256_add_epi32(index, _mm256_set1_epi32(kLanes));
+  }
+  return counts;
+}
+#endif
 
 }  // namespace
 
@@ -30,65 +114,57 @@ NearPoints::NearPoints(std::span<const DVec3> offsets) {
 }
 
 void NearPoints::makeRoom(std::size_t count) {
+  count += kLanes;  // written whole
   if (index_.size() >= count) return;
-  index_.resize(2 * count);
+  for (std::vector<std::uint32_t>* each : {&index_, &closest_}) each->resize(2 * count);
   for (std::vector<double>* each : {&x_, &y_, &z_, &squared_}) each->resize(2 * count);
 }
 
 void GatheredPoints::makeRoom(std::size_t more) {
-  const std::size_t room = count_ + more;
+  const std::size_t room = count_ + more + kLanes;  // read whole
   if (numbers_.size() >= room) return;
   for (std::vector<float>* each : {&x_, &y_, &z_}) each->resize(room + room / 4);
   numbers_.resize(room + room / 4);
 }
 
-void GatheredPoints::add(const SortedGrid::Placed& point, bool keep) {
-  x_[count_] = point.position.x;
-  y_[count_] = point.position.y;
-  z_[count_] = point.position.z;
-  numbers_[count_] = point.number;
-  count_ += keep;
-}
-
 void GatheredPoints::gather(const SortedGrid& grid, const Balls& balls) {
   count_ = 0;
-  if (balls.box.cells() > SortedGrid::kFewCells) {
-    grid.forEachNear(balls.low, balls.radius, [&](const SortedGrid::Placed& point) {
-      makeRoom(1);
-      add(point, true);
-    });
-    return;
-  }
-  // Leaves out points that are too far along one axis. Rounding is monotonic, so that their distances to all positions
-  // are also computed as too large.
-  grid.forEachBucket(balls.box, [&](std::span<const SortedGrid::Placed> points) {
+  // Leaves out points that are too far along one axis, with a margin for rounding.
+  const Vec3 above = beyond(balls.high + balls.radius, kFar), below = beyond(balls.low - balls.radius, -kFar);
+  const auto add = [&](std::span<const SortedGrid::Placed> points) {
     makeRoom(points.size());
-    for (const SortedGrid::Placed& point : points) {
-      const DVec3 above = DVec3(point.position) - balls.high, below = balls.low - DVec3(point.position);
-      const DVec3 beside = glm::max(above, below);
-      add(point, (beside.x < balls.radius) & (beside.y < balls.radius) & (beside.z < balls.radius));
+    std::size_t count = count_;
+    float *const x = x_.data(), *const y = y_.data(), *const z = z_.data();
+    std::uint32_t* const numbers = numbers_.data();
+    for (const auto& [place, number] : points) {  // without unpredictable branches
+      x[count] = place.x;
+      y[count] = place.y;
+      z[count] = place.z;
+      numbers[count] = number;
+      count += (place.x < above.x) & (place.y < above.y) & (place.z < above.z) & (place.x > below.x) &
+               (place.y > below.y) & (place.z > below.z);
     }
-  });
+    count_ = count;
+  };
+  if (balls.box.cells() > SortedGrid::kFewCells)
+    grid.forEachNear(balls.low, balls.radius, [&](const SortedGrid::Placed& point) { add({&point, 1}); });
+  else
+    grid.forEachBucket(balls.box, add);
 }
 
-void GatheredPoints::near(const DVec3& place, double radius, NearPoints& near) const {
+void GatheredPoints::near(const DVec3& place, double radius, NearPoints& near, double closest) const {
   near.makeRoom(count_);
-  squaredDistances(x_.data(), y_.data(), z_.data(), count_, place, near.squared_.data());
-  const double squared = radius * radius;
-  const double* const distances = near.squared_.data();
-  std::uint32_t* const index = near.index_.data();
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < count_; ++i) {  // without unpredictable branches
-    index[count] = static_cast<std::uint32_t>(i);
-    count += distances[i] < squared;
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::uint32_t i = index[k];
-    near.x_[k] = double{x_[i]} - place.x;
-    near.y_[k] = double{y_[i]} - place.y;
-    near.z_[k] = double{z_[i]} - place.z;
-  }
-  near.count_ = count;
+  const Squares most{radius * radius, closest * closest};
+  const Into into{near.index_.data(), near.closest_.data(), near.x_.data(), near.y_.data(), near.z_.data()};
+  const std::array from{x_.data(), y_.data(), z_.data()};
+#ifdef PALPATE_AVX512
+  const Counts found = hasAvx512() ? searchWide(from, count_, place, most, into)
+                                   : search(from, count_, place, most, near.squared_.data(), into);
+#else
+  const Counts found = search(from, count_, place, most, near.squared_.data(), into);
+#endif
+  near.count_ = found.near;
+  near.closestCount_ = found.closest;
 }
 
 void GatheredPoints::near(const DVec3& place, double radius, std::span<const std::uint32_t> among,

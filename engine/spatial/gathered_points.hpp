@@ -24,6 +24,8 @@ class NearPoints {
   const double* x() const { return x_.data(); }
   const double* y() const { return y_.data(); }
   const double* z() const { return z_.data(); }
+  /// The indices of the closest, as the search says.
+  std::span<const std::uint32_t> closest() const { return {closest_.data(), closestCount_}; }
   /// Leaves out all but the first ones.
   void truncate(std::size_t most) { count_ = std::min(count_, most); }
 
@@ -31,8 +33,8 @@ class NearPoints {
   friend class GatheredPoints;
   void makeRoom(std::size_t count);
 
-  std::size_t count_ = 0;
-  std::vector<std::uint32_t> index_;
+  std::size_t count_ = 0, closestCount_ = 0;
+  std::vector<std::uint32_t> index_, closest_;
   std::vector<double> x_, y_, z_;
   std::vector<double> squared_;  // distances, of the points that were searched
 };
@@ -42,8 +44,6 @@ class NearPoints {
 /// threads.
 class GatheredPoints {
  public:
-  static constexpr std::uint32_t kNone = 0xffffffff;
-
   /// Positions, and the radius of the balls about them.
   struct Balls {
     DVec3 low, high;  ///< bounds of the positions, relative to the cloud's origin, model units
@@ -55,16 +55,17 @@ class GatheredPoints {
   void gather(const SortedGrid& grid, const Balls& balls);
   /// Numbers of the gathered points.
   std::span<const std::uint32_t> numbers() const { return {numbers_.data(), count_}; }
+  DVec3 position(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
 
-  /// The points nearer than `radius` to a position, which is one of those gathered for.
-  void near(const DVec3& place, double radius, NearPoints& near) const;
+  /// The points nearer than `radius` to a position, which is one of those gathered for; those nearer than
+  /// `closest`, which is not more, are the closest.
+  void near(const DVec3& place, double radius, NearPoints& near, double closest = 0) const;
   /// The same among points with these indices, but for the one with the number `without`.
   void near(const DVec3& place, double radius, std::span<const std::uint32_t> among, std::uint32_t without,
             NearPoints& near) const;
 
  private:
   void makeRoom(std::size_t more);
-  void add(const SortedGrid::Placed& point, bool keep);
 
   std::size_t count_ = 0;
   std::vector<float> x_, y_, z_;

@@ -161,7 +161,6 @@ TEST_CASE("the normals of sculpted points are those of their neighbours one by o
       DVec3 side(0);
       sculpture.grid().forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
         const double share{shared::fitShare(glm::dot(before[near.number], before[i]))};
-        if (share <= 0) return;
         const DVec3 offset = DVec3(near.position) - place;
         fit.add(offset, share);
         side += share * wendland(glm::length(offset) / radius) * DVec3(before[near.number]);

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
 #include <random>
 
 #include "engine/spatial/cell_groups.hpp"
@@ -37,9 +38,11 @@ Found oneByOne(const SortedGrid& grid, const DVec3& place, double radius) {
 
 Found gathered(const GatheredPoints& points, const DVec3& place, double radius) {
   NearPoints near, again;
-  points.near(place, radius, near);
-  points.near(place, radius, near.indices(), GatheredPoints::kNone, again);
+  points.near(place, radius, near, 0.5 * radius);
+  points.near(place, radius, near.indices(), std::numeric_limits<std::uint32_t>::max(), again);
   CHECK(std::ranges::equal(near.indices(), again.indices()));
+  points.near(place, 0.5 * radius, near.indices(), std::numeric_limits<std::uint32_t>::max(), again);
+  CHECK(std::ranges::equal(near.closest(), again.indices()));
   Found found;
   for (std::size_t k = 0; k < near.size(); ++k) {
     found.numbers.push_back(points.numbers()[near.indices()[k]]);

@@ -1,0 +1,173 @@
+// The requests of a CpuSculpture's unsettled points, and the points that are inserted and removed by them.
+#include <algorithm>
+#include <utility>
+
+#include "engine/edit/cpu_sculpture.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Number of neighbours that a point examines before it decides on insertion or removal. More are within its
+// neighbourhood radius only where many points coincide: they are merged with the examined ones, and no new point is
+// requested.
+constexpr std::size_t kMaxNeighbours = 2048;
+
+}  // namespace
+
+std::optional<DVec3> CpuSculpture::pushedFrom(std::uint32_t point) const {
+  if (!pushes_ || points_.strokes[point] != pushes_->stroke()) return std::nullopt;
+  return pushes_->outward();
+}
+
+ResampleNeighbour CpuSculpture::seen(std::uint32_t number) const {
+  return {.normal = DVec3(points_.normals[number]),
+          .rest = DVec3(points_.rests[number]),
+          .spacing = points_.spacing(number),
+          .isNew = number >= points_.fromFile,
+          .atRest = carves_ && isAtRest(number),
+          .number = number,
+          .unsettled = points_.unsettled[number] != 0};
+}
+
+double CpuSculpture::neighbourhoodOf(std::uint32_t point) const {
+  return double{
+      shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius))};
+}
+
+ResampleRequest CpuSculpture::requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
+                                        ResampleNeighbours& neighbours) const {
+  const DVec3 place(points_.positions[point]);
+  const bool complete = neighbours.look({place, neighbourhoodOf(point), point}, near, kMaxNeighbours);
+  const SculptedPoints::Found as = cuts_ ? points_.found(point, cuts_->stroke()) : SculptedPoints::Found{};
+  return resampleRequest(seen(point), {.neighbours = neighbours,
+                                       .reach = reachOf(point),
+                                       .widest = widestSpacing_,
+                                       .fills = fills_ && complete,
+                                       .carves = carves_,
+                                       .moved = isMoved(point),
+                                       .pushedFrom = pushedFrom(point),
+                                       .found = DVec3(as.position) - place,
+                                       .foundNormal = DVec3(as.normal),
+                                       .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity(),
+                                       .claims = &claims_,
+                                       .place = place});
+}
+
+void CpuSculpture::MemberLists::clear() {
+  indices_.clear();
+  ends_.clear();
+}
+
+void CpuSculpture::MemberLists::add(std::span<const std::uint32_t> indices) {
+  indices_.insert(indices_.end(), indices.begin(), indices.end());
+  ends_.push_back(static_cast<std::uint32_t>(indices_.size()));
+}
+
+// No neighbour that is further away matters to requestsNothing(): neither crowds it, nor does it fill a gap.
+double CpuSculpture::closestOf(std::uint32_t point) const {
+  if (!options_.resample) return 0;
+  constexpr double kMargin = 1e-9;  // for rounding
+  const double spacing = points_.spacing(point);
+  return (1 + kMargin) * std::max(static_cast<double>(shared::kWidestGap) * spacing,
+                                  static_cast<double>(shared::kCrowded) * std::max(spacing, widestSpacing_));
+}
+
+// Whether any point around a group faces away from the tool that pushes.
+bool CpuSculpture::anyFacesAway(const Surroundings& around) const {
+  return pushes_ && std::ranges::any_of(around.points.numbers(), [&](std::uint32_t number) {
+           return glm::dot(DVec3(points_.normals[number]), pushes_->outward()) <=
+                  static_cast<double>(shared::kOtherSide);
+         });
+}
+
+// Whether the closest neighbours show that resampleRequest() of a point would have no effect, where neither a ball
+// carves nor any neighbour faces away from a tool that pushes: true for most points.
+bool CpuSculpture::requestsNothing(std::uint32_t point, const Surroundings& around,
+                                   std::span<const std::uint32_t> closest) const {
+  constexpr std::uint32_t kAllSectors = (1u << shared::kGapSectors) - 1;
+  const DVec3 place(points_.positions[point]);
+  const Frame3 frame = frameAround(DVec3(points_.normals[point]));
+  const double spacing = points_.spacing(point);
+  const double widestGap = static_cast<double>(shared::kWidestGap) * spacing;
+  const double mayCrowd = static_cast<double>(shared::kCrowded) * std::max(spacing, widestSpacing_);
+  std::uint32_t sectors = 0;
+  for (const std::uint32_t i : closest) {
+    const std::uint32_t number = around.points.numbers()[i];
+    if (number == point) continue;
+    const DVec3 offset = around.points.position(i) - place;
+    const double distance = glm::length(offset);
+    if (distance < mayCrowd &&
+        distance < static_cast<double>(shared::kCrowded) * std::max(spacing, points_.spacing(number)))
+      return false;
+    const bool fills = distance <= widestGap &&
+                       glm::dot(DVec3(points_.normals[number]), frame.n) > static_cast<double>(shared::kSameSheet);
+    const std::uint32_t sector =
+        shared::sectorOf(static_cast<float>(glm::dot(offset, frame.u)), static_cast<float>(glm::dot(offset, frame.v)));
+    sectors |= std::uint32_t{fills} << sector;
+  }
+  return !fills_ || sectors == kAllSectors;
+}
+
+// Of the members of a group.
+void CpuSculpture::request(const CellGroups::Group& group, const Surroundings& around) {
+  thread_local ResampleNeighbours neighbours;
+  const bool isClear = !carves_ && !anyFacesAway(around);
+  bool gathered = false;
+  for (std::size_t member = 0; member < group.count; ++member) {
+    const std::uint32_t i = groups_.members(group)[member], point = unsettled_[i];
+    Request& request = requests_[i];
+    const std::span<const std::uint32_t> near = around.near[member];
+    if (isClear && near.size() <= kMaxNeighbours && requestsNothing(point, around, around.closest[member])) {
+      request = {};
+      continue;
+    }
+    if (!std::exchange(gathered, true))
+      neighbours.gather(around.points, points_.normals, [this](std::uint32_t each) { return seen(each); });
+    static_cast<ResampleRequest&>(request) = requestOf(point, near, neighbours);
+    if (!request.inserts) continue;
+    request.place = Vec3(DVec3(points_.positions[point]) + request.offset);
+    request.reach = static_cast<float>(reachOf(point) - glm::length(request.offset));
+  }
+}
+
+void CpuSculpture::resample() {
+  requests_.resize(unsettled_.size());
+  groups_.forEachPart(grid_.team(), kFewestGathers, [&](std::size_t first, std::span<const CellGroups::Group> part) {
+    for (const CellGroups::Group& group : part) request(group, surroundings_[first++]);
+  });
+  for (std::size_t i = 0; i < unsettled_.size(); ++i) {
+    const std::uint32_t point = unsettled_[i];
+    points_.unsettled[point] = requests_[i].unsettled;
+    // From now on it counts as part of the sheet that it has reached.
+    if (requests_[i].stops) points_.founds[point].normal = Vec3(-pushes_->outward());
+    if (requests_[i].thick && cuts_ && points_.strokes[point] == cuts_->stroke())
+      points_.founds[point].thick = static_cast<float>(*requests_[i].thick);
+    settled_ = settled_ && !requests_[i].unsettled;
+    if (requests_[i].goes) remove(point);
+  }
+  insertClaimed();
+  followInIndex();
+}
+
+void CpuSculpture::insertClaimed() {
+  const auto forEachRequest = [&](auto&& visit) {
+    for (std::size_t i = 0; i < unsettled_.size(); ++i)
+      if (requests_[i].inserts) visit(unsettled_[i], requests_[i]);
+  };
+  forEachRequest([&](std::uint32_t point, const Request& request) { claims_.claim(request.place, point); });
+  forEachRequest([&](std::uint32_t point, const Request& request) { claims_.confirm(request.place, point); });
+  forEachRequest([&](std::uint32_t point, const Request& request) {
+    if (!claims_.stands(request.place, point)) return;
+    claims_.grant(request.place);
+    const std::uint32_t parent = request.takesAfterOther ? request.other : point;
+    const std::uint32_t added = points_.insertBetween(point, request.other, parent, request.place);
+    makeRoom();
+    points_.reaches[added - points_.fromFile] = request.reach;
+    waiting_.push_back(added);
+    strayed_.push_back(added);
+    tellOf(added);
+  });
+}
+
+}  // namespace palpate
