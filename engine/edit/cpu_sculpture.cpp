@@ -1,6 +1,7 @@
 #include "engine/edit/cpu_sculpture.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "engine/core/check.hpp"
@@ -23,8 +24,8 @@ constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
 // kOwnWork for the point itself.
 constexpr double kTickWork = 60'000, kOwnWork = 192;
 constexpr std::size_t kFewestAtOnce = 32;
-// Work for which another thread is woken.
-constexpr double kThreadWork = 4000;
+// Work for which another thread is woken, and that of looking at a point under the brush.
+constexpr double kThreadWork = 4000, kLookWork = 11;
 // Priority, in support radii, that a waiting point gains with each edit, so that every point has its turn.
 constexpr float kWaitStrain = 1.0f / 512;
 
@@ -44,6 +45,12 @@ void engage(WorkerTeam::Burst& burst, double work) { burst.engage(static_cast<st
 // Insertions nearer to each other than this spacing requires wait for each other.
 double claimSpacing(const SculptOptions& options) {
   return options.radius / static_cast<double>(shared::kSupportSpacings);
+}
+
+// Work of looking at the points under a brush on an even surface.
+double workUnder(const PlacedBrush& brush, const SculptOptions& options) {
+  const double radius_spacings = brush.radius() / claimSpacing(options);
+  return kLookWork * std::numbers::pi * radius_spacings * radius_spacings;
 }
 
 }  // namespace
@@ -115,7 +122,7 @@ double CpuSculpture::reachOf(std::uint32_t point) const {
 
 void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   WorkerTeam::Burst burst(grid_.team());
-  engage(burst, work_);
+  if (brush.acts()) engage(burst, workUnder(brush, options_));
   for (const std::uint32_t point : changed_) isChanged_[point] = 0;
   changed_.clear();
   measure_ = {};
@@ -343,10 +350,10 @@ void CpuSculpture::refit() {
     }
     refit.solve(normals_);
   });
-  work_ = 0;
+  double work = 0;
   for (std::size_t k = 0; k < groups_.groups().size(); ++k)
-    work_ += kOwnWork * groups_.groups()[k].count + static_cast<double>(surroundings_[k].near.size());
-  if (!unsettled_.empty()) workOfPoint_ = work_ / static_cast<double>(unsettled_.size());
+    work += kOwnWork * groups_.groups()[k].count + static_cast<double>(surroundings_[k].near.size());
+  if (!unsettled_.empty()) workOfPoint_ = work / static_cast<double>(unsettled_.size());
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     Vec3& normal = points_.normals[unsettled_[i]];
     if (normal != normals_[i]) tellOf(unsettled_[i]);

@@ -108,7 +108,7 @@ class CpuSculpture {
   bool settled_ = true, carves_ = false, fills_ = true;
   bool someWait_ = false;  // more points are unsettled than an edit processes
   Backlog backlog_;
-  double work_ = 0, workOfPoint_;      // of the last edit, and its mean
+  double workOfPoint_;                 // mean of the last edit
   std::optional<PlacedBrush> pushes_;  // of this tick
   std::optional<PlacedBrush> cuts_;
   SurfaceMeasure measure_;
