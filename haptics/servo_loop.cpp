@@ -89,10 +89,12 @@ bool ServoLoop::next(std::uint64_t index, double budget_us, Progress& progress, 
   const std::size_t place = options_.endless ? 0 : progress.done;
   if (place > 0)  // last positions of the hands, in case a device fails now
     for (HandResult& hand : result.hands) hand.trace.rows[place].hip = hand.trace.rows[place - 1].hip;
-  // By the number of ticks, and not as a difference of times, whose rounding depends on when the session began: a
+  // From the numbers of the ticks: a difference of times would be rounded depending on when the session began, and a
   // replay begins at 0.
-  const std::uint64_t ticks = progress.lastIndex ? index - *progress.lastIndex : 1;
-  const Tick how = tick(time_s, static_cast<double>(ticks) / options_.rate_Hz, budget_us, place, result);
+  const auto sinceBegin_s = [&](std::uint64_t tick) { return static_cast<double>(tick) / options_.rate_Hz; };
+  const double dt_s =
+      progress.lastIndex ? sinceBegin_s(index) - sinceBegin_s(*progress.lastIndex) : 1 / options_.rate_Hz;
+  const Tick how = tick(time_s, dt_s, budget_us, place, result);
   ++progress.done;
   result.deviceFailed = how == Tick::deviceFailed;
   result.queryLost = how == Tick::queryLost;

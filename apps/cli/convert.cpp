@@ -46,7 +46,6 @@ void checkTarget(const ConvertOptions& options) {
 void refuseMissing(const std::string& input) {
   std::error_code ignored;
   if (input != "-" && !std::filesystem::exists(input, ignored)) throw FileError(input, "does not exist");
-  refuseForeign(input);
 }
 
 // Names of the attributes in the file.
@@ -123,10 +122,11 @@ void stateUnit(Log& log, const ConvertOptions& options, const CloudFormat& to, s
 }
 
 void convert(Context& context, const ConvertOptions& options) {
-  // Errors of the input are reported before those of the output.
+  // Errors of the input are reported before those of an existing output.
   checkRosHearing(options.network, options.input);
-  if (!isRosModel(options.input)) refuseMissing(options.input);
+  if (!isRosModel(options.input)) refuseForeign(options.input);
   const CloudFormat& to = cloudFormats().toWrite(options.output);
+  if (!isRosModel(options.input)) refuseMissing(options.input);
   const double mm_per_unit = options.scale.given();
   checkTarget(options);
   checkOutput(options.output, Output::copy);

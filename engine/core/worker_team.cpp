@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 // Jobs often follow each other within microseconds, in which a thread would not even fall asleep.
-constexpr double kSpin_us = 20, kBurstSpin_us = 1000;
+constexpr double kSpin_us = 20, kBurstSpin_us = 100;
 // A thread wakes so many others, which wake so many in turn: to wake one takes microseconds of the one that wakes it.
 constexpr std::size_t kWakes = 3;
 

@@ -37,7 +37,7 @@ class WorkerTeam {
   }
 
   /// Jobs that follow each other soon, while it lives: only the engaged threads take part, which spin between the jobs
-  /// for as long as 1 ms.
+  /// for as long as 100 us.
   class Burst {
    public:
     /// Engages the caller alone.

@@ -125,7 +125,7 @@ TEST_CASE("unusable keys and invalid names are refused before anything is sent")
        {"serve " + in("m.ply") + " --name x", std::string("touch --join x"), std::string("doctor --network"),
         "render --join x -o " + in("p.png"), "serve " + in("m.ply") + " --name x --ros x"}) {
     refuses(command + domain() + " --security " + in("lab/a"), 1, "key.pem: others than its owner can read or write");
-    refuses(command + domain() + " --security " + in("lab"), 1, "name the folder of one of them");
+    refuses(command + domain() + " --security " + in("lab"), 1, "name the folder of one holder");
   }
 }
 

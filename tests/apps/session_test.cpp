@@ -258,7 +258,7 @@ TEST_CASE("a log that cannot be replayed is reported in one clear line") {
   fails("touch " + model + " --edit push --undo 1 --backend cuda", 2, "--undo");
   fails("touch " + model + " --log x --backend cuda", 2, "--log");
   fails("touch " + model + " --log " + scene.file("no/where"), 1, "where");
-  fails("touch " + model + " --backend cpu --log " + model, 2, "model itself");
+  fails("touch " + model + " --backend cpu --log " + model, 2, "is also named by model");
   if (std::filesystem::exists("/dev/full")) fails("touch " + model + " --log /dev/full --backend cpu", 1, "free some");
   // The file that the log names was moved, and is given explicitly.
   std::filesystem::rename(model, scene.file("moved.ply"));
