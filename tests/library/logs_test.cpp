@@ -247,6 +247,12 @@ TEST_CASE("sessions that cannot be recorded, and files that are not logs, are re
   CHECK(log.id == 0);
   CHECK(pp_recording_close(log) == PP_ERROR_HANDLE);
   CHECK(pp_recording_close({ball.session.id}) == PP_ERROR_HANDLE);
+  // Another program's file is not replaced.
+  PP_REQUIRE_OK(pp_session_record(ball.session, name.c_str()));
+  CHECK(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_FILE);
+  CHECK(lastErrorSays("is not a session log"));
+  CHECK(contentOf(file) == "this is no log");
+  REQUIRE(std::filesystem::remove(file));
   PP_REQUIRE_OK(pp_session_record(ball.session, name.c_str()));
   touch(ball.session, path);
   const std::string whole = contentOf(file);

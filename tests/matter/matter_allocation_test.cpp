@@ -31,7 +31,7 @@ TEST_CASE("in real time no tick in matter allocates memory on the querying threa
 TEST_CASE("in real time no tick on a soft body allocates memory on the querying thread") {
   SoftTouching options;
   options.realtime = true;
-  SoftScene block(softBlock(), options,
+  SoftScene block(bareBlock(), options,
                   [](const PointCloud& cloud, CloudSource& source, double radius, const SoftTouchOptions& touch) {
                     return std::make_unique<CpuTouch>(
                         cloud,

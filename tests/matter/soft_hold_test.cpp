@@ -49,7 +49,7 @@ double forceOf(SoftTouch& touch, std::span<const Contact> answers, const Pose& p
 }
 
 Pressed pressed(const Press& press) {
-  MatterScene scene = softBlock();
+  MatterScene scene = bareBlock();
   scene.fill_mm = {40, 40, 40};
   scene.young_Pa = press.young_Pa;
   scene.spacing_mm = press.spacing_mm;

@@ -16,8 +16,8 @@
 
 namespace palpate {
 
-/// A block on the floor, 40 mm high.
-inline MatterScene softBlock() {
+/// A block on the floor, 40 mm high, without a tool.
+inline MatterScene bareBlock() {
   return {.matter = Matter::soft,
           .box_mm = {100, 120, 100},
           .fill_mm = {50, 40, 50},

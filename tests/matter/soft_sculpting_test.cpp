@@ -50,7 +50,7 @@ void wait(SoftScene& scene, double& time_s, int ticks) {
 }  // namespace
 
 TEST_CASE("a pushed dent remains after the hand has left, less the elastic part" * kFull) {
-  SoftScene block = touched(softBlock(), withBrush(BrushKind::push));
+  SoftScene block = touched(bareBlock(), withBrush(BrushKind::push));
   double time_s = 0;
   wait(block, time_s, 600);
   const double top = topOf(block), deep = top - 6;
@@ -80,7 +80,7 @@ TEST_CASE("a pushed dent remains after the hand has left, less the elastic part"
 }
 
 TEST_CASE("a brush changes the rest shape only within its reach, and undo and redo restore it bit by bit") {
-  SoftScene block = touched(softBlock(), withBrush(BrushKind::push, 7));
+  SoftScene block = touched(bareBlock(), withBrush(BrushKind::push, 7));
   double time_s = 0;
   wait(block, time_s, 300);
   const std::vector<Vec3> none(shapeOf(block).size(), Vec3(0));
@@ -124,7 +124,7 @@ TEST_CASE("a brush changes the rest shape only within its reach, and undo and re
 }
 
 TEST_CASE("a soft body receives the force that the hand feels also while it yields to a brush") {
-  SoftScene block = touched(softBlock(), withBrush(BrushKind::push));
+  SoftScene block = touched(bareBlock(), withBrush(BrushKind::push));
   FeltSpring spring({.stiffness_N_per_unit = 0.5, .damping_N_s_per_unit = 0.002, .most_N = 5});
   DVec3 felt(0);
   for (int k = 0; k < 900; ++k) {
@@ -147,9 +147,9 @@ TEST_CASE("inflate, smooth, grab and flatten work on a soft body, the same bit b
     if (!inFullTier() && kind == BrushKind::inflate) continue;  // it makes the hill that others remove
     SoftTouching options = withBrush(kind, 14);
     options.touch.brush->yieldDepth = 0.2;
-    SoftScene block = touched(softBlock(), options);
+    SoftScene block = touched(bareBlock(), options);
     options.threads = 1;
-    SoftScene same = touched(softBlock(), options);
+    SoftScene same = touched(bareBlock(), options);
     double time_s = 0;
     wait(block, time_s, rest);
     const double began = topOf(block);
@@ -185,7 +185,7 @@ TEST_CASE("inflate, smooth, grab and flatten work on a soft body, the same bit b
         scene.touch().query({.time_s = begin_s + 1e-3 * k, .hip = {50, 42 - 4.0 * k / byTier(60, 200), 50}}, 0);
     };
     options.threads = 3;
-    SoftScene other = touched(softBlock(), options);
+    SoftScene other = touched(bareBlock(), options);
     double other_s = 0;
     wait(other, other_s, rest);
     play(same, again_s);

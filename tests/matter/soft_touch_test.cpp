@@ -12,7 +12,7 @@
 namespace palpate::soft_touch_test {
 
 TEST_CASE("a flat plate that covers a bar feels the stiffness E A / L") {
-  MatterScene scene = softBlock();
+  MatterScene scene = bareBlock();
   scene.fill_mm = {30, 60, 30};
   scene.friction = 0;
   scene.poisson = 0.3;
@@ -45,7 +45,7 @@ TEST_CASE("a flat plate that covers a bar feels the stiffness E A / L") {
 }
 
 TEST_CASE("a soft body's force grows with depth, stays below a rigid cloud's, and leaves no trace after release") {
-  SoftScene block = touched(softBlock());
+  SoftScene block = touched(bareBlock());
   for (int k = 0; k < 200; ++k) block.touch().query({.time_s = 1e-3 * k, .hip = atDepth(-10)}, 0);
   const PointCloud before = block.points();
   double last_N = 0, deepest_N = 0;
@@ -79,7 +79,7 @@ TEST_CASE("a soft body receives the force that the hand feels, and momentum is c
     CAPTURE(friction);
     SoftTouching options;
     options.touch.friction = friction;
-    SoftScene block = touched(softBlock(), options);
+    SoftScene block = touched(bareBlock(), options);
     FeltSpring spring(options.spring);
     DVec3 felt(0);
     // Down, then along the top under load.
@@ -101,9 +101,9 @@ TEST_CASE("a soft body receives the force that the hand feels, and momentum is c
 TEST_CASE("the same poses give the same results bit by bit with any number of threads, also after a restart") {
   SoftTouching options;
   options.threads = 1;
-  SoftScene one = touched(softBlock(), options);
+  SoftScene one = touched(bareBlock(), options);
   options.threads = 3;
-  SoftScene three = touched(softBlock(), options);
+  SoftScene three = touched(bareBlock(), options);
   const auto play = [](SoftScene& scene) {
     std::vector<DVec3> proxies;
     for (int k = 0; k < 300; ++k) proxies.push_back(scene.touch().query(press(1e-3 * k, 5, 0.2), 0).proxy);
@@ -127,7 +127,7 @@ TEST_CASE("random hands gain at most a millijoule from a soft body through its s
       CAPTURE(viscosity);
       CAPTURE(friction);
       if (!inFullTier() && (viscosity > 0) == (friction > 0)) continue;
-      MatterScene scene = softBlock();
+      MatterScene scene = bareBlock();
       scene.viscosity_Pa_s = viscosity;
       SoftTouching options;
       options.touch.friction = friction;
@@ -157,7 +157,7 @@ TEST_CASE("random hands gain at most a millijoule from a soft body through its s
 TEST_CASE("the energy of a pressing hand matches the force that it feels, at any gain") {
   for (const double gain : {1.0, 8.0}) {
     CAPTURE(gain);
-    MatterScene scene = softBlock();
+    MatterScene scene = bareBlock();
     scene.gain = gain;
     scene.pinned_mm = {DVec3(0), DVec3(100, 0.1, 100)};
     const SoftTouching options;
@@ -181,7 +181,7 @@ TEST_CASE("the energy of a pressing hand matches the force that it feels, at any
 TEST_CASE("two hands press one body: each feels the other, and the body receives both forces") {
   SoftTouching options;
   options.touch.tools.resize(2);
-  SoftScene both = touched(softBlock(), options), alone = touched(softBlock(), options);
+  SoftScene both = touched(bareBlock(), options), alone = touched(bareBlock(), options);
   std::array<FeltSpring, 2> springs{FeltSpring(options.spring), FeltSpring(options.spring)};
   DVec3 felt(0);
   double apart_N = 0;
@@ -204,7 +204,7 @@ TEST_CASE("two hands press one body: each feels the other, and the body receives
 TEST_CASE("a hand's force is limited to its maximum, and so is the body's") {
   SoftTouching options;
   options.spring = {.stiffness_N_per_unit = 4, .damping_N_s_per_unit = 0, .most_N = 0.4};
-  SoftScene block = touched(softBlock(), options);
+  SoftScene block = touched(bareBlock(), options);
   for (int k = 0; k < 700; ++k) block.touch().query(press(1e-3 * k, 6), 0);
   const DVec3 before = block.world().impulses().onTools;
   for (int k = 700; k < 1700; ++k) block.touch().query(press(1e-3 * k, 6), 0);
@@ -212,7 +212,7 @@ TEST_CASE("a hand's force is limited to its maximum, and so is the body's") {
 }
 
 TEST_CASE("a paused soft scene does not move and gives no force; it resumes and restarts on request") {
-  SoftScene block = touched(softBlock());
+  SoftScene block = touched(bareBlock());
   int k = 0;
   const auto ask = [&](double depth) { return block.touch().query({.time_s = 1e-3 * k++, .hip = atDepth(depth)}, 0); };
   for (int i = 0; i < 300; ++i) ask(-2 + 0.02 * i);
@@ -235,7 +235,7 @@ TEST_CASE("a paused soft scene does not move and gives no force; it resumes and 
 }
 
 TEST_CASE("a hand that is not a number gets no answer, and a failed body gives none until its restart") {
-  SoftScene block = touched(softBlock());
+  SoftScene block = touched(bareBlock());
   for (int k = 0; k < 300; ++k) block.touch().query(press(1e-3 * k, 4, 0.2), 0);
   const PointCloud before = block.points();
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -251,7 +251,7 @@ TEST_CASE("a hand that is not a number gets no answer, and a failed body gives n
 TEST_CASE("for points older than the tick the surface yields with the body's compliance") {
   // Ticks are four times as frequent as steps: three of four feel earlier points.
   const SoftTouching options;
-  SoftScene block = touched(softBlock(), options);
+  SoftScene block = touched(bareBlock(), options);
   int k = 0;
   const auto ask = [&](double depth) {
     return block.touch().query({.time_s = 2.5e-4 * k++, .hip = atDepth(depth)}, 0);
@@ -271,14 +271,14 @@ TEST_CASE("for points older than the tick the surface yields with the body's com
   const double own = world.localCompliance_m_N(1e-3 * fresh.proxy, 0.5e-3 * block.radius(), {0, -1, 0}) * 1e3;
   CHECK(block.source().compliance(0) == near(own, 0.05));
   CHECK(block.source().compliance(0) !=
-        SoftScene(softBlock(), options, feltOnCpu).source().compliance(0));  // a half-space's
+        SoftScene(bareBlock(), options, feltOnCpu).source().compliance(0));  // a half-space's
   // A hand that moves back finds the surface where it was.
   const Contact back = ask(3.5);
   CHECK(back.proxy.y == near(fresh.proxy.y, 1e-4));
 }
 
 TEST_CASE("after several steps at once the surface still yields with the body's compliance") {
-  SoftScene block = touched(softBlock());
+  SoftScene block = touched(bareBlock());
   const double halfSpace = block.source().compliance(0);
   // Three and four steps alternately, every other time half a step after the last of them.
   for (int k = 0; k < 60; ++k) block.touch().query(press(3.5e-3 * k, 3, 0.05), 0);
@@ -288,7 +288,7 @@ TEST_CASE("after several steps at once the surface still yields with the body's 
 TEST_CASE("in real time no tick waits for a step, late steps are dropped, and the body is still pressed") {
   SoftTouching options;
   options.realtime = true;
-  SoftScene block = touched(softBlock(), options);
+  SoftScene block = touched(bareBlock(), options);
   double most = 0;
   int ticks = 0;
   // Until the body has been pressed long enough, which takes more ticks on a slow machine.

@@ -48,7 +48,7 @@ class SoftFixture : public GpuFixture {
 };
 
 MatterScene lowBlock() {
-  MatterScene scene = softBlock();
+  MatterScene scene = bareBlock();
   scene.fill_mm = {40, 30, 40};
   return scene;
 }
@@ -220,7 +220,7 @@ TEST_CASE_FIXTURE(SoftFixture,
 }
 
 TEST_CASE_FIXTURE(SoftFixture, "a body on a GPU holds a hand that presses deep into it, without a force step") {
-  MatterScene scene = softBlock();
+  MatterScene scene = bareBlock();
   scene.fill_mm = {21, 21, 21};
   scene.spacing_mm = 3;
   const SoftTouching options = onlyOnGpu();
@@ -249,7 +249,7 @@ TEST_CASE_FIXTURE(SoftFixture, "a body on a GPU holds a hand that presses deep i
 TEST_CASE_FIXTURE(SoftFixture, "in real time a body on a GPU is pressed beside queries, and reports dropped steps") {
   SoftTouching options = onlyOnGpu();
   options.realtime = true;
-  MatterScene scene = softBlock();
+  MatterScene scene = bareBlock();
   scene.fill_mm = {20, 20, 20};
   SoftScene block(scene, options, onGpu());
   SimulationControl& control = *block.touch().simulation();

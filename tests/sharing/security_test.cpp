@@ -148,7 +148,7 @@ TEST_CASE("a faulty key folder is reported with the faulty file") {
               write(tried / "governance.p7s", text);
             }),
             {"governance.p7s", "is not signed"});
-  checkSays(errorOf([&] { readSecurityProfile(lab); }), {"lab", "name the folder of one of them"});
+  checkSays(errorOf([&] { readSecurityProfile(lab); }), {"lab", "name the folder of one holder"});
   checkSays(errorOf([&] { readSecurityProfile(scratch / "nowhere"); }), {"nowhere", "it does not exist"});
 }
 
