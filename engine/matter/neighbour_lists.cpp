@@ -25,7 +25,7 @@ constexpr auto kChosen = [] {
 struct Run {
   std::uint32_t begin, end, image;
 };
-constexpr std::size_t kMostRuns = 3 * shared::kRowsAbout;
+constexpr std::size_t kMaxRuns = 3 * shared::kRowsAbout;
 
 // What is searched for the neighbours of a slot: coordinates by slot, for a few more than there are, and runs of slots.
 struct Search {
@@ -89,7 +89,7 @@ void NeighbourLists::buildBlock(const CellGrid& grid, std::span<const Vec4> plac
   made.counts.clear();
   made.crowded = false;
   std::size_t count = 0, most = 0, runCount = 0;
-  std::array<Run, kMostRuns + 1> runs;
+  std::array<Run, kMaxRuns + 1> runs;
   IVec3 cell(-1);
   for (std::size_t i = begin; i < end; ++i) {
     const Vec3 place(places[i]);

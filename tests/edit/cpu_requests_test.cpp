@@ -66,7 +66,7 @@ TEST_CASE("points that the CPU's edits settle would request nothing of all of th
         std::ranges::count_if(sculpture.changed(), [&](std::uint32_t point) { return !points.there[point]; });
     inserted += points.size() - before;
     removed += static_cast<std::size_t>(gone);
-    if (points.size() > before || gone > 0) continue;  // the neighbours are no longer those of the requests
+    if (points.size() > before || gone > 0) continue;  // the requests were made with other neighbours
     for (const std::uint32_t point : sculpture.changed()) {
       if (points.unsettled[point]) continue;
       ++examined;
@@ -84,7 +84,7 @@ TEST_CASE("of points that have come too near to others one each goes, although n
   const double radius = supportRadius();
   CpuSculpture sculpture = ballToSculpt(radius);
   const SculptedPoints& points = sculpture.points();
-  // One more point beside every fifth one under the tool: from far away, where nobody looks.
+  // One more point beside every fifth one under the tool: taken from far away.
   std::vector<PointChange> changes;
   std::uint32_t spare = 0;
   for (std::uint32_t point = 0; point < points.size(); point += 5) {

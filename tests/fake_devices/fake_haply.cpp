@@ -343,7 +343,7 @@ FakeHaply::FakeHaply(FakeHaplyOptions options)
       thread_([this] { service_->io.run(); }) {
   const std::uint16_t port = service_->simulation.local_endpoint().port();
   std::ofstream(folder_ / "haply.json") << Json{
-      {"communication/websocket/host", "192.0.2.1"},  // of nobody
+      {"communication/websocket/host", "192.0.2.1"},  // reserved for documentation (RFC 5737): no machine has it
       {"communication/websocket/port", port},
       {"communication/http/port", port},
       {"communication/events/port", service_->events.local_endpoint().port()}};

@@ -240,7 +240,7 @@ TEST_CASE("sessions that cannot be recorded, and files that are not logs, are re
   pp_recording log{};
   pp_replay_result result = pp_default_replay_result();
   CHECK(pp_recording_read(name.c_str(), &log) == PP_ERROR_FILE);
-  std::ofstream(file) << "this is no log";
+  std::ofstream(file) << "not a log";
   CHECK(pp_recording_read(name.c_str(), &log) == PP_ERROR_FILE);
   CHECK(pp_recording_replay(name.c_str(), nullptr, &result) == PP_ERROR_FILE);
   CHECK(pp_recording_replay(name.c_str(), nullptr, nullptr) == PP_ERROR_ARGUMENT);
@@ -251,7 +251,7 @@ TEST_CASE("sessions that cannot be recorded, and files that are not logs, are re
   PP_REQUIRE_OK(pp_session_record(ball.session, name.c_str()));
   CHECK(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_FILE);
   CHECK(lastErrorSays("is not a session log"));
-  CHECK(contentOf(file) == "this is no log");
+  CHECK(contentOf(file) == "not a log");
   REQUIRE(std::filesystem::remove(file));
   PP_REQUIRE_OK(pp_session_record(ball.session, name.c_str()));
   touch(ball.session, path);
