@@ -37,13 +37,14 @@ bool ofOtherSide(vec3 other) {
   return cosine > kSplatSharpest && cosine < kSplatSharp;
 }
 
-// Where the plane of a point on the other side intersects that of this disc, unless the edge is concave.
+// Where the plane of a point on the other side intersects that of this disc, unless the edge is concave. The plane of
+// an undercut side passes behind this point, which then keeps half of the way to the other one.
 void meetOtherSide(uint id, vec3 d, vec3 other) {
   const float above = dot(other, d);
-  if (!ofOtherSide(other) || above <= 0) return;
+  if (!ofOtherSide(other) || above <= 0 && above <= dot(selfNormal, d)) return;
   const vec2 across = vec2(dot(other, axisU), dot(other, axisV));
   const vec2 direction = normalize(across);
-  const float ownCell = 0.5 * dot(vec2(dot(d, axisU), dot(d, axisV)), direction);
+  const float ownCell = 0.5 * (above > 0 ? dot(vec2(dot(d, axisU), dot(d, axisV)), direction) : length(d));
   const float closeness = 1 / max(above / length(across), ownCell);
   if (closeness < clipCloseness || closeness == clipCloseness && id > clipId) return;
   clipCloseness = closeness;

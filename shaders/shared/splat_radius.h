@@ -8,7 +8,8 @@
 //
 // At a sharp convex edge a disc would stand out over the other side. There it is clipped along the line where the
 // planes of the two sides meet (after Zwicker et al. 2004, "Perspective accurate splatting", section 5), but keeps its
-// own Voronoi cell.
+// own Voronoi cell. Where the other side is undercut, as under the rim of a dent, its plane passes behind the point:
+// there the disc ends half way to the nearest point of that side, measured around the edge.
 #ifndef PALPATE_SHARED_SPLAT_RADIUS_H
 #define PALPATE_SHARED_SPLAT_RADIUS_H
 #include "shaders/shared/spatial_hash.h"

@@ -12,6 +12,7 @@
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/thinning.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "tests/near.hpp"
 #include "tests/render/picture_fixture.hpp"
 #include "tests/render/splat_radius_reference.hpp"
 
@@ -130,6 +131,31 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc beside an edge ends at the edge, ot
   const PointCloud sphere = shapeCloud("sphere", 6000);
   const DrawnCloud round(device, sphere, {.spacing = meanSpacing(sphere)});
   CHECK(std::ranges::count(download<std::uint32_t>(device, round.shapes().clips, round.count()), 0u) == 6000);
+}
+
+TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc on a rim over an undercut side does not stand out over that side") {
+  // A ledge whose last row of points is in front of the wall under it.
+  PointCloud ledge;
+  for (int y = 0; y < 40; ++y)
+    for (int k = 0; k < 20; ++k) {
+      ledge.positions.emplace_back(0.2f - static_cast<float>(k), y, 0);
+      ledge.normals.emplace_back(0, 0, 1);
+      ledge.positions.emplace_back(0, y, -0.8f - static_cast<float>(k));
+      ledge.normals.emplace_back(1, 0, 0);
+    }
+  const DrawnCloud drawn(device, ledge, {.spacing = 1});
+  const auto radii = radiiOf(drawn);
+  const auto clips = download<std::uint32_t>(device, drawn.shapes().clips, drawn.count());
+  std::size_t rim = 0;
+  for (std::size_t i = 0; i < ledge.size(); ++i) {
+    if (ledge.positions[i].x < 0.1f) continue;
+    ++rim;
+    // In its plane, the half of its way to the wall; without this it would stand out by its radius.
+    CHECK(radii[i] > 0.7f);
+    const double line = static_cast<double>(radii[i] / glm::length(glm::unpackHalf2x16(clips[i])));
+    CHECK(line == palpate::within(0.5 * std::hypot(0.2, 0.8), 0.01));
+  }
+  CHECK(rim == 40);
 }
 
 TEST_CASE_FIXTURE(SplatRadiiFixture, "borders keep their positions") {
