@@ -230,7 +230,7 @@ void Device::takeUp(const Features& enabled) {
   const bool stops = instance_->validation() == Validation::full && driverId_ == VK_DRIVER_ID_NVIDIA_PROPRIETARY;
   draws_ = roles_.draws && enabled.dynamicRendering && enabled.largePoints && !stops;
   hasWideAtomics_ = enabled.bufferInt64Atomics && enabled.int64;
-  hasClock_ = enabled.deviceClock;
+  hasClock_ = enabled.clocks;
 }
 
 void Device::createQueues(const QueueHandles& handles, const MakeQueue& make) {

@@ -53,7 +53,8 @@ Features featuresIn(const VkPhysicalDeviceFeatures2& features) {
              static_cast<const VkPhysicalDeviceDynamicRenderingFeatures*>(is)->dynamicRendering);
         break;
       case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_CLOCK_FEATURES_KHR:
-        note(found.deviceClock, static_cast<const VkPhysicalDeviceShaderClockFeaturesKHR*>(is)->shaderDeviceClock);
+        note(found.clocks, static_cast<const VkPhysicalDeviceShaderClockFeaturesKHR*>(is)->shaderDeviceClock &&
+                               static_cast<const VkPhysicalDeviceShaderClockFeaturesKHR*>(is)->shaderSubgroupClock);
         break;
       default:
         break;

@@ -135,8 +135,8 @@ TEST_CASE("features are found in the structs of a Vulkan version and in those of
   CHECK(found.synchronization2);
   CHECK(found.scalarBlockLayout);
   CHECK(found.int64);
-  CHECK_FALSE((found.computeFullSubgroups || found.bufferDeviceAddress || found.bufferInt64Atomics ||
-               found.deviceClock || found.dynamicRendering || found.largePoints));
+  CHECK_FALSE((found.computeFullSubgroups || found.bufferDeviceAddress || found.bufferInt64Atomics || found.clocks ||
+               found.dynamicRendering || found.largePoints));
 }
 
 TEST_CASE("lent queues serve the roles they were lent for, and other roles share the throughput queue") {
