@@ -5,9 +5,11 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "shaders/clocked.hpp"
 #include "shaders/compiled.hpp"
 
 namespace palpate {
@@ -45,6 +47,15 @@ std::vector<std::uint32_t> fusedForms(const ContactOptions& options, std::uint32
   return {shared::kGatherAlone, shared::kGatherSplit};
 }
 
+constexpr std::size_t kLineWords = 16;  // of a processor's cache
+
+// A head and the questions, in whole lines.
+std::size_t questionBytes(std::uint32_t probes) {
+  constexpr std::size_t kLineBytes = kLineWords * sizeof(std::uint32_t);
+  const std::size_t bytes = sizeof(shared::QuestionHead) + probes * sizeof(shared::ContactQuestion);
+  return (bytes + kLineBytes - 1) / kLineBytes * kLineBytes;
+}
+
 // Two slots per probe for each point that does not fit into shared memory. Several probes have room for the points of
 // one round-limited gather, a single probe for the largest possible gather.
 std::uint32_t spillSlots(const Device& device, const ContactOptions& options, std::uint32_t cells,
@@ -53,6 +64,17 @@ std::uint32_t spillSlots(const Device& device, const ContactOptions& options, st
   if (options.probes > 1)
     most = std::min<std::uint64_t>(points, std::uint64_t{gatherRounds(cells)} * shared::kPatchRoundCandidates);
   return 2 * static_cast<std::uint32_t>(spilledPoints(most, sharedPatch(device, options.pointsMove)));
+}
+
+PipelineOptions stepOptions(const Device& device, const ContactOptions& options) {
+  return {.workgroupSize = shared::kContactWorkgroup,
+          .pushBytes = sizeof(shared::ContactStepArgs),
+          .constants = {static_cast<std::uint32_t>(options.surface), options.localRadius ? VK_TRUE : VK_FALSE,
+                        std::bit_cast<std::uint32_t>(static_cast<float>(options.friction)),
+                        options.probes > 1 ? VK_TRUE : VK_FALSE,
+                        std::bit_cast<std::uint32_t>(static_cast<float>(options.widening)),
+                        sharedPatch(device, options.pointsMove), options.pointsMove ? VK_TRUE : VK_FALSE,
+                        options.normalsTurn ? VK_TRUE : VK_FALSE}};
 }
 
 }  // namespace
@@ -69,24 +91,16 @@ ContactStep::ContactStep(Device& device, const ContactOptions& options, const Ha
       spillSlots_(spillSlots(device, options, cells_, points)),
       gather_(makeGather(device, options.method, grid, options.radius, points)),
       forms_(fusedForms(options, cells_)),
-      step_(device, shader_code::contact_contact_step,
-            {.workgroupSize = shared::kContactWorkgroup,
-             .pushBytes = sizeof(shared::ContactStepArgs),
-             .constants = {static_cast<std::uint32_t>(options.surface), options.localRadius ? VK_TRUE : VK_FALSE,
-                           std::bit_cast<std::uint32_t>(static_cast<float>(options.friction)),
-                           options.probes > 1 ? VK_TRUE : VK_FALSE,
-                           std::bit_cast<std::uint32_t>(static_cast<float>(options.widening)),
-                           sharedPatch(device, options.pointsMove), options.pointsMove ? VK_TRUE : VK_FALSE,
-                           options.normalsTurn ? VK_TRUE : VK_FALSE}}),
-      polls_(pollsOn(device)),
+      step_(device, shader_code::contact_contact_step, stepOptions(device, options)),
       await_(device, shader_code::contact_await_question,
              {.workgroupSize = shared::kContactWorkgroup / (options.probes > 1 ? 1 : 8),
               .pushBytes = sizeof(shared::AwaitQuestionArgs)}),
-      pose_(Buffer::of<shared::ContactQuestion>(device, options.probes, Memory::upload, "contact pose")),
-      lastTick_(Buffer::of<std::uint32_t>(device, 1, Memory::upload, "last question")),
-      taken_(Buffer::of<shared::ContactQuestion>(device, options.probes, Memory::device, "questions taken")),
+      put_(questionBytes(options.probes) / sizeof(std::uint32_t)),
+      pose_(device, questionBytes(options.probes), Memory::upload, "contact pose"),
+      taken_(device, questionBytes(options.probes), Memory::device, "questions taken"),
       state_(Buffer::of<shared::ContactState>(device, options.probes, Memory::device, "contact state")),
-      sample_(Buffer::of<shared::ContactSample>(device, options.probes, Memory::readback, "contact sample")),
+      sample_(device, sizeof(shared::StepTicks) + options.probes * sizeof(shared::ContactSample), Memory::readback,
+              "contact sample"),
       spill_(Buffer::of<Vec4>(device, std::uint64_t{spillSlots_} * options.probes, Memory::device, "patch spill")),
       patch_(makeGatheredPatch(
           device, gather_ ? gather_->slots() : std::uint64_t{gatherRounds(cells_)} * shared::kPatchRoundCandidates)) {
@@ -94,11 +108,14 @@ ContactStep::ContactStep(Device& device, const ContactOptions& options, const Ha
   PALPATE_CHECK_LE(1u, options.probes);
   PALPATE_CHECK(options.probes == 1 || !gather_);
   PALPATE_CHECK_LE(smallestCell(options.radius) * static_cast<double>(grid.inverseCell), 1.0 + 1e-5);
+  if (waitsAlone(waiting(0)))
+    waiting_.emplace(device,
+                     device.hasClock() ? shader_code::clocked_contact_waiting_step : shader_code::contact_waiting_step,
+                     stepOptions(device, options));
   upload(device, state_, std::vector<shared::ContactState>(options.probes));
-  for (std::uint32_t probe = 0; probe < options.probes; ++probe) {
-    put({}, probe);
-    sample_.mapped<shared::ContactSample>()[probe] = {};
-  }
+  write(offsetof(shared::QuestionHead, polls) / sizeof(std::uint32_t), std::array{pollsOn(device)});
+  for (std::uint32_t probe = 0; probe < options.probes; ++probe) put({}, probe);
+  std::ranges::fill(sample_.mapped<std::uint32_t>(), 0);
 }
 
 std::uint32_t ContactStep::lists() const {
@@ -110,9 +127,11 @@ void ContactStep::record(CommandList& commands, std::uint32_t list, const shared
                          DeviceAddress logHead, DeviceAddress velocities) const {
   PALPATE_CHECK(velocities != 0 || !options_.pointsMove);
   const shared::ContactStepArgs args{.cloud = cloud, .logHead = logHead, .velocities = velocities};
-  if (waits(list)) recordAwait(commands);
+  const bool awaitsFirst = waits(list) && !waitsAlone(list);
+  if (awaitsFirst) recordAwait(commands);
   const auto section = commands.section("contact");
-  if (!gather_) return recordSolve(commands, args, waits(list) ? taken_ : pose_, forms_[list % forms_.size()]);
+  if (waitsAlone(list)) return recordSolve(commands, *waiting_, args, pose_, shared::kGatherAlone);
+  if (!gather_) return recordSolve(commands, step_, args, awaitsFirst ? taken_ : pose_, forms_[list % forms_.size()]);
   {
     const auto gathering = commands.section("gather");
     gather_->record(commands, list,
@@ -124,16 +143,13 @@ void ContactStep::record(CommandList& commands, std::uint32_t list, const shared
   }
   if (list + 1 < gather_->submissions()) return;
   const auto solving = commands.section("solve");
-  recordSolve(commands, args, pose_, shared::kGatherGiven);
+  recordSolve(commands, step_, args, pose_, shared::kGatherGiven);
 }
 
 void ContactStep::recordAwait(CommandList& commands) const {
-  commands.dispatch(await_, await_.workgroupSize(),
-                    shared::AwaitQuestionArgs{.question = pose_.address(),
-                                              .taken = taken_.address(),
-                                              .lastTick = lastTick_.address(),
-                                              .polls = polls_,
-                                              .probes = options_.probes});
+  commands.dispatch(
+      await_, await_.workgroupSize(),
+      shared::AwaitQuestionArgs{.question = pose_.address(), .taken = taken_.address(), .probes = options_.probes});
 }
 
 void ContactStep::withdraw(std::uint32_t tick) {
@@ -148,17 +164,24 @@ void ContactStep::put(shared::ContactQuestion question, std::uint32_t probe) {
   words[shared::kQuestionSealAt] = 0;
   for (std::uint32_t i = 0; canWait() && i < shared::kQuestionSealAt; ++i)
     words[shared::kQuestionSealAt] += shared::questionShare(words[i], i);
-  // A waiting GPU may be polling: every word is written once, and the fence flushes the processor's write buffers.
-  volatile std::uint32_t* to = pose_.mapped<std::uint32_t>().data() + std::size_t{probe} * kWords;
-  for (std::size_t i = 0; i < kWords; ++i) to[i] = words[i];
-  if (canWait()) std::atomic_thread_fence(std::memory_order_seq_cst);
+  write(shared::kQuestionHeadWords + std::size_t{probe} * kWords, words);
   question_ = question.pose;
 }
 
-void ContactStep::recordSolve(CommandList& commands, const shared::ContactStepArgs& args, const Buffer& pose,
-                              std::uint32_t gather) const {
+void ContactStep::write(std::size_t first, std::span<const std::uint32_t> words) {
+  // A waiting GPU may be polling: no word is changed but to its new value, and the fence flushes the processor's write
+  // buffers. Whole lines, since a part of one crosses the bus in pieces.
+  std::ranges::copy(words, put_.begin() + static_cast<std::ptrdiff_t>(first));
+  volatile std::uint32_t* to = pose_.mapped<std::uint32_t>().data();
+  const std::size_t end = (first + words.size() + kLineWords - 1) / kLineWords * kLineWords;
+  for (std::size_t i = first / kLineWords * kLineWords; i < end; ++i) to[i] = put_[i];
+  if (canWait()) std::atomic_thread_fence(std::memory_order_seq_cst);
+}
+
+void ContactStep::recordSolve(CommandList& commands, const ComputePipeline& step, const shared::ContactStepArgs& args,
+                              const Buffer& pose, std::uint32_t gather) const {
   const std::uint32_t workgroups = gather == shared::kGatherSplit ? shared::kSplitWorkgroups : options_.probes;
-  commands.dispatch(step_, workgroups * shared::kContactWorkgroup,
+  commands.dispatch(step, workgroups * shared::kContactWorkgroup,
                     shared::ContactStepArgs{.cloud = args.cloud,
                                             .pose = pose.address(),
                                             .state = state_.address(),
@@ -181,7 +204,9 @@ std::uint64_t ContactStep::predictedBytes(std::uint64_t points) {
 shared::ContactSample ContactStep::sample(std::uint32_t probe) const {
   // The GPU may write while this reads: every word is read once, from memory.
   constexpr std::size_t kWords = sizeof(shared::ContactSample) / sizeof(std::uint32_t);
-  const volatile std::uint32_t* from = sample_.mapped<const std::uint32_t>().data() + std::size_t{probe} * kWords;
+  static_assert(kWords == shared::kSampleWords && sizeof(shared::StepTicks) % sizeof(std::uint32_t) == 0);
+  const volatile std::uint32_t* from = sample_.mapped<const std::uint32_t>().data() +
+                                       sizeof(shared::StepTicks) / sizeof(std::uint32_t) + std::size_t{probe} * kWords;
   std::array<std::uint32_t, kWords> words;
   for (std::size_t i = 0; i < kWords; ++i) words[i] = from[i];
   return std::bit_cast<shared::ContactSample>(words);
@@ -194,6 +219,22 @@ bool ContactStep::hasAnswered(std::uint32_t tick) const {
     if (answer.tick != tick || answer.seal != shared::sealOf(answer)) return false;
   }
   return true;
+}
+
+void ContactStep::awaitAnother() {
+  write(offsetof(shared::QuestionHead, lastTick) / sizeof(std::uint32_t), std::array{question_.tick});
+  sample_.mapped<shared::StepTicks>()[0] = {};
+}
+
+bool ContactStep::waitsAlone(std::uint32_t list) const {
+  return waits(list) && options_.probes == 1 && forms_[list % forms_.size()] == shared::kGatherAlone;
+}
+
+double ContactStep::answeringTime_us(std::uint32_t list, double section_us) const {
+  if (!waitsAlone(list)) return section_us;
+  const auto& ticks = sample_.mapped<const shared::StepTicks>()[0];
+  if (ticks.answered == 0) return 0;
+  return section_us * ticks.answered / (static_cast<double>(ticks.waited) + ticks.answered);
 }
 
 std::uint32_t ContactStep::firstList() const {

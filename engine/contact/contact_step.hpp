@@ -1,6 +1,8 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "engine/contact/gather.hpp"
 #include "engine/contact/surface_kind.hpp"
@@ -59,7 +61,10 @@ class ContactStep {
   /// Withdraws the questions that a list is waiting for: it ends without an answer. `tick` as for put().
   void withdraw(std::uint32_t tick);
   /// Called before a waiting list is submitted: makes it ignore the current question.
-  void awaitAnother() { lastTick_.mapped<std::uint32_t>()[0] = question_.tick; }
+  void awaitAnother();
+  /// Of the last run of `list`, whose section "contact" took `section_us`: the time without the wait for the question.
+  /// 0 if the GPU has no clock to tell.
+  double answeringTime_us(std::uint32_t list, double section_us) const;
   /// The answer, read by the host after a run.
   shared::ContactSample sample(std::uint32_t probe = 0) const;
   /// Whether the complete answer to `tick` has arrived for all probes; true some us before the driver reports the end
@@ -74,9 +79,13 @@ class ContactStep {
   static std::uint64_t predictedBytes(std::uint64_t points);
 
  private:
+  // Whether the step itself waits. Several workgroups could not agree on whether the question has arrived.
+  bool waitsAlone(std::uint32_t list) const;
   void recordAwait(CommandList& commands) const;
-  void recordSolve(CommandList& commands, const shared::ContactStepArgs& args, const Buffer& pose,
-                   std::uint32_t gather) const;
+  // Sets words of pose_ from the word `first` on.
+  void write(std::size_t first, std::span<const std::uint32_t> words);
+  void recordSolve(CommandList& commands, const ComputePipeline& step, const shared::ContactStepArgs& args,
+                   const Buffer& pose, std::uint32_t gather) const;
 
   ContactOptions options_;
   std::uint32_t cells_;               // maximum, of one gather
@@ -84,14 +93,15 @@ class ContactStep {
   std::unique_ptr<Gather> gather_;    // null: fused
   std::vector<std::uint32_t> forms_;  // fused: kGather... of each list
   ComputePipeline step_;
-  std::uint32_t polls_;
+  std::optional<ComputePipeline> waiting_;  // the step that waits itself
   ComputePipeline await_;
   shared::ContactPose question_{};  // the last question put
+  std::vector<std::uint32_t> put_;  // what pose_ holds
   struct Seen {
     std::uint32_t tick = 0, probes = 0;
   };
-  mutable Seen seen_;  // number of probes whose answer to that tick has arrived
-  Buffer pose_, lastTick_, taken_, state_, sample_, spill_, patch_;
+  mutable Seen seen_;                                     // number of probes whose answer to that tick has arrived
+  Buffer pose_, taken_, state_, sample_, spill_, patch_;  // pose_ and taken_ with a head, sample_ with the step's ticks
 };
 
 }  // namespace palpate

@@ -141,7 +141,11 @@ void QuestionPipeline::settle() {
   if (state() != QuestionState::ending) return;
   progress_.happened(QuestionEvent::ended);
   device_.latencyQueue().wait(run_.ticket, wait_);
-  if (wait_ == Wait::spin) lastTime_us_ += lastList(run_).sectionTime_us("contact");
+  if (wait_ == Wait::spin) lastTime_us_ += timeOf_us(run_.last);
+}
+
+double QuestionPipeline::timeOf_us(std::uint32_t list) const {
+  return contact_.answeringTime_us(list, lists_[run_.parity][list]->sectionTime_us("contact"));
 }
 
 bool QuestionPipeline::isAnsweredWithin(double budget_us) {
@@ -155,13 +159,13 @@ bool QuestionPipeline::isAnsweredWithin(double budget_us) {
       continue;
     }
     answeredAhead_ += ahead;
-    const CommandList& ran = lastList(run_);
+    const std::uint32_t ran = run_.last;
     const auto next = contact_.nextList(run_.last);
     if (next) {
       run_.last = *next;
       run_.ticket = device_.latencyQueue().submit(lastList(run_));
     }
-    if (question_.timed && (next || wait_ != Wait::spin)) question_.gpu_us += ran.sectionTime_us("contact");
+    if (question_.timed && (next || wait_ != Wait::spin)) question_.gpu_us += timeOf_us(ran);
     if (!next) break;
   }
   progress_.happened(QuestionEvent::answered);

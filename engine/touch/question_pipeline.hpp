@@ -102,6 +102,8 @@ class QuestionPipeline {
     Queue::Ticket ticket = 0;
   };
   const CommandList& lastList(const Run& run) const { return *lists_[run.parity][run.last]; }
+  // GPU time of a list of the last question, once it has run.
+  double timeOf_us(std::uint32_t list) const;
   // Whether a question submitted ahead sees what the host writes after the submission.
   bool hearsTheHost(std::uint32_t parity);
   void submit(std::uint32_t parity);

@@ -2,43 +2,14 @@
 #extension GL_GOOGLE_include_directive : require
 // The contact step: gathers the points around the probe, evaluates the surface and moves the proxy. Fused, it is one
 // dispatch of one workgroup, or of one for each point of a tool; the first patch may also come from several workgroups,
-// or from the passes of another query method. Every invocation follows the same path with the same numbers;
-// engine/contact/contact_reference.cpp does the same in double precision. Positions are relative to the HIP: far from
-// the origin, absolute coordinates in single precision would lose the small differences that define the surface.
+// or from the passes of another query method.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/probe.glsl"
+#include "shaders/lib/contact_step.glsl"
 
-layout(push_constant, scalar) uniform Push { ContactStepArgs args; };
-#include "shaders/lib/split_gather.glsl"
-#include "shaders/lib/surface.glsl"
-
-layout(constant_id = 3) const float kFriction = 0.0;
 layout(constant_id = 4) const bool kManyProbes = false;
 
 // The probe's number: a tool with several has one workgroup for each, and these are independent.
 uint probeIndex() { return kManyProbes ? gl_WorkGroupID.x : 0; }
-
-ProxyTick tick;
-vec3 facing;
-
-bool patchReaches(vec3 x) { return patchGathered && distance(x, patchCentre) <= kPatchSlack * args.radius; }
-
-// The surface at a position within the patch, of the points that belong to the face felt last; past the edge of such a
-// sheet every point counts. Its outside is the felt face.
-Surface feel(vec3 x) {
-  Surface surface;
-  for (uint look = 0; look < 2; ++look) {
-    surface = surfaceAt(args.spill, x - patchCentre, args.radius, facing);
-    if (surface.defined || facing == vec3(0.0)) break;
-    facing = vec3(0.0);
-  }
-  facing = surface.normal;
-  if (tick.touching && tick.face == kFaceBehind) {
-    surface.normal = -surface.normal;
-    surface.distance = -surface.distance;
-  }
-  return surface;
-}
 
 // Takes over the first patch if others gather it, too. False in a workgroup that has done its share and may end.
 bool takeFirstPatch(Probe probe) {
@@ -94,15 +65,7 @@ void main() {
   vec3 velocity = vec3(0.0);
   if (kPointsMove && surface.defined)
     velocity = velocityAt(args.spill, args.velocities, tick.at - patchCentre, args.radius, facing);
-  if (gl_LocalInvocationIndex != 0) return;
-  args.state.at[i].touching = touching;
-  args.state.at[i].facing = facing;
-  args.state.at[i].lastHip = args.pose.at[i].pose.hip;
-  args.state.at[i].face = tick.face;
-  args.state.at[i].started = 1;
-  args.state.at[i].motion = -probe.lastHip;
-  args.state.at[i].spring = proxy;
-  if (kPointsMove) args.state.at[i].velocity = velocity;
+  if (gl_LocalInvocationIndex >= kSampleWords) return;
   ContactSample answer;
   answer.spring = proxy;
   answer.touching = touching;
@@ -114,14 +77,14 @@ void main() {
   answer.flags = (tick.truncated ? kSampleTruncated : 0) | (patchThinned ? kSampleThinned : 0);
   answer.flags |= tick.face << kSampleFaceShift;
   answer.velocity = velocity;
-  args.result.at[i].spring = answer.spring;
-  args.result.at[i].touching = answer.touching;
-  args.result.at[i].normal = answer.normal;
-  args.result.at[i].neighbours = answer.neighbours;
-  args.result.at[i].tick = answer.tick;
-  args.result.at[i].trackingSteps = answer.trackingSteps;
-  args.result.at[i].logHead = answer.logHead;
-  args.result.at[i].flags = answer.flags;
-  if (kPointsMove) args.result.at[i].velocity = answer.velocity;
-  args.result.at[i].seal = sealOf(answer);
+  writeAnswer(i, answer);
+  if (gl_LocalInvocationIndex != 0) return;
+  args.state.at[i].touching = touching;
+  args.state.at[i].facing = facing;
+  args.state.at[i].lastHip = args.pose.at[i].pose.hip;
+  args.state.at[i].face = tick.face;
+  args.state.at[i].started = 1;
+  args.state.at[i].motion = -probe.lastHip;
+  args.state.at[i].spring = proxy;
+  if (kPointsMove) args.state.at[i].velocity = velocity;
 }

@@ -38,7 +38,7 @@ void main() {
       Candidate candidate = Candidate(false, 0, vec4(0.0), vec3(0.0));
       if (k < taken) candidate = candidateAt(box, first, k * stride, centre, vec3(0.0), args.reach);
       uint kept;
-      const uint place = near + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);
+      const uint place = near + workgroupExclusiveCount(candidate.kept, kept);
       if (candidate.kept) args.near.at[place] = candidate.point;
       near += kept;
     }

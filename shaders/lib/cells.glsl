@@ -26,8 +26,12 @@ CellBox boxAround(vec3 place, float reach, uint mostCells) {
   return box;
 }
 
+// Exact for numbers of cells of one gather; GPUs have no instruction that divides integers.
+uint wholeQuotient(uint number, uint by) { return uint((float(number) + 0.5) / float(by)); }
+
 ivec3 cellAt(CellBox box, uint c) {
-  return box.low + ivec3(c % box.size.x, c / box.size.x % box.size.y, c / (box.size.x * box.size.y));
+  const uint row = wholeQuotient(c, box.size.x), layer = wholeQuotient(row, box.size.y);
+  return box.low + ivec3(c - row * box.size.x, row - layer * box.size.y, layer);
 }
 
 // Loads the round that begins with cell `first`: all invocations of a workgroup of kContactWorkgroup together. `count`:

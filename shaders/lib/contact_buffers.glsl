@@ -16,11 +16,20 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer Sp
 #include "shaders/shared/contact.h"
 #include "shaders/shared/gather.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactPoses { ContactQuestion at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactPoses {
+  QuestionHead head;
+  ContactQuestion at[];
+};
 // The same while the host writes it.
-layout(buffer_reference, scalar, buffer_reference_align = 4) volatile buffer QuestionWords { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) volatile buffer QuestionWords {
+  QuestionHead head;
+  uint at[];
+};
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactStates { ContactState at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactSamples { ContactSample at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactSamples {
+  StepTicks ticks;
+  uint words[];  // kSampleWords of each probe
+};
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer GatherCells { GatherCell at[]; };
 // Written and read by different workgroups of one dispatch, where the gather is split.
 layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer GatheredPatch {

@@ -27,22 +27,55 @@ struct Probe {
   vec3 velocity;  // of the surface in whose frame the step is taken; zero if nothing was felt
 };
 
-// `i`: the number of the tool's point.
-Probe probeOf(ContactPoses pose, ContactStates state, uint i, float radius) {
+// Field by field: a layer reports a copy of a whole struct as out of bounds at the end of a buffer.
+ContactState stateAt(ContactStates states, uint i) {
+  ContactState state;
+  state.lastHip = states.at[i].lastHip;
+  state.touching = states.at[i].touching;
+  state.spring = states.at[i].spring;
+  state.face = states.at[i].face;
+  state.motion = vec3(0.0);  // no step reads it
+  state.facing = states.at[i].facing;
+  state.velocity = kPointsMove ? states.at[i].velocity : vec3(0.0);
+  state.started = states.at[i].started;
+  return state;
+}
+
+ContactQuestion questionAt(ContactPoses poses, uint i) {
+  ContactQuestion question;
+  question.pose.hip = poses.at[i].pose.hip;
+  question.pose.tick = poses.at[i].pose.tick;
+  question.carried.lastHip = poses.at[i].carried.lastHip;
+  question.carried.touching = poses.at[i].carried.touching;
+  question.carried.spring = poses.at[i].carried.spring;
+  question.carried.face = poses.at[i].carried.face;
+  question.carried.motion = vec3(0.0);
+  question.carried.facing = poses.at[i].carried.facing;
+  question.carried.velocity = poses.at[i].carried.velocity;
+  question.carried.started = poses.at[i].carried.started;
+  question.pointsAge = poses.at[i].pointsAge;
+  question.sinceLast = poses.at[i].sinceLast;
+  question.withdrawn = 0;
+  question.seal = 0;
+  return question;
+}
+
+// `own`: the state that the GPU keeps.
+Probe probeOf(ContactQuestion question, ContactState own, float radius) {
   Probe probe;
-  probe.hip = pose.at[i].pose.hip;
-  const bool carried = pose.at[i].carried.started != 0;
-  const bool started = carried || state.at[i].started != 0;
-  const vec3 lastHip = carried ? pose.at[i].carried.lastHip : state.at[i].lastHip;
-  const uint touching = carried ? pose.at[i].carried.touching : state.at[i].touching;
-  const uint face = carried ? pose.at[i].carried.face : state.at[i].face;
-  const vec3 facing = carried ? pose.at[i].carried.facing : state.at[i].facing;
-  const vec3 spring = carried ? pose.at[i].carried.spring : state.at[i].spring;
+  probe.hip = question.pose.hip;
+  const bool carried = question.carried.started != 0;
+  const bool started = carried || own.started != 0;
+  const vec3 lastHip = carried ? question.carried.lastHip : own.lastHip;
+  const uint touching = carried ? question.carried.touching : own.touching;
+  const uint face = carried ? question.carried.face : own.face;
+  const vec3 facing = carried ? question.carried.facing : own.facing;
+  const vec3 spring = carried ? question.carried.spring : own.spring;
   precise vec3 way = started ? lastHip - probe.hip : vec3(0.0);
   probe.velocity = vec3(0.0);
   if (kPointsMove && started) {
-    const vec3 velocity = carried ? pose.at[i].carried.velocity : state.at[i].velocity;
-    precise vec3 moved = pose.at[i].sinceLast * velocity, age = pose.at[i].pointsAge * velocity;
+    const vec3 velocity = carried ? question.carried.velocity : own.velocity;
+    precise vec3 moved = question.sinceLast * velocity, age = question.pointsAge * velocity;
     way += moved;
     probe.hip -= age;
     probe.velocity = velocity;
@@ -57,6 +90,11 @@ Probe probeOf(ContactPoses pose, ContactStates state, uint i, float radius) {
   probe.traced = started && steps <= float(kMaxSubsteps);
   probe.substeps = substepsOn(steps);
   return probe;
+}
+
+// `i`: the number of the tool's point.
+Probe probeOf(ContactPoses pose, ContactStates state, uint i, float radius) {
+  return probeOf(questionAt(pose, i), stateAt(state, i), radius);
 }
 
 // Position of a free HIP after `substep` of its sub-steps.

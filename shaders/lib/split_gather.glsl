@@ -18,7 +18,7 @@ uint fillSegment(GatheredPatch gathered, CellBox box, uint firstCell, uint strid
     Candidate candidate = Candidate(false, 0, vec4(0.0), vec3(0.0));
     if (k < end) candidate = candidateAt(box, firstCell, k * stride, hip, centre, reach);
     uint kept;
-    const uint place = slot + count + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);
+    const uint place = slot + count + workgroupExclusiveCount(candidate.kept, kept);
     if (candidate.kept) {
       gathered.points[2 * place] = candidate.place;
       gathered.points[2 * place + 1] = vec4(candidate.normal, 0.0);

@@ -30,6 +30,24 @@ bool sumsAlone() { return patchCount <= kRoundsAlone * gl_SubgroupSize; }
 uint firstSummed() { return sumsAlone() ? gl_SubgroupInvocationID : scanIndex(); }
 uint summedStride() { return sumsAlone() ? gl_SubgroupSize : kContactWorkgroup; }
 
+// The points that an invocation visits side by side; past the end of the patch, its last one. Those in shared memory
+// are loaded without a branch for each.
+void loadPoints(SpilledPoints spill, uint first, out vec3 positions[kPatchInFlight],
+                out vec3 normals[kPatchInFlight]) {
+  [[unroll]] for (uint k = 0; k < kPatchInFlight; ++k) {
+    const uint held = min(first + k * summedStride(), min(patchCount, kSharedPatch) - 1);
+    positions[k] = patchPositions[held];
+    normals[k] = patchNormals[held];
+  }
+  if (patchCount <= kSharedPatch) return;
+  [[unroll]] for (uint k = 0; k < kPatchInFlight; ++k) {
+    const uint i = min(first + k * summedStride(), patchCount - 1);
+    if (i < kSharedPatch) continue;
+    positions[k] = spill.at[spilledAt(i)].xyz;
+    normals[k] = spill.at[spilledAt(i) + 1].xyz;
+  }
+}
+
 // The sums of all invocations, bitwise the same for each. All of them call it together.
 SurfaceSums sumOfAll(SurfaceSums sums) {
   if (sumsAlone()) {
@@ -128,10 +146,11 @@ Surface surfaceAt(SpilledPoints spill, vec3 x, float largestRadius, vec3 facing)
   for (uint pass = 0; pass < passes; ++pass) {
     SurfaceSums sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
     for (uint first = firstSummed(); first < patchCount; first += kPatchInFlight * summedStride()) {
+      vec3 positions[kPatchInFlight], normals[kPatchInFlight];
+      loadPoints(spill, first, positions, normals);
       [[unroll]] for (uint k = 0; k < kPatchInFlight; ++k) {
         const uint i = first + k * summedStride();
-        const uint at = min(i, patchCount - 1);
-        const vec3 d = (patchPosition(spill, at) - x) * scale, n = patchNormal(spill, at);
+        const vec3 d = (positions[k] - x) * scale, n = normals[k];
         const float squared = dot(d, d);
         float w = i < patchCount ? wendland(min(1.0, sqrt(squared))) : 0.0;
         if (sided) w *= facingWeight(dot(n, facing));

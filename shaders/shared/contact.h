@@ -114,6 +114,16 @@ struct ContactQuestion {
   uint seal;        // the sum of questionShare() of all preceding words
 };
 PALPATE_SIZE(ContactQuestion, 104);
+
+// Before the questions: for a step that was submitted ahead of them and polls for them.
+struct QuestionHead {
+  uint lastTick;  // of the questions that were there before
+  uint polls;     // at most, of each subgroup
+  uint unused0;
+  uint unused1;
+};
+PALPATE_SIZE(QuestionHead, 16);
+const uint kQuestionHeadWords = 4;
 const uint kQuestionWords = 26;
 const uint kQuestionTickAt = 3, kQuestionWithdrawnAt = 24, kQuestionSealAt = 25;  // words
 
@@ -140,6 +150,17 @@ struct ContactSample {
   uint seal;      // sealOf() the rest
 };
 PALPATE_SIZE(ContactSample, 64);
+
+const uint kSampleWords = 16;
+
+// Before the samples: where the time of a step that waited for its question went, in ticks of the GPU's own clock. All
+// 0 where it has none that shaders can read. In the sample's alignment.
+struct StepTicks {
+  uint waited;    // from the beginning of the step until its question was there
+  uint answered;  // from then until the answer was written
+  uint unused[14];
+};
+PALPATE_SIZE(StepTicks, 64);
 
 // Tells a complete sample from one whose words are still in flight to the host, since they may arrive in any order. A
 // step of FNV-1a (Fowler, Noll, Vo 1991) for each word.
@@ -177,15 +198,14 @@ struct ContactStepArgs {
 };
 PALPATE_SIZE(ContactStepArgs, 128);
 
-// A step that was submitted ahead of its questions polls for them at most `polls` times.
+// Before a step of several workgroups that was submitted ahead of its questions.
 struct AwaitQuestionArgs {
   PALPATE_ADDRESS(QuestionWords) question;  // as the host writes it, one for each probe
   PALPATE_ADDRESS(Uints) taken;             // copy, once all have arrived; tick 0: they have not, or were withdrawn
-  PALPATE_ADDRESS(Uints) lastTick;          // of the questions that were there before
-  uint polls;                               // of each subgroup
   uint probes;
+  uint unused;
 };
-PALPATE_SIZE(AwaitQuestionArgs, 32);
+PALPATE_SIZE(AwaitQuestionArgs, 24);
 
 PALPATE_SHARED_END
 #endif
