@@ -87,6 +87,10 @@ void SurfaceIndex::follow(std::span<const PointState> states) {
     if (there_[number]) count(number, true);
     changed.push_back(number);
   }
+  // Several edits may have changed the same point.
+  std::ranges::sort(changed);
+  const auto again = std::ranges::unique(changed);
+  changed.erase(again.begin(), again.end());
   if (!changed.empty()) grid_.update(positions_, there_, changed);
 }
 

@@ -12,8 +12,9 @@ namespace {
 
 // Jobs often follow each other within microseconds, in which a thread would not even fall asleep.
 constexpr double kSpin_us = 20, kBurstSpin_us = 100;
-// A thread wakes so many others, which wake so many in turn: to wake one takes microseconds of the one that wakes it.
-constexpr std::size_t kWakes = 3;
+// A thread wakes so many others, which wake so many in turn: to wake one takes a microsecond or two of the one that
+// wakes it, and some tens until it runs, more on a virtual machine.
+constexpr std::size_t kWakes = 16;
 
 // For the other thread of a core.
 void relax() {
@@ -51,9 +52,11 @@ WorkerTeam::Burst::Burst(WorkerTeam& team) : team_(team) {
   team.inBurst_ = true;
 }
 
-void WorkerTeam::Burst::engage(std::size_t threads) {
-  team_.called_ = std::clamp<std::size_t>(threads, 1, team_.size()) - 1;
+std::size_t WorkerTeam::Burst::engage(std::size_t threads) {
+  const std::size_t engaged = std::clamp<std::size_t>(threads, 1, team_.size());
+  team_.called_ = engaged - 1;
   team_.ring(0, kWakes);
+  return engaged;
 }
 
 WorkerTeam::Burst::~Burst() { team_.inBurst_ = false; }

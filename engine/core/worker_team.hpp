@@ -46,8 +46,8 @@ class WorkerTeam {
     Burst(const Burst&) = delete;
     Burst& operator=(const Burst&) = delete;
     /// From the next job on, `threads` take part, including the caller: as many as the work is worth. Wakes them at
-    /// once.
-    void engage(std::size_t threads);
+    /// once. Returns how many are engaged.
+    std::size_t engage(std::size_t threads);
 
    private:
     WorkerTeam& team_;

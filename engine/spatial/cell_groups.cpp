@@ -20,21 +20,26 @@ void CellGroups::begin(std::size_t count) {
 }
 
 void CellGroups::put(std::uint32_t index, const DVec3& place, double radius, const CellBox& box) {
+  const auto add = [&](std::uint32_t number) {
+    Group& group = groups_[number];
+    groupOf_[index] = number;
+    ++group.count;
+    group.balls.low = glm::min(group.balls.low, place);
+    group.balls.high = glm::max(group.balls.high, place);
+    group.balls.radius = std::max(group.balls.radius, radius);
+  };
+  const auto isOf = [&](std::uint32_t number) {
+    const CellBox& its = groups_[number].balls.box;
+    return its.low == box.low && its.high == box.high;
+  };
+  const bool isAlone = box.cells() > SortedGrid::kFewCells;
+  // Most are with the one before.
+  if (!isAlone && index > 0 && isOf(groupOf_[index - 1])) return add(groupOf_[index - 1]);
   const std::size_t mask = table_.size() - 1;
   const auto hash = [](const UVec3& v) { return v.x * 73856093u ^ v.y * 19349663u ^ v.z * 83492791u; };
   std::size_t slot = (hash(UVec3(box.low)) + 31 * hash(UVec3(box.high - box.low))) & mask;
-  const bool isAlone = box.cells() > SortedGrid::kFewCells;
   while (!isAlone && table_[slot] != kNone) {
-    Group& group = groups_[table_[slot]];
-    GatheredPoints::Balls& balls = group.balls;
-    if (balls.box.low == box.low && balls.box.high == box.high) {
-      groupOf_[index] = table_[slot];
-      ++group.count;
-      balls.low = glm::min(balls.low, place);
-      balls.high = glm::max(balls.high, place);
-      balls.radius = std::max(balls.radius, radius);
-      return;
-    }
+    if (isOf(table_[slot])) return add(table_[slot]);
     slot = (slot + 1) & mask;
   }
   groupOf_[index] = static_cast<std::uint32_t>(groups_.size());
@@ -52,18 +57,6 @@ void CellGroups::end() {
   for (std::size_t i = 0; i < groupOf_.size(); ++i) {
     Group& group = groups_[groupOf_[i]];
     members_[group.first + group.count++] = static_cast<std::uint32_t>(i);
-  }
-}
-
-// Part k: groups from parts_[k] on.
-void CellGroups::share(std::size_t fewest) {
-  parts_.assign(1, 0);
-  std::size_t positions = 0;
-  for (std::uint32_t k = 0; k < groups_.size(); ++k) {
-    positions += groups_[k].count;
-    if (positions < fewest && k + 1 < groups_.size()) continue;
-    parts_.push_back(k + 1);
-    positions = 0;
   }
 }
 

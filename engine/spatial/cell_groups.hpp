@@ -28,27 +28,14 @@ class CellGroups {
     return {members_.data() + group.first, group.count};
   }
 
-  /// Calls body(first, groups) for parts of groups(), from number `first` on, on the threads of a team; each part has
-  /// at least `fewest` positions.
-  template <class Body>
-  void forEachPart(WorkerTeam& team, std::size_t fewest, Body&& body) {
-    share(std::max(fewest, groupOf_.size() / (kTurns * team.size())));
-    team.forEach(parts_.size() - 1, [&](std::size_t part) {
-      const std::size_t first = parts_[part];
-      body(first, groups().subspan(first, parts_[part + 1] - first));
-    });
-  }
-
  private:
-  static constexpr std::size_t kTurns = 8;  // of a thread, so that all end at about the same time
   void begin(std::size_t count);
   void put(std::uint32_t index, const DVec3& place, double radius, const CellBox& box);
   void end();
-  void share(std::size_t fewest);
 
   std::vector<Group> groups_;
   std::vector<std::uint32_t> groupOf_;  // by index
-  std::vector<std::uint32_t> members_, parts_;
+  std::vector<std::uint32_t> members_;
   std::vector<std::uint32_t> table_;  // by hash of a box: number of its group, or kNone
 };
 

@@ -100,6 +100,64 @@ Counts searchWide(const Coordinates& from, std::size_t size, const DVec3& place,
 }
 #endif
 
+struct GatherInto {
+  float *x, *y, *z;
+  std::uint32_t* numbers;
+};
+
+// Those of the points that are between two corners; returns how many. `into` is written beyond them, by kLanes at most.
+std::size_t addBetween(std::span<const SortedGrid::Placed> points, const Vec3& below, const Vec3& above,
+                       const GatherInto& into) {
+  std::size_t count = 0;
+  for (const auto& [place, number] : points) {  // without unpredictable branches
+    into.x[count] = place.x;
+    into.y[count] = place.y;
+    into.z[count] = place.z;
+    into.numbers[count] = number;
+    count += (place.x < above.x) & (place.y < above.y) & (place.z < above.z) & (place.x > below.x) &
+             (place.y > below.y) & (place.z > below.z);
+  }
+  return count;
+}
+
+#ifdef PALPATE_AVX512
+PALPATE_AVX512
+std::size_t addBetweenWide(std::span<const SortedGrid::Placed> points, const Vec3& below, const Vec3& above,
+                           const GatherInto& into) {
+  static_assert(sizeof(SortedGrid::Placed) == 4 * sizeof(float));
+  const __m512i firstTwo = _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 1, 5, 9, 13, 17, 21, 25, 29);
+  const __m512i lastTwo = _mm512_setr_epi32(2, 6, 10, 14, 18, 22, 26, 30, 3, 7, 11, 15, 19, 23, 27, 31);
+  const __m256 lowX = _mm256_set1_ps(below.x), lowY = _mm256_set1_ps(below.y), lowZ = _mm256_set1_ps(below.z);
+  const __m256 highX = _mm256_set1_ps(above.x), highY = _mm256_set1_ps(above.y), highZ = _mm256_set1_ps(above.z);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points.size(); i += kLanes) {
+    const std::size_t left = std::min(kLanes, points.size() - i);
+    const auto mask = (std::uint64_t{1} << 4 * left) - 1;
+    const auto* const from = reinterpret_cast<const float*>(points.data() + i);
+    const __m512i first = _mm512_maskz_loadu_epi32(static_cast<__mmask16>(mask), from);
+    const __m512i second = _mm512_maskz_loadu_epi32(static_cast<__mmask16>(mask >> 16), from + 16);
+    const __m512i xy = _mm512_permutex2var_epi32(first, firstTwo, second);
+    const __m512i zNumber = _mm512_permutex2var_epi32(first, lastTwo, second);
+    const __m256i xs = _mm512_castsi512_si256(xy), ys = _mm512_maskz_extracti64x4_epi64(0xf, xy, 1);
+    const __m256i zs = _mm512_castsi512_si256(zNumber), numbers = _mm512_maskz_extracti64x4_epi64(0xf, zNumber, 1);
+    const __m256 x = _mm256_castsi256_ps(xs), y = _mm256_castsi256_ps(ys), z = _mm256_castsi256_ps(zs);
+    auto within = static_cast<__mmask8>(0xff >> (kLanes - left));
+    within = _mm256_mask_cmp_ps_mask(within, x, highX, _CMP_LT_OQ);
+    within = _mm256_mask_cmp_ps_mask(within, y, highY, _CMP_LT_OQ);
+    within = _mm256_mask_cmp_ps_mask(within, z, highZ, _CMP_LT_OQ);
+    within = _mm256_mask_cmp_ps_mask(within, x, lowX, _CMP_GT_OQ);
+    within = _mm256_mask_cmp_ps_mask(within, y, lowY, _CMP_GT_OQ);
+    within = _mm256_mask_cmp_ps_mask(within, z, lowZ, _CMP_GT_OQ);
+    _mm256_storeu_ps(into.x + count, _mm256_maskz_compress_ps(within, x));
+    _mm256_storeu_ps(into.y + count, _mm256_maskz_compress_ps(within, y));
+    _mm256_storeu_ps(into.z + count, _mm256_maskz_compress_ps(within, z));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(into.numbers + count), _mm256_maskz_compress_epi32(within, numbers));
+    count += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(within)));
+  }
+  return count;
+}
+#endif
+
 }  // namespace
 
 NearPoints::NearPoints(std::span<const DVec3> offsets) {
@@ -133,18 +191,12 @@ void GatheredPoints::gather(const SortedGrid& grid, const Balls& balls) {
   const Vec3 above = beyond(balls.high + balls.radius, kFar), below = beyond(balls.low - balls.radius, -kFar);
   const auto add = [&](std::span<const SortedGrid::Placed> points) {
     makeRoom(points.size());
-    std::size_t count = count_;
-    float *const x = x_.data(), *const y = y_.data(), *const z = z_.data();
-    std::uint32_t* const numbers = numbers_.data();
-    for (const auto& [place, number] : points) {  // without unpredictable branches
-      x[count] = place.x;
-      y[count] = place.y;
-      z[count] = place.z;
-      numbers[count] = number;
-      count += (place.x < above.x) & (place.y < above.y) & (place.z < above.z) & (place.x > below.x) &
-               (place.y > below.y) & (place.z > below.z);
-    }
-    count_ = count;
+    const GatherInto into{x_.data() + count_, y_.data() + count_, z_.data() + count_, numbers_.data() + count_};
+#ifdef PALPATE_AVX512
+    count_ += hasAvx512() ? addBetweenWide(points, below, above, into) : addBetween(points, below, above, into);
+#else
+    count_ += addBetween(points, below, above, into);
+#endif
   };
   if (balls.box.cells() > SortedGrid::kFewCells)
     grid.forEachNear(balls.low, balls.radius, [&](const SortedGrid::Placed& point) { add({&point, 1}); });

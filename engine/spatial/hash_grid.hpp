@@ -25,6 +25,15 @@ HashGrid makeHashGrid(const Vec3& origin, double cell, std::uint64_t count, Buck
 /// Whether points in this order seldom share a bucket with the one before, by a sample.
 bool isScattered(const HashGrid& grid, std::span<const Vec3> positions);
 
+/// Whether cellOf() of a position is this cell, without rounding down: processors before SSE4.1 have no instruction for
+/// it. All numbers are exact in double precision.
+inline bool isInCell(const HashGrid& grid, const Vec3& position, const IVec3& cell) {
+  const float most = shared::kMaxCellCoordinate;
+  const DVec3 scaled(glm::clamp((position - grid.origin) * grid.inverseCell, -most, most)), low(cell), high = low + 1.0;
+  return (scaled.x >= low.x) & (scaled.y >= low.y) & (scaled.z >= low.z) & (scaled.x < high.x) & (scaled.y < high.y) &
+         (scaled.z < high.z);
+}
+
 /// A box of cells, both corners included.
 struct CellBox {
   IVec3 low, high;

@@ -63,34 +63,66 @@ void SortedGrid::update(std::span<const Vec3> positions, std::span<const std::ui
   there_ = there;
   keys.resize(positions.size(), kNoBucket);
   isFresh_ = false;
+  const std::size_t parts = (changed.size() + kFollowed - 1) / kFollowed;
+  followed_.resize(std::max(followed_.size(), parts));
+  team_.forEach(parts, [&](std::size_t part) {
+    const std::size_t begin = part * kFollowed;
+    follow(changed.subspan(begin, std::min(kFollowed, changed.size() - begin)), followed_[part]);
+  });
   transfers_.clear();
-  for (const std::uint32_t number : changed) {
-    const std::uint32_t before = std::exchange(keys[number], bucketAt(number)), after = keys[number];
-    if (before == after) {
-      replace(number);
-      continue;
-    }
-    if (before != kNoBucket) transfers_.push_back({before, number, false});
-    if (after != kNoBucket) transfers_.push_back({after, number, true});
+  for (const Followed& part : std::span(followed_).first(parts)) {
+    transfers_.insert(transfers_.end(), part.transfers.begin(), part.transfers.end());
+    written_ += part.written;
   }
+  for (const Transfer& one : transfers_) __builtin_prefetch(&buckets_[one.bucket]);
   std::ranges::sort(transfers_, {}, [](const Transfer& one) { return std::tuple(one.bucket, one.number); });
+  for (const Transfer& one : transfers_) fetch(bucket(one.bucket));
   for (std::size_t begin = 0, end = 0; begin < transfers_.size(); begin = end) {
     while (end < transfers_.size() && transfers_[end].bucket == transfers_[begin].bucket) ++end;
     transfer(std::span(transfers_).subspan(begin, end - begin));
   }
 }
 
-// A point that is still about to enter its bucket gets its position then.
-void SortedGrid::replace(std::uint32_t number) {
-  const std::uint32_t key = sort_.keys()[number];
-  if (key == kNoBucket) return;
-  Placed* const begin = at(buckets_[key].begin);
-  Placed* const end = begin + buckets_[key].count;
+// Points that stay in their buckets get their positions at once; memory is fetched ahead.
+void SortedGrid::follow(std::span<const std::uint32_t> changed, Followed& followed) {
+  std::array<std::uint32_t, kFollowed> before, after;
+  std::array<IVec3, kFollowed> cells;
+  BareVector<std::uint32_t>& keys = sort_.keys();
+  followed.transfers.clear();
+  followed.written = 0;
+  for (const std::uint32_t number : changed) {
+    __builtin_prefetch(&keys[number]);
+    __builtin_prefetch(&positions_[number]);
+  }
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    const std::uint32_t number = changed[i];
+    cells[i] = cellOf(grid_, positions_[number]);
+    after[i] = there_.empty() || there_[number] ? bucketOf(grid_, cells[i]) : kNoBucket;
+    before[i] = std::exchange(keys[number], after[i]);
+    if (after[i] != kNoBucket) __builtin_prefetch(&buckets_[after[i]]);
+  }
+  for (std::size_t i = 0; i < changed.size(); ++i)
+    if (before[i] == after[i] && after[i] != kNoBucket) __builtin_prefetch(at(buckets_[after[i]].begin));
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    if (before[i] == after[i]) {
+      followed.written += replace(after[i], changed[i], cells[i]);
+      continue;
+    }
+    if (before[i] != kNoBucket) followed.transfers.push_back({before[i], changed[i], false});
+    if (after[i] != kNoBucket) followed.transfers.push_back({after[i], changed[i], true});
+  }
+}
+
+// Whether the point is in a bucket.
+bool SortedGrid::replace(std::uint32_t bucket, std::uint32_t number, const IVec3& cell) {
+  if (bucket == kNoBucket) return false;
+  Placed* const begin = at(buckets_[bucket].begin);
+  Placed* const end = begin + buckets_[bucket].count;
   Placed* const found = std::ranges::lower_bound(begin, end, number, {}, &Placed::number);
-  if (found == end || found->number != number) return;
+  PALPATE_CHECK(found != end && found->number == number);
   found->position = positions_[number];
-  tag(key, found->position);
-  ++written_;
+  tag(bucket, cell);
+  return true;
 }
 
 std::uint32_t SortedGrid::slots(std::uint32_t bucket) const {
@@ -153,7 +185,7 @@ void SortedGrid::enter(Bucket& bucket, std::span<const Transfer> transfers, std:
     if (!next->enters) continue;
     for (; from != begin && (from - 1)->number > next->number; ++written_) *--to = *--from;
     *--to = {positions_[next->number], next->number};
-    tag(next->bucket, to->position);
+    tag(next->bucket, cellOf(grid_, to->position));
   }
 }
 

@@ -32,8 +32,8 @@ class SortedGrid final : public NeighbourSearch {
   void build(std::span<const Vec3> positions) override { build(positions, {}); }
   /// `there`: zero for each point to leave out; empty: all points are included.
   void build(std::span<const Vec3> positions, std::span<const std::uint8_t> there);
-  /// Follows the points with the numbers in `changed`: moved, removed, restored or appended to the positions. All other
-  /// points are as at the last build or update.
+  /// Follows the points with the numbers in `changed`, each once: moved, removed, restored or appended to the
+  /// positions. All other points are as at the last build or update.
   void update(std::span<const Vec3> positions, std::span<const std::uint8_t> there,
               std::span<const std::uint32_t> changed);
   void move(std::span<const PointMove> moves) override;
@@ -66,11 +66,11 @@ class SortedGrid final : public NeighbourSearch {
   /// Calls visit(Placed) for every point strictly nearer than `radius` to `center`, once.
   template <class Visit>
   void forEachNear(const DVec3& center, double radius, Visit&& visit) const;
-  /// The same in layers, for several threads: the points of layer 0, then those of 1 and so on are those of
+  /// The same in slices, for several threads: the points of slice 0, then those of 1 and so on are those of
   /// forEachNear() in its order.
-  std::size_t layers(const DVec3& center, double radius) const;
+  std::size_t slices(const DVec3& center, double radius) const;
   template <class Visit>
-  void forEachNear(const DVec3& center, double radius, std::size_t layer, Visit&& visit) const;
+  void forEachNear(const DVec3& center, double radius, std::size_t slice, Visit&& visit) const;
 
   /// The most cells of a box whose buckets are visited whole.
   static constexpr std::uint32_t kFewCells = 64;
@@ -98,12 +98,16 @@ class SortedGrid final : public NeighbourSearch {
   Placed* at(std::uint32_t slot) {
     return slot < firstSpare() ? sort_.items().data() + slot : spare_.at(slot - firstSpare());
   }
-  std::uint32_t bucketAt(std::size_t point) const {
-    return there_.empty() || there_[point] ? bucketOf(grid_, cellOf(grid_, positions_[point])) : kNoBucket;
-  }
   std::uint32_t homeSlots(std::uint32_t bucket) const { return sort_.starts()[bucket + 1] - sort_.starts()[bucket]; }
   std::uint32_t slots(std::uint32_t bucket) const;
-  void replace(std::uint32_t number);
+  // The numbers that one thread follows at a time, and those of their points that enter or leave a bucket.
+  struct Followed {
+    std::vector<Transfer> transfers;
+    std::uint64_t written = 0;
+  };
+  static constexpr std::size_t kFollowed = 64;
+  void follow(std::span<const std::uint32_t> changed, Followed& followed);
+  bool replace(std::uint32_t bucket, std::uint32_t number, const IVec3& cell);
   void transfer(std::span<const Transfer> transfers);
   void leave(Bucket& bucket, std::span<const Transfer> transfers);
   void enter(Bucket& bucket, std::span<const Transfer> transfers, std::uint32_t entering);
@@ -111,6 +115,10 @@ class SortedGrid final : public NeighbourSearch {
   void shrink(std::uint32_t bucket);
 
   static constexpr std::size_t kMaxSide = 2048;
+  static constexpr std::size_t kSliceRows = 4;  // rows of cells in a slice
+  static std::size_t slicesOfLayer(const CellBox& box) {
+    return static_cast<std::size_t>(box.high.y - box.low.y) / kSliceRows + 1;
+  }
   bool hasManyCells(const CellBox& box) const {
     return box.cells() > kFewCells && box.cells() < static_cast<double>(size_);
   }
@@ -120,18 +128,27 @@ class SortedGrid final : public NeighbourSearch {
   // Wide balls skip blocks of 4x4x4 cells without a point. A block stays marked until the next build.
   static constexpr int kBlock = 2;  // log2 of its side
   void mark(const IVec3& cell) {
-    std::atomic_ref(blocks_[bucketOf(grid_, cell >> kBlock) & blockMask_]).store(1, std::memory_order_relaxed);
+    const std::atomic_ref block(blocks_[bucketOf(grid_, cell >> kBlock) & blockMask_]);
+    if (!block.load(std::memory_order_relaxed)) block.store(1, std::memory_order_relaxed);
   }
   static std::uint32_t tagHash(const IVec3& cell) {
     const UVec3 c(cell);
     return c.x * 0x9e3779b1u + c.y * 0x85ebca77u + c.z * 0xc2b2ae3du;
   }
-  void tag(std::uint32_t bucket, const Vec3& position) {
-    const IVec3 cell = cellOf(grid_, position);
-    tags_[bucket] |= tagOf(cell);
+  // Most are tagged already: what threads share is then only read.
+  void tag(std::uint32_t bucket, const IVec3& cell) {
+    const std::atomic_ref tags(tags_[bucket]);
+    if ((tags.load(std::memory_order_relaxed) & tagOf(cell)) == 0)
+      tags.fetch_or(tagOf(cell), std::memory_order_relaxed);
     mark(cell);
   }
   std::uint8_t tagsOf(std::span<const Placed> points);
+  // Into the cache, as far as it is worth it.
+  static void fetch(std::span<const Placed> points) {
+    constexpr std::size_t kLine = 64 / sizeof(Placed), kMost = 8 * kLine;
+    for (std::size_t i = 0; i < std::min(points.size(), kMost); i += kLine) __builtin_prefetch(&points[i]);
+    if (!points.empty()) __builtin_prefetch(&points.back());
+  }
   template <class Visit>
   void visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const;
   // Visits the near ones of some points, without unpredictable branches.
@@ -152,6 +169,7 @@ class SortedGrid final : public NeighbourSearch {
   std::size_t size_ = 0;
   bool isFresh_ = true;
   std::uint64_t builds_ = 0, written_ = 0;
+  std::vector<Followed> followed_;   // by part of an update
   std::vector<Transfer> transfers_;  // of an update
 };
 
@@ -185,37 +203,46 @@ void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) 
   }
 }
 
-inline std::size_t SortedGrid::layers(const DVec3& center, double radius) const {
+inline std::size_t SortedGrid::slices(const DVec3& center, double radius) const {
   const CellBox box = cellsAround(grid_, center, radius);
-  return hasManyCells(box) ? static_cast<std::size_t>(box.high.z - box.low.z) + 1 : 1;
+  return hasManyCells(box) ? (static_cast<std::size_t>(box.high.z - box.low.z) + 1) * slicesOfLayer(box) : 1;
 }
 
 template <class Visit>
-void SortedGrid::forEachNear(const DVec3& center, double radius, std::size_t layer, Visit&& visit) const {
+void SortedGrid::forEachNear(const DVec3& center, double radius, std::size_t slice, Visit&& visit) const {
   CellBox box = cellsAround(grid_, center, radius);
   if (!hasManyCells(box)) return forEachNear(center, radius, visit);
-  box.low.z = box.high.z = box.low.z + static_cast<int>(layer);
+  const std::size_t inLayer = slicesOfLayer(box);
+  box.low.z = box.high.z = box.low.z + static_cast<int>(slice / inLayer);
+  box.low.y += static_cast<int>(slice % inLayer * kSliceRows);
+  box.high.y = std::min(box.high.y, box.low.y + static_cast<int>(kSliceRows) - 1);
   visitCells(box, center, radius, visit);
 }
 
 // In batches, whose memory accesses overlap: most cells of a wide ball are empty, and each bucket is a cache miss.
 template <class Visit>
 void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const {
-  constexpr std::size_t kBatch = 64;
+  constexpr std::size_t kBatch = 128, kAhead = 8;
   const CellBall ball(grid_, center, radius);
   std::array<IVec3, kBatch> cells;
-  std::array<const Bucket*, kBatch> found;
+  std::array<std::uint32_t, kBatch> numbers;  // of their buckets
   std::size_t count = 0;
   const auto visitBatch = [&] {
-    for (std::size_t i = 0; i < count; ++i) {
-      const Placed* const points = at(found[i]->begin);
-      __builtin_prefetch(points);
-      __builtin_prefetch(points + found[i]->count - 1);
+    std::size_t tagged = 0;
+    for (std::size_t i = 0; i < count; ++i) {  // without unpredictable branches
+      const IVec3 cell = cells[tagged] = cells[i];
+      const std::uint32_t number = numbers[tagged] = numbers[i];
+      tagged += (tags_[number] & tagOf(cell)) != 0;
     }
-    for (std::size_t i = 0; i < count; ++i)
-      visitNear({at(found[i]->begin), found[i]->count}, center, radius * radius, [&](const Placed& point) {
-        if (cellOf(grid_, point.position) == cells[i]) visit(point);
+    for (std::size_t i = 0; i < tagged; ++i) __builtin_prefetch(&buckets_[numbers[i]]);
+    for (std::size_t i = 0; i < tagged + kAhead; ++i) {
+      if (i < tagged) fetch(bucket(numbers[i]));
+      if (i < kAhead) continue;
+      const IVec3& cell = cells[i - kAhead];
+      visitNear(bucket(numbers[i - kAhead]), center, radius * radius, [&](const Placed& point) {
+        if (isInCell(grid_, point.position, cell)) visit(point);
       });
+    }
     count = 0;
   };
   // The number of a bucket is the exclusive or of those of its coordinates.
@@ -236,10 +263,9 @@ void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radi
           continue;
         }
         const std::uint32_t number = columns[static_cast<std::size_t>(x - box.low.x)] ^ row;
-        if ((tags_[number] & tagOf({x, y, z})) == 0) continue;
         cells[count] = {x, y, z};
-        found[count] = &buckets_[number];
-        __builtin_prefetch(found[count]);
+        numbers[count] = number;
+        __builtin_prefetch(&tags_[number]);
         if (++count == kBatch) visitBatch();
       }
     }
@@ -257,11 +283,9 @@ void SortedGrid::forEachBucket(const CellBox& box, Visit&& visit) const {
     const Bucket& found = buckets_[bucketOf(grid_, cell)];
     if (found.count == 0 || std::find(begins.begin(), begins.begin() + count, found.begin) != begins.begin() + count)
       return;
-    const Placed* const points = at(found.begin);
-    __builtin_prefetch(points);
-    __builtin_prefetch(points + found.count - 1);
     begins[count] = found.begin;
-    visited[count++] = {points, found.count};
+    visited[count] = {at(found.begin), found.count};
+    fetch(visited[count++]);
   });
   for (std::size_t i = 0; i < count; ++i) visit(visited[i]);
 }

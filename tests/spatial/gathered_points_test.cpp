@@ -80,21 +80,4 @@ TEST_CASE("neighbours gathered for a group are those of each of its positions, i
   }
 }
 
-TEST_CASE("all threads together take each group once") {
-  const std::vector<Vec3> positions = somewhere(3000, 0);
-  SortedGrid grid(makeHashGrid(Vec3(-10), 1, positions.size()), 3);
-  grid.build(positions);
-  CellGroups groups;
-  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, positions.size()}) {
-    groups.assign(grid.grid(), count, [&](std::size_t i) { return std::pair(DVec3(positions[i]), 1.0); });
-    std::vector<std::atomic<int>> met(count);
-    groups.forEachPart(grid.team(), 16, [&](std::size_t first, std::span<const CellGroups::Group> part) {
-      CHECK(part.data() == groups.groups().data() + first);
-      for (const CellGroups::Group& group : part)
-        for (const std::uint32_t i : groups.members(group)) ++met[i];
-    });
-    CHECK(std::ranges::all_of(met, [](const std::atomic<int>& times) { return times == 1; }));
-  }
-}
-
 }  // namespace palpate::gathered_points_test

@@ -37,6 +37,9 @@ class ChangingPoints {
     if (kind < 5) crowd_ = somewhere();
     const std::uint32_t count = pick(4) == 0 ? pick(400) : pick(20);
     for (std::uint32_t i = 0; i < count; ++i) one();
+    std::ranges::sort(changed_);
+    const auto again = std::ranges::unique(changed_);
+    changed_.erase(again.begin(), again.end());
   }
   Vec3 somewhere() { return {10 * share(), 10 * share(), share()}; }
 
@@ -104,8 +107,8 @@ bool sameAnswers(const SortedGrid& grid, const SortedGrid& fresh, const DVec3& c
     fresh.near(center, radius, theirs);
     if (mine != theirs) return false;
     mine.clear();
-    for (std::size_t layer = 0; layer < grid.layers(center, radius); ++layer)
-      grid.forEachNear(center, radius, layer, [&](const SortedGrid::Placed& near) { mine.push_back(near.number); });
+    for (std::size_t slice = 0; slice < grid.slices(center, radius); ++slice)
+      grid.forEachNear(center, radius, slice, [&](const SortedGrid::Placed& near) { mine.push_back(near.number); });
     if (mine != theirs) return false;
   }
   return true;
@@ -156,6 +159,44 @@ struct Plate {
 };
 
 }  // namespace
+
+TEST_CASE("a position is in its cell and in no other, on its borders and beyond all cells") {
+  const HashGrid grid = makeHashGrid(Vec3(-10, 0.3f, 7), 0.7, 1000);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> share(-1, 1);
+  std::size_t wrong = 0, within = 0;
+  const auto check = [&](const Vec3& position) {
+    const IVec3 cell = cellOf(grid, position);
+    for (int k = 0; k < 27; ++k) {
+      const IVec3 other = cell + IVec3(k % 3, k / 3 % 3, k / 9) - 1;
+      if (glm::any(glm::greaterThan(glm::abs(other), IVec3(1 << 30)))) continue;
+      wrong += isInCell(grid, position, other) != (cell == other);
+      within += isInCell(grid, position, other);
+    }
+  };
+  std::size_t positions = 0;
+  for (const float scale : {1.0f, 1e3f, 1e6f, 1e8f, 1e12f})
+    for (int i = 0; i < 2000; ++i, ++positions) check(scale * Vec3{share(random), share(random), share(random)});
+  for (int i = -50; i < 50; ++i) {
+    const float border = grid.origin.x + static_cast<float>(i) / grid.inverseCell;
+    for (const float x : {std::nextafter(border, -1e9f), border, std::nextafter(border, 1e9f)}) {
+      check({x, 1, 1});
+      ++positions;
+    }
+  }
+  for (const float far : {-3e38f, 3e38f}) {
+    check({far, 1, 1});
+    ++positions;
+  }
+  for (int i = -50; i < 50; ++i, ++positions) {  // exactly on a border, if rounding allows
+    const HashGrid whole{.origin = Vec3(0), .inverseCell = 1, .bucketMask = 255, .blockBits = 0};
+    const Vec3 at(static_cast<float>(i));
+    for (int x = i - 2; x < i + 3; ++x) wrong += isInCell(whole, at, IVec3(x)) != (x == i);
+    ++within;
+  }
+  CHECK(wrong == 0);
+  CHECK(within == positions);
+}
 
 TEST_CASE("points in random order are scattered, points in the order of their buckets, or cell by cell, are not") {
   std::mt19937 random(11);
