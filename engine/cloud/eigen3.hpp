@@ -3,8 +3,11 @@
 // or vanishing eigenvalues.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "engine/core/vec.hpp"
@@ -45,8 +48,15 @@ inline constexpr double kMinOffDiagonal = 1e-40;  ///< sum of squares beside the
 /// squares neither overflow nor vanish.
 inline int exponentOf(const SymmetricMatrix3& m) {
   double largest = 0;
-  for (const double entry : {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz}) largest = std::fmax(largest, std::fabs(entry));
+  for (const double entry : {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz}) largest = std::max(largest, std::fabs(entry));
   return largest > 0 ? std::ilogb(largest) : 0;
+}
+
+/// std::scalbn(), without a call where the power of two is a normal number: the product is then rounded alike.
+inline double timesPowerOfTwo(double x, int exponent) {
+  constexpr int kBias = 1023, kMantissaBits = 52;
+  if (std::abs(exponent) >= kBias) return std::scalbn(x, exponent);
+  return x * std::bit_cast<double>(static_cast<std::uint64_t>(exponent + kBias) << kMantissaBits);
 }
 
 /// Ascending order and unit length. `diagonal`: after all rotations; `columns`: the vectors.
@@ -58,7 +68,7 @@ inline Eigen3 sortedEigen(const std::array<double, 3>& diagonal, const std::arra
   sortPair(0, 1), sortPair(1, 2), sortPair(0, 1);
   Eigen3 result;
   for (int k = 0; k < 3; ++k) {
-    result.values[k] = std::scalbn(diagonal[order[k]], exponent);
+    result.values[k] = timesPowerOfTwo(diagonal[order[k]], exponent);
     result.vectors[k] = glm::normalize(columns[order[k]]);
   }
   return result;
@@ -70,7 +80,7 @@ inline Eigen3 eigenSymmetric(const SymmetricMatrix3& matrix) {
       {matrix.xx, matrix.xy, matrix.xz}, {matrix.xy, matrix.yy, matrix.yz}, {matrix.xz, matrix.yz, matrix.zz}};
   const int exponent = exponentOf(matrix);
   for (auto& row : a)
-    for (double& entry : row) entry = std::scalbn(entry, -exponent);
+    for (double& entry : row) entry = timesPowerOfTwo(entry, -exponent);
 
   std::array<DVec3, 3> columns{DVec3(1, 0, 0), DVec3(0, 1, 0), DVec3(0, 0, 1)};
   for (int sweep = 0; sweep < kMaxJacobiSweeps; ++sweep) {

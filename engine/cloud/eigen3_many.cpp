@@ -57,7 +57,7 @@ void ManyEigen3::add(const SymmetricMatrix3& matrix) {
   }
   const int exponent = exponentOf(matrix);
   const std::array<double, kEntries> entries{matrix.xx, matrix.yy, matrix.zz, matrix.xy, matrix.xz, matrix.yz};
-  for (std::size_t k = 0; k < kEntries; ++k) entries_[k][i] = std::scalbn(entries[k], -exponent);
+  for (std::size_t k = 0; k < kEntries; ++k) entries_[k][i] = timesPowerOfTwo(entries[k], -exponent);
   exponents_.push_back(exponent);
 }
 

@@ -2,11 +2,56 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/core/widest_lanes.hpp"
 #include "engine/edit/cpu_sculpture.hpp"
 
 namespace palpate {
 
 namespace {
+
+// Offsets and normals of the closest neighbours of a point.
+struct Closest {
+  std::vector<double> x, y, z;
+  std::vector<float> normalX, normalY, normalZ;
+  std::size_t size = 0;
+
+  void makeRoom(std::size_t count) {
+    size = 0;
+    if (x.size() >= count) return;
+    for (std::vector<double>* each : {&x, &y, &z}) each->resize(2 * count);
+    for (std::vector<float>* each : {&normalX, &normalY, &normalZ}) each->resize(2 * count);
+  }
+  void add(const DVec3& offset, const Vec3& normal) {
+    x[size] = offset.x, y[size] = offset.y, z[size] = offset.z;
+    normalX[size] = normal.x, normalY[size] = normal.y, normalZ[size] = normal.z;
+    ++size;
+  }
+};
+
+// A bit for each sector in which one of them is no further than `widestGap` and on the same sheet, and whether any is
+// nearer than `mayCrowd`.
+struct Surrounded {
+  std::uint32_t sectors = 0, mayCrowd = 0;
+};
+PALPATE_WIDEST_LANES
+Surrounded surroundedBy(const Closest& closest, const Frame3& frame, double widestGap, double mayCrowd) {
+  const double *atX = closest.x.data(), *atY = closest.y.data(), *atZ = closest.z.data();
+  const float *normalX = closest.normalX.data(), *normalY = closest.normalY.data(), *normalZ = closest.normalZ.data();
+  const double ux = frame.u.x, uy = frame.u.y, uz = frame.u.z, vx = frame.v.x, vy = frame.v.y, vz = frame.v.z;
+  const double nx = frame.n.x, ny = frame.n.y, nz = frame.n.z;
+  std::uint32_t sectors = 0, crowds = 0;
+  for (std::size_t k = 0; k < closest.size; ++k) {
+    const double x = atX[k], y = atY[k], z = atZ[k];
+    const double distance = std::sqrt(x * x + y * y + z * z);
+    const double cosine = double{normalX[k]} * nx + double{normalY[k]} * ny + double{normalZ[k]} * nz;
+    const bool fills = (distance <= widestGap) & (cosine > static_cast<double>(shared::kSameSheet));
+    const std::uint32_t sector =
+        shared::sectorOf(static_cast<float>(x * ux + y * uy + z * uz), static_cast<float>(x * vx + y * vy + z * vz));
+    sectors |= std::uint32_t{fills} << sector;
+    crowds |= std::uint32_t{distance < mayCrowd};
+  }
+  return {sectors, crowds};
+}
 
 // Number of neighbours that a point examines before it decides on insertion or removal. More are within its
 // neighbourhood radius only where many points coincide: they are merged with the examined ones, and no new point is
@@ -33,6 +78,11 @@ ResampleNeighbour CpuSculpture::seen(std::uint32_t number) const {
 double CpuSculpture::neighbourhoodOf(std::uint32_t point) const {
   return double{
       shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius))};
+}
+
+// No neighbourhood of a point is wider, also after rounding.
+double CpuSculpture::widestNeighbourhood() const {
+  return std::max(options_.radius, double{static_cast<float>(options_.radius)});
 }
 
 ResampleRequest CpuSculpture::requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
@@ -91,40 +141,44 @@ bool CpuSculpture::requestsNothing(std::uint32_t point, const Surroundings& arou
   const double spacing = points_.spacing(point);
   const double widestGap = static_cast<double>(shared::kWidestGap) * spacing;
   const double mayCrowd = static_cast<double>(shared::kCrowded) * std::max(spacing, widestSpacing_);
-  std::uint32_t sectors = 0;
-  for (const std::uint32_t i : closest) {
-    const std::uint32_t number = around.points.numbers()[i];
-    if (number == point) continue;
-    const DVec3 offset = around.points.position(i) - place;
-    const double distance = glm::length(offset);
-    if (distance < mayCrowd &&
-        distance < static_cast<double>(shared::kCrowded) * std::max(spacing, points_.spacing(number)))
-      return false;
-    const bool fills = distance <= widestGap &&
-                       glm::dot(DVec3(points_.normals[number]), frame.n) > static_cast<double>(shared::kSameSheet);
-    const std::uint32_t sector =
-        shared::sectorOf(static_cast<float>(glm::dot(offset, frame.u)), static_cast<float>(glm::dot(offset, frame.v)));
-    sectors |= std::uint32_t{fills} << sector;
-  }
-  return !fills_ || sectors == kAllSectors;
+  thread_local Closest others;
+  others.makeRoom(closest.size());
+  for (const std::uint32_t i : closest)
+    if (const std::uint32_t number = around.points.numbers()[i]; number != point)
+      others.add(around.points.position(i) - place, points_.normals[number]);
+  const Surrounded by = surroundedBy(others, frame, widestGap, mayCrowd);
+  if (fills_ && by.sectors != kAllSectors) return false;
+  return by.mayCrowd == 0 || std::ranges::none_of(closest, [&](std::uint32_t i) {
+           const std::uint32_t number = around.points.numbers()[i];
+           return number != point &&
+                  glm::length(around.points.position(i) - place) <
+                      static_cast<double>(shared::kCrowded) * std::max(spacing, points_.spacing(number));
+         });
+}
+
+void CpuSculpture::request(const Part& part) {
+  auto around = part.surroundings.begin();
+  for (const CellGroups::Group& group : part.groups.groups()) request(part, group, *around++);
 }
 
 // Of the members of a group.
-void CpuSculpture::request(const CellGroups::Group& group, const Surroundings& around) {
+void CpuSculpture::request(const Part& part, const CellGroups::Group& group, const Surroundings& around) {
   thread_local ResampleNeighbours neighbours;
+  thread_local NearPoints near;
   const bool isClear = !carves_ && !anyFacesAway(around);
   bool gathered = false;
   for (std::size_t member = 0; member < group.count; ++member) {
-    const std::uint32_t i = groups_.members(group)[member], point = unsettled_[i];
+    const std::size_t i = part.first + part.groups.members(group)[member];
+    const std::uint32_t point = unsettled_[i];
     Request& request = requests_[i];
-    const std::span<const std::uint32_t> near = around.near[member];
-    if (isClear && near.size() <= kMaxNeighbours && requestsNothing(point, around, around.closest[member])) {
+    if (isClear && around.near[member] <= kMaxNeighbours && requestsNothing(point, around, around.closest[member])) {
       request = {};
       continue;
     }
     if (!std::exchange(gathered, true))
       neighbours.gather(around.points, points_.normals, [this](std::uint32_t each) { return seen(each); });
-    static_cast<ResampleRequest&>(request) = requestOf(point, near, neighbours);
+    around.points.near(DVec3(points_.positions[point]), widestNeighbourhood(), near);
+    static_cast<ResampleRequest&>(request) = requestOf(point, near.indices(), neighbours);
     if (!request.inserts) continue;
     request.place = Vec3(DVec3(points_.positions[point]) + request.offset);
     request.reach = static_cast<float>(reachOf(point) - glm::length(request.offset));
@@ -133,9 +187,9 @@ void CpuSculpture::request(const CellGroups::Group& group, const Surroundings& a
 
 void CpuSculpture::resample() {
   requests_.resize(unsettled_.size());
-  groups_.forEachPart(grid_.team(), kFewestGathers, [&](std::size_t first, std::span<const CellGroups::Group> part) {
-    for (const CellGroups::Group& group : part) request(group, surroundings_[first++]);
-  });
+  const std::span<Part> parts = shareUnsettled();
+  grid_.team().forEach(parts.size(), [&](std::size_t k) { request(parts[k]); });
+  inserting_.clear();
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     const std::uint32_t point = unsettled_[i];
     points_.unsettled[point] = requests_[i].unsettled;
@@ -145,15 +199,16 @@ void CpuSculpture::resample() {
       points_.founds[point].thick = static_cast<float>(*requests_[i].thick);
     settled_ = settled_ && !requests_[i].unsettled;
     if (requests_[i].goes) remove(point);
+    if (requests_[i].inserts) inserting_.push_back(static_cast<std::uint32_t>(i));
   }
+  std::ranges::sort(inserting_, {}, [&](std::uint32_t i) { return unsettled_[i]; });
   insertClaimed();
   followInIndex();
 }
 
 void CpuSculpture::insertClaimed() {
   const auto forEachRequest = [&](auto&& visit) {
-    for (std::size_t i = 0; i < unsettled_.size(); ++i)
-      if (requests_[i].inserts) visit(unsettled_[i], requests_[i]);
+    for (const std::uint32_t i : inserting_) visit(unsettled_[i], requests_[i]);
   };
   forEachRequest([&](std::uint32_t point, const Request& request) { claims_.claim(request.place, point); });
   forEachRequest([&](std::uint32_t point, const Request& request) { claims_.confirm(request.place, point); });

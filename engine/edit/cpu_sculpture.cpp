@@ -14,9 +14,12 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kFewestCells = 64;  // that a thread takes at a time
+constexpr std::size_t kFewestSlices = 1;  // that a thread takes at a time
 constexpr std::size_t kAhead = 8;         // points whose memory is fetched ahead of a brush
 constexpr std::size_t kTurns = 8;  // parts of the work that a thread takes, so that all end at about the same time
+// The same of unsettled points, of which a part has this many at least: points of a cell in two parts are gathered for
+// twice.
+constexpr std::size_t kTurnsToRefit = 3, kFewestToRefit = 16;
 // Maximum number of points that get normals and are resampled in one edit: this many, or this share of all, whichever
 // is more; the others follow in later edits.
 constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
@@ -24,6 +27,10 @@ constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
 // kOwnWork for the point itself.
 constexpr double kTickWork = 60'000, kOwnWork = 192;
 constexpr std::size_t kFewestAtOnce = 32;
+// With so many points in a bucket, or so much work for a point, a cloud is crowded: points coincide. The work of its
+// edits, in a tick and at leisure, is then limited by the points in the cells around each, before these are visited.
+constexpr std::uint32_t kCrowd = 2048;
+constexpr double kCrowdedTickWork = 2 * kTickWork, kCrowdedWork = 2'000'000;
 // Work for which another thread is woken, and that of looking at a point under the brush.
 constexpr double kThreadWork = 4000, kLookWork = 11;
 // Priority, in support radii, that a waiting point gains with each edit, so that every point has its turn.
@@ -40,7 +47,9 @@ void forEachOf(WorkerTeam& team, std::size_t count, std::size_t fewest, Body&& b
 }
 
 // As many threads as the work is worth, which are woken while it begins.
-void engage(WorkerTeam::Burst& burst, double work) { burst.engage(static_cast<std::size_t>(1 + work / kThreadWork)); }
+std::size_t engage(WorkerTeam::Burst& burst, double work) {
+  return burst.engage(static_cast<std::size_t>(1 + work / kThreadWork));
+}
 
 // Insertions nearer to each other than this spacing requires wait for each other.
 double claimSpacing(const SculptOptions& options) {
@@ -65,21 +74,45 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
   const Stopwatch watch;
   grid_.build(points_.positions, points_.there);
   buildTime_us_ = watch.elapsed_us();
+  for (std::uint32_t bucket = 0; bucket <= grid.bucketMask && !crowded_; ++bucket)
+    crowded_ = grid_.bucket(bucket).size() > kCrowd;
   isChanged_.reserve(points_.positions.capacity());
   strains_.reserve(points_.positions.capacity());
   makeRoom();
   if (options.resample) measureSpacings();
 }
 
+// A bucket's points are in the order of their numbers, and of many that coincide the first is found soon.
+bool CpuSculpture::isFirstWithin(double radius, std::uint32_t point) const {
+  const DVec3 place(points_.positions[point]);
+  bool first = true;
+  const CellBox box = cellsAround(grid_.grid(), place, radius);
+  if (box.cells() > SortedGrid::kFewCells) {  // so far out that cells are finer than the coordinates
+    grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) { first = first && near.number >= point; });
+    return first;
+  }
+  grid_.forEachBucket(box, [&](std::span<const SortedGrid::Placed> points) {
+    for (auto near = points.begin(); first && near != points.end() && near->number < point; ++near) {
+      const DVec3 offset = DVec3(near->position) - place;
+      first = !(glm::dot(offset, offset) < radius * radius);
+    }
+  });
+  return first;
+}
+
 void CpuSculpture::measureSpacings() {
   const double least = static_cast<double>(shared::kMinSpacing) * options_.radius;
   const double most = static_cast<double>(shared::kMaxSpacing) * options_.radius;
-  std::vector<std::uint8_t> counts(points_.size());  // nonzero: the first of coincident points
-  forEachOf(grid_.team(), points_.size(), kFewestGathers, [&](std::size_t i) {
-    counts[i] = 1;
-    grid_.forEachNear(DVec3(points_.positions[i]), least,
-                      [&](const SortedGrid::Placed& near) { counts[i] = counts[i] && near.number >= i; });
-  });
+  // Only the first of coincident points counts, so that thousands at one position cost no more than as many elsewhere.
+  std::vector<std::uint8_t> counts(points_.size());
+  forEachOf(grid_.team(), points_.size(), kFewestToRefit,
+            [&](std::size_t i) { counts[i] = isFirstWithin(least, static_cast<std::uint32_t>(i)); });
+  std::optional<SortedGrid> distinct;
+  if (std::ranges::find(counts, 0) != counts.end()) {
+    distinct.emplace(grid_.grid(), options_.threads, SortedGrid::CellTags::on);
+    distinct->build(points_.positions, counts);
+  }
+  const SortedGrid& counted = distinct ? *distinct : grid_;
   points_.spacings.resize(points_.size());
   // In the order of the index, so that points of a cell are together.
   constexpr std::size_t kPart = 4096;
@@ -92,7 +125,7 @@ void CpuSculpture::measureSpacings() {
     groups.assign(grid_.grid(), points.size(),
                   [&](std::size_t i) { return std::pair(DVec3(points[i].position), options_.radius); });
     for (const CellGroups::Group& group : groups.groups()) {
-      measure.gather(grid_, group.balls, points_.normals, counts);
+      measure.gather(counted, group.balls, points_.normals);
       for (const std::uint32_t i : groups.members(group)) {
         const std::uint32_t point = points[i].number;
         const double spacing = measure.at(DVec3(points[i].position), DVec3(points_.normals[point]), options_.radius);
@@ -122,7 +155,8 @@ double CpuSculpture::reachOf(std::uint32_t point) const {
 
 void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   WorkerTeam::Burst burst(grid_.team());
-  if (brush.acts()) engage(burst, workUnder(brush, options_));
+  // Those that the unsettled points will need wake while the brush is applied: often about as many as last time.
+  engaged_.atFirst = engage(burst, brush.acts() ? std::max(workUnder(brush, options_), refitWork_) : 0);
   for (const std::uint32_t point : changed_) isChanged_[point] = 0;
   changed_.clear();
   measure_ = {};
@@ -136,7 +170,7 @@ void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   if ((brush.kind() == BrushKind::push || brush.kind() == BrushKind::grab) && brush.acts()) pushes_ = brush;
   if (brush.acts()) applyBrush(brush);
   findUnsettled(size);
-  engage(burst, workOfPoint_ * static_cast<double>(unsettled_.size()));
+  engaged_.unsettled = engage(burst, workOfPoint_ * static_cast<double>(unsettled_.size()));
   refit();
   settled_ = !someWait_;
   if (resamples(brush))
@@ -158,6 +192,9 @@ void CpuSculpture::set(std::span<const PointChange> changes) {
     points_.set(change.to);
     strayed_.push_back(change.to.number());
   }
+  std::ranges::sort(strayed_);
+  const auto again = std::ranges::unique(strayed_);
+  strayed_.erase(again.begin(), again.end());
   makeRoom();
   for (const std::uint32_t point : waiting_) points_.unsettled[point] = 0;
   for (const std::uint32_t point : waiting_) strains_[point] = 0;
@@ -180,10 +217,6 @@ void CpuSculpture::followInIndex() {
   strayed_.clear();
 }
 
-void CpuSculpture::setUnsettled(std::uint32_t point) {
-  if (std::exchange(points_.unsettled[point], 1) == 0) waiting_.push_back(point);
-}
-
 void CpuSculpture::remove(std::uint32_t point) {
   points_.there[point] = 0;
   strayed_.push_back(point);
@@ -200,34 +233,41 @@ void CpuSculpture::tellOf(std::uint32_t point) {
   if (std::exchange(isChanged_[point], 1) == 0) changed_.push_back(point);
 }
 
+// Measures the surface under the brush, and changes points. Every point reads the previous positions of the others,
+// those in the index.
 void CpuSculpture::applyBrush(const PlacedBrush& brush) {
-  reach(brush);
-  const std::size_t layers = grid_.layers(brush.center(), brush.radius());
-  for (const Layer& layer : std::span(layers_).first(layers)) {
-    measure_.add(layer.measure);
-    for (const Brushed& brushed : layer.brushed) apply(brush, brushed);
+  const std::size_t slices = grid_.slices(brush.center(), brush.radius());
+  slices_.resize(std::max(slices_.size(), slices));
+  forEachOf(grid_.team(), slices, kFewestSlices, [&](std::size_t k) { this->brush(brush, k, slices_[k]); });
+  const auto append = [](std::vector<std::uint32_t>& to, const std::vector<std::uint32_t>& more) {
+    to.insert(to.end(), more.begin(), more.end());
+  };
+  for (const Slice& slice : std::span(slices_).first(slices)) {
+    if (!slice.measured.empty()) measure_.add(slice.measure);
+    append(changed_, slice.changed);
+    append(strayed_, slice.strayed);
+    append(waiting_, slice.waiting);
+    append(swallowed_, slice.swallowed);
   }
   followInIndex();
 }
 
-void CpuSculpture::apply(const PlacedBrush& brush, const Brushed& to) {
-  const std::uint32_t point = to.number;
+void CpuSculpture::apply(const PlacedBrush& brush, std::uint32_t point, const PlacedBrush::Point& to, Slice& slice) {
   if (to.taken && cuts_) {  // removed with the next edit, so that the near sheet still sees the far one
-    swallowed_.push_back(point);
+    slice.swallowed.push_back(point);
     return;
   }
-  tellOf(point);
-  points_.colors[point] = to.color;
+  if (std::exchange(isChanged_[point], 1) == 0) slice.changed.push_back(point);
   const Vec3 place(to.position);
   const bool moved = place != points_.positions[point];
   if (!moved && !to.taken) return;
-  strayed_.push_back(point);
-  points_.there[point] = !to.taken;
+  slice.strayed.push_back(point);
+  if (to.taken) points_.there[point] = 0;
   if (!moved) return;
-  strain(point, glm::distance(place, points_.positions[point]));
+  strains_[point] += glm::distance(place, points_.positions[point]);
   points_.setFound(point, points_.found(point, brush.stroke()));
   points_.positions[point] = place;
-  setUnsettled(point);
+  if (std::exchange(points_.unsettled[point], 1) == 0) slice.waiting.push_back(point);
   if (point >= points_.fromFile) points_.reaches[point - points_.fromFile] = mostReach();
 }
 
@@ -242,45 +282,46 @@ PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t p
   return {DVec3(found.position), DVec3(found.normal)};
 }
 
-// Finds the points that the brush changes, and measures the surface under it. Every point reads the previous positions
-// of the others.
-void CpuSculpture::reach(const PlacedBrush& brush) {
-  const std::size_t layers = grid_.layers(brush.center(), brush.radius());
-  layers_.resize(std::max(layers_.size(), layers));
-  forEachOf(grid_.team(), layers, std::max<std::size_t>(1, kFewestCells / (layers * layers)),
-            [&](std::size_t k) { reach(brush, k, layers_[k]); });
-}
-
-void CpuSculpture::reach(const PlacedBrush& brush, std::size_t number, Layer& layer) const {
-  layer.reached.clear();
-  layer.measured.clear();
-  layer.measure = {};
+void CpuSculpture::brush(const PlacedBrush& brush, std::size_t number, Slice& slice) {
+  for (std::vector<std::uint32_t>* list :
+       {&slice.reached, &slice.changed, &slice.strayed, &slice.waiting, &slice.swallowed})
+    list->clear();
+  slice.measured.clear();
   grid_.forEachNear(brush.center(), brush.radius(), number, [&](const SortedGrid::Placed& near) {
-    if (brush.measures(near.number)) layer.measured.push_back(near);
-    if (brush.mayAffect(DVec3(near.position))) layer.reached.push_back(near.number);
+    if (brush.measures(near.number)) {
+      points_.prefetchNormal(near.number);
+      slice.measured.push_back(near);
+    }
+    if (brush.mayAffect(DVec3(near.position))) slice.reached.push_back(near.number);
   });
-  for (std::size_t i = 0; i < layer.measured.size(); ++i) {
-    if (i + 2 * kAhead < layer.measured.size()) points_.prefetchNormal(layer.measured[i + 2 * kAhead].number);
-    if (i + kAhead < layer.measured.size()) points_.prefetchFound(layer.measured[i + kAhead].number, brush.stroke());
-    const auto& [place, point] = layer.measured[i];
-    brush.measure(DVec3(place), DVec3(points_.normals[point]), found(brush, point, place), layer.measure);
-  }
-  brushEach(brush, layer);
+  if (!slice.measured.empty()) measure(brush, slice);
+  brushEach(brush, slice);
 }
 
-void CpuSculpture::brushEach(const PlacedBrush& brush, Layer& layer) const {
+void CpuSculpture::measure(const PlacedBrush& brush, Slice& slice) const {
+  slice.measure = {};
+  for (std::size_t i = 0; i < slice.measured.size(); ++i) {
+    if (i + kAhead < slice.measured.size()) points_.prefetchFound(slice.measured[i + kAhead].number, brush.stroke());
+    const auto& [place, point] = slice.measured[i];
+    brush.measure(DVec3(place), DVec3(points_.normals[point]), found(brush, point, place), slice.measure);
+  }
+}
+
+void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
   const bool smooths = brush.kind() == BrushKind::smooth, paints = brush.kind() == BrushKind::paint;
-  layer.brushed.clear();
-  for (std::size_t i = 0; i < layer.reached.size(); ++i) {
-    const std::uint32_t point = layer.reached[i], before = points_.colors[point];
-    if (i + kAhead < layer.reached.size()) points_.prefetch(layer.reached[i + kAhead]);
+  for (const std::uint32_t point : slice.reached) points_.prefetch(point);
+  for (const std::uint32_t point : slice.reached) {
     const DVec3 place(points_.positions[point]);
     const PlacedBrush::Found as = found(brush, point);
     const PlacedBrush::Point to =
         smooths ? PlacedBrush::Point{smoothed(brush, point)} : brush.brushed(place, DVec3(points_.normals[point]), as);
-    const std::uint32_t color = paints ? brush.painted(place, as, before) : before;
-    if (to.taken || color != before || Vec3(to.position) != points_.positions[point])
-      layer.brushed.push_back({to, point, color});
+    bool painted = false;
+    if (paints) {
+      const std::uint32_t before =
+          std::exchange(points_.colors[point], brush.painted(place, as, points_.colors[point]));
+      painted = points_.colors[point] != before;
+    }
+    if (to.taken || painted || Vec3(to.position) != points_.positions[point]) apply(brush, point, to, slice);
   }
 }
 
@@ -295,70 +336,118 @@ DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) cons
                         }));
 }
 
-void CpuSculpture::strain(std::uint32_t point, float by) { strains_[point] += by; }
-
 std::size_t CpuSculpture::mostAtOnce(EditSize size) const {
   if (size == EditSize::tick) return std::max(kFewestAtOnce, static_cast<std::size_t>(kTickWork / workOfPoint_));
   return std::max(kMaxAtOnce, std::size_t{points_.fromFile} / kShareAtOnce);
+}
+
+double CpuSculpture::mostWorkOf(std::uint32_t point) const {
+  const DVec3 place(points_.positions[point]);
+  const CellBox box = cellsAround(grid_.grid(), place, options_.radius);
+  std::size_t points = 0;
+  if (box.cells() > SortedGrid::kFewCells)
+    grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed&) { ++points; });
+  else
+    grid_.forEachBucket(box, [&](std::span<const SortedGrid::Placed> bucket) { points += bucket.size(); });
+  return kOwnWork + static_cast<double>(points);
+}
+
+// How many of the first points an edit of a crowded cloud affords, at least one.
+std::size_t CpuSculpture::affordable(std::span<const std::uint32_t> points, EditSize size) const {
+  double left = size == EditSize::tick ? kCrowdedTickWork : kCrowdedWork;
+  std::size_t count = 0;
+  while (count < points.size() && (count == 0 || left > 0)) left -= mostWorkOf(points[count++]);
+  return count;
 }
 
 // Those that have moved furthest since their last turn, so that no gap becomes too wide to be filled.
 void CpuSculpture::findUnsettled(EditSize size) {
   std::erase_if(waiting_, [&](std::uint32_t point) { return !points_.there[point]; });
   unsettled_ = waiting_;
-  const std::size_t most = mostAtOnce(size);
+  const auto isFirst = [&](std::uint32_t a, std::uint32_t b) {
+    return strains_[a] != strains_[b] ? strains_[a] > strains_[b] : a < b;
+  };
+  std::size_t most = std::min(mostAtOnce(size), unsettled_.size());
+  std::ranges::nth_element(unsettled_, unsettled_.begin() + static_cast<std::ptrdiff_t>(most), isFirst);
+  if (crowded_) {
+    const std::span<std::uint32_t> first = std::span(unsettled_).first(most);
+    std::ranges::sort(first, isFirst);
+    most = affordable(first, size);
+  }
   someWait_ = unsettled_.size() > most;
   backlog_ = {};
   if (someWait_) {
-    const auto isFirst = [&](std::uint32_t a, std::uint32_t b) {
-      return strains_[a] != strains_[b] ? strains_[a] > strains_[b] : a < b;
-    };
     const auto end = unsettled_.begin() + static_cast<std::ptrdiff_t>(most);
-    std::ranges::nth_element(unsettled_, end, isFirst);
     backlog_ = {.strain = double{strains_[*end]} / options_.radius, .waits = true};
     for (auto waiting = end; waiting != unsettled_.end(); ++waiting)
       strains_[*waiting] += kWaitStrain * static_cast<float>(options_.radius);
     unsettled_.erase(end, unsettled_.end());
   }
-  for (const std::uint32_t point : unsettled_) strains_[point] = 0;
-  std::ranges::sort(unsettled_);
+}
+
+std::span<CpuSculpture::Part> CpuSculpture::shareUnsettled() {
+  const std::size_t count = unsettled_.size();
+  const std::size_t size = std::max(kFewestToRefit, count / (kTurnsToRefit * grid_.threads()));
+  const std::size_t parts = (count + size - 1) / size;
+  parts_.resize(std::max(parts_.size(), parts));
+  for (std::size_t k = 0; k < parts; ++k) {
+    parts_[k].first = k * size;
+    parts_[k].count = std::min(size, count - k * size);
+  }
+  return std::span(parts_).first(parts);
 }
 
 void CpuSculpture::refit() {
   normals_.resize(unsettled_.size());
-  // No neighbourhood of a point is wider, also after rounding.
-  const double radius = std::max(options_.radius, double{static_cast<float>(options_.radius)});
-  groups_.assign(grid_.grid(), unsettled_.size(),
-                 [&](std::size_t i) { return std::pair(DVec3(points_.positions[unsettled_[i]]), radius); });
-  surroundings_.resize(std::max(surroundings_.size(), groups_.groups().size()));
-  groups_.forEachPart(grid_.team(), kFewestGathers, [&](std::size_t first, std::span<const CellGroups::Group> part) {
-    thread_local NormalRefit refit;
-    thread_local NearPoints near;
-    for (const CellGroups::Group& group : part) {
-      Surroundings& around = surroundings_[first++];
-      around.points.gather(grid_, group.balls);
-      around.near.clear();
-      around.closest.clear();
-      refit.gather(around.points, points_.normals);
-      for (const std::uint32_t i : groups_.members(group)) {
-        const std::uint32_t point = unsettled_[i];
-        around.points.near(DVec3(points_.positions[point]), radius, near, std::min(radius, closestOf(point)));
-        refit.add(i, near, points_.normals[point], options_.radius);
-        around.near.add(near.indices());
-        around.closest.add(near.closest());
-      }
-    }
-    refit.solve(normals_);
-  });
-  double work = 0;
-  for (std::size_t k = 0; k < groups_.groups().size(); ++k)
-    work += kOwnWork * groups_.groups()[k].count + static_cast<double>(surroundings_[k].near.size());
-  if (!unsettled_.empty()) workOfPoint_ = work / static_cast<double>(unsettled_.size());
-  for (std::size_t i = 0; i < unsettled_.size(); ++i) {
-    Vec3& normal = points_.normals[unsettled_[i]];
-    if (normal != normals_[i]) tellOf(unsettled_[i]);
+  const std::span<Part> parts = shareUnsettled();
+  grid_.team().forEach(parts.size(), [&](std::size_t k) { refit(parts[k]); });
+  refitWork_ = 0;
+  for (const Part& part : parts) refitWork_ += part.work;
+  if (!unsettled_.empty()) workOfPoint_ = refitWork_ / static_cast<double>(unsettled_.size());
+  crowded_ = crowded_ || workOfPoint_ > kCrowd;
+  grid_.team().forEach(parts.size(), [&](std::size_t k) { setNormals(parts[k]); });
+  for (const Part& part : parts) changed_.insert(changed_.end(), part.changed.begin(), part.changed.end());
+}
+
+void CpuSculpture::setNormals(Part& part) {
+  part.changed.clear();
+  for (std::size_t i = part.first; i < part.first + part.count; ++i) {
+    const std::uint32_t point = unsettled_[i];
+    Vec3& normal = points_.normals[point];
+    if (normal != normals_[i] && std::exchange(isChanged_[point], 1) == 0) part.changed.push_back(point);
     normal = normals_[i];
   }
+}
+
+void CpuSculpture::refit(Part& part) {
+  thread_local NormalRefit refit;
+  thread_local NearPoints near;
+  const std::span<const std::uint32_t> points = std::span(unsettled_).subspan(part.first, part.count);
+  for (const std::uint32_t point : points) points_.prefetch(point);
+  const double radius = widestNeighbourhood();
+  part.groups.assign(grid_.grid(), points.size(),
+                     [&](std::size_t i) { return std::pair(DVec3(points_.positions[points[i]]), radius); });
+  part.surroundings.resize(std::max(part.surroundings.size(), part.groups.groups().size()));
+  part.work = 0;
+  for (const std::uint32_t point : points) points_.prefetchSpacing(point);
+  auto at = part.surroundings.begin();
+  for (const CellGroups::Group& group : part.groups.groups()) {
+    Surroundings& around = *at++;
+    around.points.gather(grid_, group.balls);
+    around.near.clear();
+    around.closest.clear();
+    refit.gather(around.points, points_.normals);
+    for (const std::uint32_t i : part.groups.members(group)) {
+      const std::uint32_t point = points[i];
+      strains_[point] = 0;
+      around.points.near(DVec3(points_.positions[point]), radius, near, std::min(radius, closestOf(point)));
+      refit.add(i, near, points_.normals[point], options_.radius);
+      around.near.push_back(static_cast<std::uint32_t>(near.size()));
+      part.work += kOwnWork + static_cast<double>(near.size());
+      around.closest.add(near.closest());
+    }
+  }
+  refit.solve(std::span(normals_).subspan(part.first, part.count));
 }
 
 }  // namespace palpate

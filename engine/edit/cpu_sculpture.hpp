@@ -35,6 +35,12 @@ class CpuSculpture {
   double buildTime_us() const { return buildTime_us_; }
   /// Number of index builds after the first: for changes of a large share of the points.
   std::uint64_t rebuilds() const { return grid_.builds() - 1; }
+  /// Threads that the last edit engaged: from its beginning on, and for the points that were unsettled. They follow
+  /// from the amount of work alone.
+  struct Engaged {
+    std::size_t atFirst = 1, unsettled = 1;
+  };
+  const Engaged& engaged() const { return engaged_; }
   /// Number of edits and sets whose changes the index followed without a build.
   std::uint64_t followed() const { return followed_; }
 
@@ -58,13 +64,13 @@ class CpuSculpture {
   void set(std::span<const PointChange> changes);
 
  private:
-  static constexpr std::size_t kFewestGathers = 8;  // points that a thread takes at a time
+  /// Whether no point with a lower number is nearer than `radius`, which is far less than a cell.
+  bool isFirstWithin(double radius, std::uint32_t point) const;
   void measureSpacings();
   double reachOf(std::uint32_t point) const;
   float mostReach() const;
   bool isAtRest(std::uint32_t point) const;
   bool isMoved(std::uint32_t point) const;
-  void setUnsettled(std::uint32_t point);
   void remove(std::uint32_t point);
   void followInIndex();
   bool resamples(const PlacedBrush& brush) const { return options_.resample && brush.resamples(); }
@@ -72,26 +78,31 @@ class CpuSculpture {
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point, const Vec3& place) const;
   DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;
-  struct Layer;
-  struct Brushed;
-  void apply(const PlacedBrush& brush, const Brushed& brushed);
-  void reach(const PlacedBrush& brush);
-  void reach(const PlacedBrush& brush, std::size_t number, Layer& layer) const;
-  void brushEach(const PlacedBrush& brush, Layer& layer) const;
-  void strain(std::uint32_t point, float by);
+  struct Slice;
+  void brush(const PlacedBrush& brush, std::size_t number, Slice& slice);
+  void measure(const PlacedBrush& brush, Slice& slice) const;
+  void brushEach(const PlacedBrush& brush, Slice& slice);
+  void apply(const PlacedBrush& brush, std::uint32_t point, const PlacedBrush::Point& to, Slice& slice);
   std::size_t mostAtOnce(EditSize size) const;
+  double mostWorkOf(std::uint32_t point) const;
+  std::size_t affordable(std::span<const std::uint32_t> points, EditSize size) const;
   void findUnsettled(EditSize size);
+  struct Part;
   void refit();
+  void refit(Part& part);
+  void setNormals(Part& part);
   std::optional<DVec3> pushedFrom(std::uint32_t point) const;
   ResampleNeighbour seen(std::uint32_t number) const;
   double neighbourhoodOf(std::uint32_t point) const;
+  double widestNeighbourhood() const;
   ResampleRequest requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
                             ResampleNeighbours& neighbours) const;
   struct Surroundings;
   bool anyFacesAway(const Surroundings& around) const;
   double closestOf(std::uint32_t point) const;
   bool requestsNothing(std::uint32_t point, const Surroundings& around, std::span<const std::uint32_t> closest) const;
-  void request(const CellGroups::Group& group, const Surroundings& around);
+  void request(const Part& part);
+  void request(const Part& part, const CellGroups::Group& group, const Surroundings& around);
   void resample();
   void insertClaimed();
   void makeRoom();
@@ -106,9 +117,11 @@ class CpuSculpture {
   double widestSpacing_ = 0;  // of all targets, model units
   std::uint64_t followed_ = 0;
   bool settled_ = true, carves_ = false, fills_ = true;
+  bool crowded_ = false;   // thousands of points are in one cell
   bool someWait_ = false;  // more points are unsettled than an edit processes
   Backlog backlog_;
-  double workOfPoint_;                 // mean of the last edit
+  double refitWork_ = 0, workOfPoint_;  // of the last edit, and its mean
+  Engaged engaged_;
   std::optional<PlacedBrush> pushes_;  // of this tick
   std::optional<PlacedBrush> cuts_;
   SurfaceMeasure measure_;
@@ -121,7 +134,6 @@ class CpuSculpture {
     Vec3 place{0};  // of the new point
     float reach = 0;
   };
-  CellGroups groups_;  // of the unsettled points
   // Indices of points by member of a group.
   class MemberLists {
    public:
@@ -136,27 +148,36 @@ class CpuSculpture {
    private:
     std::vector<std::uint32_t> indices_, ends_;
   };
-  // The points around a group; those near each of its members, and of these the closest: closestOf().
+  // The points around a group; how many are near each of its members, and which of these are the closest: closestOf().
   struct Surroundings {
     GatheredPoints points;
-    MemberLists near, closest;
+    std::vector<std::uint32_t> near;
+    MemberLists closest;
   };
-  std::vector<Surroundings> surroundings_;  // by group
-  // A point that the brush changes.
-  struct Brushed : PlacedBrush::Point {
-    std::uint32_t number, color;
+  // Consecutive unsettled points, for one thread: which of them are together changes no result.
+  struct Part {
+    std::size_t first = 0, count = 0;
+    CellGroups groups;
+    std::vector<Surroundings> surroundings;  // by group
+    std::vector<std::uint32_t> changed;      // numbers of points whose normals have changed, to append to changed_
+    double work = 0;
   };
-  struct alignas(128) Layer {
-    std::vector<std::uint32_t> reached;  // numbers of points
+  std::span<Part> shareUnsettled();
+  std::vector<Part> parts_;
+  // The points under the brush in a slice of its ball, for one thread.
+  struct alignas(128) Slice {
     std::vector<SortedGrid::Placed> measured;
-    std::vector<Brushed> brushed;
     SurfaceMeasure measure;
+    // Numbers of points. `waiting`: those that were settled; `swallowed`, `changed`, `strayed`: to append to the lists
+    // of all slices.
+    std::vector<std::uint32_t> reached, changed, strayed, waiting, swallowed;
   };
-  std::vector<Layer> layers_;
+  std::vector<Slice> slices_;
   std::vector<std::uint32_t> unsettled_, changed_;  // numbers of points
   std::vector<std::uint32_t> swallowed_;            // by the carving ball: removed with the next edit
   std::vector<Vec3> normals_;                       // new normals of the unsettled points
   std::vector<Request> requests_;                   // of the unsettled points
+  std::vector<std::uint32_t> inserting_;            // indices of those that insert a point, by its number
   std::vector<std::uint8_t> isChanged_;             // by point: whether it is in changed_
 };
 

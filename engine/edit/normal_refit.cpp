@@ -7,6 +7,10 @@
 #include "engine/edit/normal_fit.hpp"
 #include "shaders/shared/resample.h"
 
+#ifdef PALPATE_AVX512
+#include <immintrin.h>
+#endif
+
 namespace palpate {
 
 namespace {
@@ -19,10 +23,10 @@ struct NearNormals {
 // which leave every sum as it is.
 PALPATE_WIDEST_LANES
 void sumsOf(const NearPoints& near, const NearNormals& normals, const Vec3& old, double radius,
-            NormalRefit::Sums& sums) {
+            std::array<double, NormalRefit::kTerms>& sums) {
   const float oldX = old.x, oldY = old.y, oldZ = old.z;
   const double inverseRadius = 1.0 / radius, mostSquared = radius * radius;
-  NormalRefit::Sums to{};
+  std::array<NormalFit::Lanes, NormalRefit::kTerms> to{};
   for (std::size_t begin = 0; begin < near.size(); begin += NormalFit::kLanes) {
     const double *nearX = near.x() + begin, *nearY = near.y() + begin, *nearZ = near.z() + begin;
     const float *normalX = normals.x + begin, *normalY = normals.y + begin, *normalZ = normals.z + begin;
@@ -52,8 +56,63 @@ void sumsOf(const NearPoints& near, const NearNormals& normals, const Vec3& old,
       to[13][lane] += share > 0 ? 1.0 : 0.0;
     }
   }
-  sums = to;
+  std::ranges::transform(to, sums.begin(), &NormalFit::sumOf);
 }
+
+#ifdef PALPATE_AVX512
+PALPATE_AVX512 inline double sumOf(__m512d lanes) {
+  const __m256d four = _mm512_maskz_extractf64x4_pd(0xf, lanes, 0) + _mm512_maskz_extractf64x4_pd(0xf, lanes, 1);
+  const __m128d two = _mm256_castpd256_pd128(four) + _mm256_extractf128_pd(four, 1);
+  return two[0] + two[1];
+}
+
+// The same bit by bit, with all sums in registers.
+PALPATE_AVX512
+void sumsOfWide(const NearPoints& near, const NearNormals& normals, const Vec3& old, double radius,
+                std::array<double, NormalRefit::kTerms>& sums) {
+  static_assert(NormalFit::kLanes == 8);
+  const __m256 oldX = _mm256_set1_ps(old.x), oldY = _mm256_set1_ps(old.y), oldZ = _mm256_set1_ps(old.z);
+  const __m256 none = _mm256_setzero_ps(), all = _mm256_set1_ps(1), atRightAngle = _mm256_set1_ps(shared::fitShare(0));
+  const __m512d inverseRadius = _mm512_set1_pd(1.0 / radius), mostSquared = _mm512_set1_pd(radius * radius);
+  const __m512d one = _mm512_set1_pd(1), four = _mm512_set1_pd(4), zero = _mm512_setzero_pd();
+  __m512d w0 = zero, wX = zero, wY = zero, wZ = zero, wXX = zero, wYY = zero, wZZ = zero, wXY = zero, wXZ = zero,
+          wYZ = zero, sideX = zero, sideY = zero, sideZ = zero, counted = zero;
+  for (std::size_t begin = 0; begin < near.size(); begin += NormalFit::kLanes) {
+    const auto there =
+        static_cast<__mmask8>(0xff >> (NormalFit::kLanes - std::min(NormalFit::kLanes, near.size() - begin)));
+    const __m256 nx = _mm256_maskz_loadu_ps(there, normals.x + begin),
+                 ny = _mm256_maskz_loadu_ps(there, normals.y + begin),
+                 nz = _mm256_maskz_loadu_ps(there, normals.z + begin);
+    const __m512d x = _mm512_maskz_loadu_pd(there, near.x() + begin),
+                  y = _mm512_maskz_loadu_pd(there, near.y() + begin),
+                  z = _mm512_maskz_loadu_pd(there, near.z() + begin);
+    const __m256 given =
+        _mm256_max_ps(none, _mm256_min_ps(all, atRightAngle + (nx * oldX + ny * oldY + nz * oldZ)));  // fitShare()
+    const __m512d squared = x * x + y * y + z * z;
+    const __mmask8 within = _mm512_mask_cmp_pd_mask(there, squared, mostSquared, _CMP_LT_OQ);
+    const __m512d share = _mm512_maskz_cvtps_pd(within, given);
+    const __m512d r = _mm512_sqrt_pd(squared) * inverseRadius, s = one - r, s2 = s * s;
+    const __m512d w = share * (s2 * s2 * (four * r + one));  // wendland()
+    const __m512d x1 = w * x, y1 = w * y, z1 = w * z;
+    w0 += w;
+    wX += x1;
+    wY += y1;
+    wZ += z1;
+    wXX += x1 * x;
+    wYY += y1 * y;
+    wZZ += z1 * z;
+    wXY += x1 * y;
+    wXZ += x1 * z;
+    wYZ += y1 * z;
+    sideX += w * _mm512_cvtps_pd(nx);
+    sideY += w * _mm512_cvtps_pd(ny);
+    sideZ += w * _mm512_cvtps_pd(nz);
+    counted += _mm512_maskz_mov_pd(_mm512_cmp_pd_mask(share, zero, _CMP_GT_OQ), one);
+  }
+  sums = {sumOf(w0),  sumOf(wX),  sumOf(wY),  sumOf(wZ),    sumOf(wXX),   sumOf(wYY),   sumOf(wZZ),
+          sumOf(wXY), sumOf(wXZ), sumOf(wYZ), sumOf(sideX), sumOf(sideY), sumOf(sideZ), sumOf(counted)};
+}
+#endif
 
 }  // namespace
 
@@ -82,10 +141,13 @@ void NormalRefit::add(std::uint32_t index, const NearPoints& near, const Vec3& o
     nearY_[k] = normalY_[i];
     nearZ_[k] = normalZ_[i];
   }
-  Sums lanes;
-  sumsOf(near, {nearX_.data(), nearY_.data(), nearZ_.data()}, old, radius, lanes);
   std::array<double, kTerms> sums;
-  std::ranges::transform(lanes, sums.begin(), &NormalFit::sumOf);
+  const NearNormals normals{nearX_.data(), nearY_.data(), nearZ_.data()};
+#ifdef PALPATE_AVX512
+  hasAvx512() ? sumsOfWide(near, normals, old, radius, sums) : sumsOf(near, normals, old, radius, sums);
+#else
+  sumsOf(near, normals, old, radius, sums);
+#endif
   const NormalFit::Sums fit{
       .weights = sums[0],
       .offsets = {sums[1], sums[2], sums[3]},

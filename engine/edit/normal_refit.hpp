@@ -28,7 +28,6 @@ class NormalRefit {
 
   /// One for each sum: weight, offsets, their six products, normals, and 1 for a neighbour with a share.
   static constexpr std::size_t kTerms = 14;
-  using Sums = std::array<NormalFit::Lanes, kTerms>;
 
  private:
   void makeRoom(std::size_t points);

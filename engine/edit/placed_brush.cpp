@@ -1,23 +1,9 @@
 #include "engine/edit/placed_brush.hpp"
 
-#include <algorithm>
-
 namespace palpate {
 
 PlacedBrush::PlacedBrush(const BrushOptions& options, double support, const BrushStroke::Tool& tool)
     : brush_(brushOf(options, support)), tool_(tool), resamples_(options.resample) {}
-
-// Whether it is in the ball or the shaft, with a margin for rounding. Inflate and grab reach points where the stroke
-// found them.
-bool PlacedBrush::mayAffect(const DVec3& place) const {
-  if (kind() == BrushKind::inflate || kind() == BrushKind::grab) return true;
-  constexpr double kMargin = 1e-6;
-  const bool hasShaft = kind() == BrushKind::push || kind() == BrushKind::carve;
-  const DVec3 offset = place - tool_.center;
-  const double along = hasShaft ? std::clamp(glm::dot(offset, tool_.outward), 0.0, tool_.shaft) : 0.0;
-  const DVec3 fromAxis = offset - along * tool_.outward;
-  return glm::dot(fromAxis, fromAxis) <= (1 + kMargin) * brush_.radius * brush_.radius;
-}
 
 bool PlacedBrush::actsOn(const Found& found) const {
   return shared::actsOnAll(brush_.kind) || hasCell(tool_.connected, shared::connectedCell(tool_, found));

@@ -1,6 +1,8 @@
 // A brush in double precision on the CPU, by the formulas of shaders/shared/brush.h.
 #pragma once
 
+#include <algorithm>
+
 #include "engine/contact/surface.hpp"
 #include "engine/core/brush.hpp"
 #include "engine/core/brush_stroke.hpp"
@@ -60,5 +62,17 @@ class PlacedBrush {
   BrushStroke::Tool tool_;
   bool resamples_;
 };
+
+// Whether it is in the ball or the shaft, with a margin for rounding. Inflate and grab reach points where the stroke
+// found them.
+inline bool PlacedBrush::mayAffect(const DVec3& place) const {
+  if (kind() == BrushKind::inflate || kind() == BrushKind::grab) return true;
+  constexpr double kMargin = 1e-6;
+  const bool hasShaft = kind() == BrushKind::push || kind() == BrushKind::carve;
+  const DVec3 offset = place - tool_.center;
+  const double along = hasShaft ? std::clamp(glm::dot(offset, tool_.outward), 0.0, tool_.shaft) : 0.0;
+  const DVec3 fromAxis = offset - along * tool_.outward;
+  return glm::dot(fromAxis, fromAxis) <= (1 + kMargin) * brush_.radius * brush_.radius;
+}
 
 }  // namespace palpate

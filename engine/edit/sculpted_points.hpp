@@ -63,7 +63,11 @@ struct SculptedPoints {
   /// Fetches what a brush reads of a point into the cache.
   void prefetch(std::uint32_t point) const {
     __builtin_prefetch(&positions[point]);
+    __builtin_prefetch(&parents[point]);
     prefetchNormal(point);
+  }
+  void prefetchSpacing(std::uint32_t point) const {
+    if (!spacings.empty()) __builtin_prefetch(&spacings[parents[point]]);
   }
   void prefetchNormal(std::uint32_t point) const {
     __builtin_prefetch(&normals[point]);

@@ -18,7 +18,7 @@ struct NearNormals {
   const double *x, *y, *z;
 };
 struct Terms {
-  double *weight, *distance;  // 0, and infinity, for a point that does not count
+  double *weight, *distance;  // 0, and infinity, for a point of another sheet
   std::uint32_t* sector;
 };
 
@@ -47,8 +47,7 @@ void termsOf(const NearPoints& near, const NearNormals& normals, const Frame3& f
 
 }  // namespace
 
-void SpacingMeasure::gather(const SortedGrid& grid, const GatheredPoints::Balls& balls, std::span<const Vec3> normals,
-                            std::span<const std::uint8_t> counts) {
+void SpacingMeasure::gather(const SortedGrid& grid, const GatheredPoints::Balls& balls, std::span<const Vec3> normals) {
   points_.gather(grid, balls);
   const std::span<const std::uint32_t> numbers = points_.numbers();
   if (normalX_.size() < numbers.size()) {
@@ -58,7 +57,7 @@ void SpacingMeasure::gather(const SortedGrid& grid, const GatheredPoints::Balls&
   }
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const Vec3& normal = normals[numbers[i]];
-    normalX_[i] = counts[numbers[i]] ? double{normal.x} : std::numeric_limits<double>::quiet_NaN();
+    normalX_[i] = double{normal.x};
     normalY_[i] = double{normal.y};
     normalZ_[i] = double{normal.z};
   }

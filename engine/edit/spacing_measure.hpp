@@ -13,17 +13,15 @@ namespace palpate {
 /// Measures spacings of points from those around a group of them. Used by one thread.
 class SpacingMeasure {
  public:
-  /// Gathers the points around these positions; `normals` and `counts` are of all points by number. A point counts if
-  /// `counts` is nonzero.
-  void gather(const SortedGrid& grid, const GatheredPoints::Balls& balls, std::span<const Vec3> normals,
-              std::span<const std::uint8_t> counts);
+  /// Gathers the points of the grid around these positions; `normals` are of all points by number.
+  void gather(const SortedGrid& grid, const GatheredPoints::Balls& balls, std::span<const Vec3> normals);
   /// Spacing around one of these positions, by the points of its sheet within `radius`; model units.
   double at(const DVec3& place, const DVec3& normal, double radius);
 
  private:
   GatheredPoints points_;
   NearPoints near_;
-  std::vector<double> normalX_, normalY_, normalZ_;  // of the gathered points; NaN for one that does not count
+  std::vector<double> normalX_, normalY_, normalZ_;  // of the gathered points
   std::vector<double> nearX_, nearY_, nearZ_;        // of the near ones
   std::vector<double> weight_, distance_;            // of the near ones
   std::vector<std::uint32_t> sector_;

@@ -228,6 +228,44 @@ TEST_CASE("an edit for a tick refits few points, the furthest moved first, and t
   CHECK(turned < 0.01 * static_cast<double>(mostMoved));
 }
 
+TEST_CASE("thousands of coincident points under a brush cost no edit more than its share, and become few") {
+  constexpr std::size_t kHeap = 5'000;
+  PointCloud cloud = ballOf(20'000);
+  const double radius = supportFor(cloud.size());
+  cloud.positions.insert(cloud.positions.end(), kHeap, Vec3(0, 0, kShapeRadius));
+  cloud.normals.insert(cloud.normals.end(), kHeap, Vec3(0, 0, 1));
+  const HashGrid grid = makeHashGrid(Vec3(-kShapeRadius), radius, cloud.size());
+  const BrushOptions push{.kind = BrushKind::push, .yieldDepth = 0.5, .pushRate = 0.3, .radius = 8};
+  const PlacedBrush beside = brushAt(push, radius, DVec3(0, 47, 0), DVec3(0, 3, 0)),
+                    onto = brushAt(push, radius, DVec3(0, 0, 48), DVec3(0, 0, 2));
+  BrushStroke none(radius);
+  none.setBrush(push);
+  const PlacedBrush rest(push, radius, none.next(0.1));
+  for (const EditSize size : {EditSize::tick, EditSize::whole}) {
+    CAPTURE(size == EditSize::tick);
+    CpuSculpture sculpture(cloud, grid, {.radius = radius, .threads = 1});
+    const auto& points = sculpture.points();
+    const auto heap = [&] {
+      return static_cast<std::size_t>(std::count(points.there.begin() + 20'000, points.there.begin() + 25'000, 1));
+    };
+    for (int tick = 0; tick < 5; ++tick) sculpture.edit(beside, size);  // where points have few neighbours
+    std::size_t mostWork = 0;
+    int edits = 0;
+    for (; edits < 400 && (edits == 0 || !sculpture.settled()); ++edits) {
+      const std::vector<std::uint8_t> before(points.unsettled.begin(), points.unsettled.end());
+      const std::size_t around = heap();
+      sculpture.edit(edits == 0 ? onto : rest, size);
+      std::size_t done = 0;
+      for (std::size_t i = 20'000; i < 25'000; ++i) done += (edits == 0 || before[i]) && !points.unsettled[i];
+      mostWork = std::max(mostWork, done * around);
+    }
+    CHECK(sculpture.settled());
+    CHECK(heap() < 20);
+    CHECK(mostWork > 0);
+    CHECK(mostWork < (size == EditSize::tick ? 150'000 : 2'500'000));
+  }
+}
+
 TEST_CASE("a new point copies no array of a sculpture, and no edit of a few points builds the index") {
   const PointCloud cloud = ballOf(60'000);
   CpuSculpture sculpture = sculptureOf(cloud, 1);
@@ -242,6 +280,29 @@ TEST_CASE("a new point copies no array of a sculpture, and no edit of a few poin
   CHECK(sculpture.rebuilds() == 0);
   CHECK(sculpture.followed() >= 40);
   CHECK(sculpture.grid().written() < 60u * 1000u);
+}
+
+TEST_CASE("a push at rest engages as many threads as the points under its brush are worth, and none for others") {
+  const PointCloud cloud = ballOf(20'000);
+  const double radius = supportFor(cloud.size());
+  const auto engagedBy = [&](double brushRadius) {
+    CpuSculpture sculpture = sculptureOf(cloud, 4);
+    const BrushOptions push{.kind = BrushKind::push, .yieldDepth = 0.5, .pushRate = 0.3, .radius = brushRadius};
+    const PlacedBrush placed = brushAt(push, radius, DVec3(0, 0, 48), DVec3(0, 0, 2));
+    std::size_t most = 0;
+    for (int tick = 0; tick < 400; ++tick) {
+      sculpture.edit(placed);
+      most = std::max(most, sculpture.engaged().unsettled);
+      if (tick > 0 && sculpture.changed().empty()) break;
+    }
+    REQUIRE(sculpture.changed().empty());
+    CHECK(most > 1);
+    sculpture.edit(placed);
+    CHECK(sculpture.engaged().unsettled == 1);
+    return sculpture.engaged().atFirst;
+  };
+  CHECK(engagedBy(20) == 4);
+  CHECK(engagedBy(4) == 1);
 }
 
 }  // namespace palpate::cpu_sculpture_test
