@@ -2,6 +2,8 @@
 // points with volumes can be one.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -44,6 +46,8 @@ class BoundaryBody {
   void moveTo(const BodyMotion& motion, double grown_m);
   /// Change of the velocity of matter inside that pushes it out, m/s.
   Vec3 pushedOut(const Vec3& place, float step_s) const {
+    const Vec3 away = place - pose_.place;
+    if (glm::dot(away, away) >= kept_ * kept_) return Vec3(0);
     return shared::pushedOut<float>(pose_, place, kept_, push(), step_s);
   }
   /// Maximum displacement of that push in a substep, m.
@@ -52,6 +56,13 @@ class BoundaryBody {
   const Vec3& place() const { return pose_.place; }  ///< of the centre, m
   std::uint32_t size() const { return static_cast<std::uint32_t>(points_.size()); }
 
+  /// Whether a position may be within the support radius of a point.
+  bool isNear(const Vec3& place) const {
+    constexpr float kFarther = 1.001f;  // a rotation rounds
+    const Vec3 away = place - pose_.place;
+    const float far = kFarther * (extent_ + support_);
+    return glm::dot(away, away) < far * far;
+  }
   /// Calls meet(BoundaryMeeting) for each point within the support radius of `place`, always in the same order.
   template <class Meet>
   void forEachNear(const Vec3& place, Meet&& meet) const;
@@ -76,15 +87,24 @@ BoundaryBody ballBody(const MatterScene& scene, const MatterPlan& plan);
 
 template <class Meet>
 void BoundaryBody::forEachNear(const Vec3& place, Meet&& meet) const {
+  if (!isNear(place)) return;
   const Vec3 seen = inBody(pose_, place);
   const float far = extent_ + support_;
   if (!(glm::dot(seen, seen) < far * far)) return;
   const Vec3 here = seen + middle_;
-  grid_.forEachRun(here, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const Vec3 offset = here - Vec3(points_[k]);
-      if (!(glm::dot(offset, offset) < support_ * support_)) continue;
-      meet(BoundaryMeeting{shared::bodyMeeting(pose_, place, offset, support_, points_[k].w), k});
+  grid_.forEachPlane(here, [&](std::uint32_t begin, std::uint32_t end) {
+    // Without a branch for each point: about as many are near as not.
+    std::array<std::uint32_t, 64> near;
+    for (std::uint32_t first = begin; first < end; first += near.size()) {
+      const auto last = std::min(end, first + static_cast<std::uint32_t>(near.size()));
+      std::size_t count = 0;
+      for (std::uint32_t k = first; k < last; ++k) {
+        const Vec3 offset = here - Vec3(points_[k]);
+        near[count] = k;
+        count += glm::dot(offset, offset) < support_ * support_ ? 1 : 0;
+      }
+      for (const std::uint32_t k : std::span(near).first(count))
+        meet(BoundaryMeeting{shared::bodyMeeting(pose_, place, here - Vec3(points_[k]), support_, points_[k].w), k});
     }
   });
 }

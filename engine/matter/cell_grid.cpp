@@ -16,7 +16,8 @@ shared::MatterCells cellsOf(const MatterBox& box, float reach) {
 
 CellGrid::CellGrid(const shared::MatterCells& cells)
     : cells_(cells), sort_(static_cast<std::uint32_t>(countOf(cells))) {
-  for (std::uint32_t image = 0; image < shared::kImages; ++image) shifts_[image] = shared::shiftOf(cells, image);
+  for (std::uint32_t image = 0; image < shared::kImages; ++image)
+    shifts_[codeOf(image)] = shared::shiftOf(cells, image);
 }
 
 void CellGrid::sort(std::span<const Vec4> places, WorkerTeam& team) {

@@ -8,10 +8,6 @@
 #include <limits>
 #include <type_traits>
 
-#ifdef __SSE__
-#include <xmmintrin.h>
-#endif
-
 namespace palpate {
 
 template <std::size_t N>
@@ -58,13 +54,6 @@ class LanesOf {
   static LanesOf shuffled(LanesOf a, LanesOf b) {
     return LanesOf(__builtin_shufflevector(a.values_, b.values_, chosen...));
   }
-  /// Adds the lanes to those of `sum`, four after four.
-  void addTo(LanesOf<4>& sum) const {
-    if constexpr (N == 4)
-      sum += *this;
-    else
-      sum = sum + low() + high();
-  }
 
   /// From two halves, and back.
   static LanesOf of(LanesOf<N / 2> low, LanesOf<N / 2> high) {
@@ -78,20 +67,6 @@ class LanesOf {
     Vector roots;
     for (std::size_t k = 0; k < kCount; ++k) roots[k] = std::sqrt(a.values_[k]);
     return LanesOf(roots);
-  }
-  /// A bit for each lane, the lowest for the first one: whether a < b.
-  friend unsigned areBelow(LanesOf a, LanesOf b) {
-    if constexpr (N > 4) {
-      return areBelow(a.low(), b.low()) | areBelow(a.high(), b.high()) << (N / 2);
-    } else {
-#ifdef __SSE__
-      return static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(a.values_, b.values_)));
-#else
-      unsigned bits = 0;
-      for (std::size_t k = 0; k < N; ++k) bits |= static_cast<unsigned>(a.values_[k] < b.values_[k]) << k;
-      return bits;
-#endif
-    }
   }
   friend LanesOf operator+(LanesOf a, LanesOf b) { return LanesOf(a.values_ + b.values_); }
   friend LanesOf operator-(LanesOf a, LanesOf b) { return LanesOf(a.values_ - b.values_); }
@@ -109,6 +84,31 @@ class LanesOf {
 
 using Lanes = LanesOf<4>;
 
+/// Sum of many floats, as eight sums of every eighth one: the same bits for any `N` lanes that form it.
+template <std::size_t N>
+class LaneSum {
+ public:
+  static constexpr std::size_t kParts = 8 / N;
+
+  /// The next eight floats consist of kParts parts; one that is omitted counts as zeros.
+  void add(std::size_t part, LanesOf<N> values) { parts_[part] += values; }
+  float total() const {
+    if constexpr (N == 8)
+      return (parts_[0].low() + parts_[0].high()).sum();
+    else
+      return (parts_[0] + parts_[1]).sum();
+  }
+
+ private:
+  static std::array<LanesOf<N>, kParts> zeros() {
+    std::array<LanesOf<N>, kParts> zeros;
+    zeros.fill(LanesOf<N>(0));
+    return zeros;
+  }
+
+  std::array<LanesOf<N>, kParts> parts_ = zeros();
+};
+
 /// `N` vectors transposed: lanes for each component.
 template <std::size_t N>
 struct VectorsOf {
@@ -121,6 +121,15 @@ struct VectorsOf {
       const auto both = [&](std::size_t k) { return LanesOf<N>::of(all[k], all[k + 4]); };
       return transposed(both(0), both(1), both(2), both(3));
     }
+  }
+
+  /// The vectors again.
+  std::array<Lanes, N> each() const {
+    const VectorsOf by = transposed(x, y, z, w);
+    if constexpr (N == 4)
+      return {by.x, by.y, by.z, by.w};
+    else
+      return {by.x.low(), by.y.low(), by.z.low(), by.w.low(), by.x.high(), by.y.high(), by.z.high(), by.w.high()};
   }
 
  private:

@@ -10,10 +10,11 @@ namespace palpate {
 
 namespace {
 
-// Permutes `values`; `scratch` keeps its memory.
+const Vec4 kNowhere_m(1e18f, 1e18f, 1e18f, 0);
+
+// Permutes as many values as there are in `order`; `scratch` has as many values as `values`.
 template <class T>
 void permute(std::vector<T>& values, std::span<const std::uint32_t> order, std::vector<T>& scratch) {
-  scratch.resize(values.size());
   for (std::size_t k = 0; k < order.size(); ++k) scratch[k] = values[order[k]];
   values.swap(scratch);
 }
@@ -22,13 +23,19 @@ void permute(std::vector<T>& values, std::span<const std::uint32_t> order, std::
 
 MatterParticles::MatterParticles(const Config& config, std::vector<Vec3> places)
     : config_(config),
+      walls_{.size = config.box.size,
+             .nearest = config.nearest_m,
+             .step = config.step_s,
+             .openX = config.box.periodic[0],
+             .openY = config.box.periodic[1],
+             .openZ = config.box.periodic[2]},
       grid_(cellsOf(config.box, config.listed_m)),
       lists_(config.listed_m),
       positions_(std::move(places)) {
-  velocities_.resize(size());
-  nextVelocities_.resize(size());
-  places_.resize(size());
-  pressed_.resize(size());
+  for (std::vector<Vec4>* const read : {&places_, &sortedPlaces_, &pressed_}) read->assign(size() + 1, kNowhere_m);
+  for (std::vector<Vec4>* const velocities : {&velocities_, &nextVelocities_}) velocities->assign(size() + 1, Vec4(0));
+  sortedPositions_.resize(size());
+  sortedIds_.resize(size());
   ids_.resize(size());
   std::iota(ids_.begin(), ids_.end(), 0u);
   farthest2_.resize(blocksOf(size()));
@@ -61,44 +68,26 @@ bool MatterParticles::sortAndList(WorkerTeam& team) {
     positions_[i] += place - Vec3(places_[i]);
     places_[i] = Vec4(place, 0);
   }
-  grid_.sort(places_, team);
+  grid_.sort(places(), team);
   permute(places_, grid_.order(), sortedPlaces_);
   permute(ids_, grid_.order(), sortedIds_);
   permute(positions_, grid_.order(), sortedPositions_);
   permute(velocities_, grid_.order(), nextVelocities_);
   listedAt_.assign(size(), Vec3(0));
   for (std::size_t i = 0; i < size(); ++i) listedAt_[i] = Vec3(places_[i]);
-  return lists_.build(grid_, places_, team);
+  return lists_.build(grid_, places(), team);
 }
 
-shared::StoppingWalls MatterParticles::walls() const {
-  return {.size = config_.box.size,
-          .nearest = config_.nearest_m,
-          .step = config_.step_s,
-          .openX = config_.box.periodic[0],
-          .openY = config_.box.periodic[1],
-          .openZ = config_.box.periodic[2]};
-}
-
-void MatterParticles::settle(std::size_t slot, const Vec3& change, const Vec3& byModel, BlockSums& sums) {
-  const Vec3 yielded = (1 - velocities_[slot].w) * change;
-  shared::Settled settled = shared::settle<float>(walls(), Vec3(places_[slot]), Vec3(velocities_[slot]), yielded);
+void MatterParticles::keepOutOfModel(std::size_t slot, const Vec3& byModel, BlockSums& sums) {
   const double mass = config_.mass_kg;
+  const MatterModel& model = *config_.model;
+  const Vec3 place = positions_[slot], out = keptOut(model.field(), model.at(place)) / config_.step_s;
+  sums.model.add(-mass * DVec3(byModel + out), DVec3(place) - model.middle());
+  if (out == Vec3(0)) return;
+  const auto settled = shared::settle<float>(walls_, place, Vec3(nextVelocities_[slot]), out);
   sums.wallImpulse -= mass * DVec3(settled.stop);
-  if (config_.model != nullptr) {
-    const MatterModel& model = *config_.model;
-    const Vec3 out = keptOut(model.field(), model.at(settled.place)) / config_.step_s;
-    sums.model.add(-mass * DVec3(byModel + out), DVec3(settled.place) - model.middle());
-    if (out != Vec3(0)) {
-      settled = shared::settle<float>(walls(), settled.place, settled.velocity, out);
-      sums.wallImpulse -= mass * DVec3(settled.stop);
-    }
-  }
   positions_[slot] = settled.place;
   nextVelocities_[slot] = Vec4(settled.velocity, 0);
-  const DVec3 momentum = mass * DVec3(settled.velocity);
-  sums.momentum += momentum;
-  sums.kinetic_J += 0.5 * glm::dot(momentum, DVec3(settled.velocity));
 }
 
 }  // namespace palpate

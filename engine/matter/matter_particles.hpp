@@ -34,7 +34,8 @@ struct BlockSums {
   Exchange model;                ///< with the static model
 };
 
-/// Each array has one entry per particle, indexed by slot. All steps are gathers: a slot writes only its own entries.
+/// Each array has one entry per particle, indexed by slot; those of which neighbours are read have one more, at rest
+/// and nowhere, for the entries that fill up a list. All steps are gathers: a slot writes only its own entries.
 class MatterParticles {
  public:
   struct Config {
@@ -51,7 +52,7 @@ class MatterParticles {
   std::size_t size() const { return positions_.size(); }
   const Config& config() const { return config_; }
   /// Length of the substeps from now on, s.
-  void setStep(float step_s) { config_.step_s = step_s; }
+  void setStep(float step_s) { config_.step_s = walls_.step = step_s; }
 
   /// Predicts the free motion of all particles: velocities change by `change` (m/s), positions follow. Rebuilds the
   /// lists and sorts the slots if a particle has moved so far that its list may miss a neighbour. False if particles
@@ -64,18 +65,37 @@ class MatterParticles {
   /// Finishes a slot's substep: changes its velocity by `change` (m/s), which includes `byModel` of the model, and
   /// moves it accordingly, keeping it inside the walls and outside the model. Adds to `sums`. A particle held by a
   /// share gets only the remainder of `change`, and is free after the substep.
-  void settle(std::size_t slot, const Vec3& change, const Vec3& byModel, BlockSums& sums);
+  void settle(std::size_t slot, const Vec3& change, const Vec3& byModel, BlockSums& sums) {
+    const Vec3 yielded = (1 - velocities_[slot].w) * change;
+    const auto settled = shared::settle<float>(walls_, Vec3(places_[slot]), Vec3(velocities_[slot]), yielded);
+    sums.wallImpulse -= double{config_.mass_kg} * DVec3(settled.stop);
+    positions_[slot] = settled.place;
+    nextVelocities_[slot] = Vec4(settled.velocity, 0);
+    if (config_.model != nullptr) keepOutOfModel(slot, byModel, sums);
+    sumUp(slot, sums);
+  }
+  /// The parts of settle() for a law that settles many slots at once: where it writes a slot's position and velocity,
+  /// the walls that stop it, the model that does, and its part of the sums.
+  std::span<Vec3> positions() { return positions_; }
+  std::span<Vec4> nextVelocities() { return nextVelocities_; }
+  const shared::StoppingWalls& walls() const { return walls_; }
+  void keepOutOfModel(std::size_t slot, const Vec3& byModel, BlockSums& sums);
+  void sumUp(std::size_t slot, BlockSums& sums) const {
+    const DVec3 velocity(Vec3(nextVelocities_[slot]));
+    sums.momentum += double{config_.mass_kg} * velocity;
+    sums.kinetic_J += 0.5 * double{config_.mass_kg} * glm::dot(velocity, velocity);
+  }
   /// After the last settle() of a substep.
   void flip() { velocities_.swap(nextVelocities_); }
 
   std::span<const Vec3> positions() const { return positions_; }  ///< m
   /// m/s. w: share (0 to 1) of the interactions in the next substep that does not affect the particle.
-  std::span<const Vec4> velocities() const { return velocities_; }
+  std::span<const Vec4> velocities() const { return {velocities_.data(), size()}; }
   void setVelocity(std::size_t slot, const Vec3& velocity, float held = 0) { velocities_[slot] = Vec4(velocity, held); }
-  std::span<const Vec4> places() const { return places_; }  ///< predicted positions, m
+  std::span<const Vec4> places() const { return {places_.data(), size()}; }  ///< predicted positions, m
   /// The same with the compression in w, which a law may compute.
-  std::span<const Vec4> pressed() const { return pressed_; }
-  std::span<Vec4> pressed() { return pressed_; }
+  std::span<const Vec4> pressed() const { return {pressed_.data(), size()}; }
+  std::span<Vec4> pressed() { return {pressed_.data(), size()}; }
   std::span<const std::uint32_t> ids() const { return ids_; }  ///< permanent
   const NeighbourLists& lists() const { return lists_; }
   bool isPeriodic() const { return grid_.cells().periodic != 0; }
@@ -83,9 +103,8 @@ class MatterParticles {
 
  private:
   bool sortAndList(WorkerTeam& team);
-  shared::StoppingWalls walls() const;
-
   Config config_;
+  shared::StoppingWalls walls_;
   Vec3 fall_{0};
   CellGrid grid_;
   NeighbourLists lists_;

@@ -62,6 +62,8 @@ void MatterWorld::takeParameters() {
 void MatterWorld::placeToolAt(std::size_t tool, const HandPose& hand) { tools_[tool].placeAt(hand); }
 
 MatterSimulation::StepReport MatterWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
+  WorkerTeam::Burst burst(team_);
+  burst.engage(blocksOf(particles_->size()));
   StepReport report{.totals = totals()};
   for (std::uint32_t s = 0; s < plan().substeps && report.state == MatterState::running; ++s) {
     for (std::size_t k = 0; k < tools_.size(); ++k) {

@@ -16,7 +16,7 @@ namespace palpate {
 inline constexpr std::size_t kSlotsOfBlock = 256;
 inline std::size_t blocksOf(std::size_t slots) { return (slots + kSlotsOfBlock - 1) / kSlotsOfBlock; }
 
-/// A neighbour: its slot, and its nearest periodic image.
+/// A neighbour: its slot, and its nearest periodic image, 0 if that is the particle itself.
 struct Neighbour {
   std::uint32_t slot : 27;
   std::uint32_t image : 5;
@@ -37,23 +37,29 @@ class NeighbourLists {
   /// kMaxNeighbours; its list is truncated.
   bool build(const CellGrid& grid, std::span<const Vec4> places, WorkerTeam& team);
 
-  /// Neighbours of a slot, excluding itself, in the order of their slots. Copies of the last one follow, up to a
-  /// multiple of kListedTogether.
+  /// Neighbours of a slot, excluding itself, in the order of their slots. The slot after the last particle, which is
+  /// nowhere, follows up to a multiple of kListedTogether.
   std::span<const Neighbour> of(std::size_t slot) const {
     const Block& block = blocks_[slot / kSlotsOfBlock];
     const std::size_t k = slot % kSlotsOfBlock;
     return std::span(block.neighbours).subspan(block.first[k], block.counts[k]);
   }
-  /// Index of a slot's first neighbour in its block.
-  std::size_t firstOf(std::size_t slot) const { return blocks_[slot / kSlotsOfBlock].first[slot % kSlotsOfBlock]; }
-  /// Number of neighbours in a block, including copies.
-  std::size_t inBlock(std::size_t block) const { return blocks_[block].first.back(); }
+  /// The lists of a block one after another, filled up each; by slot the first entry and the number of neighbours.
+  struct OfBlock {
+    const Neighbour* neighbours;
+    const std::uint32_t *first, *counts;
+    std::size_t size;  ///< of all lists together
+  };
+  OfBlock ofBlock(std::size_t block) const {
+    const Block& made = blocks_[block];
+    return {made.neighbours.data(), made.first.data(), made.counts.data(), made.first.back()};
+  }
 
  private:
   struct Block {
     std::vector<Neighbour> neighbours;  // may be longer than used
     std::vector<std::uint32_t> first;   // first index of each slot, and the total count
-    std::vector<std::uint32_t> counts;  // count of each slot, without copies
+    std::vector<std::uint32_t> counts;  // number of neighbours of each slot
     bool crowded = false;
   };
   void buildBlock(const CellGrid& grid, std::span<const Vec4> places, std::size_t block);

@@ -6,7 +6,8 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kPlacesOfBlock = 256;  // positions per work item of a thread
+// Positions per work item of a thread: all, and those near something.
+constexpr std::size_t kPlacesOfBlock = 256, kNearOfBlock = 64;
 
 template <class Visit>
 void forEachCorner(const SoftLattice& lattice, const SkinPlace& place, Visit&& visit) {
@@ -90,22 +91,37 @@ void SoftContact::list(const SoftBody& body, std::span<const BodyMotion> balls, 
 }
 
 void SoftContact::press(SoftBody& body, std::span<const BodyMotion> balls, double step_s, DVec3& wallImpulse,
-                        std::span<Exchange> exchanges) {
+                        std::span<Exchange> exchanges, WorkerTeam& team) {
   const auto radius = static_cast<float>(config_.ball_m);
-  for (const std::uint32_t i : near_) {
-    const SkinPlace& place = places_[i];
-    const Moved moved = now(body, place);
-    Vec3 force = shared::wallsForce(touchOf(place), Vec3(config_.box_m), moved.place, moved.velocity);
+  byWalls_.resize(near_.size());
+  byBalls_.resize(near_.size() * balls.size());
+  team.forEach((near_.size() + kNearOfBlock - 1) / kNearOfBlock, [&](std::size_t block) {
+    const std::size_t end = std::min((block + 1) * kNearOfBlock, near_.size());
+    for (std::size_t n = block * kNearOfBlock; n < end; ++n) {
+      const SkinPlace& place = places_[near_[n]];
+      const Moved moved = now(body, place);
+      byWalls_[n] = shared::wallsForce(touchOf(place), Vec3(config_.box_m), moved.place, moved.velocity);
+      for (std::size_t b = 0; b < balls.size(); ++b) {
+        const Vec3 offset(DVec3(moved.place) - balls[b].place);
+        const Vec3 ofBall(balls[b].velocity + glm::cross(balls[b].spin, DVec3(offset)));
+        byBalls_[n * balls.size() + b] = {
+            .force = shared::ballForce(touchOf(place), radius, offset, moved.velocity - ofBall), .offset = offset};
+      }
+    }
+  });
+  // Sums in the order of the positions.
+  for (std::size_t n = 0; n < near_.size(); ++n) {
+    Vec3 force = byWalls_[n];
     wallImpulse -= step_s * DVec3(force);
     for (std::size_t b = 0; b < balls.size(); ++b) {
-      const Vec3 offset(DVec3(moved.place) - balls[b].place);
-      const Vec3 ofBall(balls[b].velocity + glm::cross(balls[b].spin, DVec3(offset)));
-      const Vec3 part = shared::ballForce(touchOf(place), radius, offset, moved.velocity - ofBall);
-      exchanges[b].add(-step_s * DVec3(part), DVec3(offset));
-      force += part;
+      const ByBall& part = byBalls_[n * balls.size() + b];
+      if (part.force == Vec3(0)) continue;
+      exchanges[b].add(-step_s * DVec3(part.force), DVec3(part.offset));
+      force += part.force;
     }
     if (force == Vec3(0)) continue;
-    forEachCorner(body.lattice(), place, [&](std::uint32_t node, float share) { body.loads()[node] += share * force; });
+    forEachCorner(body.lattice(), places_[near_[n]],
+                  [&](std::uint32_t node, float share) { body.loads()[node] += share * force; });
   }
 }
 

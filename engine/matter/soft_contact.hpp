@@ -45,7 +45,7 @@ class SoftContact {
   /// Adds the forces of walls and balls on the listed positions to the body's loads for a substep. Adds the body's
   /// impulses on them to `wallImpulse`, and to `exchanges`, one per ball, kg m/s.
   void press(SoftBody& body, std::span<const BodyMotion> balls, double step_s, DVec3& wallImpulse,
-             std::span<Exchange> exchanges);
+             std::span<Exchange> exchanges, WorkerTeam& team);
 
   /// Adds to `forces` (N) the decrease of the walls' forces on the listed positions if the nodes move by `changes` (m).
   void addWallStiffness(const SoftBody& body, std::span<const DVec3> changes, std::span<DVec3> forces) const;
@@ -53,6 +53,10 @@ class SoftContact {
  private:
   struct Moved {
     Vec3 place{0}, velocity{0};
+  };
+  // Force on a position, and where that is relative to the centre of the ball.
+  struct ByBall {
+    Vec3 force{0}, offset{0};
   };
   bool isNear(const SoftBody& body, const SkinPlace& place, std::span<const BodyMotion> balls, double duration_s) const;
   Moved now(const SoftBody& body, const SkinPlace& place) const;
@@ -63,6 +67,8 @@ class SoftContact {
   std::vector<SkinPlace> places_;
   std::vector<char> isNear_;         // per position
   std::vector<std::uint32_t> near_;  // the near positions, ascending
+  std::vector<Vec3> byWalls_;        // force on each of these
+  std::vector<ByBall> byBalls_;      // by each ball
 };
 
 }  // namespace palpate

@@ -11,6 +11,9 @@ namespace palpate {
 
 namespace {
 
+// So many take about 20 us of a substep: fewer are not worth another thread.
+constexpr std::size_t kNodesOfThread = 256;
+
 SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) {
   return {.box_m = scene.box_mm * 1e-3,
           .ball_m = scene.tool.radius_mm * 1e-3,
@@ -66,6 +69,8 @@ void SoftWorld::takeParameters() {
 void SoftWorld::placeToolAt(std::size_t tool, const HandPose& hand) { tools_[tool].placeAt(hand); }
 
 MatterSimulation::StepReport SoftWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
+  WorkerTeam::Burst burst(team_);
+  burst.engage(body_.size() / kNodesOfThread);
   StepReport report{.totals = totals()};
   std::vector<BodyMotion> balls;
   for (const ToolBody& tool : tools_) balls.push_back(tool.motion());
@@ -92,7 +97,7 @@ void SoftWorld::substep(std::span<const HandPose> hands, double share, double le
     balls.push_back(tools_[k].motion());
   }
   std::vector<Exchange> exchanges(tools_.size());
-  contact_.press(body_, balls, length_s, report.onWalls, exchanges);
+  contact_.press(body_, balls, length_s, report.onWalls, exchanges, team_);
   body_.strain(team_);
   press_.load(body_, share, length_s, scene().gravity_m_s2);
   const SoftSums sums = body_.move(scene().gravity_m_s2, length_s, team_);

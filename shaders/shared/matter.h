@@ -54,7 +54,7 @@ PALPATE_STRUCT(WaterRules) {
   Real restSum;    // sum of the weights of all neighbours and the particle itself, at rest
   Real wallSum;    // the same for an evenly filled neighbourhood without discrete particles
   Real wallInset;  // in support radii: walls are treated as this much farther away, so that a particle at rest, half a
-                   // spacing from them, has its full sum
+                   // spacing from them, has its full sum; not below 0
   Real push;       // m/s for a compression of 1 and a pull of 1 / m
   Real wallPush;   // m/s for a compression of 1 and a whole share
   Real drag;       // of a velocity, for a pull of 1
@@ -99,20 +99,25 @@ PALPATE_STRUCT(WallsBeside) {
 };
 PALPATE_SINGLE(WallsBeside);
 
+PALPATE_FORMULA PALPATE_OF(WallsBeside) wallsNear(PALPATE_OF(WaterRules) rules, Real place, Real size) {
+  const Real low = place / rules.support + rules.wallInset;
+  const Real high = (size - place) / rules.support + rules.wallInset;
+  const Real atLow = shareInLayer(low);
+  const Real atHigh = shareInLayer(high);
+  PALPATE_OF(WallsBeside) walls;
+  walls.share = shareBeyond(low) + shareBeyond(high);
+  walls.layer = atLow - atHigh;
+  walls.drag = atLow / max(place, rules.nearest) + atHigh / max(size - place, rules.nearest);
+  return walls;
+}
+
+// The same with walls that are `open` or far away.
 PALPATE_FORMULA PALPATE_OF(WallsBeside) wallsBeside(PALPATE_OF(WaterRules) rules, Real place, Real size, bool open) {
+  if (!open && !(place >= rules.support && size - place >= rules.support)) return wallsNear(rules, place, size);
   PALPATE_OF(WallsBeside) walls;
   walls.share = Real(0.0);
   walls.layer = Real(0.0);
   walls.drag = Real(0.0);
-  if (open) return walls;
-  const Real low = place / rules.support + rules.wallInset;
-  const Real high = (size - place) / rules.support + rules.wallInset;
-  if (low >= Real(1.0) && high >= Real(1.0)) return walls;
-  const Real atLow = shareInLayer(low);
-  const Real atHigh = shareInLayer(high);
-  walls.share = shareBeyond(low) + shareBeyond(high);
-  walls.layer = atLow - atHigh;
-  walls.drag = atLow / max(place, rules.nearest) + atHigh / max(size - place, rules.nearest);
   return walls;
 }
 

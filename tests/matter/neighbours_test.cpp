@@ -1,9 +1,11 @@
 // Cells and lists compared with all pairs, and formulas compared with numerical integrals.
 #include <algorithm>
 #include <bit>
+#include <glm/gtc/quaternion.hpp>
 #include <random>
 #include <set>
 
+#include "engine/matter/boundary.hpp"
 #include "engine/matter/lanes.hpp"
 #include "engine/matter/matter_rules.hpp"
 #include "engine/matter/neighbour_lists.hpp"
@@ -46,12 +48,43 @@ TEST_CASE("neighbour lists contain exactly the particles within reach, also acro
       REQUIRE(lists.of(i).size() == expected.size());
       const std::span<const Neighbour> filled(
           lists.of(i).data(), (expected.size() + kListedTogether - 1) / kListedTogether * kListedTogether);
-      REQUIRE(lists.firstOf(i) % kListedTogether == 0);
-      for (std::size_t k = expected.size(); k < filled.size(); ++k)
-        REQUIRE(filled[k].slot == filled[expected.size() - 1].slot);
+      const NeighbourLists::OfBlock block = lists.ofBlock(i / kSlotsOfBlock);
+      REQUIRE(block.first[i % kSlotsOfBlock] % kListedTogether == 0);
+      REQUIRE(block.neighbours + block.first[i % kSlotsOfBlock] == lists.of(i).data());
+      REQUIRE(block.counts[i % kSlotsOfBlock] == expected.size());
+      for (std::size_t k = expected.size(); k < filled.size(); ++k) {
+        REQUIRE(filled[k].slot == sorted.size());
+        REQUIRE(filled[k].image == 0);
+      }
       pairs += expected.size();
     }
     CHECK(pairs > 5000);
+  }
+}
+
+TEST_CASE("a body meets exactly its points within the support radius, in their order") {
+  constexpr double kSpacing_m = 0.01, kSupport_m = kSupport_spacings * kSpacing_m;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> share(-1, 1);
+  for (const double radius_m : {0.035, 0.08}) {
+    BoundaryBody body(ballPoints(radius_m, kSpacing_m, kSupport_m), static_cast<float>(kSupport_m), 0);
+    const BodyMotion motion{.place = {0.3, 0.2, -0.1},
+                            .orientation = glm::angleAxis(0.7, glm::normalize(DVec3(1, 2, 3)))};
+    body.moveTo(motion, 1);
+    std::size_t pairs = 0;
+    for (int k = 0; k < 500; ++k) {
+      DVec3 offset;
+      for (int axis = 0; axis < 3; ++axis) offset[axis] = 1.6 * radius_m * double{share(random)};
+      std::vector<std::uint32_t> met, expected;
+      body.forEachNear(Vec3(motion.place + offset), [&](const BoundaryMeeting& one) { met.push_back(one.number); });
+      for (std::uint32_t n = 0; n < body.size(); ++n) {
+        const DVec3 point = motion.orientation * DVec3(Vec3(body.points()[n]) - body.middle());
+        if (glm::length(offset - point) < kSupport_m) expected.push_back(n);
+      }
+      REQUIRE(met == expected);
+      pairs += met.size();
+    }
+    CHECK(pairs > 1000);
   }
 }
 
@@ -66,26 +99,33 @@ TEST_CASE("eight lanes give the same bits as four, and as floats") {
   const auto same = [](float one, float other) {
     return std::bit_cast<std::uint32_t>(one) == std::bit_cast<std::uint32_t>(other);
   };
-  Lanes sumOfFours(0), sumOfEights(0);
+  LaneSum<4> sumOfFours;
+  LaneSum<8> sumOfEights;
+  std::array<float, 8> sums{};
   std::size_t wrong = 0;
   for (std::size_t i = 0; i + 8 <= vectors.size(); i += 8) {
     const auto low = VectorsOf<4>::of({lanesOf(i), lanesOf(i + 1), lanesOf(i + 2), lanesOf(i + 3)});
     const auto high = VectorsOf<4>::of({lanesOf(i + 4), lanesOf(i + 5), lanesOf(i + 6), lanesOf(i + 7)});
     const auto all = VectorsOf<8>::of({lanesOf(i), lanesOf(i + 1), lanesOf(i + 2), lanesOf(i + 3), lanesOf(i + 4),
                                        lanesOf(i + 5), lanesOf(i + 6), lanesOf(i + 7)});
-    (low.x * low.y - low.z).addTo(sumOfFours);
-    (high.x * high.y - high.z).addTo(sumOfFours);
+    sumOfFours.add(0, low.x * low.y - low.z);
+    sumOfFours.add(1, high.x * high.y - high.z);
     const Eight eight = all.x * all.y - all.z;
-    eight.addTo(sumOfEights);
-    const unsigned below = areBelow(eight, all.w);
+    sumOfEights.add(0, eight);
+    const std::array<Lanes, 8> each = all.each();
     for (std::size_t k = 0; k < Eight::kCount; ++k) {
       const Vec4& v = vectors[i + k];
-      wrong += !same(eight[k], v.x * v.y - v.z) || (below >> k & 1) != (eight[k] < v.w ? 1u : 0u);
+      sums[k] += v.x * v.y - v.z;
+      wrong += !same(eight[k], v.x * v.y - v.z);
+      const std::array<Lanes, 4> ofFour = (k < 4 ? low : high).each();
+      for (std::size_t axis = 0; axis < 4; ++axis)
+        wrong += !same(each[k][axis], v[static_cast<int>(axis)]) || !same(ofFour[k % 4][axis], each[k][axis]);
     }
   }
-  for (std::size_t k = 0; k < Lanes::kCount; ++k) wrong += !same(sumOfFours[k], sumOfEights[k]);
+  const float total = ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]));
+  wrong += !same(sumOfFours.total(), total) || !same(sumOfEights.total(), total);
   CHECK(wrong == 0);
-  CHECK(sumOfFours.sum() != 0);
+  CHECK(total != 0);
 }
 
 TEST_CASE("the contribution beyond a wall is the integral of the weights there") {

@@ -36,7 +36,7 @@ struct Indentation {
     for (int k = 0; k < 7 / slowest; ++k) {
       DVec3 walls(0);
       exchange = {};
-      contact.press(body.body, {&ball, 1}, body.step_s, walls, {&exchange, 1});
+      contact.press(body.body, {&ball, 1}, body.step_s, walls, {&exchange, 1}, body.team);
       body.substep();
       for (Vec3& velocity : body.body.velocities()) velocity *= kept;
     }
