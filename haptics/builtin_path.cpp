@@ -4,6 +4,7 @@
 #include <array>
 #include <numbers>
 
+#include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/unknown_name.hpp"
 #include "haptics/surface_walk.hpp"
@@ -67,7 +68,7 @@ struct Scene {
 
   Scene(const PointCloud& points, const ModelScale& modelScale)
       : cloud(points), scale(modelScale), surface(points, kFine) {
-    const TouchTarget chosen = chooseTarget(ThinnedCloud(points, kCoarse), boundsOf(points));
+    const TouchTarget chosen = chooseTarget(ThinnedCloud(points, kCoarse), coreBoundsOf(points));
     target = settle(surface, chosen.position, chosen.normal);
   }
 
@@ -151,7 +152,7 @@ Path scan(const Scene& scene) {
 
 Path orbit(const PointCloud& cloud, const ModelScale& scale) {
   if (cloud.empty()) throw Error("the model has no points; there is nothing to go around");
-  const Bounds bounds = boundsOf(cloud);
+  const Bounds bounds = coreBoundsOf(cloud);
   const double halfDiagonal = 0.5 * std::hypot(bounds.max.x - bounds.min.x, bounds.max.z - bounds.min.z);
   const double radius = std::max(kOrbitRadius * halfDiagonal, scale.toUnits(kSmallestOrbit_mm));
   const auto around = [&](int k) {

@@ -17,7 +17,7 @@ Camera aslant(const PointCloud& cloud, double aspect) {
   const double distance = 1.1 * glm::distance(camera.eye, camera.target);
   camera.target = boundsOf(cloud).center();
   camera.eye = camera.target + distance * glm::normalize(DVec3(0.8, 0.55, 1));
-  camera.setDepthRange(boundsOf(cloud));
+  camera.setDepthRange(boundsOf(cloud), boundsOf(cloud).longestSide());
   return camera;
 }
 

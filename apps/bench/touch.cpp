@@ -73,7 +73,7 @@ JudgeSubject scanSubject(Context& context, const std::string& scan, const std::s
   subject.model = loadModel(context, {.file = scan}, EstimateOn::cpu);  // the result must not depend on a GPU
   constexpr std::size_t kSampled = 32'768;
   const PointCloud& cloud = subject.model.cloud;
-  const TouchTarget target = chooseTarget(ThinnedCloud(cloud, kSampled), boundsOf(cloud));
+  const TouchTarget target = chooseTarget(ThinnedCloud(cloud, kSampled), subject.model.shownBounds());
   const SurfacePoint on = truth->closest(cloud.origin + target.position);
   const Frame3 frame = frameAround(on.normal);
   for (const DVec3& towards : {frame.u, -0.5 * frame.u + 0.8 * frame.v, -0.5 * frame.u - 0.8 * frame.v})

@@ -31,6 +31,7 @@ struct ModelInfo {
   HeightRange heights;
   LengthUnit unit;
   Bounds bounds, inFile;  ///< in file coordinates: inFile
+  std::size_t outliers = 0;
   SpacingRange spacings;
   ModelScale scale;
   GpuMemory memory;
@@ -52,7 +53,8 @@ ModelInfo infoOf(const Context& context, const std::string& file, const LookOpti
   info.bounds = boundsOf(cloud);
   info.inFile = fileBoundsOf(cloud);
   info.spacings = spacingRange(cloud, context.threads());
-  info.scale = scaleOf(cloud, 0);
+  info.outliers = countOutside(cloud, info.model.shownBounds());
+  info.scale = scaleOf(info.model, 0);
   info.memory = predictGpuMemory(cloud.size(), cloud.hasColors());
   return info;
 }
@@ -75,11 +77,18 @@ void printPoints(std::FILE* out, const ModelInfo& info) {
   fmt::print(out, "  bounding box: ({}) to ({})\n", corner(info.inFile.min), corner(info.inFile.max));
   const DVec3 size = info.bounds.max - info.bounds.min;
   fmt::print(out, "  size: {} x {} x {}\n", lengthText(size.x), lengthText(size.y), lengthText(size.z, info.unit));
+  const Bounds shown = info.model.shownBounds();
+  const auto inShown = [&](const DVec3& place) {
+    return coordinateText(cloud.origin + place, resolutionOf(shown), ", ");
+  };
+  if (info.outliers > 0)
+    fmt::print(out, "  outliers: {}, far from all others; touch scale, paths and pictures fit the rest, ({}) to ({})\n",
+               counted(info.outliers, "point"), inShown(shown.min), inShown(shown.max));
   fmt::print(out, "  up: {} ({}); heights from {} to {} {}\n", nameOf(info.upright.up), info.upright.why,
              coordinateText(info.heights.low, resolution), coordinateText(info.heights.high, resolution),
              nameOf(info.unit));
   fmt::print(out, "  mean spacing: {}\n", lengthText(info.spacings.mean, info.unit));
-  fmt::print(out, "  touch scale: {}\n", touchScaleText(info.scale, info.bounds.longestSide(), info.unit));
+  fmt::print(out, "  touch scale: {}\n", touchScaleText(info.scale, shown.longestSide(), info.unit));
   fmt::print(out, "  noise of the positions: {:.3f} spacings\n", info.spacings.noise);
   printMemory(out, info.memory);
 }
@@ -128,6 +137,8 @@ constexpr Reported<ModelInfo> kModelInfo[]{
     {"bounds.min", "file units", "lowest corner", [](const ModelInfo& i) -> Value { return vectorJson(i.inFile.min); }},
     {"bounds.max", "file units", "highest corner",
      [](const ModelInfo& i) -> Value { return vectorJson(i.inFile.max); }},
+    {"outliers", "", "points far from all others, to which touch scale, paths and pictures are not fitted",
+     [](const ModelInfo& i) -> Value { return i.outliers; }},
     {"unit", "", "unit of the file; null: unknown",
      [](const ModelInfo& i) -> Value { return i.unit == LengthUnit::unknown ? Json(nullptr) : Json(nameOf(i.unit)); }},
     {"up", "", "up axis", [](const ModelInfo& i) -> Value { return nameOf(i.upright.up); }},
@@ -154,8 +165,11 @@ constexpr Reported<ModelInfo> kModelInfo[]{
 
 void info(Context& context, const std::string& file, const LookOptions& look, bool keepUnreliable) {
   std::error_code ignored;
-  if (std::filesystem::is_fifo(file, ignored) || std::filesystem::is_character_file(file, ignored))
-    throw Error("{}: is a pipe, which can be read only once; write it to a file first, or convert it", file);
+  if (file == "-" || std::filesystem::is_fifo(file, ignored) || std::filesystem::is_character_file(file, ignored))
+    throw Error(
+        "{}: a pipe can be read only once, and info reads twice; palpate convert /dev/stdin FILE.ply writes PLY "
+        "from a pipe to a file",
+        file);
   const ModelInfo info = infoOf(context, file, look, keepUnreliable);
   print(context.tables(), file, info);
   context.writeJson(jsonBy(kModelInfo, info));

@@ -149,7 +149,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .spacing_mm = model.scale.toMm(model.spacing),
                      .noise_spacings = model.noise,
                      .mm_per_unit = model.scale.mm_per_unit,
-                     .longestSide = boundsOf(model.cloud).longestSide(),
+                     .longestSide = model.shownBounds().longestSide(),
                      .toolPoints = touch.points(0).size()};
   report.frames = session.playCounts();
   if (const SharedPresence* const presence = session.presence()) {
@@ -193,7 +193,7 @@ void drawEnd(Context& context, const TouchCommandOptions& options, const Session
   takePicture(context, model, followed ? followed->drawn() : *ended, options.picture,
               trace.rows.empty()
                   ? Overlays{}
-                  : overlaysOf(trace.rows.back(), model.cloud.origin, boundsOf(model.cloud).longestSide(), tool),
+                  : overlaysOf(trace.rows.back(), model.cloud.origin, model.shownBounds().longestSide(), tool),
               options.pictureFile);
 }
 

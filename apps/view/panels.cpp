@@ -185,7 +185,7 @@ void Panels::drawModel(const ViewStatus& status) {
     ImGui::TextDisabled("%zu points, up is %s", status.session->journal().points().present(), nameOf(status.up).data());
     help((status.isUpTurned ? "as chosen" : "automatic: " + status.upright.why) + "; change it with up in Look");
     const Model& model = status.session->model();
-    const double side = (model.container() ? *model.container() : status.session->bounds()).longestSide();
+    const double side = model.container() ? model.container()->longestSide() : status.session->longestSide();
     std::string scale = touchScaleText(model.scale, side, status.unit);
     scale.replace(scale.rfind(" for "), 1, "\n");  // so that no number is broken at the panel's edge
     ImGui::TextDisabled("touch scale: %s", scale.c_str());

@@ -64,7 +64,7 @@ void Viewer::draw(double dt_s) {
     layers.servoCore = session->live()->core();
     layers.model = &shown_.picture();
     layers.drawModel = [&](CommandList& list) {
-      viewpoint_.setDepthRange(session->bounds());
+      viewpoint_.setDepthRange(session->bounds(), session->longestSide());
       shown_.record(list, *session, viewpoint_.camera(), settings_.view,
                     pointing_.isTouching() || session->isPlaying());
       shown_.picture().recordPick(list, pointing_.cursor_px(), DVec2(screen_.size_px()));

@@ -19,7 +19,7 @@ class Viewpoint {
   const std::optional<UpAxis>& fittedUp() const { return fittedUp_; }
   /// Moves the centre of the view to the middle of `free_px`.
   void centerIn(const DVec2& free_px, double width_px);
-  void setDepthRange(const Bounds& bounds) { camera_.setDepthRange(bounds); }
+  void setDepthRange(const Bounds& bounds, double size) { camera_.setDepthRange(bounds, size); }
 
   void lookAlong(int axis, bool fromAbove, UpAxis up);
   void lookFrom(ModelSide side, UpAxis up) { camera_ = fromSide(camera_, side, up); }

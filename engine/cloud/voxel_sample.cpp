@@ -184,7 +184,20 @@ Bounds coreBoundsOf(const PointCloud& cloud) {
   if (!widen || outliers > kMaxOutliers || !(core.longestSide() > 0)) return all;
   // The sample may miss the outermost points.
   const double slack = core.longestSide() / kMaxCells;
-  return {glm::max(all.min, core.min - slack), glm::min(all.max, core.max + slack)};
+  const Bounds around{core.min - slack, core.max + slack};
+  Bounds box = core;
+  for (const Vec3& position : cloud.positions) {
+    const DVec3 p(position);
+    if (!around.contains(p)) continue;
+    box.min = glm::min(box.min, p);
+    box.max = glm::max(box.max, p);
+  }
+  return box;
+}
+
+std::size_t countOutside(const PointCloud& cloud, const Bounds& box) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(cloud.positions, [&](const Vec3& position) { return !box.contains(DVec3(position)); }));
 }
 
 }  // namespace palpate

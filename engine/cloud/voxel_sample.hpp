@@ -16,8 +16,10 @@ struct VoxelSample {
 /// Deterministic. From a sample: a million points take some milliseconds.
 VoxelSample voxelSampleOf(const PointCloud& cloud);
 
-/// The box that a picture should show: that of all points, unless a few isolated points make it much larger. All points
-/// within are as in boundsOf().
+/// The box that a picture should show and a hand's scale fits: that of all points, unless a few isolated points make it
+/// much larger; then that of the points without them. As boundsOf() in all else.
 Bounds coreBoundsOf(const PointCloud& cloud);
+/// Number of points outside a box.
+std::size_t countOutside(const PointCloud& cloud, const Bounds& box);
 
 }  // namespace palpate

@@ -18,7 +18,7 @@ constexpr double kFlatElevation_deg = 40;   // likewise, for a model without hei
 constexpr double kLow = 0.3;                // of the width: flatter models are seen from higher up
 constexpr double kFill = 0.9;               // share of the picture that the model fills
 constexpr double kClosest = 1e-2;           // of the box: minimum distance of the fitted eye from the nearest point
-constexpr double kNearestShare = 1e-3;      // of the box: minimum near plane
+constexpr double kNearestShare = 1e-3;      // of what is shown: minimum near plane
 constexpr double kDirectionTolerance = 1e-9;
 
 std::array<DVec3, 8> cornersOf(const Bounds& box) {
@@ -61,7 +61,7 @@ Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double 
   const double distance = std::max(wanted, (any ? nearest : 0) + kClosest * sizeOf(bounds));
   camera.target = center + x * axes.right + y * axes.up;
   camera.eye = camera.target - distance * axes.forward;
-  camera.setDepthRange(bounds);
+  camera.setDepthRange(bounds, sizeOf(bounds));
   return camera;
 }
 
@@ -143,7 +143,7 @@ Camera Camera::fitting(const PointCloud& cloud, double aspect, double fov_deg, c
   for (const Vec3& p : cloud.positions)
     if (shown.contains(DVec3(p))) inside.push_back(p);
   Camera camera = fitted(front, shown, inside, aspect, framing.margin);
-  camera.setDepthRange(all);
+  camera.setDepthRange(all, sizeOf(shown));
   return camera;
 }
 
@@ -167,13 +167,14 @@ Camera Camera::asked(const CameraRequest& given, const PointCloud& cloud, double
   } else if (parallel(camera.up, direction)) {
     camera.up = -frontOf(framing.up);  // looking straight down or up: the model's front is at the bottom of the picture
   }
-  camera.setDepthRange(boundsOf(cloud));
+  const Bounds all = boundsOf(cloud);
+  camera.setDepthRange(all, sizeOf(framing.shown.value_or(all)));
   return camera;
 }
 
-void Camera::setDepthRange(const Bounds& bounds) {
+void Camera::setDepthRange(const Bounds& bounds, double size) {
   const DVec2 range = depthRangeOf(*this, bounds);
-  const double least = kNearestShare * sizeOf(bounds);
+  const double least = kNearestShare * (size > 0 ? size : 1);
   nearDepth = std::max(0.5 * range.x, least);
   farDepth = std::max(2 * range.y, nearDepth + sizeOf(bounds));
 }

@@ -48,8 +48,9 @@ struct Camera {
   /// The same from `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces.
   static Camera parse(std::string_view text, const PointCloud& cloud, double aspect, const Framing& framing = {});
 
-  /// Sets near and far so that the part of `bounds` in front of the eye lies between them.
-  void setDepthRange(const Bounds& bounds);
+  /// Sets near and far so that the part of `bounds` in front of the eye lies between them, or in front of it if nearer
+  /// than a thousandth of the size of what the picture is of; 0 counts as 1.
+  void setDepthRange(const Bounds& bounds, double size);
 
   /// Unit vectors: right, up, and forward (from the eye to the target).
   struct Axes {

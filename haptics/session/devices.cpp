@@ -172,7 +172,7 @@ std::unique_ptr<HapticDevice> withRumble(std::unique_ptr<HapticDevice> device, L
 }
 
 WorkspaceMap mapInto(const HapticDeviceFacts& facts, const Model& model) {
-  const Bounds bounds = boundsOf(model.cloud);
+  const Bounds bounds = model.shownBounds();
   const DVec3 room_mm = facts.workspaceMax_mm - facts.workspaceMin_mm;
   const DVec3 shares = (bounds.max - bounds.min) / (kUsedShare * room_mm);
   const double scale = std::max({model.scale.toUnits(1), shares.x, shares.y, shares.z});

@@ -14,11 +14,12 @@ namespace {
 
 constexpr double kParked = 3;  // distance of a lifted stylus from the middle of the model, in longest sides
 
-WorkspaceMap mapFor(const Model& model, const Bounds& bounds) {
-  return {.scale = model.scale.toUnits(1), .offset = model.cloud.origin + bounds.center()};
+WorkspaceMap mapFor(const Model& model) {
+  return {.scale = model.scale.toUnits(1), .offset = model.cloud.origin + model.shownBounds().center()};
 }
 
-DVec3 parkingPlace(const Model& model, const Bounds& bounds) {
+DVec3 parkingPlace(const Model& model) {
+  const Bounds bounds = model.shownBounds();
   return model.cloud.origin + bounds.center() + DVec3(0, kParked * std::max(bounds.longestSide(), 1e-3), 0);
 }
 
@@ -75,8 +76,9 @@ InteractiveSession::InteractiveSession(const SessionConfig& config, Model model,
               }()},
       options_(options),
       bounds_(boundsOf(this->model().cloud)),
-      stylus_(mapFor(this->model(), bounds_), parkingPlace(this->model(), bounds_)),
-      map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model(), bounds_)),
+      longestSide_(this->model().shownBounds().longestSide()),
+      stylus_(mapFor(this->model()), parkingPlace(this->model())),
+      map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model())),
       history_(1 / config.rate_Hz) {
   if (player()) held_ = player()->isPaused();
   if (!config.model.matter && canBeSculpted(config, this->model()) &&
@@ -173,7 +175,7 @@ void InteractiveSession::setDevice(std::shared_ptr<TurnedDevice> device, const H
     playing_.reset();
     options_.device = std::move(device);
     options_.deviceFacts = facts;
-    map_ = options_.device ? mapInto(facts, model()) : mapFor(model(), bounds_);
+    map_ = options_.device ? mapInto(facts, model()) : mapFor(model());
     live()->setHands({hand()});
   };
   if (!failed_) {

@@ -43,7 +43,8 @@ class InteractiveSession : public Session {
   const std::string& file() const { return config().model.file; }
   /// Bounds of the model as loaded, model units relative to its origin.
   const Bounds& bounds() const { return bounds_; }
-  double longestSide() const { return bounds_.longestSide(); }
+  /// Of Model::shownBounds(), model units.
+  double longestSide() const { return longestSide_; }
 
   /// Called once per frame: takes in the ticks and the edits of the servo thread. Returns what failed since the last
   /// call; the session ends with a failure.
@@ -139,6 +140,7 @@ class InteractiveSession : public Session {
 
   InteractiveOptions options_;
   Bounds bounds_;
+  double longestSide_;
   GuidedTouch stylus_;
   WorkspaceMap map_;
   std::atomic<bool> forcesOn_ = true;

@@ -29,7 +29,7 @@ std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads) {
 }
 
 void measure(Model& model, const ModelConfig& config, unsigned threads) {
-  model.scale = scaleOf(model.cloud, config.mm_per_unit);
+  model.scale = scaleOf(model, config.mm_per_unit);
   // A saved copy states the scale.
   if (config.mm_per_unit > 0) sayScale(model.cloud.storedAs.comments, config.mm_per_unit);
   const SpacingRange spacing = spacingRange(model.cloud, threads);
@@ -45,8 +45,8 @@ std::optional<ModelScale> knownScaleOf(const PointCloud& cloud, double mm_per_un
   return std::nullopt;
 }
 
-ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit) {
-  return knownScaleOf(cloud, mm_per_unit).value_or(ModelScale::fitting(boundsOf(cloud).longestSide()));
+ModelScale scaleOf(const Model& model, double mm_per_unit) {
+  return knownScaleOf(model.cloud, mm_per_unit).value_or(ModelScale::fitting(model.shownBounds().longestSide()));
 }
 
 namespace {
@@ -102,12 +102,12 @@ namespace {
 Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading& loading) {
   const FarFacts& facts = *joined.facts;
   Model model{.cloud = std::move(joined.cloud)};
-  model.scale = scaleOf(model.cloud, config.mm_per_unit);
   model.spacing = facts.spacing;
   model.wideSpacing = facts.wideSpacing;
   model.noise = facts.noise;
   model.upright = {.up = facts.up, .why = "as the server says"};
   model.shown = facts.extent.bounds;
+  model.scale = scaleOf(model, config.mm_per_unit);
   FarPoints far{.cloud = std::move(joined.far),
                 .extent = facts.extent,
                 .presence = std::move(joined.presence),

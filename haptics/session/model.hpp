@@ -105,6 +105,7 @@ struct Model {
   double ballRadius() const { return fluid() ? fluid()->ballRadius : 0; }
   /// Spacing from which disc radii are computed, model units; 0: they are not.
   double spacingOfDiscs() const { return discRadius() > 0 ? 0 : spacing; }
+  /// Of the points without a few far outliers: what a hand's scale and workspace, paths and pictures are fitted to.
   Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
 };
 
@@ -153,9 +154,9 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading);
 void measure(Model& model, const ModelConfig& config, unsigned threads);
 
 /// The given scale, mm per unit; if that is 0, the scale in the cloud's file (scaleSaidIn()), or else a scale that
-/// makes the longest side 100 mm.
-ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit);
-/// The same, but empty if neither is known.
+/// makes the longest side of shownBounds() 100 mm.
+ModelScale scaleOf(const Model& model, double mm_per_unit);
+/// The same of a cloud, but empty if neither is known.
 std::optional<ModelScale> knownScaleOf(const PointCloud& cloud, double mm_per_unit);
 
 /// The checksum of a model as it was loaded, normals included.

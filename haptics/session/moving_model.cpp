@@ -11,7 +11,7 @@ std::optional<RigidMotion> rigidMotion(const SessionConfig& config, const Model&
   const MotionConfig& motion = *config.motion;
   return RigidMotion{.kind = motion.kind,
                      .axis = glm::normalize(motion.axis),
-                     .centre = boundsOf(model.cloud).center(),
+                     .centre = model.shownBounds().center(),
                      .amplitude = model.scale.toUnits(motion.amplitude_mm),
                      .frequency_Hz = motion.frequency_Hz,
                      .speed = model.scale.toUnits(motion.speed_mm_per_s)};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/cloud/voxel_sample.hpp"
 #include "haptics/touch_target.hpp"
 
 namespace palpate {
@@ -63,7 +64,7 @@ DVec3 across(const DVec3& heading, const DVec3& normal) {
 }  // namespace
 
 WalkedSurface::WalkedSurface(const PointCloud& cloud, std::size_t most) : points(cloud, most) {
-  const TouchTarget target = chooseTarget(ThinnedCloud(cloud, kCoarsePoints), boundsOf(cloud));
+  const TouchTarget target = chooseTarget(ThinnedCloud(cloud, kCoarsePoints), coreBoundsOf(cloud));
   best = settle(points, target.position, target.normal);
 }
 

@@ -57,6 +57,36 @@ TEST_CASE("info reports the up direction with its reason, and the unit") {
     CHECK(palpate(std::string("info ") + (folder / "s.ply").string() + " " + wrong).code == 2);
 }
 
+TEST_CASE("a few points far away change neither the touch scale nor what a hand feels, and info counts them") {
+  const ScratchFolder folder;
+  const auto in = [&](const std::string& name) { return (folder / name).string(); };
+  works("--quiet make sphere -n 3000 --size 1 -o " + in("0.xyz"));
+  const std::string sphere = contentOf(in("0.xyz"));
+  const auto felt = [&](int outliers) {
+    const std::string file = in(std::to_string(outliers) + ".xyz");
+    std::ofstream out(file, std::ios::binary);
+    out << sphere;
+    for (int i = 0; i < outliers; ++i)
+      out << 1e6 * std::cos(i) << ' ' << 1e6 * std::sin(i) << ' ' << 2e5 * i << " 0 1 0\n";
+    out.close();
+    works("info " + file + " --json " + in("i.json"));
+    CHECK(jsonOf(in("i.json"))["outliers"] == outliers);
+    CHECK(says(palpate("info " + file).text, "far from all others") == (outliers > 0));
+    works("--quiet touch " + file + " --backend cpu --path builtin:press --json " + in("t.json"));
+    CHECK(jsonOf(in("i.json"))["mm_per_unit"] == jsonOf(in("t.json"))["mm_per_unit"]);
+    return jsonOf(in("t.json"));
+  };
+  const auto plain = felt(0);
+  CHECK(plain["mm_per_unit"].get<double>() == near(100, 0.01));
+  CHECK(plain["peak_force_N"] > 0.5);
+  for (const int outliers : {1, 5}) {
+    CAPTURE(outliers);
+    const auto report = felt(outliers);
+    CHECK(report["mm_per_unit"] == plain["mm_per_unit"]);
+    CHECK(report["peak_force_N"].get<double>() == near(plain["peak_force_N"].get<double>(), 0.1));
+  }
+}
+
 TEST_CASE("lengths are in the model's own unit, and the touch scale is reported once") {
   const ScratchFolder folder;
   const std::string ply = (folder / "s.ply").string(), las = (folder / "s.las").string();

@@ -242,6 +242,18 @@ TEST_CASE("a few distant points do not widen the shown box") {
       CHECK(core.max[k] >= box.max[k]);
     }
   }
+  // Nor do single ones at any distance, to the last bit.
+  for (const int count : {1, 5}) {
+    CAPTURE(count);
+    PointCloud cloud = statue();
+    const Bounds box = boundsOf(cloud);
+    for (int i = 0; i < count; ++i)
+      add(cloud, 1e6 * box.longestSide() * DVec3(std::sin(2.0 * i), std::cos(2.0 * i), 0.3 * i), {0, 1, 0});
+    const Bounds core = coreBoundsOf(cloud);
+    CHECK(core.min == box.min);
+    CHECK(core.max == box.max);
+    CHECK(countOutside(cloud, core) == static_cast<std::size_t>(count));
+  }
   // A group of many points is part of the model.
   PointCloud two = statue();
   const std::size_t count = two.size();

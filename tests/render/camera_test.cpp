@@ -119,6 +119,9 @@ TEST_CASE("points outside the shown box do not widen the view, and are drawn") {
   CHECK(framed.farDepth > depthRangeOf(framed, boundsOf(cloud)).y);
   CHECK(Camera::parse("", cloud, 1.5, {.shown = box}).eye == framed.eye);
   CHECK(glm::distance(Camera::fitting(cloud, 1.5).eye, camera.eye) > 5);
+  cloud.positions.emplace_back(1e6f, 0, 0);
+  CHECK(Camera::fitting(cloud, 1.5, 45, {.shown = box}).nearDepth <= camera.nearDepth);
+  CHECK(Camera::parse("", cloud, 1.5, {.shown = box}).nearDepth <= camera.nearDepth);
 }
 
 TEST_CASE("the camera fits an empty cloud and a single point") {

@@ -99,7 +99,7 @@ TEST_CASE_FIXTURE(MeshPictureFixture,
   Camera before = camera_;
   before.eye = DVec3(0, 0, 3);
   before.target = DVec3(0);
-  before.setDepthRange({DVec3(-1), DVec3(1)});
+  before.setDepthRange({DVec3(-1), DVec3(1)}, 2);
   const Picture outside = draw(sphereMesh(40), before, {.pass = ImagePass::normal});
   // In the centre of the picture the sphere faces the eye.
   CHECK(outside.color.at(100, 100)[0] == within(128, 3));
@@ -108,7 +108,7 @@ TEST_CASE_FIXTURE(MeshPictureFixture,
   Camera within = camera_;
   within.eye = DVec3(0);
   within.target = DVec3(0, 0, -1);
-  within.setDepthRange({DVec3(-1), DVec3(1)});
+  within.setDepthRange({DVec3(-1), DVec3(1)}, 2);
   const Picture inside = draw(sphereMesh(20), within, {.pass = ImagePass::normal}, 0.2);
   CHECK(inside.color.at(100, 100)[2] > 250);
   CHECK(std::ranges::none_of(inside.depth.depth, [](float depth) { return depth == 0; }));

@@ -368,7 +368,7 @@ TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "a picture preempted by touch i
     Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
     for (const double closer : {1.0, 0.4}) {  // small discs, and large ones
       camera.eye = camera.target + closer * (camera.eye - camera.target);
-      camera.setDepthRange(boundsOf(cloud));
+      camera.setDepthRange(boundsOf(cloud), boundsOf(cloud).longestSide());
       FrameOptions options;
       options.splatRadius = count == 1 ? 0.5 : 1.95 * meanSpacing(cloud);
       const Image alone = picture(cloud, camera, options, kWidth, kHeight);
