@@ -365,7 +365,7 @@ void addDoctor(Options& app, Context& context, Command& command) {
       .excludes(servo);
   sub.addFlag(
          "--speed", options->speed,
-         "measure what this machine can do, for at most 3 s: the rate of a servo loop, and edits of a million points "
+         "measure what this machine can do, for 3 to 10 s: the rate of a servo loop, and edits of a million points "
          "on the CPU and on a GPU")
       .excludes(named);
   addNetworkOptions(sub, options->which);

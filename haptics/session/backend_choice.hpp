@@ -41,8 +41,8 @@ struct BackendCandidates {
   /// Brush of ticks with an edit, where the session has none at the start; empty: it never has one.
   std::optional<BrushConfig> laterBrush = {};
 };
-/// The back end for a session in real time on this model. Measures for up to a second, with the session's own tool and
-/// brush around one spot of the model, without a device and so without any force; the session's back end is made
+/// The back end for a session in real time on this model. Measures for up to two seconds, with the session's own tool
+/// and brush around one spot of the model, without a device and so without any force; the session's back end is made
 /// afterwards. Measures nothing, and takes the GPU, for points that move or are shared and for a configuration that
 /// the CPU refuses.
 const BackendKind& soonerBackend(const SessionConfig& config, const Model& model, const BackendCandidates& candidates);

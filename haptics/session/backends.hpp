@@ -54,6 +54,8 @@ class BackendKind {
   virtual std::string machine(unsigned threads) const = 0;
   /// The machine and its driver: while this is the same, so is its speed.
   virtual std::string identity(unsigned threads) const { return machine(threads); }
+  /// Time that an idle machine needs to reach its usual clock, s.
+  virtual double warmUp_s() const { return 0; }
   /// Estimator of normals for a session on it: the same for the session and for its replay.
   virtual NormalEstimator normalEstimator() const { return estimateNormalsOnCpu; }
   /// Makes a cloud that can be touched, which keeps no reference to the request. Throws Error.

@@ -35,7 +35,7 @@ constexpr Setting<BackendConfig> kBackend[]{
     {"name", &BackendConfig::name, "--backend",
      "back end: vulkan (a GPU), cpu (double precision), cuda (for comparison, where built in), or "
      "auto (vulkan where there is a GPU other than a software driver, else cpu; with --realtime the one of both that "
-     "answers sooner, which is measured for up to a second and remembered)"},
+     "answers sooner, which is measured for up to two seconds and remembered)"},
     {"method", &BackendConfig::method, "--method",
      "neighbour search on the GPU: fused (default; search, surface and proxy in one dispatch), "
      "indirect (one indirect dispatch for the occupied buckets), naive (one per bucket), two-step "

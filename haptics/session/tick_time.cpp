@@ -62,6 +62,10 @@ std::vector<Summary> tickTimes(const TickTimeRequest& request) {
                                     .fusion = none})
                            .touch;
   backend->begin(false, {});
+  backend->resetHand(0);
+  std::uint64_t ticks = 0;
+  for (const Stopwatch watch; watch.elapsed_s() < request.kind.warmUp_s(); ++ticks)
+    backend->query({.time_s = static_cast<double>(ticks) / config.rate_Hz, .hip = request.places.front().position}, 0);
   std::vector<Summary> times;
   for (const Stroke& stroke : request.strokes) {
     if (config.brush) backend->setBrush(brushOptions(stroke.brush, model.scale));

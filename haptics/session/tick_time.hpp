@@ -22,8 +22,9 @@ struct TickTimeRequest {
 };
 
 /// Times of the ticks of each stroke, us, on a back end made for this: query, edit and index, one tick after another
-/// without a pause, all of them at full depth. No device takes part, so that there is no force. Throws Error if the
-/// back end cannot be made or gives no valid answer, and if no tick of a stroke has reached the surface.
+/// without a pause, all of them at full depth, once the machine has reached its usual clock. No device takes part, so
+/// that there is no force. Throws Error if the back end cannot be made or gives no valid answer, and if no tick of a
+/// stroke has reached the surface.
 std::vector<Summary> tickTimes(const TickTimeRequest& request);
 
 }  // namespace palpate

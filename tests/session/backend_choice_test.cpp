@@ -23,20 +23,22 @@ BackendTimes timesOf(std::optional<double> gpu_us, std::optional<double> cpu_us)
           .measured_s = 0.6};
 }
 
-/// Delays each answer.
+/// Delays each answer, of the first `for_s` seconds.
 class LateTouch final : public TouchDecorator {
  public:
-  LateTouch(std::unique_ptr<TouchBackend> inner, double by_us) : TouchDecorator(std::move(inner)), by_us_(by_us) {}
+  LateTouch(std::unique_ptr<TouchBackend> inner, double by_us, double for_s)
+      : TouchDecorator(std::move(inner)), by_us_(by_us), for_s_(for_s) {}
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override {
     const Stopwatch watch;
     const std::span<const Contact> answers = inner().ask(poses, budget_us);
-    while (watch.elapsed_us() < by_us_) {
+    while (watch.elapsed_us() < by_us_ && since_.elapsed_s() < for_s_) {
     }
     return answers;
   }
 
  private:
-  double by_us_;
+  double by_us_, for_s_;
+  Stopwatch since_;
 };
 
 /// Gives no valid answer.
@@ -64,10 +66,12 @@ class MadeUpKind final : public BackendKind {
     points = request.model.cloud.size();
     if (failure_ == kNoAnswer) return std::make_unique<FaultyTouch>(cpu_->make(request));
     if (!failure_.empty()) throw GpuError("{}", failure_);
-    return std::make_unique<LateTouch>(cpu_->make(request), late_us_);
+    return std::make_unique<LateTouch>(cpu_->make(request), late_us_, cold_s > 0 ? cold_s : 1e9);
   }
+  double warmUp_s() const override { return cold_s; }
 
   static constexpr std::string_view kNoAnswer = "gave no valid answer";
+  double cold_s = 0;  // so long it is late; 0: always
   mutable int made = 0;
   mutable bool brushed = false;
   mutable std::size_t points = 0;
@@ -130,6 +134,14 @@ TEST_CASE("auto takes the back end that does not fail while it is measured, and 
   CHECK(soonerOf(times).gpu);
   times.gpu.failure = "the GPU was lost";
   CHECK(soonerOf(times).gpu);  // whose own error then ends the session
+}
+
+TEST_CASE("a GPU is measured once it has reached its usual clock") {
+  const ScratchFolder folder;
+  MadeUpKind gpu("vulkan", kLate_us);
+  const MadeUpKind cpu("cpu", kLate_us / 4);
+  gpu.cold_s = 0.5;
+  CHECK(Chosen(gpu, cpu, folder / "backends").name == "vulkan");
 }
 
 TEST_CASE("the measurement finds the sooner back end with the session's own brush, once for each kind of session") {

@@ -119,8 +119,8 @@ typedef struct pp_session_options {
   pp_watch watch;
   /** "vulkan" (a GPU), "cpu" (double precision), or "auto": "vulkan" if a GPU is named or there is one other than a
    * software driver, else "cpu"; null: auto. With auto, a budget_us and no named GPU, a cloud at rest is answered by
-   * the one of both that takes less time for a tick with an edit: it is measured for up to a second, reported to `log`,
-   * and remembered in the user's cache folder. PP_ERROR_ARGUMENT if it conflicts with `gpu` or `vulkan`. */
+   * the one of both that takes less time for a tick with an edit: it is measured for up to two seconds, reported to
+   * `log`, and remembered in the user's cache folder. PP_ERROR_ARGUMENT if it conflicts with `gpu` or `vulkan`. */
   const char* backend;
 } pp_session_options;
 PP_OPTIONS(session_options)
