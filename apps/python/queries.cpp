@@ -116,8 +116,9 @@ void bindSessionsTicks(py::class_<PySession>& session) {
           py::arg("t_s"), py::arg("hip"), py::arg("edit") = true,
           "touch_pose(t_s, hip, edit=True) -> Contact\n\n"
           "One tick, for a servo loop of the program. t_s: s, time of the pose, later than that of the pose\n"
-          "before by the duration of a tick. hip: three numbers, model units. edit: with the session's\n"
-          "brush, if it has one. With budget_us (a keyword of Session) the answer does not wait for a query\n"
+          "before by the duration of a tick (UsageError if it is not later; after lift() any time). hip: three\n"
+          "numbers, model units. edit: with the session's brush, if it has one. With budget_us (a keyword of Session) "
+          "the answer does not wait for a query\n"
           "longer than that: it is then held, fades, and says how old it is; another thread may meanwhile\n"
           "call apply_edits(), which is needed some thirty times a second with a brush, render(), mesh(),\n"
           "nearest() and raycast(). Without it threads wait for one another. A fault gives no force and the\n"

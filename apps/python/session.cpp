@@ -221,8 +221,10 @@ void PySession::addFrame(double t_s, const py::object& xyz, const py::object& no
 }
 
 py::array PySession::render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options) {
-  py::array_t<std::uint8_t> picture(
-      std::vector<py::ssize_t>{static_cast<py::ssize_t>(size.second), static_cast<py::ssize_t>(size.first), 4});
+  // What is too large gets no memory: the call below says the maximum.
+  const bool fits = std::max(size.first, size.second) <= PP_MAX_PICTURE_SIDE;
+  const py::ssize_t width = fits ? size.first : 0, height = fits ? size.second : 0;
+  py::array_t<std::uint8_t> picture(std::vector<py::ssize_t>{height, width, 4});
   std::uint8_t* const rgba = picture.mutable_data();
   const auto bytes = static_cast<std::uint64_t>(picture.size());
   with([&](pp::Session& session) { pp::check(pp_session_render(session.handle(), &options, rgba, bytes)); });

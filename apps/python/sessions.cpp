@@ -214,9 +214,9 @@ void bindPictures(py::class_<PySession>& session) {
           py::arg("background") = py::none(), py::arg("samples") = 4,
           "render(size=(1280, 720), eye=None, target=None, up=None, fov=45, color='rgb', background=None, "
           "samples=4)\n\n"
-          "Draws the present points: uint8, height x width x 4, rows from the top. size: width, height.\n"
-          "eye, target, up: model units; what is not given is chosen to fit the model. fov: vertical,\n"
-          "degrees. color: rgb, normal, depth, height. background: three of 0 to 255. samples: per pixel, 1\n"
+          "Draws the present points: uint8, height x width x 4, rows from the top. size: width, height,\n"
+          "16384 at most. eye, target, up: model units; what is not given is chosen to fit the model. fov:\n"
+          "vertical, degrees. color: rgb, normal, depth, height. background: three of 0 to 255. samples: per pixel, 1\n"
           "or 4.")
       .def(
           "mesh",

@@ -10,11 +10,8 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kLargestSide_px = 16'384;
-
 std::uint32_t checkedSide(std::uint32_t side) {
-  if (side < 1 || side > kLargestSide_px)
-    throw UsageError("size: {} pixels is not between 1 and {}", side, kLargestSide_px);
+  if (side < 1 || side > kMaxSide_px) throw UsageError("size: {} pixels is not between 1 and {}", side, kMaxSide_px);
   return side;
 }
 

@@ -39,6 +39,9 @@ enum class Raster : std::uint32_t {
   hardware,  ///< the graphics pipeline: point sprites
 };
 
+/// Largest width and height of a picture, pixels.
+inline constexpr std::uint32_t kMaxSide_px = 16'384;
+
 /// Names on the command line.
 inline constexpr std::array<std::pair<std::string_view, ColorBy>, 4> kColorNames{
     {{"rgb", ColorBy::rgb}, {"normal", ColorBy::normal}, {"depth", ColorBy::depth}, {"height", ColorBy::height}}};

@@ -101,9 +101,8 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
   if (hasArrays(subject) && !knownScaleOf(model_->cloud, config.model.mm_per_unit))
     messages_.sink().say(
         "the longest side, {:.6g} model units, is felt as {:.6g} mm: 1 unit is {:.6g} mm in the hand, where all "
-        "lengths "
-        "in mm are measured, as a brush's radius_mm is; mm_per_unit sets the true scale",
-        boundsOf(model_->cloud).longestSide(), kDefaultLongestSide_mm, model_->scale.mm_per_unit);
+        "lengths in mm are measured, as a brush's radius_mm is; mm_per_unit sets the true scale",
+        model_->shownBounds().longestSide(), kDefaultLongestSide_mm, model_->scale.mm_per_unit);
   if (joined_ && model_->cloud.empty()) throw Error("'{}' contains no points", subject.model.file);
   session_.build(false, false);
 }
@@ -345,6 +344,12 @@ void OpenSession::stopLive() {
 void OpenSession::touch(std::span<const Pose> poses, std::span<pp_contact> contacts, double* torques_mNm) {
   if (poses.size() != hands())
     throw UsageError("hands: {} poses were given to a session of {} hands", poses.size(), hands());
+  if (time_.takeReset()) session_->lift();  // the scene begins again, and its times with it
+  if (!session_->isLater(poses.front().time_s))
+    throw UsageError(
+        "t_s: {} s is not later than the time of the pose before; times increase by the duration of a "
+        "tick, and may begin again after all hands were lifted",
+        poses.front().time_s);
   if (!session_->isPulled()) {
     if (isLive()) throw StateError("the session is live; stop it first");
     checkShared();

@@ -139,6 +139,9 @@ BrushConfig brushFrom(const pp_brush& given) {
 
 PictureRequest pictureFrom(const pp_picture_options& options) {
   if (options.samples != 1 && options.samples != 4) throw UsageError("samples: {} is neither 1 nor 4", options.samples);
+  static_assert(PP_MAX_PICTURE_SIDE == kMaxSide_px);
+  for (const std::uint32_t side : {options.width, options.height})
+    if (side < 1 || side > kMaxSide_px) throw UsageError("size: {} pixels is not between 1 and {}", side, kMaxSide_px);
   PictureRequest request{.width = options.width, .height = options.height, .samples = options.samples};
   if (options.has_eye) request.camera.eye = vectorFrom(options.eye, "eye");
   if (options.has_target) request.camera.target = vectorFrom(options.target, "target");

@@ -52,6 +52,9 @@ class PulledHands {
   PulledHands(PulledParts parts, const PullOptions& options);
 
   std::size_t count() const { return hands_.size(); }
+  /// Whether poses of this time are later than the last ones since the hands were put down; without time between them
+  /// no force can rise.
+  bool isLater(double time_s) const noexcept { return !lastTime_s_ || time_s > *lastTime_s_; }
   /// Session::tick().
   std::span<const PulledTick> tick(std::span<const Pose> poses) noexcept;
   /// Lifts all hands; the next poses put them down elsewhere.
@@ -68,8 +71,8 @@ class PulledHands {
   double budget_us_;
   std::vector<ForceLaw> laws_;  // one for each hand, as in the next two
   std::vector<PulledTick> hands_;
-  std::vector<ForceGate> gates_;  // if the information about the surface may be old
-  std::optional<double> lastTime_s_;
+  std::vector<ForceGate> gates_;      // if the information about the surface may be old
+  std::optional<double> lastTime_s_;  // since the hands were put down
   std::exception_ptr failure_;
 };
 

@@ -157,6 +157,8 @@ class Session {
   /// Begins: tick() answers from now on. Throws as TouchBackend::begin() does.
   void pull(const PullOptions& options);
   bool isPulled() const { return pulled_.has_value(); }
+  /// PulledHands::isLater(); true if the next pose begins new contacts.
+  bool isLater(double time_s) const noexcept { return !pulled_ || pulled_->isLater(time_s); }
   /// Takes a pose for each hand, all of the same time; the result is valid until the next call. Allocates nothing
   /// unless points are edited. On any fault the force is zero and the contact invalid.
   std::span<const PulledTick> tick(std::span<const Pose> poses) noexcept {

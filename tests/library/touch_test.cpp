@@ -269,6 +269,35 @@ TEST_CASE("a call that fails leaves no force, count or handle of an earlier one"
   CHECK(cloud.id == 0);
 }
 
+TEST_CASE("a time that is not later than that of the pose before is an error, and the contact goes on") {
+  const OpenBall ball;
+  pp_pose pose{.t_s = 5, .hip = {0.3, -0.2, kBallRadius + 1}};
+  pp_contact contact{};
+  constexpr std::size_t kTicks = 100;
+  for (std::size_t i = 0; i <= kTicks; ++i) {
+    pose.t_s = 5 + static_cast<double>(i) / 1000;
+    pose.hip[2] = kBallRadius + 1 - 2 * static_cast<double>(i) / kTicks;
+    PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
+  }
+  const double pressed_N = contact.force_N[2];
+  REQUIRE(pressed_N > 0.5);
+  const double last_s = pose.t_s;
+  for (const double t_s : {last_s, last_s - 0.001, -1.0}) {
+    CAPTURE(t_s);
+    pose.t_s = t_s;
+    CHECK(pp_touch(ball.session, &pose, &contact) == PP_ERROR_ARGUMENT);
+    CHECK(lastErrorSays("not later than the time of the pose before"));
+    CHECK(contact.valid == 0);
+    CHECK(lengthOf(contact.force_N) == 0);
+  }
+  pose.t_s = last_s + 0.001;
+  PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
+  CHECK(contact.force_N[2] == near(pressed_N, 0.1));
+  PP_CHECK_OK(pp_touch_lift(ball.session));
+  pose = {.t_s = 0, .hip = {0.3, -0.2, kBallRadius + 1}};
+  PP_CHECK_OK(pp_touch(ball.session, &pose, &contact));
+}
+
 TEST_CASE("a hand lifted and put down inside the ball keeps no contact from before") {
   const OpenBall ball;
   pp_contact contact{};

@@ -127,6 +127,10 @@ TEST_CASE("a picture with an invalid size, buffer or camera is refused, and a va
   view.width = 0;
   CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
   view = picture.options();
+  view.height = PP_MAX_PICTURE_SIDE + 1;
+  CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("size: 16385 pixels is not between 1 and 16384"));
+  view = picture.options();
   view.samples = 3;
   CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
   view = picture.options();

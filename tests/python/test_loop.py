@@ -32,6 +32,8 @@ def test_a_pose_that_cannot_be_answered_gives_no_force(session):
     assert outside.validity == "none" and outside.force_N == [0, 0, 0] and outside.age_s < 0
     with pytest.raises(pp.UsageError, match="finite"):
         session.touch_pose(0.002, [np.nan, 0, 0])
+    with pytest.raises(pp.UsageError, match="not later than"):
+        session.touch_pose(0.001, [0, 0, 52])  # the time stands still
     with pytest.raises(TypeError, match="three numbers"):
         session.touch_pose(0.003, [1, 2])
 

@@ -129,6 +129,9 @@ def test_pictures_are_arrays_with_the_ball_in_the_middle(session):
     assert session._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(pp.UsageError):
         session.render((0, 120))
+    for size in [(100_000, 100_000), (2**32 - 1, 2**32 - 1), (16, 16_385)]:  # the second exceeds any memory
+        with pytest.raises(pp.UsageError, match="size: .* pixels is not between 1 and 16384"):
+            session.render(size)
     with pytest.raises(pp.UsageError, match="plaid"):
         session.render((16, 12), color="plaid")
 

@@ -45,7 +45,7 @@ PP_API pp_status pp_frame_close(pp_frame frame);
 PP_API pp_status pp_session_frame(pp_session session, pp_frame* frame);
 /** Pauses the scene while `on` is 1: it stands still, and no hand feels it. */
 PP_API pp_status pp_session_pause(pp_session session, uint32_t on);
-/** Restarts the scene with the next tick; the changes of a brush remain. */
+/** Restarts the scene with the next tick; the changes of a brush remain, and times of pp_touch() may begin again. */
 PP_API pp_status pp_session_reset(pp_session session);
 /** Number of the scene's parameters. */
 PP_API pp_status pp_session_parameter_count(pp_session session, uint64_t* count);

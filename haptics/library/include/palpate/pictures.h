@@ -9,11 +9,14 @@
 /** @defgroup pictures Pictures and meshes
  * @{ */
 
+/** Largest width and height of a picture, pixels. */
+#define PP_MAX_PICTURE_SIDE 16384
+
 /** Camera and colours of a picture. */
 typedef struct pp_picture_options {
   uint32_t size;           /**< bytes of this struct */
-  uint32_t width;          /**< pixels */
-  uint32_t height;         /**< pixels */
+  uint32_t width;          /**< pixels, 1 to PP_MAX_PICTURE_SIDE */
+  uint32_t height;         /**< pixels, 1 to PP_MAX_PICTURE_SIDE */
   uint32_t samples;        /**< samples per pixel: 1 or 4 */
   uint32_t has_eye;        /**< 1: `eye` is used; 0: chosen to fit the model */
   uint32_t has_target;     /**< 1: `target` is used; 0: chosen to fit the model */
@@ -30,8 +33,8 @@ typedef struct pp_picture_options {
 PP_OPTIONS(picture_options)
 /** Draws the present points into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` is the size of the buffer.
  * Uses the GPU that answers; a session on the CPU uses the best GPU available. Options may be null. PP_ERROR_ARGUMENT
- * if the buffer is too small, PP_ERROR_GPU if there is no GPU, PP_ERROR_UNSUPPORTED if palpate was built without
- * Vulkan. */
+ * if the picture is too large or the buffer too small, PP_ERROR_GPU if there is no GPU, PP_ERROR_UNSUPPORTED if palpate
+ * was built without Vulkan. */
 PP_API pp_status pp_session_render(pp_session session, const pp_picture_options* options, uint8_t* rgba,
                                    uint64_t bytes);
 /** Writes such a picture as .png or .jpg. PP_ERROR_FILE if it cannot be written, PP_ERROR_UNSUPPORTED if palpate was

@@ -38,8 +38,10 @@ PP_API pp_status pp_session_touch(pp_session session, const pp_path* path, pp_ti
  * force. The first one after any other call begins a new contact and may take long: call it before the device has a
  * force. Later ones allocate nothing unless points are edited, take no lock that another thread holds for longer than
  * the copy of a pointer, and with pp_session_options.budget_us wait for no query beyond it: an answer that is late is
- * held (pp_contact). Times increase by the duration of a tick. Returns PP_OK even if contact->valid is 0; with any
- * other status there is no force. PP_ERROR_ARGUMENT for numbers that are not finite. */
+ * held (pp_contact). Times increase by the duration of a tick; the first one, also after pp_touch_lift(), is free.
+ * Returns PP_OK even if contact->valid is 0; with any other status there is no force. PP_ERROR_ARGUMENT for numbers
+ * that are not finite and for a time that is not later than that of the pose before; that pose then counts as not
+ * given. */
 PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact);
 /** One tick for all hands of a session: `poses`, `contacts`, `orientations` and `torques_mNm` have an entry for each of
  * the `hands` hands. The time of the first pose is used for all. `orientations`: rotation of each hand's tool, unit
