@@ -52,6 +52,9 @@ std::string aboutWord(const CLI::App& app, const CLI::App& command, const std::s
     std::vector<std::string> names;
     addOptionNames(command, names);
     addOptionNames(app, names);
+    if (std::ranges::find(names, name) != names.end())
+      return fmt::format("{} follows --, and what follows that are names, not options; put -- behind the options",
+                         name);
     return unknownWord("option", name, names);
   }
   if (command.get_subcommands({}).empty()) return fmt::format("'{}' is one word too many", word);

@@ -63,6 +63,18 @@ void parse(CLI::App& app, std::vector<std::string> arguments) {
   }
 }
 
+// Parses the command line, and answers --help or --version; true if one was given, and there is no command to run.
+bool answered(CLI::App& app, std::vector<std::string> arguments) {
+  try {
+    parse(app, std::move(arguments));
+    return false;
+  } catch (const CLI::Success& asked) {
+    if (app.get_subcommands().empty() && !firstUnexpected(app).empty()) throw UsageError("{}", complaint(app, asked));
+    app.exit(asked);
+    return true;
+  }
+}
+
 // The innermost subcommand on the command line.
 const Options& namedIn(const Options& options) {
   const std::vector<const Options*> named = options.named();
@@ -106,22 +118,18 @@ int run(std::vector<std::string> arguments) {
   addFooter(app.get_subcommands({}));
   app.footer("palpate help COMMAND shows the options of that command, as palpate COMMAND --help does.");
 
-  if (!arguments.empty() && arguments.front() == "complete") {
-    complete(options, {arguments.begin() + 1, arguments.end()});
-    return 0;
-  }
   try {
-    parse(app, std::move(arguments));
-    requireDistinctFiles(options);
-    context.checkJson();
-    command();
+    if (!arguments.empty() && arguments.front() == "complete") {
+      complete(options, {arguments.begin() + 1, arguments.end()});
+    } else if (!answered(app, std::move(arguments))) {
+      requireDistinctFiles(options);
+      context.checkJson();
+      command();
+    }
     checkStdout();
     if (const std::size_t messages = context.closeDevices())
       throw Error("{}; see above", counted(messages, "validation message"));
     return 0;
-  } catch (const CLI::Success& asked) {  // --help or --version was given
-    if (!app.get_subcommands().empty() || firstUnexpected(app).empty()) return app.exit(asked);
-    return fail(complaint(app, asked), 2);
   } catch (const CLI::ParseError& error) {
     return fail(complaint(app, error), 2);
   } catch (const ConfigError& error) {

@@ -91,6 +91,36 @@ TEST_CASE("a misspelt command, option or value gets a suggestion") {
   meant("touch x.ply --edit psuh", "--edit: unknown value 'psuh'; did you mean 'push'? Choose none, push, carve");
   meant("help bench coexsit", "did you mean 'coexist'?");
   meant("bench", "a subcommand is required: build, sort,");
+  meant("convert -- a.ply b.ply --force", "--force follows --, and what follows that are names, not options");
+}
+
+TEST_CASE("text that cannot be written is an error of every command, and not a success") {
+  if (!std::filesystem::exists("/dev/full")) return;
+  const ScratchFolder folder;
+  works("--quiet make sphere -n 100 -o " + (folder / "s.ply").string());
+  for (const std::string& command :
+       {std::string("--help"), std::string("--help-all"), std::string("--version"), std::string("help touch"),
+        std::string("touch --help"), std::string("reference"), std::string("complete bash"),
+        "info " + (folder / "s.ply").string(), "info --json - " + (folder / "s.ply").string()}) {
+    CAPTURE(command);
+    const Outcome outcome = run("(" + program() + " " + command + " >/dev/full)");
+    CHECK(outcome.code == 1);
+    CHECK(says("\n" + outcome.text, "\npalpate: "));
+  }
+}
+
+TEST_CASE("info names a way to read what comes through a pipe") {
+  const ScratchFolder folder;
+  const std::string ply = (folder / "s.ply").string(), copy = (folder / "c.ply").string();
+  works("--quiet make sphere -n 100 -o " + ply);
+  for (const char* name : {"-", "/dev/stdin"}) {
+    const Outcome refused = run("cat " + ply + " | " + program() + " info " + name);
+    CHECK(refused.code == 1);
+    CHECK(says(refused.text, "palpate convert /dev/stdin FILE.ply"));
+  }
+  const Outcome converted = run("cat " + ply + " | " + program() + " convert /dev/stdin " + copy);
+  CHECK(converted.code == 0);
+  works("info " + copy);
 }
 
 TEST_CASE("a duplicate option, or one without its value, is reported in a sentence") {
