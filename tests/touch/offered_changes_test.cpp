@@ -1,4 +1,5 @@
 // Changes that others offer to a back end, on the CPU.
+#include <atomic>
 #include <thread>
 
 #include "engine/touch/cpu_touch.hpp"
@@ -60,17 +61,22 @@ TEST_CASE("edits of others are felt, in real time too, while another thread offe
   const Scene scene = makeScene("sphere", 5'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
   Offering others(touch, scene.cloud, 11);
+  double time_s = 0;
+  const auto ask = [&](double z, double budget_us) {
+    return touch.query({.time_s = time_s += 1e-3, .hip = {0, 0, z}}, budget_us);
+  };
+  constexpr int kOffers = 40;
+  std::atomic<int> offers = 0;
   {
     std::jthread follower([&](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
         others.follow();
-        others.offer(30, 1, [](const PointState& point) { return point.position.z < 0; });
+        offers += others.offer(30, 1, [](const PointState& point) { return point.position.z < 0; });
       }
     });
-    for (int i = 0; i < 400; ++i)
-      touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 51 - 0.01 * (i % 200)}}, i % 4 ? 300 : 0);
+    for (int i = 0; i < 400 || offers < kOffers; ++i) ask(51 - 0.01 * (i % 200), i % 4 ? 300 : 0);
   }
-  touch.query({.time_s = 0.41, .hip = {0, 0, 200}}, 0);
+  ask(200, 0);
   touch.finish();
   others.checkEnd();
   CHECK(others.taken() > 100);
@@ -78,8 +84,8 @@ TEST_CASE("edits of others are felt, in real time too, while another thread offe
 
   // The top is lowered by 10: a hand passes its old position and feels the new one.
   const auto feels = [&](double z) {
-    for (const double above : {3, 1}) touch.query({.time_s = 1, .hip = {0, 0, z + above}}, 0);
-    return touch.query({.time_s = 1, .hip = {0, 0, z - 0.2}}, 0).touching;
+    for (const double above : {3, 1}) ask(z + above, 0);
+    return ask(z - 0.2, 0).touching;
   };
   std::vector<PointChange> lower;
   for (const PointState& point : others.shown()) {
@@ -88,10 +94,10 @@ TEST_CASE("edits of others are felt, in real time too, while another thread offe
     lower.back().to.position.z -= 10;
   }
   const double top = std::ranges::max(others.shown(), {}, [](const PointState& p) { return p.position.z; }).position.z;
-  if (others.isOffered()) touch.query({.time_s = 1, .hip = {0, 0, 200}}, 0);
+  if (others.isOffered()) ask(200, 0);
   others.follow();
   REQUIRE(others.offerThese(lower));
-  touch.query({.time_s = 1, .hip = {0, 0, 200}}, 0);
+  ask(200, 0);
   CHECK_FALSE(feels(top - 1));
   CHECK(feels(top - 12));
 }
