@@ -28,7 +28,7 @@ struct Closest {
   }
 };
 
-// A bit for each sector in which one of them is no further than `widestGap` and on the same sheet, and whether any is
+// A bit for each sector in which one of them is within `widestGap` and on the same sheet, and whether any is
 // nearer than `mayCrowd`.
 struct Surrounded {
   std::uint32_t sectors = 0, mayCrowd = 0;

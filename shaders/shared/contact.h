@@ -154,7 +154,7 @@ PALPATE_SIZE(ContactSample, 64);
 const uint kSampleWords = 16;
 
 // Before the samples: where the time of a step that waited for its question went, in ticks of the GPU's own clock. All
-// 0 where it has none that shaders can read. In the sample's alignment.
+// 0 on devices whose shaders cannot read a clock. In the sample's alignment.
 struct StepTicks {
   uint waited;    // from the beginning of the step until its question was there
   uint answered;  // from then until the answer was written

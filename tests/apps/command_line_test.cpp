@@ -109,7 +109,7 @@ TEST_CASE("text that cannot be written is an error of every command, and not a s
   }
 }
 
-TEST_CASE("info names a way to read what comes through a pipe") {
+TEST_CASE("info advises how to read the bytes of a pipe") {
   const ScratchFolder folder;
   const std::string ply = (folder / "s.ply").string(), copy = (folder / "c.ply").string();
   works("--quiet make sphere -n 100 -o " + ply);
