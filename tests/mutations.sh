@@ -57,7 +57,16 @@ else
 fi
 built=$copy/build/$preset
 cd "$copy"
-trap 'git -C "$copy" checkout -q -f' EXIT
+build() { cmake --build --preset "$preset" --target "$@" > "$log" 2>&1; }
+
+# However this ends, neither a mutated source nor a program built from one is left behind.
+mutated=()  # targets that were built with a bug
+restore() {
+  git -C "$copy" checkout -q -f
+  [ ${#mutated[@]} -eq 0 ] || build "${mutated[@]}" ||
+    { echo "mutations.sh: $built contains mutated programs: ${mutated[*]} do not build; see $log" >&2; exit 1; }
+}
+trap restore EXIT
 cmake --preset "$preset" > /dev/null
 
 field() { sed -n "s/^$2: //p;/^---/q" "$1"; }  # PATCH NAME
@@ -73,8 +82,6 @@ target_of() {  # FILE
     { grep -rl "/$1\"" "$built"/tests/CMakeFiles/*.dir/Unity 2> /dev/null || true; } |
       sed 's|.*/CMakeFiles/\([a-z_]*\)\.dir/.*|\1|'; } | head -n 1
 }
-
-build() { cmake --build --preset "$preset" --target "$@" > "$log" 2>&1; }
 
 # Runs a case and returns its failure; 3 if the case does not exist.
 run_case() {  # FILE CASE
@@ -129,6 +136,8 @@ outcome() {  # PATCH
 table=() survived=0 broken=0
 for patch in "${patches[@]}"; do
   begin=$SECONDS
+  target=$(target_of "$(field "$patch" File)") || true
+  [ -z "$target" ] || mutated+=("$target")
   result=$(outcome "$patch")
   git checkout -q -f
   case $result in killed*) ;; SURVIVED*) survived=$((survived + 1)) ;; *) broken=$((broken + 1)) ;; esac
