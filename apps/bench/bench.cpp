@@ -1,8 +1,10 @@
 #include "apps/bench/bench.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <ctime>
 #include <filesystem>
 
 #include "apps/cli/output.hpp"
@@ -87,13 +89,20 @@ double realtimeRate_Hz(const BenchOptions& options) {
 
 std::vector<SubjectMaker> subjectsOf(const BenchOptions& options) {
   std::vector<SubjectMaker> subjects;
+  const auto add = [&](const std::function<Subject(Context&)>& make) {
+    subjects.emplace_back([&options, make](Context& context) {
+      Subject subject = make(context);
+      warmUp(context, options);
+      return subject;
+    });
+  };
   const EstimateOn where = options.wants("vulkan") ? EstimateOn::gpu : EstimateOn::cpu;
   for (const std::string& file : options.models)
-    subjects.emplace_back([file, where](Context& context) { return loadSubject(context, file, where); });
+    add([file, where](Context& context) { return loadSubject(context, file, where); });
   std::vector<std::int64_t> sizes = options.sizes;
   if (subjects.empty() && sizes.empty()) sizes.push_back(1'000'000);
   for (const std::int64_t size : sizes)
-    subjects.emplace_back([size](Context& context) { return makeSubject(context, static_cast<std::size_t>(size)); });
+    add([size](Context& context) { return makeSubject(context, static_cast<std::size_t>(size)); });
   return subjects;
 }
 
@@ -130,21 +139,31 @@ Json summaryOf(const Summary& s) {
   return {{"n", s.count}, {"min", s.min}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
 }
 
-Json sayMachines(Context& context, const BenchOptions& options) {
+Json describeRun(Context& context, const BenchOptions& options) {
   Json machines = Json::object();
   for (const std::string& backend : options.backends) {
     const std::string machine = context.backends().named(backend).machine(context.threads());
     fmt::print(context.tables(), "{}: {}\n", backend, machine);
     machines[backend] = machine;
   }
-  return machines;
+  const Json run{{"command", context.commandLine()},
+                 {"date", fmt::format("{:%F}", fmt::gmtime(std::time(nullptr)))},
+                 {"version", PALPATE_VERSION}};
+  return {{"run", run}, {"machines", machines}};
+}
+
+void listRun(std::vector<ResultFacts>& all, const std::string& bench) {
+  constexpr DescribedKey keys[]{{"run", "", "command line, day (UTC) and version of this program"},
+                                {"machines", "", "machine of each back end"}};
+  listResults(all, bench, "", keys);
 }
 
 Json measureAlone(Context& context, const BenchOptions& options, const std::string& name,
                   const std::function<Json()>& measure, PlotScript script) {
   checkMethods(context, options);
   checkOutput(options.plotFile, Output::plot);
-  Json result{{"machines", sayMachines(context, options)}};
+  Json result = describeRun(context, options);
+  warmUp(context, options);
   result[name] = measure();
   context.writeJson(result);
   if (!options.plotFile.empty()) plot(script, result, options.plotFile);
@@ -153,7 +172,6 @@ Json measureAlone(Context& context, const BenchOptions& options, const std::stri
 
 void listBenchResults(std::vector<ResultFacts>& all) {
   listTimeResults(all);
-  constexpr DescribedKey machines[]{{"machines", "", "machine of each back end"}};
   using List = void (*)(std::vector<ResultFacts>&);
   for (const auto& [bench, list] :
        std::initializer_list<std::pair<const char*, List>>{{"bench touch", &listTouchBenchResults},
@@ -166,7 +184,7 @@ void listBenchResults(std::vector<ResultFacts>& all) {
                                                            {"bench matter", &listMatterBenchResults},
                                                            {"bench read", &listReadBenchResults},
                                                            {"bench share", &listShareBenchResults}}) {
-    listResults(all, bench, "", machines);
+    listRun(all, bench);
     list(all);
   }
 }

@@ -60,11 +60,16 @@ std::vector<std::string> methodChoices(const Context& context, const std::string
 /// Throws UsageError for a method that no measured back end offers.
 void checkMethods(const Context& context, const BenchOptions& options);
 
-/// Prints the machine of each measured back end; returns the machines by back end name.
-Json sayMachines(Context& context, const BenchOptions& options);
+/// Prints the machine of each measured back end. Returns how a result was made: the command, the day and the version,
+/// and the machines by back end name.
+Json describeRun(Context& context, const BenchOptions& options);
 
-/// Runs a bench whose result has no other beside it: prints its machines, measures, writes --json, and plots with
-/// `script` for --plot. Returns the measurements.
+/// Keeps the GPU that is measured busy for a second: an idle one runs at a sixth of its usual clock, and needs 0.7 s to
+/// reach it. Called before each size that is measured, since making a model leaves the GPU idle. Nothing on a CPU.
+void warmUp(Context& context, const BenchOptions& options);
+
+/// Runs a bench whose result has no other beside it: prints its machines, warms up, measures, writes --json, and plots
+/// with `script` for --plot. Returns the measurements.
 Json measureAlone(Context& context, const BenchOptions& options, const std::string& name,
                   const std::function<Json()>& measure, PlotScript script = PlotScript::bench);
 
@@ -88,6 +93,8 @@ void repeatMeasurement(const BenchOptions& options, Once&& once) {
   }
 }
 
+/// Appends the keys of describeRun().
+void listRun(std::vector<ResultFacts>& all, const std::string& bench);
 /// Appends the results of a bench that runs alone: their keys begin with its name.
 template <class Rows>
 void listAlone(std::vector<ResultFacts>& all, std::string_view name, std::string_view before, const Rows& rows) {

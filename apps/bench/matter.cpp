@@ -398,6 +398,7 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
         const auto particles = static_cast<std::size_t>(size);
         const MatterScene scene =
             matter == Matter::soft ? softScene(particles) : sceneOf(matter, particles, options.depth_mm);
+        warmUp(context, options);
         costs.push_back(
             measure(context, {.scene = scene, .backend = backend, .points = options.points, .presses = options.presses},
                     options));

@@ -170,6 +170,7 @@ void judgeShapes(Context& context, const UVec2& size, const SplatBenchOptions& o
       if (!truth) truth = pictureTruth(traced(*shape), cloud, size.x, size.y, stride, context.threads());
       Model model{.cloud = std::move(cloud), .scale = {1}};
       model.spacing = meanSpacing(model.cloud, context.threads());
+      warmUp(context, options);
       judgeWays(context, std::string(name), std::string(condition.name), model, *truth, options, results);
     }
   }

@@ -270,6 +270,7 @@ Json benchStream(Context& context, const StreamBenchOptions& options) {
     for (const std::int64_t surfels : options.sizes) {
       const PointCloud map =
           sampleShape(*shape, {.count = static_cast<std::size_t>(surfels), .threads = context.threads()});
+      warmUp(context, options);
       Fused fused = fuse(context.device(), map, camera, frames, options);
       fused.frames = size;
       fmt::print(context.tables(), "{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n", size, surfels, fused.counts.matched,

@@ -11,11 +11,6 @@ namespace palpate {
 
 namespace {
 
-struct TimeResults {
-  Json machines;
-  std::vector<BenchRecord> records;
-};
-
 constexpr Reported<BenchRecord> kTimeRecords[]{
     {"bench", "", "build, sort, query or step", field<&BenchRecord::bench>},
     {"backend", "", "back end", field<&BenchRecord::backend>},
@@ -25,12 +20,6 @@ constexpr Reported<BenchRecord> kTimeRecords[]{
     {"points", "", "its points", field<&BenchRecord::points>},
     {"gpu_us", "us", "time on the GPU; null: not measured", quantiles<&BenchRecord::gpu_us>},
     {"wall_us", "us", "time in all; null: not measured", quantiles<&BenchRecord::wall_us>},
-};
-
-constexpr Reported<TimeResults> kTimes[]{
-    {"machines", "", "machine of each back end", field<&TimeResults::machines>},
-    {"records", "", "one for each measurement",
-     [](const TimeResults& r) -> std::optional<Json> { return arrayBy(kTimeRecords, r.records); }},
 };
 
 // One table in the layout of the thesis (Tables 4.1 and 5.4): a row per model, by size, and a column per method;
@@ -99,7 +88,8 @@ void measure(Context& context, const std::vector<std::string>& names, const Time
       if (name == "step") benchStep(context, subject, options, records);
     }
   }
-  const Json result = jsonBy(kTimes, TimeResults{sayMachines(context, options), records});
+  Json result = describeRun(context, options);
+  result["records"] = arrayBy(kTimeRecords, records);
   std::FILE* out = context.tables();
   fmt::print(out, "us, median / p99.9\n");
   for (const std::string& name : names) printTables(out, name, records);
@@ -197,9 +187,12 @@ Summary measureSection(Device& device, const CommandList& list, std::string_view
 }
 
 void listTimeResults(std::vector<ResultFacts>& all) {
-  for (const TimeBench& bench : timeBenches()) {
-    listResults(all, fmt::format("bench {}", bench.name), "", kTimes);
-    listResults(all, fmt::format("bench {}", bench.name), "records[].", kTimeRecords);
+  constexpr DescribedKey records[]{{"records", "", "one for each measurement"}};
+  for (const TimeBench& each : timeBenches()) {
+    const std::string bench = fmt::format("bench {}", each.name);
+    listRun(all, bench);
+    listResults(all, bench, "", records);
+    listResults(all, bench, "records[].", kTimeRecords);
   }
 }
 

@@ -39,6 +39,13 @@ void Context::addOptions(Options& app) {
   app.addFlag("--quiet", quiet_, "no messages and no progress; results are still printed");
 }
 
+void Context::setCommandLine(const std::vector<std::string>& words) {
+  commandLine_ = "palpate";
+  for (const std::string& word : words)
+    commandLine_ +=
+        word.empty() || word.find_first_of(" \"'$&;|<>*?(){}\\") != word.npos ? fmt::format(" '{}'", word) : " " + word;
+}
+
 Log& Context::log() {
   if (!log_) log_ = std::make_unique<Log>(quiet_);
   return *log_;

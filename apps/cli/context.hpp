@@ -40,6 +40,9 @@ class Context {
   /// destroyed.
   void arrange(QueueArrangement queues);
   unsigned threads() const { return threads_; }
+  /// The words of the command line, as a shell reads them, for results that say how they were made.
+  void setCommandLine(const std::vector<std::string>& words);
+  const std::string& commandLine() const { return commandLine_; }
   /// This program's back ends.
   const Backends& backends() const { return *backends_; }
 
@@ -58,7 +61,7 @@ class Context {
  private:
   Validation validation() const;
 
-  std::string gpu_, json_, validate_;
+  std::string gpu_, json_, validate_, commandLine_;
   bool quiet_ = false;
   unsigned threads_ = 0;
   std::unique_ptr<Log> log_;

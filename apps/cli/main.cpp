@@ -113,6 +113,7 @@ int run(std::vector<std::string> arguments) {
   app.fallthrough();
   Context context;
   context.addOptions(options);
+  context.setCommandLine(arguments);
   Command command;
   addSubcommands(options, context, command);
   addFooter(app.get_subcommands({}));
