@@ -32,8 +32,10 @@ void sortFor(Device& device, double duration_s) {
 
 void warmUp(Context& context, const BenchOptions& options) {
   if (options.wants("vulkan")) {
-    if (const double duration_s = context.backends().named("vulkan").warmUp_s(); duration_s > 0)
-      sortFor(context.device(), duration_s);
+    const double duration_s = context.backends().named("vulkan").warmUp_s();
+    if (!(duration_s > 0)) return;
+    context.log().say("warming the GPU up for {:g} s", duration_s);
+    sortFor(context.device(), duration_s);
   } else if (options.wants("cuda")) {
     const std::vector<std::uint32_t> keys(kKeys);
     for (const Stopwatch watch; watch.elapsed_s() < kCuda_s;) cubSortTimes_us(keys, kKeyBits, 20);

@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "engine/core/clock.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/labels.hpp"
 #include "tests/says.hpp"
@@ -99,6 +100,19 @@ TEST_CASE("GPUs of small machines sculpt and draw the same bytes: each pair of w
     CHECK(small.picture == driver.picture);
   }
   ::unsetenv("LP_NATIVE_VECTOR_WIDTH");
+}
+
+TEST_CASE("a bench keeps a GPU busy for a second before each size; a software driver has no clock to raise") {
+  const std::string bench = "bench sort --sizes 500 1000 --repeat 5";
+  CHECK(palpate(bench).text.find("warming the GPU up") == std::string::npos);
+  const LostGpuLayer layer(kMinGpu + ",deviceType=1,timestampValidBits=64");
+  const Stopwatch watch;
+  const Outcome outcome = palpate(bench);
+  CHECK(watch.elapsed_s() > 2);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  const std::size_t first = outcome.text.find("warming the GPU up for 1 s");
+  REQUIRE(first != std::string::npos);
+  CHECK(outcome.text.find("warming the GPU up for 1 s", first + 1) != std::string::npos);
 }
 
 TEST_CASE("auto measures a GPU against the CPU in real time alone, says so, remembers it, and forgets it on request") {
