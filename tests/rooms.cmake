@@ -19,6 +19,7 @@ if(NOT WIN32)
   file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/host_sources.txt CONTENT "${host_sources}" @ONLY)
   set_source_files_properties(house/host_test.cpp PROPERTIES COMPILE_DEFINITIONS
                               PALPATE_HOST_SOURCES="${CMAKE_CURRENT_BINARY_DIR}/host_sources.txt")
+  palpate_entry(house.measurements COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/house/measurements.py)
 endif()
 palpate_tests(core LINKS palpate::core)
 palpate_test_program(labelled_cases programs/labelled_cases.cpp palpate::core)

@@ -186,10 +186,6 @@ struct Spans {
   Summary gpu_us, wall_us;
 };
 
-Spans spansOf(const std::vector<double>& gpu_us, const std::vector<double>& wall_us) {
-  return {summarize(gpu_us), summarize(wall_us)};
-}
-
 // Frames of the points of a soft body: made where it is simulated, and fetched to the host.
 struct FrameCost {
   std::size_t points = 0;
@@ -206,7 +202,7 @@ struct MatterCost {
   std::int64_t presses = 0;
   std::optional<Summary> compliance_us;
   std::optional<FrameCost> frame;
-  std::map<std::string, PassBytes> passes_bytes;
+  std::map<std::string, PassBytes> passes_bytes;  // that each working pass moves
   std::map<std::string, Summary> passes_us;
 };
 
@@ -223,12 +219,6 @@ std::map<std::string, Summary> passTimes(Context& context, const MatterCase& one
   std::map<std::string, Summary> passes;
   for (const auto& [name, all] : times) passes.emplace(name, summarize(all));
   return passes;
-}
-
-// Bytes that each working pass moves; empty where passes are not timed or not counted.
-std::map<std::string, PassBytes> passBytes(const MatterCase& one, std::size_t particles) {
-  if (one.backend != "vulkan" || one.scene.matter == Matter::soft) return {};
-  return matterBytes(one.scene, particles);
 }
 
 // All times divided by the number of substeps.
@@ -254,7 +244,7 @@ FrameCost frameCost(const MatterBenchOptions& options, Stirred& stirred) {
     points = stirred.fetchFrame();
     fetched_us.push_back(watch.elapsed_us());
   });
-  return {.points = points, .made = spansOf(gpu_us, wall_us), .fetched_us = summarize(fetched_us)};
+  return {.points = points, .made = {summarize(gpu_us), summarize(wall_us)}, .fetched_us = summarize(fetched_us)};
 }
 
 // Time of a compliance query at a pressed surface.
@@ -284,8 +274,8 @@ MatterCost measure(Context& context, const MatterCase& one, const MatterBenchOpt
                   .particles = stirred.world().particles(),
                   .depth_mm = one.scene.fill_mm.y,
                   .substeps = substeps,
-                  .step = spansOf(gpu_us, wall_us),
-                  .substep = spansOf(eachOf(gpu_us, substeps), eachOf(wall_us, substeps)),
+                  .step = {summarize(gpu_us), summarize(wall_us)},
+                  .substep = {summarize(eachOf(gpu_us, substeps)), summarize(eachOf(wall_us, substeps))},
                   .presses = one.presses,
                   .compliance_us = {},
                   .frame = {},
@@ -294,7 +284,8 @@ MatterCost measure(Context& context, const MatterCase& one, const MatterBenchOpt
   if (one.presses > 0) cost.compliance_us = complianceTimes_us(stirred);
   if (one.scene.matter == Matter::soft) cost.frame = frameCost(options, stirred);
   if (options.passes) {
-    cost.passes_bytes = passBytes(one, cost.particles);
+    if (one.backend == "vulkan" && one.scene.matter != Matter::soft)  // the bytes of other passes are not counted
+      cost.passes_bytes = matterBytes(one.scene, cost.particles);
     cost.passes_us = passTimes(context, one);
   }
   return cost;

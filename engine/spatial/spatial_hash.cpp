@@ -22,7 +22,7 @@ SortMethod fallbackFor(const Device& device, SortMethod sort, std::uint32_t keyB
   return prefersLookBack(device) && LookBackSort::fits(device, keyBits) ? SortMethod::radixLookBack : SortMethod::radix;
 }
 
-// Fewer points are counted as fast as they are sorted (apps/bench/README.md: builds in file order).
+// Fewer points are counted as fast as they are sorted (apps/bench/results/build.json: builds in file order).
 constexpr std::size_t kFewestSorted = 2'000'000;
 
 Buffer makeRanges(Device& device, std::uint32_t buckets) {

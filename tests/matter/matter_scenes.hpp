@@ -60,7 +60,7 @@ inline bool isWithin(double share, double value, double expected) {
 }
 
 /// Compares a measured quantity with its truth, and prints both, so that a run of the tests yields the table of
-/// accuracies (apps/bench/README.md).
+/// accuracies (apps/bench/results/matter_truths.json).
 inline void checkTruth(const std::string& quantity, double measured, double truth, double share) {
   MESSAGE(fmt::format("{}: {:.4g} of {:.4g}, {:+.2f} % of {:g} %", quantity, measured, truth,
                       100 * (measured - truth) / std::abs(truth), 100 * share));
