@@ -78,13 +78,14 @@ def bench_tables(name, rows):
 
 
 def from_bench(file, result):
-    """What a bench wrote with --json; command, date and version may be missing."""
+    """What a bench wrote with --json; `run` (command, date and version) may be missing."""
     about = {"command": [], "title": f"{file.stem.replace('_', ' ')} (written by the bench)", "unit": "median / p99.9"}
-    about |= {key: result[key] for key in ("command", "date") if key in result}
+    run = result.get("run", {})
+    about |= {key: run[key] for key in ("command", "date") if key in run}
     about["machine"] = ", ".join(f"{backend}: {text}" for backend, text in result["machines"].items())
-    if "version" in result:
-        about["machine"] += f", palpate {result['version']}"
-    tables = [text for key, value in result.items() if key != "machines" and isinstance(value, (list, dict))
+    if "version" in run:
+        about["machine"] += f", palpate {run['version']}"
+    tables = [text for key, value in result.items() if key not in ("run", "machines") and isinstance(value, (list, dict))
               for text in bench_tables(key, [(row, {}) for row in (value if isinstance(value, list) else [value])])]
     if not tables:
         raise Invalid("has machines, but no measurement")
