@@ -25,7 +25,6 @@ struct SharedCounts {
   std::uint64_t sent = 0;      ///< states of points that this hand has changed
   std::uint64_t received = 0;  ///< of others, counted when they take effect here
   std::uint64_t resent = 0;    ///< pieces of strokes sent more than once
-  std::uint64_t copied = 0;    ///< messages of the server whose best-effort copy was received first
   std::uint64_t resumed = 0;   ///< requests for what was missing, the first included
   std::uint64_t differed = 0;  ///< times that the points at rest differed from the server's and were requested again
   std::uint64_t inEffect = 0;  ///< times that all known edits of others were in effect here

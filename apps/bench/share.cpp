@@ -254,8 +254,6 @@ constexpr Reported<ShareRecord> kShare[]{
      [](const ShareRecord& r) -> Value { return r.felt.unsteady; }},
     {"dropped_edits", "", "edits dropped or postponed because an edit took too long",
      field<&ShareRecord::editsTooSlow>},
-    {"copied", "", "messages of the server whose best-effort copy arrived first",
-     [](const ShareRecord& r) -> Value { return r.rests.copied; }},
     {"ticks", "", "ticks of the resting hand", field<&ShareRecord::ticks>},
     {"missed_ticks", "", "ticks skipped because their time had passed", field<&ShareRecord::missed>},
     {"aged_ticks", "", "ticks with reduced force, as the server was silent", field<&ShareRecord::aged>},

@@ -140,7 +140,6 @@ void serve(Context& context, const ServeOptions& options) {
                      {"sculptors", counts.sculptors},
                      {"pieces", counts.pieces},
                      {"states", counts.states},
-                     {"copied", counts.copied},
                      {"duplicate_pieces", counts.again},
                      {"sent", counts.sent},
                      {"partial", counts.partial},

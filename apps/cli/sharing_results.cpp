@@ -12,8 +12,6 @@ constexpr Reported<SharedCounts> kShared[]{
     {"received", "", "states of points changed by others that took effect here",
      [](const SharedCounts& s) -> Value { return s.received; }},
     {"resent", "", "pieces of strokes sent more than once", [](const SharedCounts& s) -> Value { return s.resent; }},
-    {"copied", "", "messages of the server whose best-effort copy arrived first",
-     [](const SharedCounts& s) -> Value { return s.copied; }},
     {"resumed", "", "requests for missing messages, the first included",
      [](const SharedCounts& s) -> Value { return s.resumed; }},
     {"differed", "", "times that the points at rest differed from the server's and were requested again",

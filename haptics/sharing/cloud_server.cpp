@@ -319,7 +319,6 @@ ServedCounts CloudServer::counts() const {
   counts.sculptors = strokes.sculptors;
   counts.pieces = strokes.pieces;
   counts.states = strokes.states;
-  counts.copied = strokes.copied;
   counts.again = strokes.again;
   counts.refused += strokes.refused;
   counts.sent = strokes.sent;

@@ -191,10 +191,7 @@ class FarLink final : public BrickCloud {
     strokes_.send(outbox_, server_);
   }
 
-  void sendAgain() {
-    outbox_.sendAgain();
-    strokes_.forgetCopies();
-  }
+  void sendAgain() { outbox_.sendAgain(); }
 
   void restart() {
     assembly_.begin();

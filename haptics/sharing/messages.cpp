@@ -14,8 +14,6 @@ Topics::Topics(dds_entity_t participant)
       blocks(participant, palpate_sharing_Block_desc, fmt::format("palpate/{}/block", kVersion)),
       strokes(participant, palpate_sharing_Stroke_desc, fmt::format("palpate/{}/stroke", kVersion)),
       results(participant, palpate_sharing_Result_desc, fmt::format("palpate/{}/result", kVersion)),
-      strokeCopies(participant, palpate_sharing_Stroke_desc, fmt::format("palpate/{}/stroke_copy", kVersion)),
-      resultCopies(participant, palpate_sharing_Result_desc, fmt::format("palpate/{}/result_copy", kVersion)),
       resumes(participant, palpate_sharing_Resume_desc, fmt::format("palpate/{}/resume", kVersion)),
       hands(participant, palpate_sharing_Hand_desc, fmt::format("palpate/{}/hand", kVersion)),
       cameras(participant, palpate_sharing_Camera_desc, fmt::format("palpate/{}/camera", kVersion)),

@@ -51,8 +51,6 @@ struct Topics {
   Topic<Block> blocks;
   Topic<Stroke> strokes;
   Topic<Result> results;
-  Topic<Stroke> strokeCopies;
-  Topic<Result> resultCopies;
   Topic<ResumeRequest> resumes;
   Topic<HandSample> hands;
   Topic<Camera> cameras;

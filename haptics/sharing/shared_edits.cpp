@@ -10,7 +10,6 @@
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/latest_value.hpp"
-#include "haptics/sharing/early_copies.hpp"
 #include "haptics/sharing/edit_exchange.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/link_messages.hpp"
@@ -30,8 +29,7 @@ constexpr double kPieceTimeout_s = 5;   // then pieces that were sent and not ta
 constexpr double kNear = 3;             // cells of the index around a proxy within which a change may be felt
 constexpr double kSettled_s = 0.3;      // at rest, before the points are compared
 constexpr int kMaxDiffered = 3;
-constexpr std::int32_t kMaxCopiesWaiting = 4096;  // dropped ones are received on the reliable path
-constexpr int kMaxPieceRetries = 12;              // in a row without progress, while the server is heard
+constexpr int kMaxPieceRetries = 12;  // in a row without progress, while the server is heard
 
 class SharedEdits final : public SharedFollower {
  public:
@@ -53,10 +51,7 @@ class SharedEdits final : public SharedFollower {
     std::uint8_t own[16];
     set(own, session_.client);
     results_ = Reader<Result>(session_.participant, session_.topics.results, reliableQos(false, partitionOf(own)));
-    resultCopies_ = Reader<Result>(session_.participant, session_.topics.resultCopies,
-                                   keepingLast(bestEffortQos(partitionOf(own)), kMaxCopiesWaiting));
     wait_->attach(results_);
-    wait_->attach(resultCopies_);
     probe_.attach(*wait_);
     wait_->attach(wakeUp_);
     resume(exchange_.resume());
@@ -119,7 +114,6 @@ class SharedEdits final : public SharedFollower {
     // From now on nothing that is received is kept.
     wait_.reset();
     results_ = {};
-    resultCopies_ = {};
   }
 
   void turn() {
@@ -137,16 +131,7 @@ class SharedEdits final : public SharedFollower {
   void hear() {
     bool gap = false;
     results_.take([&](const Result& result) { gap = gap || hear(result) == EditExchange::Heard::gap; });
-    // If a copy is early, the one before it is in flight: the copy waits for that, and nothing has to be requested.
-    resultCopies_.take([&](const Result& result) { hearCopy(result); });
-    while (auto next = early_.takeAfter(lastCounter_)) hearCopy(next->sample());
     if (gap) resume(exchange_.resume());
-  }
-
-  void hearCopy(const Result& result) {
-    const EditExchange::Heard heard = hear(result);
-    counts_.copied += heard == EditExchange::Heard::taken;
-    if (heard == EditExchange::Heard::gap) early_.keep(result.counter, lastCounter_, KeptSample<Result>(result));
   }
 
   EditExchange::Heard hear(const Result& result) {
@@ -159,7 +144,6 @@ class SharedEdits final : public SharedFollower {
       stuck_ = 0;
     }
     lastAcked_ = result.acked;
-    lastCounter_ = result.counter;
     counts_.longestSilent_s = std::max(counts_.longestSilent_s, lastHeard_.elapsed_s());
     counts_.oldest_s = std::max(counts_.oldest_s, known_.age_s());
     lastHeard_ = {};
@@ -209,16 +193,12 @@ class SharedEdits final : public SharedFollower {
   }
 
   void resume(const Resume& asked) {
-    strokes_.forgetCopies();
     ++counts_.resumed;
     ask(asked);
   }
 
-  // Results of earlier epochs no longer count, so that copies of them are dropped.
   void ask(const Resume& asked) {
     resumes_.write(requestOf(session_, asked));
-    early_.clear();
-    lastCounter_ = 0;
     lastResumed_ = {};
   }
 
@@ -278,15 +258,14 @@ class SharedEdits final : public SharedFollower {
   EditExchange exchange_;
   StrokeSender strokes_;
   Writer<ResumeRequest> resumes_;
-  Reader<Result> results_, resultCopies_;
-  EarlyCopies<KeptSample<Result>> early_;
+  Reader<Result> results_;
   LinkProbe probe_;
   SessionNotices notices_;
   WakeUp wakeUp_;
   std::optional<ReaderWait> wait_;  // used by the thread only
   SharedCounts counts_;
   std::string fault_;
-  std::uint64_t lastAcked_ = 0, lastCounter_ = 0;
+  std::uint64_t lastAcked_ = 0;
   int stuck_ = 0;
   bool isOfferNear_ = false;
   std::vector<PointState> states_;

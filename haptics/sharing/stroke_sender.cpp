@@ -3,9 +3,7 @@
 namespace palpate::sharing {
 
 StrokeSender::StrokeSender(const JoinedSession& session)
-    : session_(session),
-      strokes_(session.participant, session.topics.strokes, reliableQos(false)),
-      copies_(session.participant, session.topics.strokeCopies, bestEffortQos()) {}
+    : session_(session), strokes_(session.participant, session.topics.strokes, reliableQos(false)) {}
 
 void StrokeSender::send(StrokeOutbox& outbox, const Id& server) {
   while (const StrokePiece* piece = outbox.nextPiece(kStates)) {
@@ -13,7 +11,6 @@ void StrokeSender::send(StrokeOutbox& outbox, const Id& server) {
     outbox.notSent();
     break;
   }
-  copies_.write();
 }
 
 bool StrokeSender::write(const StrokePiece& piece, const Id& server) {
@@ -25,9 +22,7 @@ bool StrokeSender::write(const StrokePiece& piece, const Id& server) {
   for (const PointState& point : piece.states) states_.push_back(stateOf(point));
   stroke.states._buffer = states_.data();
   stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states_.size());
-  if (!strokes_.write(stroke)) return false;
-  copies_.wrote(stroke);
-  return true;
+  return strokes_.write(stroke);
 }
 
 }  // namespace palpate::sharing

@@ -10,10 +10,8 @@ namespace {
 constexpr std::size_t kMaxStrokeFollowers = 64;  // at a time; one more replaces the client that was silent for longest,
 constexpr double kWriterTimeout_s = 5;           // if it was silent for this long: followers ping
 constexpr std::int32_t kMaxSamples = 32'768;     // of each kind, 1.4 KB each; dropped ones are sent again
-constexpr std::int32_t kMaxCopiesWaiting = 4096;  // of strokes; dropped ones are received on the reliable path
-constexpr double kAllCopies_B_per_s = 4e6;        // of results, to all followers
-constexpr std::uint32_t kMaxResults = 2048;       // kept for a follower that may not have them yet
-constexpr double kApart_s = 0.008;                // edits within this time are merged, each point once
+constexpr std::uint32_t kMaxResults = 2048;      // kept for a follower that may not have them yet
+constexpr double kApart_s = 0.008;               // edits within this time are merged, each point once
 /// Then a follower gets an empty result. On a link with losses each retransmission delays the following results by a
 /// round trip, so empty ones are rare.
 constexpr double kSilence_s = 0.5;
@@ -24,7 +22,6 @@ constexpr int kInTurn = 64;  // results for one follower before the next one has
 StrokeServer::StrokeServer(const Parts& parts)
     : parts_(parts),
       strokes_(parts.participant, parts.topics.strokes, keepingLast(reliableQos(false), kMaxSamples)),
-      strokeCopies_(parts.participant, parts.topics.strokeCopies, keepingLast(bestEffortQos(), kMaxCopiesWaiting)),
       resumes_(parts.participant, parts.topics.resumes, keepingLast(reliableQos(false), kMaxSamples)) {
   counts_.sculptors = parts_.points.clients();
   counts_.states = parts_.points.head();
@@ -33,13 +30,11 @@ StrokeServer::StrokeServer(const Parts& parts)
 
 void StrokeServer::attach(ReaderWait& wait) const {
   wait.attach(strokes_);
-  wait.attach(strokeCopies_);
   wait.attach(resumes_);
 }
 
 void StrokeServer::take() {
-  strokes_.take([&](const Stroke& stroke) { take(stroke, Way::reliable); });
-  strokeCopies_.take([&](const Stroke& stroke) { take(stroke, Way::copy); });
+  strokes_.take([&](const Stroke& stroke) { take(stroke); });
   // Last, so that the reply to a request contains all that was received before it.
   resumes_.take([&](const ResumeRequest& request) { take(request); });
 }
@@ -57,13 +52,8 @@ void StrokeServer::take(const ResumeRequest& request) {
       }
       followers_.erase(last);
     }
-    const std::string partition = partitionOf(request.client);
-    Follower fresh;
-    fresh.results = Writer<Result>(parts_.participant, parts_.topics.results, reliableQos(false, partition));
-    fresh.copies = SampleCopies<Result>(parts_.participant, parts_.topics.resultCopies, bestEffortQos(partition));
-    followers_.emplace(client, std::move(fresh));
-    for (auto& [id, each] : followers_)
-      each.copies.setRate(std::min(kCopies_B_per_s, kAllCopies_B_per_s / static_cast<double>(followers_.size())));
+    followers_[client].results =
+        Writer<Result>(parts_.participant, parts_.topics.results, reliableQos(false, partitionOf(request.client)));
     if (parts_.log) parts_.log->say("{} receives the edits", printable(request.host));
   }
   Follower& follower = followers_[client];
@@ -75,7 +65,6 @@ void StrokeServer::take(const ResumeRequest& request) {
   follower.place = {.upTo = std::min<std::uint64_t>(request.upTo, parts_.points.head()),
                     .ownUpTo = request.upTo == 0 ? parts_.points.head() : 0};
   follower.holds = false;
-  follower.copies.forget();
   follower.toldAcked = ~std::uint64_t{0};  // it gets a result at once
 }
 
@@ -83,57 +72,25 @@ void StrokeServer::heard(const Id& client) {
   if (const auto found = followers_.find(client); found != followers_.end()) found->second.lastHeard = {};
 }
 
-void StrokeServer::take(const Stroke& stroke, Way way) {
+void StrokeServer::take(const Stroke& stroke) {
   if (!isSame(stroke.session, parts_.session)) return;
   const std::span<const State> given(stroke.states._buffer, stroke.states._length);
   states_.clear();
   for (const State& state : given) states_.push_back(pointOf(state));
   const Id client = idOf(stroke.client);
   heard(client);
-  SharedPoints::Taken taken = take(client, stroke.number, states_, way);
-  const auto follower = followers_.find(client);
-  if (follower == followers_.end()) return;
-  EarlyCopies<std::vector<PointState>>& early = follower->second.early;
-  if (taken == SharedPoints::Taken::early && way == Way::copy)
-    early.keep(stroke.number, parts_.points.lastOf(client), states_);
-  while (taken == SharedPoints::Taken::taken) {
-    const std::uint64_t last = parts_.points.lastOf(client);
-    const auto next = early.takeAfter(last);
-    if (!next) break;
-    taken = take(client, last + 1, *next, Way::copy);
-  }
-}
-
-SharedPoints::Taken StrokeServer::take(const Id& client, std::uint64_t number, std::span<const PointState> states,
-                                       Way way) {
-  const std::uint64_t before = parts_.points.lastOf(client);
-  const SharedPoints::Taken taken = parts_.points.take(client, number, states);
-  if (parts_.points.lastOf(client) > 0) reliable_.try_emplace(client, before);
-  if (taken == SharedPoints::Taken::taken) {
-    counts_.states += states.size();
-    if (parts_.journal)
-      parts_.journal->add({.client = client, .number = number, .states = {states.begin(), states.end()}});
-  }
-  count(client, number, way, taken);
-  return taken;
-}
-
-void StrokeServer::count(const Id& client, std::uint64_t number, Way way, SharedPoints::Taken taken) {
+  const SharedPoints::Taken taken = parts_.points.take(client, stroke.number, states_);
   counts_.sculptors = parts_.points.clients();
-  const bool isCopy = way == Way::copy;
   switch (taken) {
     case SharedPoints::Taken::taken:
       ++counts_.pieces;
-      counts_.copied += isCopy;
+      counts_.states += states_.size();
+      if (parts_.journal) parts_.journal->add({.client = client, .number = stroke.number, .states = states_});
       break;
     case SharedPoints::Taken::known:
-    case SharedPoints::Taken::early: {
-      // Copies are duplicates by design, and so is a piece on the reliable path, once, if a copy was received before.
-      const auto last = reliable_.find(client);
-      counts_.again +=
-          !isCopy && (last == reliable_.end() || number <= last->second || taken == SharedPoints::Taken::early);
+    case SharedPoints::Taken::early:
+      ++counts_.again;
       break;
-    }
     case SharedPoints::Taken::refused:
       if (counts_.refused++ == 0 && parts_.log)
         parts_.log->say(
@@ -143,9 +100,6 @@ void StrokeServer::count(const Id& client, std::uint64_t number, Way way, Shared
             parts_.points.clients());
       break;
   }
-  const auto last = reliable_.find(client);
-  if (!isCopy && last != reliable_.end())
-    last->second = std::max(last->second, std::min(number, parts_.points.lastOf(client)));
 }
 
 double StrokeServer::write() {
@@ -155,11 +109,6 @@ double StrokeServer::write() {
 }
 
 double StrokeServer::write(const Id& client, Follower& follower) {
-  const double next_s = writeResults(client, follower);
-  return std::min(next_s, follower.copies.write());
-}
-
-double StrokeServer::writeResults(const Id& client, Follower& follower) {
   const auto isDue = [&] {
     return follower.holds || parts_.points.isBehind(follower.place) ||
            parts_.points.lastOf(client) != follower.toldAcked;
@@ -196,7 +145,6 @@ bool StrokeServer::writeOne(const Id& client, Follower& follower) {
   }
   if (follower.unacked >= kMaxResults && follower.results.isAcked()) follower.unacked = 0;
   if (follower.unacked >= kMaxResults || !follower.results.write(result)) return false;
-  follower.copies.wrote(result);
   ++follower.unacked;
   follower.holds = false;
   follower.toldAcked = result.acked;

@@ -6,9 +6,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/log.hpp"
-#include "haptics/sharing/early_copies.hpp"
 #include "haptics/sharing/messages.hpp"
-#include "haptics/sharing/sample_copies.hpp"
 #include "haptics/sharing/shared_points.hpp"
 #include "haptics/sharing/stroke_journal.hpp"
 
@@ -16,8 +14,7 @@ namespace palpate::sharing {
 
 struct StrokeTally {
   std::uint64_t pieces = 0, states = 0;  ///< of strokes, taken, including those in the journal
-  std::uint64_t copied = 0;              ///< pieces whose copy was received first
-  std::uint64_t again = 0;               ///< duplicates on the reliable path, and those received too early
+  std::uint64_t again = 0;               ///< duplicates, and pieces received too early
   std::uint64_t refused = 0;             ///< invalid pieces, and followers beyond the maximum
   std::uint64_t sent = 0;                ///< states, to all clients together
   std::uint64_t sculptors = 0;           ///< clients of which at least one piece was taken
@@ -55,24 +52,17 @@ class StrokeServer {
     std::vector<State> states;  // of `next`
     bool holds = false;         // `next` is still to be written
     std::uint32_t unacked = 0;  // results written since all were acknowledged; an upper bound
-    SampleCopies<Result> copies;
-    EarlyCopies<std::vector<PointState>> early;  // of its own strokes
     Stopwatch lastHeard, lastWritten;
   };
-  enum class Way { reliable, copy };
-  void take(const Stroke& stroke, Way way);
-  SharedPoints::Taken take(const Id& client, std::uint64_t number, std::span<const PointState> states, Way way);
-  void count(const Id& client, std::uint64_t number, Way way, SharedPoints::Taken taken);
+  void take(const Stroke& stroke);
   void take(const ResumeRequest& request);
   double write(const Id& client, Follower& follower);
-  double writeResults(const Id& client, Follower& follower);
   bool writeOne(const Id& client, Follower& follower);
 
   Parts parts_;
-  Reader<Stroke> strokes_, strokeCopies_;
+  Reader<Stroke> strokes_;
   Reader<ResumeRequest> resumes_;
   std::map<Id, Follower> followers_;
-  std::map<Id, std::uint64_t> reliable_;  // by client: last piece received on the reliable path
   std::vector<PointState> states_;
   StrokeTally counts_;
 };

@@ -67,7 +67,6 @@ class AnyBytes {
     add(palpate_sharing_Notice_desc, "palpate/notice", reliableQos(true));
     add(palpate_sharing_Request_desc, topic("request"), reliableQos(false));
     add(palpate_sharing_Stroke_desc, topic("stroke"), reliableQos(false));
-    add(palpate_sharing_Stroke_desc, topic("stroke_copy"), bestEffortQos());
     add(palpate_sharing_Resume_desc, topic("resume"), reliableQos(false));
     add(palpate_sharing_Hand_desc, topic("hand"), bestEffortQos());
     add(palpate_sharing_Near_desc, topic("near"), bestEffortQos());
@@ -97,7 +96,6 @@ struct Writers {
   Writers(dds_entity_t participant, const Topics& topics)
       : requests(participant, topics.requests, reliableQos(false)),
         strokes(participant, topics.strokes, reliableQos(false)),
-        strokeCopies(participant, topics.strokeCopies, bestEffortQos()),
         resumes(participant, topics.resumes, reliableQos(false)),
         notices(participant, topics.notices, reliableQos(true)),
         hands(participant, topics.hands, bestEffortQos()),
@@ -106,7 +104,7 @@ struct Writers {
         pings(participant, topics.pings, bestEffortQos()),
         echoes(participant, topics.echoes, bestEffortQos()) {}
   Writer<Request> requests;
-  Writer<Stroke> strokes, strokeCopies;
+  Writer<Stroke> strokes;
   Writer<ResumeRequest> resumes;
   Writer<Notice> notices;
   Writer<HandSample> hands;
@@ -150,14 +148,10 @@ class HostileSide {
         {"unread", [&] { unread(); }},
         {"resumes", [&] { resume(idNumber(roll() % kManyIds)); }},
         {"one-resumes", [&] { resume(idNumber(1)); }},
-        {"strokes", [&] { stroke(writers_.strokes, idNumber(1), ++number_, true); }},
-        {"stroke-copies", [&] { stroke(writers_.strokeCopies, idNumber(1), ++number_, true); }},
-        {"sculptors", [&] { stroke(writers_.strokes, idNumber(++number_), 1, true); }},
-        {"bad-strokes", [&] { stroke(writers_.strokes, idNumber(roll() % kManyIds), any64(), roll() % 2 == 0); }},
-        {"bad-stroke-copies",
-         [&] { stroke(writers_.strokeCopies, idNumber(roll() % kManyIds), roll() % 2 ? 1 : any64(), false); }},
-        {"results", [&] { result(false); }},
-        {"result-copies", [&] { result(true); }},
+        {"strokes", [&] { stroke(idNumber(1), ++number_, true); }},
+        {"sculptors", [&] { stroke(idNumber(++number_), 1, true); }},
+        {"bad-strokes", [&] { stroke(idNumber(roll() % kManyIds), any64(), roll() % 2 == 0); }},
+        {"results", [&] { result(); }},
         {"hands", [&] { hand(); }},
         {"one-near", [&] { near(idNumber(1)); }},
         {"nears", [&] { near(idNumber(roll() % kManyIds)); }},
@@ -229,7 +223,7 @@ class HostileSide {
     writers_.resumes.write(request);
   }
 
-  void stroke(const Writer<Stroke>& writer, const Id& client, std::uint64_t number, bool isGood) {
+  void stroke(const Id& client, std::uint64_t number, bool isGood) {
     std::vector<State> states(isGood ? kStates : roll() % (kStates + 1));
     for (State& state : states) {
       state = {.id = roll() % points_, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = roll()};
@@ -244,17 +238,15 @@ class HostileSide {
     stroke.number = number;
     stroke.states._buffer = states.data();
     stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states.size());
-    if (!writer.write(stroke) && number == number_) --number_;
+    if (!writers_.strokes.write(stroke) && number == number_) --number_;
   }
 
   // In the name of the server, to any client: results that no server sends.
-  void result(bool isCopy) {
+  void result() {
     heardHands_.take([&](const HandSample& hand) { victim_ = idOf(hand.client); });
     if (!victim_) return;
     std::uint8_t partition[16];
     set(partition, *victim_);
-    if (!results_ && isCopy)
-      results_.emplace(participant_, topics_.resultCopies, bestEffortQos(partitionOf(partition)));
     if (!results_) results_.emplace(participant_, topics_.results, reliableQos(false, partitionOf(partition)));
     std::vector<State> states(1 + roll() % kStates);
     for (State& state : states)

@@ -145,15 +145,10 @@ TEST_CASE("floods of strokes, of hands beyond the limit and of invalid strokes a
   CHECK(sculptors.served.sculptors > 200);
   CHECK(sculptors.served.sculptors <= 4096);
   CHECK(attacked("bad-strokes", attack_s()).served.refused > 0);
-  const Outcome copies = attacked("stroke-copies", attack_s());
-  CHECK(copies.served.pieces > 1000);
-  CHECK(copies.served.copied > 1000);
-  CHECK(attacked("bad-stroke-copies", attack_s()).served.refused > 0);
 }
 
 TEST_CASE("floods of invalid hands, of sessions and of forged results do not fill a client's memory" * kMoreInFull) {
-  for (const char* attack : {"hands", "notices", "results", "result-copies"})
-    CHECK(attacked(attack, attack_s()).grown_MB < 15);
+  for (const char* attack : {"hands", "notices", "results"}) CHECK(attacked(attack, attack_s()).grown_MB < 15);
 }
 
 namespace {

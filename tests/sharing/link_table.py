@@ -147,8 +147,6 @@ def complaints(cell):
         yield f"the trace is not the file's; forces differ by up to {cell['worst_N']} N"
     if cell["jitter_ms"] and ", 0 overtaken" in cell["frames"]:
         yield "no frame has overtaken another one"
-    if cell["jitter_ms"] and share["copied"] == 0:
-        yield "no copy of what the server said has come before it"
     if share["not_felt"] or not share["felt_ms"]:
         yield f"{share['not_felt']} presses were not felt"
     elif share["beyond_ms"]["p50"] > MOST_BEYOND_MS:
