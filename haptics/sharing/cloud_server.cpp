@@ -237,8 +237,7 @@ struct CloudServer::Link {
     set(block.session, session);
     block.number = number;
     block.every = every;
-    block.points._buffer = points.data();
-    block.points._length = block.points._maximum = count;
+    give(block.points, points);
     const bool isWritten = client.blocks.write(block);
     counts.blocks += isWritten;
     return isWritten;

@@ -4,6 +4,7 @@
 #include <dds/dds.h>
 
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -90,6 +91,13 @@ class Topic {
  private:
   Entity topic_;
 };
+
+/// Lets a sequence of a sample refer to the elements, which must outlive the sample.
+template <class Sequence, class Elements>
+void give(Sequence& to, Elements&& elements) {
+  to._buffer = std::data(elements);
+  to._length = to._maximum = static_cast<std::uint32_t>(std::size(elements));
+}
 
 template <class T>
 class Writer {

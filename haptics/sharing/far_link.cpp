@@ -267,8 +267,7 @@ class FarLink final : public BrickCloud {
     near.number = ++questions_;
     near.epoch = assembly_.epoch();
     near.taken = told_;
-    near.balls._buffer = said.data();
-    near.balls._length = near.balls._maximum = static_cast<std::uint32_t>(said.size());
+    give(near.balls, said);
     nears_.write(near);
   }
 

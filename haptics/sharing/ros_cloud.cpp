@@ -50,12 +50,10 @@ class RosCloud::Link {
     cloud.header.frame_id = frame_.data();
     cloud.height = 1;
     cloud.width = static_cast<std::uint32_t>(data_.size() / kRosPointStep);
-    cloud.fields._buffer = fields_.data();
-    cloud.fields._length = cloud.fields._maximum = static_cast<std::uint32_t>(fields_.size());
+    give(cloud.fields, fields_);
     cloud.point_step = kRosPointStep;
     cloud.row_step = static_cast<std::uint32_t>(data_.size());
-    cloud.data._buffer = data_.data();
-    cloud.data._length = cloud.data._maximum = cloud.row_step;
+    give(cloud.data, data_);
     cloud.is_dense = true;
     return clouds_.write(cloud);
   }

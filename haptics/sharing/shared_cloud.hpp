@@ -28,7 +28,7 @@ struct ServedCounts {
   std::uint64_t refused = 0;
   std::uint64_t sculptors = 0;  ///< clients whose strokes were taken, including those before a restart of the server
   std::uint64_t pieces = 0, states = 0;  ///< of strokes; states of points in them
-  std::uint64_t again = 0;               ///< duplicate pieces on the reliable path, and those received too early
+  std::uint64_t again = 0;               ///< duplicate pieces, and those received too early
   std::uint64_t sent = 0;                ///< states, to all clients
   std::uint64_t partial = 0;             ///< clients that have ever requested only the points around their hands
   std::uint64_t partialPoints = 0, partialSteps = 0;  ///< points sent to those, in how many steps

@@ -20,8 +20,7 @@ bool StrokeSender::write(const StrokePiece& piece, const Id& server) {
   stroke.number = piece.number;
   states_.clear();
   for (const PointState& point : piece.states) states_.push_back(stateOf(point));
-  stroke.states._buffer = states_.data();
-  stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states_.size());
+  give(stroke.states, states_);
   return strokes_.write(stroke);
 }
 

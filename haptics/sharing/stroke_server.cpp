@@ -140,8 +140,7 @@ bool StrokeServer::writeOne(const Id& client, Follower& follower) {
     result.upTo = follower.place.upTo;
     result.head = parts_.points.head();
     result.digest = parts_.points.digest();
-    result.states._buffer = follower.states.data();
-    result.states._length = result.states._maximum = static_cast<std::uint32_t>(follower.states.size());
+    give(result.states, follower.states);
   }
   if (follower.unacked >= kMaxResults && follower.results.isAcked()) follower.unacked = 0;
   if (follower.unacked >= kMaxResults || !follower.results.write(result)) return false;

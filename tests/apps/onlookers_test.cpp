@@ -106,17 +106,15 @@ TEST_CASE("a window shows the others' cameras, shows them its own, publishes it 
     CHECK(glm::distance(seen.place.turn * DVec3(0, 0, 1), glm::normalize(target - eye)) < 1e-5);
     CHECK(glm::dot(seen.place.turn * DVec3(0, 1, 0), vector(camera["up"])) < -0.5);  // image y is down
     int heard = 0;
-    CHECK(comesTrue(
-        [&] {
-          poses.take([&](const sharing::RosPoseStamped& pose) {
-            ++heard;
-            CHECK(glm::distance(DVec3(pose.pose.position.x, pose.pose.position.y, pose.pose.position.z), eye * 2e-3) <
-                  1e-6);
-            CHECK(std::abs(pose.pose.orientation.w) == within(std::abs(seen.place.turn.w), 1e-4));
-          });
-          return heard > 0;
-        },
-        30));
+    CHECK(within(30, [&] {
+      poses.take([&](const sharing::RosPoseStamped& pose) {
+        ++heard;
+        CHECK(glm::distance(DVec3(pose.pose.position.x, pose.pose.position.y, pose.pose.position.z), eye * 2e-3) <
+              1e-6);
+        CHECK(std::abs(pose.pose.orientation.w) == within(std::abs(seen.place.turn.w), 1e-4));
+      });
+      return heard > 0;
+    }));
     // An onlooker of the model, in view of the window's camera.
     const DVec3 middle = joined.cloud.origin + boundsOf(joined.cloud).center();
     cameras->show(
@@ -134,7 +132,7 @@ TEST_CASE("a window shows the others' cameras, shows them its own, publishes it 
   }
   works("touch --join seen --backend cpu --realtime --duration 1.5" + domain() + " --json " + in("t.json"));
   CHECK(jsonOf(in("t.json"))["cameras"] == 1);
-  CHECK(comesTrue([&] { return cameras->cameras().empty(); }, 30));
+  CHECK(within(30, [&] { return cameras->cameras().empty(); }));
   {
     Window hidden("--join seen --hand-name Bert --hide-camera", "0.5 state %/h.json\n2.5 state %/i.json\n2.5 quit\n",
                   folder, "bert");

@@ -119,12 +119,10 @@ TEST_CASE("a served cloud is read as a ROS model, felt, sculpted, and read again
   CHECK(felt["moved_points"] > 20);
   works("touch --join clay" + domain() + " --backend cpu --duration 0.4 --path builtin:slide --edit push");
   // An edit is received within little more than a second.
-  CHECK(comesTrue(
-      [&] {
-        works("convert ros:lab/cloud " + in("after.ply") + " --force" + domain());
-        return contentOf(in("after.ply")) != contentOf(in("before.ply"));
-      },
-      10));
+  CHECK(within(10, [&] {
+    works("convert ros:lab/cloud " + in("after.ply") + " --force" + domain());
+    return contentOf(in("after.ply")) != contentOf(in("before.ply"));
+  }));
   CHECK(serving.wait(SIGINT) == 0);
 }
 

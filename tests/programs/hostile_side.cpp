@@ -236,8 +236,7 @@ class HostileSide {
     set(stroke.session, idOf(session_));
     set(stroke.client, client);
     stroke.number = number;
-    stroke.states._buffer = states.data();
-    stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states.size());
+    give(stroke.states, states);
     if (!writers_.strokes.write(stroke) && number == number_) --number_;
   }
 
@@ -270,8 +269,7 @@ class HostileSide {
     result.upTo = any64();
     result.head = any64();
     result.digest = any64();
-    result.states._buffer = states.data();
-    result.states._length = result.states._maximum = static_cast<std::uint32_t>(states.size());
+    give(result.states, states);
     results_->write(result);
   }
 
@@ -302,8 +300,7 @@ class HostileSide {
     near.number = ++nears_;
     near.epoch = 1 + nears_ / 256;
     near.taken = any64();
-    near.balls._buffer = balls.data();
-    near.balls._length = near.balls._maximum = static_cast<std::uint32_t>(balls.size());
+    give(near.balls, balls);
     writers_.nears.write(near);
   }
 
@@ -321,8 +318,7 @@ class HostileSide {
     bricks.sample = heard_->taken + 1 + (roll() % 4 ? 0 : roll());
     bricks.true_s = anyFloat();
     bricks.last = bricks.whole = roll() % 2;
-    bricks.parts._buffer = &part;
-    bricks.parts._length = bricks.parts._maximum = 1;
+    give(bricks.parts, std::span(&part, 1));
     bricksTo_->write(bricks);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

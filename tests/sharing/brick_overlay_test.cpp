@@ -7,7 +7,7 @@
 #include <optional>
 #include <random>
 
-#include "haptics/sharing/brick_source.hpp"
+#include "tests/sharing/brick_hand.hpp"
 
 namespace palpate::brick_overlay_test {
 
@@ -25,18 +25,6 @@ PointState randomPoint(std::mt19937& random, std::uint32_t id) {
   point.color = static_cast<std::uint32_t>(random() | 1);
   if (random() % 8 == 0) point.id |= PointState::kGone;
   return point;
-}
-
-std::shared_ptr<const Brick> brickOf(const Points& points, const BrickGrid& grid, BrickKey key) {
-  auto brick = std::make_shared<Brick>();
-  for (const PointState& point : points) {
-    if (point.gone() || grid.keyAt(DVec3(point.position)) != key) continue;
-    brick->ids.push_back(point.number());
-    brick->positions.push_back(point.position);
-    brick->normals.push_back(point.normal);
-    brick->colors.push_back(point.color);
-  }
-  return brick;
 }
 
 /// A reference model: per point its last received state, and the local edit until it is settled.
@@ -74,6 +62,7 @@ void step(World& world) {
     settled.push_back(id);  // of earlier edits; edits made since then stay
     if (!world.isNew[id] && world.random() % 2 == 0) next[id] = *world.own[id];
   }
+  const BricksOf before(world.theirs, world.grid), bricks(next, world.grid);
   for (const BrickKey key : world.keys) {
     const bool isKnown = world.known.contains(key);
     if (isKnown && world.random() % 10 == 0) {
@@ -81,8 +70,8 @@ void step(World& world) {
       world.known.erase(key);
       continue;
     }
-    const auto brick = brickOf(next, world.grid, key);
-    if (isKnown ? *brick == *brickOf(world.theirs, world.grid, key) : world.random() % 4 != 0) continue;
+    const auto brick = bricks.at(key);
+    if (isKnown ? *brick == *before.at(key) : world.random() % 4 != 0) continue;
     world.overlay.come(key, brick);
     world.known.insert(key);
   }
@@ -132,12 +121,13 @@ TEST_CASE("local edits are shown over received bricks until the server has them,
       }
       Points all;
       for (std::uint32_t id = 0; id < kPoints; ++id) all.push_back(world.shownOf(id));
+      const BricksOf expected(all, world.grid);
       const std::set<BrickKey> touched = world.overlay.takeTouched();
       for (const BrickKey key : world.keys) {
         const auto brick = world.overlay.shown(key);
         REQUIRE((brick != nullptr) == world.known.contains(key));
         const Brick now = brick ? *brick : Brick();
-        if (brick) CHECK(now == *brickOf(all, world.grid, key));
+        if (brick) CHECK(now == *expected.at(key));
         if (!touched.contains(key)) CHECK(now == seen[key]);
         seen[key] = now;
         shown += now.size();
@@ -153,7 +143,6 @@ TEST_CASE("local edits are shown over received bricks until the server has them,
 
 TEST_CASE("a source shows local edits in its next frame, reports their version and changes nothing else") {
   BrickSource source({.edge = 1, .points = 100});
-  BrickUpdate update;
   Points points;
   for (std::uint32_t i = 0; i < 10; ++i)
     points.push_back({.position = Vec3(0.1f * static_cast<float>(i) + 0.05f, 0.5f, 0.5f),
@@ -162,7 +151,11 @@ TEST_CASE("a source shows local edits in its next frame, reports their version a
                       .color = 7,
                       .parent = i});
   const BrickKey first = BrickGrid::keyOf(IVec3(0)), second = BrickGrid::keyOf(IVec3(1, 0, 0));
-  update.bricks = {{first, brickOf(points, source.grid(), first)}, {second, std::make_shared<Brick>()}};
+  const auto both = [&](const Points& of) {
+    const BricksOf bricks(of, source.grid());
+    return BrickUpdate{.bricks = {{first, bricks.at(first)}, {second, bricks.at(second)}}};
+  };
+  const BrickUpdate update = both(points);
   source.apply(update);
   CloudFrame before, after;
   source.makeFrame(1, before);
@@ -199,8 +192,7 @@ TEST_CASE("a source shows local edits in its next frame, reports their version a
   theirs[3] = moved;
   theirs[3].position.y = 0.25f;  // another client has changed it since
   theirs[5] = gone;
-  BrickUpdate last;
-  last.bricks = {{first, brickOf(theirs, source.grid(), first)}, {second, brickOf(theirs, source.grid(), second)}};
+  BrickUpdate last = both(theirs);
   last.settled = {3, 5};
   source.apply(last);
   there.clear();
@@ -218,11 +210,11 @@ TEST_CASE("a point received in another brick while it is edited exists once") {
     return PointState{.position = Vec3(x, 0.5f, 0.5f), .id = 4, .normal = Vec3(0, 0, 1), .color = 1, .parent = 4};
   };
   BrickOverlay overlay(grid);
-  overlay.come(first, brickOf({at(0.5f)}, grid, first));
+  overlay.come(first, BricksOf(Points{at(0.5f)}, grid).at(first));
   for (const BrickKey key : {second, third}) overlay.come(key, std::make_shared<Brick>());
   // Another client moves the point after a hand has read it.
   overlay.come(first, std::make_shared<Brick>());
-  overlay.come(second, brickOf({at(1.5f)}, grid, second));
+  overlay.come(second, BricksOf(Points{at(1.5f)}, grid).at(second));
   overlay.takeTouched();
   overlay.make(std::vector<PointChange>{{.from = at(0.5f), .to = at(2.5f)}});
   CHECK(overlay.takeTouched() == std::set<BrickKey>{second, third});

@@ -6,67 +6,12 @@
 #include <chrono>
 #include <thread>
 
-#include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/error.hpp"
-#include "engine/touch/cpu_touch.hpp"
-#include "haptics/sharing/brick_touch.hpp"
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
-#include "tests/scenes.hpp"
+#include "tests/sharing/brick_hand.hpp"
 
 namespace palpate::brick_sculptor_test {
-
-namespace {
-
-// All bricks of a cloud.
-BrickUpdate bricksOf(const std::vector<PointState>& points, const BrickGrid& grid, const DVec3& low,
-                     const DVec3& high) {
-  std::map<BrickKey, std::shared_ptr<Brick>> all;
-  grid.boxOf(low, high).forEach([&](const IVec3& at) { all[BrickGrid::keyOf(at)] = std::make_shared<Brick>(); });
-  for (const PointState& point : points) {
-    const auto brick = all.find(grid.keyAt(DVec3(point.position)));
-    if (point.gone() || brick == all.end()) continue;
-    brick->second->ids.push_back(point.number());
-    brick->second->positions.push_back(point.position);
-    brick->second->normals.push_back(point.normal);
-    brick->second->colors.push_back(point.color);
-  }
-  BrickUpdate update{.whole = true};
-  for (const auto& [key, brick] : all) update.bricks.emplace_back(key, brick);
-  return update;
-}
-
-struct Hand {
-  Hand(const Scene& scene, const std::optional<BrushOptions>& brush, double widening = 1, std::string fixed = {})
-      : source({.edge = 3 * scene.radius, .points = 2 * scene.cloud.size()}) {
-    PointCloud few;  // never felt
-    few.origin = scene.cloud.origin;
-    few.positions = {scene.cloud.positions[0]};
-    few.normals = {scene.cloud.normals[0]};
-    touch = std::make_unique<BrickTouch>(
-        source,
-        std::make_unique<CpuTouch>(
-            few, CpuTouchOptions{.radius = scene.radius,
-                                 .widening = widening,
-                                 .threads = 1,
-                                 .source = &source,
-                                 .extent = PointExtent{.bounds = boundsOf(scene.cloud), .points = scene.cloud.size()}}),
-        BrickTouchOptions{.radius = scene.radius,
-                          .widening = widening,
-                          .origin = scene.cloud.origin,
-                          .timeout_s = 0.2,
-                          .brush = brush,
-                          .fixed = std::move(fixed)});
-  }
-  BrickSource source;
-  std::unique_ptr<BrickTouch> touch;
-};
-
-bool isSame(const Contact& a, const Contact& b) {
-  return a.proxy == b.proxy && a.normal == b.normal && a.touching == b.touching && a.valid == b.valid;
-}
-
-}  // namespace
 
 TEST_CASE("in virtual time each brush edits the points around a hand as it edits a whole cloud, bit by bit" *
           kMoreInFull) {
@@ -79,13 +24,13 @@ TEST_CASE("in virtual time each brush edits the points around a hand as it edits
       CAPTURE(widening);
       const BrushOptions brush{.kind = kind, .yieldDepth = 0.2, .pushRate = 0.5, .radius = 6, .resample = false};
       CpuTouch whole(scene.cloud, {.radius = scene.radius, .widening = widening, .brush = brush, .threads = 1});
-      Hand hand(scene, brush, widening);
-      hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), box.min - 40.0, box.max + 40.0));
+      BrickHand hand(scene, {.widening = widening, .brush = brush});
+      hand.source.apply(hand.bricks.whole(box.min - 40.0, box.max + 40.0));
       std::size_t touching = 0, differing = 0, tick = 0;
       for (const DVec3& hip : wanderingPath(scene, 300, 2 * scene.radius, 7)) {
         const Pose pose{.time_s = static_cast<double>(++tick) * 1e-3, .hip = hip};
         const Contact own = hand.touch->query(pose, 0), truth = whole.query(pose, 0);
-        differing += !isSame(own, truth);
+        differing += !isSameContact(own, truth);
         touching += truth.touching;
       }
       CHECK(touching > 30);
@@ -110,9 +55,9 @@ TEST_CASE("in real time an edit waits until the last one is felt, so that a brus
           kClock) {
   const Scene scene = makeScene("sphere", 20'000);
   const BrushOptions brush{.kind = BrushKind::push, .yieldDepth = 0.2, .pushRate = 1, .radius = 6, .resample = false};
-  Hand hand(scene, brush);
+  BrickHand hand(scene, {.timeout_s = 0.2, .brush = brush});
   CpuTouch whole(scene.cloud, {.radius = scene.radius, .brush = brush, .threads = 1});
-  hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), DVec3(-70), DVec3(70)));
+  hand.source.apply(hand.bricks.whole(DVec3(-70), DVec3(70)));
   constexpr double kBudget_us = 1e6;
   double time_s = 0;
   for (int i = 0; i < 1500; ++i) {
@@ -158,14 +103,14 @@ TEST_CASE("in real time an edit waits until the last one is felt, so that a brus
 TEST_CASE("a hand without a brush, not sculpting, or in unknown bricks leaves every point unchanged") {
   const Scene scene = makeScene("sphere", 20'000);
   const BrushOptions brush{.kind = BrushKind::push, .yieldDepth = 0.2, .pushRate = 1, .radius = 6, .resample = false};
-  Hand hand(scene, brush);
+  BrickHand hand(scene, {.timeout_s = 0.2, .brush = brush});
   const auto press = [&](bool sculpts) {
     for (int i = 0; i < 60; ++i)
       hand.touch->query({.time_s = 1e-3 * i, .hip = DVec3(0, 0, 51 - 0.05 * i), .sculpts = sculpts}, 1e6);
   };
   std::vector<PointState> made;
   press(true);  // no brick is known
-  hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), DVec3(-70), DVec3(70)));
+  hand.source.apply(hand.bricks.whole(DVec3(-70), DVec3(70)));
   press(false);
   hand.touch->setBrush(std::nullopt);
   press(true);
@@ -177,7 +122,7 @@ TEST_CASE("a hand without a brush, not sculpting, or in unknown bricks leaves ev
   hand.touch->finish();
   hand.source.takeMade(made);
   CHECK(made.size() > 30);
-  Hand fixed(scene, std::nullopt, 1, "it is to be felt alone");
+  const BrickHand fixed(scene, {.fixed = "it is to be felt alone"});
   CHECK_THROWS_WITH_AS(fixed.touch->setBrush(brush), "it is to be felt alone", UsageError);
 }
 

@@ -9,78 +9,16 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
-#include "engine/touch/cpu_touch.hpp"
-#include "tests/scenes.hpp"
+#include "tests/sharing/brick_hand.hpp"
 
 namespace palpate::brick_touch_test {
-
-namespace {
-
-/// Supplies the bricks of a cloud.
-class Bricks {
- public:
-  Bricks(const PointCloud& cloud, const BrickGrid& grid) : grid_(grid) {
-    for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-      auto& brick = all_[grid.keyAt(DVec3(cloud.positions[i]))];
-      if (!brick) brick = std::make_shared<Brick>();
-      brick->ids.push_back(i);
-      brick->positions.push_back(cloud.positions[i]);
-      brick->normals.push_back(cloud.normals[i]);
-    }
-  }
-  std::pair<BrickKey, std::shared_ptr<const Brick>> at(const IVec3& brick) const {
-    const BrickKey key = BrickGrid::keyOf(brick);
-    const auto there = all_.find(key);
-    return {key, there == all_.end() ? std::make_shared<const Brick>() : std::shared_ptr<const Brick>(there->second)};
-  }
-  /// Those within a box that `has` accepts.
-  BrickUpdate around(const DVec3& low, const DVec3& high, const std::function<bool(const IVec3&)>& has = {}) const {
-    BrickUpdate update;
-    grid_.boxOf(low, high).forEach([&](const IVec3& brick) {
-      if (!has || has(brick)) update.bricks.push_back(at(brick));
-    });
-    return update;
-  }
-
- private:
-  BrickGrid grid_;
-  std::map<BrickKey, std::shared_ptr<Brick>> all_;
-};
-
-struct Hand {
-  explicit Hand(const Scene& scene, double edge_radii = 3, double timeout_s = 30)
-      : source({.edge = edge_radii * scene.radius, .points = scene.cloud.size()}), bricks(scene.cloud, source.grid()) {
-    PointCloud few;  // never felt
-    few.origin = scene.cloud.origin;
-    few.positions = {scene.cloud.positions[0]};
-    few.normals = {scene.cloud.normals[0]};
-    touch = std::make_unique<BrickTouch>(
-        source,
-        std::make_unique<CpuTouch>(
-            few, CpuTouchOptions{.radius = scene.radius,
-                                 .threads = 1,
-                                 .source = &source,
-                                 .extent = PointExtent{.bounds = boundsOf(scene.cloud), .points = scene.cloud.size()}}),
-        BrickTouchOptions{.radius = scene.radius, .origin = scene.cloud.origin, .timeout_s = timeout_s});
-  }
-  BrickSource source;
-  Bricks bricks;
-  std::unique_ptr<BrickTouch> touch;
-};
-
-bool isSame(const Contact& a, const Contact& b) {
-  return a.proxy == b.proxy && a.normal == b.normal && a.touching == b.touching && a.valid == b.valid &&
-         a.neighbours == b.neighbours;
-}
-
-}  // namespace
 
 TEST_CASE("in virtual time a hand that waits for its bricks feels the whole cloud, bit by bit, also far from zero") {
   for (const DVec3 center : {DVec3(0), DVec3(1e6, -2e6, 3e6)})
     for (const double edge_radii : {0.8, 3.0}) {
       const Scene scene = makeScene("bumpy-sphere", 30'000, center);
       CpuTouch whole(scene.cloud, {.radius = scene.radius, .threads = 1});
-      Hand hand(scene, edge_radii);
+      BrickHand hand(scene, {.edge_radii = edge_radii});
       // They are received from another thread, only the requested ones, and far ones are dropped.
       std::atomic<bool> stop = false;
       std::jthread server([&] {
@@ -106,7 +44,7 @@ TEST_CASE("in virtual time a hand that waits for its bricks feels the whole clou
       for (const DVec3& hip : wanderingPath(scene, 1500, 2 * scene.radius, 4)) {
         const Pose pose{.time_s = static_cast<double>(tick++) * 1e-3, .hip = hip};
         const Contact own = hand.touch->query(pose, 0), truth = whole.query(pose, 0);
-        differing += !isSame(own, truth);
+        differing += !isSameContact(own, truth);
         touching += truth.touching;
       }
       stop = true;
@@ -122,7 +60,7 @@ TEST_CASE("in virtual time a hand that waits for its bricks feels the whole clou
 TEST_CASE("in real time a hand feels nothing and counts it where bricks are missing, never a surface with a hole") {
   const Scene scene = makeScene("sphere", 30'000);
   CpuTouch whole(scene.cloud, {.radius = scene.radius, .threads = 1});
-  Hand hand(scene);
+  BrickHand hand(scene, {});
   // Half of space is unknown.
   hand.source.apply(hand.bricks.around(DVec3(-70), DVec3(70), [](const IVec3& brick) { return brick.x >= 0; }));
   constexpr double kBudget_us = 1e6;
@@ -176,7 +114,7 @@ TEST_CASE("in real time a hand feels nothing and counts it where bricks are miss
 
 TEST_CASE("a timeout while waiting for bricks in virtual time ends the session without force, with a reason") {
   const Scene scene = makeScene("sphere", 2000);
-  Hand hand(scene, 3, 0.2);
+  BrickHand hand(scene, {.timeout_s = 0.2});
   const Contact contact = hand.touch->query({.time_s = 0, .hip = DVec3(0, 0, 49)}, 0);
   CHECK_FALSE(contact.valid);
   CHECK(contact.lost);

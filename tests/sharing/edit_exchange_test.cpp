@@ -50,6 +50,19 @@ TEST_CASE("the edits of a lone hand are never replaced, and each of its pieces c
   CHECK(world.takenPieces() == world.points().lastOf(world.client(0).id));
 }
 
+namespace {
+
+void carryOutOneOffer(EditExchange& exchange) {
+  const auto offer = exchange.nextOffer();
+  REQUIRE(offer.size() == 1);
+  exchange.offered();
+  exchange.follow({.points = {offer[0].to}, .marks = {{1, EditMark::Kind::received}}});
+  CHECK(exchange.isAtRest());
+  CHECK(exchange.isSame());
+}
+
+}  // namespace
+
 TEST_CASE("a zero of opposite sign is a different state, as in the digest") {
   const auto points = pointsOf(3);
   EditExchange exchange(points, kAtOnce);
@@ -64,12 +77,7 @@ TEST_CASE("a zero of opposite sign is a different state, as in the digest") {
                        .head = 1,
                        .digest = server.digest(),
                        .states = {&other, 1}}) == EditExchange::Heard::taken);
-  const auto offer = exchange.nextOffer();
-  REQUIRE(offer.size() == 1);
-  exchange.offered();
-  exchange.follow({.points = {offer[0].to}, .marks = {{1, EditMark::Kind::received}}});
-  CHECK(exchange.isAtRest());
-  CHECK(exchange.isSame());
+  carryOutOneOffer(exchange);
 }
 
 TEST_CASE("a client that asks for the state is at rest only after the answer, not by earlier results") {
@@ -108,12 +116,7 @@ TEST_CASE("a client that asks for the state is at rest only after the answer, no
   place = {.upTo = asked.upTo, .ownUpTo = 0};
   CHECK(exchange.hear(answer(asked, place, 1, states)) == EditExchange::Heard::taken);
   CHECK_FALSE(exchange.isAtRest());  // until that stroke is in effect here
-  const auto offer = exchange.nextOffer();
-  REQUIRE(offer.size() == 1);
-  exchange.offered();
-  exchange.follow({.points = {offer[0].to}, .marks = {{1, EditMark::Kind::received}}});
-  CHECK(exchange.isAtRest());
-  CHECK(exchange.isSame());
+  carryOutOneOffer(exchange);
 }
 
 TEST_CASE("asking for the state resends nothing, resuming does") {
@@ -194,15 +197,11 @@ TEST_CASE("invalid pieces and pieces out of order change nothing") {
   const std::uint64_t before = points.digest();
   const auto take = [&](PointState state, std::uint64_t number = 1) { return points.take(Id{1}, number, {&state, 1}); };
   const PointState good{.position = {1, 2, 3}, .id = 4, .normal = {0, 0, 1}, .parent = 4};
-  PointState bad = good;
-  bad.id = 10;
-  CHECK(take(bad) == SharedPoints::Taken::refused);
-  bad = good;
-  bad.position.y = std::numeric_limits<float>::quiet_NaN();
-  CHECK(take(bad) == SharedPoints::Taken::refused);
-  bad = good;
-  bad.normal.x = 1e30F;
-  CHECK(take(bad) == SharedPoints::Taken::refused);
+  std::array<PointState, 3> bad{good, good, good};
+  bad[0].id = 10;
+  bad[1].position.y = std::numeric_limits<float>::quiet_NaN();
+  bad[2].normal.x = 1e30F;
+  for (const PointState& each : bad) CHECK(take(each) == SharedPoints::Taken::refused);
   CHECK(points.take(Id{1}, 1, {}) == SharedPoints::Taken::refused);
   CHECK(take(good, 2) == SharedPoints::Taken::early);
   CHECK(points.digest() == before);

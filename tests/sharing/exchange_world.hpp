@@ -127,6 +127,13 @@ struct Client {
   Way<Resume> resumes;
   Way<Told> results;
   int lastHeard = 0;
+
+  /// All that is in flight is lost.
+  void cut() {
+    strokes.cut();
+    resumes.cut();
+    results.cut();
+  }
 };
 
 struct Follower {
@@ -149,12 +156,7 @@ class World {
     for (auto& client : clients_) stepClient(*client, brushes);
     stepServer();
     if (!breaks) return;
-    if (dice_() % 200 == 0) {
-      Client& unlucky = *clients_[dice_() % clients_.size()];
-      unlucky.strokes.cut();
-      unlucky.resumes.cut();
-      unlucky.results.cut();
-    }
+    if (dice_() % 200 == 0) clients_[dice_() % clients_.size()]->cut();
     if (dice_() % 400 == 0) restart();
   }
 
@@ -243,11 +245,7 @@ class World {
     for (const auto& [id, piece] : journal_)
       REQUIRE(points_.take(id, piece.number, piece.states) == SharedPoints::Taken::taken);
     followers_.clear();
-    for (auto& client : clients_) {
-      client->strokes.cut();
-      client->resumes.cut();
-      client->results.cut();
-    }
+    for (auto& client : clients_) client->cut();
   }
 
   std::mt19937 dice_;

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <mutex>
-#include <optional>
 #include <set>
 
 #include "haptics/sharing/messages.hpp"
@@ -44,7 +43,7 @@ class Lines final : public LogListener {
 
 TEST_CASE("a client with only nearby points receives those around its moving hand and few others") {
   const PointCloud cloud = square();
-  ServedSquare served(cloud, "near");
+  Served served(cloud, "near");
   {
     const JoinedCloud joined = joinNear("near");
     REQUIRE(joined.far);
@@ -57,9 +56,7 @@ TEST_CASE("a client with only nearby points receives those around its moving han
     BrickSource& source = joined.far->source();
     CloudFrame frame;
     for (const DVec3& hip : {DVec3(20, 20, 0.5), DVec3(60, 20, 0.5), DVec3(150, 160, 0.5)}) {
-      const HandReaches hands = handAt(hip);
-      source.ask(hands);
-      REQUIRE(source.await(hands, 30));
+      REQUIRE(comesTo(hip, source));
       CHECK(around(source, hip, frame) == 25);  // of a square lattice within 2.96 of one of its points
     }
     CHECK(source.known().points < 30'000);
@@ -75,27 +72,21 @@ TEST_CASE("a client with only nearby points receives those around its moving han
 
 TEST_CASE("invalid requests for nearby points are counted and change nothing") {
   const PointCloud cloud = square();
-  ServedSquare served(cloud, "hostile");
+  Served served(cloud, "hostile");
   const JoinedCloud joined = joinNear("hostile");
   {
     const Participant participant(ownNetwork());
     const Topics topics(participant);
     const Writer<Near> nears(participant, topics.nears, bestEffortQos());
-    const Reader<Facts> facts(participant, topics.facts, reliableQos(true));
-    std::optional<Facts> heard;
-    REQUIRE(within(30, [&] {
-      facts.take([&](const Facts& one) { heard = one; });
-      return heard.has_value();
-    }));
+    const Facts facts = announcedFacts(participant, topics);
     std::uint32_t number = 0;
     const auto send = [&](std::vector<palpate_sharing_Ball> balls) {
       Near near{};
-      std::memcpy(near.session, heard->session, sizeof near.session);
+      std::memcpy(near.session, facts.session, sizeof near.session);
       near.epoch = 1;
       near.number = ++number;
       near.taken = ~std::uint64_t{0};
-      near.balls._buffer = balls.data();
-      near.balls._length = near.balls._maximum = static_cast<std::uint32_t>(balls.size());
+      give(near.balls, balls);
       nears.write(near);
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     };
@@ -108,9 +99,7 @@ TEST_CASE("invalid requests for nearby points are counted and change nothing") {
       send({{.center = {0, 0, 1e29}, .radius = 1e29}});  // far too much empty space
     }
   }
-  const HandReaches hands = handAt(DVec3(50, 50, 1));
-  joined.far->source().ask(hands);
-  CHECK(joined.far->source().await(hands, 30));
+  CHECK(comesTo(DVec3(50, 50, 1), joined.far->source()));
   const ServedCounts counts = served.end();
   CHECK(counts.refused >= 4);
   CHECK(counts.refused <= 20);
@@ -121,7 +110,7 @@ TEST_CASE("moving points are sent repeatedly with their time, and the motion rec
   std::mutex lock;
   std::vector<SeenHand> seen;
   double serverBegan_s = std::numeric_limits<double>::infinity();  // on this machine's clock, also the server's
-  ServedSquare served(cloud, "moving", [&](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
+  const auto motion = [&](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
     const double called_s = steadyNow_s();
     frame.time_s = time_s;
     frame.positions = cloud.positions;
@@ -132,7 +121,8 @@ TEST_CASE("moving points are sent repeatedly with their time, and the motion rec
     serverBegan_s = std::min(serverBegan_s, called_s - time_s);
     seen.assign(hands.begin(), hands.end());
     return true;
-  });
+  };
+  Served served(cloud, {.name = "moving", .sculptable = false, .motion = motion});
   const JoinedCloud joined = joinCloud("moving", {.network = ownNetwork()});
   const auto presence = sharePresence(joined.session, "a test's", joined.cloud);
   REQUIRE(joined.far);  // without a request for it
@@ -204,12 +194,12 @@ TEST_CASE("a restart of the motion is reported once to each client, and not to c
     const std::scoped_lock hold(lock);
     restarts = {.count = count, .why = why};
   };
-  ServedSquare served(
-      cloud, "begins anew", [](double, std::span<const SeenHand>, CloudFrame&) { return false; }, {},
-      [&] {
-        const std::scoped_lock hold(lock);
-        return restarts;
-      });
+  const auto stands = [](double, std::span<const SeenHand>, CloudFrame&) { return false; };
+  const auto told = [&] {
+    const std::scoped_lock hold(lock);
+    return restarts;
+  };
+  Served served(cloud, {.name = "begins anew", .sculptable = false, .motion = stands, .restarts = told});
   std::array<Lines, 2> lines;
   std::array<Log, 2> logs{Log(true), Log(true)};
   std::array<JoinedCloud, 2> joined;
@@ -248,8 +238,7 @@ TEST_CASE("a restart of the motion is reported once to each client, and not to c
     restarted(count, "is in a hurry");
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  const auto told = static_cast<double>(lines[0].restarts().size());
-  CHECK(told <= 3 + 2 * since.elapsed_s());
+  CHECK(static_cast<double>(lines[0].restarts().size()) <= 3 + 2 * since.elapsed_s());
   CHECK(within(30, [&] { return lines[0].restarts().size() > 2; }));
   joined = {};
   served.end();
@@ -259,24 +248,20 @@ TEST_CASE("hands at impossible positions do not press a moving model") {
   const PointCloud cloud = square();
   std::mutex lock;
   std::set<std::string> seen;
-  ServedSquare served(cloud, "pressed", [&](double, std::span<const SeenHand> hands, CloudFrame&) {
+  const auto motion = [&](double, std::span<const SeenHand> hands, CloudFrame&) {
     const std::scoped_lock hold(lock);
     for (const SeenHand& hand : hands) seen.insert(hand.name);
     return false;
-  });
+  };
+  Served served(cloud, {.name = "pressed", .sculptable = false, .motion = motion});
   const Participant participant(ownNetwork());
   const Topics topics(participant);
   const Writer<sharing::HandSample> hands(participant, topics.hands, bestEffortQos());
-  const Reader<Facts> facts(participant, topics.facts, reliableQos(true));
-  std::optional<Facts> heard;
-  REQUIRE(within(30, [&] {
-    facts.take([&](const Facts& one) { heard = one; });
-    return heard.has_value();
-  }));
+  const Facts facts = announcedFacts(participant, topics);
   std::uint32_t number = 0;
   const auto send = [&](const std::string& name, double x, double proxy) {
     sharing::HandSample hand{};
-    std::memcpy(hand.session, heard->session, sizeof hand.session);
+    std::memcpy(hand.session, facts.session, sizeof hand.session);
     put(hand.name, name);
     hand.client[0] = name.back();
     hand.position[0] = x;

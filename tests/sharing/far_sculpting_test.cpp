@@ -11,6 +11,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
+#include "tests/error_of.hpp"
 #include "tests/labels.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/sharing/served_square.hpp"
@@ -31,12 +32,7 @@ class NearSculptor {
   FarCloud& far() const { return *joined_.far; }
   BrickSource& source() const { return joined_.far->source(); }
 
-  bool comesTo(const DVec3& hip) {
-    hip_ = hip;
-    const HandReaches hands = handAt(hip);
-    source().ask(hands);
-    return source().await(hands, 30);
-  }
+  bool comesTo(const DVec3& hip) { return palpate::comesTo(hip_ = hip, source()); }
   /// Points within the room.
   std::vector<PointState> points() const {
     std::vector<PointState> points;
@@ -74,7 +70,7 @@ bool isSamePoint(const PointState& a, const PointState& b) {
 
 TEST_CASE("edits of several clients with only nearby points reach the server and each other once") {
   const PointCloud cloud = square();
-  ServedSquare served(cloud, "sculpted near");
+  Served served(cloud, "sculpted near");
   std::vector<std::vector<PointState>> seen;
   std::uint64_t sent = 0;
   {
@@ -133,7 +129,7 @@ TEST_CASE("edits of several clients with only nearby points reach the server and
 
 TEST_CASE("continuous edits of the same nearby points are acknowledged without a resend" * kClock) {
   const PointCloud cloud = square();
-  ServedSquare served(cloud, "on and on");
+  Served served(cloud, "on and on");
   NearSculptor hand("on and on", 4);
   REQUIRE(hand.comesTo(DVec3(100, 100, 0)));
   // Each point is edited again before the server has acknowledged it.
@@ -157,7 +153,8 @@ TEST_CASE("continuous edits of the same nearby points are acknowledged without a
 TEST_CASE("edits of nearby points during a server outage are applied once, after it restarts with its journal") {
   const PointCloud cloud = square();
   const ScratchFolder folder;
-  std::optional<ServedSquare> served(std::in_place, cloud, "away", ServedMotion{}, folder / "strokes");
+  const CloudServer::Parts continued{.name = "away", .journal = folder / "strokes"};
+  std::optional<Served> served(std::in_place, cloud, continued);
   NearSculptor hand("away", 3);
   const DVec3 place(100, 100, 0);
   REQUIRE(hand.comesTo(place));
@@ -167,7 +164,7 @@ TEST_CASE("edits of nearby points during a server outage are applied once, after
   for (int i = 0; i < 5; ++i) hand.edit();
   CHECK_FALSE(within(0.2, [&] { return hand.far().counts().delivered; }));
   const std::vector<PointState> made = hand.points();
-  served.emplace(cloud, "away", ServedMotion{}, folder / "strokes");
+  served.emplace(cloud, continued);
   CHECK(within(20, [&] {
     hand.comesTo(place);
     return hand.far().counts().delivered;
@@ -183,14 +180,9 @@ TEST_CASE("edits of nearby points during a server outage are applied once, after
   CHECK(served->end().states == sent);
   // A server that restarts without the journal cannot accept this hand's edits.
   served.reset();
-  served.emplace(cloud, "away", ServedMotion{});
+  served.emplace(cloud, "away");
   CHECK(within(20, [&] {
-    try {
-      hand.far().check();
-      return false;
-    } catch (const NetworkError& error) {
-      return std::string(error.what()).find("was restarted without its edits") != std::string::npos;
-    }
+    return errorOf([&] { hand.far().check(); }).find("was restarted without its edits") != std::string::npos;
   }));
   CHECK_FALSE(hand.far().known().isTrue());
 }

@@ -8,7 +8,7 @@
 #include <future>
 #include <optional>
 
-#include "haptics/sharing/messages.hpp"
+#include "tests/error_of.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/sharing/honest_hand.hpp"
 #include "tests/sharing/served_square.hpp"
@@ -41,8 +41,7 @@ class Forger {
     std::memcpy(sample.session, near.session, sizeof sample.session);
     sample.epoch = near.epoch;
     sample.sample = near.taken + 1;
-    sample.parts._buffer = &part;
-    sample.parts._length = sample.parts._maximum = 1;
+    give(sample.parts, std::span(&part, 1));
     bricks_->write(sample);
   }
 
@@ -84,52 +83,41 @@ class AskingListener final : public LogListener {
 
 TEST_CASE("a silent server is reported; a client continues with a server of the same points and refuses other points") {
   const PointCloud cloud = square(), other = square(5);
-  std::optional<ServedSquare> served(std::in_place, cloud, "again");
+  std::optional<Served> served(std::in_place, cloud, "again");
   const JoinedCloud joined = joinNear("again");
   BrickSource& source = joined.far->source();
-  source.ask(handAt(DVec3(30, 30, 0)));
-  REQUIRE(source.await(handAt(DVec3(30, 30, 0)), 30));
+  REQUIRE(comesTo(DVec3(30, 30, 0), source));
   served.reset();
   CHECK(within(30, [&] { return joined.far->known().share() == 0; }));
   // Known points are still there.
   CHECK(source.await(handAt(DVec3(30, 30, 0)), 0));
   CHECK_FALSE(source.await(handAt(DVec3(190, 190, 0)), 0));
   served.emplace(cloud, "again");
-  source.ask(handAt(DVec3(190, 190, 0)));
-  CHECK(source.await(handAt(DVec3(190, 190, 0)), 30));
+  CHECK(comesTo(DVec3(190, 190, 0), source));
   CHECK(within(30, [&] { return joined.far->known().share() == 1; }));
   CHECK(joined.far->counts().servers == 2);
   CHECK(joined.far->counts().longestSilent_s > 3);
   CHECK_NOTHROW(joined.far->check());
   served.reset();
   served.emplace(other, "again");
-  CHECK(within(10, [&] {
-    try {
-      joined.far->check();
-      return false;
-    } catch (const NetworkError& error) {
-      return std::string(error.what()).find("has other points now") != std::string::npos;
-    }
-  }));
+  CHECK(within(
+      10, [&] { return errorOf([&] { joined.far->check(); }).find("has other points now") != std::string::npos; }));
   CHECK_FALSE(joined.far->known().isTrue());
 }
 
 TEST_CASE("a client with only nearby points continues after its server restarts with its journal") {
   const ScratchFolder folder;
   const PointCloud cloud = square();
-  std::optional<ServedSquare> served(std::in_place, cloud, "journal", ServedMotion{}, folder / "strokes");
+  const CloudServer::Parts continued{.name = "journal", .journal = folder / "strokes"};
+  std::optional<Served> served(std::in_place, cloud, continued);
   const JoinedCloud joined = joinNear("journal");
   BrickSource& source = joined.far->source();
-  const auto comesTo = [&](const DVec3& hip) {
-    source.ask(handAt(hip));
-    return source.await(handAt(hip), 30);
-  };
-  for (const double x : {20.0, 100.0, 180.0}) REQUIRE(comesTo(DVec3(x, 20, 0)));
+  for (const double x : {20.0, 100.0, 180.0}) REQUIRE(comesTo(DVec3(x, 20, 0), source));
   CHECK(within(30, [&] { return joined.far->counts().samples > 256; }));  // more than the new server sends at once
   served.reset();
-  served.emplace(cloud, "journal", ServedMotion{}, folder / "strokes");
-  CHECK(comesTo(DVec3(100, 180, 0)));
-  CHECK(comesTo(DVec3(20, 180, 0)));
+  served.emplace(cloud, continued);
+  CHECK(comesTo(DVec3(100, 180, 0), source));
+  CHECK(comesTo(DVec3(20, 180, 0), source));
   const FarCounts counts = joined.far->counts();
   CHECK(counts.servers == 1);
   CHECK(counts.resumed == 1);
@@ -138,16 +126,14 @@ TEST_CASE("a client with only nearby points continues after its server restarts 
 
 TEST_CASE("an invalid brick sample counts as missing, and ends the connection only if nothing else arrives") {
   const PointCloud cloud = square();
-  std::optional<ServedSquare> served(std::in_place, cloud, "forged");
+  std::optional<Served> served(std::in_place, cloud, "forged");
   const JoinedCloud joined = joinNear("forged");
   BrickSource& source = joined.far->source();
-  source.ask(handAt(DVec3(30, 30, 0)));
-  REQUIRE(source.await(handAt(DVec3(30, 30, 0)), 30));
+  REQUIRE(comesTo(DVec3(30, 30, 0), source));
   Forger forger;
   CHECK(forger.forge(30, [&] { return joined.far->counts().resumed >= 3; }));
   CHECK_NOTHROW(joined.far->check());
-  source.ask(handAt(DVec3(170, 170, 0)));
-  CHECK(source.await(handAt(DVec3(170, 170, 0)), 30));
+  CHECK(comesTo(DVec3(170, 170, 0), source));
   CHECK_NOTHROW(joined.far->check());
   CHECK(joined.far->known().isTrue());
   served.reset();
@@ -157,11 +143,10 @@ TEST_CASE("an invalid brick sample counts as missing, and ends the connection on
 
 TEST_CASE("another hand's edits within reach of a client with only nearby points count as changes under its hand") {
   const PointCloud cloud = square();
-  ServedSquare served(cloud, "changed");
+  Served served(cloud, "changed");
   const JoinedCloud joined = joinNear("changed");
   BrickSource& source = joined.far->source();
-  source.ask(handAt(DVec3(50, 50, 0)));
-  REQUIRE(source.await(handAt(DVec3(50, 50, 0)), 30));
+  REQUIRE(comesTo(DVec3(50, 50, 0), source));
   CHECK_FALSE(within(0.5, [&] { return joined.far->known().isChanging(); }));
   HonestHand other("changed");
   CHECK(within(30, [&] { return joined.far->known().isChanging(); }));
@@ -173,7 +158,7 @@ TEST_CASE("a log listener can query the connection while it receives the message
   AskingListener listener;
   Log log(true);
   log.listen(&listener);
-  std::optional<ServedSquare> served(std::in_place, cloud, "silent");
+  std::optional<Served> served(std::in_place, cloud, "silent");
   {
     const JoinedCloud joined = joinNear("silent", &log);
     REQUIRE(within(30, [&] { return joined.far->counts().answered > 0; }));

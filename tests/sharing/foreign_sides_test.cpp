@@ -8,6 +8,8 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "tests/error_of.hpp"
+#include "tests/says.hpp"
 #include "tests/sharing/own_network.hpp"
 
 namespace palpate::foreign_sides_test {
@@ -45,11 +47,7 @@ class ForeignServer {
     std::string said;
     std::atomic<bool> ended = false;
     std::jthread client([&] {
-      try {
-        joinCloud(notice.name, {.network = ownNetwork(), .timeout_s = 1});
-      } catch (const NetworkError& error) {
-        said = error.what();
-      }
+      said = errorOf<NetworkError>([&] { joinCloud(notice.name, {.network = ownNetwork(), .timeout_s = 1}); });
       ended = true;
     });
     std::uint32_t given = 0;
@@ -66,8 +64,7 @@ class ForeignServer {
           block.number = request.first + i;
           block.every = request.every;
           spoil(block, points);
-          block.points._buffer = points.data();
-          block.points._length = block.points._maximum = static_cast<std::uint32_t>(points.size());
+          give(block.points, points);
           blocks->write(block);
         }
       });
@@ -90,59 +87,53 @@ class ForeignServer {
 
 void leave(Block&, std::vector<Point>&) {}
 
-bool has(const std::string& text, const std::string& words) {
-  CAPTURE(text);
-  CHECK(text.find(words) != std::string::npos);
-  return text.find(words) != std::string::npos;
-}
-
 }  // namespace
 
 TEST_CASE("a server of another version or with an invalid cloud is refused with the reason") {
   ForeignServer newer("newer");
   newer.notice.version = kVersion + 1;
-  CHECK(has(newer.joined(leave), "another version"));
+  CHECK(says(newer.joined(leave), "another version"));
   ForeignServer unscaled("unscaled");
   unscaled.notice.mm_per_unit = std::numeric_limits<double>::quiet_NaN();
-  CHECK(has(unscaled.joined(leave), "invalid cloud"));
+  CHECK(says(unscaled.joined(leave), "invalid cloud"));
   ForeignServer nowhere("nowhere");
   nowhere.notice.origin[1] = std::numeric_limits<double>::infinity();
-  CHECK(has(nowhere.joined(leave), "invalid cloud"));
+  CHECK(says(nowhere.joined(leave), "invalid cloud"));
   ForeignServer endless("endless", std::uint64_t{1} << 62);
-  CHECK(has(endless.joined(leave), "invalid cloud"));
+  CHECK(says(endless.joined(leave), "invalid cloud"));
 }
 
 TEST_CASE("invalid, missing and surplus points, and others than announced, are refused") {
-  CHECK(has(ForeignServer("short").joined([](Block&, std::vector<Point>& points) { points.pop_back(); }),
-            "44 points instead of 45"));
-  CHECK(has(ForeignServer("long").joined([](Block&, std::vector<Point>& points) { points.resize(64); }),
-            "64 points instead of"));
-  CHECK(has(ForeignServer("holes").joined([](Block&, std::vector<Point>& points) {
+  CHECK(says(ForeignServer("short").joined([](Block&, std::vector<Point>& points) { points.pop_back(); }),
+             "44 points instead of 45"));
+  CHECK(says(ForeignServer("long").joined([](Block&, std::vector<Point>& points) { points.resize(64); }),
+             "64 points instead of"));
+  CHECK(says(ForeignServer("holes").joined([](Block&, std::vector<Point>& points) {
     points[7].position[2] = std::numeric_limits<float>::quiet_NaN();
   }),
-            "it has no position"));
-  CHECK(has(ForeignServer("spikes").joined([](Block&, std::vector<Point>& points) { points[0].normal[0] = 1e20f; }),
-            "no normal"));
-  CHECK(has(ForeignServer("others").joined(leave), "not those that were announced"));
+             "it has no position"));
+  CHECK(says(ForeignServer("spikes").joined([](Block&, std::vector<Point>& points) { points[0].normal[0] = 1e20f; }),
+             "no normal"));
+  CHECK(says(ForeignServer("others").joined(leave), "not those that were announced"));
   // Blocks of other sessions and beyond the end are ignored.
-  CHECK(has(ForeignServer("strange").joined([](Block& block, std::vector<Point>&) { block.number += 1'000'000; }),
-            "nothing received"));
-  CHECK(has(ForeignServer("mixed").joined([](Block& block, std::vector<Point>&) { block.session[3] ^= 1; }),
-            "nothing received"));
+  CHECK(says(ForeignServer("strange").joined([](Block& block, std::vector<Point>&) { block.number += 1'000'000; }),
+             "nothing received"));
+  CHECK(says(ForeignServer("mixed").joined([](Block& block, std::vector<Point>&) { block.session[3] ^= 1; }),
+             "nothing received"));
 }
 
 TEST_CASE("a server that announces billions of points costs only the memory of the points received") {
   ForeignServer boaster("boaster", std::uint64_t{3} << 30);
-  CHECK(has(boaster.joined(leave, 70), "of 3221225472 points"));
+  CHECK(says(boaster.joined(leave, 70), "of 3221225472 points"));
 }
 
 TEST_CASE("a server that ends during the transfer is reported with the points received so far") {
-  CHECK(has(ForeignServer("halting", 90'000).joined(leave, 5), "after 225 of 90000 points"));
+  CHECK(says(ForeignServer("halting", 90'000).joined(leave, 5), "after 225 of 90000 points"));
 }
 
 TEST_CASE("names with control characters or invalid UTF-8 are made printable") {
   ForeignServer server("bell\x07 \x1b[31m");
-  CHECK(has(server.joined(leave), "bell? ?[31m"));
+  CHECK(says(server.joined(leave), "bell? ?[31m"));
   // The same for invalid UTF-8, which JSON cannot hold, and for control characters.
   const auto shown = [](const char* text) { return printable(text); };
   CHECK(shown("Z\u00fcrich \u20ac \U0001F600") == "Z\u00fcrich \u20ac \U0001F600");

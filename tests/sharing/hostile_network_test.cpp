@@ -81,6 +81,21 @@ class HostileSide {
   int status_ = 0;
 };
 
+/// Makes the attack, with `meanwhile` every 20 ms. Returns the longest time for which the machine itself stopped.
+template <class Meanwhile>
+double stoodDuring(const std::string& attack, double seconds, Meanwhile&& meanwhile) {
+  HostileSide side(attack, seconds);
+  double stood_s = 0, last_s = 0;
+  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 30;
+       std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+    stood_s = std::max(stood_s, since.elapsed_s() - last_s);
+    last_s = since.elapsed_s();
+    meanwhile();
+  }
+  CHECK(side.end(SIGKILL) == 0);  // it has found the session and sent something
+  return stood_s;
+}
+
 struct Outcome {
   double grown_MB = 0;  ///< maximum during the attack
   SharedCounts hand;
@@ -96,19 +111,13 @@ Outcome attacked(const std::string& attack, double seconds) {
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   Outcome outcome;
   const double before_MB = allocated_MB();
-  HostileSide side(attack, seconds);
-  double stood_s = 0, last_s = 0;  // longest time for which the machine itself stopped
-  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 30;
-       std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
-    stood_s = std::max(stood_s, since.elapsed_s() - last_s);
-    last_s = since.elapsed_s();
+  const double stood_s = stoodDuring(attack, seconds, [&] {
     outcome.grown_MB = std::max(outcome.grown_MB, allocated_MB() - before_MB);
     for (const SeenHand& other : hand.others()) {
       CHECK(glm::length(other.place.position) < 1e12);  // every hand can be drawn
       CHECK(glm::length(other.place.proxy) < 1e12);
     }
-  }
-  CHECK(side.end(SIGKILL) == 0);  // it has found the session and sent something
+  });
   outcome.hand = hand.end();
   // A later client gets all points.
   CHECK(joinCloud("attacked", {.network = ownNetwork()}).cloud.positions == cloud.positions);
@@ -163,25 +172,12 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   CAPTURE(attack);
   const PointCloud cloud = flatCloud(20'000);
   Served served(cloud, "attacked");
-  const JoinedCloud joined = joinCloud("attacked", {.network = ownNetwork(), .partial = true});
-  BrickSource& source = joined.far->source();
-  const auto comesTo = [&](double y) {
-    const HandReaches hands = handAt({50, y, 0});
-    source.ask(hands);
-    // Up to 64 others are served first, each for some milliseconds, ten times that with sanitizers.
-    return source.await(hands, 30);
-  };
-  REQUIRE(comesTo(20));
-  HostileSide side(attack, seconds);
-  double stood_s = 0, last_s = 0;  // longest time for which the machine itself stopped
-  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 30;
-       std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
-    stood_s = std::max(stood_s, since.elapsed_s() - last_s);
-    last_s = since.elapsed_s();
-  }
-  CHECK(side.end(SIGKILL) == 0);
+  const JoinedCloud joined = joinNear("attacked");
+  REQUIRE(comesTo({50, 20, 0}, joined.far->source()));
+  const double stood_s = stoodDuring(attack, seconds, [] {});
   const FarCounts during = joined.far->counts();
-  CHECK(comesTo(180));
+  // Up to 64 others are served first, each for some milliseconds, ten times that with sanitizers.
+  CHECK(comesTo({50, 180, 0}, joined.far->source()));
   CHECK_NOTHROW(joined.far->check());
   const NearOutcome outcome{.hand = during, .served = served.end()};
   MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times resumed; {} clients, {} refused",

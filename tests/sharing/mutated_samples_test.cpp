@@ -5,7 +5,6 @@
 #include <doctest/doctest.h>
 
 #include <cstring>
-#include <functional>
 #include <random>
 
 #include "haptics/sharing/brick_cloud.hpp"
@@ -117,9 +116,9 @@ class Mutant {
     while (!known_) notices.take([&](const Notice& notice) { known_ = notice; });
   }
 
-  template <class T>
-  Tried write(const dds_topic_descriptor_t& type, const Topic<T>& topic, const Qos& qos, int count,
-              const std::function<void(T&)>& fill) {
+  template <class T, class Fill>
+  void write(const dds_topic_descriptor_t& type, const Topic<T>& topic, const Qos& qos, int count, Fill&& fill) {
+    CAPTURE(type.m_typename);
     const Wire wire(participant_, type, T{});
     const Writer<T> writer(participant_, topic, qos);
     Tried tried;
@@ -131,10 +130,19 @@ class Mutant {
     }
     CHECK(tried.accepted > count / 20);
     CHECK(tried.refused > count / 20);
-    return tried;
   }
 
   std::uint32_t roll() { return static_cast<std::uint32_t>(dice_()); }
+  /// One of forty clients.
+  void setClient(std::uint8_t (&client)[16]) { client[0] = static_cast<std::uint8_t>(1 + roll() % 40); }
+  /// States of some of so many points.
+  template <class Sequence>
+  void giveStates(Sequence& to, std::uint32_t points) {
+    states_.resize(1 + roll() % kStates);
+    for (State& state : states_)
+      state = {.id = roll() % points, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0};
+    give(to, states_);
+  }
   const Topics& topics() const { return topics_; }
   dds_entity_t participant() const { return participant_; }
   const Notice& notice() const { return *known_; }
@@ -144,13 +152,8 @@ class Mutant {
   Topics topics_;
   std::mt19937 dice_;
   std::optional<Notice> known_;
+  std::vector<State> states_;
 };
-
-void fillStates(Mutant& mutant, std::vector<State>& states, std::uint32_t points) {
-  states.resize(1 + mutant.roll() % kStates);
-  for (State& state : states)
-    state = {.id = mutant.roll() % points, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0};
-}
 
 }  // namespace
 
@@ -166,40 +169,31 @@ TEST_CASE("a served and sculpted session continues amid corrupted samples") {
   Mutant mutant(1);
   const Topics& topics = mutant.topics();
   constexpr int kTimes = 4000;
-  std::vector<State> states;
-  const auto id = [&](std::uint8_t(&to)[16]) { to[0] = static_cast<std::uint8_t>(1 + mutant.roll() % 40); };
-  mutant.write<Request>(palpate_sharing_Request_desc, topics.requests, reliableQos(false), kTimes,
-                        [&](Request& request) {
-                          id(request.client);
-                          put(request.host, "mutant");
-                          request.count = 1 + mutant.roll() % 100;
-                        });
-  const auto change = [&](Stroke& stroke) {
-    id(stroke.client);
+  mutant.write(palpate_sharing_Request_desc, topics.requests, reliableQos(false), kTimes, [&](Request& request) {
+    mutant.setClient(request.client);
+    put(request.host, "mutant");
+    request.count = 1 + mutant.roll() % 100;
+  });
+  mutant.write(palpate_sharing_Stroke_desc, topics.strokes, reliableQos(false), kTimes, [&](Stroke& stroke) {
+    mutant.setClient(stroke.client);
     stroke.number = mutant.roll() % 50;  // in any order, with duplicates
-    fillStates(mutant, states, 5000);
-    stroke.states._buffer = states.data();
-    stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states.size());
-  };
-  mutant.write<Stroke>(palpate_sharing_Stroke_desc, topics.strokes, reliableQos(false), kTimes, change);
-  mutant.write<Stroke>(palpate_sharing_Stroke_desc, topics.strokeCopies, bestEffortQos(), kTimes, change);
-  mutant.write<ResumeRequest>(palpate_sharing_Resume_desc, topics.resumes, reliableQos(false), kTimes,
-                              [&](ResumeRequest& resume) {
-                                id(resume.client);
-                                put(resume.host, "mutant");
-                                resume.epoch = mutant.roll() % 100;
-                                resume.upTo = mutant.roll() % 1000;
-                              });
-  mutant.write<sharing::HandSample>(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes,
-                                    [&](sharing::HandSample& shown) {
-                                      id(shown.client);
-                                      put(shown.name, "mutant");
-                                      shown.which = static_cast<std::uint8_t>(mutant.roll());
-                                      shown.number = mutant.roll();
-                                    });
+    mutant.giveStates(stroke.states, 5000);
+  });
+  mutant.write(palpate_sharing_Resume_desc, topics.resumes, reliableQos(false), kTimes, [&](ResumeRequest& resume) {
+    mutant.setClient(resume.client);
+    put(resume.host, "mutant");
+    resume.epoch = mutant.roll() % 100;
+    resume.upTo = mutant.roll() % 1000;
+  });
+  mutant.write(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes, [&](sharing::HandSample& shown) {
+    mutant.setClient(shown.client);
+    put(shown.name, "mutant");
+    shown.which = static_cast<std::uint8_t>(mutant.roll());
+    shown.number = mutant.roll();
+  });
   std::size_t cameras = 0;
-  mutant.write<Camera>(palpate_sharing_Camera_desc, topics.cameras, bestEffortQos(), kTimes, [&](Camera& camera) {
-    id(camera.client);
+  mutant.write(palpate_sharing_Camera_desc, topics.cameras, bestEffortQos(), kTimes, [&](Camera& camera) {
+    mutant.setClient(camera.client);
     put(camera.name, "mutant");
     camera.orientation[0] = camera.fov_y = camera.aspect = 1;
     camera.number = mutant.roll();
@@ -214,9 +208,9 @@ TEST_CASE("a served and sculpted session continues amid corrupted samples") {
   });
   CHECK(cameras > 0);
   for (const Topic<Ping>* topic : {&topics.pings, &topics.echoes})
-    mutant.write<Ping>(palpate_sharing_Ping_desc, *topic, bestEffortQos(), kTimes,
-                       [&](Ping& ping) { id(ping.client); });
-  mutant.write<Notice>(palpate_sharing_Notice_desc, topics.notices, reliableQos(true), kTimes, [&](Notice& notice) {
+    mutant.write(palpate_sharing_Ping_desc, *topic, bestEffortQos(), kTimes,
+                 [&](Ping& ping) { mutant.setClient(ping.client); });
+  mutant.write(palpate_sharing_Notice_desc, topics.notices, reliableQos(true), kTimes, [&](Notice& notice) {
     notice = mutant.notice();
     notice.session[5] ^= static_cast<std::uint8_t>(1 + mutant.roll() % 200);
   });
@@ -228,23 +222,16 @@ TEST_CASE("a served and sculpted session continues amid corrupted samples") {
     });
   std::uint8_t partition[16];
   set(partition, *victim);
-  const auto answer = [&](Result& result) {
-    result.epoch = 1;
-    result.head = mutant.roll();
-    fillStates(mutant, states, 5000);
-    result.states._buffer = states.data();
-    result.states._length = result.states._maximum = static_cast<std::uint32_t>(states.size());
-  };
-  mutant.write<Result>(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes,
-                       answer);
-  mutant.write<Result>(palpate_sharing_Result_desc, topics.resultCopies, bestEffortQos(partitionOf(partition)), kTimes,
-                       answer);
+  mutant.write(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes,
+               [&](Result& result) {
+                 result.epoch = 1;
+                 result.head = mutant.roll();
+                 mutant.giveStates(result.states, 5000);
+               });
   honest->show(CameraPlace{.position = DVec3(1, 2, 3), .fovY_rad = 1});
-  bool isSeen = false;
-  for (const Stopwatch since; !isSeen && since.elapsed_s() < 10;
-       std::this_thread::sleep_for(std::chrono::milliseconds(10)))
-    for (const SeenCamera& other : onlooker->cameras()) isSeen = isSeen || other.name == "honest";
-  CHECK(isSeen);
+  CHECK(within(10, [&] {
+    return std::ranges::any_of(onlooker->cameras(), [](const SeenCamera& other) { return other.name == "honest"; });
+  }));
   const SharedCounts counts = hand.end();
   CHECK(counts.same);
   CHECK(counts.delivered);
@@ -277,13 +264,12 @@ TEST_CASE("a client that joins amid corrupted blocks receives the announced poin
     std::optional<Request> asked;
     requests.take([&](const Request& request) { asked = request; });
     if (!asked) continue;
-    mutant.write<Block>(
+    mutant.write(
         palpate_sharing_Block_desc, mutant.topics().blocks, reliableQos(false, partitionOf(asked->client)), 400,
         [&](Block& block) {
           block.number = mutant.roll() % static_cast<std::uint32_t>(blocksOf(kPoints));
           points.assign(pointsIn(block.number, kPoints), Point{.position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0});
-          block.points._buffer = points.data();
-          block.points._length = block.points._maximum = static_cast<std::uint32_t>(points.size());
+          give(block.points, points);
         });
   }
   joining.request_stop();
@@ -296,37 +282,30 @@ TEST_CASE("a client that joins amid corrupted blocks receives the announced poin
 TEST_CASE("a client with only nearby points continues amid corrupted requests, facts and bricks") {
   const PointCloud cloud = flatCloud(20'000);
   Served served(cloud, "mutated");
-  const JoinedCloud joined = joinCloud("mutated", {.network = ownNetwork(), .partial = true});
-  BrickSource& source = joined.far->source();
-  const auto comesTo = [&](double y) {
-    const HandReaches hands = handAt({50, y, 0});
-    source.ask(hands);
-    return source.await(hands, 30);
-  };
-  REQUIRE(comesTo(20));
+  const JoinedCloud joined = joinNear("mutated");
+  REQUIRE(comesTo({50, 20, 0}, joined.far->source()));
   Mutant mutant(4);
   const Topics& topics = mutant.topics();
   constexpr int kTimes = 2000;
   std::vector<palpate_sharing_Ball> balls(8);
-  mutant.write<Near>(palpate_sharing_Near_desc, topics.nears, bestEffortQos(), kTimes, [&](Near& near) {
+  mutant.write(palpate_sharing_Near_desc, topics.nears, bestEffortQos(), kTimes, [&](Near& near) {
     near.client[0] = static_cast<std::uint8_t>(1 + mutant.roll() % 40);
     put(near.host, "mutant");
     near.number = mutant.roll();
     near.epoch = mutant.roll() % 100;
     near.taken = mutant.roll();
     for (palpate_sharing_Ball& ball : balls) ball = {.center = {1.0 * (mutant.roll() % 200), 0, 0}, .radius = 20};
-    near.balls._buffer = balls.data();
-    near.balls._length = near.balls._maximum = static_cast<std::uint32_t>(balls.size());
+    give(near.balls, balls);
   });
-  mutant.write<Facts>(palpate_sharing_Facts_desc, topics.facts, reliableQos(true), kTimes, [&](Facts& facts) {
+  mutant.write(palpate_sharing_Facts_desc, topics.facts, reliableQos(true), kTimes, [&](Facts& facts) {
     facts.session[5] ^= static_cast<std::uint8_t>(mutant.roll() % 200);
     facts.points = 20'000;
     facts.spacing = facts.edge = 1;
   });
   const Reader<Near> nears(mutant.participant(), topics.nears, bestEffortQos());
-  BrickPart part{.key = BrickGrid::keyOf(IVec3(0)), .total = 1, .count = 1};
-  std::uint32_t id = 0;
-  Point point{.position = {1, 2, 0}, .normal = {0, 0, 1}, .color = 0};
+  std::array part{BrickPart{.key = BrickGrid::keyOf(IVec3(0)), .total = 1, .count = 1}};
+  std::array id{std::uint32_t{0}};
+  std::array point{Point{.position = {1, 2, 0}, .normal = {0, 0, 1}, .color = 0}};
   int rounds = 0;
   for (const Stopwatch since; since.elapsed_s() < 1.5 || (rounds == 0 && since.elapsed_s() < 30);) {
     std::optional<Near> asked;
@@ -335,21 +314,17 @@ TEST_CASE("a client with only nearby points continues amid corrupted requests, f
     });
     if (!asked) continue;
     ++rounds;
-    mutant.write<Bricks>(palpate_sharing_Bricks_desc, topics.bricks, reliableQos(false, partitionOf(asked->client)),
-                         200, [&](Bricks& bricks) {
-                           const auto give = [](auto& to, auto& from) {
-                             to._buffer = &from;
-                             to._length = to._maximum = 1;
-                           };
-                           bricks.epoch = asked->epoch + mutant.roll() % 2;
-                           bricks.sample = asked->taken + 1;
-                           give(bricks.parts, part);
-                           give(bricks.ids, id);
-                           give(bricks.points, point);
-                         });
+    mutant.write(palpate_sharing_Bricks_desc, topics.bricks, reliableQos(false, partitionOf(asked->client)), 200,
+                 [&](Bricks& bricks) {
+                   bricks.epoch = asked->epoch + mutant.roll() % 2;
+                   bricks.sample = asked->taken + 1;
+                   give(bricks.parts, part);
+                   give(bricks.ids, id);
+                   give(bricks.points, point);
+                 });
   }
   CHECK(rounds > 0);
-  CHECK(comesTo(180));
+  CHECK(comesTo({50, 180, 0}, joined.far->source()));
   CHECK_NOTHROW(joined.far->check());
   CHECK(joined.far->counts().resumed > 0);
   CHECK(served.end().refused > 20);
@@ -372,12 +347,10 @@ TEST_CASE("corrupted ROS point clouds are read or refused with a reason") {
     cloud.header.frame_id = frame;
     cloud.height = 1;
     cloud.width = static_cast<std::uint32_t>(data.size() / 12);
-    cloud.fields._buffer = fields.data();
-    cloud.fields._length = cloud.fields._maximum = fields.size();
+    give(cloud.fields, fields);
     cloud.point_step = 12;
     cloud.row_step = static_cast<std::uint32_t>(data.size());
-    cloud.data._buffer = data.data();
-    cloud.data._length = cloud.data._maximum = cloud.row_step;
+    give(cloud.data, data);
     Bytes bytes = wire.bytesOf(cloud);
     mutate(bytes, dice);
     ddsi_serdata* const made = wire.read(bytes);

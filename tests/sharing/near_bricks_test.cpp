@@ -243,10 +243,6 @@ struct OneSample {
     sample.last = sample.whole = true;
   }
   BrickAssembly::Heard hear(BrickAssembly& assembly) {
-    const auto give = [](auto& to, auto& from) {
-      to._buffer = from.data();
-      to._length = to._maximum = static_cast<std::uint32_t>(from.size());
-    };
     give(sample.parts, parts);
     give(sample.ids, ids);
     give(sample.points, points);
@@ -311,11 +307,10 @@ TEST_CASE("invalid brick samples are refused") {
     spoil(one);
     CHECK_THROWS_AS(one.hear(assembly), NetworkError);
   };
-  {
-    BrickAssembly assembly = freshAssembly();
-    OneSample good;
-    CHECK(good.hear(assembly) == BrickAssembly::Heard::taken);
-  }
+  BrickAssembly roomy = freshAssembly(), small = freshAssembly(1);
+  OneSample good, large;
+  CHECK(good.hear(roomy) == BrickAssembly::Heard::taken);
+  CHECK_THROWS_AS(large.hear(small), NetworkError);
   refuses([](OneSample& one) { one.ids.pop_back(); });
   refuses([](OneSample& one) { one.ids = {8, 8}; });
   refuses([](OneSample& one) { one.parts[0].total = 1; });
@@ -329,9 +324,6 @@ TEST_CASE("invalid brick samples are refused") {
   refuses([](OneSample& one) { one.velocities = {1, 2, 3}; });
   refuses([](OneSample& one) { one.velocities.assign(6, std::numeric_limits<float>::infinity()); });
   refuses([](OneSample& one) { one.sample.true_s = std::numeric_limits<double>::infinity(); });
-  BrickAssembly small = freshAssembly(1);
-  OneSample large;
-  CHECK_THROWS_AS(large.hear(small), NetworkError);
 }
 
 TEST_CASE("random brick samples cause no failure and stay bounded") {

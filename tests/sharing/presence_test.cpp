@@ -24,14 +24,6 @@ using namespace sharing;
 
 namespace {
 
-bool within(double seconds, const std::function<bool()>& holds) {
-  for (const Stopwatch since; since.elapsed_s() < seconds;) {
-    if (holds()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return holds();
-}
-
 PointCloud threePoints() {
   PointCloud cloud;
   cloud.origin = DVec3(450'000, -300'000, 1000);

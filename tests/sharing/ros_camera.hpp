@@ -31,10 +31,7 @@ struct SentPicture {
     image.width = width, image.height = height;
     image.encoding = encoding.data();
     image.step = height > 0 ? static_cast<std::uint32_t>(data.size() / height) : 0;
-    image.data = {._maximum = static_cast<std::uint32_t>(data.size()),
-                  ._length = static_cast<std::uint32_t>(data.size()),
-                  ._buffer = data.data(),
-                  ._release = false};
+    sharing::give(image.data, data);
     return image;
   }
 };
@@ -69,14 +66,10 @@ struct SentPoints {
     sharing::setStamp(cloud.header, stamp_ns);
     cloud.header.frame_id = frame.data();
     cloud.width = width, cloud.height = height;
-    cloud.fields = {._maximum = 3, ._length = 3, ._buffer = fields, ._release = false};
+    sharing::give(cloud.fields, fields);
     cloud.point_step = sizeof(Vec3);
     cloud.row_step = width * cloud.point_step;
-    const auto bytes = static_cast<std::uint32_t>(places.size() * sizeof(Vec3));
-    cloud.data = {._maximum = bytes,
-                  ._length = bytes,
-                  ._buffer = reinterpret_cast<std::uint8_t*>(places.data()),
-                  ._release = false};
+    sharing::give(cloud.data, std::span(reinterpret_cast<std::uint8_t*>(places.data()), places.size() * sizeof(Vec3)));
     publisher.write(cloud);
   }
 };

@@ -15,76 +15,38 @@ import sys
 IDS = {"uint8": 3, "int32": 6, "uint32": 7, "float64": 11, "boolean": 15, "string": 17}
 NESTED, ARRAY, UNBOUNDED_SEQUENCE = 1, 48, 144
 
+# A message a line: its name, then its fields as in ROS's own files.
+DEFINITIONS = """
+builtin_interfaces/msg/Time: int32 sec, uint32 nanosec
+std_msgs/msg/String: string data
+std_msgs/msg/Header: builtin_interfaces/msg/Time stamp, string frame_id
+geometry_msgs/msg/Point: float64 x, float64 y, float64 z
+geometry_msgs/msg/Vector3: float64 x, float64 y, float64 z
+geometry_msgs/msg/Quaternion: float64 x, float64 y, float64 z, float64 w
+geometry_msgs/msg/Pose: geometry_msgs/msg/Point position, geometry_msgs/msg/Quaternion orientation
+geometry_msgs/msg/PoseStamped: std_msgs/msg/Header header, geometry_msgs/msg/Pose pose
+geometry_msgs/msg/Transform: geometry_msgs/msg/Vector3 translation, geometry_msgs/msg/Quaternion rotation
+geometry_msgs/msg/TransformStamped: \
+std_msgs/msg/Header header, string child_frame_id, geometry_msgs/msg/Transform transform
+tf2_msgs/msg/TFMessage: geometry_msgs/msg/TransformStamped[] transforms
+geometry_msgs/msg/Wrench: geometry_msgs/msg/Vector3 force, geometry_msgs/msg/Vector3 torque
+geometry_msgs/msg/WrenchStamped: std_msgs/msg/Header header, geometry_msgs/msg/Wrench wrench
+sensor_msgs/msg/PointField: string name, uint32 offset, uint8 datatype, uint32 count
+sensor_msgs/msg/PointCloud2: std_msgs/msg/Header header, uint32 height, uint32 width, \
+sensor_msgs/msg/PointField[] fields, boolean is_bigendian, uint32 point_step, uint32 row_step, uint8[] data, \
+boolean is_dense
+sensor_msgs/msg/Image: std_msgs/msg/Header header, uint32 height, uint32 width, string encoding, \
+uint8 is_bigendian, uint32 step, uint8[] data
+sensor_msgs/msg/RegionOfInterest: \
+uint32 x_offset, uint32 y_offset, uint32 height, uint32 width, boolean do_rectify
+sensor_msgs/msg/CameraInfo: std_msgs/msg/Header header, uint32 height, uint32 width, string distortion_model, \
+float64[] d, float64[9] k, float64[9] r, float64[12] p, uint32 binning_x, uint32 binning_y, \
+sensor_msgs/msg/RegionOfInterest roi
+"""
+# By message: its fields as (name, type).
 MESSAGES = {
-    "builtin_interfaces/msg/Time": [("sec", "int32"), ("nanosec", "uint32")],
-    "std_msgs/msg/String": [("data", "string")],
-    "std_msgs/msg/Header": [("stamp", "builtin_interfaces/msg/Time"), ("frame_id", "string")],
-    "geometry_msgs/msg/Point": [("x", "float64"), ("y", "float64"), ("z", "float64")],
-    "geometry_msgs/msg/Vector3": [("x", "float64"), ("y", "float64"), ("z", "float64")],
-    "geometry_msgs/msg/Quaternion": [("x", "float64"), ("y", "float64"), ("z", "float64"), ("w", "float64")],
-    "geometry_msgs/msg/Pose": [
-        ("position", "geometry_msgs/msg/Point"),
-        ("orientation", "geometry_msgs/msg/Quaternion"),
-    ],
-    "geometry_msgs/msg/PoseStamped": [("header", "std_msgs/msg/Header"), ("pose", "geometry_msgs/msg/Pose")],
-    "geometry_msgs/msg/Transform": [
-        ("translation", "geometry_msgs/msg/Vector3"),
-        ("rotation", "geometry_msgs/msg/Quaternion"),
-    ],
-    "geometry_msgs/msg/TransformStamped": [
-        ("header", "std_msgs/msg/Header"),
-        ("child_frame_id", "string"),
-        ("transform", "geometry_msgs/msg/Transform"),
-    ],
-    "tf2_msgs/msg/TFMessage": [("transforms", "geometry_msgs/msg/TransformStamped[]")],
-    "geometry_msgs/msg/Wrench": [("force", "geometry_msgs/msg/Vector3"), ("torque", "geometry_msgs/msg/Vector3")],
-    "geometry_msgs/msg/WrenchStamped": [("header", "std_msgs/msg/Header"), ("wrench", "geometry_msgs/msg/Wrench")],
-    "sensor_msgs/msg/PointField": [
-        ("name", "string"),
-        ("offset", "uint32"),
-        ("datatype", "uint8"),
-        ("count", "uint32"),
-    ],
-    "sensor_msgs/msg/PointCloud2": [
-        ("header", "std_msgs/msg/Header"),
-        ("height", "uint32"),
-        ("width", "uint32"),
-        ("fields", "sensor_msgs/msg/PointField[]"),
-        ("is_bigendian", "boolean"),
-        ("point_step", "uint32"),
-        ("row_step", "uint32"),
-        ("data", "uint8[]"),
-        ("is_dense", "boolean"),
-    ],
-    "sensor_msgs/msg/Image": [
-        ("header", "std_msgs/msg/Header"),
-        ("height", "uint32"),
-        ("width", "uint32"),
-        ("encoding", "string"),
-        ("is_bigendian", "uint8"),
-        ("step", "uint32"),
-        ("data", "uint8[]"),
-    ],
-    "sensor_msgs/msg/RegionOfInterest": [
-        ("x_offset", "uint32"),
-        ("y_offset", "uint32"),
-        ("height", "uint32"),
-        ("width", "uint32"),
-        ("do_rectify", "boolean"),
-    ],
-    "sensor_msgs/msg/CameraInfo": [
-        ("header", "std_msgs/msg/Header"),
-        ("height", "uint32"),
-        ("width", "uint32"),
-        ("distortion_model", "string"),
-        ("d", "float64[]"),
-        ("k", "float64[9]"),
-        ("r", "float64[9]"),
-        ("p", "float64[12]"),
-        ("binning_x", "uint32"),
-        ("binning_y", "uint32"),
-        ("roi", "sensor_msgs/msg/RegionOfInterest"),
-    ],
+    message: [tuple(reversed(field.split())) for field in fields.split(",")]
+    for message, fields in (line.split(":") for line in DEFINITIONS.split("\n") if line)
 }
 PUBLISHED = {
     "tf2_msgs/msg/TFMessage": "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",

@@ -1,18 +1,14 @@
-// A square cloud served to clients that receive only the points around their hands.
+// Clients that receive only the points around their hands, and a square cloud for them.
 #pragma once
 
 #include <doctest/doctest.h>
 
-#include <atomic>
-#include <chrono>
 #include <filesystem>
-#include <functional>
+#include <optional>
 #include <string>
-#include <thread>
-#include <utility>
 
 #include "haptics/sharing/brick_cloud.hpp"
-#include "haptics/sharing/shared_cloud.hpp"
+#include "haptics/sharing/messages.hpp"
 #include "tests/sharing/own_network.hpp"
 
 namespace palpate {
@@ -28,44 +24,21 @@ inline PointCloud square(float height = 0) {
   return cloud;
 }
 
-class ServedSquare {
- public:
-  explicit ServedSquare(const PointCloud& cloud, const std::string& name, ServedMotion motion = {},
-                        const std::filesystem::path& journal = {}, std::function<Restarts()> restarts = {})
-      : server_(cloud, {.network = ownNetwork(),
-                        .name = name,
-                        .sculptable = !motion,
-                        .journal = journal,
-                        .motion = std::move(motion),
-                        .restarts = std::move(restarts)}),
-        thread_([this] { server_.serve(stop_); }) {}
-  ~ServedSquare() { end(); }
-  ServedCounts end() {
-    stop_ = true;
-    if (thread_.joinable()) thread_.join();
-    return server_.counts();
-  }
-  /// Valid after end().
-  std::span<const PointState> points() const { return server_.points(); }
-
- private:
-  std::atomic<bool> stop_ = false;
-  CloudServer server_;
-  std::jthread thread_;
-};
-
-inline bool within(double seconds, const std::function<bool()>& holds) {
-  for (const double end_s = steadyNow_s() + seconds; steadyNow_s() < end_s;) {
-    if (holds()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return holds();
+inline JoinedCloud joinNear(const std::string& name, Log* log = nullptr) {
+  return joinCloud(name, {.network = ownNetwork(), .partial = true, .log = log});
 }
 
 inline HandReaches handAt(const DVec3& hip) {
   HandReaches hands{.time_s = steadyNow_s(), .steady_s = steadyNow_s(), .count = 1};
   hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
   return hands;
+}
+
+/// A hand moves there; whether the points around it are known, or are received within half a minute.
+inline bool comesTo(const DVec3& hip, BrickSource& source) {
+  const HandReaches hands = handAt(hip);
+  source.ask(hands);
+  return source.await(hands, 30);
 }
 
 /// Number of points of the newest frame within 3 of the hand.
@@ -76,8 +49,15 @@ inline std::size_t around(BrickSource& source, const DVec3& hip, CloudFrame& fra
   return found;
 }
 
-inline JoinedCloud joinNear(const std::string& name, Log* log = nullptr) {
-  return joinCloud(name, {.network = ownNetwork(), .partial = true, .log = log});
+/// Facts of the one session that is served here.
+inline sharing::Facts announcedFacts(dds_entity_t participant, const sharing::Topics& topics) {
+  const sharing::Reader<sharing::Facts> facts(participant, topics.facts, sharing::reliableQos(true));
+  std::optional<sharing::Facts> heard;
+  REQUIRE(within(30, [&] {
+    facts.take([&](const sharing::Facts& one) { heard = one; });
+    return heard.has_value();
+  }));
+  return *heard;
 }
 
 }  // namespace palpate

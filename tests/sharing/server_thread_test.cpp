@@ -4,24 +4,12 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-
 #include "engine/core/clock.hpp"
 #include "tests/sharing/own_network.hpp"
 
 namespace palpate::server_thread_test {
 
 namespace {
-
-PointCloud ring(std::size_t points) {
-  PointCloud cloud;
-  for (std::size_t i = 0; i < points; ++i) {
-    const double t = static_cast<double>(i) * 0.7;
-    cloud.positions.emplace_back(std::sin(t) * 40, std::cos(t) * 40, 0.001 * static_cast<double>(i));
-    cloud.normals.push_back(glm::normalize(Vec3(std::sin(t), std::cos(t), 0)));
-  }
-  return cloud;
-}
 
 CloudServer::Parts partsOf(const std::string& name) { return {.network = ownNetwork(), .name = name}; }
 

@@ -5,7 +5,6 @@
 #include <doctest/doctest.h>
 
 #include <array>
-#include <cmath>
 #include <string>
 #include <thread>
 #include <vector>
@@ -23,14 +22,10 @@ namespace palpate::shared_cloud_test {
 namespace {
 
 PointCloud cloudOf(std::size_t points, bool colored = false, const DVec3& origin = DVec3(0)) {
-  PointCloud cloud;
+  PointCloud cloud = ring(points);
   cloud.origin = origin;
-  for (std::size_t i = 0; i < points; ++i) {
-    const double t = static_cast<double>(i) * 0.7;
-    cloud.positions.emplace_back(std::sin(t) * 40, std::cos(t) * 40, 0.001 * static_cast<double>(i));
-    cloud.normals.push_back(glm::normalize(Vec3(std::sin(t), std::cos(t), 0)));
-    if (colored) cloud.colors.push_back({std::uint8_t(i), std::uint8_t(i >> 8), 3, std::uint8_t(255 - i % 7)});
-  }
+  for (std::size_t i = 0; colored && i < points; ++i)
+    cloud.colors.push_back({std::uint8_t(i), std::uint8_t(i >> 8), 3, std::uint8_t(255 - i % 7)});
   return cloud;
 }
 
@@ -106,48 +101,6 @@ TEST_CASE("a session name is unique, and an unknown name is reported with the ex
   CHECK(says(errorOf([&] { Served bad(cloud, std::string(201, 'x')); }), "is not a valid session name"));
 }
 
-namespace {
-
-/// Serves until it ends or is stopped, and keeps the reason for its end.
-class ServedToTheEnd {
- public:
-  ServedToTheEnd(const PointCloud& cloud, const std::string& name)
-      : thread_([this, &cloud, name] {
-          try {
-            CloudServer server(cloud, {.network = ownNetwork(), .name = name});
-            isServing_ = true;
-            server.serve(stop_);
-          } catch (const NetworkError& error) {
-            why_ = error.what();
-          }
-          hasEnded_ = true;
-        }) {}
-  ~ServedToTheEnd() { stop(); }
-  void stop() {
-    stop_ = true;
-    if (thread_.joinable()) thread_.join();
-  }
-  bool hasEnded() const { return hasEnded_; }
-  bool isServing() const { return isServing_; }
-  std::string why() {
-    stop();
-    return why_;
-  }
-
- private:
-  std::atomic<bool> stop_ = false, isServing_ = false, hasEnded_ = false;
-  std::string why_;
-  std::jthread thread_;
-};
-
-bool comes(double seconds, const std::function<bool()>& is) {
-  const Stopwatch since;
-  while (!is() && since.elapsed_s() < seconds) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  return is();
-}
-
-}  // namespace
-
 TEST_CASE("a client that asks for the state is at rest only after the answer, and then has the strokes of others") {
   const PointCloud cloud = flatCloud(100);
   Served served(cloud, "slow to answer");
@@ -168,35 +121,64 @@ TEST_CASE("a client that asks for the state is at rest only after the answer, an
       return follower->counts().same;
     }
   } watcher, sculptor;
-  REQUIRE(comes(20, [&] { return watcher.isSame() && sculptor.isSame(); }));
+  REQUIRE(within(20, [&] { return watcher.isSame() && sculptor.isSame(); }));
   served.pause();
   REQUIRE(watcher.isSame());  // according to the last result
   PointState moved = sculptor.points[7];
   moved.position.z = 3;
   sculptor.make({&moved, 1});
-  REQUIRE(comes(20, [&] { return sculptor.follower->counts().sent == 1; }));
+  REQUIRE(within(20, [&] { return sculptor.follower->counts().sent == 1; }));
   watcher.follower->askServer();
-  CHECK_FALSE(comes(0.3, [&] { return watcher.isSame(); }));
+  CHECK_FALSE(within(0.3, [&] { return watcher.isSame(); }));
   CHECK_FALSE(watcher.follower->counts().idle);
   served.goOn();
-  REQUIRE(comes(20, [&] { return sculptor.isSame(); }));  // the server has the edit
+  REQUIRE(within(20, [&] { return sculptor.isSame(); }));  // the server has the edit
   watcher.follower->askServer();
-  REQUIRE(comes(20, [&] { return watcher.isSame(); }));
+  REQUIRE(within(20, [&] { return watcher.isSame(); }));
   CHECK(watcher.points[7].position.z == 3);
   CHECK(watcher.follower->counts().resent == 0);
   CHECK(served.end().states == 1);
 }
 
+namespace {
+
+/// Serves until it ends, and keeps the reason for its end.
+class ServedToTheEnd {
+ public:
+  ServedToTheEnd(const PointCloud& cloud, const std::string& name)
+      : thread_([this, &cloud, name](const std::stop_token& stop) {
+          why_ = errorOf<NetworkError>([&] {
+            CloudServer server(cloud, {.network = ownNetwork(), .name = name});
+            isServing_ = true;
+            while (!stop.stop_requested()) server.serve(false, 0.05);
+          });
+          hasEnded_ = true;
+        }) {}
+  bool hasEnded() const { return hasEnded_; }
+  bool isServing() const { return isServing_; }
+  std::string why() {
+    thread_ = {};
+    return why_;
+  }
+
+ private:
+  std::atomic<bool> isServing_ = false, hasEnded_ = false;
+  std::string why_;
+  std::jthread thread_;  // destroyed first
+};
+
+}  // namespace
+
 TEST_CASE("of two servers that take one name at the same time, one ends with a reason and the other continues") {
   const PointCloud cloud = flatCloud(100);
   {
     ServedToTheEnd first(cloud, "twins"), second(cloud, "twins");
-    CHECK(comes(20, [&] { return first.hasEnded() || second.hasEnded(); }));
+    CHECK(within(20, [&] { return first.hasEnded() || second.hasEnded(); }));
     // The other one continues.
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     CHECK(first.hasEnded() != second.hasEnded());
     ServedToTheEnd& gone = first.hasEnded() ? first : second;
-    CHECK(gone.why().find("give") != std::string::npos);
+    CHECK(says(gone.why(), "give"));
     CHECK(joinCloud("twins", {.network = ownNetwork()}).cloud.positions == cloud.positions);
   }
   // A session that neither knew, announced by others as older or newer.
@@ -210,22 +192,22 @@ TEST_CASE("of two servers that take one name at the same time, one ends with a r
   {
     const dds_time_t before = dds_time();
     ServedToTheEnd late(cloud, "alike");
-    REQUIRE(comes(10, [&] { return late.isServing(); }));
+    REQUIRE(within(10, [&] { return late.isServing(); }));
     const HonestHand hand("alike");
     CHECK_FALSE(late.hasEnded());
     const sharing::Writer<sharing::Notice> writer(participant, topics.notices, sharing::reliableQos(true));
     sharing::set(notice.session, sharing::freshId());
     writer.writeAt(notice, before);
-    CHECK(comes(5, [&] { return late.hasEnded(); }));
-    CHECK(late.why().find("before this one, which ends") != std::string::npos);
-    CHECK(late.why().find("elsewhere") != std::string::npos);
+    CHECK(within(5, [&] { return late.hasEnded(); }));
+    CHECK(says(late.why(), "before this one, which ends"));
+    CHECK(says(late.why(), "elsewhere"));
     // A client of the ended session receives the reason.
-    CHECK(comes(10, [&] { return !hand.counts().fault.empty(); }));
-    CHECK(hand.counts().fault.find("was restarted without its edits") != std::string::npos);
+    CHECK(within(10, [&] { return !hand.counts().fault.empty(); }));
+    CHECK(says(hand.counts().fault, "was restarted without its edits"));
   }
   {
     ServedToTheEnd early(cloud, "alike");
-    REQUIRE(comes(10, [&] { return early.isServing(); }));
+    REQUIRE(within(10, [&] { return early.isServing(); }));
     const sharing::Writer<sharing::Notice> writer(participant, topics.notices, sharing::reliableQos(true));
     sharing::set(notice.session, sharing::freshId());
     writer.writeAt(notice, dds_time() + 1'000'000'000);
@@ -254,8 +236,8 @@ TEST_CASE("invalid networks are refused by name") {
   CHECK(says(errorOf([] { discoverSessions({.interface = "a\"/><x"}, 0.1); }), "neither the name of an interface"));
   CHECK(says(errorOf([] { discoverSessions({.peers = {"<x>"}}, 0.1); }), "neither the name of an interface"));
   CHECK(says(errorOf([] { discoverSessions({.domain = 1000}, 0.1); }), "is not between 0 and"));
-  CHECK(opennessOf({}).find("programs of this machine") != std::string::npos);
-  CHECK(opennessOf({.interface = "eth0"}).find("nothing is encrypted") != std::string::npos);
+  CHECK(says(opennessOf({}), "programs of this machine"));
+  CHECK(says(opennessOf({.interface = "eth0"}), "nothing is encrypted"));
 }
 
 TEST_CASE("joining can be interrupted") {
@@ -277,22 +259,14 @@ TEST_CASE("one thread can join a network while another leaves it") {
     std::vector<std::jthread> threads;
     for (std::vector<std::string>& mine : said)
       threads.emplace_back([&] {
-        for (int turn = 0; turn < 200; ++turn) {
-          mine.push_back("joined a cloud that is nobody's");
-          try {
-            joinCloud("nobody's", {.network = ownNetwork(), .stop = [&] { return stop.load(); }});
-          } catch (const Error& error) {
-            mine.back() = error.what();
-          }
-        }
+        for (int turn = 0; turn < 200; ++turn)
+          mine.push_back(
+              errorOf([&] { joinCloud("nobody's", {.network = ownNetwork(), .stop = [&] { return stop.load(); }}); }));
       });
   }
   for (const std::vector<std::string>& mine : said) {
     CHECK(mine.size() == 200);
-    for (const std::string& message : mine) {
-      CAPTURE(message);
-      CHECK(message.find("interrupted") != std::string::npos);
-    }
+    for (const std::string& message : mine) CHECK(says(message, "interrupted"));
   }
 }
 
