@@ -28,4 +28,11 @@ class Serving {
   RunningProgram program;
 };
 
+/// The points of a cloud's file, bit by bit.
+inline std::string pointsOf(const std::filesystem::path& cloud) {
+  const std::filesystem::path numbers = cloud.string() + ".npy";
+  works("convert " + cloud.string() + " " + numbers.string() + " --force");
+  return contentOf(numbers);
+}
+
 }  // namespace palpate

@@ -23,12 +23,6 @@ bool isLargerThan(const std::filesystem::path& file, std::uintmax_t bytes) {
   return !none && size > bytes;
 }
 
-std::string pointsOf(const std::filesystem::path& cloud) {
-  const std::filesystem::path numbers = cloud.string() + ".npy";
-  works("convert " + cloud.string() + " " + numbers.string() + " --force");
-  return contentOf(numbers);
-}
-
 /// Announces a session with that name and version without serving it.
 class Announcement {
  public:

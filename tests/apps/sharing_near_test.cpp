@@ -14,6 +14,7 @@
 #include "tests/apps/serving.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/labels.hpp"
+#include "tests/says.hpp"
 
 namespace palpate::sharing_near_test {
 
@@ -58,17 +59,13 @@ TEST_CASE("a client with only nearby points feels the file, byte for byte, in vi
   CHECK(report["partial"]["ticks"] == 601);
   CHECK(report["partial"]["ticks_without_points"] == 0);
   CHECK(report["partial"]["steps"] > 0);
-  const Outcome undoes = palpate(near + " --edit push --no-resample --undo 1");
-  CHECK(undoes.code == 2);
-  CHECK(undoes.text.find("--undo: only the points around the hand are in this program") != std::string::npos);
-  const Outcome saves =
-      palpate("touch --join large --partial" + domain() + " --backend cpu --duration 0.01 --save " + in("x.ply"));
-  CHECK(saves.code == 2);
-  CHECK(saves.text.find("--save: only the points around the hand are in this program") != std::string::npos);
-  const Outcome logs =
-      palpate("touch --join large --partial" + domain() + " --backend cpu --duration 0.01 --log " + in("log"));
-  CHECK(logs.code == 2);
-  CHECK(logs.text.find("--log: only the points around the hand are in this program") != std::string::npos);
+  const std::vector<std::pair<std::string, std::string>> whole{
+      {"--undo", "1 --edit push --no-resample"}, {"--save", in("x.ply")}, {"--log", in("log")}};
+  for (const auto& [option, value] : whole) {
+    const Outcome refused = palpate(near + " " + option + " " + value);
+    CHECK(refused.code == 2);
+    CHECK(says(refused.text, option + ": only the points around the hand are in this program"));
+  }
   CHECK(serving.program.wait(SIGINT) == 0);
   const Result served = jsonOf(in("s.json"));
   CHECK(served["partial"] == 1);  // the others were refused before they felt anything
@@ -109,10 +106,6 @@ TEST_CASE("a client with only nearby points sculpts like the file, byte for byte
   works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
   writeSlide(in("m.ply"), in("slide.csv"));
   const std::string how = " --backend cpu --no-resample --penetration 3 --path " + in("slide.csv") + " --edit ";
-  const auto placesOf = [&](const std::string& file) {
-    works("convert " + file + " " + file + ".xyz --force");
-    return contentOf(file + ".xyz");
-  };
   for (const std::string& brush : {std::string("push"), std::string("carve")}) {
     CAPTURE(brush);
     const std::string saved = brush + ".ply", later = "later" + saved;
@@ -129,7 +122,7 @@ TEST_CASE("a client with only nearby points sculpts like the file, byte for byte
     CHECK(near["delivered"] == true);
     CHECK(near["ticks_without_points"] == 0);
     works("touch --join carved" + domain() + " --backend cpu --duration 0.01 --save " + in(later.c_str()));
-    CHECK(placesOf(in(later.c_str())) == placesOf(in(saved.c_str())));
+    CHECK(pointsOf(in(later.c_str())) == pointsOf(in(saved.c_str())));
     CHECK(serving.program.wait(SIGINT) == 0);
     CHECK(jsonOf(in("s.json"))["states"] == near["sent"]);
   }

@@ -120,15 +120,11 @@ TEST_CASE("two hands sculpt a served model, and all three programs and later cli
   const Result undone = jsonOf(in("undone.json"));
   CHECK(undone["shared"]["sent"] > 10);
   CHECK(undone["shared"]["same"] == true);
-  works("convert " + in("undone.ply") + " " + in("undone.npy"));
-  works("convert " + in("later.ply") + " " + in("later.npy"));
-  CHECK(contentOf(in("undone.npy")) == contentOf(in("later.npy")));
+  CHECK(pointsOf(in("undone.ply")) == pointsOf(in("later.ply")));
   works("render " + joins + " --size 320x180 -o " + in("p.png"));
   CHECK(serving.program.wait(SIGINT) == 0);
-  works("convert " + in("end.ply") + " " + in("end.npy"));
-  CHECK(contentOf(in("end.npy")) == contentOf(in("later.npy")));
-  works("convert " + in("m.ply") + " " + in("m.npy"));
-  CHECK(contentOf(in("m.npy")) != contentOf(in("end.npy")));
+  CHECK(pointsOf(in("end.ply")) == pointsOf(in("later.ply")));
+  CHECK(pointsOf(in("m.ply")) != pointsOf(in("end.ply")));
   const Result served = jsonOf(in("s.json"));
   CHECK(served["sculptors"] == 3);
   CHECK(served["states"] == l["sent"].get<int>() + r["sent"].get<int>() + undone["shared"]["sent"].get<int>());
@@ -191,8 +187,7 @@ TEST_CASE("two windows on one model show each other's hands, and the edits of bo
     CHECK(contentOf(in(std::string(name) + ".png")).substr(1, 3) == "PNG");
   }
   CHECK(serving.program.wait(SIGINT) == 0);
-  for (const char* name : {"m", "end"}) works("convert " + in(name) + ".ply " + in(name) + ".npy");
-  CHECK(contentOf(in("m.npy")) != contentOf(in("end.npy")));
+  CHECK(pointsOf(in("m.ply")) != pointsOf(in("end.ply")));
 }
 
 TEST_CASE("a window, a program with only nearby points and one with all points show each other's hands" * kMoreInFull) {
@@ -284,9 +279,8 @@ TEST_CASE("a server killed during a stroke continues with its journal, and no ed
   CHECK(serving->program.wait(SIGINT) == 0);
   const Result served = jsonOf(in("s.json"));
   CHECK(served["states"] == shared["sent"]);
-  for (const char* name : {"hand", "end"}) works("convert " + in(name) + ".ply " + in(name) + ".npy");
-  CHECK(contentOf(in("hand.npy")) == contentOf(in("end.npy")));
-  CHECK(contentOf(in("end.npy")).size() > 20000 * 12);
+  CHECK(pointsOf(in("hand.ply")) == pointsOf(in("end.ply")));
+  CHECK(pointsOf(in("end.ply")).size() > 20000 * 12);
   // Strokes of another model are refused.
   works("make sphere -n 2000 -o " + in("other.ply"));
   const Outcome other = palpate("serve " + in("other.ply") + " --name clay --journal " + in("strokes") + domain());

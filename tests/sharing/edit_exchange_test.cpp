@@ -85,36 +85,22 @@ TEST_CASE("a client that asks for the state is at rest only after the answer, no
   const Id client{1}, other{2};
   SharedPoints server(points);
   EditExchange exchange(points, kAtOnce);
-  const auto answer = [&](const Resume& asked, SharedPoints::Place& place, std::uint64_t counter,
-                          std::vector<PointState>& states) {
-    states.clear();
-    server.collect(place, client, kAtOnce, states);
-    return Results{.epoch = asked.epoch,
-                   .counter = counter,
-                   .acked = server.lastOf(client),
-                   .upTo = place.upTo,
-                   .head = server.head(),
-                   .digest = server.digest(),
-                   .states = states};
-  };
-  std::vector<PointState> states;
   SharedPoints::Place place;
   const Resume first = exchange.resume();
-  REQUIRE(exchange.hear(answer(first, place, 1, states)) == EditExchange::Heard::taken);
+  REQUIRE(hear(exchange, resultFor(server, place, client, first, 1)) == EditExchange::Heard::taken);
   REQUIRE(exchange.isAtRest());
   // The server takes a stroke of another hand and reports it to that hand; its result for this one is still in flight.
   PointState moved = points[1];
   moved.position.z = 1;
   REQUIRE(server.take(other, 1, {&moved, 1}) == SharedPoints::Taken::taken);
-  std::vector<PointState> late;
-  const Results underWay = answer(first, place, 2, late);
+  const Told underWay = resultFor(server, place, client, first, 2);
   CHECK(exchange.isAtRest());  // according to the last result
   const Resume asked = exchange.ask();
   CHECK_FALSE(exchange.isInEffect());
   CHECK_FALSE(exchange.isAtRest());
-  CHECK(exchange.hear(underWay) == EditExchange::Heard::old);
+  CHECK(hear(exchange, underWay) == EditExchange::Heard::old);
   place = {.upTo = asked.upTo, .ownUpTo = 0};
-  CHECK(exchange.hear(answer(asked, place, 1, states)) == EditExchange::Heard::taken);
+  CHECK(hear(exchange, resultFor(server, place, client, asked, 1)) == EditExchange::Heard::taken);
   CHECK_FALSE(exchange.isAtRest());  // until that stroke is in effect here
   carryOutOneOffer(exchange);
 }

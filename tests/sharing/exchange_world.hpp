@@ -117,6 +117,26 @@ struct Told {
   std::vector<PointState> states;
 };
 
+/// The next result for a client; `place` advances.
+inline Told resultFor(SharedPoints& points, SharedPoints::Place& place, const Id& client, const Resume& asked,
+                      std::uint64_t counter) {
+  Told told;
+  points.collect(place, client, kAtOnce, told.states);
+  told.results = {.epoch = asked.epoch,
+                  .counter = counter,
+                  .acked = points.lastOf(client),
+                  .upTo = place.upTo,
+                  .head = points.head(),
+                  .digest = points.digest(),
+                  .states = {}};
+  return told;
+}
+inline EditExchange::Heard hear(EditExchange& exchange, const Told& told) {
+  Results results = told.results;
+  results.states = told.states;
+  return exchange.hear(results);
+}
+
 struct Client {
   Client(const std::vector<PointState>& points, bool cells, std::uint8_t number)
       : answering(points, cells), exchange(points, kAtOnce), id{number} {}
@@ -188,9 +208,7 @@ class World {
     bool gap = false;
     client.results.arrive(now_, [&](const Told& told) {
       if (gap) return;
-      Results results = told.results;
-      results.states = told.states;
-      const auto heard = client.exchange.hear(results);
+      const auto heard = hear(client.exchange, told);
       if (heard == EditExchange::Heard::taken) client.lastHeard = now_;
       gap = heard == EditExchange::Heard::gap;
     });
@@ -224,17 +242,9 @@ class World {
       Follower& follower = found->second;
       const std::uint64_t acked = points_.lastOf(client->id);
       if (!points_.isBehind(follower.place) && acked == follower.told && now_ % 10 != 0) continue;
-      Told told;
-      points_.collect(follower.place, client->id, kAtOnce, told.states);
-      told.results = {.epoch = follower.asked.epoch,
-                      .counter = ++follower.counter,
-                      .acked = acked,
-                      .upTo = follower.place.upTo,
-                      .head = points_.head(),
-                      .digest = points_.digest(),
-                      .states = {}};
       follower.told = acked;
-      client->results.send(std::move(told), now_, dice_);
+      client->results.send(resultFor(points_, follower.place, client->id, follower.asked, ++follower.counter), now_,
+                           dice_);
     }
   }
 

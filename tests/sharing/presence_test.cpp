@@ -51,9 +51,9 @@ struct Looking {
         presence(sharePresence(joined.session, name, joined.cloud)) {}
   bool sees(double x, double seconds = 10) const {
     return within(seconds, [&] {
-      for (const SeenCamera& other : presence->cameras())
-        if (glm::distance(other.place.position, cameraAt(x).position) < 1e-9) return true;
-      return false;
+      return std::ranges::any_of(presence->cameras(), [&](const SeenCamera& other) {
+        return glm::distance(other.place.position, cameraAt(x).position) < 1e-9;
+      });
     });
   }
   void movesHands(const std::vector<HandPlace>& hands) const {
@@ -61,19 +61,12 @@ struct Looking {
     std::ranges::copy(hands, places.hands.begin());
     presence->moved(places);
   }
-  /// Number of hands with that name, and the position of the last of them.
-  std::size_t handsOf(const std::string& name, double& x) const {
-    std::size_t count = 0;
-    for (const SeenHand& hand : presence->hands())
-      if (hand.name == name) {
-        x = hand.place.position.x - 450'000;
-        ++count;
-      }
-    return count;
-  }
+  /// Whether exactly one hand has that name, and is there.
   bool seesHand(const std::string& name, double x) const {
-    double at = 0;
-    return handsOf(name, at) == 1 && std::abs(at - x) < 1e-6;
+    std::vector<double> at;
+    for (const SeenHand& hand : presence->hands())
+      if (hand.name == name) at.push_back(hand.place.position.x - 450'000);
+    return at.size() == 1 && std::abs(at[0] - x) < 1e-6;
   }
   JoinedCloud joined;
   std::shared_ptr<SharedPresence> presence;
@@ -166,42 +159,35 @@ TEST_CASE("invalid cameras and those of other sessions are not shown, and new on
     camera.number = ++number;
     return camera;
   };
-  const auto isSeen = [&](Camera camera, double seconds) {
+  const auto isSeen = [&](const std::function<void(Camera&)>& spoil, double seconds) {
     return within(seconds, [&] {
-      camera.number = ++number;
+      Camera camera = good();
+      spoil(camera);
       writer.write(camera);
       return !ada.presence->cameras().empty();
     });
   };
+  const auto asIs = [](Camera&) {};
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kShort_s = 0.3;
   // The first camera received may have any number.
-  Camera first = good();
-  first.number = 0;
-  REQUIRE(within(10, [&] {
-    writer.write(first);
-    return !ada.presence->cameras().empty();
-  }));
+  REQUIRE(isSeen([](Camera& camera) { camera.number = 0; }, 10));
   CHECK(isCamera(ada.presence->cameras().at(0).place));
-  REQUIRE(isSeen(good(), 10));
+  REQUIRE(isSeen(asIs, 10));
   CHECK(ada.presence->cameras().at(0).name == "a?[31mb");
   REQUIRE(within(30, [&] { return ada.presence->cameras().empty(); }));
-  const auto spoilt = [&](const std::function<void(Camera&)>& spoil) {
-    Camera camera = good();
-    spoil(camera);
-    return isSeen(camera, kShort_s);
-  };
-  CHECK_FALSE(spoilt([&](Camera& camera) { camera.position[1] = kNan; }));
-  CHECK_FALSE(spoilt([](Camera& camera) { camera.position[2] = 1e300; }));
-  CHECK_FALSE(
-      spoilt([](Camera& camera) { camera.position[2] = 1e9; }));  // farther than a cloud of this size is viewed from
-  CHECK_FALSE(spoilt([&](Camera& camera) { camera.orientation[0] = static_cast<float>(kNan); }));
-  CHECK_FALSE(spoilt([](Camera& camera) { camera.orientation[0] = 0; }));
-  CHECK_FALSE(spoilt([](Camera& camera) { camera.fov_y = 0; }));
-  CHECK_FALSE(spoilt([](Camera& camera) { camera.fov_y = 3.2F; }));
-  CHECK_FALSE(spoilt([](Camera& camera) { camera.aspect = -1; }));
-  CHECK_FALSE(spoilt([](Camera& camera) { camera.session[3] ^= 1; }));
-  CHECK_FALSE(spoilt([&](Camera& camera) { set(camera.client, ada.joined.session->client); }));
-  REQUIRE(isSeen(good(), 30));
+  const std::pair<const char*, std::function<void(Camera&)>> kSpoilt[] = {
+      {"no position", [&](Camera& camera) { camera.position[1] = kNan; }},
+      {"a position beyond all clouds", [](Camera& camera) { camera.position[2] = 1e300; }},
+      {"farther than a cloud of this size is viewed from", [](Camera& camera) { camera.position[2] = 1e9; }},
+      {"no orientation", [&](Camera& camera) { camera.orientation[0] = static_cast<float>(kNan); }},
+      {"an orientation of length 0", [](Camera& camera) { camera.orientation[0] = 0; }},
+      {"an angle of 0", [](Camera& camera) { camera.fov_y = 0; }},
+      {"an angle beyond a half turn", [](Camera& camera) { camera.fov_y = 3.2F; }},
+      {"a negative aspect", [](Camera& camera) { camera.aspect = -1; }},
+      {"another session", [](Camera& camera) { camera.session[3] ^= 1; }},
+      {"its own client", [&](Camera& camera) { set(camera.client, ada.joined.session->client); }}};
+  for (const auto& [what, spoil] : kSpoilt) CHECK_FALSE_MESSAGE(isSeen(spoil, kShort_s), what);
+  REQUIRE(isSeen(asIs, 30));
   // One after another, so that none is lost because of another; repeated, since silent ones are dropped.
   CHECK(within(30, [&] {
     for (std::uint32_t i = 0; i < 600; ++i) {
@@ -314,12 +300,14 @@ TEST_CASE("invalid, distant and surplus hands are not shown, and new ones only u
   }));
   CHECK(ada.presence->hands().at(0).name == "a?[31mb");
   REQUIRE(within(30, [&] { return ada.presence->hands().empty() && bert.presence->hands().empty(); }));
-  CHECK_FALSE(isSeen([&](HandSample& hand) { hand.position[1] = kNan; }, kShort_s));
-  CHECK_FALSE(isSeen([&](HandSample& hand) { hand.proxy[2] = kNan; }, kShort_s));
-  CHECK_FALSE(isSeen([](HandSample& hand) { hand.position[0] = 1e300; }, kShort_s));
-  CHECK_FALSE(isSeen([](HandSample& hand) { hand.proxy[0] = 1e12; }, kShort_s));
-  CHECK_FALSE(isSeen([](HandSample& hand) { hand.which = kMaxHands; }, kShort_s));
-  CHECK_FALSE(isSeen([](HandSample& hand) { hand.session[3] ^= 1; }, kShort_s));
+  const std::pair<const char*, std::function<void(HandSample&)>> kSpoilt[] = {
+      {"no position", [&](HandSample& hand) { hand.position[1] = kNan; }},
+      {"no proxy", [&](HandSample& hand) { hand.proxy[2] = kNan; }},
+      {"a position beyond all clouds", [](HandSample& hand) { hand.position[0] = 1e300; }},
+      {"a distant proxy", [](HandSample& hand) { hand.proxy[0] = 1e12; }},
+      {"a hand too many", [](HandSample& hand) { hand.which = kMaxHands; }},
+      {"another session", [](HandSample& hand) { hand.session[3] ^= 1; }}};
+  for (const auto& [what, spoil] : kSpoilt) CHECK_FALSE_MESSAGE(isSeen(spoil, kShort_s), what);
   // A hand that repeats the same message is present once, and disappears when it ends.
   std::size_t most = 0;
   within(3, [&] {
