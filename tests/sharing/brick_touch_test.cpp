@@ -1,4 +1,4 @@
-// A cloud on the CPU with only the bricks around a hand: felt and sculpted bit by bit as the whole cloud, or not at all.
+// A cloud on the CPU with only the bricks around a hand: felt and sculpted bit by bit as the whole one, or not at all.
 #include "haptics/sharing/brick_touch.hpp"
 
 #include <doctest/doctest.h>

@@ -12,6 +12,7 @@
 #include "engine/cloud/estimated_normals.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/io/saving.hpp"
+#include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "tests/error_of.hpp"
 #include "tests/says.hpp"
@@ -138,6 +139,40 @@ TEST_CASE("a client that asks for the state is at rest only after the answer, an
   CHECK(watcher.points[7].position.z == 3);
   CHECK(watcher.follower->counts().resent == 0);
   CHECK(served.end().states == 1);
+}
+
+TEST_CASE("a piece of a stroke that is sent twice is applied once, and repeated and early ones are counted") {
+  const PointCloud cloud = flatCloud(100);
+  Served served(cloud, "repeated");
+  const JoinedCloud joined = joinCloud("repeated", {.network = ownNetwork()});
+  const JoinedSession& session = *joined.session;
+  const sharing::Writer<sharing::Stroke> strokes(session.participant, session.topics.strokes,
+                                                 sharing::reliableQos(false));
+  REQUIRE(within(10, [&] {
+    dds_publication_matched_status_t status{};
+    return dds_get_publication_matched_status(strokes, &status) == 0 && status.current_count > 0;
+  }));
+  std::array state{sharing::stateOf(statesOf(cloud)[7])};
+  sharing::Stroke stroke{};
+  sharing::set(stroke.session, session.session);
+  sharing::set(stroke.client, session.client);
+  sharing::give(stroke.states, state);
+  for (const std::uint32_t number : {1, 1, 3, 2}) {
+    stroke.number = number;
+    state[0].position[2] = static_cast<float>(number);
+    REQUIRE(strokes.write(stroke));
+  }
+  ServedCounts counts;
+  CHECK(within(10, [&] {
+    counts = served.end();
+    served.goOn();
+    return counts.pieces == 2;
+  }));
+  CHECK(counts.again == 2);
+  CHECK(counts.refused == 0);
+  CHECK(counts.sculptors == 1);
+  served.end();
+  CHECK(served.points()[7].position.z == 2);
 }
 
 namespace {
