@@ -32,6 +32,13 @@ Subject makeSubject(Context& context, std::size_t count) {
   return subject;
 }
 
+SessionConfig configOn(const Model& model, const BenchBackend& options) {
+  SessionConfig config;
+  setBackend(config, options);
+  if (options.grid > 0) config.index.cell_mm = model.scale.toMm(boundsOf(model.cloud).longestSide() / options.grid);
+  return config;
+}
+
 }  // namespace
 
 bool BenchOptions::wants(std::string_view name) const { return std::ranges::find(backends, name) != backends.end(); }
@@ -65,6 +72,23 @@ void addRepeatOptions(Options& bench, BenchOptions& options) {
 
 void addRateOption(Options& bench, BenchOptions& options) {
   bench.add("--rate", options.rate_Hz, "maximum ticks per second").check(between(1e-3, 1e9)).showDefault();
+}
+
+void addEngineOptions(Options& bench, BenchBackend& backend) {
+  const Option cell = addIndexOptions(bench, backend);
+  bench
+      .add("--sort", backend.sort,
+           "sort of the index: counting (falls back to radix for crowded buckets), radix, or radix-lookback (half the "
+           "memory traffic of radix)")
+      .check(oneOf(namesOf(kSortMethods)))
+      .showDefault();
+  bench
+      .add("--wait", backend.wait,
+           "how the CPU waits for the GPU: spin, poll or block (default: depends on driver and core count)")
+      .check(oneOf(namesOf(kWaits)));
+  bench.add("--grid", backend.grid, "hash cells along the longest side, in place of --cell")
+      .check(between({.min = 1, .max = 1e6, .orZero = true}))
+      .excludes(cell);
 }
 
 void addFrictionOption(Options& bench, BenchOptions& options) {
@@ -106,17 +130,35 @@ std::vector<SubjectMaker> subjectsOf(const BenchOptions& options) {
   return subjects;
 }
 
-SessionConfig sessionConfig(const BackendOptions& options, const std::optional<BrushConfig>& brush) {
-  SessionConfig config{.brush = brush};
-  setBackend(config, options);
-  return config;
+Session startSession(Context& context, const Model& model, const BenchBackend& options, const BenchSession& more) {
+  checkBackend(context, options);
+  SessionConfig config = configOn(model, options);
+  config.brush = more.brush;
+  config.rate_Hz = more.rate_Hz;
+  const std::shared_ptr<const Model> shared(std::shared_ptr<void>(), &model);
+  return Session(config, shared,
+                 {.backend = context.backends().named(config.backend.name),
+                  .threads = context.threads(),
+                  .journal = more.journal,
+                  .engine = {.sort = *valueNamed(kSortMethods, options.sort),
+                             .spareSlots = options.spareSlots,
+                             .wait = valueNamed(kWaits, options.wait)}});
 }
 
-Session startSession(Context& context, const Model& model, const SessionConfig& config, bool journal) {
-  const std::shared_ptr<const Model> shared(std::shared_ptr<void>(), &model);
-  return Session(
-      config, shared,
-      {.backend = context.backends().named(config.backend.name), .threads = context.threads(), .journal = journal});
+void checkBackend(const Context& context, const BenchBackend& options) {
+  checkBackendOptions(context, options);
+  if (!options.wait.empty() && options.backend != "vulkan")
+    throw UsageError("--wait: only --backend vulkan supports it");
+}
+
+SurfaceOptions surfaceOptions(Context& context, const Model& model, const BackendOptions& options) {
+  SessionConfig config;
+  setBackend(config, options);
+  return context.backends().named(options.backend).surface(model, config.surface);
+}
+
+HashGrid gridFor(Context& context, const Model& model, const BenchBackend& options) {
+  return gridFor(model, configOn(model, options).index, surfaceOptions(context, model, options).radius);
 }
 
 std::vector<std::string> methodChoices(const Context& context, const std::string& backend) {

@@ -9,8 +9,16 @@
 #include "engine/core/statistics.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/session/session.hpp"
+#include "haptics/session/vulkan_backend.hpp"
 
 namespace palpate {
+
+/// The back end that a bench measures, with what users cannot choose: how the engine works.
+struct BenchBackend : BackendOptions {
+  std::string sort = "counting", wait;  ///< empty: by driver and cores
+  double grid = 0;                      ///< cells along the longest side; 0: as `cell_mm`
+  std::optional<std::uint32_t> spareSlots;
+};
 
 /// Options of the benches. Each bench accepts those that apply to it, and has more of its own.
 struct BenchOptions {
@@ -20,7 +28,7 @@ struct BenchOptions {
   double limit_s = 5;
   double rate_Hz = 1e6;
   std::string plotFile;
-  BackendOptions backend;
+  BenchBackend backend;
 
   bool wants(std::string_view name) const;  ///< whether a back end is to be measured
 };
@@ -31,6 +39,8 @@ Option addBackendsOption(Options& bench, BenchOptions& options, std::vector<std:
 void addMethodsOption(Options& bench, BenchOptions& options, const std::string& what);
 void addRepeatOptions(Options& bench, BenchOptions& options);
 void addRateOption(Options& bench, BenchOptions& options);
+/// Layout and build of the index, and the wait for the GPU.
+void addEngineOptions(Options& bench, BenchBackend& backend);
 void addFrictionOption(Options& bench, BenchOptions& options);
 void addPlotOption(Options& bench, BenchOptions& options, const std::string& what);
 /// A comma-separated list of the values in `values`, which are also its default.
@@ -49,11 +59,20 @@ struct Subject {
 using SubjectMaker = std::function<Subject(Context&)>;
 std::vector<SubjectMaker> subjectsOf(const BenchOptions& options);
 
-/// Configuration of a session on a model: the options of its back end, and a brush if the model is edited. Ticks are in
-/// virtual time unless the options say otherwise.
-SessionConfig sessionConfig(const BackendOptions& options, const std::optional<BrushConfig>& brush = {});
-/// A session on a model, which must outlive it: a hundred million points are not copied. `journal`: SessionParts.
-Session startSession(Context& context, const Model& model, const SessionConfig& config, bool journal = false);
+/// Of a session beside its back end.
+struct BenchSession {
+  std::optional<BrushConfig> brush = {};  ///< if the model is edited
+  double rate_Hz = SessionConfig{}.rate_Hz;
+  bool journal = false;  ///< SessionParts
+};
+/// A session on a model, which must outlive it: a hundred million points are not copied. Ticks are in virtual time
+/// unless the options say otherwise.
+Session startSession(Context& context, const Model& model, const BenchBackend& options, const BenchSession& more = {});
+/// Throws UsageError for options that the back end does not support; before anything is loaded.
+void checkBackend(const Context& context, const BenchBackend& options);
+/// The surface and its support radius, and the grid, according to the options.
+SurfaceOptions surfaceOptions(Context& context, const Model& model, const BackendOptions& options);
+HashGrid gridFor(Context& context, const Model& model, const BenchBackend& options);
 
 /// The back end's methods of finding neighbours, its default last.
 std::vector<std::string> methodChoices(const Context& context, const std::string& backend);

@@ -181,13 +181,14 @@ struct CoexistScene {
 Coexistence touchIn(const CoexistScene& scene, const Situation& situation, const std::string& queues) {
   const CoexistBenchOptions& options = scene.options;
   const Model& model = scene.subject.model;
-  BackendOptions way = options.backend;
+  BenchBackend way = options.backend;
   way.backend = options.backends.front();
   way.realtime = true;
   if (!options.methods.empty()) way.method = options.methods.front();
-  SessionConfig config = sessionConfig(way, situation.sculpts ? std::optional(scene.stroke.brush) : std::nullopt);
-  config.rate_Hz = realtimeRate_Hz(options);
-  Session session = startSession(scene.context, model, config);
+  const double rate_Hz = realtimeRate_Hz(options);
+  Session session =
+      startSession(scene.context, model, way,
+                   {.brush = situation.sculpts ? std::optional(scene.stroke.brush) : std::nullopt, .rate_Hz = rate_Hz});
   TouchBackend& backend = session.backend();
   std::optional<Sight> sight;
   if (situation.draws) {
@@ -203,7 +204,7 @@ Coexistence touchIn(const CoexistScene& scene, const Situation& situation, const
                     .queues = queues,
                     .situation = std::string(situation.name),
                     .points = model.cloud.size(),
-                    .rate_Hz = config.rate_Hz,
+                    .rate_Hz = rate_Hz,
                     .duration_s = options.duration_s};
   const OpenHand open = hand.hand(plannedTicks(found.rate_Hz, found.duration_s), found.rate_Hz);
   if (sight) sight->begin();
@@ -291,7 +292,7 @@ void addOptions(Options& bench, CoexistBenchOptions& options) {
   addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda does not report its edits
   addMethodsOption(bench, options, "how neighbours are found (default: fused)");
   addRadiusOption(bench, options.backend);
-  addIndexOptions(bench, options.backend);
+  addEngineOptions(bench, options.backend);
 }
 
 }  // namespace

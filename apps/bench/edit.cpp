@@ -19,7 +19,6 @@ struct EditBenchOptions : BenchOptions {
   std::vector<std::string> indexes{"incremental", "rebuild"};
   std::vector<std::int64_t> touched{100, 1000, 10'000};
   double duration_s = 0;  // duration of a stroke in real time; 0: virtual time
-  std::optional<std::uint32_t> spareSlots;
 };
 
 constexpr std::uint64_t kWarmUpEdits = 10;    // edits before the first measured one, in virtual time
@@ -202,17 +201,14 @@ EditCost sculpt(const EditScene& scene, const EditBenchOptions& options, const S
   const bool realtime = options.duration_s > 0;
   const double rate_Hz = ticksPerSecond(options);
   const Model& model = scene.subject.model;
-  BackendOptions way = options.backend;
+  BenchBackend way = options.backend;
   way.backend = backend;
   way.index = index;
   way.realtime = realtime;
-  way.spareSlots = options.spareSlots;
   const std::vector<std::string> offered = methodChoices(scene.context, backend);
   const auto method = std::ranges::find_first_of(options.methods, offered);
   if (method != options.methods.end()) way.method = *method;
-  SessionConfig config = sessionConfig(way, stroke.brush);
-  config.rate_Hz = rate_Hz;
-  Session session = startSession(scene.context, model, config);
+  Session session = startSession(scene.context, model, way, {.brush = stroke.brush, .rate_Hz = rate_Hz});
 
   EditCost cost{.subject = scene.subject.name,
                 .backend = backend,
@@ -320,7 +316,7 @@ void addOptions(Options& bench, EditBenchOptions& options) {
       .typeName("K...")
       .showDefault();
   bench
-      .add("--spare", options.spareSlots,
+      .add("--spare", options.backend.spareSlots,
            "free slots for new points and growing buckets, which compactions reclaim: the fewer, the more compactions "
            "(default: a tenth of the points)")
       .check(wholeBetween(1, 1e8))
@@ -337,7 +333,7 @@ void addOptions(Options& bench, EditBenchOptions& options) {
   addBackendsOption(bench, options, {"vulkan", "cpu"});
   addMethodsOption(bench, options, "how neighbours are found (default: fused; direct on cpu)");
   addRadiusOption(bench, options.backend);
-  addIndexOptions(bench, options.backend);
+  addEngineOptions(bench, options.backend);
   addPlotOption(bench, options, "plot step times against points in the model and against touched points");
 }
 

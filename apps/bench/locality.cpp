@@ -259,9 +259,9 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   const Model& model = subject.model;
   const BrushKind kind = *valueNamed(kBrushKinds, what.brush);
   const BrushConfig brush = brushFor(kind, options, false), idle = brushFor(kind, options, true);
-  BackendOptions way = options.backend;
+  BenchBackend way = options.backend;
   way.backend = what.backend;
-  Session session = startSession(context, model, sessionConfig(way, brush), true);
+  Session session = startSession(context, model, way, {.brush = brush, .journal = true});
   const double support = session.surface().radius / session.surface().widening;  // edits do not widen the radius
 
   StrokeRecord record = what;
@@ -366,7 +366,7 @@ void addOptions(Options& bench, LocalityBenchOptions& options) {
   options.backends = {"vulkan", "cpu"};
   addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda does not report its edits
   addRadiusOption(bench, options.backend);
-  addIndexOptions(bench, options.backend);
+  addEngineOptions(bench, options.backend);
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ void forEachMethod(const Context& context, const TimeBenchOptions& options, Meas
   for (const std::string& backend : options.backends)
     for (const std::string& method : methodsOf(context, backend, options))
       for (const std::string& surface : options.surfaces) {
-        BackendOptions one = options.backend;
+        BenchBackend one = options.backend;
         one.backend = backend;
         one.method = method;
         one.surface = surface;
@@ -97,12 +97,12 @@ void forEachMethod(const Context& context, const TimeBenchOptions& options, Meas
 }
 
 // `way` itself, and `way` with each selected tool, its face along `down`.
-std::vector<BackendOptions> withTools(const BackendOptions& way, const TouchCapabilities& can,
-                                      const TimeBenchOptions& options, const DVec3& down) {
-  std::vector<BackendOptions> ways{way};
+std::vector<BenchBackend> withTools(const BenchBackend& way, const TouchCapabilities& can,
+                                    const TimeBenchOptions& options, const DVec3& down) {
+  std::vector<BenchBackend> ways{way};
   if (!can.manyPoints || (!can.methodOfMany.empty() && way.method != can.methodOfMany)) return ways;
   for (const std::int64_t points : options.toolPoints) {
-    BackendOptions one = way;
+    BenchBackend one = way;
     one.tool = options.tool;
     one.toolPoints = static_cast<std::size_t>(points);
     one.toolSize_mm = options.toolSize_mm;
@@ -136,8 +136,8 @@ void benchQuery(Context& context, const Subject& subject, const TimeBenchOptions
                 std::vector<BenchRecord>& records) {
   const double radius = surfaceOptions(context, subject.model, options.backend).radius;
   const DVec3 hip = placeAbove(subject.model, radius);
-  forEachMethod(context, options, [&](const BackendOptions& way) {
-    Session session = startSession(context, subject.model, sessionConfig(way));
+  forEachMethod(context, options, [&](const BenchBackend& way) {
+    Session session = startSession(context, subject.model, way);
     const StepTimes times = measureAt(session.backend(), {hip}, options);
     records.push_back(recordOf("query", way, "at rest", subject));
     records.back().gpu_us = times.gpu_us;
@@ -170,10 +170,10 @@ void benchStep(Context& context, const Subject& subject, const TimeBenchOptions&
                std::vector<BenchRecord>& records) {
   const Model& model = subject.model;
   const auto press = pressOn(model);
-  forEachMethod(context, options, [&](const BackendOptions& way) {
+  forEachMethod(context, options, [&](const BenchBackend& way) {
     const TouchCapabilities can = context.backends().named(way.backend).capabilities();
-    for (const BackendOptions& one : withTools(way, can, options, press.back() - press.front())) {
-      Session still = startSession(context, model, sessionConfig(one));
+    for (const BenchBackend& one : withTools(way, can, options, press.back() - press.front())) {
+      Session still = startSession(context, model, one);
       const StepTimes times = measureAt(still.backend(), press, options);
       records.push_back(recordOf("step", one, "static", subject));
       records.back().gpu_us = times.gpu_us;
@@ -181,8 +181,8 @@ void benchStep(Context& context, const Subject& subject, const TimeBenchOptions&
     }
   });
   const BrushConfig push{.yieldDepth_mm = 0.1, .pushRate = 1e-4, .radius_mm = 6};
-  forEachMethod(context, options, [&](const BackendOptions& way) {
-    Session edited = startSession(context, model, sessionConfig(way, push));
+  forEachMethod(context, options, [&](const BenchBackend& way) {
+    Session edited = startSession(context, model, way, {.brush = push});
     const StepTimes times = measureAt(edited.backend(), press, options);
     records.push_back(recordOf("step", way, "edited", subject));
     records.back().gpu_us = times.gpu_us;

@@ -124,7 +124,7 @@ void addOptions(Options& bench, TimeBenchOptions& options) {
       .check(between(0, 1))
       .showDefault();
   addRadiusOption(bench, options.backend);
-  addIndexOptions(bench, options.backend);
+  addEngineOptions(bench, options.backend);
   addPlotOption(bench, options, "plot times against points, one line for each method");
 }
 

@@ -102,7 +102,7 @@ template <class Judge>
 void forEachSurface(const TouchBenchOptions& options, Judge&& judgeOne) {
   for (const std::string& backend : options.backends)
     for (const std::string& surface : options.surfaces) {
-      BackendOptions one = options.backend;
+      BenchBackend one = options.backend;
       one.backend = backend;
       one.surface = surface;
       one.method = options.methods.empty() ? "" : options.methods.front();
@@ -135,7 +135,7 @@ Json benchTouch(Context& context, const TouchBenchOptions& options) {
     throw UsageError("bench touch: --models requires --truth and vice versa; without both, shapes are felt");
   JudgeOptions judgeOptions;
   if (options.quick) judgeOptions.speeds_mm_per_s = {50, 200};
-  forEachSurface(options, [&](const BackendOptions& one) { checkBackendOptions(context, one); });
+  forEachSurface(options, [&](const BenchBackend& one) { checkBackend(context, one); });
   TouchResults results;
   const auto subjects = judgedBy(context, options);
   for (const auto& makeOne : subjects) {
@@ -143,14 +143,14 @@ Json benchTouch(Context& context, const TouchBenchOptions& options) {
     context.log().say("touch: {}, {}, {} points", subject.name, subject.condition, subject.model.cloud.size());
     const double widestRadius = surfaceOptions(context, subject.model, options.backend).radius;
     const JudgePlan plan = planFor(context, subject, widestRadius, judgeOptions);
-    forEachSurface(options, [&](const BackendOptions& one) {
+    forEachSurface(options, [&](const BenchBackend& one) {
       results.judgements.push_back(judgeTouch(context, subject, plan, one, judgeOptions));
       if (!options.quick && (subject.condition == "clean" || subject.condition == "scan"))
         results.judgements.back().edit = judgeEdit(context, subject, one, judgeOptions);
     });
   }
   if (!options.quick && options.models.empty())
-    forEachSurface(options, [&](const BackendOptions& one) {
+    forEachSurface(options, [&](const BenchBackend& one) {
       context.log().say("touch: thin plates, {}", one.surface);
       const std::int64_t points = options.sizes.empty() ? 200'000 : options.sizes.front();
       const auto plates = judgePlates(context, static_cast<std::size_t>(points), one);
@@ -181,7 +181,7 @@ void addOptions(Options& bench, TouchBenchOptions& options) {
   addFrictionOption(bench, options);
   addMethodsOption(bench, options, "how neighbours are found (default: the back end's choice)");
   addRadiusOption(bench, options.backend);
-  addIndexOptions(bench, options.backend);
+  addEngineOptions(bench, options.backend);
   addPlotOption(bench, options, "draw a page of the results");
 }
 

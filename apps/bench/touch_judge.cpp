@@ -68,9 +68,9 @@ Trace play(TouchBackend& backend, const std::vector<DVec3>& hips, const ForceLaw
 }
 
 // Uses a back end of its own.
-Trace feel(Context& context, const Model& model, const JudgePath& way, const BackendOptions& options,
+Trace feel(Context& context, const Model& model, const JudgePath& way, const BenchBackend& options,
            double stiffness_N_per_mm) {
-  Session session = startSession(context, model, sessionConfig(options));
+  Session session = startSession(context, model, options);
   return play(session.backend(), hipsAlong(way.path.path, way.path.path.duration_s()),
               plainSpring(stiffness_N_per_mm, model.scale));
 }
@@ -155,8 +155,8 @@ JudgePlan planFor(Context& context, const JudgeSubject& subject, double widestRa
   return plan;
 }
 
-Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgePlan& plan,
-                     const BackendOptions& backend, const JudgeOptions& options) {
+Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgePlan& plan, const BenchBackend& backend,
+                     const JudgeOptions& options) {
   const ModelScale& scale = subject.model.scale;
   Judgement result{.backend = backend.backend,
                    .surface = backend.surface,
@@ -187,11 +187,11 @@ Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgeP
     result.slides.push_back(judgeSlides(windows, speed, options, scale, subject.model.spacing));
     if (speed != options.mainSpeed_mm_per_s) continue;
     result.force_N = forces(windows.front(), options.stiffness_N_per_mm, scale);
-    const auto again = [&](const BackendOptions& on) {
+    const auto again = [&](const BenchBackend& on) {
       return feel(context, subject.model, plan.ways[first], on, options.stiffness_N_per_mm);
     };
     result.identical = identical(traces[first], again(backend));
-    BackendOptions onCpu = backend;
+    BenchBackend onCpu = backend;
     onCpu.backend = "cpu";
     onCpu.method.clear();
     if (backend.backend != "cpu") result.fromCpu_N = forceDifference_N(traces[first], again(onCpu));
@@ -208,7 +208,7 @@ Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgeP
   return result;
 }
 
-EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const BackendOptions& backend,
+EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const BenchBackend& backend,
                         const JudgeOptions& options) {
   constexpr double kTolerance_N = 1e-3;  // far below the smallest force that a hand can feel
   const ModelScale& scale = subject.model.scale;
@@ -227,21 +227,21 @@ EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const Bac
   EditJudgement result;
   Model sculpted = subject.model;
   std::size_t lastEdited = 0;
-  Session session = startSession(context, subject.model, sessionConfig(backend, push));
+  Session session = startSession(context, subject.model, backend, {.brush = push});
   TouchBackend& edited = session.backend();
   const Trace after = play(edited, hips, law, [&](const Trace& trace) {
     if (edited.report().editTimes_us.size() > result.edits) lastEdited = trace.rows.size() - 1;
     result.edits = edited.report().editTimes_us.size();
   });
   edited.readBack(sculpted.cloud);
-  Session fresh = startSession(context, sculpted, sessionConfig(backend));
+  Session fresh = startSession(context, sculpted, backend);
   const Trace replayed = play(fresh.backend(), hips, law);
   result.ticksUntilEqual = ticksUntilEqual(after, replayed, lastEdited, kTolerance_N);
   result.largestStep_N = largestForceStep_N(after);
   return result;
 }
 
-std::vector<PlateJudgement> judgePlates(Context& context, std::size_t points, const BackendOptions& backend) {
+std::vector<PlateJudgement> judgePlates(Context& context, std::size_t points, const BenchBackend& backend) {
   constexpr std::size_t kPushes = 16;
   constexpr double kBeyond_mm = 2, kSlant = 0.3;  // the latter as a tangent, maximum
   std::vector<PlateJudgement> results;
@@ -261,7 +261,7 @@ std::vector<PlateJudgement> judgePlates(Context& context, std::size_t points, co
         const TruthPath push = truthPress(
             place, {1},
             {.depth_mm = thickness_mm + kBeyond_mm, .lift_mm = radius_mm + kLift_mm, .speed_mm_per_s = speed});
-        Session plate = startSession(context, model, sessionConfig(backend));
+        Session plate = startSession(context, model, backend);
         const Trace trace = play(plate.backend(), hipsAlong(push.path, push.to_s), plainSpring(1, {1}));
         through += cameThrough(trace, DVec3(0), DVec3(0, 0, 1));
       }

@@ -1,7 +1,7 @@
 // Touch on a known surface, judged by M1 to M12, for `palpate bench touch`.
 #pragma once
 
-#include "apps/cli/backend.hpp"
+#include "apps/bench/bench.hpp"
 #include "haptics/study/touch_metrics.hpp"
 #include "haptics/study/truth_path.hpp"
 
@@ -79,11 +79,11 @@ struct JudgePlan {
 JudgePlan planFor(Context& context, const JudgeSubject& subject, double widestRadius, const JudgeOptions& options);
 
 /// M1 to M4, M6 to M8, M10 and M12. Each path begins on a back end of its own.
-Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgePlan& plan,
-                     const BackendOptions& backend, const JudgeOptions& options);
+Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgePlan& plan, const BenchBackend& backend,
+                     const JudgeOptions& options);
 
 /// M11: pushes the surface at the first start, and compares it with a surface built from the resulting points.
-EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const BackendOptions& backend,
+EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const BenchBackend& backend,
                         const JudgeOptions& options);
 
 /// M5: slightly oblique pushes through plates of two sides, until the HIP is 2 mm beyond.
@@ -93,6 +93,6 @@ struct PlateJudgement {
   std::size_t pushes = 0;
   double throughShare = 0;
 };
-std::vector<PlateJudgement> judgePlates(Context& context, std::size_t points, const BackendOptions& backend);
+std::vector<PlateJudgement> judgePlates(Context& context, std::size_t points, const BenchBackend& backend);
 
 }  // namespace palpate

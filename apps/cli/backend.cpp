@@ -8,7 +8,6 @@
 #include "apps/cli/setting_options.hpp"
 #include "engine/core/named_values.hpp"
 #include "haptics/session/backend_choice.hpp"
-#include "haptics/session/vulkan_backend.hpp"
 #include "haptics/study/cuda_backend.hpp"
 
 namespace palpate {
@@ -63,14 +62,11 @@ void addRadiusOption(Options& sub, BackendOptions& options) {
   addSettingFor<SurfaceConfig>(sub, options.radius, "radius_mm").check(lengthOrAuto()).showDefault();
 }
 
-void addIndexOptions(Options& sub, BackendOptions& options) {
+Option addIndexOptions(Options& sub, BackendOptions& options) {
   addChoice<IndexConfig>(sub, options.bucketKey, "bucket_key");
-  addChoice<IndexConfig>(sub, options.sort, "sort");
   addSettingFor<BackendConfig>(sub, options.deterministic, "deterministic");
-  addSettingFor<BackendConfig>(sub, options.wait, "wait").check(oneOf(choicesOf<BackendConfig>("wait")));
   addChoice<BackendConfig>(sub, options.ahead, "ahead", {"auto"});
-  const Option cell = addSettingFor<IndexConfig>(sub, options.cell_mm, "cell_mm");
-  addSettingFor<IndexConfig>(sub, options.grid, "cells_along_side").excludes(cell);
+  return addSettingFor<IndexConfig>(sub, options.cell_mm, "cell_mm");
 }
 
 void addToolOptions(Options& sub, BackendOptions& options) {
@@ -90,14 +86,10 @@ void setBackend(SessionConfig& config, const BackendOptions& options) {
                     .method = options.method,
                     .deterministic = options.deterministic,
                     .timesPasses = options.timePasses};
-  if (!options.wait.empty()) config.backend.wait = named(kWaits, options.wait);
   if (options.ahead != "auto") config.backend.ahead = options.ahead == "on";
   config.index = {.follow = named(kIndexFollows, options.index),
                   .bucketKey = named(kBucketKeys, options.bucketKey),
-                  .sort = named(kSortMethods, options.sort),
-                  .cell_mm = options.cell_mm,
-                  .cellsAlongSide = options.grid,
-                  .spareSlots = options.spareSlots};
+                  .cell_mm = options.cell_mm};
   config.surface = {.friction = options.friction, .radius_mm = radius_mm(options.radius)};
   if (!options.surface.empty()) config.surface.kind = named(kSurfaceKinds, options.surface);
   config.tool = toolConfig(options);
@@ -108,7 +100,7 @@ ChosenBackend chooseBackend(const Context& context, const BackendOptions& option
   if (options.backend != "auto") return {options.backend};
   const bool vulkansMethod =
       std::ranges::any_of(kQueryMethods, [&](const auto& known) { return options.method == known.first; });
-  if (vulkansMethod || !options.wait.empty() || options.ahead == "on" || options.timePasses) return {"vulkan"};
+  if (vulkansMethod || options.ahead == "on" || options.timePasses) return {"vulkan"};
   if (options.method == "direct" || !context.hasRealGpu()) return {"cpu"};
   return {.name = "vulkan", .isOpen = !context.asksForGpu()};
 }
@@ -131,18 +123,6 @@ void checkBackendOptions(const Context& context, const BackendOptions& options) 
   SessionConfig config;
   setBackend(config, options);
   context.backends().named(config.backend.name).check(config);
-}
-
-SurfaceOptions surfaceOptions(Context& context, const Model& model, const BackendOptions& options) {
-  SessionConfig config;
-  setBackend(config, options);
-  return context.backends().named(options.backend).surface(model, config.surface);
-}
-
-HashGrid gridFor(Context& context, const Model& model, const BackendOptions& options) {
-  SessionConfig config;
-  setBackend(config, options);
-  return gridFor(model, config.index, surfaceOptions(context, model, options).radius);
 }
 
 }  // namespace palpate

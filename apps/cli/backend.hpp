@@ -3,23 +3,20 @@
 
 #include "apps/cli/model.hpp"
 #include "engine/contact/query_method.hpp"
-#include "engine/spatial/hash_grid.hpp"
 #include "haptics/session/backends.hpp"
 
 namespace palpate {
 
 struct BackendOptions {
-  std::string backend = "vulkan", index = "incremental", bucketKey = "teschner", sort = "counting", ahead = "auto";
-  std::string method, surface, wait;  ///< empty: the back end's default
+  std::string backend = "vulkan", index = "incremental", bucketKey = "teschner", ahead = "auto";
+  std::string method, surface;  ///< empty: the back end's default
   bool deterministic = false, realtime = false;
   std::string radius = "auto";
-  double cell_mm = 0, grid = 0;
-  double friction = 0;
+  double cell_mm = 0, friction = 0;
   std::string tool = "point", toolAxis;  ///< empty axis: -z
   std::size_t toolPoints = 0;            ///< 0: the default number, if the tool has many
   double toolSize_mm = 0;                ///< 0: the default size
   bool timePasses = false;
-  std::optional<std::uint32_t> spareSlots;  ///< of an index that follows edits; not an option of a session
 };
 /// Back end, method and index, with addIndexOptions().
 void addBackendOptions(Options& command, BackendOptions& options);
@@ -30,8 +27,8 @@ void addRadiusOption(Options& command, BackendOptions& options);
 void addToolOptions(Options& command, BackendOptions& options);
 /// Sets a session's back end, index, surface, tool and real time from the options. Throws UsageError.
 void setBackend(SessionConfig& config, const BackendOptions& options);
-/// Layout and build of the index, and the wait for the GPU; included in addBackendOptions().
-void addIndexOptions(Options& command, BackendOptions& options);
+/// Layout of the index, and when it is asked; included in addBackendOptions(). Returns --cell.
+Option addIndexOptions(Options& command, BackendOptions& options);
 /// The answering back end before a model is loaded.
 struct ChosenBackend {
   std::string name;
@@ -49,11 +46,5 @@ std::string soonerBackend(Context& context, const SessionConfig& config, const M
 std::vector<std::string> backendChoices();
 /// Throws ConfigError for options that the back end does not support; before anything is loaded.
 void checkBackendOptions(const Context& context, const BackendOptions& options);
-
-/// The surface and support radius according to the options.
-SurfaceOptions surfaceOptions(Context& context, const Model& model, const BackendOptions& options);
-
-/// The grid according to the options.
-HashGrid gridFor(Context& context, const Model& model, const BackendOptions& options);
 
 }  // namespace palpate

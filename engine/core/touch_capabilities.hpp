@@ -16,7 +16,6 @@ struct TouchCapabilities {
   bool fusesFrames = false;   ///< fuses depth frames into a map itself; otherwise a source does, on the host
   bool keepsEdits = true;     ///< reports its edits (TouchBackend::edits), so that they can be undone and logged
   bool asksAhead = false;     ///< accepts a query before its pose is known
-  bool choosesWait = false;   ///< the way of waiting for the GPU can be set
   bool timesPasses = false;   ///< measures each pass of a tick
   /// Its method for several points (a tool of many points, a second hand); empty where all methods support them.
   std::string_view methodOfMany{};

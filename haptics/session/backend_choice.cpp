@@ -127,8 +127,6 @@ const BackendKind& soonerBackend(const SessionConfig& config, const Model& model
   measured.backend.name = candidates.cpu.name();
   if (modelKindOf(config, model) != ModelKind::cloud || model.cloud.empty() || !accepts(candidates.cpu, measured))
     return candidates.gpu;
-  measured.index.cell_mm = model.scale.toMm(cellFor(model, config.index));  // not of a part of the model
-  measured.index.cellsAlongSide = 0;
   BackendTimes times;
   try {
     const std::string key = keyOf(measured, model, candidates);

@@ -53,8 +53,6 @@ void BackendKind::check(const SessionConfig& config) const {
   checkTool(config, can, name(), method);
   if (!can.asksAhead && config.backend.ahead)
     throw ConfigError("backend.ahead", "only backend.name vulkan supports it");
-  if (!can.choosesWait && config.backend.wait)
-    throw ConfigError("backend.wait", "only backend.name vulkan supports it");
   if (!can.timesPasses && config.backend.timesPasses)
     throw ConfigError("backend.times_passes", "only backend.name vulkan supports it");
   checkHands(config, can, name(), method);

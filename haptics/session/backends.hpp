@@ -16,6 +16,13 @@
 
 namespace palpate {
 
+/// How the engine works on a GPU, which changes no answer: not settings, since only the benches choose.
+struct EngineChoices {
+  SortMethod sort = kDefaultSort;           ///< of the index
+  std::optional<std::uint32_t> spareSlots;  ///< of the index, for new points; empty: in proportion to the cloud
+  std::optional<Wait> wait;                 ///< for the GPU; empty: by driver and cores
+};
+
 /// Arguments for making a back end.
 struct BackendRequest {
   const Model& model;
@@ -29,6 +36,7 @@ struct BackendRequest {
   /// end simulates.
   CloudSource* source = nullptr;
   std::optional<FusedStream> fusion;  ///< in place of a source, if the back end fuses frames: begins with the model
+  EngineChoices engine = {};
 };
 
 /// One kind of back end.

@@ -17,7 +17,6 @@ inline constexpr double kMaxForce_N = 1000;
 inline constexpr double kMaxSurfacePower_W = 1e6;
 inline constexpr double kMaxFriction = 10;
 inline constexpr double kMinMemory_MiB = 1e-6, kMaxMemory_MiB = 1e8;
-inline constexpr double kMaxCells = 1e6;                           ///< of the index, along the longest side
 inline constexpr double kMaxRate_Hz = 1e4;                         ///< of a session
 inline constexpr double kMinSpeed = 1e-3, kMaxSpeed = 1e3;         ///< of playing a recording
 inline constexpr double kMinDepthScale = 1, kMaxDepthScale = 1e6;  ///< depth values per metre

@@ -9,6 +9,27 @@ namespace palpate {
 
 namespace {
 
+// Settings of earlier versions, which their logs contain, and the only value that a session has now; empty where each
+// value gives the same session.
+constexpr struct {
+  const char *section, *name, *usual;
+} kFormerSettings[]{{"backend", "wait", ""},
+                    {"index", "sort", ""},
+                    {"index", "cells_along_side", "0"},
+                    {"index", "spare_slots", "null"}};
+
+void dropFormerSettings(SettingsJson& json) {
+  for (const auto& [section, name, usual] : kFormerSettings) {
+    const auto found = json.find(section);
+    if (found == json.end() || !found->is_object() || !found->contains(name)) continue;
+    const SettingsJson& value = found->at(name);
+    if (const std::string_view only = usual; !only.empty() && value != SettingsJson::parse(only))
+      throw ConfigError(pathOf(section, name), "is {}; this palpate no longer has this setting and reads only {}",
+                        value.dump(), only);
+    found->erase(name);
+  }
+}
+
 SettingsJson parsed(std::string_view text) {
   try {
     return SettingsJson::parse(text);
@@ -66,11 +87,12 @@ std::string configText(const SessionConfig& config) {
 }
 
 SessionConfig parseConfig(std::string_view text) {
-  const SettingsJson json = parsed(text);
+  SettingsJson json = parsed(text);
   requireObject("", json);
   const SettingsJson version = json.value("version", SettingsJson(0));
   if (version != SessionConfig::kVersion)
     throw ConfigError("version", "is {}; this palpate reads {}", version.dump(), SessionConfig::kVersion);
+  dropFormerSettings(json);
   SessionConfig config;
   SectionReader sections{json};
   visitSections(config, sections);

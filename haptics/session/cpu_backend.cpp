@@ -22,8 +22,9 @@ class CpuBackend final : public BackendKind {
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
     const SessionConfig& config = request.config;
     if (config.model.matter && !request.source) return config.model.matter->touch(*this, request);
+    const double cell = request.model.scale.toUnits(config.index.cell_mm);
     return std::make_unique<CpuTouch>(request.model.cloud, CpuTouchOptions{.radius = request.surface.radius,
-                                                                           .cell = cellFor(request.model, config.index),
+                                                                           .cell = cell,
                                                                            .bucketKey = config.index.bucketKey,
                                                                            .index = config.index.follow,
                                                                            .surface = request.surface.kind,

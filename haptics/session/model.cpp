@@ -178,10 +178,4 @@ SurfaceOptions surfaceOptions(const Model& model, const SurfaceConfig& config, b
   return surface;
 }
 
-double cellFor(const Model& model, const IndexConfig& config) {
-  if (config.cell_mm > 0) return model.scale.toUnits(config.cell_mm);
-  if (config.cellsAlongSide > 0) return boundsOf(model.cloud).longestSide() / config.cellsAlongSide;
-  return 0;
-}
-
 }  // namespace palpate

@@ -168,7 +168,4 @@ double usualSupportRadius(const Model& model);
 /// wider if points are noisy.
 SurfaceOptions surfaceOptions(const Model& model, const SurfaceConfig& config, bool adapts);
 
-/// Configured edge of a hash cell, model units; 0: the support radius.
-double cellFor(const Model& model, const IndexConfig& config);
-
 }  // namespace palpate

@@ -75,7 +75,8 @@ std::unique_ptr<TouchBackend> Session::makeTouch(const SessionParts& parts) {
                                   .threads = parts.threads,
                                   .paintable = parts.paintable,
                                   .source = isMoved_ ? parts.source : source_.get(),
-                                  .fusion = fusion_});
+                                  .fusion = fusion_,
+                                  .engine = parts.engine});
   farTouch_ = made.far;
   return std::move(made.touch);
 }

@@ -45,6 +45,7 @@ struct SessionParts {
   /// Moves the points, if the configuration does not; must outlive the session. Null: nothing moves them.
   CloudSource* source = nullptr;
   std::vector<FollowerMaker> followers;  ///< beside the journal and the log
+  EngineChoices engine;                  ///< of benches
 };
 
 /// Options of a run beside the configuration. All pointees must outlive it.

@@ -61,8 +61,6 @@ void validate(const SessionConfig& config) {
       throw ConfigError(path + ".axes", "{}", complaint);
   }
   check("", config);
-  if (config.index.cell_mm != 0 && config.index.cellsAlongSide != 0)
-    throw ConfigError("index.cells_along_side", "conflicts with index.cell_mm; leave one of them 0");
   requireDirection("tool.axis", config.tool.axis);
   if (config.motion) requireDirection("motion.axis", config.motion->axis);
   checkAbilities(config);

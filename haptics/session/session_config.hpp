@@ -74,14 +74,11 @@ struct SurfaceConfig {
   bool operator==(const SurfaceConfig&) const = default;
 };
 
-/// Layout, build and update of the index.
+/// Layout and update of the index.
 struct IndexConfig {
   IndexFollow follow = IndexFollow::incremental;
   BucketKey bucketKey = BucketKey::teschner;
-  SortMethod sort = kDefaultSort;
-  double cell_mm = 0;         ///< edge of a cell; 0: the support radius, unless `cellsAlongSide` says otherwise
-  double cellsAlongSide = 0;  ///< cells along the model's longest side; 0: as cell_mm says. At most one of both is set.
-  std::optional<std::uint32_t> spareSlots;  ///< for new points; empty: in proportion to the cloud
+  double cell_mm = 0;  ///< edge of a cell; 0: the support radius
 
   bool operator==(const IndexConfig&) const = default;
 };
@@ -91,7 +88,6 @@ struct BackendConfig {
   std::string name = "auto";   ///< of a back end (Backends); auto: the best of this machine
   std::string method;          ///< of that back end; empty: its default
   bool deterministic = false;  ///< bit-identical results in each run in real time; virtual time always has them
-  std::optional<Wait> wait;    ///< how to wait for the GPU; empty: by driver and cores
   std::optional<bool> ahead;   ///< ask before the hand has moved; empty: on drivers known to allow it
   bool timesPasses = false;    ///< measures the time of each pass
 

@@ -56,7 +56,8 @@ MadeBackend makeBackend(const BackendSetup& setup) {
                                 .tools = toolsOf(config, model),
                                 .threads = setup.threads,
                                 .source = setup.source,
-                                .fusion = setup.source ? std::nullopt : setup.fusion});
+                                .fusion = setup.source ? std::nullopt : setup.fusion,
+                                .engine = setup.engine});
   if (brush && widest->resample != brush->resample) touch->setBrush(brush);
   if (isShared && !config.brush) touch->setBrush(std::nullopt);
   return {.touch = std::move(touch)};

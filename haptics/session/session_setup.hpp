@@ -31,6 +31,7 @@ struct BackendSetup {
   bool paintable = false;         ///< keeps colours for a later brush
   CloudSource* source = nullptr;  ///< moves the points; null: nothing, or the back end itself
   const std::optional<FusedStream>& fusion;
+  EngineChoices engine = {};
 };
 
 /// A back end that was made.

@@ -42,9 +42,6 @@ constexpr Setting<BackendConfig> kBackend[]{
      "(counts first, dispatched by the host), or brute (every point)"},
     {"deterministic", &BackendConfig::deterministic, "--deterministic",
      "bit-identical results in every run (always so in virtual time)"},
-    {"wait", words<&BackendConfig::wait, kWaits>(), "--wait",
-     "how the CPU waits for the GPU: spin, poll or block (default: depends on driver and core "
-     "count)"},
     {"ahead", words<&BackendConfig::ahead, kOnOff>(), "--ahead",
      "submit each query before its pose is known, so that the GPU only waits for the pose: auto "
      "(on for drivers known to allow it), on or off"},
@@ -58,24 +55,8 @@ constexpr Setting<IndexConfig> kIndex[]{
      "sixteenth of all is touched), or rebuild (always so on cuda)"},
     {"bucket_key", words<&IndexConfig::bucketKey, kBucketKeys>(), "--bucket-key",
      "hash key: teschner scatters the cells, morton keeps neighbouring cells together in memory"},
-    {"sort", words<&IndexConfig::sort, kSortMethods>(), "--sort",
-     "sort of the index: counting (falls back to radix for crowded buckets), radix, or "
-     "radix-lookback (half the memory traffic of radix)"},
     {"cell_mm", &IndexConfig::cell_mm, "--cell", "edge of a hash cell, mm (default: the support radius)", "mm",
      kLengthOrZero},
-    {"cells_along_side",
-     &IndexConfig::cellsAlongSide,
-     "--grid",
-     "hash cells along the longest side, in place of --cell",
-     "",
-     {.min = 1, .max = bounds::kMaxCells, .orZero = true}},
-    {"spare_slots",
-     &IndexConfig::spareSlots,
-     "--spare",
-     "free slots for new points and growing buckets, which compactions reclaim: the fewer, the "
-     "more compactions (default: a tenth of the points)",
-     "",
-     {1, 1e8}},
 };
 
 constexpr Setting<SurfaceConfig> kSurface[]{

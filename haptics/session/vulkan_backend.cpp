@@ -28,7 +28,7 @@ class VulkanBackend final : public BackendKind {
   }
   bool hasInStudy(std::string_view method) const override { return valueNamed(kQueryMethods, method).has_value(); }
   TouchCapabilities capabilities() const override {
-    return {.fusesFrames = true, .asksAhead = true, .choosesWait = true, .timesPasses = true, .methodOfMany = "fused"};
+    return {.fusesFrames = true, .asksAhead = true, .timesPasses = true, .methodOfMany = "fused"};
   }
   std::string machine(unsigned) const override { return device_().name(); }
   std::string identity(unsigned) const override {
@@ -46,9 +46,9 @@ class VulkanBackend final : public BackendKind {
   TouchOptions optionsFor(const BackendRequest& request) const {
     const SessionConfig& config = request.config;
     TouchOptions touch{.radius = request.surface.radius,
-                       .cell = cellFor(request.model, config.index),
+                       .cell = request.model.scale.toUnits(config.index.cell_mm),
                        .bucketKey = config.index.bucketKey,
-                       .sort = config.index.sort,
+                       .sort = request.engine.sort,
                        .method = queryMethodNamed(methodOf(config.backend)),
                        .surface = request.surface.kind,
                        .localRadius = request.surface.localRadius,
@@ -61,8 +61,8 @@ class VulkanBackend final : public BackendKind {
                        .fusion = request.fusion,
                        .paintable = request.paintable,
                        .index = config.index.follow,
-                       .spareSlots = config.index.spareSlots,
-                       .wait = config.backend.wait,
+                       .spareSlots = request.engine.spareSlots,
+                       .wait = request.engine.wait,
                        .ahead = config.backend.ahead};
     if (config.realtime && !config.backend.deterministic) touch.bucketOrder = BucketOrder::arrival;
     if (config.backend.timesPasses) touch.timing = CommandList::Timing::passes;
@@ -80,7 +80,7 @@ std::unique_ptr<BackendKind> vulkanBackend(std::function<Device&()> device) {
 }
 
 HashGrid gridFor(const Model& model, const IndexConfig& config, double radius) {
-  const double cell = cellFor(model, config);
+  const double cell = model.scale.toUnits(config.cell_mm);
   return makeHashGrid(Vec3(boundsOf(model.cloud).min), std::max(cell > 0 ? cell : radius, smallestCell(radius)),
                       model.cloud.size(), config.bucketKey);
 }

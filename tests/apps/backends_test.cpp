@@ -83,7 +83,7 @@ TEST_CASE("the CPU back end needs no GPU except for pictures, sculpts and saves,
   CHECK(contentOf(folder / "a.csv") == contentOf(folder / "b.csv"));
   CHECK(contentOf(folder / "a.ply") == contentOf(folder / "b.ply"));
   CHECK(readPly(folder / "a.ply").positions != readPly(model).positions);
-  works("touch " + model + " --backend cpu --bucket-key morton --grid 64 --edit push --realtime --picture " +
+  works("touch " + model + " --backend cpu --bucket-key morton --cell 1.6 --edit push --realtime --picture " +
         (folder / "p.png").string() + " --size 320x200 --validate=core");
   CHECK(contentOf(folder / "p.png").starts_with("\x89PNG"));
 }

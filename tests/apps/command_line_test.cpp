@@ -215,8 +215,8 @@ TEST_CASE("every numeric option has bounds, which its error names") {
   const std::initializer_list<const char*> never{"nan", "inf", "-1", "1e30", "word"};
   for (const char* option :
        {"--stiffness", "--damping", "--max-force", "--friction", "--yield-depth", "--push-rate", "--strength",
-        "--brush-radius", "--penetration", "--rate", "--mm-per-unit", "--cell", "--grid", "--tool-size",
-        "--hand-stiffness", "--hand-damping", "--duration", "--undo-memory", "--radius"})
+        "--brush-radius", "--penetration", "--rate", "--mm-per-unit", "--cell", "--tool-size", "--hand-stiffness",
+        "--hand-damping", "--duration", "--undo-memory", "--radius"})
     refuses("touch " + model, option, never);
   for (const char* option : {"--falloff", "--tool-points", "--undo", "--redo"})
     refuses("touch " + model, option, never);
@@ -258,7 +258,6 @@ TEST_CASE("an unsupported configuration is refused with the options that request
   refused(touch + second + "--ahead on --backend vulkan",
           "--ahead: queries of several hands cannot be submitted ahead; leave it out");
   refused(touch + "--ahead off --backend cpu", "--ahead: only --backend vulkan supports it");
-  refused(touch + "--wait spin --backend cpu", "--wait: only --backend vulkan supports it");
   refused(touch + "--print-tick --backend cpu", "--print-tick: only --backend vulkan supports it");
   refused(touch + "--edit carve --backend cuda",
           "--edit: --backend cuda supports only the brush push; use vulkan or cpu for carve");
@@ -269,6 +268,7 @@ TEST_CASE("an unsupported configuration is refused with the options that request
           "--method: direct is not a method of --backend vulkan, which has fused");
   refused(touch + "--device dhd:x --realtime --duration 1 --backend cpu",
           "--device: dhd:x: is not the number of a device");
+  refused("bench step --sizes 2000 --wait spin --backend cpu", "--wait: only --backend vulkan supports it");
   refused("bench step --sizes 2000 --surface sphere --backend cuda",
           "--surface: --backend cuda supports only the surface average");
   refused("bench edit --models " + model + " --touched 20 --duration 1 --rate 20000",

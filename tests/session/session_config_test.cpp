@@ -11,39 +11,31 @@ namespace {
 
 // No value is the default.
 SessionConfig unusual() {
-  return {.model = {.file = "a \"model\".ply", .mm_per_unit = 0.25, .normals = NormalSource::face},
-          .backend = {.name = "vulkan",
-                      .method = "indirect",
-                      .deterministic = true,
-                      .wait = Wait::poll,
-                      .ahead = false,
-                      .timesPasses = true},
-          .index = {.follow = IndexFollow::rebuild,
-                    .bucketKey = BucketKey::morton,
-                    .sort = SortMethod::radixLookBack,
-                    .cell_mm = 3.5,
-                    .spareSlots = 77},
-          .surface = {.kind = SurfaceKind::sharp, .friction = 0.1, .radius_mm = 1.0 / 3},
-          .tool = {.kind = ToolKind::spatula, .points = 12, .size_mm = 7, .axis = {1, 0, 1e-9}},
-          .brush = BrushConfig{.kind = BrushKind::paint,
-                               .yieldDepth_mm = 0.1,
-                               .pushRate = 0.9,
-                               .radius_mm = 2,
-                               .strength = 1,
-                               .falloff = 3,
-                               .color = {1, 2, 255},
-                               .resample = false},
-          .force = {.stiffness_N_per_mm = 0.4,
-                    .damping_N_s_per_mm = 0,
-                    .maxForce_N = 2,
-                    .maxRise_N_per_s = 100,
-                    .maxSurfacePower_W = 0.5},
-          .undo = {.undo = 3, .redo = 2, .memory_MiB = 5},
-          .hands = {{.device = "sim", .path = "p.csv", .penetration_mm = 1, .fit = WorkspaceFit::identity},
-                    {.device = "dhd:1", .passivity = PassivityMode::observe, .ownScheduler = true, .rumbles = true}},
-          .rate_Hz = 999.5,
-          .duration_s = 1.25,
-          .realtime = true};
+  return {
+      .model = {.file = "a \"model\".ply", .mm_per_unit = 0.25, .normals = NormalSource::face},
+      .backend = {.name = "vulkan", .method = "indirect", .deterministic = true, .ahead = false, .timesPasses = true},
+      .index = {.follow = IndexFollow::rebuild, .bucketKey = BucketKey::morton, .cell_mm = 3.5},
+      .surface = {.kind = SurfaceKind::sharp, .friction = 0.1, .radius_mm = 1.0 / 3},
+      .tool = {.kind = ToolKind::spatula, .points = 12, .size_mm = 7, .axis = {1, 0, 1e-9}},
+      .brush = BrushConfig{.kind = BrushKind::paint,
+                           .yieldDepth_mm = 0.1,
+                           .pushRate = 0.9,
+                           .radius_mm = 2,
+                           .strength = 1,
+                           .falloff = 3,
+                           .color = {1, 2, 255},
+                           .resample = false},
+      .force = {.stiffness_N_per_mm = 0.4,
+                .damping_N_s_per_mm = 0,
+                .maxForce_N = 2,
+                .maxRise_N_per_s = 100,
+                .maxSurfacePower_W = 0.5},
+      .undo = {.undo = 3, .redo = 2, .memory_MiB = 5},
+      .hands = {{.device = "sim", .path = "p.csv", .penetration_mm = 1, .fit = WorkspaceFit::identity},
+                {.device = "dhd:1", .passivity = PassivityMode::observe, .ownScheduler = true, .rumbles = true}},
+      .rate_Hz = 999.5,
+      .duration_s = 1.25,
+      .realtime = true};
 }
 
 std::string textFault(const std::string& text) {
@@ -81,6 +73,23 @@ TEST_CASE("fields missing in a text have their defaults") {
   CHECK(parseConfig(R"({"version": 1, "brush": {}})") == sculpting);
 }
 
+TEST_CASE("a log of an earlier version replays with its former settings, unless they would change the session") {
+  const std::string text = configText(unusual());
+  const auto with = [&](const std::string& section, const std::string& setting) {
+    return replaced(text, "\"" + section + "\": {", "\"" + section + "\": {" + setting + ",");
+  };
+  for (const char* value : {"null", "\"spin\"", "\"block\""})
+    CHECK(parseConfig(with("backend", fmt::format("\"wait\": {}", value))) == unusual());
+  for (const char* value : {"\"counting\"", "\"radix\"", "\"radix-lookback\""})
+    CHECK(parseConfig(with("index", fmt::format("\"sort\": {}", value))) == unusual());
+  CHECK(parseConfig(with("index", R"("cells_along_side": 0.0, "spare_slots": null)")) == unusual());
+  CHECK_THROWS_WITH_AS(parseConfig(with("index", R"("cells_along_side": 64.0)")),
+                       "index.cells_along_side: is 64.0; this palpate no longer has this setting and reads only 0",
+                       ConfigError);
+  CHECK(textFault(with("index", R"("spare_slots": 77)")) == "index.spare_slots");
+  CHECK(textFault(with("index", R"("wait": null)")) == "index.wait");
+}
+
 TEST_CASE("an invalid text is refused with the name of the field") {
   const std::string text = configText(unusual());
   CHECK(textFault(replaced(text, "\"version\": 1", "\"version\": 2")) == "version");
@@ -110,7 +119,6 @@ TEST_CASE("a value out of bounds is refused with the name of the field") {
   CHECK(with([](auto& c) { c.model.mm_per_unit = -1; }) == "model.mm_per_unit");
   CHECK(with([](auto& c) { c.surface.radius_mm = 0; }) == "surface.radius_mm");
   CHECK(with([](auto& c) { c.surface.friction = kNaN; }) == "surface.friction");
-  CHECK(with([](auto& c) { c.index.cellsAlongSide = 10; }) == "index.cells_along_side");
   CHECK(with([](auto& c) { c.tool.points = 65; }) == "tool.points");
   CHECK(with([](auto& c) { c.tool.axis = {}; }) == "tool.axis");
   CHECK(with([](auto& c) { c.brush->radius_mm = kNaN; }) == "brush.radius_mm");

@@ -133,7 +133,7 @@ TEST_CASE("a back end is selected by name, and refuses what it cannot do before 
   CHECK(backends.names() == std::vector<std::string>{"cpu"});
   CHECK_THROWS_AS(backends.named("abacus"), ConfigError);
   SessionConfig config = feeling();
-  config.backend.wait = Wait::spin;
+  config.backend.ahead = true;
   CHECK_THROWS_AS(Session(config, sphereModel(), {.backend = backends.named("cpu")}), ConfigError);
   config = feeling();
   config.rate_Hz = 0;
