@@ -4,33 +4,11 @@
 
 #include "haptics/servo_loop.hpp"
 #include "tests/haptics/contact_doubles.hpp"
+#include "tests/haptics/device_doubles.hpp"
 #include "tests/near.hpp"
 
 namespace palpate::clutch_test {
 namespace {
-
-/// Moves to the right at 100 mm/s, 1 mm deep in a plane, with the buttons that the test sets.
-class Gliding final : public HapticDevice {
- public:
-  std::string_view name() const override { return "gliding"; }
-  DeviceLimits limits() const override { return {.buttons = 2}; }
-  DeviceState read(double time_s) noexcept override {
-    const bool clutched = time_s >= 0.1 - 1e-9 && time_s < 0.2 - 1e-9;
-    const bool sculpts = time_s >= 0.25 - 1e-9;
-    return {.position = {100 * time_s, 0, 0},
-            .buttons = (clutched ? kClutchButton : 0u) | (sculpts ? kSculptButton : 0u),
-            .rendersForce = !(time_s > 0.2999 && time_s < 0.3001),
-            .ok = true};
-  }
-  bool write(const DVec3& force_N) noexcept override {
-    forces.push_back(force_N);
-    return true;
-  }
-  void emergencyStop() noexcept override {}
-  std::string faultText() const override { return {}; }
-
-  std::vector<DVec3> forces;
-};
 
 /// A floor at y = 1, felt from 0.02 s on; records whether the hand sculpts.
 class Floor final : public OneHandQuery {
@@ -61,7 +39,16 @@ TEST_CASE("the HIP stays while clutched and continues from there without a jump"
 }
 
 TEST_CASE("a stylus's buttons clutch and sculpt, and force that could not be rendered ramps up again") {
-  Gliding device;
+  // It moves to the right at 100 mm/s.
+  ScriptedDevice device(
+      [](double time_s) -> DeviceState {
+        const bool clutched = time_s >= 0.1 - 1e-9 && time_s < 0.2 - 1e-9, sculpts = time_s >= 0.25 - 1e-9;
+        return {.position = {100 * time_s, 0, 0},
+                .buttons = (clutched ? kClutchButton : 0u) | (sculpts ? kSculptButton : 0u),
+                .rendersForce = !(time_s > 0.2999 && time_s < 0.3001),
+                .ok = true};
+      },
+      {.buttons = 2});
   Floor floor;
   ServoLoop loop(device, floor, ForceLaw({.stiffness_N_per_mm = 0.09, .damping_N_s_per_mm = 0}, {}),
                  {.duration_s = 0.35}, {.passivity = PassivityMode::off});
@@ -83,15 +70,7 @@ TEST_CASE("a stylus's buttons clutch and sculpt, and force that could not be ren
 }
 
 TEST_CASE("a device without buttons sculpts whenever it touches") {
-  class Plain final : public HapticDevice {
-   public:
-    std::string_view name() const override { return "plain"; }
-    DeviceLimits limits() const override { return {}; }
-    DeviceState read(double) noexcept override { return {.ok = true}; }
-    bool write(const DVec3&) noexcept override { return true; }
-    void emergencyStop() noexcept override {}
-    std::string faultText() const override { return {}; }
-  } device;
+  ScriptedDevice device([](double) -> DeviceState { return {.ok = true}; });
   Floor floor;
   ServoLoop loop(device, floor, ForceLaw({}, {}), {.duration_s = 0.01});
   loop.run();

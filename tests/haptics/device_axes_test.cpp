@@ -4,35 +4,25 @@
 #include <set>
 
 #include "haptics/devices/personal_device.hpp"
+#include "tests/haptics/device_doubles.hpp"
 #include "tests/near.hpp"
 
 namespace palpate::device_axes_test {
 namespace {
 
-/// At a position, with an orientation; keeps the last force.
-class Resting final : public HapticDevice {
- public:
-  std::string_view name() const override { return "resting"; }
-  DeviceLimits limits() const override { return {.mostStiffness_N_per_mm = 2}; }
-  DeviceState read(double) noexcept override { return {.position = {1, 2, 3}, .turn = turn, .ok = true}; }
-  bool write(const DVec3& force_N) noexcept override {
-    last_N = force_N;
-    return true;
-  }
-  void emergencyStop() noexcept override {}
-  std::string faultText() const override { return {}; }
-
-  DVec3 last_N{0};
-  DQuat turn{1, 0, 0, 0};
-};
-
+/// A device at a position, with an orientation.
 struct Held {
   explicit Held(const char* axes, double most_N_per_mm = std::numeric_limits<double>::infinity()) {
-    auto resting = std::make_unique<Resting>();
+    auto resting = std::make_unique<ScriptedDevice>(
+        [this](double) -> DeviceState {
+          return {.position = {1, 2, 3}, .turn = turn, .ok = true};
+        },
+        DeviceLimits{.mostStiffness_N_per_mm = 2});
     inner = resting.get();
     device.emplace(std::move(resting), *DeviceAxes::named(axes), most_N_per_mm);
   }
-  Resting* inner = nullptr;
+  DQuat turn{1, 0, 0, 0};
+  ScriptedDevice* inner = nullptr;
   std::optional<PersonalDevice> device;
 };
 
@@ -97,8 +87,8 @@ TEST_CASE("the tip of a stylus points where the user sees it, with rotated and w
   for (const char* axes : {"x,-z,y", "-z,y,x", "-x,y,z", "x,z,y"}) {
     CAPTURE(axes);
     Held held(axes);
-    held.inner->turn = glm::angleAxis(0.7, glm::normalize(DVec3(1, 2, 3)));
-    const DVec3 tip(0, 0, -1), inDevice = held.inner->turn * tip;
+    held.turn = glm::angleAxis(0.7, glm::normalize(DVec3(1, 2, 3)));
+    const DVec3 tip(0, 0, -1), inDevice = held.turn * tip;
     const DQuat turn = held.device->read(0).turn;
     CHECK(glm::length(turn) == near(1, 1e-12));
     CHECK(glm::distance(turn * tip, DeviceAxes::named(axes)->matrix() * inDevice) < 1e-12);

@@ -9,39 +9,31 @@
 #include <thread>
 
 #include "haptics/devices/hid_transport.hpp"
+#include "tests/haptics/remarks.hpp"
 
 namespace palpate {
 
 using Report = std::vector<std::uint8_t>;
 
-inline HidInfo spaceMouse(const std::string& path = "/dev/hidraw3", const std::string& serial = "A1") {
+/// Usages of a generic desktop device: a gamepad, a keyboard, a controller with many axes.
+inline HidInfo desktopDevice(const std::string& path, const char* maker, const char* product, std::uint16_t vendorId,
+                             std::uint16_t productId, std::uint16_t usage, const std::string& serial = "") {
   return {.path = path,
-          .maker = "3Dconnexion",
-          .product = "SpaceMouse Compact",
+          .maker = maker,
+          .product = product,
           .serial = serial,
-          .vendorId = 0x256f,
-          .productId = 0xc635,
+          .vendorId = vendorId,
+          .productId = productId,
           .usagePage = 1,
-          .usage = 8};
+          .usage = usage};
 }
-inline HidInfo dualSense(const std::string& path = "/dev/hidraw5") {
-  return {.path = path,
-          .maker = "Sony",
-          .product = "DualSense Wireless Controller",
-          .vendorId = 0x054c,
-          .productId = 0x0ce6,
-          .usagePage = 1,
-          .usage = 5};
+inline HidInfo spaceMouse(const std::string& path = "/dev/hidraw3", const std::string& serial = "A1") {
+  return desktopDevice(path, "3Dconnexion", "SpaceMouse Compact", 0x256f, 0xc635, 8, serial);
 }
-inline HidInfo keyboard(const std::string& path = "/dev/hidraw0") {
-  return {.path = path,
-          .maker = "Logitech",
-          .product = "Keyboard",
-          .vendorId = 0x046d,
-          .productId = 0xc31c,
-          .usagePage = 1,
-          .usage = 6};
+inline HidInfo dualSense() {
+  return desktopDevice("/dev/hidraw5", "Sony", "DualSense Wireless Controller", 0x054c, 0x0ce6, 5);
 }
+inline HidInfo keyboard() { return desktopDevice("/dev/hidraw0", "Logitech", "Keyboard", 0x046d, 0xc31c, 6); }
 
 class FakeHid final : public HidTransport {
  public:
@@ -143,30 +135,6 @@ class FakeHid final : public HidTransport {
   std::vector<std::string> denied_;
   std::vector<Node*> open_;
   std::vector<Sent> sent_;
-};
-
-/// Remarks of devices, from any thread.
-class Remarks {
- public:
-  auto sink() {
-    return [this](std::string_view sentence) {
-      const std::scoped_lock lock(lock_);
-      all_.emplace_back(sentence);
-    };
-  }
-  std::size_t count(std::string_view part) {
-    const std::scoped_lock lock(lock_);
-    return static_cast<std::size_t>(
-        std::ranges::count_if(all_, [&](const std::string& one) { return one.find(part) != std::string::npos; }));
-  }
-  std::size_t size() {
-    const std::scoped_lock lock(lock_);
-    return all_.size();
-  }
-
- private:
-  std::mutex lock_;
-  std::vector<std::string> all_;
 };
 
 /// Waits for other threads, as long as a loaded machine may take; returns whether the condition became true.

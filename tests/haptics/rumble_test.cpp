@@ -11,6 +11,7 @@
 #include "haptics/devices/rumbling_device.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/haptics/contact_doubles.hpp"
+#include "tests/haptics/device_doubles.hpp"
 #include "tests/haptics/fake_hid.hpp"
 
 namespace palpate::rumble_test {
@@ -25,9 +26,9 @@ struct Scene {
   Remarks remarks;
   std::unique_ptr<Rumble> rumble;
 
-  Scene() {
+  explicit Scene(double full_N = kTouchPeakForce_N) {
     hid->plug(dualSense());
-    rumble = std::make_unique<Rumble>(hid, dualSense(), remarks.sink());
+    rumble = std::make_unique<Rumble>(hid, dualSense(), remarks.sink(), full_N);
   }
   /// Repeats the force like a servo loop, until `condition` is true.
   bool telling(const DVec3& force_N, const auto& condition) {
@@ -44,22 +45,6 @@ struct Scene {
     const auto sent = hid->sent(kPad);
     return !sent.empty() && sent.back()[4] > 0;
   }
-};
-
-/// A device that reports whether its force reaches the hand.
-class FlakyDevice final : public HapticDevice {
- public:
-  std::string_view name() const override { return "flaky"; }
-  DeviceLimits limits() const override { return {}; }
-  DeviceState read(double) noexcept override { return {.rendersForce = renders, .ok = true}; }
-  bool write(const DVec3& force_N) noexcept override {
-    last_N = force_N;
-    return true;
-  }
-  void emergencyStop() noexcept override { stopped = true; }
-  std::string faultText() const override { return "no fault"; }
-  bool renders = true, stopped = false;
-  DVec3 last_N{0};
 };
 
 }  // namespace
@@ -108,9 +93,6 @@ TEST_CASE("the motors stop if no force is written any more") {
 }
 
 TEST_CASE("the strongest hum is at the device's maximum force, or at a Touch's if a device has no limit") {
-  const auto hid = std::make_shared<FakeHid>();
-  hid->plug(dualSense());
-  Remarks remarks;
   double full_N = 8;
   std::uint8_t expected = 64;  // between 24 and 200, in steps of 8
   SUBCASE("a stronger device") {}
@@ -118,12 +100,8 @@ TEST_CASE("the strongest hum is at the device's maximum force, or at a Touch's i
     full_N = std::numeric_limits<double>::infinity();
     expected = 128;
   }
-  Rumble rumble(hid, dualSense(), remarks.sink(), full_N);
-  CHECK(comesTrue([&] {
-    rumble.setForce({2, 0, 0});
-    const auto sent = hid->sent(kPad);
-    return !sent.empty() && sent.back()[4] == expected;
-  }));
+  Scene scene(full_N);
+  CHECK(scene.telling({2, 0, 0}, [&] { return scene.runs() && scene.hid->sent(kPad).back()[4] == expected; }));
 }
 
 TEST_CASE("a force that is not a number causes no rumble") {
@@ -189,12 +167,14 @@ TEST_CASE("an unplugged gamepad rumbles again after reconnection, and a stop wit
 }
 
 TEST_CASE("a gamepad beside any device rumbles with the force actually written") {
-  const auto hid = std::make_shared<FakeHid>();
-  hid->plug(dualSense());
-  Remarks remarks;
-  auto flaky = std::make_unique<FlakyDevice>();
-  FlakyDevice& inner = *flaky;
-  RumblingDevice device(std::move(flaky), std::make_unique<Rumble>(hid, dualSense(), remarks.sink()));
+  Scene scene;
+  FakeHid* const hid = scene.hid.get();
+  bool renders = true;
+  auto flaky = std::make_unique<ScriptedDevice>(
+      [&](double) -> DeviceState { return {.rendersForce = renders, .ok = true}; }, DeviceLimits{}, "flaky");
+  flaky->text = "no fault";
+  ScriptedDevice& inner = *flaky;
+  RumblingDevice device(std::move(flaky), std::move(scene.rumble));
   const auto last = [&] { return hid->sent(kPad).empty() ? Report(48, 0) : hid->sent(kPad).back(); };
   const auto ticks = [&](const auto& condition) {
     return comesTrue([&] {
@@ -207,7 +187,7 @@ TEST_CASE("a gamepad beside any device rumbles with the force actually written")
   CHECK(inner.last_N == DVec3(2, 0, 0));
   CHECK(device.name() == "flaky");
   CHECK(device.faultText() == "no fault");
-  inner.renders = false;
+  renders = false;
   REQUIRE(ticks([&] { return isSilent(last()); }));
   device.emergencyStop();
   CHECK(inner.stopped);
@@ -215,19 +195,16 @@ TEST_CASE("a gamepad beside any device rumbles with the force actually written")
 }
 
 TEST_CASE("the gamepad is silent after a session, however it ends") {
-  const auto hid = std::make_shared<FakeHid>();
-  hid->plug(dualSense());
-  Remarks remarks;
-  RumblingDevice device(std::make_unique<PathDevice>(Path({{0, {0, 0, 8}}, {1, {0, 0, 8}}})),
-                        std::make_unique<Rumble>(hid, dualSense(), remarks.sink()));
+  Scene scene;
+  RumblingDevice device(std::make_unique<PathDevice>(Path({{0, {0, 0, 8}}, {1, {0, 0, 8}}})), std::move(scene.rumble));
   SphereContact sphere(10);
   std::atomic<bool> stop = false;
   ServoLoop loop(device, sphere, ForceLaw({}, {}), {.endless = true, .realtime = true, .stop = &stop});
   std::jthread session([&] { loop.run(); });
-  CHECK(comesTrue([&] { return hid->sent(kPad).size() > 1; }));
+  CHECK(comesTrue([&] { return scene.hid->sent(kPad).size() > 1; }));
   stop = true;
   session.join();
-  CHECK(comesTrue([&] { return isSilent(hid->sent(kPad).back()); }));
+  CHECK(comesTrue([&] { return isSilent(scene.hid->sent(kPad).back()); }));
 }
 
 }  // namespace palpate::rumble_test

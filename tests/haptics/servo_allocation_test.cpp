@@ -3,6 +3,8 @@
 #include "haptics/devices/haply_device.hpp"
 #include "haptics/devices/hid_device.hpp"
 #include "haptics/devices/rumbling_device.hpp"
+#include "haptics/devices/simulated_touch.hpp"
+#include "haptics/devices/wrapped_device.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/allocation_count.hpp"
 #include "tests/fake_devices/fake_haply.hpp"
@@ -13,21 +15,16 @@ namespace palpate::servo_allocation_test {
 namespace {
 
 /// Counts from the first read to the last write, including everything between ticks.
-class CountingDevice final : public HapticDevice {
+class CountingDevice final : public WrappedDevice {
  public:
-  CountingDevice(Path path, double lastTick_s) : touch_(std::move(path), {}), lastTick_s_(lastTick_s) {}
-  std::string_view name() const override { return "counting"; }
-  DeviceLimits limits() const override { return touch_.limits(); }
+  CountingDevice(const Path& path, double lastTick_s)
+      : WrappedDevice(std::make_unique<SimulatedTouch>(path, WorkspaceMap{})), lastTick_s_(lastTick_s) {}
   DeviceState read(double time_s) noexcept override {
     counting = time_s < lastTick_s_;
-    return touch_.read(time_s);
+    return WrappedDevice::read(time_s);
   }
-  bool write(const DVec3& force_N) noexcept override { return touch_.write(force_N); }
-  void emergencyStop() noexcept override {}
-  std::string faultText() const override { return {}; }
 
  private:
-  SimulatedTouch touch_;
   double lastTick_s_;
 };
 

@@ -21,8 +21,6 @@
 namespace palpate::servo_loop_test {
 namespace {
 
-constexpr double kRadius = 50;
-
 /// Onto the sphere's pole, along its surface 1 unit deep, and out again.
 Path touchAndGo() {
   return Path({{0, {0, 0, 53}}, {0.1, {0, 0, 49}}, {0.3, {5, 3, 48.7}}, {0.4, {5, 3, 49.3}}, {0.5, {5, 3, 53}}});
@@ -34,35 +32,16 @@ ServoOptions lasting(double duration_s, bool realtime = false) {
   return {.duration_s = duration_s, .realtime = realtime};
 }
 
-/// Plays a path and fails on command.
-class FaultyDevice : public HapticDevice {
- public:
-  explicit FaultyDevice(Path path) : play_(std::move(path)) {}
+constexpr const char* kFault = "faulty: the cable is out; put it back";
 
-  std::string_view name() const override { return "faulty"; }
-  DeviceLimits limits() const override { return {.peakForce_N = 1}; }
-  DeviceState read(double time_s) noexcept override {
-    DeviceState state = play_.read(time_s);
-    if (time_s >= failsReadAt_s) state.ok = false;
-    if (time_s >= losesPositionAt_s) state.position.y = std::numeric_limits<double>::quiet_NaN();
-    now_s_ = time_s;
-    return state;
-  }
-  bool write(const DVec3& force_N) noexcept override {
-    last_N = force_N;
-    return now_s_ < failsWriteAt_s;
-  }
-  void emergencyStop() noexcept override {}
-  std::string faultText() const override { return text; }
-
-  double failsReadAt_s = 1e9, failsWriteAt_s = 1e9, losesPositionAt_s = 1e9;
-  std::string text = "faulty: the cable is out; put it back";
-  DVec3 last_N{9};
-
- private:
-  PathDevice play_;
-  double now_s_ = 0;
-};
+ServoResult playedOn(SphereContact& sphere, HapticDevice& device, const ServoOptions& options,
+                     const ForceOptions& force = {}) {
+  return ServoLoop(device, sphere, ForceLaw(force, {}), options).run();
+}
+ServoResult played(HapticDevice& device, const ServoOptions& options, const ForceOptions& force = {}) {
+  SphereContact sphere(kRadius);
+  return playedOn(sphere, device, options, force);
+}
 
 }  // namespace
 
@@ -114,24 +93,16 @@ TEST_CASE("two runs in virtual time give the same bytes") {
 }
 
 TEST_CASE("the forces are the same bit by bit whenever the session begins") {
-  class Again : public FaultyDevice {  // plays from the first tick on
-   public:
-    Again(double begin_s) : FaultyDevice(touchAndGo()), begin_s_(begin_s) {}
-    DeviceState read(double time_s) noexcept override {
-      return FaultyDevice::read(std::round((time_s - begin_s_) * 1000) / 1000);
-    }
-
-   private:
-    double begin_s_;
+  const auto begun = [](double begin_s) {  // plays from the first tick on
+    const Path path = touchAndGo();
+    ScriptedDevice device(
+        [&](double time_s) -> DeviceState {
+          return {.position = path.at(std::round((time_s - begin_s) * 1000) / 1000), .ok = true};
+        },
+        {.peakForce_N = 1});
+    return played(device, {.duration_s = 0.5, .begin_s = begin_s});
   };
-  const auto played = [](double begin_s) {
-    Again device(begin_s);
-    SphereContact sphere(kRadius);
-    ServoOptions options = lasting(0.5);
-    options.begin_s = begin_s;
-    return ServoLoop(device, sphere, ForceLaw({}, {}), options).run();
-  };
-  const ServoResult first = played(0), later = played(12.345);
+  const ServoResult first = begun(0), later = begun(12.345);
   REQUIRE(first.trace().rows.size() == 500);
   REQUIRE(later.trace().rows.size() == 500);
   for (std::size_t i = 0; i < 500; ++i) CHECK(first.trace().rows[i].force_N == later.trace().rows[i].force_N);
@@ -148,24 +119,21 @@ TEST_CASE("the workspace map positions the device in the model") {
 }
 
 TEST_CASE("the device's peak force is never exceeded") {
-  FaultyDevice device(Path({{0, {0, 0, 51}}, {0.6, {0, 0, 51}}, {0.7, {0, 0, 30}}}));
-  SphereContact sphere(kRadius);
-  ServoLoop loop(device, sphere, ForceLaw(kSpringOnly, {}), lasting(0.8));
-  const Trace trace = loop.run().trace();
+  TroubledDevice device(Path({{0, {0, 0, 51}}, {0.6, {0, 0, 51}}, {0.7, {0, 0, 30}}}), {.peakForce_N = 1});
+  const Trace trace = played(device, lasting(0.8), kSpringOnly).trace();
   for (const TraceRow& row : trace.rows) CHECK(glm::length(row.force_N) <= 1 + 1e-12);
   CHECK(glm::length(trace.rows[690].force_N) == near(1, 1e-6));
 }
 
 TEST_CASE("a device fault ends the session with zero force from that tick on and with its reason") {
-  FaultyDevice device(touchAndGo());
-  SphereContact sphere(kRadius);
+  TroubledDevice device(touchAndGo(), {.peakForce_N = 1});
+  device.text = kFault;
   SUBCASE("reading") { device.failsReadAt_s = 0.2; }
   SUBCASE("writing") { device.failsWriteAt_s = 0.2; }
   SUBCASE("a position that is not a number") { device.losesPositionAt_s = 0.2; }
-  ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.5));
-  const ServoResult result = loop.run();
+  const ServoResult result = played(device, lasting(0.5));
   CHECK(result.deviceFailed);
-  CHECK(result.fault == device.text);
+  CHECK(result.fault == kFault);
   REQUIRE(result.trace().rows.size() == 201);
   CHECK(glm::length(result.trace().rows[199].force_N) > 0.3);  // still ramping up
   CHECK(result.trace().rows[200].force_N == DVec3(0));
@@ -176,11 +144,9 @@ TEST_CASE("a device fault ends the session with zero force from that tick on and
 }
 
 TEST_CASE("a device that fails without a reason is still named") {
-  FaultyDevice device(touchAndGo());
+  TroubledDevice device(touchAndGo(), {.peakForce_N = 1}, "faulty");
   device.failsReadAt_s = 0;
-  device.text.clear();
-  SphereContact sphere(kRadius);
-  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(0.5)).run();
+  const ServoResult result = played(device, lasting(0.5));
   CHECK(result.fault == "faulty: the device failed without saying why");
   CHECK(result.trace().rows.size() == 1);
   CHECK(device.last_N == DVec3(0));
@@ -195,8 +161,7 @@ TEST_CASE("a query fault gives zero force at its ticks, and the session continue
   SUBCASE("not a number") { withNaN = true; }
   SUBCASE("to the end") { until_s = 1; }
   sphere.failBetween(0.2, until_s, withNaN);
-  ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.3));
-  const ServoResult result = loop.run();
+  const ServoResult result = playedOn(sphere, device, lasting(0.3));
   CHECK_FALSE(result.deviceFailed);
   REQUIRE(result.trace().rows.size() == 300);
   for (const TraceRow& row : result.trace().rows) {
@@ -234,9 +199,7 @@ TEST_CASE("a session can be stopped from outside") {
   PathDevice device(touchAndGo());
   SphereContact sphere(kRadius);
   std::atomic<bool> stop = false;
-  ServoOptions options = lasting(0.5);
-  options.stop = &stop;
-  ServoLoop loop(device, sphere, ForceLaw({}, {}), options);
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 0.5, .stop = &stop});
   const ServoResult result = loop.run([&](const TraceRow& row) { stop = row.time_s >= 0.1; });
   CHECK(result.trace().rows.size() == 101);
   CHECK(device.lastForce_N() == DVec3(0));
@@ -266,9 +229,7 @@ TEST_CASE("real time follows the wall clock, gives the query a budget, and resto
 TEST_CASE("real time runs up to 10 kHz, counts every tick and leaves at most 80 of 100 us to the query") {
   PathDevice device(touchAndGo());
   SphereContact sphere(kRadius);
-  ServoOptions options = lasting(0.3, true);
-  options.rate_Hz = 10'000;
-  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), options).run();
+  const ServoResult result = playedOn(sphere, device, {.rate_Hz = 10'000, .duration_s = 0.3, .realtime = true});
   const std::size_t ticks = result.trace().rows.size();
   CHECK(ticks + result.trace().missedTicks == 3000);
   CHECK(ticks > 0);
@@ -280,15 +241,13 @@ TEST_CASE("real time runs up to 10 kHz, counts every tick and leaves at most 80 
 
 TEST_CASE("on a clock that stands still during ticks no tick is late, and a query has unlimited time") {
   PathDevice device(touchAndGo()), again(touchAndGo());
-  SphereContact sphere(kRadius), other(kRadius);
+  SphereContact sphere(kRadius);
   SteppedClock clock;
-  ServoOptions options = lasting(0.5, true);
-  options.clock = &clock;
-  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), options).run();
+  const ServoResult result = playedOn(sphere, device, {.duration_s = 0.5, .realtime = true, .clock = &clock});
   CHECK(result.trace().missedTicks == 0);
   CHECK(result.late_us.max_us() == 0);
   CHECK(sphere.largestBudget_us == 0);
-  const Trace expected = ServoLoop(again, other, ForceLaw({}, {}), lasting(0.5)).run().trace();
+  const Trace expected = played(again, lasting(0.5)).trace();
   REQUIRE(result.trace().rows.size() == expected.rows.size());
   for (std::size_t i = 0; i < expected.rows.size(); ++i) {
     CHECK(result.trace().rows[i].time_s == expected.rows[i].time_s);
@@ -302,13 +261,10 @@ TEST_CASE("a held clock lets another thread pace the session, tick by tick") {
   SteppedClock clock;
   std::atomic<bool> stop = false;
   std::atomic<int> ticks = 0;
-  class Counter final : public TickRecorder {
-   public:
-    explicit Counter(std::atomic<int>& ticks) : ticks_(ticks) {}
-    void ticked(const TraceRow&, const DeviceState&) noexcept override { ++ticks_; }
-
-   private:
-    std::atomic<int>& ticks_;
+  struct Counter final : TickRecorder {
+    explicit Counter(std::atomic<int>& its) : ticks(its) {}
+    void ticked(const TraceRow&, const DeviceState&) noexcept override { ++ticks; }
+    std::atomic<int>& ticks;
   } counter(ticks);
   ServoOptions options{.endless = true, .realtime = true, .clock = &clock, .stop = &stop, .recorder = &counter};
   clock.hold();
@@ -346,8 +302,7 @@ TEST_CASE("a tick that takes too long is not followed by a burst") {
   };
   PathDevice device(touchAndGo());
   SlowSphere sphere(kRadius);
-  ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.15, true));
-  const Trace trace = loop.run().trace();
+  const Trace trace = playedOn(sphere, device, lasting(0.15, true)).trace();
   CHECK(trace.missedTicks >= 28);
   CHECK(trace.rows.size() + trace.missedTicks == 150);
 }
@@ -358,12 +313,10 @@ TEST_CASE("a session has at least one tick, and impossible rates and durations a
   const auto made = [&](const ServoOptions& options) { return ServoLoop(device, sphere, ForceLaw({}, {}), options); };
   CHECK(made(lasting(0)).plannedTicks() == 1);
   CHECK(made(lasting(0.0026)).plannedTicks() == 3);
-  CHECK_THROWS_AS(made(lasting(-1)), UsageError);
-  CHECK_THROWS_AS(made(lasting(1e12)), UsageError);
-  CHECK_THROWS_AS(made(lasting(std::numeric_limits<double>::quiet_NaN())), UsageError);
-  CHECK_THROWS_AS(made({.rate_Hz = 0, .duration_s = 1}), UsageError);
-  CHECK_THROWS_AS(made({.rate_Hz = -5, .duration_s = 1}), UsageError);
-  CHECK_THROWS_AS(made({.rate_Hz = 1e9, .duration_s = 1}), UsageError);
+  for (const double duration_s : {-1.0, 1e12, std::numeric_limits<double>::quiet_NaN()})
+    CHECK_THROWS_AS(made(lasting(duration_s)), UsageError);
+  for (const double rate_Hz : {0.0, -5.0, 1e9})
+    CHECK_THROWS_AS(made({.rate_Hz = rate_Hz, .duration_s = 1}), UsageError);
 }
 
 }  // namespace palpate::servo_loop_test

@@ -5,32 +5,11 @@
 
 #include "engine/core/error.hpp"
 #include "haptics/devices/path_device.hpp"
-#include "haptics/servo_loop.hpp"
-#include "tests/haptics/contact_doubles.hpp"
+#include "tests/haptics/troubled_hands.hpp"
 #include "tests/near.hpp"
 
 namespace palpate::servo_safety_test {
 namespace {
-
-/// A hand that follows a path and cannot be pushed, on a device with the Touch's limits.
-class HeldDevice final : public HapticDevice {
- public:
-  explicit HeldDevice(Path path) : path_(std::move(path)) {}
-  std::string_view name() const override { return "held"; }
-  DeviceLimits limits() const override { return {}; }
-  DeviceState read(double time_s) noexcept override { return {.position = path_.at(time_s), .ok = true}; }
-  bool write(const DVec3& force_N) noexcept override {
-    last_N = force_N;
-    return true;
-  }
-  void emergencyStop() noexcept override {}
-  std::string faultText() const override { return {}; }
-
-  DVec3 last_N{9};
-
- private:
-  Path path_;
-};
 
 /// A sphere whose answers a test can change.
 class SpoiltSphere final : public OneHandQuery {
@@ -52,21 +31,22 @@ Path press() { return Path({{0, {0, 0, 52}}, {0.6, {0, 0, 52}}, {0.7, {0, 0, 49}
 
 ServoOptions lasting(double duration_s) { return {.duration_s = duration_s}; }
 
-const HandOptions kUnbraked{.passivity = PassivityMode::off};
-
-double forceAt(const ServoResult& result, double time_s) {
-  return glm::length(result.trace().rows[static_cast<std::size_t>(std::lround(time_s * 1000))].force_N);
+double forceAt(const ServoResult& result, double time_s, double rate_Hz = 1000) {
+  return glm::length(result.trace().rows[static_cast<std::size_t>(std::lround(time_s * rate_Hz))].force_N);
 }
 
-ServoResult played(HapticDevice& device, const ServoOptions& options = lasting(3)) {
-  SphereContact sphere(50);
-  return ServoLoop(device, sphere, ForceLaw({}, {}), options, kUnbraked).run();
+ServoResult played(HapticDevice& device, const ServoOptions& options = lasting(3)) { return alone(device, options); }
+
+/// Presses on a sphere with spoilt answers.
+ServoResult playedOn(SpoiltSphere sphere) {
+  TroubledDevice device(press());
+  return ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3), kUnbraked).run();
 }
 
 }  // namespace
 
 TEST_CASE("a hand outside while forces ramp up feels the full surface afterwards") {
-  HeldDevice device(press());
+  TroubledDevice device(press());
   const ServoResult result = played(device);
   CHECK(forceAt(result, 0.5) == 0);
   CHECK(forceAt(result, 2) == near(0.8, 1e-6));
@@ -75,22 +55,19 @@ TEST_CASE("a hand outside while forces ramp up feels the full surface afterwards
 
 TEST_CASE("a hand inside when the session starts feels nothing until it has been outside") {
   const Path path({{0, {0, 0, 49}}, {1, {0, 0, 49}}, {1.1, {0, 0, 51}}, {1.2, {0, 0, 49}}, {3, {0, 0, 49}}});
-  HeldDevice held(path);
+  TroubledDevice held(path);
   double rate_Hz = 1000;
   SUBCASE("at 1 kHz") {}
   SUBCASE("at 10 kHz, where the slew limit makes every first force small") { rate_Hz = 10'000; }
   ServoOptions options = lasting(3);
   options.rate_Hz = rate_Hz;
   const ServoResult result = played(held, options);
-  const auto at = [&](double time_s) {
-    return glm::length(result.trace().rows[static_cast<std::size_t>(std::lround(time_s * rate_Hz))].force_N);
-  };
   for (const TraceRow& row : result.trace().rows) {
     if (row.time_s <= 1) REQUIRE(row.force_N == DVec3(0));
   }
-  CHECK(at(1.25) > 0.05);
-  CHECK(at(1.25) < 0.4);
-  CHECK(at(2) == near(0.8, 1e-6));
+  CHECK(forceAt(result, 1.25, rate_Hz) > 0.05);
+  CHECK(forceAt(result, 1.25, rate_Hz) < 0.4);
+  CHECK(forceAt(result, 2, rate_Hz) == near(0.8, 1e-6));
 }
 
 TEST_CASE("a script feels the full force from its first tick, and may jump") {
@@ -105,7 +82,7 @@ TEST_CASE("a device that jumps farther than a hand can move gives no force until
   const auto jumping = [](double to) {
     return Path({{0, {0, 0, 60}}, {0.8, {0, 0, 60}}, {0.801, {0, 0, to}}, {3, {0, 0, to}}});
   };
-  HeldDevice thrown(jumping(56)), lost(jumping(48.5));
+  TroubledDevice thrown(jumping(56)), lost(jumping(48.5));
   CHECK(played(thrown).counts().withheld.errors == 0);  // 4 mm in a tick: fast, but possible for a hand
   const ServoResult result = played(lost);
   CHECK(result.counts().withheld.errors == 1);
@@ -113,9 +90,8 @@ TEST_CASE("a device that jumps farther than a hand can move gives no force until
 }
 
 TEST_CASE("answers that are never fresh lose their force, even if they claim to be valid") {
-  HeldDevice device(press());
-  SpoiltSphere sphere([](const Pose& pose, Contact& contact) { contact.fresh = pose.time_s < 1 || pose.time_s >= 2; });
-  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3), kUnbraked).run();
+  const ServoResult result = playedOn(
+      SpoiltSphere([](const Pose& pose, Contact& contact) { contact.fresh = pose.time_s < 1 || pose.time_s >= 2; }));
   CHECK(forceAt(result, 1.015) == near(0.8, 1e-6));
   CHECK(forceAt(result, 1.08) == 0);
   CHECK(forceAt(result, 1.99) == 0);
@@ -124,32 +100,29 @@ TEST_CASE("answers that are never fresh lose their force, even if they claim to 
 }
 
 TEST_CASE("answers that are always a tick late, and report it, keep their force") {
-  HeldDevice device(press());
-  SpoiltSphere sphere([](const Pose& pose, Contact& contact) {
+  const ServoResult result = playedOn(SpoiltSphere([](const Pose& pose, Contact& contact) {
     contact.fresh = false;
     contact.dataTime_s = std::max(0.0, pose.time_s - 0.001);
-  });
-  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3), kUnbraked).run();
+  }));
   CHECK(forceAt(result, 2) == near(0.8, 1e-6));
   CHECK(result.counts().withheld.stale == 0);
 }
 
 TEST_CASE("a query that fails for good gives zero force for good") {
-  HeldDevice device(press());
-  SpoiltSphere sphere([](const Pose& pose, Contact& contact) { contact.valid = pose.time_s < 1; });
-  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3), kUnbraked).run();
+  const ServoResult result =
+      playedOn(SpoiltSphere([](const Pose& pose, Contact& contact) { contact.valid = pose.time_s < 1; }));
   CHECK(forceAt(result, 0.999) == near(0.8, 1e-6));
   for (std::size_t i = 1000; i < 3000; ++i) REQUIRE(result.trace().rows[i].force_N == DVec3(0));
 }
 
 TEST_CASE("the force switch stops the force at once and restores it slowly") {
-  HeldDevice device(Path({{0, {0, 0, 52}},
-                          {0.6, {0, 0, 52}},
-                          {0.7, {0, 0, 49}},
-                          {1.5, {0, 0, 49}},
-                          {1.6, {0, 0, 51}},
-                          {1.7, {0, 0, 49}},
-                          {3, {0, 0, 49}}}));
+  TroubledDevice device(Path({{0, {0, 0, 52}},
+                              {0.6, {0, 0, 52}},
+                              {0.7, {0, 0, 49}},
+                              {1.5, {0, 0, 49}},
+                              {1.6, {0, 0, 51}},
+                              {1.7, {0, 0, 49}},
+                              {3, {0, 0, 49}}}));
   SphereContact sphere(50);
   std::atomic<bool> on = true;
   ServoOptions options = lasting(3);
@@ -165,7 +138,7 @@ TEST_CASE("the force switch stops the force at once and restores it slowly") {
 }
 
 TEST_CASE("motors driven too hard for too long get the continuous force") {
-  HeldDevice device(Path({{0, {0, 0, 52}}, {0.6, {0, 0, 52}}, {0.7, {0, 0, 44}}, {12, {0, 0, 44}}}));
+  TroubledDevice device(Path({{0, {0, 0, 52}}, {0.6, {0, 0, 52}}, {0.7, {0, 0, 44}}, {12, {0, 0, 44}}}));
   const ServoResult result = played(device, lasting(12));
   CHECK(forceAt(result, 1) == near(3.3, 1e-6));
   CHECK(forceAt(result, 11.9) == near(0.88, 0.01));

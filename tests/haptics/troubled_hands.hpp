@@ -3,14 +3,15 @@
 
 #include <doctest/doctest.h>
 
-#include <fstream>
-#include <iterator>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "haptics/path.hpp"
 #include "haptics/servo_loop.hpp"
+#include "tests/content_of.hpp"
 #include "tests/haptics/contact_doubles.hpp"
+#include "tests/haptics/device_doubles.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {
@@ -25,39 +26,29 @@ inline Path right() {
 }
 
 /// A hand that follows a path, on a device with limits and faults set by the test.
-class TroubledDevice final : public HapticDevice {
+class TroubledDevice : public ScriptedDevice {
  public:
-  explicit TroubledDevice(Path path) : path_(std::move(path)) {}
-  std::string_view name() const override { return "troubled"; }
-  DeviceLimits limits() const override { return {.buttons = 2}; }
+  explicit TroubledDevice(const Path& path, const DeviceLimits& limits = {.buttons = 2}, std::string name = "troubled")
+      : ScriptedDevice([this, path](double time_s) { return stateAt(path, time_s); }, limits, std::move(name)) {}
+  TroubledDevice(const TroubledDevice&) = delete;
+  TroubledDevice& operator=(const TroubledDevice&) = delete;
   bool paces() const override { return pacesItself; }
-  DeviceState read(double time_s) noexcept override {
-    now_s_ = time_s;
+
+  bool pacesItself = false;
+  double failsReadAt_s = 1e9, losesPositionAt_s = 1e9, putDownAt_s = -1;
+  double clutchedFrom_s = 1e9, clutchedTo_s = 1e9, mutedFrom_s = 1e9, mutedTo_s = 1e9;
+
+ private:
+  DeviceState stateAt(const Path& path, double time_s) const {
     const bool clutched = time_s >= clutchedFrom_s && time_s < clutchedTo_s;
-    return {.position = path_.at(time_s),
+    DVec3 position = path.at(time_s);
+    if (time_s >= losesPositionAt_s) position.y = std::numeric_limits<double>::quiet_NaN();
+    return {.position = position,
             .buttons = clutched ? kClutchButton : 0,
             .putDown = std::abs(time_s - putDownAt_s) < 1e-9,
             .rendersForce = !(time_s >= mutedFrom_s && time_s < mutedTo_s),
             .ok = time_s < failsReadAt_s};
   }
-  bool write(const DVec3& force_N) noexcept override {
-    last_N = force_N;
-    most_N = std::max(most_N, glm::length(force_N));
-    return now_s_ < failsWriteAt_s;
-  }
-  void emergencyStop() noexcept override {}
-  std::string faultText() const override { return text; }
-
-  bool pacesItself = false;
-  double failsReadAt_s = 1e9, failsWriteAt_s = 1e9, putDownAt_s = -1;
-  double clutchedFrom_s = 1e9, clutchedTo_s = 1e9, mutedFrom_s = 1e9, mutedTo_s = 1e9;
-  std::string text;
-  DVec3 last_N{9};
-  double most_N = 0;
-
- private:
-  Path path_;
-  double now_s_ = 0;
 };
 
 inline const ServoOptions kSession{.duration_s = 1};
@@ -86,8 +77,7 @@ inline ServoResult together(const std::vector<HapticDevice*>& devices, ServoOpti
 inline std::string csvOf(const Trace& trace) {
   const ScratchFolder folder;
   writeTraceCsv(folder / "trace.csv", trace);
-  std::ifstream in(folder / "trace.csv", std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  return contentOf(folder / "trace.csv");
 }
 
 inline double mostOf(const Trace& trace) { return summarize(trace).peakForce_N; }

@@ -4,28 +4,14 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "tests/haptics/device_doubles.hpp"
+
 namespace palpate::turned_device_test {
-namespace {
-
-class Resting final : public HapticDevice {
- public:
-  std::string_view name() const override { return "resting"; }
-  DeviceLimits limits() const override { return {}; }
-  DeviceState read(double) noexcept override { return {.position = {11, 22, 33}, .ok = true}; }
-  bool write(const DVec3& force_N) noexcept override {
-    last_N = force_N;
-    return true;
-  }
-  void emergencyStop() noexcept override {}
-  std::string faultText() const override { return {}; }
-  DVec3 last_N{0};
-};
-
-}  // namespace
-
 TEST_CASE("a device moves along its user's view, and its forces are rotated back") {
-  auto resting = std::make_unique<Resting>();
-  Resting& inner = *resting;
+  auto resting = std::make_unique<ScriptedDevice>([](double) -> DeviceState {
+    return {.position = {11, 22, 33}, .ok = true};
+  });
+  ScriptedDevice& inner = *resting;
   TurnedDevice device(std::move(resting), {10, 20, 30});
   CHECK(device.read(0).position == DVec3(1, 2, 3));
   CHECK_FALSE(device.read(0).putDown);
