@@ -1,21 +1,13 @@
-// A Haply device against a service in this process, over real sockets.
+// A Haply device against a service in this process, over real sockets. Its faults: device_faults_test.cpp.
 // ctest: waits
-#include "haptics/devices/haply_device.hpp"
-
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <fstream>
-#include <functional>
-#include <mutex>
 
 #include "engine/core/error.hpp"
 #include "haptics/device_check.hpp"
-#include "haptics/servo_loop.hpp"
 #include "haptics/tick_pacer.hpp"
 #include "tests/error_of.hpp"
-#include "tests/fake_devices/fake_haply.hpp"
-#include "tests/haptics/contact_doubles.hpp"
+#include "tests/haptics/haply_session.hpp"
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
@@ -23,89 +15,15 @@
 namespace palpate::haply_device_test {
 namespace {
 
-constexpr double kStiffness_N_per_mm = 0.4, kRadius_mm = 20;
 constexpr double kRate_Hz = 1000;  // of the states; where faults are judged, as many as a service tells: four a tick
 constexpr DVec3 kMiddle_mm = FakeHaply::kMiddle_mm;
-/// Above the sphere, then 3 mm deep in it.
-const std::vector<PathKey> kPressing{{0, {0, 26, 0}}, {0.2, {0, 26, 0}}, {0.4, {0, 14, 0}}};
-
-/// Sentences, from any thread.
-class Sentences {
- public:
-  std::function<void(const std::string&)> sink() {
-    return [this](const std::string& sentence) {
-      const std::scoped_lock lock(guard_);
-      text_ += sentence + "\n";
-    };
-  }
-  std::string text() const {
-    const std::scoped_lock lock(guard_);
-    return text_;
-  }
-
- private:
-  mutable std::mutex guard_;
-  std::string text_;
-};
-
-struct Felt {
-  ServoResult result;
-  std::string said;
-  std::vector<FakeHaply::Command> commands;
-  double faultBegan_s = 0;
-
-  /// Commands with a force that came after the first faulty state.
-  std::vector<FakeHaply::Command> forcesAfterFault() const {
-    std::vector<FakeHaply::Command> forces;
-    for (const FakeHaply::Command& command : commands)
-      if (command.afterFault && command.force_N != DVec3(0)) forces.push_back(command);
-    return forces;
-  }
-};
-
-/// A session with a service, both by one stepped clock.
-Felt played(FakeHaplyOptions fake, HaplyOptions options,
-            const std::function<ServoResult(HaplyDevice&, SteppedClock*)>& session) {
-  SteppedClock clock;
-  fake.clock = &clock;
-  options.clock = &clock;
-  const FakeHaply service(fake);
-  Sentences sentences;
-  options.say = sentences.sink();
-  clock.hold();
-  Felt felt;
-  {
-    HaplyDevice device(options);
-    felt.result = session(device, &clock);
-    clock.leave();
-  }
-  service.waitUntilLeft();
-  CHECK(service.otherRequests() == std::vector<std::string>{});  // nothing is set on a device
-  felt.said = sentences.text();
-  felt.commands = service.commands();
-  felt.faultBegan_s = service.faultBegan_s();
-  return felt;
-}
-
-Felt feel(const FakeHaplyOptions& fake, double duration_s, const HaplyOptions& options = {}) {
-  return played(fake, options, [&](HaplyDevice& device, SteppedClock* clock) {
-    SphereContact sphere(kRadius_mm, kMiddle_mm);
-    ServoLoop loop(device, sphere, ForceLaw({.stiffness_N_per_mm = kStiffness_N_per_mm}, {}),
-                   {.duration_s = duration_s, .realtime = true, .clock = clock});
-    return loop.run();
-  });
-}
-
 std::string complaintOf(const HaplyOptions& options = {}) {
   return errorOf([&] { const HaplyDevice device(options); });
 }
 
-double most_N(const std::vector<FakeHaply::Command>& commands, double from_s, double to_s) {
-  double most = 0;
-  for (const FakeHaply::Command& command : commands)
-    if (command.time_s >= from_s && command.time_s < to_s) most = std::max(most, glm::length(command.force_N));
-  return most;
-}
+/// With free space between 1.2 and 1.6 s.
+const std::vector<PathKey> kPressingTwice{{0, {0, 26, 0}},   {0.2, {0, 26, 0}}, {0.4, {0, 14, 0}}, {1.2, {0, 14, 0}},
+                                          {1.3, {0, 26, 0}}, {1.4, {0, 26, 0}}, {1.6, {0, 14, 0}}};
 
 /// A state that is ready for forces.
 DeviceState settled(HaplyDevice& device) {
@@ -126,8 +44,8 @@ std::vector<FakeHaply::Command> commandsAfter(const FakeHaply& service, std::siz
 
 /// Writes a force until a larger one than any before arrives at the service.
 void pushUntilFelt(HaplyDevice& device, const FakeHaply& service, const DVec3& force_N) {
-  const double before_N = most_N(service.commands(), 0, 1e9);
-  for (int i = 0; i < 30'000 && most_N(service.commands(), 0, 1e9) <= before_N; ++i) {
+  const double before_N = most_N(service.commands());
+  for (int i = 0; i < 30'000 && most_N(service.commands()) <= before_N; ++i) {
     CHECK(device.write(force_N));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -139,9 +57,9 @@ void checkWall(const std::vector<FakeHaply::Command>& commands) {
   int count = 0;
   for (const FakeHaply::Command& command : commands) {
     if (command.time_s < 1.0 || command.time_s > 1.25) continue;
-    const double depth_mm = kRadius_mm - glm::length(command.position_mm);
+    const double depth_mm = kHaplySphere_mm - glm::length(command.position_mm);
     force_N += command.force_N.y;
-    expected_N += kStiffness_N_per_mm * depth_mm;
+    expected_N += kHaplyStiffness_N_per_mm * depth_mm;
     sideways_N = std::max(sideways_N, std::hypot(command.force_N.x, command.force_N.z));
     ++count;
   }
@@ -157,7 +75,7 @@ void checkWall(const std::vector<FakeHaply::Command>& commands) {
 }  // namespace
 
 TEST_CASE("the force of a wall arrives at a Haply device with its direction and size, in either spelling") {
-  FakeHaplyOptions options{.hand = kPressing, .rate_Hz = kRate_Hz};
+  FakeHaplyOptions options{.hand = kHaplyPressing, .rate_Hz = kRate_Hz};
   bool values = false;
   SUBCASE("service 3.5 says vector") {}
   SUBCASE("service 3.1 says values, and tells its version elsewhere") {
@@ -172,7 +90,7 @@ TEST_CASE("the force of a wall arrives at a Haply device with its direction and 
   SUBCASE("a service that reports no force") { options.tellsForce = false; }
   SUBCASE("a service with 4000 states a second") { options.rate_Hz = 4000; }
   SUBCASE("a service with 200 states a second") { options.rate_Hz = 200; }
-  const Felt felt = feel(options, 1.4);
+  const HaplyFelt felt = feelHaply(options, 1.4);
   CHECK_MESSAGE(!felt.result.deviceFailed, felt.result.fault);
   const auto& commands = felt.commands;
   checkWall(commands);
@@ -183,49 +101,9 @@ TEST_CASE("the force of a wall arrives at a Haply device with its direction and 
   CHECK(says(felt.said, "set up for the " + options.handedness + " hand"));
 }
 
-namespace {
-
-/// Presses, has a fault, and keeps pressing until the end.
-void checkFault(const std::string& name, const std::string& sentence, bool ends, double fault_s = 0.15) {
-  const Felt felt = feel({.hand = kPressing, .fault = name, .fault_s = fault_s}, ends ? 5 : 0.9);
-  REQUIRE_MESSAGE(felt.faultBegan_s > 0, felt.said);
-  const auto forces = felt.forcesAfterFault();
-  CHECK(forces.size() <= 1);
-  CHECK(felt.result.deviceFailed == ends);
-  CHECK(says(felt.said + felt.result.fault, sentence));
-  const FakeHaply::Command last = felt.commands.back();
-  CHECK((last.force_N == DVec3(0) || !last.afterFault));  // through a closed connection none comes any more
-  MESSAGE("| " << name << " | " << forces.size() << " | "
-               << (forces.empty() ? 0 : 1e3 * (forces.back().time_s - felt.faultBegan_s)) << " | "
-               << std::string(ends ? "ends" : "goes on") << " |");
-}
-
-}  // namespace
-
-TEST_CASE("a fault of a Haply device takes the force within two ticks, and it stays away while the hand presses") {
-  SUBCASE("no calibration") { checkFault("uncalibrated", "is not calibrated (purple light)", false); }
-  SUBCASE("no power supply") { checkFault("unpowered", "has no power supply", false); }
-  SUBCASE("its safety") { checkFault("safety", "was stopped by its safety (cyan light)", false); }
-  SUBCASE("a jump") { checkFault("jump", "jumped faster than a hand can move", false); }
-  SUBCASE("text that is not JSON") { checkFault("nan", "sent a message that is not JSON", false); }
-  SUBCASE("a position that is not a number") { checkFault("null", "a position that is not a number", false); }
-  SUBCASE("gone for a moment") { checkFault("gone", "is no longer connected", false); }
-  SUBCASE("no state for a moment") { checkFault("mute", "gives no data (red light)", false); }
-}
-
-TEST_CASE("a Haply device that is lost ends the session without a force") {
-  SUBCASE("unplugged") { checkFault("gone", "is no longer connected", true, 1e9); }
-  SUBCASE("a mute service") { checkFault("mute", "gives no data", true, 1e9); }
-  SUBCASE("half a frame") { checkFault("half", "gives no data", true, 1e9); }
-  SUBCASE("a closed connection") { checkFault("closed", "the Haply service closed the connection", true, 1e9); }
-}
-
 TEST_CASE("after a fault of a Haply device the force returns from free space") {
-  std::vector<PathKey> hand = kPressing;
-  for (const PathKey& key :
-       {PathKey{1.2, {0, 14, 0}}, PathKey{1.3, {0, 26, 0}}, PathKey{1.4, {0, 26, 0}}, PathKey{1.6, {0, 14, 0}}})
-    hand.push_back(key);
-  const Felt felt = feel({.hand = hand, .rate_Hz = kRate_Hz, .fault = "uncalibrated", .fault_s = 0.15}, 2.2);
+  const HaplyFelt felt =
+      feelHaply({.hand = kPressingTwice, .rate_Hz = kRate_Hz, .fault = "uncalibrated", .fault_s = 0.15}, 2.2);
   const auto& commands = felt.commands;
   const double fault_s = felt.faultBegan_s;
   REQUIRE(fault_s > 0);
@@ -237,16 +115,12 @@ TEST_CASE("after a fault of a Haply device the force returns from free space") {
 
 TEST_CASE(
     "a second program's force on a Haply device takes palpate's away, until it is gone and the hand in free space") {
-  std::vector<PathKey> hand = kPressing;
-  for (const PathKey& key :
-       {PathKey{1.2, {0, 14, 0}}, PathKey{1.3, {0, 26, 0}}, PathKey{1.4, {0, 26, 0}}, PathKey{1.6, {0, 14, 0}}})
-    hand.push_back(key);
-  FakeHaplyOptions options{.hand = hand, .fault = "second", .fault_s = 0.15};
+  FakeHaplyOptions options{.hand = kPressingTwice, .fault = "second", .fault_s = 0.15};
   bool shares = false;
   SUBCASE("its force is seen in the states") {}
   SUBCASE("through a permuted basis, too") { options.permutation = "ZX-Y"; }
   SUBCASE("but both add up where that is asked for") { shares = true; }
-  const Felt felt = feel(options, 2.2, {.shares = shares});
+  const HaplyFelt felt = feelHaply(options, 2.2, {.shares = shares});
   const auto& commands = felt.commands;
   const double fault_s = felt.faultBegan_s;
   REQUIRE_MESSAGE(fault_s > 0, felt.said);
@@ -383,7 +257,7 @@ TEST_CASE("a crash leaves a Haply device without a force") {
   CHECK(device.write({0, 1, 0}));
   const std::size_t before = service.commands().size();
   const auto later = commandsAfter(service, before + 20);
-  CHECK(most_N({later.begin() + static_cast<std::ptrdiff_t>(before) + 1, later.end()}, 0, 1e9) == 0);
+  CHECK(most_N({later.begin() + static_cast<std::ptrdiff_t>(before) + 1, later.end()}) == 0);
 }
 
 TEST_CASE("a session that no longer writes forces to a Haply device leaves it without one" * kClock) {
@@ -395,7 +269,7 @@ TEST_CASE("a session that no longer writes forces to a Haply device leaves it wi
   CHECK(commandsAfter(service, service.commands().size() + 2).back().force_N == DVec3(0));
   CHECK_FALSE(device.write({std::nan(""), 0, 0}));
   pushUntilFelt(device, service, {0, 100, 0});
-  CHECK(most_N(service.commands(), 0, 1e9) == near(device.limits().peakForce_N, 1e-9));
+  CHECK(most_N(service.commands()) == near(device.limits().peakForce_N, 1e-9));
 }
 
 TEST_CASE("the force answers a Haply device's pose within a few milliseconds" * kMoreInFull * kClock) {
@@ -449,7 +323,7 @@ TEST_CASE("a Haply device that fails while its test is under way has no force wi
                               .fault = "closed",
                               .fault_s = 5};
   DeviceCheckResult result;
-  const Felt felt = played(fake, {}, [&](HaplyDevice& device, SteppedClock* clock) {
+  const HaplyFelt felt = playHaply(fake, {}, [&](HaplyDevice& device, SteppedClock* clock) {
     DeviceCheckQuery query({.freeSpace_s = 0.5, .softest_N_per_mm = 0.2, .clock = clock}, device.limits());
     result = checkDevice(device, query);
     return ServoResult{};

@@ -1,4 +1,5 @@
-// The adapter through the real dynamic loader, with a simulated driver.
+// The adapter through the real dynamic loader, with a simulated driver. Faults while a hand presses:
+// device_faults_test.cpp.
 #include "haptics/devices/openhaptics_device.hpp"
 
 #include <atomic>
@@ -6,34 +7,22 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
-#include "haptics/servo_loop.hpp"
 #include "tests/error_of.hpp"
-#include "tests/fake_devices/fake_driver.hpp"
-#include "tests/haptics/contact_doubles.hpp"
+#include "tests/haptics/pressing_session.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
 namespace palpate::openhaptics_device_test {
 namespace {
 
-constexpr double kRadius = 20;
-/// From outside down onto the sphere's pole, 2 mm deep, and still there at the end.
-const char* const kPressing = "0,0,26,0\n0.1,0,26,0\n0.4,0,18,0\n";
-
 struct Felt {
   ServoResult result;
   DeviceLimits limits;
 };
 
-// Ticks of the session equal ticks of the driver, however rarely the driver runs.
 Felt feel(const OpenHapticsOptions& options = {}, double duration_s = 0.6) {
   OpenHapticsDevice device(options);
-  SphereContact sphere(kRadius);
-  SteppedClock clock;
-  ServoLoop loop(device, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}),
-                 {.duration_s = duration_s, .realtime = true, .clock = &clock});
-  Felt felt{.result = loop.run(), .limits = device.limits()};
-  return felt;
+  return {.result = pressed(device, duration_s), .limits = device.limits()};
 }
 
 std::string complaintOf(const OpenHapticsOptions& options = {.calibrationPatience_s = 0.2}) {
@@ -53,14 +42,8 @@ TEST_CASE("a stylus presses on a sphere, on the driver's scheduler and on palpat
   CHECK(felt.limits.peakForce_N == 3.3);
   CHECK(felt.limits.continuousForce_N == 0.88);
   CHECK(felt.limits.mostStiffness_N_per_mm == 0.4);
-  const FakeNote note = driver.note();
-  CHECK(note.threadFaults == 0);
-  CHECK(note.frameFaults == 0);
-  CHECK(note.opened == 1);
-  CHECK(note.closed == 1);
-  CHECK(note.enabled == 0);  // forces were on, and are off again
-  CHECK(note.mostForce_N > 0.2);
-  CHECK(driver.lastForce_N() == DVec3(0));
+  checkClosed(driver);
+  CHECK(driver.note().mostForce_N > 0.2);
   REQUIRE(felt.result.trace().rows.size() > 300);
   // The force is that of the surface at the stylus's position, and points up.
   const TraceRow& last = felt.result.trace().rows.back();
@@ -73,9 +56,8 @@ TEST_CASE("the closed loop through the driver equals that of the simulated Touch
   const FakeDriver driver("fake_hd", "skip 1", hand);
   const Felt felt = feel({}, 0.7);
   SimulatedTouch touch(readPathCsv(driver.folder() / "hand.csv"), {});
-  SphereContact sphere(kRadius);
-  ServoLoop loop(touch, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}), {.duration_s = 0.7});
-  const Trace expected = loop.run().trace();
+  SphereContact sphere(20);
+  const Trace expected = ServoLoop(touch, sphere, softLaw(), {.duration_s = 0.7}).run().trace();
   CHECK(felt.result.trace().missedTicks == 0);
   const auto& rows = felt.result.trace().rows;
   REQUIRE(rows.size() == 700);
@@ -99,29 +81,26 @@ TEST_CASE("the driver's first device is opened, or the named one") {
 }
 
 TEST_CASE("a driver that cannot open the device reports why") {
-  SUBCASE("no cable") {
-    const FakeDriver driver("fake_hd", "fault init 770");  // 0x0302
-    const std::string text = complaintOf();
-    CHECK(says(text, "no communication with the device (the driver says: HD_COMM_ERROR, 0x0302); check cable"));
+  struct Case {
+    std::string name;
+    const char *script, *words;
+    std::uint32_t closed = 0;
+  };
+  for (const auto& [name, script, words, closed] :
+       {Case{"no cable", "fault init 770",
+             "no communication with the device (the driver says: HD_COMM_ERROR, 0x0302); check cable"},
+        Case{"two programs on one device", "fault init 769", "another program uses the device"},
+        Case{"no licence", "fault init 1536", "no valid licence"},
+        Case{"no joint data", "fault frozen", "always reports the position (0, -110, -35) mm", 1}}) {
+    CAPTURE(name);
+    const FakeDriver driver("fake_hd", script);
+    CHECK(says(complaintOf(), words));
+    CHECK(driver.note().closed == closed);
   }
-  SUBCASE("two programs on one device") {
-    const FakeDriver driver("fake_hd", "fault init 769");
-    CHECK(says(complaintOf(), "another program uses the device"));
-  }
-  SUBCASE("two users in one program") {
-    const FakeDriver driver;
-    const OpenHapticsDevice first({});
-    CHECK(says(complaintOf(), "another program uses the device"));
-  }
-  SUBCASE("no licence") {
-    const FakeDriver driver("fake_hd", "fault init 1536");
-    CHECK(says(complaintOf(), "no valid licence"));
-  }
-  SUBCASE("no joint data") {
-    const FakeDriver driver("fake_hd", "fault frozen");
-    CHECK(says(complaintOf(), "always reports the position (0, -110, -35) mm"));
-    CHECK(driver.note().closed == 1);
-  }
+  INFO("two users in one program");
+  const FakeDriver driver;
+  const OpenHapticsDevice first({});
+  CHECK(says(complaintOf(), "another program uses the device"));
 }
 
 TEST_CASE("a session waits for a stylus that must be in its inkwell to calibrate") {
@@ -144,95 +123,6 @@ TEST_CASE("a session waits for a stylus that must be in its inkwell to calibrate
     const FakeDriver driver("fake_hd", "fault calibration 100000");
     std::atomic<bool> stop = true;
     CHECK(says(complaintOf({.stop = &stop}), "interrupted"));
-  }
-}
-
-TEST_CASE("a stylus that loses its calibration gives no force, says so, and gives one again only in free space") {
-  std::mutex guard;
-  std::string words;
-  const auto say = [&](const std::string& text) {
-    const std::scoped_lock lock(guard);
-    words += text + "\n";
-  };
-  const FakeDriver driver("fake_hd", "fault uncalibrated 0 0.45 0.1", kPressing);
-  const Felt felt = feel({.say = say}, 1);
-  CHECK_FALSE(felt.result.deviceFailed);
-  CHECK(driver.note().mostForce_N > 0.1);
-  CHECK(driver.note().lateForces == 0);
-  CHECK(felt.result.trace().rows.back().contact);
-  CHECK(felt.result.trace().rows.back().force_N == DVec3(0));
-  CHECK(says(words, "Touch: the calibration is lost, so the pose is wrong and there is no force; put the stylus into"));
-  CHECK(says(words, "Touch: calibrated; the force returns in free space"));
-}
-
-TEST_CASE("a driver error during a touch stops the force as its meaning requires") {
-  SUBCASE("no communication: the session ends") {
-    const FakeDriver driver("fake_hd", "fault error 770 0.45", kPressing);
-    const Felt felt = feel();
-    CHECK(felt.result.deviceFailed);
-    CHECK(says(felt.result.fault, "Touch: no communication with the device (0x0302); check cable and power"));
-    CHECK(felt.result.trace().rows.size() < 560);
-    CHECK(driver.note().mostForce_N > 0.1);
-    CHECK(driver.lastForce_N() == DVec3(0));
-    CHECK(felt.result.trace().rows.back().force_N == DVec3(0));
-  }
-  SUBCASE("too fast: no force, then a ramp") {
-    const FakeDriver driver("fake_hd", "fault error 515 0.45", kPressing);  // 0x0203, once
-    const Felt felt = feel();
-    CHECK_FALSE(felt.result.deviceFailed);
-    std::size_t held = 0;
-    double before_N = 0, after_N = 0;
-    for (const TraceRow& row : felt.result.trace().rows) {
-      if (row.time_s < 0.445) before_N = glm::length(row.force_N);
-      if (row.time_s > 0.445 && row.time_s < 0.47 && row.contact && row.force_N == DVec3(0)) ++held;
-      if (row.time_s > 0.59) after_N = glm::length(row.force_N);
-    }
-    CHECK(before_N > 0.1);
-    CHECK(held >= 1);
-    CHECK(after_N > 0.01);  // ramping up
-    CHECK(after_N < before_N);
-  }
-  SUBCASE("warm motors: no force until they have cooled down") {
-    const FakeDriver driver("fake_hd", "fault temperature 0.97 0.42 0.1\nfault error 512 0.42 0.1", kPressing);
-    const Felt felt = feel({}, 1.2);
-    CHECK_FALSE(felt.result.deviceFailed);
-    CHECK(driver.note().lateForces == 0);
-    CHECK(driver.note().mostForce_N > 0.1);
-    CHECK(felt.result.counts().withheld.errors >= 1);
-  }
-  SUBCASE("hot motors that the driver only reports") {
-    const FakeDriver driver("fake_hd", "fault temperature 0.97 0.3", kPressing);
-    OpenHapticsDevice device({});
-    SphereContact sphere(kRadius);
-    SteppedClock clock;
-    ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 0.6, .realtime = true, .clock = &clock});
-    const ServoResult result = loop.run();
-    CHECK_FALSE(result.deviceFailed);
-    CHECK(device.motorTemperature() == 0.97);
-    CHECK(result.trace().rows.back().contact);
-    CHECK(driver.lastForce_N() == DVec3(0));
-    CHECK(result.trace().rows.back().force_N == DVec3(0));
-  }
-  SUBCASE("the joint data disappear") {
-    const FakeDriver driver("fake_hd", "fault frozen 0 0.45", kPressing);
-    const Felt felt = feel();
-    CHECK(felt.result.deviceFailed);
-    CHECK(says(felt.result.fault, "frozen at (0, -110, -35) mm"));
-    CHECK(driver.lastForce_N() == DVec3(0));
-  }
-  SUBCASE("a position that is not a number") {
-    const FakeDriver driver("fake_hd", "fault nan 0 0.45", kPressing);
-    const Felt felt = feel();
-    CHECK(felt.result.deviceFailed);
-    CHECK(says(felt.result.fault, "a position that is not a number"));
-    CHECK(driver.lastForce_N() == DVec3(0));
-  }
-  SUBCASE("the driver stops calling") {
-    const FakeDriver driver("fake_hd", "fault stall 0 0.45", kPressing);
-    const Felt felt = feel({}, 30);
-    CHECK(felt.result.deviceFailed);
-    CHECK(says(felt.result.fault, "has stopped calling"));
-    CHECK(driver.lastForce_N() == DVec3(0));
   }
 }
 
@@ -287,10 +177,9 @@ TEST_CASE("a closed device is left without force") {
 TEST_CASE("an emergency stop from another thread waits for the driver to send the zero") {
   const FakeDriver driver("fake_hd", "", kPressing);
   OpenHapticsDevice device({});
-  SphereContact sphere(kRadius);
+  SphereContact sphere(20);
   std::atomic<bool> stop = false;
-  ServoLoop loop(device, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}),
-                 {.duration_s = 30, .realtime = true, .stop = &stop});
+  ServoLoop loop(device, sphere, softLaw(), {.duration_s = 30, .realtime = true, .stop = &stop});
   std::thread session([&] { loop.run(); });
   CHECK(driver.waitForForce_N(0.1) >= 0.1);
   const Stopwatch watch;

@@ -1,34 +1,127 @@
-// Two hands in one session: each behaves as if alone, and both forces stop once one device fails.
+// Two hands in one session, and four: each behaves as if alone, and all forces stop once one device fails.
 #include <doctest/doctest.h>
 
+#include <deque>
+#include <functional>
 #include <thread>
 
 #include "engine/core/error.hpp"
 #include "haptics/devices/openhaptics_device.hpp"
 #include "haptics/devices/path_device.hpp"
-#include "tests/fake_devices/fake_driver.hpp"
+#include "tests/haptics/pressing_session.hpp"
 #include "tests/haptics/troubled_hands.hpp"
 
 namespace palpate::two_hands_test {
 
+namespace {
+
+/// From two sides, or from four, each at its own time and depth.
+std::vector<Path> waysOf(std::size_t hands) {
+  if (hands == 2) return {left(), right()};
+  std::vector<Path> ways;
+  for (const DVec3& side : {DVec3(0, 0, 1), DVec3(1, 0, 0), DVec3(0, 1, 0), DVec3(-0.6, -0.8, 0)}) {
+    const auto hand = static_cast<double>(ways.size());
+    const double begin_s = 0.55 + 0.03 * hand, depth = 1 + 0.2 * hand;
+    ways.push_back(Path(
+        {{0, 53.0 * side}, {begin_s, 53.0 * side}, {0.75, (kRadius - depth) * side}, {1, (kRadius - depth) * side}}));
+  }
+  return ways;
+}
+
+/// Devices, by default with faults controlled by a test, and their common session.
+template <class Device = TroubledDevice>
+struct Hands {
+  std::deque<Device> devices;
+  explicit Hands(std::size_t hands) {
+    for (const Path& way : waysOf(hands)) devices.emplace_back(way);
+  }
+  ServoResult play() {
+    std::vector<HapticDevice*> all;
+    for (Device& device : devices) all.push_back(&device);
+    return together(all);
+  }
+};
+
+template <class Device>
+void checkAsAlone(std::size_t hands, double felt_N) {
+  Hands<Device> all(hands);
+  std::vector<std::string> own;
+  for (Device& device : all.devices) own.push_back(csvOf(alone(device).trace()));
+  const ServoResult result = all.play();
+  for (std::size_t i = 0; i < hands; ++i) {
+    CAPTURE(i);
+    CHECK(csvOf(result.hands[i].trace) == own[i]);
+    CHECK(mostOf(result.hands[i].trace) > felt_N);
+    CHECK((i == 0 || own[i] != own[0]));
+  }
+}
+
+/// Each hand in turn has the trouble: it behaves as if alone with it, and the others as if nothing had happened.
+void checkUndisturbed(std::size_t hands, const std::function<void(TroubledDevice&)>& trouble) {
+  for (std::size_t troubled = 0; troubled < hands; ++troubled) {
+    CAPTURE(troubled);
+    Hands<> all(hands);
+    trouble(all.devices[troubled]);
+    const ServoResult result = all.play();
+    for (std::size_t i = 0; i < hands; ++i) {
+      CAPTURE(i);
+      TroubledDevice device(waysOf(hands)[i]);
+      const std::string calm = csvOf(alone(device).trace());
+      if (i == troubled) trouble(device);
+      const std::string own = csvOf(alone(device).trace());
+      CHECK(csvOf(result.hands[i].trace) == own);
+      CHECK((own == calm) == (i != troubled));
+      CHECK(mostOf(result.hands[i].trace) > 0.05);
+    }
+  }
+}
+
+/// Each device fails in turn, in a read and in a write: all forces are zero from its tick on, for its reason.
+void checkFaults(std::size_t hands) {
+  for (std::size_t failing = 0; failing < hands; ++failing)
+    for (const bool reading : {true, false}) {
+      CAPTURE(failing);
+      CAPTURE(reading);
+      Hands<> all(hands);
+      TroubledDevice& device = all.devices[failing];
+      device.text = std::to_string(failing) + ": the cable is out";
+      (reading ? device.failsReadAt_s : device.failsWriteAt_s) = 0.8;
+      const ServoResult result = all.play();
+      CHECK(result.deviceFailed);
+      CHECK(result.fault == device.text);
+      for (std::size_t i = 0; i < hands; ++i) {
+        CAPTURE(i);
+        const std::vector<TraceRow>& rows = result.hands[i].trace.rows;
+        REQUIRE(rows.size() == 801);
+        CHECK(glm::length(rows[799].force_N) > 0.1);
+        CHECK(rows[800].force_N == DVec3(0));
+        CHECK_FALSE(rows[800].valid);
+        CHECK(glm::distance(rows[800].hip, rows[799].hip) < 0.1);
+        CHECK(all.devices[i].last_N == DVec3(0));
+      }
+    }
+}
+
+/// Number of times that the query is told of each hand's being put down, if one of them is.
+std::vector<int> putDown(std::size_t hands, std::size_t which) {
+  Hands<> all(hands);
+  all.devices[which].putDownAt_s = 0.8;
+  SharedSphere sphere(hands);
+  std::vector<SessionHand> session;
+  for (TroubledDevice& device : all.devices) session.push_back(handOf(device));
+  ServoLoop(sphere, session, kSession).run();
+  return sphere.putDown;
+}
+
+}  // namespace
+
 TEST_CASE("two hands leave the same traces as each hand alone, byte for byte") {
-  const auto check = [](HapticDevice& first, HapticDevice& second) {
-    const std::string firstAlone = csvOf(alone(first).trace()), secondAlone = csvOf(alone(second).trace());
-    const ServoResult both = together({&first, &second});
-    CHECK(csvOf(both.trace()) == firstAlone);
-    CHECK(csvOf(both.hands[1].trace) == secondAlone);
-    CHECK(mostOf(both.trace()) > 0.5);
-    CHECK(mostOf(both.hands[1].trace) > 0.5);
-    CHECK(csvOf(both.trace()) != csvOf(both.hands[1].trace));
-  };
-  SUBCASE("scripts") {
-    PathDevice first(left()), second(right());
-    check(first, second);
-  }
-  SUBCASE("devices with the limits of a Touch") {
-    TroubledDevice first(left()), second(right());
-    check(first, second);
-  }
+  SUBCASE("scripts") { checkAsAlone<PathDevice>(2, 0.5); }
+  SUBCASE("devices with the limits of a Touch") { checkAsAlone<TroubledDevice>(2, 0.5); }
+}
+
+TEST_CASE("four hands leave the same traces as each hand alone, byte for byte") {
+  checkAsAlone<TroubledDevice>(4, 0.3);
 }
 
 TEST_CASE("a second hand has its own map, force and passivity") {
@@ -48,102 +141,77 @@ TEST_CASE("a second hand has its own map, force and passivity") {
 }
 
 TEST_CASE("a fault of either device stops both forces and ends the session with that device's reason") {
-  for (const bool firstFails : {true, false})
-    for (const bool reading : {true, false}) {
-      CAPTURE(firstFails);
-      CAPTURE(reading);
-      TroubledDevice first(left()), second(right());
-      first.text = second.text = "";
-      TroubledDevice& failing = firstFails ? first : second;
-      failing.text = firstFails ? "left: the cable is out" : "right: the cable is out";
-      (reading ? failing.failsReadAt_s : failing.failsWriteAt_s) = 0.8;
-      const ServoResult result = together({&first, &second});
-      CHECK(result.deviceFailed);
-      CHECK(result.fault == failing.text);
-      for (const Trace* trace : {&result.trace(), &result.hands[1].trace}) {
-        REQUIRE(trace->rows.size() == 801);
-        CHECK(glm::length(trace->rows[799].force_N) > 0.1);
-        CHECK(trace->rows[800].force_N == DVec3(0));
-        CHECK_FALSE(trace->rows[800].valid);
-        CHECK(glm::distance(trace->rows[800].hip, trace->rows[799].hip) < 0.1);
-      }
-      CHECK(first.last_N == DVec3(0));
-      CHECK(second.last_N == DVec3(0));
-    }
+  checkFaults(2);
 }
+
+TEST_CASE("a fault of one of four devices stops all forces at its tick") { checkFaults(4); }
 
 TEST_CASE("a fault of either device sets both forces to zero within its tick, before the session ends") {
   /// Reads both forces after the first device's last tick, before the session has ended.
-  class Pacing final : public HapticDevice {
+  class Pacing final : public TroubledDevice {
    public:
-    explicit Pacing(TroubledDevice& inner, TroubledDevice& other) : inner_(inner), other_(other) {}
-    std::string_view name() const override { return "pacing"; }
-    DeviceLimits limits() const override { return inner_.limits(); }
-    bool paces() const override { return true; }
+    explicit Pacing(TroubledDevice& other) : TroubledDevice(left(), {.buttons = 2}, "pacing"), other_(other) {
+      pacesItself = true;
+    }
     bool pace(double, const std::function<bool()>& tick) override {
       while (tick()) std::this_thread::sleep_for(std::chrono::microseconds(300));
-      mineAtEnd_N = inner_.last_N;
+      mineAtEnd_N = last_N;
       otherAtEnd_N = other_.last_N;
       return true;
     }
-    DeviceState read(double time_s) noexcept override { return inner_.read(time_s); }
-    bool write(const DVec3& force_N) noexcept override { return inner_.write(force_N); }
-    void emergencyStop() noexcept override {}
-    std::string faultText() const override { return {}; }
     DVec3 mineAtEnd_N{9}, otherAtEnd_N{9};
 
    private:
-    TroubledDevice &inner_, &other_;
+    TroubledDevice& other_;
   };
   for (const bool reading : {true, false}) {
     CAPTURE(reading);
-    TroubledDevice first(left()), second(right());
+    TroubledDevice second(right());
     (reading ? second.failsReadAt_s : second.failsWriteAt_s) = 0.8;
-    Pacing pacing(first, second);
-    ServoOptions options = kSession;
-    options.realtime = true;
+    Pacing pacing(second);
     SteppedClock clock;
-    options.clock = &clock;
-    const ServoResult result = together({&pacing, &second}, options);
+    const ServoResult result = together({&pacing, &second}, {.duration_s = 1, .realtime = true, .clock = &clock});
     CHECK(result.pacedByDevice);
     CHECK(result.deviceFailed);
     CHECK(result.fault == "troubled: the device failed without saying why");
-    CHECK(first.most_N > 0.1);
+    CHECK(pacing.most_N > 0.1);
     CHECK(pacing.mineAtEnd_N == DVec3(0));
     CHECK(pacing.otherAtEnd_N == DVec3(0));
   }
 }
 
 TEST_CASE("a clutched, mute or newly put down hand does not disturb the other") {
-  for (const bool firstIsTroubled : {true, false}) {
-    CAPTURE(firstIsTroubled);
-    TroubledDevice first(left()), second(right());
-    const std::string calm = csvOf(alone(firstIsTroubled ? second : first).trace());
-    TroubledDevice& troubled = firstIsTroubled ? first : second;
-    SUBCASE("clutched") {
-      troubled.clutchedFrom_s = 0.78;
-      troubled.clutchedTo_s = 0.85;
-    }
-    SUBCASE("mute") {
-      troubled.mutedFrom_s = 0.75;
-      troubled.mutedTo_s = 0.85;
-    }
-    SUBCASE("put down") { troubled.putDownAt_s = 0.8; }
-    const std::string own = csvOf(alone(troubled).trace());
-    const ServoResult both = together({&first, &second});
-    CHECK(csvOf(firstIsTroubled ? both.hands[1].trace : both.trace()) == calm);
-    CHECK(csvOf(firstIsTroubled ? both.trace() : both.hands[1].trace) == own);
-    CHECK(mostOf(both.trace()) > 0.1);
-    CHECK(mostOf(both.hands[1].trace) > 0.05);
+  SUBCASE("clutched") {
+    checkUndisturbed(2, [](TroubledDevice& device) {
+      device.clutchedFrom_s = 0.78;
+      device.clutchedTo_s = 0.85;
+    });
+  }
+  SUBCASE("mute") {
+    checkUndisturbed(2, [](TroubledDevice& device) {
+      device.mutedFrom_s = 0.75;
+      device.mutedTo_s = 0.85;
+    });
+  }
+  SUBCASE("put down") {
+    checkUndisturbed(2, [](TroubledDevice& device) { device.putDownAt_s = 0.8; });
   }
 }
 
-TEST_CASE("the query is notified which hand was put down") {
-  TroubledDevice first(left()), second(right());
-  second.putDownAt_s = 0.8;
-  SharedSphere sphere(2);
-  ServoLoop(sphere, {handOf(first), handOf(second)}, kSession).run();
-  CHECK(sphere.putDown == std::vector<int>{0, 1});
+TEST_CASE("a lifted, clutched or mute hand does not disturb the other three") {
+  checkUndisturbed(4, [](TroubledDevice& device) {
+    device.putDownAt_s = 0.8;
+    device.clutchedFrom_s = 0.85;
+    device.clutchedTo_s = 0.87;
+    device.mutedFrom_s = 0.9;
+    device.mutedTo_s = 0.92;
+  });
+}
+
+TEST_CASE("the query is notified which hand was put down") { CHECK(putDown(2, 1) == std::vector<int>{0, 1}); }
+
+TEST_CASE("the query is notified which of four hands was put down") {
+  CHECK(putDown(4, 2) == std::vector<int>{0, 0, 1, 0});
 }
 
 TEST_CASE("a session has as many hands as its query answers, and at least one") {
@@ -182,7 +250,6 @@ TEST_CASE("a second device cannot pace the ticks, nor be braked if it does not y
 }
 
 TEST_CASE("two styluses of one driver feel the same sphere at once, and both end without force") {
-  const char* const leftHand = "0,0,26,0\n0.1,0,26,0\n0.4,0,18,0\n";
   const char* const rightHand = "0,26,0,0\n0.1,26,0,0\n0.4,17,0,0\n";
   std::string firstScript, secondScript, fault;
   Scheduler scheduler = Scheduler::device;
@@ -196,7 +263,7 @@ TEST_CASE("two styluses of one driver feel the same sphere at once, and both end
     firstScript = "fault error 770 0.45";
     fault = "Left Device: no communication with the device (0x0302)";
   }
-  const FakeDriver leftStylus("fake_hd", firstScript, leftHand);
+  const FakeDriver leftStylus("fake_hd", firstScript, kPressing);
   const SecondFakeStylus rightStylus(secondScript, rightHand);
   ServoResult result;
   {
@@ -206,23 +273,15 @@ TEST_CASE("two styluses of one driver feel the same sphere at once, and both end
     CHECK(second.facts().serial == "FAKE-0002");
     SharedSphere sphere(2, 20);
     SteppedClock clock;
-    const ForceLaw law({.stiffness_N_per_mm = 0.4}, {});
-    ServoLoop loop(sphere, {{.device = first, .law = law}, {.device = second, .law = law}},
+    ServoLoop loop(sphere, {{.device = first, .law = softLaw()}, {.device = second, .law = softLaw()}},
                    {.duration_s = 0.6, .realtime = true, .clock = &clock});
     result = loop.run();
   }
   CHECK(result.deviceFailed == !fault.empty());
   CHECK(result.fault.starts_with(fault));
-  for (const FakeStylus* stylus :
-       {static_cast<const FakeStylus*>(&leftStylus), static_cast<const FakeStylus*>(&rightStylus)}) {
-    const FakeNote note = stylus->note();
-    CHECK(note.threadFaults == 0);
-    CHECK(note.frameFaults == 0);
-    CHECK(note.opened == 1);
-    CHECK(note.closed == 1);
-    CHECK(note.enabled == 0);
-    CHECK(note.mostForce_N > 0.1);
-    CHECK(stylus->lastForce_N() == DVec3(0));
+  for (const FakeStylus* stylus : std::initializer_list<const FakeStylus*>{&leftStylus, &rightStylus}) {
+    checkClosed(*stylus);
+    CHECK(stylus->note().mostForce_N > 0.1);
   }
   REQUIRE(result.trace().rows.size() > 300);
   const TraceRow &first = result.trace().rows[result.trace().rows.size() - 2],
