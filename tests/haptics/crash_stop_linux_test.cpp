@@ -47,9 +47,8 @@ void writeWhereNoneMay() {
 
 std::atomic<bool> stopAsked = false;
 
-/// Exit status of a child whose session runs `doom`.
-int statusOfSession(
-    FakeNote& note, const std::function<void()>& doom, const std::function<void()>& before = [] {}) {
+/// Exit status of a child that does `act`.
+int statusOf(const std::function<void()>& act) {
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
@@ -57,15 +56,23 @@ int statusOfSession(
     ::setrlimit(RLIMIT_CORE, &none);
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGINT, SIGHUP, SIGQUIT})
       std::signal(signal, SIG_DFL);  // not those of the test program
-    before();
-    RecordingDevice device(note);
-    DoomedSphere sphere(doom);
-    ServoLoop(device, sphere, ForceLaw({}, {}), {.duration_s = 1, .stop = &stopAsked}).run();
+    act();
     ::_exit(stopAsked ? 7 : 0);
   }
   int status = 0;
   REQUIRE(::waitpid(child, &status, 0) == child);
   return status;
+}
+
+/// Exit status of a child whose session runs `doom`.
+int statusOfSession(
+    FakeNote& note, const std::function<void()>& doom, const std::function<void()>& before = [] {}) {
+  return statusOf([&] {
+    before();
+    RecordingDevice device(note);
+    DoomedSphere sphere(doom);
+    ServoLoop(device, sphere, ForceLaw({}, {}), {.duration_s = 1, .stop = &stopAsked}).run();
+  });
 }
 
 }  // namespace
@@ -99,26 +106,16 @@ TEST_CASE("a program that crashes during a touch leaves no force and ends by the
 
 TEST_CASE("a crash stops the force of all hands") {
   std::array<SharedNote, kMaxHands> notes;
-  const pid_t child = ::fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    const rlimit none{};
-    ::setrlimit(RLIMIT_CORE, &none);
-    std::signal(SIGSEGV, SIG_DFL);
+  const int status = statusOf([&] {
     DoomedSphere sphere(writeWhereNoneMay, notes.size());
     std::deque<RecordingDevice> devices;
     std::vector<SessionHand> hands;
     for (const SharedNote& note : notes)
       hands.push_back({.device = devices.emplace_back(*note), .law = ForceLaw({}, {})});
     ServoLoop(sphere, hands, {.duration_s = 1}).run();
-    ::_exit(0);
-  }
-  int status = 0;
-  REQUIRE(::waitpid(child, &status, 0) == child);
+  });
   CHECK(WIFSIGNALED(status));
-  for (const SharedNote& note : notes) {
-    checkStopped(*note);
-  }
+  for (const SharedNote& note : notes) checkStopped(*note);
 }
 
 TEST_CASE("a signal that the program handles is handled after the force has stopped") {

@@ -6,6 +6,7 @@
 #include "haptics/devices/hid_node.hpp"
 #include "tests/error_of.hpp"
 #include "tests/haptics/fake_hid.hpp"
+#include "tests/says.hpp"
 
 namespace palpate::hid_choice_test {
 namespace {
@@ -13,8 +14,6 @@ namespace {
 std::string complaint(HidTransport& transport, std::string_view wanted) {
   return errorOf([&] { chooseHidSteering(transport, wanted); });
 }
-
-bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 
@@ -65,12 +64,12 @@ TEST_CASE("a HID device is selected by path, serial number, or vendor and produc
 
 TEST_CASE("an unsuccessful search reports what was searched for and which devices exist") {
   FakeHid hid;
-  CHECK(has(complaint(hid, ""), "there is no HID device at all"));
+  CHECK(says(complaint(hid, ""), "there is no HID device at all"));
   hid.plug(keyboard());
   const std::string none = complaint(hid, "");
-  CHECK(has(none, "no 3D mouse (usage 1/8) and no DualSense;"));
-  CHECK(has(none, "Keyboard (046d:c31c) with usage 1/6 at /dev/hidraw0"));
-  CHECK(has(complaint(hid, "046d:c31c"), "that is '046d:c31c'"));  // a keyboard cannot steer, even if it is named
+  CHECK(says(none, "no 3D mouse (usage 1/8) and no DualSense;"));
+  CHECK(says(none, "Keyboard (046d:c31c) with usage 1/6 at /dev/hidraw0"));
+  CHECK(says(complaint(hid, "046d:c31c"), "that is '046d:c31c'"));  // a keyboard cannot steer, even if it is named
   CHECK_THROWS_AS(chooseDualSense(hid), Error);
 }
 
@@ -79,15 +78,15 @@ TEST_CASE("a device without permission is reported with the command that grants 
   hid.plug(spaceMouse());
   hid.deny("/dev/hidraw3");
   const std::string denied = complaint(hid, "");
-  CHECK(has(denied, "SpaceMouse Compact (256f:c635) at /dev/hidraw3"));
-  CHECK(has(denied, "Permission denied"));
-  CHECK(has(denied, hidPermissionMend("/dev/hidraw3", true)));
+  CHECK(says(denied, "SpaceMouse Compact (256f:c635) at /dev/hidraw3"));
+  CHECK(says(denied, "Permission denied"));
+  CHECK(says(denied, hidPermissionMend("/dev/hidraw3", true)));
 
   HidInfo stranger = spaceMouse("/dev/hidraw9");
   stranger.vendorId = 0x1234;  // no permission rule includes it
   hid.plug(stranger);
   hid.deny("/dev/hidraw9");
-  CHECK(has(complaint(hid, "/dev/hidraw9"), hidPermissionMend("/dev/hidraw9", false)));
+  CHECK(says(complaint(hid, "/dev/hidraw9"), hidPermissionMend("/dev/hidraw9", false)));
 }
 
 TEST_CASE("the doctor lists each suitable device once, as usable or with the reason and a remedy") {
@@ -108,10 +107,10 @@ TEST_CASE("the doctor lists each suitable device once, as usable or with the rea
   CHECK(list[0].whyNot.empty());
   CHECK(list[0].mend.empty());
   CHECK(!list[1].usable);
-  CHECK(has(list[1].whyNot, "Bluetooth"));
-  CHECK(has(list[1].mend, "cable"));
+  CHECK(says(list[1].whyNot, "Bluetooth"));
+  CHECK(says(list[1].mend, "cable"));
   CHECK(list[2].kind == HidKind::hapticStylus);
-  CHECK(has(list[2].whyNot, "Permission denied"));
+  CHECK(says(list[2].whyNot, "Permission denied"));
   CHECK(list[2].mend == hidPermissionMend("/dev/hidraw7", true));
   CHECK(hid.opened() == 0);  // no device stays open
 }

@@ -34,13 +34,10 @@ struct Scene {
   int tick = 0;
   std::uint8_t marks = 0;
 
-  explicit Scene(const DVec3& start_mm = DVec3(0), const HidInfo& info = spaceMouse()) {
+  explicit Scene(const DVec3& start_mm = DVec3(0), const HidInfo& info = spaceMouse(), bool waitsForForces = true) {
     hid->plug(info);
     device = std::make_unique<HidDevice>(hid, info, start_mm, remarks.sink());
-    waitForForces();
-  }
-  void waitForForces() {
-    for (int i = 0; i < 510; ++i) go(1);
+    if (waitsForForces) go(510);
   }
   DeviceState read() { return device->read(tick * kTick_s); }
   /// Sends reports, followed by a button report as a marker, and waits for the marker.
@@ -78,16 +75,13 @@ TEST_CASE("the stylus of a 3D mouse starts at its position and stays there witho
 }
 
 TEST_CASE("the hand waits while forces ramp up") {
-  const auto hid = std::make_shared<FakeHid>();
-  Remarks remarks;
-  hid->plug(spaceMouse());
-  HidDevice device(hid, spaceMouse(), DVec3(0), remarks.sink());
-  hid->report(kPath, pushed({1, 0, 0}));
-  hid->report(kPath, {3, 1});
-  REQUIRE(comesTrue([&] { return device.read(7).buttons == 1; }));
-  for (int tick = 1; tick < 500; ++tick) CHECK(glm::length(device.read(7 + tick * kTick_s).position) < 0.01);
-  for (int tick = 500; tick < 700; ++tick) device.read(7 + tick * kTick_s);
-  CHECK(device.read(7.7).position.x > 10);
+  Scene scene(DVec3(0), spaceMouse(), false);
+  scene.hid->report(kPath, pushed({1, 0, 0}));
+  scene.hid->report(kPath, {3, 1});
+  REQUIRE(comesTrue([&] { return scene.device->read(7).buttons == 1; }));
+  for (int tick = 1; tick < 500; ++tick) CHECK(glm::length(scene.device->read(7 + tick * kTick_s).position) < 0.01);
+  for (int tick = 500; tick < 700; ++tick) scene.device->read(7 + tick * kTick_s);
+  CHECK(scene.device->read(7.7).position.x > 10);
 }
 
 TEST_CASE("a push is a velocity: the hand moves until the cap is released, without a jerk") {
@@ -269,10 +263,7 @@ TEST_CASE("a device that cannot be opened is an error, and an open device closes
 }
 
 TEST_CASE("in a session a steady push comes to rest on the surface, also at low rates and on stiff surfaces") {
-  const auto hid = std::make_shared<FakeHid>();
-  Remarks remarks;
-  hid->plug(spaceMouse());
-  HidDevice device(hid, spaceMouse(), {0, 0, 25}, remarks.sink());
+  Scene scene({0, 0, 25}, spaceMouse(), false);
   SphereContact sphere(20);
   double rate_Hz = 1000, stiffness_N_per_mm = 0.8;
   SUBCASE("the default") {}
@@ -281,7 +272,7 @@ TEST_CASE("in a session a steady push comes to rest on the surface, also at low 
     stiffness_N_per_mm = 1.5;
   }
   SUBCASE("a stiff surface") { stiffness_N_per_mm = 2; }
-  ServoLoop loop(device, sphere, ForceLaw({.stiffness_N_per_mm = stiffness_N_per_mm}, {}),
+  ServoLoop loop(*scene.device, sphere, ForceLaw({.stiffness_N_per_mm = stiffness_N_per_mm}, {}),
                  {.rate_Hz = rate_Hz, .duration_s = 4});
   double largest_N = 0, smallest_N = 10, earlier_s = -1;
   std::uint8_t mark = 0;
@@ -290,9 +281,9 @@ TEST_CASE("in a session a steady push comes to rest on the surface, also at low 
     if (row.time_s - earlier_s > 0.05) {
       earlier_s = row.time_s;
       mark ^= 1;
-      hid->report(kPath, pushed({0, 0, -0.9}));
-      hid->report(kPath, {3, mark});
-      REQUIRE(comesTrue([&] { return device.read(row.time_s).buttons == mark; }));
+      scene.hid->report(kPath, pushed({0, 0, -0.9}));
+      scene.hid->report(kPath, {3, mark});
+      REQUIRE(comesTrue([&] { return scene.device->read(row.time_s).buttons == mark; }));
     }
     if (row.time_s < 3) return;
     largest_N = std::max(largest_N, row.force_N.z);
@@ -304,27 +295,24 @@ TEST_CASE("in a session a steady push comes to rest on the surface, also at low 
 }
 
 TEST_CASE("a session with a 3D mouse survives an unplugging without a missed answer" * kClock) {
-  const auto hid = std::make_shared<FakeHid>();
-  Remarks remarks;
-  hid->plug(spaceMouse());
-  HidDevice device(hid, spaceMouse(), {0, 0, 20.1}, remarks.sink());  // near enough for a slow machine
+  Scene scene({0, 0, 20.1}, spaceMouse(), false);  // near enough for a slow machine
   SphereContact sphere(20);
-  ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 2, .realtime = true});
+  ServoLoop loop(*scene.device, sphere, ForceLaw({}, {}), {.duration_s = 2, .realtime = true});
   std::jthread hand([&](const std::stop_token& stop) {
     const Stopwatch watch;
     for (bool plugged = true; !stop.stop_requested();) {
       if (plugged && watch.elapsed_s() > 1) {
-        hid->unplug(kPath);
+        scene.hid->unplug(kPath);
         plugged = false;
       }
-      hid->report(kPath, pushed({0, 0, -0.9}));
+      scene.hid->report(kPath, pushed({0, 0, -0.9}));
       std::this_thread::sleep_for(std::chrono::milliseconds(8));
     }
   });
   const ServoResult result = loop.run();
   CHECK(!result.deviceFailed);
   CHECK(result.trace().rows.back().contact);
-  CHECK(remarks.count("was unplugged") == 1);
+  CHECK(scene.remarks.count("was unplugged") == 1);
   CHECK(result.trace().rows.back().hip == result.trace().rows[result.trace().rows.size() - 10].hip);
 }
 

@@ -2,10 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <fstream>
 
-#include "engine/core/error.hpp"
 #include "haptics/devices/path_device.hpp"
+#include "tests/error_of.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate::path_test {
@@ -19,14 +20,8 @@ class CsvFile {
   Path read() const { return readPathCsv(file_); }
   /// The error's text, starting at the file's name.
   std::string error() const {
-    try {
-      read();
-    } catch (const FileError& error) {
-      const std::string text = error.what();
-      const std::size_t name = text.find("way.csv");
-      return name == std::string::npos ? text : text.substr(name);
-    }
-    return "no error";
+    const std::string text = errorOf<FileError>([&] { read(); });
+    return text.substr(std::min(text.find("way.csv"), text.size()));
   }
 
  private:

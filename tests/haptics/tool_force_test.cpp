@@ -2,11 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <array>
-#include <fstream>
-#include <iterator>
 
 #include "haptics/devices/path_device.hpp"
 #include "haptics/servo_loop.hpp"
+#include "tests/content_of.hpp"
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
@@ -28,13 +27,6 @@ DVec3 forceOf(ForceLaw& law, std::span<const PointContact> points, const Contact
 }
 
 const Path kPress({{0, {0, 0, 1}}, {0.1, {0, 0, -1}}, {0.2, {0, 0, 1}}});
-
-std::string firstLineOf(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  std::getline(in, line);
-  return line;
-}
 
 }  // namespace
 
@@ -135,7 +127,8 @@ TEST_CASE("the servo loop traces a tool's torque with the force that was sent") 
 
   const ScratchFolder folder;
   writeTraceCsv(folder / "trace.csv", trace);
-  CHECK(firstLineOf(folder / "trace.csv").ends_with(",step_us,torque_x,torque_y,torque_z"));
+  const std::string text = contentOf(folder / "trace.csv");
+  CHECK(text.substr(0, text.find('\n')).ends_with(",step_us,torque_x,torque_y,torque_z"));
 }
 
 TEST_CASE("no torque remains if forces are off or answers fail") {

@@ -3,21 +3,15 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "engine/core/error.hpp"
+#include "tests/content_of.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate::trace_test {
 namespace {
-
-std::string textOf(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 const std::string kHeader =
     "t_s,hip_x,hip_y,hip_z,proxy_x,proxy_y,proxy_z,normal_x,normal_y,normal_z,force_x,force_y,force_z,penetration_mm,"
@@ -45,8 +39,8 @@ Trace twoTicks() {
 TEST_CASE("a trace in virtual time is written without wall-clock times and without minus zero") {
   const ScratchFolder folder;
   writeTraceCsv(folder / "trace.csv", twoTicks());
-  CHECK(textOf(folder / "trace.csv") == kHeader + "0,1,0,0.1,1,0,0.1,0,0,0,0,0,0,0,0,0,0,0,0\n" +
-                                            "0.001,1000000.125,0,-1e-07,1,0,0,0,0,1,0,-3,4,2,1,31,1,0,0\n");
+  CHECK(contentOf(folder / "trace.csv") == kHeader + "0,1,0,0.1,1,0,0.1,0,0,0,0,0,0,0,0,0,0,0,0\n" +
+                                               "0.001,1000000.125,0,-1e-07,1,0,0,0,0,1,0,-3,4,2,1,31,1,0,0\n");
 }
 
 TEST_CASE("the trace of a tool of many points has its torques at the end") {
@@ -55,9 +49,9 @@ TEST_CASE("the trace of a tool of many points has its torques at the end") {
   trace.torques = true;
   trace.rows[1].torque_mNm = {0.5, -0.0, -2};
   writeTraceCsv(folder / "trace.csv", trace);
-  CHECK(textOf(folder / "trace.csv") == kHeader.substr(0, kHeader.size() - 1) + ",torque_x,torque_y,torque_z\n" +
-                                            "0,1,0,0.1,1,0,0.1,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n" +
-                                            "0.001,1000000.125,0,-1e-07,1,0,0,0,0,1,0,-3,4,2,1,31,1,0,0,0.5,0,-2\n");
+  CHECK(contentOf(folder / "trace.csv") == kHeader.substr(0, kHeader.size() - 1) + ",torque_x,torque_y,torque_z\n" +
+                                               "0,1,0,0.1,1,0,0.1,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n" +
+                                               "0.001,1000000.125,0,-1e-07,1,0,0,0,0,1,0,-3,4,2,1,31,1,0,0,0.5,0,-2\n");
   CHECK(summarize(trace).peakTorque_mNm == near(std::sqrt(4.25), 1e-6));
 }
 
@@ -66,17 +60,17 @@ TEST_CASE("a trace in real time is written with wall-clock times") {
   Trace trace = twoTicks();
   trace.virtualTime = false;
   writeTraceCsv(folder / "trace.csv", trace);
-  CHECK(textOf(folder / "trace.csv").ends_with(",1,31,1,12.5,40.25\n"));
+  CHECK(contentOf(folder / "trace.csv").ends_with(",1,31,1,12.5,40.25\n"));
 }
 
 TEST_CASE("a trace longer than the write buffer is complete, and an empty one is its header") {
   const ScratchFolder folder;
   Trace trace;
   writeTraceCsv(folder / "trace.csv", trace);
-  CHECK(textOf(folder / "trace.csv") == kHeader);
+  CHECK(contentOf(folder / "trace.csv") == kHeader);
   trace.rows.resize(5000);
   writeTraceCsv(folder / "trace.csv", trace);
-  const std::string text = textOf(folder / "trace.csv");
+  const std::string text = contentOf(folder / "trace.csv");
   CHECK(std::count(text.begin(), text.end(), '\n') == 5001);
 }
 

@@ -2,10 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <fstream>
-#include <iterator>
 
-#include "engine/core/error.hpp"
+#include "tests/content_of.hpp"
+#include "tests/error_of.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -20,13 +21,8 @@ class TextFile {
   Trajectory read() const { return readTrajectory(file_); }
   /// The error's text, starting at the file's name.
   std::string error() const {
-    try {
-      read();
-    } catch (const FileError& error) {
-      const std::string text = error.what();
-      return text.substr(std::min(text.find("hand.txt"), text.size()));
-    }
-    return "no error";
+    const std::string text = errorOf<FileError>([&] { read(); });
+    return text.substr(std::min(text.find("hand.txt"), text.size()));
   }
 
  private:
@@ -94,10 +90,7 @@ TEST_CASE("a written trajectory reads back to the same numbers") {
     CHECK(compareForces(trace, back).worst_N < 1e-12);
     CHECK(compareForces(trace, back).ticks == 5);
   }
-  std::ifstream in(folder / "out.txt");
-  std::string first;
-  std::getline(in, first);
-  CHECK(first == "0 0 0 0 0 0 -0.3");
+  CHECK(contentOf(folder / "out.txt").starts_with("0 0 0 0 0 0 -0.3\n"));
 }
 
 TEST_CASE("forces are compared if the trajectory has forces") {

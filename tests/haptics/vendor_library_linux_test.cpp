@@ -1,22 +1,13 @@
 // The loader's messages for missing or unusable libraries.
 #include <fstream>
-#include <iterator>
 
 #include "haptics/devices/hdapi.hpp"
 #include "haptics/devices/vendor_library.hpp"
+#include "tests/content_of.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/says.hpp"
 
 namespace palpate::vendor_library_test {
-namespace {
-
-std::string bytesOf(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-}  // namespace
-
 TEST_CASE("without a library the searched paths and the package to install are reported") {
   const VendorLibrary library(hdapi::librarySearch());
   if (library.isLoaded()) {
@@ -33,7 +24,7 @@ TEST_CASE("without a library the searched paths and the package to install are r
 TEST_CASE("an unusable library is distinguished from a missing one") {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "libHD.so";
-  std::string bytes = bytesOf(fakeDriverFile("fake_hd"));
+  std::string bytes = contentOf(fakeDriverFile("fake_hd"));
   std::string part;
   SUBCASE("of another architecture") {
     bytes[4] = 1;  // ELFCLASS32
