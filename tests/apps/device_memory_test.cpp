@@ -45,6 +45,9 @@ std::vector<PathKey> leaning() {
   return hand;
 }
 
+/// The same before a Touch, without a lift.
+const char* const kLeaning = "0,0,0,0\n3.5,0,0,0\n4,30,0,0\n4.5,30,30,0\n5,30,30,30\n5.5,30,16,30\n60,30,16,30\n";
+
 }  // namespace
 
 TEST_CASE("the guided test finds stiffness and axes, and sessions use them once the person agrees" * kClock) {
@@ -74,8 +77,7 @@ TEST_CASE("the guided test finds stiffness and axes, and sessions use them once 
 
 TEST_CASE("a person who declines, or has no terminal, has nothing remembered" * kClock) {
   const User user;
-  const FakeDriver driver("fake_hd", "hurry",
-                          "0,0,0,0\n3.5,0,0,0\n4,30,0,0\n4.5,30,30,0\n5,30,30,30\n5.5,30,16,30\n60,30,16,30\n");
+  const FakeDriver driver("fake_hd", "hurry", kLeaning);
   const Outcome outcome = run(program() + " doctor --device openhaptics --test < /dev/null");
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   // The driver's model bears 0.4 N/mm, and does not hum there.
@@ -88,8 +90,7 @@ TEST_CASE("a person who declines, or has no terminal, has nothing remembered" * 
 
 TEST_CASE("Ctrl+C in the guided test ends it with exit code 130, no force, and nothing remembered" * kClock) {
   const User user;
-  const FakeDriver driver("fake_hd", "hurry",
-                          "0,0,0,0\n3.5,0,0,0\n4,30,0,0\n4.5,30,30,0\n5,30,30,30\n5.5,30,16,30\n60,30,16,30\n");
+  const FakeDriver driver("fake_hd", "hurry", kLeaning);
   RunningProgram test("doctor --device openhaptics --test --json " + user.file("test.json"), user.folder / "said");
   REQUIRE_MESSAGE(test.waitFor([&] { return driver.note().mostForce_N > 0.2; }), contentOf(user.folder / "said"));
   const int status = test.wait(SIGINT);
@@ -104,8 +105,7 @@ TEST_CASE("Ctrl+C in the guided test ends it with exit code 130, no force, and n
 
 TEST_CASE("a cable unplugged in the middle of the guided test ends it with the reason, and no force" * kClock) {
   const User user;
-  const FakeDriver driver("fake_hd", "hurry\nfault error 770 7",
-                          "0,0,0,0\n3.5,0,0,0\n4,30,0,0\n4.5,30,30,0\n5,30,30,30\n5.5,30,16,30\n60,30,16,30\n");
+  const FakeDriver driver("fake_hd", "hurry\nfault error 770 7", kLeaning);
   const Outcome outcome = run("yes | " + program() + " doctor --device openhaptics --test");
   CHECK(outcome.code == 1);
   CHECK(says(outcome.text, "no communication with the device (0x0302); check cable and power"));

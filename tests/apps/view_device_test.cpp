@@ -13,6 +13,13 @@ void makeSmallSphere(const std::filesystem::path& folder) {
   works("--quiet make sphere -n 8000 --size 60 -o " + (folder / "sphere.ply").string());
 }
 
+/// A window with a small sphere that plays a script to its end.
+std::unique_ptr<Played> played(const std::string& arguments, const std::string& script) {
+  auto window = play(arguments, script, "", makeSmallSphere);
+  REQUIRE_MESSAGE(window->outcome.code == 0, window->outcome.text);
+  return window;
+}
+
 /// Above the sphere, and on it from a time on.
 std::vector<PathKey> resting(double from_s) {
   return {{0, {0, 40, 0}}, {from_s, {0, 40, 0}}, {from_s + 0.3, {0, 26, 0}}};
@@ -44,7 +51,7 @@ TEST_CASE("the window lists the devices, holds one, shows its state, and goes ba
   if (!hasDisplay()) return;
   const Settings settings;
   const FakeHaply service({.handedness = "left", .pressed = true});
-  const auto played = play("%/sphere.ply --mm-per-unit 1 --backend cpu --realtime", R"(
+  const auto window = played("%/sphere.ply --mm-per-unit 1 --backend cpu --realtime", R"(
 0.1 click Device
 0.2 state %/before.json
 0.3 click Look for devices
@@ -55,17 +62,15 @@ TEST_CASE("the window lists the devices, holds one, shows its state, and goes ba
 6.2 click Use the mouse
 7.0 state %/mouse.json
 7.1 quit
-)",
-                           "", makeSmallSphere);
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
-  const Result before = played->state("before.json")["device"];
+)");
+  const Result before = window->state("before.json")["device"];
   CHECK(before["stage"] == "mouse");
   CHECK(before["offers"].empty());
-  const Result found = played->state("found.json")["device"]["offers"];
+  const Result found = window->state("found.json")["device"]["offers"];
   REQUIRE(!found.empty());
   CHECK(found[0]["device"] == "haply:049D");
   CHECK(says(found[0]["state"].get<std::string>(), "is ready"));
-  const Result held = played->state("held.json");
+  const Result held = window->state("held.json");
   CHECK(held["device"]["stage"] == "held");
   CHECK(held["device"]["name"] == "haply:049D");
   CHECK(held["device"]["serial"] == "049D");
@@ -74,7 +79,7 @@ TEST_CASE("the window lists the devices, holds one, shows its state, and goes ba
   CHECK(held["device"]["position_mm"][1].get<double>() == near(150, 0.01));
   CHECK(held["stylus"] == true);
   CHECK(held["errors"].empty());
-  const Result mouse = played->state("mouse.json");
+  const Result mouse = window->state("mouse.json");
   CHECK(mouse["device"]["stage"] == "mouse");
   CHECK(mouse["stylus"] == false);
   CHECK(mouse["ticks"].get<int>() > held["ticks"].get<int>());
@@ -88,7 +93,7 @@ TEST_CASE("a small window says why each kind of device cannot be used, and its t
   const Variable noTouch("PALPATE_HD_LIBRARY", "/no/libHD.so"), noOmega("PALPATE_DHD_LIBRARY", "/no/libdhd.so");
   const Variable none("PALPATE_HAPLY_CONFIG", (settings.folder / "none.json").string());
   std::ofstream(settings.folder / "none.json") << R"({"communication/websocket/port": 1})";
-  const auto played = play("%/sphere.ply --backend cpu --realtime --size 480x360", R"(
+  const auto window = played("%/sphere.ply --backend cpu --realtime --size 480x360", R"(
 0.1 click Device
 0.3 click Look for devices
 3.0 state %/found.json
@@ -96,10 +101,8 @@ TEST_CASE("a small window says why each kind of device cannot be used, and its t
 3.2 mouse 400 200
 3.5 screenshot %/beside.png
 3.6 quit
-)",
-                           "", makeSmallSphere);
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
-  const Result device = played->state("found.json")["device"], missing = device["missing"];
+)");
+  const Result device = window->state("found.json")["device"], missing = device["missing"];
   CHECK(device["offers"].empty());
   REQUIRE(missing.size() == 3);
   const std::array<std::array<const char*, 2>, 3> expected{
@@ -109,7 +112,7 @@ TEST_CASE("a small window says why each kind of device cannot be used, and its t
     CHECK(says(missing[i]["reason"].get<std::string>(), expected[i][1]));
   }
   // In the panel only the button itself looks different when it is pointed at.
-  const Picture pointed(played->folder / "pointed.png"), beside(played->folder / "beside.png");
+  const Picture pointed(window->folder / "pointed.png"), beside(window->folder / "beside.png");
   constexpr int kPanel = 266, kButton_px = 115 * 22;
   int inPanel = 0, tooltip = 0;
   for (int y = 0; y < pointed.height; ++y)
@@ -126,7 +129,7 @@ TEST_CASE("a stiffness that is remembered for a device applies while it is held 
   std::ofstream(settings.folder / "palpate" / "devices.json")
       << R"({"version": 1, "devices": {"haply:049D": {"stiffness_N_per_mm": 0.35}}})";
   const FakeHaply service({});
-  const auto played = play("%/sphere.ply --mm-per-unit 1 --backend cpu --device haply", R"(
+  const auto window = played("%/sphere.ply --mm-per-unit 1 --backend cpu --device haply", R"(
 0.1 click Device
 0.5 state %/held.json
 0.6 click Use the mouse
@@ -137,14 +140,12 @@ TEST_CASE("a stiffness that is remembered for a device applies while it is held 
 5.6 click Forget
 7.5 state %/forgotten.json
 7.6 quit
-)",
-                           "", makeSmallSphere);
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
-  const auto stiffness = [&](const char* state) { return played->state(state)["stiffness_N_per_mm"].get<double>(); };
+)");
+  const auto stiffness = [&](const char* state) { return window->state(state)["stiffness_N_per_mm"].get<double>(); };
   CHECK(stiffness("held.json") == near(0.35, 1e-9));
   CHECK(stiffness("mouse.json") == near(0.8, 1e-9));
   CHECK(stiffness("again.json") == near(0.35, 1e-9));
-  const Result forgotten = played->state("forgotten.json");
+  const Result forgotten = window->state("forgotten.json");
   CHECK(forgotten["device"]["stage"] == "held");
   CHECK(forgotten["device"]["remembered"] == "");
   CHECK(stiffness("forgotten.json") == near(0.8, 1e-9));
@@ -155,8 +156,8 @@ TEST_CASE("a device that is lost while a model is felt leaves the stylus to the 
   const Settings settings;
   const FakeHaply service({.hand = resting(1), .begins = "begun.json", .fault = "closed"});
   const auto file = [&](const char* name) { return (service.folder() / name).string(); };
-  const auto played = play("%/sphere.ply --mm-per-unit 1 --backend cpu --device haply",
-                           fmt::format(R"(
+  const auto window = played("%/sphere.ply --mm-per-unit 1 --backend cpu --device haply",
+                             fmt::format(R"(
 0.1 click Device
 0.5 state {}
 0.6 await {}
@@ -165,16 +166,14 @@ TEST_CASE("a device that is lost while a model is felt leaves the stylus to the 
 3.1 state %/later.json
 3.2 quit
 )",
-                                       file("begun.json"), file("fault")),
-                           "", makeSmallSphere);
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
-  const Result lost = played->state("lost.json");
+                                         file("begun.json"), file("fault")));
+  const Result lost = window->state("lost.json");
   CHECK(lost["device"]["stage"] == "mouse");
   CHECK(lost["peak_force_N"].get<double>() > FakeHaply::kFelt_N);
   REQUIRE(lost["errors"].size() == 1);
   CHECK(says(lost["errors"][0].get<std::string>(), "the Haply service closed the connection"));
   CHECK(says(lost["errors"][0].get<std::string>(), "the mouse moves the stylus now"));
-  CHECK(played->state("later.json")["ticks"].get<int>() > lost["ticks"].get<int>());
+  CHECK(window->state("later.json")["ticks"].get<int>() > lost["ticks"].get<int>());
   CHECK(service.forcesAfterFault() <= 2);
 }
 
@@ -189,8 +188,8 @@ TEST_CASE("the guided test in the window finds a stiffness, and the device is he
       hand.push_back({t_s + after_s, {30, y_mm, 30}});
   const FakeHaply service({.hand = hand, .begins = "begun.json"});
   const auto file = [&](const char* name) { return (service.folder() / name).string(); };
-  const auto played = play("--device haply --size 800x600 --backend cpu %/sphere.ply --mm-per-unit 1",
-                           fmt::format(R"(
+  const auto window = played("--device haply --size 800x600 --backend cpu %/sphere.ply --mm-per-unit 1",
+                             fmt::format(R"(
 0.2 click Device
 1.0 click Test...
 1.4 state {}
@@ -204,13 +203,11 @@ TEST_CASE("the guided test in the window finds a stiffness, and the device is he
 11 screenshot %/done.png
 11.1 quit
 )",
-                                       file("begun.json"), file("path_end")),
-                           "", makeSmallSphere);
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+                                         file("begun.json"), file("path_end")));
   CHECK(says(jsonOf(service.folder() / "begun.json")["device"]["instruction"].get<std::string>(),
              "Hold the stylus still"));
-  CHECK(says(played->state("leans.json")["device"]["instruction"].get<std::string>(), "Lean on it gently"));
-  const Result done = played->state("done.json")["device"];
+  CHECK(says(window->state("leans.json")["device"]["instruction"].get<std::string>(), "Lean on it gently"));
+  const Result done = window->state("done.json")["device"];
   CHECK(done["stage"] == "held");
   const double stiffness = done["found_stiffness_N_per_mm"].get<double>();
   CHECK(stiffness > 0.1);
@@ -244,16 +241,14 @@ TEST_CASE("a script with a clock of its own holds no device, and says what it re
   if (!hasDisplay()) return;
   const Settings settings;
   const FakeHaply service({});
-  const auto played = play("%/sphere.ply --size 480x360", R"(
+  const auto window = played("%/sphere.ply --size 480x360", R"(
 0.2 click Device
 0.3 click Look for devices
 30 click haply:049D
 31 state %/refused.json
 32 quit
-)",
-                           "", makeSmallSphere);
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
-  const Result refused = played->state("refused.json");
+)");
+  const Result refused = window->state("refused.json");
   CHECK(refused["device"]["stage"] == "mouse");
   REQUIRE(refused["errors"].size() == 1);
   CHECK(says(refused["errors"][0].get<std::string>(), "play the script with --realtime"));

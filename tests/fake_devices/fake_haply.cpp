@@ -29,31 +29,31 @@ using asio::ip::tcp;
 using Failure = boost::system::error_code;
 using Json = nlohmann::json;
 
-/// In the program's axes: its axis i is Haply's axis that the letter i names, with the sign before it.
+/// Haply's axes in the order of the program's, each with its sign: the letters of a basis, and the signs before them.
+std::vector<std::pair<int, double>> axesIn(const std::string& permutation) {
+  std::vector<std::pair<int, double>> axes;
+  double sign = 1;
+  for (const char letter : permutation) {
+    if (letter >= 'X') axes.emplace_back(letter - 'X', sign);
+    sign = letter == '-' ? -1 : 1;
+  }
+  return axes;
+}
+
+/// In the program's axes.
 Json permuted(const std::string& permutation, const DVec3& palpate) {
   const DVec3 haply(palpate.x, -palpate.z, palpate.y);
   Json out;
-  int axis = 0;
-  double sign = 1;
-  for (const char letter : permutation) {
-    if (letter == '-') sign = -1;
-    if (letter < 'X') continue;
-    out[std::string(1, "xyz"[axis++])] = sign * haply[letter - 'X'];
-    sign = 1;
-  }
+  const char* name = "xyz";
+  for (const auto& [axis, sign] : axesIn(permutation)) out[std::string(1, *name++)] = sign * haply[axis];
   return out;
 }
 
 DVec3 unpermuted(const std::string& permutation, const Json& vector) {
   DVec3 haply(0);
-  int axis = 0;
-  double sign = 1;
-  for (const char letter : permutation) {
-    if (letter == '-') sign = -1;
-    if (letter < 'X') continue;
-    haply[letter - 'X'] = sign * vector[std::string(1, "xyz"[axis++])].get<double>();
-    sign = 1;
-  }
+  const char* name = "xyz";
+  for (const auto& [axis, sign] : axesIn(permutation))
+    haply[axis] = sign * vector[std::string(1, *name++)].get<double>();
   return {haply.x, haply.z, -haply.y};
 }
 
@@ -178,7 +178,6 @@ struct FakeHaply::Service {
                    .values = command.contains("values"),
                    .profile = message.contains("session"),
                    .position_mm = sent_mm,
-                   .duringFault = faultIsOn(now_s),
                    .afterFault = fault_s >= 0};
       told.force_N = unpermuted(options.permutation, command.at(told.values ? "values" : "vector"));
       felt = glm::length(told.force_N) >= kFelt_N ? felt + 1 : 0;

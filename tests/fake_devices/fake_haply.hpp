@@ -53,7 +53,7 @@ class FakeHaply {
     bool profile = false;  ///< it names the program
     DVec3 force_N{0};      ///< in palpate's axes
     DVec3 position_mm{0};  ///< of the state before it, about kMiddle_mm
-    bool duringFault = false, afterFault = false;
+    bool afterFault = false;
   };
   std::vector<Command> commands() const;
   /// Returns when no device has a connection any more, so that no further command comes. Throws Error after half a
