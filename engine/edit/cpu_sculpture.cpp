@@ -79,60 +79,7 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
   isChanged_.reserve(points_.positions.capacity());
   strains_.reserve(points_.positions.capacity());
   makeRoom();
-  if (options.resample) measureSpacings();
-}
-
-// A bucket's points are in the order of their numbers, and of many that coincide the first is found soon.
-bool CpuSculpture::isFirstWithin(double radius, std::uint32_t point) const {
-  const DVec3 place(points_.positions[point]);
-  bool first = true;
-  const CellBox box = cellsAround(grid_.grid(), place, radius);
-  if (box.cells() > SortedGrid::kFewCells) {  // so far out that cells are finer than the coordinates
-    grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) { first = first && near.number >= point; });
-    return first;
-  }
-  grid_.forEachBucket(box, [&](std::span<const SortedGrid::Placed> points) {
-    for (auto near = points.begin(); first && near != points.end() && near->number < point; ++near) {
-      const DVec3 offset = DVec3(near->position) - place;
-      first = !(glm::dot(offset, offset) < radius * radius);
-    }
-  });
-  return first;
-}
-
-void CpuSculpture::measureSpacings() {
-  const double least = static_cast<double>(shared::kMinSpacing) * options_.radius;
-  const double most = static_cast<double>(shared::kMaxSpacing) * options_.radius;
-  // Only the first of coincident points counts, so that thousands at one position cost no more than as many elsewhere.
-  std::vector<std::uint8_t> counts(points_.size());
-  forEachOf(grid_.team(), points_.size(), kFewestToRefit,
-            [&](std::size_t i) { counts[i] = isFirstWithin(least, static_cast<std::uint32_t>(i)); });
-  std::optional<SortedGrid> distinct;
-  if (std::ranges::find(counts, 0) != counts.end()) {
-    distinct.emplace(grid_.grid(), options_.threads, SortedGrid::CellTags::on);
-    distinct->build(points_.positions, counts);
-  }
-  const SortedGrid& counted = distinct ? *distinct : grid_;
-  points_.spacings.resize(points_.size());
-  // In the order of the index, so that points of a cell are together.
-  constexpr std::size_t kPart = 4096;
-  const std::span<const SortedGrid::Placed> all = grid_.placed();
-  grid_.team().forEach((all.size() + kPart - 1) / kPart, [&](std::size_t part) {
-    thread_local CellGroups groups;
-    thread_local SpacingMeasure measure;
-    const std::span<const SortedGrid::Placed> points =
-        all.subspan(part * kPart, std::min(kPart, all.size() - part * kPart));
-    groups.assign(grid_.grid(), points.size(),
-                  [&](std::size_t i) { return std::pair(DVec3(points[i].position), options_.radius); });
-    for (const CellGroups::Group& group : groups.groups()) {
-      measure.gather(counted, group.balls, points_.normals);
-      for (const std::uint32_t i : groups.members(group)) {
-        const std::uint32_t point = points[i].number;
-        const double spacing = measure.at(DVec3(points[i].position), DVec3(points_.normals[point]), options_.radius);
-        points_.spacings[point] = static_cast<float>(std::clamp(spacing, least, most));
-      }
-    }
-  });
+  if (options.resample) points_.spacings = measuredSpacings(grid_, points_.positions, points_.normals, options.radius);
   for (const float spacing : points_.spacings) widestSpacing_ = std::max(widestSpacing_, double{spacing});
 }
 

@@ -64,9 +64,6 @@ class CpuSculpture {
   void set(std::span<const PointChange> changes);
 
  private:
-  /// Whether no point with a lower number is nearer than `radius`, which is far less than a cell.
-  bool isFirstWithin(double radius, std::uint32_t point) const;
-  void measureSpacings();
   double reachOf(std::uint32_t point) const;
   float mostReach() const;
   bool isAtRest(std::uint32_t point) const;

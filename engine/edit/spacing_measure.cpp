@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "engine/core/widest_lanes.hpp"
 #include "engine/edit/resampling.hpp"
+#include "engine/spatial/cell_groups.hpp"
 #include "shaders/shared/weight.h"
 
 namespace palpate {
@@ -83,6 +85,74 @@ double SpacingMeasure::at(const DVec3& place, const DVec3& normal, double radius
   }
   return std::max(shared::spacingFrom(radius, std::max(weights, static_cast<double>(shared::kMinWeights))),
                   sectorSpacing(nearest));
+}
+
+namespace {
+
+// Whether no point with a lower number is nearer than `radius`, which is far less than a cell. A bucket's points are in
+// the order of their numbers, and of many that coincide the first is found soon.
+bool isFirstWithin(const SortedGrid& grid, std::span<const Vec3> positions, double radius, std::uint32_t point) {
+  const DVec3 place(positions[point]);
+  bool first = true;
+  const CellBox box = cellsAround(grid.grid(), place, radius);
+  if (box.cells() > SortedGrid::kFewCells) {  // so far out that cells are finer than the coordinates
+    grid.forEachNear(place, radius, [&](const SortedGrid::Placed& near) { first = first && near.number >= point; });
+    return first;
+  }
+  grid.forEachBucket(box, [&](std::span<const SortedGrid::Placed> points) {
+    for (auto near = points.begin(); first && near != points.end() && near->number < point; ++near) {
+      const DVec3 offset = DVec3(near->position) - place;
+      first = !(glm::dot(offset, offset) < radius * radius);
+    }
+  });
+  return first;
+}
+
+// Calls body(begin, end) for parts of `count`, on all threads.
+template <class Body>
+void forEachPart(SortedGrid& grid, std::size_t count, Body&& body) {
+  constexpr std::size_t kPart = 4096;
+  grid.team().forEach((count + kPart - 1) / kPart,
+                      [&](std::size_t part) { body(part * kPart, std::min(count, (part + 1) * kPart)); });
+}
+
+}  // namespace
+
+std::vector<float> measuredSpacings(SortedGrid& grid, std::span<const Vec3> positions, std::span<const Vec3> normals,
+                                    double radius) {
+  const double least = static_cast<double>(shared::kMinSpacing) * radius;
+  const double most = static_cast<double>(shared::kMaxSpacing) * radius;
+  // Only the first of coincident points counts, so that thousands at one position cost no more than as many elsewhere.
+  std::vector<std::uint8_t> counts(positions.size());
+  forEachPart(grid, positions.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      counts[i] = isFirstWithin(grid, positions, least, static_cast<std::uint32_t>(i));
+  });
+  std::optional<SortedGrid> distinct;
+  if (std::ranges::find(counts, 0) != counts.end()) {
+    distinct.emplace(grid.grid(), static_cast<unsigned>(grid.threads()), SortedGrid::CellTags::on);
+    distinct->build(positions, counts);
+  }
+  const SortedGrid& counted = distinct ? *distinct : grid;
+  std::vector<float> spacings(positions.size());
+  // In the order of the index, so that points of a cell are together.
+  const std::span<const SortedGrid::Placed> all = grid.placed();
+  forEachPart(grid, all.size(), [&](std::size_t begin, std::size_t end) {
+    thread_local CellGroups groups;
+    thread_local SpacingMeasure measure;
+    const std::span<const SortedGrid::Placed> points = all.subspan(begin, end - begin);
+    groups.assign(grid.grid(), points.size(),
+                  [&](std::size_t i) { return std::pair(DVec3(points[i].position), radius); });
+    for (const CellGroups::Group& group : groups.groups()) {
+      measure.gather(counted, group.balls, normals);
+      for (const std::uint32_t i : groups.members(group)) {
+        const std::uint32_t point = points[i].number;
+        const double spacing = measure.at(DVec3(points[i].position), DVec3(normals[point]), radius);
+        spacings[point] = static_cast<float>(std::clamp(spacing, least, most));
+      }
+    }
+  });
+  return spacings;
 }
 
 }  // namespace palpate

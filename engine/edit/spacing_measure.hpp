@@ -7,6 +7,7 @@
 
 #include "engine/core/vec.hpp"
 #include "engine/spatial/gathered_points.hpp"
+#include "engine/spatial/sorted_grid.hpp"
 
 namespace palpate {
 
@@ -26,5 +27,10 @@ class SpacingMeasure {
   std::vector<double> weight_, distance_;            // of the near ones
   std::vector<std::uint32_t> sector_;
 };
+
+/// The target spacing of each point of a cloud, by the points of its sheet within `radius`; model units. `grid` is the
+/// index of all of them, whose threads share the work.
+std::vector<float> measuredSpacings(SortedGrid& grid, std::span<const Vec3> positions, std::span<const Vec3> normals,
+                                    double radius);
 
 }  // namespace palpate
