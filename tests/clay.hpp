@@ -104,55 +104,6 @@ inline void checkClay(const ClayResult& result, double depth) {
   CHECK(result.secondLayer <= 0.01);
 }
 
-/// A plate below the plane: its far side is `thickness` lower, with the same density.
-inline Scene makeClayPlate(std::size_t count, float thickness) {
-  Scene scene = makeScene("plane", count);
-  for (std::size_t i = 0; i < count; ++i) {
-    scene.cloud.positions.push_back(scene.cloud.positions[i] - Vec3(0, 0, thickness));
-    scene.cloud.normals.push_back(-scene.cloud.normals[i]);
-  }
-  return scene;
-}
-
-/// Drags over such a plate without lifting the hand: its far side stays unchanged, and the near one in front of it.
-/// Returns the displacement of the near one.
-inline double dragOverPlate(TouchBackend& touch, const Scene& plate, float thickness) {
-  const ClayGesture gesture = clayDrag(plate, thickness + 1.5, 200);
-  for (std::size_t k = 0; k + 150 < gesture.hips.size(); ++k)
-    touch.query({.time_s = 1e-3 * static_cast<double>(k), .hip = gesture.hips[k]}, 0);
-  touch.finish();
-  PointCloud after = plate.cloud;
-  CHECK(touch.readBack(after) > 20);
-  std::size_t far = 0;
-  double lowest = 0;
-  for (std::size_t i = 0; i < after.size(); ++i) {
-    const bool isFar = after.normals[i].z < -0.5f;
-    far += isFar;
-    if (isFar)
-      CHECK(after.positions[i].z == -thickness);
-    else
-      lowest = std::min(lowest, static_cast<double>(after.positions[i].z));
-  }
-  CHECK(far == plate.cloud.size() / 2);
-  CHECK(lowest > -static_cast<double>(thickness));
-  return lowest;
-}
-
-/// Carves through such a plate until the hand is below it: no point may be left beside the plate.
-inline void checkCarvingThroughPlate(TouchBackend& touch, const Scene& plate, double thickness) {
-  const ClayGesture gesture = clayDrag(plate, thickness + 2, 100);
-  for (std::size_t k = 0; k < gesture.hips.size(); ++k)
-    CHECK(touch.query({.time_s = 1e-3 * static_cast<double>(k), .hip = gesture.hips[k]}, 0).valid);
-  touch.finish();
-  PointCloud after = plate.cloud;
-  CHECK(touch.readBack(after) > 20);
-  CHECK(after.size() < plate.cloud.size() - 20);
-  for (const Vec3& place : after.positions) {
-    CHECK(static_cast<double>(place.z) < 0.3);
-    CHECK(static_cast<double>(place.z) > -thickness - 0.3);
-  }
-}
-
 /// Plays the gesture on a machine that completes one tick of `every`.
 inline ClayResult mould(TouchBackend& touch, const Scene& scene, const ClayGesture& gesture, int every = 1) {
   for (std::size_t k = 0; k < gesture.hips.size(); k += static_cast<std::size_t>(every))

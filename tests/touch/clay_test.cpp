@@ -1,5 +1,5 @@
 // A stroke produces the shape that the hand's motion defines: depth, height and layers, compared with analytic truth.
-// Needs no GPU.
+// Needs no GPU; trench_test.cpp has the cases of each back end.
 #include <doctest/doctest.h>
 
 #include "engine/touch/cpu_touch.hpp"
@@ -18,21 +18,6 @@ ClayResult mouldOnCpu(const Scene& scene, const BrushOptions& brush, const ClayG
 }
 
 }  // namespace
-
-TEST_CASE("a drag leaves a trench as deep as the hand, and no points above or below the surface" * kMoreInFull) {
-  for (const char* shape : {"plane", "sphere"}) {
-    const Scene scene = makeScene(shape, byTier(6'000, 20'000));
-    for (const BrushKind kind : {BrushKind::push, BrushKind::carve})
-      for (const double depth : byTier<std::vector<double>>({3}, {2, 3, 4, 6, 9}))
-        for (const double speed : byTier<std::vector<double>>({100}, {20, 100, 500})) {
-          CAPTURE(shape);
-          CAPTURE(static_cast<int>(kind));
-          CAPTURE(depth);
-          CAPTURE(speed);
-          checkClay(mouldOnCpu(scene, clayBrush(kind), clayDrag(scene, depth, speed)), depth);
-        }
-  }
-}
 
 TEST_CASE("a gesture leaves the same trench if the machine completes only half or a third of the ticks") {
   const Scene scene = makeScene("plane", 6'000);
@@ -131,22 +116,6 @@ TEST_CASE("inflate raises the surface by the depth of the hand, smoothly, and st
   }
   CHECK(highest == near(2, 0.1));
   CHECK(hold(1000).positions == raised.positions);
-}
-
-TEST_CASE("the far side of a plate stays unchanged, and the near side stops before it") {
-  const Scene plate = makeClayPlate(6'000, 3);
-  for (const BrushKind kind : {BrushKind::push, BrushKind::flatten, BrushKind::inflate, BrushKind::grab}) {
-    CAPTURE(static_cast<int>(kind));
-    CpuTouch touch(plate.cloud, {.radius = plate.radius, .brush = clayBrush(kind), .threads = 1});
-    const double lowest = dragOverPlate(touch, plate, 3);
-    if (kind == BrushKind::push) CHECK(lowest < -1.5);
-  }
-}
-
-TEST_CASE("a plate that is carved through has no points below") {
-  const Scene plate = makeClayPlate(6'000, 1);
-  CpuTouch touch(plate.cloud, {.radius = plate.radius, .brush = clayBrush(BrushKind::carve), .threads = 1});
-  checkCarvingThroughPlate(touch, plate, 1);
 }
 
 TEST_CASE("all brushes keep their bounds of depth, height and folds at all depths, speeds and shares of the ticks" *

@@ -1,4 +1,4 @@
-// Clouds that move, on the CPU. Needs no GPU.
+// Clouds that move, on the CPU; moving_test.cpp has the cases of each back end.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -7,40 +7,8 @@
 
 #include "engine/touch/cpu_touch.hpp"
 #include "tests/touch/moving_scene.hpp"
-#include "tests/touch/stream_scene.hpp"
 
 namespace palpate::cpu_moving_test {
-
-namespace {
-
-std::unique_ptr<TouchBackend> makeCpu(const Scene& scene, CloudSource& source, double friction) {
-  return std::make_unique<CpuTouch>(
-      scene.cloud, CpuTouchOptions{.radius = scene.radius, .friction = friction, .threads = 1, .source = &source});
-}
-
-std::unique_ptr<TouchBackend> makeCpuOnStream(const PointCloud& first, CloudSource& source, double radius) {
-  return std::make_unique<CpuTouch>(first, CpuTouchOptions{.radius = radius, .threads = 1, .source = &source});
-}
-
-}  // namespace
-
-TEST_CASE("an oscillating sphere under a hand at rest is felt at its present depth on the CPU") {
-  for (const DVec3 center : {DVec3(0), DVec3(1e6, -2e6, 3e6)}) {
-    CAPTURE(center.x);
-    const Scene scene = makeScene("sphere", 20'000, center);
-    MovingCloud source(scene.cloud, oscillation());
-    CpuTouch touch(scene.cloud, {.radius = scene.radius, .threads = 1, .source = &source});
-    const DVec3 hip = center + DVec3(0, 0, 50.2);
-    const auto contacts = feelAtRest(touch, hip, 150);
-    const DepthError error =
-        depthError(contacts, hip, MovingShape(*scene.shape, oscillation(), scene.cloud.origin), 0.2);
-    CHECK(error.inside > 40);
-    CHECK(error.inside < 100);
-    CHECK(error.rms < 0.03);
-    CHECK(error.wronglyFree == 0);
-    CHECK(error.wronglyTouching == 0);
-  }
-}
 
 TEST_CASE("a rotating or drifting sphere is felt at its present depth on the CPU") {
   const Scene scene = makeScene("bumpy-sphere", 20'000);
@@ -78,27 +46,6 @@ TEST_CASE("a source at rest gives the same answers on the CPU as no source, bit 
   }
 }
 
-TEST_CASE("the same path twice gives the same answers on the CPU, and the points end at the source's positions") {
-  const Scene scene = makeScene("sphere", 3'000);
-  const auto play = [&](unsigned threads) {
-    MovingCloud source(scene.cloud, oscillation());
-    CpuTouch touch(scene.cloud, {.radius = scene.radius, .threads = threads, .source = &source});
-    auto contacts = feelAtRest(touch, {1, 2, 50}, 60);
-    touch.finish();
-    PointCloud end = scene.cloud;
-    CHECK(touch.readBack(end) == scene.cloud.size());
-    CloudFrame frame, truth;
-    CHECK(touch.frames()->take(frame));
-    CHECK_FALSE(touch.frames()->take(frame));
-    source.makeFrame(kTick_s * 59, truth);
-    CHECK(frame.positions == truth.positions);
-    CHECK(frame.normals == truth.normals);
-    CHECK(end.positions == truth.positions);
-    return contacts;
-  };
-  CHECK(std::ranges::equal(play(1), play(3), sameAnswer));
-}
-
 TEST_CASE("an inconsistent frame ends the session on the CPU: no answer is valid from then on") {
   const Scene scene = makeScene("sphere", 2'000);
   for (const auto fault :
@@ -125,13 +72,6 @@ TEST_CASE("clouds of one or no point can move on the CPU, without a surface") {
   }
 }
 
-TEST_CASE("in real time no tick on the CPU waits for the making of a frame") {
-  const Scene scene = makeScene("sphere", 2'000);
-  HeldSource source(scene.cloud, {.kind = MotionKind::drift, .speed = 1000});
-  CpuTouch touch(scene.cloud, {.radius = scene.radius, .threads = 1, .source = &source});
-  checkNoTickWaits(touch, source);
-}
-
 TEST_CASE("in real time frames are applied between ticks on the CPU, in order") {
   const Scene scene = makeScene("sphere", 20'000);
   MovingCloud source(scene.cloud, oscillation());
@@ -152,34 +92,6 @@ TEST_CASE("in real time frames are applied between ticks on the CPU, in order") 
   CHECK(frames > 20);
   touch.finish();
   CHECK(touch.report().index.built >= static_cast<std::uint64_t>(frames - 1));
-}
-
-TEST_CASE("old frames are extrapolated to the present position of the surface on the CPU") { checkOldFrames(makeCpu); }
-
-TEST_CASE("on the CPU the surface stops some time after the last frame") { checkStoppedFrames(makeCpu); }
-
-TEST_CASE("on the CPU a sliding surface carries the proxy along, and only relative motion drags it") {
-  checkCarriedProxy(makeCpu);
-}
-
-TEST_CASE("a sheet approaching at half a metre per second cannot pass a stylus, from either face, on the CPU") {
-  checkFastSheet(makeCpu);
-}
-
-TEST_CASE("an object that leaves is no longer felt from that tick on, on the CPU") { checkLeaving(makeCpu); }
-
-TEST_CASE("on the CPU a frame with holes is felt with the points that it has") { checkHoles(makeCpu); }
-
-TEST_CASE("on the CPU a wall that steps by a millimetre before a depth camera is felt as a ramp") {
-  checkStepIsRamp(makeCpuOnStream);
-}
-
-TEST_CASE("on the CPU no frame of a tilted plane is felt as a step") { checkSteadyPlane(makeCpuOnStream); }
-
-TEST_CASE("on the CPU a wall approaching a depth camera cannot pass a stylus") { checkComingWall(makeCpuOnStream); }
-
-TEST_CASE("on the CPU a wall that leaves a depth camera's view is no longer felt") {
-  checkLeavingWall(makeCpuOnStream);
 }
 
 }  // namespace palpate::cpu_moving_test

@@ -10,28 +10,12 @@
 #include "shaders/shared/edit.h"
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
-#include "tests/touch/rim_scene.hpp"
 
 namespace palpate::cpu_touch_test {
 
 namespace {
 
 BrushOptions softPush() { return {.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8}; }
-
-// The HIP moves straight down onto the top of a sphere of radius 50, to `depth` below it, and stays.
-std::vector<Pose> pressPath(double depth, int ticks) {
-  std::vector<Pose> poses;
-  for (int i = 0; i <= ticks; ++i)
-    poses.push_back({.time_s = 1e-3 * i, .hip = {0, 0, 51 - (1 + depth) * std::min(1.0, i / (0.5 * ticks))}});
-  return poses;
-}
-
-std::vector<Contact> play(CpuTouch& touch, std::span<const Pose> poses) {
-  std::vector<Contact> contacts;
-  for (const Pose& pose : poses) contacts.push_back(touch.query(pose, 0));
-  touch.finish();
-  return contacts;
-}
 
 void checkEqualsReference(const Scene& scene, const std::vector<DVec3>& path, const CpuTouchOptions& options) {
   CpuTouch touch(scene.cloud, options);
@@ -101,36 +85,6 @@ TEST_CASE("on the CPU a HIP that is not a number gives an invalid contact, and t
   touch.finish();
 }
 
-TEST_CASE("a yielding surface on the CPU follows the HIP until it is the yield depth away") {
-  const Scene scene = makeScene("sphere", 20'000);
-  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
-  const auto poses = pressPath(4, 200);
-  const auto contacts = play(touch, poses);
-  CHECK(contacts.back().touching);
-  CHECK(contacts.back().proxy.z < 46.8);  // from 50 down to 46 + the yield depth, minus the rounding by the average
-  CHECK(contacts.back().proxy.z > 46.1);
-  REQUIRE(touch.report().firstEdit_s);
-  CHECK(*touch.report().firstEdit_s > 0.02);
-  CHECK(touch.report().editTimes_us.size() > 100);
-
-  PointCloud sculpted = scene.cloud;
-  const std::size_t moved = touch.readBack(sculpted);
-  CHECK(moved > 60);
-  CHECK(moved < sculpted.size() / 4);
-  double deepest = 50;
-  for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
-  CHECK(deepest == within(46.32, 0.03));  // 46 + the yield depth, plus the offset of the point nearest to the tip
-  for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
-
-  // The index followed: its answer equals the reference on the sculpted cloud.
-  const ContactReference reference(sculpted, scene.radius);
-  const Contact last = touch.query({.time_s = 1, .hip = poses.back().hip}, 0);
-  const SurfaceSample surface = reference.surface(last.proxy, DVec3(0));
-  CHECK(std::abs(surface.distance) < 1e-4 * scene.radius);
-  CHECK(glm::distance(surface.normal, last.normal) < 1e-9);
-  CHECK(surface.neighbours == last.neighbours);
-}
-
 TEST_CASE("an edited tick moves each point as the brush specifies, at most a quarter of a support radius") {
   const Scene scene = makeScene("sphere", 20'000);
   const BrushOptions options{.yieldDepth = 0.2, .pushRate = 1, .radius = 9, .resample = false};
@@ -155,25 +109,6 @@ TEST_CASE("an edited tick moves each point as the brush specifies, at most a qua
   }
   CHECK(wrong == 0);
   CHECK(furthest == near(longestMove, 1e-4));
-}
-
-TEST_CASE("the same presses give the same contacts and the same cloud with any number of threads") {
-  const Scene scene = makeScene("sphere", 20'000);
-  std::vector<Contact> first;
-  PointCloud firstCloud;
-  for (const unsigned threads : {1u, 2u, 3u}) {
-    CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush(), .threads = threads});
-    const auto contacts = play(touch, pressPath(3, 60));
-    PointCloud cloud = scene.cloud;
-    touch.readBack(cloud);
-    if (threads == 1) {
-      first = contacts;
-      firstCloud = cloud;
-    }
-    for (std::size_t i = 0; i < contacts.size(); ++i) CHECK(contacts[i].proxy == first[i].proxy);
-    CHECK(cloud.positions == firstCloud.positions);
-    CHECK(cloud.normals == firstCloud.normals);
-  }
 }
 
 TEST_CASE("in real time an edit beyond the budget is bridged by the last answer, and edits that are too slow pause") {
@@ -202,13 +137,6 @@ TEST_CASE("in real time an edit beyond the budget is bridged by the last answer,
   // Includes an edit of the wide brush's points that were still pending.
   CHECK(touch.report().editTimes_us.size() >= edits + (slow ? 0 : 1));
   CHECK(touch.report().shortfalls.editsTooSlow == leftOut + (slow ? 1 : 0));
-}
-
-TEST_CASE(
-    "on the CPU a hand that loses contact beyond an open rim reports it, and finds contact again from either side") {
-  checkRim([](const PointCloud& cloud, double radius) {
-    return std::make_unique<CpuTouch>(cloud, CpuTouchOptions{.radius = radius, .threads = 1});
-  });
 }
 
 }  // namespace palpate::cpu_touch_test

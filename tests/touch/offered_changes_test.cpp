@@ -1,4 +1,4 @@
-// Changes that others offer to a back end, on the CPU.
+// Changes that others offer to the CPU, in real time too.
 #include <atomic>
 #include <thread>
 
@@ -13,20 +13,6 @@ namespace {
 constexpr BrushOptions kPush{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8, .resample = false};
 
 }  // namespace
-
-TEST_CASE("on the CPU strokes continue during edits of others, and each offer is reported once") {
-  const Scene scene = makeScene("sphere", 20'000);
-  for (const bool everywhere : {false, true}) {
-    CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
-    checkOffersAmidStrokes(touch, scene.cloud, everywhere, 2);
-  }
-}
-
-TEST_CASE("on the CPU an offer that is too late for a point leaves it unchanged") {
-  const Scene scene = makeScene("sphere", 5'000);
-  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
-  checkOffersThatAreLate(touch, scene.cloud);
-}
 
 TEST_CASE("in real time a hand can sculpt although edits of others are offered before every answer") {
   const Scene scene = makeScene("sphere", 5'000);

@@ -1,4 +1,4 @@
-// Clouds that move, on the GPU.
+// Clouds that move, on the GPU; tests/touch/moving_test.cpp has the cases of each back end.
 #include <algorithm>
 #include <chrono>
 #include <thread>
@@ -7,9 +7,7 @@
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
-#include "tests/labels.hpp"
 #include "tests/touch/moving_scene.hpp"
-#include "tests/touch/stream_scene.hpp"
 
 namespace palpate::gpu_moving_test {
 
@@ -31,26 +29,6 @@ class CrowdingSource final : public CloudSource {
 };
 
 }  // namespace
-
-TEST_CASE_FIXTURE(GpuFixture, "an oscillating sphere under a hand at rest is felt at its present depth") {
-  for (const DVec3 center : {DVec3(0), DVec3(1e6, -2e6, 3e6)}) {
-    CAPTURE(center.x);
-    const Scene scene = makeScene("sphere", 20'000, center);
-    MovingCloud source(scene.cloud, oscillation());
-    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
-    const DVec3 hip = center + DVec3(0, 0, 50.2);
-    const auto contacts = feelAtRest(touch, hip, 100);
-    touch.finish();
-    const DepthError error =
-        depthError(contacts, hip, MovingShape(*scene.shape, oscillation(), scene.cloud.origin), 0.2);
-    CHECK(error.inside > 25);
-    CHECK(error.inside < 55);
-    CHECK(error.rms < 0.03);
-    CHECK(error.wronglyFree == 0);
-    CHECK(error.wronglyTouching == 0);
-    CHECK(touch.report().index.built >= 100);
-  }
-}
 
 TEST_CASE_FIXTURE(GpuFixture,
                   "a source at rest gives the same answers as no source, bit by bit, for each query and sort method") {
@@ -104,20 +82,16 @@ TEST_CASE_FIXTURE(GpuFixture, "both back ends agree on a rotating cloud, and end
   CHECK_FALSE(touch.frames()->take(frame));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "the same path twice gives the same answers, and the cloud keeps its ids") {
+TEST_CASE_FIXTURE(GpuFixture, "the points of a moving cloud keep their ids") {
   const Scene scene = makeScene("sphere", 2'000);
-  const auto play = [&] {
-    MovingCloud source(scene.cloud, oscillation());
-    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
-    const auto contacts = feelAtRest(touch, {1, 2, 50}, 40);
-    touch.finish();
-    auto points = touch.live().points();
-    std::ranges::sort(points, {}, &PointState::id);
-    for (std::uint32_t i = 0; i < points.size(); ++i) CHECK(points[i].id == i);
-    CHECK(points.size() == scene.cloud.size());
-    return contacts;
-  };
-  CHECK(std::ranges::equal(play(), play(), sameAnswer));
+  MovingCloud source(scene.cloud, oscillation());
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
+  feelAtRest(touch, {1, 2, 50}, 40);
+  touch.finish();
+  auto points = touch.live().points();
+  std::ranges::sort(points, {}, &PointState::id);
+  for (std::uint32_t i = 0; i < points.size(); ++i) CHECK(points[i].id == i);
+  CHECK(points.size() == scene.cloud.size());
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "clouds of awkward sizes move correctly") {
@@ -176,13 +150,6 @@ TEST_CASE_FIXTURE(GpuFixture, "an inconsistent frame ends the session: no answer
     }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "in real time no tick waits for the making of a frame") {
-  const Scene scene = makeScene("sphere", 2'000);
-  HeldSource source(scene.cloud, {.kind = MotionKind::drift, .speed = 1000});
-  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
-  checkNoTickWaits(touch, source);
-}
-
 TEST_CASE_FIXTURE(GpuFixture, "in real time frames are applied between ticks, in order") {
   const Scene scene = makeScene("sphere", 2'000);
   MovingCloud source(scene.cloud, oscillation());
@@ -227,61 +194,6 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "with more frames than ticks, no frame is felt
     if (i % 4 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));  // a frame or more
   }
   CHECK(newer > 5);
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "old frames are extrapolated to the present position of the surface" * kMoreInFull) {
-  checkOldFrames(
-      [this](const Scene& scene, CloudSource& source, double friction) {
-        return std::make_unique<TouchSide>(
-            device, scene.cloud, TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
-      },
-      byTier(360, 600));
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "the surface stops some time after the last frame") {
-  checkStoppedFrames([this](const Scene& scene, CloudSource& source, double friction) {
-    return std::make_unique<TouchSide>(device, scene.cloud,
-                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
-  });
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "a sliding surface carries the proxy along, and only relative motion drags it") {
-  checkCarriedProxy([this](const Scene& scene, CloudSource& source, double friction) {
-    return std::make_unique<TouchSide>(device, scene.cloud,
-                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
-  });
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "a sheet approaching at half a metre per second cannot pass a stylus, from either face") {
-  checkFastSheet([this](const Scene& scene, CloudSource& source, double friction) {
-    return std::make_unique<TouchSide>(device, scene.cloud,
-                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
-  });
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "an object that leaves is no longer felt from that tick on") {
-  checkLeaving([this](const Scene& scene, CloudSource& source, double friction) {
-    return std::make_unique<TouchSide>(device, scene.cloud,
-                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
-  });
-}
-
-TEST_CASE_FIXTURE(GpuFixture, "a frame with holes is felt with the points that it has") {
-  checkHoles([this](const Scene& scene, CloudSource& source, double friction) {
-    return std::make_unique<TouchSide>(device, scene.cloud,
-                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
-  });
-}
-
-TEST_CASE_FIXTURE(GpuFixture, "a wall before a depth camera steps as a ramp, pushes a stylus ahead, and leaves") {
-  const auto make = [this](const PointCloud& first, CloudSource& source, double radius) {
-    return std::make_unique<TouchSide>(device, first, TouchOptions{.radius = radius, .source = &source});
-  };
-  checkStepIsRamp(make);
-  checkComingWall(make);
-  checkLeavingWall(make);
-  checkSteadyPlane(make);
 }
 
 }  // namespace palpate::gpu_moving_test

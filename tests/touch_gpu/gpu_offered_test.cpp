@@ -15,24 +15,6 @@ constexpr BrushOptions kPush{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8, .r
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture,
-                  "on the GPU strokes continue during edits of others, with an updated or a rebuilt index") {
-  const Scene scene = makeScene("sphere", 8'000);
-  for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
-    CAPTURE(index == IndexFollow::rebuild);
-    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = kPush, .index = index});
-    checkOffersAmidStrokes(touch, scene.cloud, index == IndexFollow::incremental, 1);
-  }
-}
-
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU an offer that is too late for a point leaves it unchanged") {
-  const Scene scene = makeScene("sphere", 5'000);
-  for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
-    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = kPush, .paintable = true, .index = index});
-    checkOffersThatAreLate(touch, scene.cloud);
-  }
-}
-
 TEST_CASE_FIXTURE(GpuFixture, "an offer of very many points rebuilds the index instead of updating it") {
   const Scene scene = makeScene("sphere", 3'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = kPush});

@@ -10,7 +10,6 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 #include "tests/touch/busy.hpp"
-#include "tests/touch/rim_scene.hpp"
 
 namespace palpate::touch_side_test {
 
@@ -31,27 +30,6 @@ std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog::R
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "a yielding surface follows the HIP until it is the yield depth away") {
-  const Scene scene = makeScene("sphere", 20'000);
-  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
-  const auto contacts = press(touch, 4, 120);
-  touch.finish();
-  for (const Contact& contact : contacts) CHECK(contact.valid);
-  const Contact& last = contacts.back();
-  CHECK(last.touching);
-  CHECK(last.proxy.z < 46.8);  // from 50 down to 46 + the yield depth, minus the rounding by the average
-  CHECK(last.proxy.z > 46.1);
-
-  PointCloud sculpted = scene.cloud;
-  const std::size_t moved = touch.readBack(sculpted);
-  CHECK(moved > 60);
-  CHECK(moved < sculpted.size() / 4);
-  double deepest = 50;
-  for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
-  CHECK(deepest == within(46.32, 0.03));  // 46 + the yield depth, plus the offset of the point nearest to the tip
-  for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
-}
-
 TEST_CASE_FIXTURE(GpuFixture, "the index follows every edit: later contacts equal those on a newly loaded cloud") {
   const Scene scene = makeScene("torus", 20'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
@@ -68,27 +46,6 @@ TEST_CASE_FIXTURE(GpuFixture, "the index follows every edit: later contacts equa
     CHECK(after.touching == loaded.touching);
     CHECK(glm::distance(after.proxy, loaded.proxy) < 1e-4 * scene.radius);
     if (glm::length(touch.query(pose, 0).proxy - pose.hip) > softPush().yieldDepth) break;  // it yields again
-  }
-}
-
-TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the same cloud, bit by bit") {
-  const Scene scene = makeScene("sphere", 10'007);
-  std::vector<Contact> first;
-  PointCloud firstCloud = scene.cloud;
-  for (int run = 0; run < 2; ++run) {
-    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
-    const auto contacts = press(touch, 3, 60);
-    touch.finish();
-    PointCloud cloud = scene.cloud;
-    touch.readBack(cloud);
-    if (run == 0) {
-      first = contacts;
-      firstCloud = cloud;
-      continue;
-    }
-    for (std::size_t i = 0; i < contacts.size(); ++i) CHECK(contacts[i].proxy == first[i].proxy);
-    CHECK(cloud.positions == firstCloud.positions);
-    CHECK(cloud.normals == firstCloud.normals);
   }
 }
 
@@ -286,13 +243,6 @@ TEST_CASE_FIXTURE(GpuFixture, "a cloud that cannot fit is refused with both size
   const std::uint64_t tooMany = device.ownMemory() / 64;  // two orders of two vec4 alone exhaust it
   CHECK_NOTHROW(requireGpuMemory(device, tooMany / 2, false));
   CHECK_THROWS_WITH_AS(requireGpuMemory(device, tooMany, false), doctest::Contains("MiB"), OutOfGpuMemory);
-}
-
-TEST_CASE_FIXTURE(GpuFixture,
-                  "a hand that loses contact beyond an open rim reports it, and finds contact again from either side") {
-  checkRim([this](const PointCloud& cloud, double radius) {
-    return std::make_unique<TouchSide>(device, cloud, TouchOptions{.radius = radius});
-  });
 }
 
 }  // namespace palpate::touch_side_test

@@ -1,30 +1,27 @@
 // A wall in front of a depth camera that steps, approaches and disappears between frames, felt through its newest
-// frame, for each back end.
-#pragma once
-
-#include <doctest/doctest.h>
-
+// frame.
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <vector>
 
 #include "engine/motion/depth_points.hpp"
 #include "engine/motion/depth_source.hpp"
-#include "engine/touch/touch_backend.hpp"
 #include "tests/motion/depth_scene.hpp"
 #include "tests/motion/plane_stream.hpp"
 #include "tests/near.hpp"
+#include "tests/touch/back_end.hpp"
 
-namespace palpate {
+namespace palpate::stream_test {
 
-/// The camera is at the origin and looks along z; 30 frames a second.
+namespace {
+
+// The camera is at the origin and looks along z; 30 frames a second.
 class WallStream final : public DepthStream {
  public:
   static constexpr double kPeriod_s = 1.0 / 30;
 
-  /// `depths_m`: depth of the wall in each frame; 0: no wall.
+  // `depths_m`: depth of the wall in each frame; 0: no wall.
   explicit WallStream(std::vector<double> depths_m) : depths_m_(std::move(depths_m)) {}
 
   const DepthCamera& camera() const override { return camera_; }
@@ -46,21 +43,18 @@ class WallStream final : public DepthStream {
   std::size_t at_ = 0;
 };
 
-/// Half a metre away: its pixels are 1.9 mm wide.
+// Half a metre away: its pixels are 1.9 mm wide.
 constexpr double kWall_m = 0.5, kWallRadius_m = 0.008, kStreamTick_s = 1e-3;
 
-using MakeStreamTouch =
-    std::function<std::unique_ptr<TouchBackend>(const PointCloud& first, CloudSource& source, double radius)>;
-
-/// Answers to a stylus in virtual time that arrives within 20 ms from 5 mm in front of the first wall, and stays at a
-/// depth.
-inline std::vector<Contact> feelWall(const MakeStreamTouch& make, const std::vector<double>& depths_m, double hip_m) {
+// Answers to a stylus in virtual time that arrives within 20 ms from 5 mm in front of the first wall, and stays at a
+// depth.
+std::vector<Contact> feelWall(const OnBackEnd& backEnd, const std::vector<double>& depths_m, double hip_m) {
   DepthSource source(playedStream(std::make_shared<WallStream>(depths_m)), DVec3(0));
   CloudFrame first;
   source.makeFrame(0, first);
   PointCloud cloud;
   placeAt(first, cloud);
-  const auto touch = make(cloud, source, kWallRadius_m);
+  const auto touch = backEnd.make(cloud, {.radius = kWallRadius_m, .source = &source});
   std::vector<Contact> contacts;
   const double end_s = WallStream::kPeriod_s * static_cast<double>(depths_m.size());
   for (int i = 0; kStreamTick_s * i < end_s; ++i) {
@@ -73,14 +67,16 @@ inline std::vector<Contact> feelWall(const MakeStreamTouch& make, const std::vec
   return contacts;
 }
 
-/// A step of a millimetre is felt as a ramp over one frame, without reversal or overshoot.
-inline void checkStepIsRamp(const MakeStreamTouch& make) {
+}  // namespace
+
+// A step of a millimetre is felt as a ramp over one frame, without reversal or overshoot.
+TEST_CASE_FIXTURE(OnBackEnd, "a wall that steps by a millimetre before a depth camera is felt as a ramp") {
   constexpr double kStep_m = 0.001, kTiny_m = 2e-6;
   for (const double sign : {1.0, -1.0}) {
     CAPTURE(sign);
     std::vector<double> depths_m(7, kWall_m);
     std::fill(depths_m.begin() + 3, depths_m.end(), kWall_m + sign * kStep_m);
-    const auto contacts = feelWall(make, depths_m, kWall_m + 0.003);
+    const auto contacts = feelWall(*this, depths_m, kWall_m + 0.003);
     const double from_s = 3 * WallStream::kPeriod_s, until_s = 4 * WallStream::kPeriod_s;
     double last = kWall_m, steepest = 0;
     for (std::size_t i = 30; i < contacts.size(); ++i) {
@@ -97,12 +93,12 @@ inline void checkStepIsRamp(const MakeStreamTouch& make) {
   }
 }
 
-/// A wall that approaches at half a metre a second carries the stylus along and never lets it through.
-inline void checkComingWall(const MakeStreamTouch& make) {
+// A wall that approaches at half a metre a second carries the stylus along and never lets it through.
+TEST_CASE_FIXTURE(OnBackEnd, "a wall approaching a depth camera cannot pass a stylus") {
   std::vector<double> depths_m;
   for (int i = 0; i < 10; ++i) depths_m.push_back(kWall_m - 0.5 * WallStream::kPeriod_s * std::max(0, i - 2));
   const double hip_m = kWall_m + 0.0005;
-  const auto contacts = feelWall(make, depths_m, hip_m);
+  const auto contacts = feelWall(*this, depths_m, hip_m);
   for (std::size_t i = 30; i < contacts.size(); ++i) {
     const double place_s = kStreamTick_s * static_cast<double>(i) - WallStream::kPeriod_s;  // a frame behind
     const double truth = kWall_m - 0.5 * std::max(0.0, place_s - 2 * WallStream::kPeriod_s);
@@ -112,8 +108,8 @@ inline void checkComingWall(const MakeStreamTouch& make) {
   }
 }
 
-/// A hand held in a tilted, moving plane: from tick to tick, with or without a new frame, its spring hardly stretches.
-inline void checkSteadyPlane(const MakeStreamTouch& make) {
+// A hand held in a tilted, moving plane: from tick to tick, with or without a new frame, its spring hardly stretches.
+TEST_CASE_FIXTURE(OnBackEnd, "no frame of a tilted plane is felt as a step") {
   struct Case {
     SeenPlane seen;
     double mostStretch_mm;
@@ -125,7 +121,7 @@ inline void checkSteadyPlane(const MakeStreamTouch& make) {
     source.makeFrame(0, first);
     PointCloud cloud;
     placeAt(first, cloud);
-    const auto touch = make(cloud, source, 4 * PlaneStream::kSpacing_m);
+    const auto touch = make(cloud, {.radius = 4 * PlaneStream::kSpacing_m, .source = &source});
     double most_mm = 0;
     DVec3 last(0);
     for (int i = 0; i < 250; ++i) {
@@ -140,11 +136,11 @@ inline void checkSteadyPlane(const MakeStreamTouch& make) {
   }
 }
 
-/// After the wall has disappeared nothing is felt, from the first tick on.
-inline void checkLeavingWall(const MakeStreamTouch& make) {
+// After the wall has disappeared nothing is felt, from the first tick on.
+TEST_CASE_FIXTURE(OnBackEnd, "a wall that leaves a depth camera's view is no longer felt") {
   std::vector<double> depths_m(6, kWall_m);
   std::fill(depths_m.begin() + 3, depths_m.end(), 0.0);
-  const auto contacts = feelWall(make, depths_m, kWall_m + 0.002);
+  const auto contacts = feelWall(*this, depths_m, kWall_m + 0.002);
   for (std::size_t i = 30; i < contacts.size(); ++i) {
     const bool isThere = kStreamTick_s * static_cast<double>(i) < 3 * WallStream::kPeriod_s - 1e-9;
     CHECK(contacts[i].touching == isThere);
@@ -152,4 +148,4 @@ inline void checkLeavingWall(const MakeStreamTouch& make) {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::stream_test
