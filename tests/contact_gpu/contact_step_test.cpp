@@ -25,6 +25,11 @@ class ContactFixture : public GpuFixture {
     double worstProxy = 0;  // distance of the proxies, support radii
     double worstNormal_deg = 0;
   };
+  static void checkAgrees(const Outcome& outcome) {
+    CHECK(outcome.disagreed == 0);
+    CHECK(outcome.worstProxy < 1e-4);
+    CHECK(outcome.worstNormal_deg < 0.1);
+  }
   Outcome compare(const Scene& scene, const std::vector<DVec3>& path, double cell = 0) {
     TouchSide touch(device, scene.cloud, {.radius = scene.radius, .cell = cell});
     ContactReference reference(scene.cloud, scene.radius);
@@ -66,9 +71,7 @@ TEST_CASE_FIXTURE(CoreValidated<ContactFixture>,
     const Outcome outcome = compare(scene, path);
     CHECK(outcome.touched > outcome.ticks / 5);
     CHECK(outcome.touched < outcome.ticks);
-    CHECK(outcome.disagreed == 0);
-    CHECK(outcome.worstProxy < 1e-4);
-    CHECK(outcome.worstNormal_deg < 0.1);
+    checkAgrees(outcome);
     CHECK(outcome.neighboursDiffer < outcome.ticks / 20);  // points within rounding of the support radius
   }
 }
@@ -79,9 +82,7 @@ TEST_CASE_FIXTURE(ContactFixture,
     const Scene scene = makeScene("torus", 10'000, center);
     const Outcome outcome = compare(scene, wanderingPath(scene, 150, 0.5 * scene.radius, 5));
     CHECK(outcome.touched > 30);
-    CHECK(outcome.disagreed == 0);
-    CHECK(outcome.worstProxy < 1e-4);
-    CHECK(outcome.worstNormal_deg < 0.1);
+    checkAgrees(outcome);
   }
 }
 
@@ -91,9 +92,7 @@ TEST_CASE_FIXTURE(ContactFixture, "GPU contact agrees with the reference for eve
   for (const double cell : {smallestCell(scene.radius), 0.5 * scene.radius, 3 * scene.radius, 1000.0}) {
     CAPTURE(cell);
     const Outcome outcome = compare(scene, path, cell);
-    CHECK(outcome.disagreed == 0);
-    CHECK(outcome.worstProxy < 1e-4);
-    CHECK(outcome.worstNormal_deg < 0.1);
+    checkAgrees(outcome);
   }
 }
 
@@ -103,9 +102,7 @@ TEST_CASE_FIXTURE(ContactFixture,
   scene.radius = 16 * scene.spacing;
   const Outcome outcome = compare(scene, wanderingPath(scene, 60, 0.2 * scene.radius, 4));
   CHECK(outcome.touched > 10);
-  CHECK(outcome.disagreed == 0);
-  CHECK(outcome.worstProxy < 1e-4);
-  CHECK(outcome.worstNormal_deg < 0.1);
+  checkAgrees(outcome);
 }
 
 TEST_CASE_FIXTURE(ContactFixture, "clouds of at most two points are never touched") {

@@ -40,6 +40,15 @@ Vec3 fittedInDouble(const PointTree& tree, std::span<const Vec3> positions, cons
   return Vec3(fit.normal(DVec3(0)).normal);
 }
 
+void run(Device& device, const NormalEstimate& estimate, const SpatialHash& hash, const LiveCloud& live,
+         double radius) {
+  CommandList list(device, device.latencyQueue(), "estimate");
+  list.begin();
+  estimate.record(list, hash.view(live.front(), live.count()), radius);
+  list.end();
+  device.latencyQueue().run(list);
+}
+
 void checkUnit(const PointCloud& cloud) {
   REQUIRE(cloud.normals.size() == cloud.size());
   for (const Vec3& normal : cloud.normals) REQUIRE(glm::length(normal) == near(1, 1e-4));
@@ -131,11 +140,7 @@ TEST_CASE_FIXTURE(GpuFixture,
     SpatialHash hash(device, makeHashGrid(boundsOf(scene.cloud).min, scene.radius, live.count()), live.count());
     hash.build(live);
     const NormalEstimate estimate(device, live.count());
-    CommandList list(device, device.latencyQueue(), "estimate");
-    list.begin();
-    estimate.record(list, hash.view(live.front(), live.count()), scene.radius);
-    list.end();
-    device.latencyQueue().run(list);
+    run(device, estimate, hash, live, scene.radius);
     const auto planes = download<Vec4>(device, estimate.planes(), live.count());
     const auto fits = download<Vec2>(device, estimate.fits(), live.count());
     const auto normals = download<Vec4>(device, estimate.normals(), live.count());
@@ -254,11 +259,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the neighbours of a point are the nearest in the 
   SpatialHash hash(device, makeHashGrid(Vec3(-60), scene.radius, live.count()), live.count());
   hash.build(live);
   const NormalEstimate estimate(device, live.count());
-  CommandList list(device, device.latencyQueue(), "estimate");
-  list.begin();
-  estimate.record(list, hash.view(live.front(), live.count()), scene.radius);
-  list.end();
-  device.latencyQueue().run(list);
+  run(device, estimate, hash, live, scene.radius);
   const auto ids = download<std::uint32_t>(device, estimate.neighbours(), live.count() * shared::kGraphSectors);
   for (std::uint32_t i = 0; i < live.count(); i += 997) {
     std::set<std::uint32_t> own;

@@ -48,6 +48,18 @@ void checkPlay(const std::vector<Contact>& gpu, const std::vector<Contact>& cpu,
   CHECK(neighboursDiffer * 20 < cpu.size());  // points within rounding of the support radius
 }
 
+// Every method, at a path over a cloud; `cell` 0: the support radius.
+void checkEveryMethod(const PointCloud& cloud, double radius, const std::vector<DVec3>& path,
+                      const std::vector<Contact>& expected, double cell = 0, double friction = 0) {
+  for (const CudaMethod method : allCudaMethods()) {
+    CAPTURE(nameOf(method));
+    CudaTouchOptions options = cudaOptions(cloud, radius, method, cell);
+    options.friction = friction;
+    CudaTouch touch(cloud, options);
+    checkPlay(answersTo(touch, path), expected, radius);
+  }
+}
+
 std::size_t touchedTicks(const std::vector<Contact>& answers) {
   return static_cast<std::size_t>(std::ranges::count_if(answers, &Contact::touching));
 }
@@ -63,11 +75,7 @@ TEST_CASE("every CUDA method agrees with the reference over random paths on ever
     const auto expected = referenceAnswers(scene, path);
     CHECK(touchedTicks(expected) > 90);
     CHECK(touchedTicks(expected) < expected.size());
-    for (const CudaMethod method : allCudaMethods()) {
-      CAPTURE(nameOf(method));
-      CudaTouch touch(scene.cloud, cudaOptions(scene.cloud, scene.radius, method));
-      checkPlay(answersTo(touch, path), expected, scene.radius);
-    }
+    checkEveryMethod(scene.cloud, scene.radius, path, expected);
   }
 }
 
@@ -83,13 +91,7 @@ TEST_CASE("CUDA feels both faces, the edges and the friction of sheets as double
     std::vector<Contact> expected;
     for (const DVec3& hip : path) expected.push_back(reference.query({.hip = hip}, 0));
     CHECK(touchedTicks(expected) > 200);
-    for (const CudaMethod method : allCudaMethods()) {
-      CAPTURE(nameOf(method));
-      CudaTouchOptions options = cudaOptions(cloud, kRadius, method);
-      options.friction = 0.3;
-      CudaTouch touch(cloud, options);
-      checkPlay(answersTo(touch, path), expected, kRadius);
-    }
+    checkEveryMethod(cloud, kRadius, path, expected, 0, 0.3);
   }
 }
 
@@ -102,11 +104,7 @@ TEST_CASE("CUDA methods agree with the reference when the support radius spans o
     CAPTURE(cells);
     const double cell = 2 * scene.radius / cells;
     REQUIRE(cell > smallestCell(scene.radius));
-    for (const CudaMethod method : allCudaMethods()) {
-      CAPTURE(nameOf(method));
-      CudaTouch touch(scene.cloud, cudaOptions(scene.cloud, scene.radius, method, cell));
-      checkPlay(answersTo(touch, path), expected, scene.radius);
-    }
+    checkEveryMethod(scene.cloud, scene.radius, path, expected, cell);
   }
 }
 
@@ -119,11 +117,7 @@ TEST_CASE("CUDA methods agree with the reference far from the origin and when a 
     const auto path = wanderingPath(*scene, 80, 0.3 * scene->radius, 5);
     const auto expected = referenceAnswers(*scene, path);
     CHECK(touchedTicks(expected) > 10);
-    for (const CudaMethod method : allCudaMethods()) {
-      CAPTURE(nameOf(method));
-      CudaTouch touch(scene->cloud, cudaOptions(scene->cloud, scene->radius, method));
-      checkPlay(answersTo(touch, path), expected, scene->radius);
-    }
+    checkEveryMethod(scene->cloud, scene->radius, path, expected);
   }
 }
 

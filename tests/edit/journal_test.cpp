@@ -70,6 +70,10 @@ class Editor {
 void append(EditBatch& batch, const std::vector<PointState>& states) {
   batch.points.insert(batch.points.end(), states.begin(), states.end());
 }
+void give(Journal& journal, EditBatch& batch) {
+  journal.follow(batch);
+  batch.clear();
+}
 void mark(EditBatch& batch, EditMark::Kind kind) { batch.marks.push_back({batch.points.size(), kind}); }
 
 // Existing points must be equal in every property; for others it is enough that they do not exist.
@@ -83,6 +87,11 @@ std::size_t differences(std::span<const PointState> a, std::span<const PointStat
 }
 
 std::vector<PointState> copyOf(std::span<const PointState> points) { return {points.begin(), points.end()}; }
+
+PointState movedTo(float z, PointState point) {
+  point.position.z = z;
+  return point;
+}
 
 EditBatch strokeOf(std::uint32_t first, std::uint32_t count, float z) {
   EditBatch batch;
@@ -112,8 +121,7 @@ TEST_CASE("undo and redo of random strokes of every kind restore each state bit 
           any = any || !edited.empty();
           append(batch, edited);
           if (random() % 3 == 0) {  // a reader in the middle of a stroke
-            journal.follow(batch);
-            batch.clear();
+            give(journal, batch);
           }
         }
         mark(batch, EditMark::Kind::stroke);
@@ -124,18 +132,15 @@ TEST_CASE("undo and redo of random strokes of every kind restore each state bit 
           versions.emplace_back();
         }
         if (random() % 2) continue;  // sometimes only after several strokes
-        journal.follow(batch);
-        batch.clear();
+        give(journal, batch);
       } else {
-        journal.follow(batch);
-        batch.clear();
+        give(journal, batch);
         const bool back = random() % 3 != 0;
         const auto changes = back ? journal.undo() : journal.redo();
         if (back ? at > 0 : at + 1 < states.size()) back ? --at : ++at;
         append(batch, editor.change(changes));
         if (!changes.empty()) mark(batch, EditMark::Kind::change);
-        journal.follow(batch);
-        batch.clear();
+        give(journal, batch);
         ++walked;
       }
       CHECK_FALSE(journal.inStroke());
@@ -153,8 +158,7 @@ TEST_CASE("undo and redo of random strokes of every kind restore each state bit 
     }
     CHECK(walked > 100);
     CHECK(metAgain > 50);
-    journal.follow(batch);
-    batch.clear();
+    give(journal, batch);
     while (journal.undoList().undoCount()) editor.change(journal.undo());
     CHECK(journal.version() == versions[0]);
     CHECK(differences(journal.points(), statesOf(cloud)) == 0);
@@ -294,11 +298,7 @@ TEST_CASE("edits of others belong to no stroke, and stay when a stroke is undone
   const PointCloud cloud = coloredCloud(20);
   Journal journal(cloud, 1 << 20);
   const auto file = copyOf(journal.points());
-  const auto moved = [&](std::uint32_t point, float z) {
-    PointState state = file[point];
-    state.position.z = z;
-    return state;
-  };
+  const auto moved = [&](std::uint32_t point, float z) { return movedTo(z, file[point]); };
   const auto z = [&](std::uint32_t point) { return journal.points()[point].position.z; };
   EditBatch batch;
   append(batch, {moved(1, 10), moved(2, 10), moved(3, 10)});
@@ -348,11 +348,7 @@ TEST_CASE("edits of others belong to no stroke, and stay when a stroke is undone
 TEST_CASE("a point that a stroke edits before and after an edit of others is undone to its state before the stroke") {
   Journal journal(coloredCloud(20), 1 << 20);
   const auto file = copyOf(journal.points());
-  const auto moved = [&](std::uint32_t point, float z) {
-    PointState state = file[point];
-    state.position.z = z;
-    return state;
-  };
+  const auto moved = [&](std::uint32_t point, float z) { return movedTo(z, file[point]); };
   EditBatch batch;
   append(batch, {moved(1, 10), moved(2, 10), moved(3, 10)});
   mark(batch, EditMark::Kind::part);

@@ -49,6 +49,11 @@ struct Compacted {
   EditedScene scene;
 };
 
+void checkHolds(const EditedScene& scene, const std::map<std::uint32_t, PointState>& points) {
+  CHECK(scene.faults() == 0);
+  CHECK(scene.points() == points);
+}
+
 // More buckets than a GPU with a shared queue copies in one slice.
 std::size_t manyPoints() { return byTier<std::size_t>(40'000, 200'000); }
 
@@ -140,8 +145,7 @@ TEST_CASE_FIXTURE(GpuFixture, "clouds of any size and shape are compacted withou
       const std::uint32_t parity = scene.live().parity();
       CHECK(scene.compactFurther(kMany));
       CHECK(scene.live().parity() != parity);
-      CHECK(scene.faults() == 0);
-      CHECK(scene.points() == before);
+      checkHolds(scene, before);
       CHECK(scene.report().head == before.size());
       CHECK(scene.report().points == before.size());
       CHECK(scene.report().compacting == 0);
@@ -196,12 +200,10 @@ TEST_CASE_FIXTURE(GpuFixture, "a compaction with too many changed buckets restar
   CHECK_FALSE(scene.compactFurther(kMany));
   CHECK(scene.compaction().report().failed == shared::kCompactionTooDirty);
   CHECK(scene.live().parity() == parity);
-  CHECK(scene.faults() == 0);
-  CHECK(scene.points() == before);
+  checkHolds(scene, before);
   CHECK(scene.report().compacting == 0);
   CHECK(scene.compactFurther(kMany));
-  CHECK(scene.faults() == 0);
-  CHECK(scene.points() == before);
+  checkHolds(scene, before);
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "points without room in the back half stay unchanged, and the next compaction succeeds") {
@@ -225,12 +227,10 @@ TEST_CASE_FIXTURE(GpuFixture, "points without room in the back half stay unchang
   REQUIRE(scene.change(comes, How::incremental));
   CHECK_FALSE(scene.compactFurther(kMany));
   CHECK(scene.compaction().report().failed == shared::kCompactionNoSlots);
-  CHECK(scene.faults() == 0);
-  CHECK(scene.points() == full);
+  checkHolds(scene, full);
   CHECK(scene.compactFurther(kMany));
   CHECK(scene.report().head == 8'000);
-  CHECK(scene.faults() == 0);
-  CHECK(scene.points() == full);
+  checkHolds(scene, full);
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "a full build aborts a compaction, and the next compaction is complete") {
@@ -244,11 +244,9 @@ TEST_CASE_FIXTURE(GpuFixture, "a full build aborts a compaction, and the next co
     scene.compact();
     CHECK(scene.compaction().isIdle());
     CHECK(scene.report().compacting == 0);
-    CHECK(scene.faults() == 0);
-    CHECK(scene.points() == before);
+    checkHolds(scene, before);
     CHECK(scene.compactFurther(kMany));
-    CHECK(scene.faults() == 0);
-    CHECK(scene.points() == before);
+    checkHolds(scene, before);
   }
 }
 
@@ -269,8 +267,7 @@ TEST_CASE("an aborted compaction does not affect edits or the next compaction") 
   CHECK(scene.faults() == 0);
   const auto before = scene.points();
   CHECK(scene.compactFurther(kMany));
-  CHECK(scene.faults() == 0);
-  CHECK(scene.points() == before);
+  checkHolds(scene, before);
 }
 
 TEST_CASE("destroying a compaction in the middle of a slice waits for the slice") {
