@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING, Any
 from . import _palpate
 from . import _words
 from ._errors import ArgumentTypeError, ClosedError, Error, UnknownAttributeError, UnknownNameError, UsageError, nearest
-from ._live import Live
+from ._live import Hand, Live
 from ._logs import Recording, Replay, read_recording, replay
 from ._matter import Matter, Parameter, PortEnergy
 from ._palpate import Cloud, Contact, ContactEvent, Frame, LawInput, Mesh, can_share, can_simulate
 from ._palpate import formats_read, formats_written, gpus, read, write
-from ._session import Hand, Pose, Session
+from ._placed import Pose
+from ._session import Session
 from ._sharing import Network, OtherCamera, OtherHand, SessionInfo, Server, Sharing, serve, discover
 
 __all__ = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, Callable
 
 
 class Error(RuntimeError):
@@ -48,6 +48,16 @@ class UnknownNameError(UsageError, KeyError):
 
 class UnknownAttributeError(UsageError, AttributeError):
     """An unknown attribute of an object of palpate, or an assignment that would have no effect."""
+
+
+def if_any(ask: Callable[[], Any]) -> Any:
+    """Result of `ask`; None if the session does not support it."""
+    try:
+        return ask()
+    except Error as error:
+        if error.status == "state":
+            return None
+        raise
 
 
 def described(value: object) -> str:

@@ -7,27 +7,61 @@ import os
 import threading
 import time
 import weakref
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable
 
-from ._errors import Error, refuse_attribute
+from . import _palpate
+from ._errors import ArgumentTypeError, Error, described, refuse_attribute
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from types import TracebackType
 
     from numpy.typing import NDArray
 
-    from ._session import Session
+    from ._types import BuiltinPath
 
 _alive: weakref.WeakSet[Live] = weakref.WeakSet()
+
+
+@dataclass(frozen=True)
+class Hand:
+    """A hand of a live session after the first, for Session.live().
+
+    Attributes:
+        device: as for live(); None: path.
+        path: for the device path: an array as for touch(), followed once.
+        builtin: for sim and path: "press", "slide", "scan" or "orbit".
+        axes: as for live().
+    """
+
+    device: str | None = None
+    path: Any = None
+    builtin: BuiltinPath | None = None
+    axes: str | None = None
+
+
+def rest_of_hands(others: Sequence[Hand]) -> list[tuple[str | None, BuiltinPath | None, Any, str | None]]:
+    """The hands after the first, as a session starts them. Raises ArgumentTypeError."""
+    for hand in others:
+        if not isinstance(hand, Hand):
+            raise ArgumentTypeError(f"others: must be a list of Hand, but contains {described(hand)}")
+    return [(hand.device, hand.builtin, hand.path, hand.axes) for hand in others]
 
 
 class Live:
     """A session that runs against the clock, as Session.live() returns it, until stop() or the end of its `with`."""
 
     def __init__(
-        self, session: Session, on_ticks: Callable[[NDArray[Any]], object] | None, interval_s: float
+        self,
+        session: _palpate._Session,
+        on_ticks: Callable[[NDArray[Any]], object] | None,
+        interval_s: float,
+        is_joined: bool,
+        failure_of_scene: Callable[[], str | None] | None,
     ) -> None:
         self._session = session
+        self._failure_of_scene = failure_of_scene  # None: the session has no scene
         self._on_ticks = on_ticks
         self._interval_s = interval_s
         self._over = threading.Event()
@@ -40,7 +74,7 @@ class Live:
         self._diverged: str | None = None
         self._thread: threading.Thread | None = None
         _alive.add(self)
-        if on_ticks is not None or session._is_joined:  # joined: sends its strokes to the others
+        if on_ticks is not None or is_joined:  # joined: sends its strokes to the others
             self._thread = threading.Thread(target=self._follow, name="palpate ticks", daemon=True)
             self._thread.start()
 
@@ -121,8 +155,8 @@ class Live:
                 self._session._live_stop()  # no force that the program no longer follows
 
     def _look_at_scene(self) -> None:
-        if self._session._is_scene:
-            self._diverged = self._session.failure
+        if self._failure_of_scene is not None:
+            self._diverged = self._failure_of_scene()
 
     def _pass_on(self) -> bool:
         """Whether there were ticks."""

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import atexit
 import os
-import struct
-import weakref
-import zlib
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable
 
-from . import _palpate
-from ._errors import ArgumentTypeError, Error, UsageError, described, refuse_attribute
-from ._live import Live, end_live
+from . import _ending, _palpate
+from ._errors import ArgumentTypeError, Error, described, if_any, refuse_attribute
+from ._live import Hand, Live, rest_of_hands
 from ._matter import Parameter, PortEnergy, _by_name
+from ._placed import Pose, placed_clouds
+from ._png import png_of
 from ._sharing import Network, OtherCamera, OtherHand, Sharing
 
 if TYPE_CHECKING:
@@ -24,38 +21,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._types import BuiltinPath, SessionOptions
-
-_joined: weakref.WeakSet[Session] = weakref.WeakSet()
-
-
-@dataclass(frozen=True)
-class Hand:
-    """A hand of a live session after the first, for Session.live().
-
-    Attributes:
-        device: as for live(); None: path.
-        path: for the device path: an array as for touch(), followed once.
-        builtin: for sim and path: "press", "slide", "scan" or "orbit".
-        axes: as for live().
-    """
-
-    device: str | None = None
-    path: Any = None
-    builtin: BuiltinPath | None = None
-    axes: str | None = None
-
-
-@dataclass(frozen=True)
-class Pose:
-    """Pose of a cloud in a session, for Session.of_clouds(): rotated by orientation, then moved by position.
-
-    Attributes:
-        position: model units of the session.
-        orientation: unit quaternion w x y z.
-    """
-
-    position: Sequence[float] = (0, 0, 0)
-    orientation: Sequence[float] = (1, 0, 0, 0)
 
 
 class Session(_palpate._Session):
@@ -137,20 +102,7 @@ class Session(_palpate._Session):
             gpu, mm_per_unit, options: as for Session(); mm_per_unit None: the longest side of all becomes 100 mm.
             poses: pose of each cloud in the session; None: as it is.
         """
-        placed = list(poses) if poses is not None else [None] * len(clouds)
-        if len(placed) != len(clouds):
-            raise UsageError(f"poses: {len(placed)} are given for {len(clouds)} clouds")
-        if not clouds:
-            raise UsageError("clouds: is empty; give at least one")
-        given = []
-        for cloud, pose in zip(clouds, placed):
-            if not isinstance(cloud, _palpate.Cloud):
-                raise ArgumentTypeError(f"clouds: must be a list of Cloud, but contains {described(cloud)}")
-            if not isinstance(pose, (Pose, type(None))):
-                raise ArgumentTypeError(f"poses: must be a list of Pose, but contains {described(pose)}")
-            there = pose or Pose()
-            given.append((cloud, there.position, there.orientation))
-        return cls.__new__(cls)._open(_palpate._Source(clouds=given), gpu, mm_per_unit, options)
+        return cls.__new__(cls)._open(_palpate._Source(clouds=placed_clouds(clouds, poses)), gpu, mm_per_unit, options)
 
     @classmethod
     def of_scene(
@@ -254,7 +206,7 @@ class Session(_palpate._Session):
         self._is_scene = source.is_scene
         self._is_joined = source.is_joined
         if self._is_joined:
-            _joined.add(self)
+            _ending.joined.add(self)
         return self
 
     __setattr__ = refuse_attribute
@@ -317,12 +269,9 @@ class Session(_palpate._Session):
         """
         if on_ticks is not None and not callable(on_ticks):
             raise ArgumentTypeError(f"on_ticks: must be a function, not {described(on_ticks)}")
-        for hand in others:
-            if not isinstance(hand, Hand):
-                raise ArgumentTypeError(f"others: must be a list of Hand, but contains {described(hand)}")
-        rest = [(hand.device, hand.builtin, hand.path, hand.axes) for hand in others]
-        self._live_start(device, rate, builtin, path, law, allow_python_law, rest, axes)
-        self._live = Live(self, on_ticks, interval_s)
+        self._live_start(device, rate, builtin, path, law, allow_python_law, rest_of_hands(others), axes)
+        failure = (lambda: self.failure) if self._is_scene else None
+        self._live = Live(self, on_ticks, interval_s, self._is_joined, failure)
         return self._live
 
     @property
@@ -373,7 +322,7 @@ class Session(_palpate._Session):
     @property
     def sharing(self) -> Sharing | None:
         """State of the exchange with the other programs; None unless the session was joined."""
-        told = _if_any(self._sharing)
+        told = if_any(self._sharing)
         return None if told is None else Sharing(**told)
 
     @property
@@ -381,30 +330,30 @@ class Session(_palpate._Session):
         """Hands of the other programs in a joined session that were heard within two seconds, in model units; empty
         unless it was joined.
         """
-        return [OtherHand(*hand) for hand in _if_any(self._other_hands) or ()]
+        return [OtherHand(*hand) for hand in if_any(self._other_hands) or ()]
 
     @property
     def cameras(self) -> list[OtherCamera]:
         """Cameras of the other programs in a joined session that were heard within two seconds, in model units; empty
         unless it was joined.
         """
-        return [OtherCamera(*camera) for camera in _if_any(self._cameras) or ()]
+        return [OtherCamera(*camera) for camera in if_any(self._cameras) or ()]
 
     @property
     def parameters(self) -> dict[str, Parameter]:
         """Parameters of a scene of matter, by name, which set() changes; empty for other sessions."""
-        return _by_name(_if_any(self._parameters) or [])
+        return _by_name(if_any(self._parameters) or [])
 
     @property
     def port_energies(self) -> list[PortEnergy]:
         """Energy that each hand has put into a scene of matter; empty for other sessions."""
-        motion = _if_any(self._motion)
+        motion = if_any(self._motion)
         return [] if motion is None else [PortEnergy(*energy) for energy in motion["energies_J"]]
 
     @property
     def paused(self) -> bool | None:
         """True while a scene of matter is paused by pause(); None for other sessions."""
-        motion = _if_any(self._motion)
+        motion = if_any(self._motion)
         return None if motion is None else bool(motion["paused"])
 
     @property
@@ -412,7 +361,7 @@ class Session(_palpate._Session):
         """Reason why a scene of matter has failed, such as "has diverged", until reset(); None if it has not, and for
         other sessions.
         """
-        motion = _if_any(self._motion)
+        motion = if_any(self._motion)
         return None if motion is None else str(motion["failure"]) or None
 
     @property
@@ -420,7 +369,7 @@ class Session(_palpate._Session):
         """Time by which a live scene of matter fell behind the clock, and which it skipped, s; None for other
         sessions.
         """
-        motion = _if_any(self._motion)
+        motion = if_any(self._motion)
         return None if motion is None else float(motion["dropped_s"])
 
     def __repr__(self) -> str:
@@ -432,47 +381,10 @@ class Session(_palpate._Session):
 
     def _repr_png_(self) -> bytes:
         """Picture for a notebook."""
-        return _png(self.render((640, 400)))
-
-
-def _if_any(ask: Callable[[], Any]) -> Any:
-    """Result of `ask`; None if the session does not support it."""
-    try:
-        return ask()
-    except Error as error:
-        if error.status == "state":
-            return None
-        raise
+        return png_of(self.render((640, 400)))
 
 
 def _with_radius(radius_mm: float | None, brush: dict[str, Any]) -> dict[str, Any]:
     if radius_mm is None and "radius" in brush:
         return brush
     return {"radius_mm": 6 if radius_mm is None else radius_mm, **brush}
-
-
-def _png(rgba: NDArray[Any]) -> bytes:
-    height, width, _ = rgba.shape
-    rows = b"".join(b"\0" + rgba[y].tobytes() for y in range(height))
-
-    def chunk(name: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-
-    head = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
-    return (
-        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 6)) + chunk(b"IEND", b"")
-    )
-
-
-def _forget_joined() -> None:
-    _joined.clear()
-
-
-os.register_at_fork(after_in_child=_forget_joined)  # they belong to the parent
-
-
-@atexit.register
-def _end_all() -> None:
-    end_live()
-    for session in list(_joined):
-        session.close()

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import atexit
 import os
 import time
-import weakref
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from . import _palpate
+from . import _ending, _palpate
 from ._errors import Error, refuse_attribute
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import TracebackType
-
-_serving: weakref.WeakSet[Server] = weakref.WeakSet()
 
 
 @dataclass(frozen=True)
@@ -190,7 +186,7 @@ class Server(_palpate._Server):
             threads=threads,
         )
         self._name = name
-        _serving.add(self)
+        _ending.serving.add(self)
 
     __setattr__ = refuse_attribute
 
@@ -320,9 +316,3 @@ def discover(network: Network = Network(), seconds: float = 2) -> list[SessionIn
     Raises Error, and UsageError. Other threads run meanwhile.
     """
     return [SessionInfo(*seen) for seen in _palpate._discover(network._told(), seconds)]
-
-
-@atexit.register
-def _close_all() -> None:
-    for server in list(_serving):
-        server.close()
