@@ -14,25 +14,6 @@ namespace palpate::library {
 
 namespace {
 
-std::size_t handsFrom(const pp_session_options& options) {
-  if (options.hands > PP_MAX_HANDS) throw UsageError("hands: {} exceed the maximum of {}", options.hands, PP_MAX_HANDS);
-  return std::max(1u, options.hands);
-}
-
-SessionConfig configFrom(const Subject& subject, const pp_session_options& options) {
-  const pp_contact_options contact = optionsFrom(options.contact, "contact");
-  SessionConfig config{.model = subject.model, .surface = surfaceFrom(contact), .force = forceFrom(contact)};
-  config.model.mm_per_unit = options.mm_per_unit;
-  if (options.estimate_normals) config.model.normals = NormalSource::estimate;
-  if (options.tool) config.tool = toolFrom(optionsFrom(options.tool, "tool"));
-  config.hands.resize(handsFrom(options));
-  config.rate_Hz = options.rate_Hz;
-  config.undo.memory_MiB = options.undo_memory_MiB;
-  config.backend.name = backendOf(options.backend, {options.gpu, options.vulkan}, hasRealGpu);
-  validate(config);
-  return config;
-}
-
 double budgetFrom(const pp_session_options& options) {
   constexpr double kLongest_us = 1e9;
   if (!(options.budget_us >= 0 && options.budget_us <= kLongest_us))
@@ -44,22 +25,6 @@ double budgetFrom(const pp_session_options& options) {
 bool isOpen(const pp_session_options& options) {
   const std::string backend = textOf(options.backend);
   return (backend.empty() || backend == "auto") && textOf(options.gpu).empty() && !options.vulkan;
-}
-
-bool hasArrays(const Subject& subject) { return subject.cloud || !subject.clouds.empty(); }
-
-Model modelFrom(const Subject& subject, const SessionConfig& config, const ModelLoading& loading) {
-  if (!hasArrays(subject)) return loadModel(config.model, loading);
-  ModelConfig model = config.model;
-  PointCloud cloud;
-  if (subject.clouds.empty()) {
-    cloud = *subject.cloud;
-  } else {
-    cloud = mergedCloud(subject.clouds, model.normals, loading);
-    model.normals = NormalSource::keep;
-  }
-  if (cloud.empty()) throw UsageError("the cloud contains no points");
-  return modelOf(std::move(cloud), model, loading);
 }
 
 std::unique_ptr<BackendKind> checkedBackend(const SessionConfig& config, SessionViews& views) {
@@ -98,7 +63,7 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
                 .follower = views_.follower(),
                 .forgets = [this] { views_.forget(); }}) {
   views_.setRows(subject.clouds.empty() ? CloudRows(model_->cloud.size()) : CloudRows(subject.clouds));
-  if (hasArrays(subject) && !knownScaleOf(model_->cloud, config.model.mm_per_unit))
+  if (subject.hasArrays() && !knownScaleOf(model_->cloud, config.model.mm_per_unit))
     messages_.sink().say(
         "the longest side, {:.6g} model units, is felt as {:.6g} mm: 1 unit is {:.6g} mm in the hand, where all "
         "lengths in mm are measured, as a brush's radius_mm is; mm_per_unit sets the true scale",

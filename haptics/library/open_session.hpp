@@ -21,17 +21,9 @@
 #include "haptics/library/next_log.hpp"
 #include "haptics/library/path_time.hpp"
 #include "haptics/library/session_views.hpp"
+#include "haptics/library/subject.hpp"
 
 namespace palpate::library {
-
-/// Model of a session: points of the program, or else what `model` describes.
-struct Subject {
-  ModelConfig model;
-  const PointCloud* cloud = nullptr;
-  std::vector<PlacedCloud> clouds;          ///< several, instead of `cloud`
-  std::optional<pp_frames_options> frames;  ///< points that the program moves frame by frame
-  std::optional<JoinSubject> join;          ///< how this program takes part in the session that the model joins
-};
 
 /// All calls but claims() and the last group require a claim of the calling thread: touch, look, or all, as marked.
 class OpenSession {

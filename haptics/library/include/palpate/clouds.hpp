@@ -20,9 +20,7 @@ class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
   explicit Cloud(const pp_cloud_arrays& arrays) : Owned(created(arrays)) {}
   /// Reads a file of any supported format. Throws Error with file and line.
   static Cloud read(const std::string& file, const pp_read_options& options = pp_default_read_options()) {
-    pp_cloud cloud{};
-    check(pp_cloud_read(file.c_str(), &options, &cloud));
-    return Cloud(cloud);
+    return Cloud(detail::written<pp_cloud>(pp_cloud_read, file.c_str(), &options));
   }
 
   /// Writes a file in the format of its extension (pp_cloud_write()).
@@ -30,11 +28,7 @@ class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
     check(pp_cloud_write(handle(), file.c_str(), &options));
   }
   /// Read-only view, valid while this is open; nothing is copied.
-  pp_points view() const {
-    pp_points points{};
-    check(pp_cloud_view(handle(), &points));
-    return points;
-  }
+  pp_points view() const { return detail::written<pp_points>(pp_cloud_view, handle()); }
   /// Number of points.
   std::uint64_t size() const { return view().count; }
   /// Copies x y z of each point, in file coordinates.
@@ -45,11 +39,7 @@ class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
   }
 
  private:
-  static pp_cloud created(const pp_cloud_arrays& arrays) {
-    pp_cloud cloud{};
-    check(pp_cloud_create(&arrays, &cloud));
-    return cloud;
-  }
+  static pp_cloud created(const pp_cloud_arrays& arrays) { return detail::written<pp_cloud>(pp_cloud_create, &arrays); }
 };
 
 /// A mesh of points; immutable.
@@ -57,11 +47,7 @@ class Mesh : public detail::Owned<pp_mesh, pp_mesh_close> {
  public:
   using Owned::Owned;
   /// Read-only view, valid while this is open; nothing is copied.
-  pp_triangles view() const {
-    pp_triangles triangles{};
-    check(pp_mesh_view(handle(), &triangles));
-    return triangles;
-  }
+  pp_triangles view() const { return detail::written<pp_triangles>(pp_mesh_view, handle()); }
   /// Writes a file in the format of its extension (pp_mesh_write()).
   void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
     check(pp_mesh_write(handle(), file.c_str(), &options));

@@ -63,6 +63,14 @@ inline pp_path timedPath(const double* rows, std::uint64_t count) {
 /// What the classes below have in common.
 namespace detail {
 
+/// What a call of the C interface writes to its last argument.
+template <class Written, class... Parameters, class... Given>
+Written written(pp_status (*call)(Parameters...), Given... given) {
+  Written value{};
+  check(call(given..., &value));
+  return value;
+}
+
 /// A handle that is closed on destruction. Move-only.
 template <class Handle, pp_status (*kClose)(Handle)>
 class Owned {

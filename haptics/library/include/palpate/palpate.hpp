@@ -39,11 +39,7 @@ class Frame : public detail::Owned<pp_frame, pp_frame_close> {
  public:
   using Owned::Owned;
   /// Read-only view, valid while this is open; nothing is copied.
-  pp_moving_points view() const {
-    pp_moving_points points{};
-    check(pp_frame_view(handle(), &points));
-    return points;
-  }
+  pp_moving_points view() const { return detail::written<pp_moving_points>(pp_frame_view, handle()); }
 };
 
 /// A session log in memory; immutable.
@@ -52,16 +48,10 @@ class Recording : public detail::Owned<pp_recording, pp_recording_close> {
   using Owned::Owned;
   /// Reads a log. Of one that is damaged or cut off, all complete parts are read.
   static Recording read(const std::string& file) {
-    pp_recording recording{};
-    check(pp_recording_read(file.c_str(), &recording));
-    return Recording(recording);
+    return Recording(detail::written<pp_recording>(pp_recording_read, file.c_str()));
   }
   /// Read-only view of its ticks and edits, valid while this is open; nothing is copied.
-  pp_recording_content view() const {
-    pp_recording_content content{};
-    check(pp_recording_view(handle(), &content));
-    return content;
-  }
+  pp_recording_content view() const { return detail::written<pp_recording_content>(pp_recording_view, handle()); }
 };
 
 /// Replays a recorded session and compares it with the log (pp_recording_replay()).
@@ -78,20 +68,14 @@ class Matter : public detail::Owned<pp_matter, pp_matter_close> {
   using Owned::Owned;
   /// Opens a scene by its name, or from a file (pp_session_open_matter()).
   explicit Matter(const std::string& scene, const pp_matter_options& options = pp_default_matter_options()) {
-    pp_matter matter{};
-    check(pp_matter_open(scene.c_str(), &options, &matter));
-    *this = Matter(matter);
+    *this = Matter(detail::written<pp_matter>(pp_matter_open, scene.c_str(), &options));
   }
   /// Advances by `steps` milliseconds. Throws Error with PP_ERROR_SIMULATION if the scene fails meanwhile.
   void step(std::uint64_t steps = 1) { check(pp_matter_step(handle(), steps)); }
   /// Restarts the scene, with the parameters that were set.
   void reset() { check(pp_matter_reset(handle())); }
   /// Copies the present particles, or the surface of a soft body, in mm.
-  Frame frame() const {
-    pp_frame frame{};
-    check(pp_matter_frame(handle(), &frame));
-    return Frame(frame);
-  }
+  Frame frame() const { return Frame(detail::written<pp_frame>(pp_matter_frame, handle())); }
   /// Parameters of the scene, which setParameter() changes.
   std::vector<pp_parameter> parameters() const {
     std::uint64_t count = 0;
@@ -127,9 +111,7 @@ class Server : public detail::Owned<pp_server, pp_server_close> {
   using Owned::Owned;
   /// Serves the cloud under this name, which no other session of the network has.
   Server(const Cloud& cloud, const std::string& name, const pp_serve_options& options = pp_default_serve_options()) {
-    pp_server server{};
-    check(pp_serve(cloud.handle(), name.c_str(), &options, &server));
-    *this = Server(server);
+    *this = Server(detail::written<pp_server>(pp_serve, cloud.handle(), name.c_str(), &options));
   }
   /// Present state of the server.
   pp_server_info info() const {
@@ -138,11 +120,7 @@ class Server : public detail::Owned<pp_server, pp_server_close> {
     return info;
   }
   /// Copies the present points.
-  Cloud cloud() const {
-    pp_cloud cloud{};
-    check(pp_server_cloud(handle(), &cloud));
-    return Cloud(cloud);
-  }
+  Cloud cloud() const { return Cloud(detail::written<pp_cloud>(pp_server_cloud, handle())); }
 };
 
 /// A cloud, or a scene of matter, that is felt, seen and sculpted.
@@ -164,37 +142,27 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   /// Opens several clouds as one (pp_session_open_clouds()).
   static Session ofClouds(const std::vector<pp_placed_cloud>& clouds,
                           const pp_session_options& options = pp_default_session_options()) {
-    pp_session session{};
-    check(pp_session_open_clouds(clouds.data(), clouds.size(), &options, &session));
-    return Session(session);
+    return Session(detail::written<pp_session>(pp_session_open_clouds, clouds.data(), clouds.size(), &options));
   }
   /// Opens a scene of moving matter (pp_session_open_matter()).
   static Session ofMatter(const std::string& scene, const pp_session_options& options = pp_default_session_options()) {
-    pp_session session{};
-    check(pp_session_open_matter(scene.c_str(), &options, &session));
-    return Session(session);
+    return Session(detail::written<pp_session>(pp_session_open_matter, scene.c_str(), &options));
   }
 
   /// Opens a cloud whose frames the program provides (pp_session_open_frames()).
   static Session ofFrames(const Cloud& cloud, const pp_frames_options& frames = pp_default_frames_options(),
                           const pp_session_options& options = pp_default_session_options()) {
-    pp_session session{};
-    check(pp_session_open_frames(cloud.handle(), &frames, &options, &session));
-    return Session(session);
+    return Session(detail::written<pp_session>(pp_session_open_frames, cloud.handle(), &frames, &options));
   }
   /// Opens a recorded depth camera (pp_session_open_stream()).
   static Session ofStream(const std::string& folder, const pp_stream_options& stream = pp_default_stream_options(),
                           const pp_session_options& options = pp_default_session_options()) {
-    pp_session session{};
-    check(pp_session_open_stream(folder.c_str(), &stream, &options, &session));
-    return Session(session);
+    return Session(detail::written<pp_session>(pp_session_open_stream, folder.c_str(), &stream, &options));
   }
   /// Joins a session that another program serves, by its name (pp_session_join()).
   static Session joined(const std::string& name, const pp_join_options& join = pp_default_join_options(),
                         const pp_session_options& options = pp_default_session_options()) {
-    pp_session session{};
-    check(pp_session_join(name.c_str(), &join, &options, &session));
-    return Session(session);
+    return Session(detail::written<pp_session>(pp_session_join, name.c_str(), &join, &options));
   }
   /// Adds a frame (pp_session_push_frame()). May be called from any thread.
   void pushFrame(const pp_frame_arrays& frame) { check(pp_session_push_frame(handle(), &frame)); }
@@ -270,24 +238,16 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   }
   /// Undoes the last strokes, and returns their number.
   std::uint64_t undo(std::uint64_t strokes = 1) {
-    std::uint64_t done = 0;
-    check(pp_session_undo(handle(), strokes, &done));
-    return done;
+    return detail::written<std::uint64_t>(pp_session_undo, handle(), strokes);
   }
   /// Redoes the strokes undone last, and returns their number.
   std::uint64_t redo(std::uint64_t strokes = 1) {
-    std::uint64_t done = 0;
-    check(pp_session_redo(handle(), strokes, &done));
-    return done;
+    return detail::written<std::uint64_t>(pp_session_redo, handle(), strokes);
   }
   /// Takes in pending edits; call it some thirty times a second (pp_session_apply_edits()).
   void applyEdits() { check(pp_session_apply_edits(handle())); }
   /// Copies the present points.
-  Cloud cloud() {
-    pp_cloud cloud{};
-    check(pp_session_cloud(handle(), &cloud));
-    return Cloud(cloud);
-  }
+  Cloud cloud() { return Cloud(detail::written<pp_cloud>(pp_session_cloud, handle())); }
 
   /// Draws the present points: rows from the top, RGBA.
   std::vector<std::uint8_t> render(const pp_picture_options& options = pp_default_picture_options()) {
@@ -297,9 +257,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   }
   /// Meshes the present points by marching cubes (pp_session_mesh()).
   Mesh mesh(const pp_mesh_options& options = pp_default_mesh_options()) {
-    pp_mesh mesh{};
-    check(pp_session_mesh(handle(), &options, &mesh));
-    return Mesh(mesh);
+    return Mesh(detail::written<pp_mesh>(pp_session_mesh, handle(), &options));
   }
 
   /// Nearest positions of the surface: one for each `x y z` of `positions` (pp_session_nearest()).
@@ -365,11 +323,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
 
   // For scenes of matter.
   /// Copies the present points (pp_session_frame()).
-  Frame frame() const {
-    pp_frame frame{};
-    check(pp_session_frame(handle(), &frame));
-    return Frame(frame);
-  }
+  Frame frame() const { return Frame(detail::written<pp_frame>(pp_session_frame, handle())); }
   /// Pauses the scene, or continues it.
   void pause(bool on = true) { check(pp_session_pause(handle(), on ? 1 : 0)); }
   /// Restarts the scene with the next tick.
@@ -437,14 +391,10 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   }
 
   static pp_session made(const Cloud& cloud, const pp_session_options& options) {
-    pp_session session{};
-    check(pp_session_open(cloud.handle(), &options, &session));
-    return session;
+    return detail::written<pp_session>(pp_session_open, cloud.handle(), &options);
   }
   std::uint64_t ticksOf(const pp_path& path) const {
-    std::uint64_t count = 0;
-    check(pp_path_ticks(handle(), &path, &count));
-    return count;
+    return detail::written<std::uint64_t>(pp_path_ticks, handle(), &path);
   }
 
   std::unique_ptr<Listener> listener_;
