@@ -1,4 +1,6 @@
 // A hand that slides off the open rim of a sheet under load, in sessions on the CPU.
+#include <doctest/doctest.h>
+
 #include "tests/session/session_scene.hpp"
 #include "tests/touch/rim_scene.hpp"
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/index_options.hpp"
 #include "engine/core/tool_shape.hpp"
 #include "engine/motion/cloud_source.hpp"
 #include "engine/touch/touch_backend.hpp"
