@@ -59,11 +59,9 @@ constexpr DescribedKey kSceneInfo[]{{"matter", "", "kind of matter"},
                                     {"gain", "1", "ratio of the felt force to the simulated one"},
                                     {"layers", "", "layers of particles along each side"},
                                     {"tool", "", "radius_mm and mass_kg of the ball in the hand"},
-                                    {"preset", "", "preset of a soft body"},
-                                    {"young_Pa", "Pa", "Young's modulus, or null"},
-                                    {"poisson", "1", "Poisson's ratio, or null"},
-                                    {"viscosity_Pa_s", "Pa s", "viscosity, or null"},
-                                    {"stiffness", "1", "stiffness of shape matching, or null"}};
+                                    {"young_Pa", "Pa", "Young's modulus of a soft body"},
+                                    {"poisson", "1", "Poisson's ratio of a soft body"},
+                                    {"viscosity_Pa_s", "Pa s", "viscosity of a soft body"}};
 
 constexpr DescribedKey kSimulate[]{{"time_s", "s", "simulated time"},
                                    {"backend", "", "back end that simulated"},

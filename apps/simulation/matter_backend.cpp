@@ -15,9 +15,8 @@ namespace palpate {
 
 std::vector<std::string> matterBackends() { return {"vulkan", "cpu"}; }
 
-std::string chooseMatterBackend(const Context& context, const std::string& name, const MatterScene& scene) {
+std::string chooseMatterBackend(const Context& context, const std::string& name) {
   if (name != "auto") return name;
-  if (scene.matter == Matter::soft && scene.preset != SoftPreset::elastic) return "cpu";
   return context.hasRealGpu() ? "vulkan" : "cpu";
 }
 

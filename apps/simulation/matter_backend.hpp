@@ -11,9 +11,8 @@ namespace palpate {
 
 /// Back ends that simulate matter.
 std::vector<std::string> matterBackends();
-/// The given one or, for `auto`: vulkan on a GPU that supports the scene; cpu if there is only a software driver, or if
-/// the scene matches shapes.
-std::string chooseMatterBackend(const Context& context, const std::string& name, const MatterScene& scene);
+/// The given one or, for `auto`: vulkan, or cpu if there is only a software driver.
+std::string chooseMatterBackend(const Context& context, const std::string& name);
 /// Starts a simulation on that back end, with the program's number of threads. Throws Error as planOf() does.
 std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
                                               MatterOptions options = {});

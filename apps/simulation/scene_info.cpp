@@ -42,12 +42,9 @@ void infoOfSoftBody(Context& context, const std::string& name, const MatterScene
   json["particles"] = lattice.nodes();
   json["mass_kg"] = mass_kg;
   json["points"] = model.cloud.size();
-  json["preset"] = nameOf(kSoftPresets, scene.preset);
-  const bool isElastic = scene.preset == SoftPreset::elastic;
-  json["young_Pa"] = isElastic ? Json(scene.young_Pa) : Json(nullptr);
-  json["poisson"] = isElastic ? Json(scene.poisson) : Json(nullptr);
-  json["viscosity_Pa_s"] = isElastic ? Json(scene.viscosity_Pa_s) : Json(nullptr);
-  json["stiffness"] = isElastic ? Json(nullptr) : Json(scene.stiffness);
+  json["young_Pa"] = scene.young_Pa;
+  json["poisson"] = scene.poisson;
+  json["viscosity_Pa_s"] = scene.viscosity_Pa_s;
   context.writeJson(json);
 }
 

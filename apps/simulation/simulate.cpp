@@ -93,7 +93,7 @@ void simulate(Context& context, const SimulateOptions& options) {
   sayWhatIsLost(options.save, context.log());
   const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
   const MatterScene scene = sceneOf(options);
-  const std::string backend = chooseMatterBackend(context, options.backend, scene);
+  const std::string backend = chooseMatterBackend(context, options.backend);
   const auto simulation = startMatter(context, backend, scene);
   MatterSimulation& world = *simulation;
   const auto steps = static_cast<std::size_t>(std::llround(options.duration_s / kMatterStep_s));

@@ -19,8 +19,6 @@ namespace {
 constexpr const char *kSoftStep = "step", *kFrame = "frame";
 
 SoftLayout layoutOf(const MatterScene& scene, const SoftSolid& solid) {
-  if (scene.preset != SoftPreset::elastic)
-    throw Error("preset: shape-matching runs only on the CPU; use the back end cpu");
   const SoftMaterial material = materialOf(scene);
   const std::vector<float> masses = nodeMasses(solid.lattice, material.density_kg_m3 * solid.lattice.volume_m3());
   return {solid.lattice,
@@ -133,7 +131,7 @@ GpuSoftWorld::GpuSoftWorld(Device& device, Queue* queue, const MatterScene& scen
 }
 
 void GpuSoftWorld::takeParameters() {
-  body_.setMaterial(materialOf(scene()), std::nullopt);
+  body_.setMaterial(materialOf(scene()));
   const double frequency_rad_s = touchFrequency(materialOf(scene()), plan().spacing_m);
   if (const double times = frequency_rad_s / touchFrequency_rad_s_; times != 1) stiffenSkin(times * times);
   touchFrequency_rad_s_ = frequency_rad_s;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <string>
 
 #include "engine/core/error.hpp"
@@ -20,10 +19,9 @@ struct Parameter {
   void (*write)(MatterScene& scene, double value);
   double low, high;
   bool ofWater = true, ofSand = true, ofSoft = true;
-  std::optional<SoftPreset> preset = std::nullopt;  // for soft bodies: the only preset with this parameter
 
   bool isOf(const MatterScene& scene) const {
-    if (scene.matter == Matter::soft) return ofSoft && (!preset || scene.preset == *preset);
+    if (scene.matter == Matter::soft) return ofSoft;
     return scene.matter == Matter::water ? ofWater : ofSand;
   }
 };
@@ -50,23 +48,19 @@ constexpr Parameter gravityAlong(const char* name, const char* label) {
           .high = 20};
 }
 
-constexpr Parameter of(Parameter parameter, bool water, bool sand, bool soft, std::optional<SoftPreset> preset = {}) {
+constexpr Parameter of(Parameter parameter, bool water, bool sand, bool soft) {
   parameter.ofWater = water;
   parameter.ofSand = sand;
   parameter.ofSoft = soft;
-  parameter.preset = preset;
   return parameter;
 }
 
 constexpr std::array kParameters{
-    of(numberOf<&MatterScene::viscosity_Pa_s>("viscosity_Pa_s", "viscosity", "Pa s", 0, 50), true, false, true,
-       SoftPreset::elastic),
+    of(numberOf<&MatterScene::viscosity_Pa_s>("viscosity_Pa_s", "viscosity", "Pa s", 0, 50), true, false, true),
     of(numberOf<&MatterScene::cohesion_N_m>("cohesion_N_m", "cohesion", "N/m", 0, 10), true, false, false),
     of(numberOf<&MatterScene::friction>("friction", "friction of walls", "", 0, 2), false, true, true),
-    of(numberOf<&MatterScene::young_Pa>("young_Pa", "Young", "Pa", 1e3, 1e6), false, false, true, SoftPreset::elastic),
-    of(numberOf<&MatterScene::poisson>("poisson", "Poisson", "", 0, 0.49), false, false, true, SoftPreset::elastic),
-    of(numberOf<&MatterScene::stiffness>("stiffness", "stiffness of shape", "", 1e-4, 0.95), false, false, true,
-       SoftPreset::shapeMatching),
+    of(numberOf<&MatterScene::young_Pa>("young_Pa", "Young", "Pa", 1e3, 1e6), false, false, true),
+    of(numberOf<&MatterScene::poisson>("poisson", "Poisson", "", 0, 0.49), false, false, true),
     gravityAlong<0>("gravity_x_m_s2", "gravity x"),
     gravityAlong<1>("gravity_y_m_s2", "gravity y"),
     gravityAlong<2>("gravity_z_m_s2", "gravity z"),

@@ -26,14 +26,6 @@ enum class SoftShape {
 inline constexpr std::array<std::pair<std::string_view, SoftShape>, 3> kSoftShapes{
     {{"box", SoftShape::box}, {"ball", SoftShape::ball}, {"sculpture", SoftShape::sculpture}}};
 
-/// Model that restores the shape of a soft body.
-enum class SoftPreset {
-  elastic,        ///< a material in SI units (shaders/shared/soft.h)
-  shapeMatching,  ///< geometry alone: cheap, stable at any substep, and not calibrated (shape_matching.hpp)
-};
-inline constexpr std::array<std::pair<std::string_view, SoftPreset>, 2> kSoftPresets{
-    {{"elastic", SoftPreset::elastic}, {"shape-matching", SoftPreset::shapeMatching}}};
-
 /// A ball that a hand holds by a spring and a damper.
 struct MatterTool {
   double radius_mm = 0;  ///< 0: no tool
@@ -60,10 +52,6 @@ struct MatterScene {
   double friction = 0.5;         ///< Coulomb's coefficient of grains or a soft body, and walls; not for water, 1
   double young_Pa = 2e4;         ///< Young's modulus; only for soft bodies, Pa
   double poisson = 0.45;         ///< Poisson's ratio, from 0 to 0.49; only for soft bodies, 1
-  SoftPreset preset = SoftPreset::elastic;  ///< only for soft bodies
-  /// Only for shape matching: share of the displacement to the matched shape that is corrected in a substep, 1e-4 to
-  /// 0.95, 1. It is not a modulus: the same value makes a body stiffer with a larger spacing or a shorter substep.
-  double stiffness = 0.5;
   SoftShape shape = SoftShape::box;
   /// File of a closed cloud: the surface of a soft body, instead of `shape`; or a static model in water or sand, where
   /// `builtin:NAME` names an analytic shape. Empty: none.

@@ -12,26 +12,33 @@ namespace {
 
 constexpr std::size_t kMaxSceneFile = std::size_t{1} << 20;  // bytes
 
-// A scene has the settings of its kind of matter and, if it is soft, of its preset.
+// A scene has the settings of its kind of matter.
 void requireBelonging(const SettingsJson& json, const MatterScene& scene) {
   for (const SceneSetting& each : sceneSettings()) {
     const std::string_view name = each.setting.name;
-    if (!json.contains(std::string(name))) continue;
-    if (!each.isOf(scene.matter)) throw ConfigError(name, "does not apply to {}", nameOf(kMatters, scene.matter));
-    if (scene.matter == Matter::soft && each.preset && *each.preset != scene.preset)
-      throw ConfigError(name, "does not apply to the preset {}{}", nameOf(kSoftPresets, scene.preset),
-                        scene.preset == SoftPreset::shapeMatching ? ", which is not calibrated" : "");
+    if (json.contains(std::string(name)) && !each.isOf(scene.matter))
+      throw ConfigError(name, "does not apply to {}", nameOf(kMatters, scene.matter));
   }
+  if (json.contains("preset") && scene.matter != Matter::soft)
+    throw ConfigError("preset", "does not apply to {}", nameOf(kMatters, scene.matter));
 }
 
 }  // namespace
 
 MatterScene readScene(std::string_view path, const SettingsJson& json) {
+  // Every scene in a log of an earlier version names the preset of soft bodies, and the stiffness of another preset.
+  std::vector<std::string_view> former;
+  if (json.is_object() && json.contains("preset")) {
+    if (json["preset"] != "elastic")
+      throw ConfigError(pathOf(path, "preset"), "is {}; only elastic is left: use young_Pa, poisson and viscosity_Pa_s",
+                        json["preset"].dump());
+    former = {"preset", "stiffness"};
+  }
   MatterScene scene;
   if (json.is_object() && json.contains("matter"))
     readSettings(path, {{"matter", json["matter"]}}, sceneSettings(), scene);
   scene = usualScene(scene.matter);
-  readSettings(path, json, sceneSettings(), scene);
+  readSettings(path, json, sceneSettings(), scene, former);
   return scene;
 }
 

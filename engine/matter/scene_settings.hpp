@@ -10,8 +10,7 @@ namespace palpate {
 struct SceneSetting {
   Setting<MatterScene> setting;
   bool ofWater = true, ofSand = true, ofSoft = true;
-  bool required = false;                            ///< in a file
-  std::optional<SoftPreset> preset = std::nullopt;  ///< of soft bodies; empty: of both
+  bool required = false;  ///< in a file
 
   operator const Setting<MatterScene>&() const { return setting; }
   bool isOf(Matter matter) const {

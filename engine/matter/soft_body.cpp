@@ -51,8 +51,7 @@ std::vector<char> nodesWithin(const SoftLattice& lattice, std::span<const PlaceB
   return within;
 }
 
-SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned,
-                   const std::optional<MatchingRules>& matching)
+SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned)
     : lattice_(lattice),
       rules_(softRules(material, lattice.spacing_m())),
       mass_kg_(material.density_kg_m3 * lattice.volume_m3()),
@@ -60,7 +59,6 @@ SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std
       pinned_(nodesWithin(lattice, pinned)),
       incident_(lattice.incident()),
       rest_(lattice, rules_) {
-  if (matching) matching_.emplace(lattice, masses_, *matching);
   filled_.resize(blocksIn(lattice.cells(), Lanes::kCount));
   for (std::size_t group = 0; group < filled_.size(); ++group) {
     std::array<float, Lanes::kCount> filled{};
@@ -78,7 +76,6 @@ void SoftBody::reset() {
   moved_.assign(rest_.displacements().begin(), rest_.displacements().end());
   velocities_.assign(lattice_.nodes(), Vec3(0));
   loads_ = velocities_;
-  if (matching_) matching_->begin();
 }
 
 std::size_t SoftBody::yield(std::span<const RestPlace> ways) {
@@ -101,7 +98,6 @@ std::size_t SoftBody::yield(std::span<const RestPlace> ways) {
     const std::uint32_t node = places[k].node;
     if (rest_.displacements()[node] != before[k]) moved_[node] = now[node];
   }
-  if (matching_) matching_->setRest(rest_.displacements());
   return moved;
 }
 
@@ -115,7 +111,6 @@ void SoftBody::putRest(std::span<const RestPlace> places) {
   rest_.put(places);
   for (std::size_t k = 0; k < places.size(); ++k)
     if (!isPinned(places[k].node)) moved_[places[k].node] += elastic[k] * (places[k].moved - before[k]);
-  if (matching_) matching_->setRest(rest_.displacements());
 }
 
 // Deformation gradient over the rest shape: mean of the cells around a node, weighted by their fill.
@@ -176,7 +171,6 @@ void SoftBody::pushCells(std::size_t block) {
 }
 
 Vec3 SoftBody::ofCells(std::size_t node) const {
-  if (matching_) return matching_->forces()[node];
   Vec3 force(0);
   for (const std::uint32_t slot : incident_[node]) {
     const std::uint32_t cell = slot / 8, lane = cell % Lanes::kCount;
@@ -212,7 +206,6 @@ SoftSums SoftBody::substep(const DVec3& gravity_m_s2, double step_s, WorkerTeam&
 }
 
 void SoftBody::strain(WorkerTeam& team) {
-  if (matching_) return matching_->push(moved_, velocities_, team);
   team.forEach(leastVolumes_.size(), [&](std::size_t block) { pushCells(block); });
 }
 
@@ -227,8 +220,7 @@ SoftSums SoftBody::move(const DVec3& gravity_m_s2, double step_s, WorkerTeam& te
     all.gravityImpulse += sums.gravityImpulse;
     all.pinImpulse += sums.pinImpulse;
   }
-  // Shape matching does not compute volumes.
-  for (const float least : leastVolumes_) all.leastVolume = std::min(all.leastVolume, matching_ ? 1.0f : least);
+  for (const float least : leastVolumes_) all.leastVolume = std::min(all.leastVolume, least);
   return all;
 }
 
@@ -248,7 +240,6 @@ void SoftBody::stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>
   if (!(most > 0)) return;
   const double scale = kStrain * lattice_.spacing_m() / most;
   const std::vector<Vec3> now = moved_;
-  const std::vector<DQuat> turns = matching_ ? matching_->turns() : std::vector<DQuat>();
   for (const double sign : {1.0, -1.0}) {
     for (std::size_t i = 0; i < size(); ++i)
       if (!isPinned(i)) moved_[i] = DVec3(now[i]) + sign * scale * changes[i];
@@ -257,12 +248,10 @@ void SoftBody::stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>
       if (!isPinned(i)) forces[i] -= sign / (2 * scale) * pushed[i];
   }
   moved_ = now;
-  if (matching_) matching_->setTurns(turns);
 }
 
 // In double precision: energies at rest and strained are almost the same.
 double SoftBody::strainEnergy_J() const {
-  if (matching_) return matching_->energy_J(moved_);
   const auto rules = rulesIn<double>(rules_);
   const double atRest = shared::softEnergy(rules, glm::dmat3(1)), cube = std::pow(lattice_.spacing_m(), 3);
   double energy = 0;

@@ -1,14 +1,12 @@
 // The motion of a soft body: the forces of the cells on their nodes, and the motion of the nodes.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/core/worker_team.hpp"
 #include "engine/matter/lanes.hpp"
 #include "engine/matter/rest_shape.hpp"
-#include "engine/matter/shape_matching.hpp"
 #include "engine/matter/soft_lattice.hpp"
 #include "engine/matter/soft_rules.hpp"
 
@@ -40,17 +38,11 @@ struct SoftSums {
 /// Each array has one entry per node. All passes are gathers: bitwise identical for any number of threads.
 class SoftBody {
  public:
-  /// The lattice must outlive the body. Nodes that rest within a box of `pinned` never move. `matching`: shape matching
-  /// replaces elasticity; only the material's density is used then.
-  SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned,
-           const std::optional<MatchingRules>& matching = std::nullopt);
+  /// The lattice must outlive the body. Nodes that rest within a box of `pinned` never move.
+  SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned);
 
-  /// Sets another material; the masses and the kind of restoring force (elasticity or shape matching) stay. `matching`:
-  /// required with shape matching.
-  void setMaterial(const SoftMaterial& material, const std::optional<MatchingRules>& matching) {
-    rules_ = softRules(material, lattice_.spacing_m());
-    if (matching) matching_->setRules(*matching);
-  }
+  /// Sets another material; the masses stay.
+  void setMaterial(const SoftMaterial& material) { rules_ = softRules(material, lattice_.spacing_m()); }
 
   const SoftLattice& lattice() const { return lattice_; }
   std::size_t size() const { return moved_.size(); }
@@ -119,7 +111,6 @@ class SoftBody {
   std::vector<char> pinned_;
   std::vector<SoftLattice::Corners> incident_;
   RestShape rest_;
-  std::optional<ShapeMatching> matching_;  // replaces elasticity
   std::vector<Vec3> moved_, velocities_, loads_;
   std::vector<Lanes> filled_;                 // per group of Lanes::kCount cells
   std::vector<LanesOfCorners> cornerForces_;  // per group, and for one more, empty cell

@@ -37,11 +37,6 @@ double touchedShare(const MatterScene& scene) {
   return 3.14159265358979 * radius * radius * scene.spacing_mm * 1e-3 * scene.density_kg_m3 / scene.tool.mass_kg;
 }
 
-// Share of the stability limit of shape matching left to the skin, in squared frequencies times the squared substep.
-constexpr double kMatchedTouch = 0.3;
-// In spacings per substep: maximum speed in a body that matches shapes.
-constexpr double kMatchedSpeed = 2;
-
 }  // namespace
 
 SoftMaterial materialOf(const MatterScene& scene) {
@@ -51,23 +46,13 @@ SoftMaterial materialOf(const MatterScene& scene) {
           .viscosity_Pa_s = scene.viscosity_Pa_s};
 }
 
-std::optional<MatchingRules> matchingOf(const MatterScene& scene, const MatterPlan& plan) {
-  if (scene.preset != SoftPreset::shapeMatching) return std::nullopt;
-  return MatchingRules::inSubstep(scene.stiffness, plan.substep_s);
-}
-
 double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m) {
   return 16 * (1 - scene.poisson * scene.poisson) /
          (3 * std::numbers::pi * std::numbers::pi * scene.young_Pa * radius_m);
 }
 
-double touchFrequencyOf(const MatterScene& scene, const MatterPlan& plan) {
-  if (scene.preset != SoftPreset::shapeMatching) return touchFrequency(materialOf(scene), plan.spacing_m);
-  return std::sqrt(kMatchedTouch / (1 + touchedShare(scene))) / plan.substep_s;
-}
-
 std::uint32_t substepsOf(const MatterScene& scene, const MatterPlan& plan, double stiffer) {
-  if (scene.preset == SoftPreset::shapeMatching || !(stiffer > 1)) return plan.substeps;
+  if (!(stiffer > 1)) return plan.substeps;
   const auto longest = [&](double times) {
     return longestSubstep(materialOf(scene), plan.spacing_m, touchedShare(scene), times);
   };
@@ -92,16 +77,13 @@ MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes) {
     throw Error("spacing_mm: makes {} nodes, which take about {} MiB of {}; use a larger one", plan.particles,
                 plan.bytes >> 20, memory_bytes >> 20);
   const SoftMaterial material = materialOf(scene);
-  const bool matches = scene.preset == SoftPreset::shapeMatching;
-  const double longest_s = matches ? kMatterStep_s : longestSubstep(material, plan.spacing_m, touchedShare(scene));
+  const double longest_s = longestSubstep(material, plan.spacing_m, touchedShare(scene));
   const double needed = std::ceil(kMatterStep_s / longest_s - 1e-9);
   requireSubsteps(scene, needed, "a softer body or less viscosity");
   plan.substeps = scene.substeps != 0 ? scene.substeps : static_cast<std::uint32_t>(needed);
   plan.substep_s = kMatterStep_s / plan.substeps;
   plan.mass_kg = scene.density_kg_m3 * std::pow(plan.spacing_m, 3);
-  plan.speedOfSound_m_s =
-      matches ? kMatchedSpeed * plan.spacing_m / plan.substep_s
-              : std::sqrt((material.bulk_Pa() + 4.0 / 3 * material.shear_Pa()) / material.density_kg_m3);
+  plan.speedOfSound_m_s = std::sqrt((material.bulk_Pa() + 4.0 / 3 * material.shear_Pa()) / material.density_kg_m3);
   return plan;
 }
 

@@ -1,20 +1,14 @@
 // Derived quantities of a scene of a soft body.
 #pragma once
 
-#include <optional>
-
 #include "engine/matter/matter_simulation.hpp"
 #include "engine/matter/soft_body.hpp"
 
 namespace palpate {
 
 SoftMaterial materialOf(const MatterScene& scene);
-/// Rules of shape matching; nullopt for elastic presets.
-std::optional<MatchingRules> matchingOf(const MatterScene& scene, const MatterPlan& plan);
-/// Contact frequency of the skin: SoftContact::Config::frequency_rad_s.
-double touchFrequencyOf(const MatterScene& scene, const MatterPlan& plan);
 /// Compliance of a half-space of the scene's material under a force distributed evenly over a disc of that radius (Love
-/// 1929), mean over the disc, m/N. For elastic bodies.
+/// 1929), mean over the disc, m/N.
 double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m);
 /// Number of substeps per step that a body needs if its stiffest cell has `stiffer` times the stiffness per mass at
 /// rest (RestShape).

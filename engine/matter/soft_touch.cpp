@@ -22,8 +22,6 @@ constexpr double kForVelocity_s = 2e-3;  // interval for the velocity of a hand
 SoftTouch::SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBackend> surface,
                      const SoftTouchOptions& options)
     : HeldSoftSource{std::move(source)}, TouchDecorator(std::move(surface)), answers_(options.tools.size()) {
-  if (!options.bodyMachine.empty())
-    machine_ = fmt::format("{}; the body on {}", inner().report().machine, options.bodyMachine);
   question_.friction = options.friction;
   poses_.reserve(options.tools.size());
   setBrush(options.brush);
@@ -237,7 +235,6 @@ bool SoftTouch::turned(bool done) {
 
 BackendReport SoftTouch::report() const {
   BackendReport report = inner().report();
-  if (!machine_.empty()) report.machine = machine_;
   report.scope = {.edits = false, .paints = false, .newPoints = 0};
   report.firstEdit_s.reset();
   return report;

@@ -18,7 +18,6 @@ struct SoftTouchOptions {
   std::vector<ToolShape> tools = std::vector<ToolShape>(1);  ///< one per hand, model units
   double friction = 0;                                       ///< friction of the felt surface
   std::optional<BrushOptions> brush;                         ///< of the first hand, model units
-  std::string bodyMachine;                                   ///< machine that moves the body, if different
 };
 
 /// Base of SoftTouch, so that its back end is destroyed before the source that it feels.
@@ -78,7 +77,6 @@ class SoftTouch final : private HeldSoftSource, public TouchDecorator, private S
   DVec3 hipAt(const Hand& hand, double time_s) const;
   Contact givenWay(Contact contact, const DVec3& strayed, double share) const;
 
-  std::string machine_;  // with the one that moves the body, if it is another
   std::vector<Hand> hands_;
   std::vector<Contact> answers_;
   std::vector<Pose> poses_;  // poses of the last question

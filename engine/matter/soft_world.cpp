@@ -17,7 +17,7 @@ constexpr std::size_t kNodesOfThread = 256;
 SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) {
   return {.box_m = scene.box_mm * 1e-3,
           .ball_m = scene.tool.radius_mm * 1e-3,
-          .frequency_rad_s = touchFrequencyOf(scene, plan),
+          .frequency_rad_s = touchFrequency(materialOf(scene), plan.spacing_m),
           .friction = scene.friction};
 }
 
@@ -42,7 +42,7 @@ SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std
     : MatterSimulation(scene, options, restOf(model->solid)),
       team_(options.threads),
       model_(std::move(model)),
-      body_(model_->solid.lattice, materialOf(scene), pinsOf(scene), matchingOf(scene, plan())),
+      body_(model_->solid.lattice, materialOf(scene), pinsOf(scene)),
       contact_(body_, model_->solid.surface, contactOf(scene, plan())),
       surface_(model_->solid.lattice, model_->solid.surface),
       press_(body_, surface_),
@@ -61,7 +61,7 @@ void SoftWorld::begin() {
 }
 
 void SoftWorld::takeParameters() {
-  body_.setMaterial(materialOf(scene()), matchingOf(scene(), plan()));
+  body_.setMaterial(materialOf(scene()));
   contact_.change(contactOf(scene(), plan()));
   for (ToolBody& tool : tools_) tool.setSpring(toolSpring(scene().tool, plan().substep_s));
 }

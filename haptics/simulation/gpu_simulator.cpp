@@ -12,9 +12,6 @@ class GpuSimulator final : public MatterSimulator {
  public:
   explicit GpuSimulator(std::function<Device&()> device) : device_(std::move(device)) {}
 
-  bool simulates(const MatterScene& scene) const override {
-    return scene.matter != Matter::soft || scene.preset == SoftPreset::elastic;
-  }
   std::uint64_t memory_bytes() const override { return matterMemory(device_().ownMemory()); }
   std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
     // On a queue of its own, beside the queries of the surface of its points.

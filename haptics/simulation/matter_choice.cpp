@@ -58,7 +58,6 @@ class MatterChoice final : public SimulatedScene {
   }
   BodyStiffness stiffness(double radius_mm) const override {
     if (!isSoft()) return {.why = "water and sand have none"};
-    if (scene_.preset == SoftPreset::shapeMatching) return {.why = "not calibrated for shape matching"};
     return {.N_per_mm = scene_.gain * 1e-3 / halfSpaceCompliance_m_N(scene_, 1e-3 * radius_mm), .why = {}};
   }
   std::string text() const override { return textOf(scene_); }

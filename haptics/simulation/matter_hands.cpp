@@ -20,9 +20,7 @@ std::unique_ptr<TouchBackend> touchSoft(const MatterScene& scene, const BackendK
   options.soft = softBodyOf(request.model);
   double reach = 0;
   for (const ToolPoint& point : request.tools.front().points) reach = std::max(reach, glm::length(point.place));
-  // If this back end cannot simulate the body, the CPU moves its points.
-  const std::unique_ptr<BackendKind> cpu = simulatorOf(backend).simulates(scene) ? nullptr : cpuBackend();
-  auto world = simulatorOf(cpu ? *cpu : backend).simulate(scene, options);
+  auto world = simulatorOf(backend).simulate(scene, options);
   auto source = std::make_unique<SoftSource>(std::move(world), SoftSourceOptions{.points = request.model.cloud.size(),
                                                                                  .hands = request.tools.size(),
                                                                                  .radius = request.surface.radius,
@@ -35,10 +33,7 @@ std::unique_ptr<TouchBackend> touchSoft(const MatterScene& scene, const BackendK
   auto surface = backend.make(felt);
   return std::make_unique<SoftTouch>(
       std::move(source), std::move(surface),
-      SoftTouchOptions{.tools = request.tools,
-                       .friction = request.config.surface.friction,
-                       .brush = request.brush,
-                       .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
+      SoftTouchOptions{.tools = request.tools, .friction = request.config.surface.friction, .brush = request.brush});
 }
 
 }  // namespace

@@ -13,8 +13,7 @@ std::vector<SceneSettingFacts> sceneSettingFacts() {
     std::vector<std::string_view> kinds;
     for (const auto& [name, matter] : kMatters)
       if (each.isOf(matter)) kinds.push_back(name);
-    std::string of = kinds.size() == kMatters.size() ? "all" : fmt::format("{}", fmt::join(kinds, ", "));
-    if (each.preset) of += fmt::format(" ({})", nameOf(kSoftPresets, *each.preset));
+    const std::string of = kinds.size() == kMatters.size() ? "all" : fmt::format("{}", fmt::join(kinds, ", "));
     all.push_back({factsOf("matter", each.setting, MatterScene{}), of, each.required});
   }
   return all;

@@ -125,10 +125,6 @@ std::string layersInWords(const MatterScene& scene) {
 }
 
 std::string elasticityInWords(const MatterScene& scene) {
-  if (scene.preset == SoftPreset::shapeMatching)
-    return fmt::format(
-        "shape matching, not calibrated: a substep reverts {:g} of a displacement; not a stiffness in Pa",
-        scene.stiffness);
   return fmt::format("Young's modulus {:g} Pa, Poisson's ratio {:g}, viscosity {:g} Pa s", scene.young_Pa,
                      scene.poisson, scene.viscosity_Pa_s);
 }

@@ -19,7 +19,7 @@ std::optional<MatterScene> matterScene(const std::string& model);
 /// Layers of particles and the volume that they fill, as in "8 x 9 x 8 layers fill 80 x 85 x 80 mm, 0.544 litres"; for
 /// water or sand.
 std::string layersInWords(const MatterScene& scene);
-/// The elasticity of a soft body in words: its material, or shape matching.
+/// The elasticity of a soft body in words: its material.
 std::string elasticityInWords(const MatterScene& scene);
 
 }  // namespace palpate

@@ -11,7 +11,6 @@ namespace {
 
 class CpuSimulator final : public MatterSimulator {
  public:
-  bool simulates(const MatterScene&) const override { return true; }
   std::uint64_t memory_bytes() const override { return matterMemory(hostMemory_bytes()); }
   std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
     if (scene.matter == Matter::soft) return std::make_unique<SoftWorld>(scene, options);

@@ -8,8 +8,6 @@ namespace palpate {
 
 class MatterSimulator : public Simulator {
  public:
-  /// Whether it simulates a scene of this kind; otherwise the CPU does, and the back end feels its points.
-  virtual bool simulates(const MatterScene& scene) const = 0;
   /// Maximum memory of a scene on its machine, bytes.
   virtual std::uint64_t memory_bytes() const = 0;
   /// Throws Error as planOf() does.

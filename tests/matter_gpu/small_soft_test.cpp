@@ -122,12 +122,6 @@ MatterScene scanScene() {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "a body with the shape-matching preset is refused on a GPU") {
-  MatterScene scene = snug({3, 3, 3});
-  scene.preset = SoftPreset::shapeMatching;
-  CHECK_THROWS_WITH_AS(softOnGpu(device)(scene, 0, nullptr, {}), doctest::Contains("preset:"), Error);
-}
-
 TEST_CASE_FIXTURE(GpuFixture, "soft bodies of any size, and their forces on tools, agree between GPU and CPU") {
   struct Case {
     DVec3 cells;

@@ -118,20 +118,16 @@ TEST_CASE("a brush that a soft body cannot take is refused with the reason") {
   CHECK_THROWS_WITH_AS(validate(config), doctest::Contains("10 mm wide"), ConfigError);
 }
 
-TEST_CASE("a body with shape matching is felt and dented, and its text says so") {
-  MatterScene scene = block();
-  scene.preset = SoftPreset::shapeMatching;
-  scene.stiffness = 0.25;
-  const SessionConfig config = softSession(scene);
-  CHECK(parseConfig(configText(config)).model.matter == config.model.matter);
-  const auto cpu = cpuBackend();
-  Session session(config, modelOf(config), {.backend = *cpu, .threads = 1});
-  const ServoResult result = runAlone(session, pressed());
-  const TraceRow& last = result.trace().rows.back();
-  CHECK(last.contact);
-  CHECK(last.force_N.y > 0.1);
-  CHECK(30 - last.proxy.y > 0.5);
-  CHECK(30 - last.proxy.y < 4.9);
+TEST_CASE("a log with the former settings of shape matching is read if its body is elastic, and refused otherwise") {
+  const SessionConfig config = softSession();
+  std::string text = configText(config);
+  CHECK(parseConfig(text).model.matter == config.model.matter);
+  const std::size_t at = text.find("\"shape\"");
+  REQUIRE(at != std::string::npos);
+  text.insert(at, R"("preset": "elastic", "stiffness": 0.5, )");
+  CHECK(parseConfig(text).model.matter == config.model.matter);
+  text.replace(text.find("elastic"), 7, "shape-matching");
+  CHECK_THROWS_WITH_AS(parseConfig(text), doctest::Contains("matter.preset: is \"shape-matching\""), ConfigError);
 }
 
 TEST_CASE("the force on the hand is the force on the soft body, at any model scale") {
