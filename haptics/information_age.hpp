@@ -41,6 +41,7 @@ class InformationAge {
   void fail() noexcept { isTrue_ = false; }
 
   // For any thread.
+  double roundTrip_s() const noexcept { return roundTrip_s_; }
   AgeLimits limits() const noexcept { return ageLimits(roundTrip_s_); }
   double age_s(Clock::time_point now = Clock::now()) const noexcept;
   double share(Clock::time_point now = Clock::now()) const noexcept { return shareAt(age_s(now), limits()); }

@@ -33,6 +33,7 @@ struct SeenHand {
   std::uint32_t number = 0;  ///< the same on all machines, while the hand takes part
   HandPlace place;
   double age_s = 0;
+  DVec3 force_N{0};  ///< force of the water or sand that this program simulates on its ball
 };
 
 /// Camera of a picture. Coordinates of the file.

@@ -78,7 +78,7 @@ void addMotion(CloudServer::Parts& parts, Context& context, const SessionConfig&
                                                          .log = &context.log()});
   parts.motion_Hz = stepped->rate_Hz();
   parts.restarts = [stepped] { return stepped->restarts(); };
-  parts.motion = [stepped](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
+  parts.motion = [stepped](double time_s, std::span<SeenHand> hands, CloudFrame& frame) {
     return stepped->step(time_s, hands, frame);
   };
 }

@@ -10,16 +10,12 @@
 
 namespace palpate {
 
-inline constexpr std::uint32_t kNoParticle = ~std::uint32_t{0};
-
 class MatterLaw {
  public:
   virtual ~MatterLaw() = default;
 
   /// Sets the parameters; stored state is kept.
   virtual void change(const MatterScene& scene, const MatterPlan& plan) = 0;
-  /// Changes the ids of the particles: `was` gives each new id's old one, or kNoParticle for a new particle.
-  virtual void renumber(std::span<const std::uint32_t> was) = 0;
   /// Moves particles from the predicted positions to the final ones of the substep: settles each slot once. `sums`: one
   /// per block, zeroed, with an exchange for each body.
   virtual void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,

@@ -63,11 +63,9 @@ class MatterParticles {
   const Vec3& fall() const { return fall_; }
 
   /// Finishes a slot's substep: changes its velocity by `change` (m/s), which includes `byModel` of the model, and
-  /// moves it accordingly, keeping it inside the walls and outside the model. Adds to `sums`. A particle held by a
-  /// share gets only the remainder of `change`, and is free after the substep.
+  /// moves it accordingly, keeping it inside the walls and outside the model. Adds to `sums`.
   void settle(std::size_t slot, const Vec3& change, const Vec3& byModel, BlockSums& sums) {
-    const Vec3 yielded = (1 - velocities_[slot].w) * change;
-    const auto settled = shared::settle<float>(walls_, Vec3(places_[slot]), Vec3(velocities_[slot]), yielded);
+    const auto settled = shared::settle<float>(walls_, Vec3(places_[slot]), Vec3(velocities_[slot]), change);
     sums.wallImpulse -= double{config_.mass_kg} * DVec3(settled.stop);
     positions_[slot] = settled.place;
     nextVelocities_[slot] = Vec4(settled.velocity, 0);
@@ -88,10 +86,9 @@ class MatterParticles {
   /// After the last settle() of a substep.
   void flip() { velocities_.swap(nextVelocities_); }
 
-  std::span<const Vec3> positions() const { return positions_; }  ///< m
-  /// m/s. w: share (0 to 1) of the interactions in the next substep that does not affect the particle.
-  std::span<const Vec4> velocities() const { return {velocities_.data(), size()}; }
-  void setVelocity(std::size_t slot, const Vec3& velocity, float held = 0) { velocities_[slot] = Vec4(velocity, held); }
+  std::span<const Vec3> positions() const { return positions_; }                     ///< m
+  std::span<const Vec4> velocities() const { return {velocities_.data(), size()}; }  ///< m/s
+  void setVelocity(std::size_t slot, const Vec3& velocity) { velocities_[slot] = Vec4(velocity, 0); }
   std::span<const Vec4> places() const { return {places_.data(), size()}; }  ///< predicted positions, m
   /// The same with the compression in w, which a law may compute.
   std::span<const Vec4> pressed() const { return {pressed_.data(), size()}; }

@@ -124,7 +124,7 @@ void MatterSimulation::place(std::size_t tool, const HandPose& hand, std::span<c
   const double within_m = scene_.tool.radius_mm * 1e-3 + kBesideBall_spacings * plan_.spacing_m;
   const auto isWithin = [&](const Vec3& place) { return glm::length(DVec3(place) - hand.place_m) < within_m; };
   const auto within = static_cast<std::size_t>(std::ranges::count_if(places, isWithin));
-  balls_[tool] = {.grown_m = within > 0 && !makesRoom() ? 0 : wholeBall_m(), .pushedOut = within, .waits = false};
+  balls_[tool] = {.grown_m = within > 0 ? 0 : wholeBall_m(), .pushedOut = within, .waits = false};
   hands_[tool] = hand;
   portEnergies_J_[tool] = 0;
   placeToolAt(tool, hand);

@@ -161,8 +161,6 @@ class MatterSimulation {
   /// Passes of the last step on a GPU, with times if the options request them.
   virtual std::vector<PassRecord> passes() const { return {}; }
 
-  /// Time of the known state of matter simulated on another machine; nullopt before it is known, or if simulated here.
-  virtual std::optional<double> knownAt_s() const { return std::nullopt; }
   /// Iterates over all particles.
   virtual MatterObservation observe() const;
   /// Pressure of water at a position (m), from the matter above it if there is gravity; a linear fit over the particles
@@ -213,8 +211,6 @@ class MatterSimulation {
   virtual void begin() = 0;
   /// Applies the changed parameters of the scene and the plan.
   virtual void takeParameters() = 0;
-  /// Whether matter inside a ball is removed when the ball is placed, so that the ball need not grow.
-  virtual bool makesRoom() const { return false; }
   /// Places the ball of a tool at the hand.
   virtual void placeToolAt(std::size_t tool, const HandPose& hand) = 0;
   /// Runs all substeps of a step, or fewer if the state changes, while the hands move from `from` to `to`.

@@ -46,8 +46,7 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   }
   if (!held) hands_.assign(hands.begin(), hands.end());
   see(world_->state());
-  MatterAnswer answer{
-      .question = question, .moves = !held, .state = world_->state(), .known_s = world_->knownAt_s(), .hands = {}};
+  MatterAnswer answer{.question = question, .moves = !held, .state = world_->state(), .hands = {}};
   std::ranges::copy(world_->answers(), answer.hands.begin());
   if (steps > 0 && !held) unshown_s_ = question.time_s;
   if (steps > 0 && wanted_.load(std::memory_order_relaxed)) show(question.time_s);
@@ -63,7 +62,7 @@ MatterAnswer MatterSteps::answerTo(const MatterQuestion& question) noexcept {
       faulty_.store(true);
     }
   }
-  return {.question = question, .moves = false, .state = MatterState::diverged, .known_s = {}, .hands = {}};
+  return {.question = question, .moves = false, .state = MatterState::diverged, .hands = {}};
 }
 
 void MatterSteps::throwFault() const {

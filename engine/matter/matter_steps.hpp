@@ -27,7 +27,6 @@ struct MatterAnswer {
   MatterQuestion question;
   bool moves = true;  ///< false: it is paused, and no hand feels anything
   MatterState state = MatterState::running;
-  std::optional<double> known_s;  ///< MatterSimulation::knownAt_s()
   std::array<ToolAnswer, kMaxHands> hands;
 };
 

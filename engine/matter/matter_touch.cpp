@@ -35,6 +35,8 @@ std::vector<Vec3> inUnits(std::span<const Vec3> values_m) {
   return values;
 }
 
+}  // namespace
+
 void addModel(const MatterModel& model, std::vector<Vec3>& positions, std::vector<Vec3>& normals) {
   for (const SurfacePlace& point : model.points()) {
     positions.push_back(point.rest * static_cast<float>(1 / kMatterUnit_m));
@@ -42,11 +44,14 @@ void addModel(const MatterModel& model, std::vector<Vec3>& positions, std::vecto
   }
 }
 
-}  // namespace
+void colorMatter(CloudFrame& frame, Matter matter, std::size_t standing) {
+  const auto opaque = [](const std::array<std::uint8_t, 4>& color) { return std::array{color[0], color[1], color[2]}; };
+  frame.colors.assign(frame.size() - standing, opaque(matter == Matter::sand ? kSandColor : kWaterColor));
+  frame.colors.resize(frame.size(), opaque(kModelColor));
+}
 
 MatterTouch::MatterTouch(std::unique_ptr<MatterSimulation> simulation, const MatterTouchOptions& options)
     : up_(upOf(simulation->scene())),
-      varies_(options.varies),
       machine_(options.machine),
       steps_(std::move(simulation), options.hands, kMaxAtOnce),
       answers_(options.hands),
@@ -75,17 +80,11 @@ std::span<const Contact> MatterTouch::ask(std::span<const Pose> poses, double bu
   }
   std::optional<MatterAnswer> answer;
   if (finite) answer = thread_ ? thread_->ask(question, budget_us) : steps_.answerTo(question);
-  if (answer) known_s_ = answer->known_s;
   for (std::size_t i = 0; i < poses.size(); ++i)
     answers_[i] = answer ? contactOf(*answer, i, poses[i]) : Contact{.proxy = poses[i].hip, .valid = finite};
   if (steps_.isFaulty())
     for (std::size_t i = 0; i < poses.size(); ++i) answers_[i] = {.proxy = poses[i].hip, .valid = false, .lost = true};
   return answers_;
-}
-
-std::optional<PointsTime> MatterTouch::time() const noexcept {
-  if (!known_s_) return std::nullopt;
-  return PointsTime{.true_s = *known_s_};
 }
 
 Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, const Pose& pose) const noexcept {
@@ -125,7 +124,6 @@ void MatterTouch::finish() {
 
 std::size_t MatterTouch::readBack(PointCloud& cloud) const {
   const std::vector<Vec3> places = steps_.world().positionsById();
-  if (varies_) return bring(places, cloud);
   PALPATE_CHECK_EQ(cloud.size(), places.size() + still_.positions.size());
   surface_.normalsOf(places, up_, cloud.normals);
   append(cloud.normals, still_.normals);
@@ -137,28 +135,12 @@ std::size_t MatterTouch::readBack(PointCloud& cloud) const {
   return moved;
 }
 
-// Replaces the cloud by the known particles, whatever it held before.
-std::size_t MatterTouch::bring(std::span<const Vec3> places, PointCloud& cloud) const {
-  CloudFrame frame;
-  frame.positions = inUnits(places);
-  surface_.normalsOf(places, up_, frame.normals);
-  append(frame.positions, still_.positions);
-  append(frame.normals, still_.normals);
-  color(frame);
-  cloud.positions = frame.positions;
-  cloud.normals = frame.normals;
-  cloud.colors.clear();
-  for (const auto& [r, g, b] : frame.colors) cloud.colors.push_back({r, g, b, 255});
-  return cloud.size();
-}
-
 bool MatterTouch::take(CloudFrame& frame) {
   {
     const std::lock_guard lock(paceGuard_);
     if (!thread_) steps_.showPresent();
   }
-  // If nothing is known any more, the last known particles remain visible.
-  if (!steps_.take(view_) || view_.positions.empty()) return false;
+  if (!steps_.take(view_)) return false;
   frame.time_s = view_.time_s;
   frame.positions = inUnits(view_.positions);
   frame.velocities = inUnits(view_.velocities);
@@ -168,15 +150,7 @@ bool MatterTouch::take(CloudFrame& frame) {
   frame.velocities.resize(frame.positions.size(), Vec3(0));
   frame.colors.clear();
   frame.ids.clear();
-  if (varies_) color(frame);
   return true;
-}
-
-void MatterTouch::color(CloudFrame& frame) const {
-  const auto opaque = [](const std::array<std::uint8_t, 4>& color) { return std::array{color[0], color[1], color[2]}; };
-  const bool isSand = steps_.world().scene().matter == Matter::sand;
-  frame.colors.assign(frame.size() - still_.positions.size(), opaque(isSand ? kSandColor : kWaterColor));
-  frame.colors.resize(frame.size(), opaque(kModelColor));
 }
 
 void MatterTouch::setBrush(const std::optional<BrushOptions>& brush) {

@@ -22,8 +22,6 @@ struct MatterTouchOptions {
   bool realtime = false;  ///< initial value of begin(): the simulation runs on a thread of its own, and no tick
                           ///< waits for it past its budget
   std::string machine;    ///< name of the machine that simulates
-  /// The set of particles varies, so each frame includes their colours.
-  bool varies = false;
 };
 
 /// A simulation that is felt, and seen as a cloud: a point for each particle, in the order of their ids. In virtual
@@ -46,25 +44,17 @@ class MatterTouch final : public TouchBackend, private FrameStream {
   SimulationControl* simulation() noexcept override { return &steps_; }
   void setBrush(const std::optional<BrushOptions>& brush) override;
   BackendReport report() const override {
-    return {.machine = machine_,
-            .scope = {.edits = false, .paints = false, .newPoints = varies_ ? kMaxVarying : 0},
-            .build_us = build_us_};
+    return {.machine = machine_, .scope = {.edits = false, .paints = false, .newPoints = 0}, .build_us = build_us_};
   }
 
  private:
-  static constexpr std::uint32_t kMaxVarying = 1 << 18;
   void setRealtime(bool realtime);
   // In virtual time only for the thread that queries; it gets the particles in the state after the last answer.
   bool take(CloudFrame& frame) override;
-  // Known only for matter simulated on another machine.
-  std::optional<PointsTime> time() const noexcept override;
-  void color(CloudFrame& frame) const;
-  std::size_t bring(std::span<const Vec3> places, PointCloud& cloud) const;
+  std::optional<PointsTime> time() const noexcept override { return std::nullopt; }
   Contact contactOf(const MatterAnswer& answer, std::size_t hand, const Pose& pose) const noexcept;
 
   Vec3 up_;
-  bool varies_;
-  std::optional<double> known_s_;
   std::string machine_;
   double build_us_ = 0;
   MatterSteps steps_;
@@ -82,5 +72,9 @@ class MatterTouch final : public TouchBackend, private FrameStream {
 /// The initial points of a scene, mm: a cloud that is felt by MatterTouch. The points of `model`, a static model in the
 /// matter if not null, follow those of the particles. Throws Error as planOf() does.
 PointCloud cloudOf(const MatterScene& scene, const MatterModel* model, unsigned threads);
+/// Appends the points of a static model, units.
+void addModel(const MatterModel& model, std::vector<Vec3>& positions, std::vector<Vec3>& normals);
+/// Gives a frame the colours of particles and, for its last `standing` points, of a static model.
+void colorMatter(CloudFrame& frame, Matter matter, std::size_t standing);
 
 }  // namespace palpate

@@ -38,16 +38,6 @@ MatterWorld::MatterWorld(const MatterScene& scene, const MatterOptions& options,
 
 MatterWorld::~MatterWorld() = default;
 
-void MatterWorld::setParticles(std::vector<Vec3> places, std::span<const Vec3> velocities,
-                               std::span<const std::uint32_t> was) {
-  PALPATE_CHECK_EQ(places.size(), velocities.size());
-  PALPATE_CHECK_EQ(places.size(), was.size());
-  law_->renumber(was);
-  sums_.resize(blocksOf(places.size()));
-  particles_ = std::make_unique<MatterParticles>(particlesOf(scene(), plan(), model()), std::move(places));
-  for (std::size_t i = 0; i < velocities.size(); ++i) particles_->setVelocity(i, velocities[i]);  // slots equal ids
-}
-
 void MatterWorld::begin() {
   law_ = lawOf(scene(), plan());  // new, as a law stores contacts
   particles_ = std::make_unique<MatterParticles>(particlesOf(scene(), plan(), model()), beginning());
@@ -71,7 +61,6 @@ MatterSimulation::StepReport MatterWorld::run(std::span<const HandPose> from, st
       if (model() != nullptr) tools_[k].stopAt(*model(), std::min(scene().tool.radius_mm * 1e-3, grown_m(k)));
       bodies_[k].moveTo(tools_[k].motion(), grown_m(k));
     }
-    beforeSubstep();
     report.state = substep(report);
   }
   for (ToolBody& tool : tools_) report.tools.push_back(tool.takeReport());

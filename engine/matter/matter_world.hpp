@@ -11,7 +11,7 @@
 namespace palpate {
 
 /// The results are bitwise identical for any number of threads.
-class MatterWorld : public MatterSimulation {
+class MatterWorld final : public MatterSimulation {
  public:
   /// Throws Error as planOf() does.
   explicit MatterWorld(const MatterScene& scene, const MatterOptions& options = {});
@@ -24,21 +24,10 @@ class MatterWorld : public MatterSimulation {
   std::vector<Vec3> velocitiesById() const override;
   void setVelocities(std::span<const Vec3> byId) override;
 
- protected:
+ private:
   void begin() override;
   void placeToolAt(std::size_t tool, const HandPose& hand) override;
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
-
-  MatterParticles& matter() { return *particles_; }
-  const MatterParticles& matter() const { return *particles_; }
-  /// Motion of the ball of a tool.
-  const BodyMotion& ball(std::size_t tool) const { return tools_[tool].motion(); }
-  /// Replaces the particles, m and m/s. `was`: for each new particle the id of the same one before; kNoParticle: none.
-  void setParticles(std::vector<Vec3> places, std::span<const Vec3> velocities, std::span<const std::uint32_t> was);
-
- private:
-  /// Called before the particles' free motion in each substep.
-  virtual void beforeSubstep() {}
   void takeParameters() override;
   std::vector<Vec4> pressedPlaces() const override;
 

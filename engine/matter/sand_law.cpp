@@ -27,16 +27,6 @@ struct Contacts {
       if (with[k] == other) return &slip[k];
     return nullptr;
   }
-  // `is`: new id of each grain.
-  Contacts renumbered(std::span<const std::uint32_t> is) const {
-    Contacts now;
-    for (std::uint32_t k = 0; k < count; ++k) {
-      const std::uint32_t other =
-          with[k] < shared::kFirstWall ? (with[k] < is.size() ? is[with[k]] : kNoParticle) : with[k];
-      if (other != kNoParticle) now.add(other, slip[k]);
-    }
-    return now;
-  }
   void add(std::uint32_t other, const Vec3& displaced) {
     if (count == kMaxContacts) return;
     with[count] = other;
@@ -49,16 +39,6 @@ class SandLaw final : public MatterLaw {
   SandLaw(const MatterScene& scene, const MatterPlan& plan) : rules_(grainRules(scene, plan)) {}
 
   void change(const MatterScene& scene, const MatterPlan& plan) override { rules_ = grainRules(scene, plan); }
-
-  void renumber(std::span<const std::uint32_t> was) override {
-    std::vector<std::uint32_t> is(before_.size(), kNoParticle);
-    for (std::uint32_t id = 0; id < was.size(); ++id)
-      if (was[id] < is.size()) is[was[id]] = id;
-    std::vector<Contacts> renumbered(was.size());
-    for (std::size_t id = 0; id < was.size(); ++id)
-      if (was[id] < before_.size()) renumbered[id] = before_[was[id]].renumbered(is);
-    before_ = std::move(renumbered);
-  }
 
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
              WorkerTeam& team) override {

@@ -279,8 +279,6 @@ class WaterLaw final : public MatterLaw {
 
   void change(const MatterScene& scene, const MatterPlan& plan) override { rules_ = waterRules(scene, plan); }
 
-  void renumber(std::span<const std::uint32_t>) override {}  // no per-particle state
-
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
              WorkerTeam& team) override {
     pairs_.resize(sums.size());

@@ -54,7 +54,7 @@ DVec3 SteppedModel::nowhere() const {
   return model_->cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
 }
 
-bool SteppedModel::step(double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
+bool SteppedModel::step(double time_s, std::span<SeenHand> hands, CloudFrame& frame) {
   if (matter_) {
     move(time_s, hands);
     constexpr double kRounding_s = 1e-4;
@@ -95,12 +95,19 @@ void SteppedModel::seat(std::span<const SeenHand> hands, double since_s) {
   }
 }
 
-void SteppedModel::move(double time_s, std::span<const SeenHand> hands) {
+void SteppedModel::move(double time_s, std::span<SeenHand> hands) {
   seat(hands, last_s_ ? time_s - *last_s_ : 0);
   last_s_ = time_s;
   std::array<Pose, kMaxHands> poses;
   for (std::size_t i = 0; i < slots_.size(); ++i) poses[i] = {.time_s = time_s, .hip = slots_[i].hip, .sculpts = false};
-  if (matter_->tick(poses).front().contact.lost) matter_->backend().finish();
+  const std::span<const PulledTick> ticks = matter_->tick(poses);
+  if (ticks.front().contact.lost) matter_->backend().finish();
+  for (SeenHand& hand : hands) {
+    const auto slot = std::ranges::find(slots_, hand.number, &Slot::number);
+    if (slot == slots_.end()) continue;
+    const Contact& contact = ticks[static_cast<std::size_t>(slot - slots_.begin())].contact;
+    if (contact.valid && contact.touching) hand.force_N = contact.force_N.value_or(DVec3(0));
+  }
   restart();
 }
 

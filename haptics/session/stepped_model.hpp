@@ -33,8 +33,9 @@ class SteppedModel {
   /// Maximum rate of the frames that step() returns.
   static constexpr double kFrames_Hz = 60;
   /// Advances to that time, s since the beginning; hands that are missing in `hands` stop touching. False if the points
-  /// have not moved since the last frame, or the next one is not due yet.
-  bool step(double time_s, std::span<const SeenHand> hands, CloudFrame& frame);
+  /// have not moved since the last frame, or the next one is not due yet. Sets the
+  /// forces of water or sand on the hands.
+  bool step(double time_s, std::span<SeenHand> hands, CloudFrame& frame);
   /// Restarts of a simulation that has failed. Thread-safe.
   Restarts restarts() const;
 
@@ -45,7 +46,7 @@ class SteppedModel {
     DVec3 hip{0};
     bool seen = false;
   };
-  void move(double time_s, std::span<const SeenHand> hands);
+  void move(double time_s, std::span<SeenHand> hands);
   void restart();
   void leaveParticles(CloudFrame& frame) const;
   void seat(std::span<const SeenHand> hands, double since_s);

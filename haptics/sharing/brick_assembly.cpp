@@ -37,6 +37,9 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
   require(sample.ids._length == points, "not every point has an id");
   require(sample.velocities._length == 0 || sample.velocities._length == 3 * points, "not every point has a velocity");
   require(std::isfinite(sample.true_s), "its time is not a number");
+  const std::span<const float> forces(sample.forces._buffer, sample.forces._length);
+  require(forces.empty() || forces.size() == 3 * kMaxHands, "not every hand has a force");
+  require(std::ranges::all_of(forces, [](float part) { return std::isfinite(part); }), "a force is not a number");
   std::size_t at = 0;
   for (std::uint32_t i = 0; i < sample.parts._length; ++i) {
     const BrickPart& part = sample.parts._buffer[i];
@@ -53,6 +56,7 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
   require(at == points, "points belong to no brick");
   ++taken_;
   next_.true_s = sample.true_s;
+  for (std::size_t i = 0; i < forces.size(); ++i) next_.force_N[i / 3][static_cast<int>(i % 3)] = forces[i];
   if (!sample.last) return Heard::taken;
   acked_ = std::max<std::uint64_t>(acked_, sample.acked);
   finish(sample.whole);

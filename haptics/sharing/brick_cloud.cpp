@@ -37,7 +37,7 @@ std::unique_ptr<FarTouch> feelSurface(BrickSource& source, const BackendSetup& s
 }  // namespace
 
 std::unique_ptr<FarTouch> BrickCloud::makeTouch(const BackendSetup& setup) {
-  return setup.model.as<FarPoints>()->scene ? feelMatter(source(), setup) : feelSurface(source(), setup);
+  return setup.model.as<FarPoints>()->scene ? feelMatter(source(), known(), setup) : feelSurface(source(), setup);
 }
 
 }  // namespace palpate

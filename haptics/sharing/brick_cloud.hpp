@@ -15,8 +15,8 @@ class BrickCloud : public FarCloud {
   std::unique_ptr<FarTouch> makeTouch(const BackendSetup& setup) override;
 };
 
-/// Feels matter that another program simulates: the particles around the hands are simulated here, too, on the CPU.
-/// Throws Error if this palpate was built without simulation.
-std::unique_ptr<FarTouch> feelMatter(BrickSource& source, const BackendSetup& setup);
+/// Feels matter that another program simulates, by the forces that it sends. Throws Error if this palpate was built
+/// without simulation.
+std::unique_ptr<FarTouch> feelMatter(BrickSource& source, const InformationAge& known, const BackendSetup& setup);
 
 }  // namespace palpate

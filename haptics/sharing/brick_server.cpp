@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "haptics/sharing/seen_others.hpp"
+
 namespace palpate::sharing {
 
 namespace {
@@ -151,7 +153,10 @@ void BrickServer::acknowledge(Client& client, std::uint64_t taken) {
   }
 }
 
-void BrickServer::show(std::shared_ptr<const CloudFrame> frame) {
+void BrickServer::show(std::shared_ptr<const CloudFrame> frame, std::span<const SeenHand> hands) {
+  forces_N_.clear();
+  for (const SeenHand& hand : hands)
+    if (hand.force_N != DVec3(0)) forces_N_[hand.number] = hand.force_N;
   shown_.frame = std::move(frame);
   shown_.isOld = true;
 }
@@ -212,6 +217,14 @@ bool BrickServer::mayBegin(const Client& client) const {
          client.unacked.front().since.elapsed_s() < 1.5 * client.fastest_s + kSlack_s;
 }
 
+BrickServer::Forces BrickServer::forcesOn(const Id& client) const {
+  Forces forces{};
+  for (std::uint8_t hand = 0; hand < kMaxHands; ++hand)
+    if (const auto on = forces_N_.find(handNumber(client, hand)); on != forces_N_.end())
+      for (int axis = 0; axis < 3; ++axis) forces[3 * hand + axis] = static_cast<float>(on->second[axis]);
+  return forces;
+}
+
 // Bricks were just updated: a client that has all it wants also has the results of its strokes so far.
 bool BrickServer::begin(const Id& id, Client& client) {
   const std::uint64_t acked = parts_.points.lastOf(id);
@@ -221,13 +234,17 @@ bool BrickServer::begin(const Id& id, Client& client) {
   if (moves && !shown_.since) return false;
   Outgoing going{.step = client.ledger.next(client.wanted.balls, client.wanted.bricks, bricks_,
                                             moves ? kMovingLimits : kStillLimits),
+                 .forces = forcesOn(id),
                  .true_s = bricks_.true_s(),
                  .acked = client.acked};
   client.wantsMore = !going.step.whole;
   client.seen = bricks_.version();
   if (going.step.whole) going.acked = acked;
-  if (going.step.isEmpty() && going.acked == client.acked) return false;
+  // A force that does not change is sent again, or it would count as old.
+  const bool isFelt = going.forces != Forces{} || going.forces != client.forces;
+  if (going.step.isEmpty() && going.acked == client.acked && !isFelt) return false;
   client.acked = going.acked;
+  client.forces = going.forces;
   client.outgoing = std::move(going);
   ++counts_.steps;
   return true;
@@ -239,6 +256,7 @@ void BrickServer::fill(Bricks& sample, Outgoing& going) {
   points_.clear();
   velocities_.clear();
   std::size_t room = kRoom_bytes;
+  if (going.forces != Forces{}) room -= sizeof going.forces;
   const BrickLedger::Step& step = going.step;
   for (; going.gone.dropped < step.dropped.size() && room >= kHead_bytes; ++going.gone.dropped, room -= kHead_bytes)
     heads_.push_back({.key = step.dropped[going.gone.dropped], .total = kBrickDropped, .count = 0});
@@ -275,6 +293,7 @@ void BrickServer::fill(Bricks& sample, Outgoing& going) {
   give(sample.ids, ids_);
   give(sample.points, points_);
   give(sample.velocities, velocities_);
+  if (going.forces != Forces{}) give(sample.forces, going.forces);
 }
 
 bool BrickServer::writeSample(Client& client) {

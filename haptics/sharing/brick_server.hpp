@@ -5,12 +5,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
 #include "engine/core/clock.hpp"
 #include "engine/core/log.hpp"
 #include "haptics/session/far_cloud.hpp"
+#include "haptics/shared_presence.hpp"
 #include "haptics/sharing/brick_ledger.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/served_file.hpp"
@@ -40,8 +42,8 @@ class BrickServer {
   void attach(ReaderWait& wait) const { wait.attach(nears_); }
   /// Processes the received requests.
   void take();
-  /// Current frame of moving points.
-  void show(std::shared_ptr<const CloudFrame> frame);
+  /// Current frame of moving points, and the forces on hands.
+  void show(std::shared_ptr<const CloudFrame> frame, std::span<const SeenHand> hands);
   /// Publishes how often the motion has restarted, and why.
   void tell(const Restarts& restarts);
   /// Sends what is due, as far as the links accept it. Returns the seconds until there is more to do.
@@ -55,8 +57,10 @@ class BrickServer {
   struct Gone {
     std::size_t dropped = 0, brick = 0, point = 0;
   };
+  using Forces = std::array<float, 3 * kMaxHands>;  // of a client's hands, N
   struct Outgoing {
     BrickLedger::Step step;
+    Forces forces{};
     double true_s = 0;
     std::uint64_t acked = 0;
     Gone gone;
@@ -77,6 +81,7 @@ class BrickServer {
     std::uint32_t number = 0, epoch = 0;
     std::uint64_t sample = 0, taken = 0, window = 0;
     std::uint64_t acked = 0;  // last piece of its strokes that was acknowledged to it
+    Forces forces{};          // the last ones that it was sent
     Wanted wanted;
     std::uint64_t seen = 0;  // version of the bricks at which nothing was left to send
     bool wantsMore = true;   // its request has changed since
@@ -95,6 +100,7 @@ class BrickServer {
   double showWanted();
   bool mayBegin(const Client& client) const;
   bool begin(const Id& id, Client& client);
+  Forces forcesOn(const Id& client) const;
   bool writeSample(Client& client);
   void probe(Client& client);
   void fill(Bricks& sample, Outgoing& going);
@@ -114,6 +120,7 @@ class BrickServer {
     std::optional<Stopwatch> since;  // empty: never shown
   };
   Shown shown_;
+  std::unordered_map<std::uint32_t, DVec3> forces_N_;  // by SeenHand::number
   std::vector<PointState> states_;
   // Buffers of the sample that is being written.
   std::vector<BrickPart> heads_;

@@ -106,6 +106,7 @@ bool BrickSource::apply(BrickUpdate update) {
   overlay_.settle(update.settled);
   const bool isChanged = compose();
   now_.true_s = update.true_s;
+  forces_.store({.true_s = update.true_s, .force_N = update.force_N});
   isWhole_ = update.whole;
   came_.notify_all();
   return isChanged;
@@ -174,12 +175,6 @@ double BrickSource::frameTime(double time_s, double true_s) {
     time_s = std::nextafter(*lastTime_s_, std::numeric_limits<double>::infinity());
   lastTime_s_ = time_s;
   return time_s;
-}
-
-std::vector<std::uint32_t> BrickSource::ids() const {
-  std::vector<std::uint32_t> ids;
-  for (const auto& [id, where] : order_) ids.push_back(id);
-  return ids;
 }
 
 void BrickSource::makeFrame(double time_s, CloudFrame& frame) {

@@ -25,7 +25,14 @@ struct BrickUpdate {
   bool whole = false;             ///< nothing requested is still to be received
   std::vector<BrickKey> dropped;  ///< no longer known
   std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;  ///< new contents
-  std::vector<std::uint32_t> settled;  ///< points edited here whose edits this update contains
+  std::vector<std::uint32_t> settled;     ///< points edited here whose edits this update contains
+  std::array<Vec3, kMaxHands> force_N{};  ///< of simulated matter on the hands here
+};
+
+/// Forces of matter that the server simulates on the hands here.
+struct HandForces {
+  double true_s = 0;  ///< as BrickUpdate::true_s
+  std::array<Vec3, kMaxHands> force_N{};
 };
 
 /// A monotonic clock, for times that are compared across threads.
@@ -66,6 +73,8 @@ class BrickSource final : public CloudSource {
   /// Sets the positions of the hands. Does not allocate or block.
   void ask(const HandReaches& hands) noexcept { asked_.store(hands); }
   std::optional<HandReaches> asked() const noexcept { return asked_.load(); }
+  /// Forces of the last update; does not block. Nothing while they are replaced.
+  std::optional<HandForces> forces() const noexcept { return forces_.load(); }
 
   /// Whether the frame that is true for `frame_s`, one of the last ones made, contains all bricks that the box reaches.
   bool covers(double frame_s, const DVec3& low, const DVec3& high) const noexcept;
@@ -102,8 +111,6 @@ class BrickSource final : public CloudSource {
   std::size_t size() const override { return options_.points; }
   bool keepsPoints() const override { return false; }
   void makeFrame(double time_s, CloudFrame& frame) override;
-  /// Ids (numbers in the whole cloud) of the last frame's points. For the thread that makes frames.
-  std::vector<std::uint32_t> ids() const;
   bool hasNewer(double time_s, double than_s) override;
 
  private:
@@ -129,6 +136,7 @@ class BrickSource final : public CloudSource {
   Options options_;
   BrickGrid grid_;
   LatestValue<HandReaches> asked_;
+  LatestValue<HandForces> forces_;
 
   mutable std::mutex lock_;  // guards the members up to isOver_
   std::condition_variable came_;

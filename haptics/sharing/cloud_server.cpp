@@ -299,7 +299,7 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
     if (link_->parts.restarts) link_->near->tell(link_->parts.restarts());
     link_->near->take();
     if (link_->moving)
-      if (auto frame = link_->moving->newest()) link_->near->show(std::move(frame));
+      if (auto moved = link_->moving->newest(); moved.frame) link_->near->show(std::move(moved.frame), moved.hands);
     next_s = std::min(next_s, link_->near->write());
     if (link_->moving && !link_->near->isIdle()) next_s = std::min(next_s, kFrameLook_s);
   }

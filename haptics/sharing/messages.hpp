@@ -32,7 +32,7 @@ using Bricks = palpate_sharing_Bricks;
 using Ping = palpate_sharing_Ping;
 
 /// Version of the network protocol; raised with each change of a type.
-inline constexpr std::uint32_t kVersion = 6;
+inline constexpr std::uint32_t kVersion = 7;
 /// Points of a block, which fits into one Ethernet frame: DDS resends one fragment of a split sample per round trip,
 /// but all lost whole samples at once.
 inline constexpr std::uint32_t kBlockPoints = 45;

@@ -19,10 +19,10 @@ MotionThread::MotionThread(const Parts& parts)
       session_(parts.session),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-std::shared_ptr<const CloudFrame> MotionThread::newest() {
+MotionThread::Moved MotionThread::newest() {
   const std::scoped_lock hold(lock_);
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-  return std::exchange(newest_, nullptr);
+  return std::exchange(newest_, {});
 }
 
 void MotionThread::run(const std::stop_token& stop) {
@@ -38,10 +38,11 @@ void MotionThread::run(const std::stop_token& stop) {
       next_s = std::max(next_s + apart_s_, now_s);
       hands_.hear(session_);
       auto frame = std::make_shared<CloudFrame>();
-      if (!motion_(now_s, hands_.all(), *frame)) continue;
+      std::vector<SeenHand> hands = hands_.all();
+      if (!motion_(now_s, hands, *frame)) continue;
       ++frames_;
       const std::scoped_lock hold(lock_);
-      newest_ = std::move(frame);
+      newest_ = {.frame = std::move(frame), .hands = std::move(hands)};
     }
   } catch (...) {
     const std::scoped_lock hold(lock_);

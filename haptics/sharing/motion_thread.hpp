@@ -25,8 +25,12 @@ class MotionThread {
     Id session;
   };
   explicit MotionThread(const Parts& parts);
-  /// Newest frame since the last call; null if there is none. Rethrows what the motion has thrown.
-  std::shared_ptr<const CloudFrame> newest();
+  struct Moved {
+    std::shared_ptr<const CloudFrame> frame;  ///< null: none since the last call
+    std::vector<SeenHand> hands;              ///< with the forces on them
+  };
+  /// Newest frame since the last call. Rethrows what the motion has thrown.
+  Moved newest();
   std::uint64_t frames() const { return frames_; }
 
  private:
@@ -37,7 +41,7 @@ class MotionThread {
   HeardHands hands_;
   Id session_;
   std::mutex lock_;  // guards the next two
-  std::shared_ptr<const CloudFrame> newest_;
+  Moved newest_;
   std::exception_ptr failure_;
   std::atomic<std::uint64_t> frames_ = 0;
   std::jthread thread_;  // destroyed first

@@ -12,6 +12,13 @@
 
 namespace palpate::sharing {
 
+/// SeenHand::number of a client's hand.
+inline std::uint32_t handNumber(const Id& client, std::uint8_t hand) {
+  std::uint32_t number = 0;
+  std::memcpy(&number, client.data(), sizeof number);
+  return number + hand;
+}
+
 /// Hands (SeenHand) or cameras (SeenCamera), at most 256. Not thread-safe.
 template <class Seen>
 class SeenOthers {
@@ -24,8 +31,7 @@ class SeenOthers {
     const std::pair key(client, hand);
     const auto known = others_.find(key);
     if (known == others_.end() ? others_.size() >= kMax : known->second.count >= count) return;
-    std::memcpy(&seen.number, client.data(), sizeof seen.number);
-    seen.number += hand;
+    seen.number = handNumber(client, hand);
     others_[key] = {.seen = std::move(seen), .count = count, .since = {}};
   }
   /// Removes those that are gone.

@@ -35,9 +35,10 @@ struct ServedCounts {
   std::uint64_t frames = 0;                           ///< of moving points, shown
 };
 
-/// Moves the points of a cloud: positions at `time_s` seconds after the start, with remote hands that act on them.
+/// Moves the points of a cloud: positions at `time_s` seconds after the start, with remote hands that act on them,
+/// and on which it may set forces.
 /// False if nothing has changed since the last call. Called on a thread of its own.
-using ServedMotion = std::function<bool(double time_s, std::span<const SeenHand> hands, CloudFrame& frame)>;
+using ServedMotion = std::function<bool(double time_s, std::span<SeenHand> hands, CloudFrame& frame)>;
 
 /// Serves a cloud as loaded, and all edits since, in one order for all clients. Reads the cloud from one thread, and
 /// never writes to it.

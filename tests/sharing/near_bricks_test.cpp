@@ -247,6 +247,7 @@ struct OneSample {
     give(sample.ids, ids);
     give(sample.points, points);
     give(sample.velocities, velocities);
+    give(sample.forces, forces);
     return assembly.hear(sample);
   }
   Bricks sample{};
@@ -254,7 +255,7 @@ struct OneSample {
   std::vector<std::uint32_t> ids{3, 8};
   std::vector<Point> points{{.position = {0.5, 0.5, 0.5}, .normal = {0, 0, 1}, .color = 0x030201},
                             {.position = {0.6, 0.5, 0.5}, .normal = {0, 1, 0}, .color = 0}};
-  std::vector<float> velocities;
+  std::vector<float> velocities, forces;
 };
 
 BrickAssembly freshAssembly(std::size_t room = 100) {
@@ -277,6 +278,8 @@ TEST_CASE("a step is assembled from its samples; a missing sample is detected, a
   second.ids = {8};
   second.points.erase(second.points.begin());
   second.parts.push_back({.key = BrickGrid::keyOf(IVec3(1, 0, 0)), .total = 0, .count = 0});
+  second.forces.assign(3 * kMaxHands, 0);
+  second.forces[4] = 2;
   CHECK(second.hear(assembly) == BrickAssembly::Heard::gap);
   CHECK(first.hear(assembly) == BrickAssembly::Heard::taken);
   CHECK(first.hear(assembly) == BrickAssembly::Heard::old);
@@ -288,6 +291,8 @@ TEST_CASE("a step is assembled from its samples; a missing sample is detected, a
   CHECK(update->bricks[0].second->ids == std::vector<std::uint32_t>{3, 8});
   CHECK(update->bricks[0].second->colors[0] == 0x030201);
   CHECK(update->bricks[1].second->size() == 0);
+  CHECK(update->force_N[0] == Vec3(0));
+  CHECK(update->force_N[1] == Vec3(0, 2, 0));
   // After a restart received bricks stay until they are received again; those not received with the rest are dropped.
   CHECK(assembly.begin() == 2);
   OneSample again;
@@ -323,6 +328,8 @@ TEST_CASE("invalid brick samples are refused") {
   refuses([](OneSample& one) { one.points[1].normal[2] = 2; });
   refuses([](OneSample& one) { one.velocities = {1, 2, 3}; });
   refuses([](OneSample& one) { one.velocities.assign(6, std::numeric_limits<float>::infinity()); });
+  refuses([](OneSample& one) { one.forces = {0, 1, 0}; });
+  refuses([](OneSample& one) { one.forces.assign(3 * kMaxHands, std::numeric_limits<float>::quiet_NaN()); });
   refuses([](OneSample& one) { one.sample.true_s = std::numeric_limits<double>::infinity(); });
 }
 

@@ -37,14 +37,17 @@ class Served {
     stepped_.emplace(config, model_, SteppedModel::Parts{.backend = *cpu_, .threads = 1, .log = &log_});
   }
   /// Steps until `holds` is true of a frame, for at most `seconds` of real time.
-  bool until(double seconds, const std::vector<SeenHand>& hands, const std::function<bool(const CloudFrame&)>& holds) {
+  bool until(double seconds, std::vector<SeenHand> hands, const std::function<bool(const CloudFrame&)>& holds) {
     CloudFrame frame;
     for (const Stopwatch since; since.elapsed_s() < seconds;) {
       time_s_ += 1 / stepped_->rate_Hz();
-      if (stepped_->step(time_s_, hands, frame) && holds(frame)) return true;
+      const bool isNew = stepped_->step(time_s_, hands, frame);
+      hands_ = hands;
+      if (isNew && holds(frame)) return true;
     }
     return false;
   }
+  const std::vector<SeenHand>& hands() const { return hands_; }  // after the last step
   const Model& model() const { return *model_; }
   const std::vector<std::string>& said() const { return lines_.lines; }
   Restarts restarts() const { return stepped_->restarts(); }
@@ -55,6 +58,7 @@ class Served {
   std::unique_ptr<BackendKind> cpu_ = cpuBackend();
   std::shared_ptr<const Model> model_;
   std::optional<SteppedModel> stepped_;
+  std::vector<SeenHand> hands_;
   double time_s_ = 0;
 };
 
@@ -87,6 +91,20 @@ TEST_CASE("each connected hand has a ball in the water where it is put down, and
   CHECK(served.until(120, {handAt(7, a)},
                      [&](const CloudFrame& frame) { return within(frame, a, 17) == 0 && within(frame, b, 15) > 5; }));
   CHECK(served.said().empty());
+}
+
+TEST_CASE("each hand in served water gets the force on its own ball") {
+  Served served(pool());
+  const double expected_N = 1000 * 9.81 * 4 * 3.14159265 / 3 * 8e-6;
+  int frames = 0;
+  double below_N = 0;
+  CHECK(served.until(60, {handAt(5, {40, 110, 40}), handAt(9, {40, 35, 40})}, [&](const CloudFrame&) {
+    CHECK(served.hands()[0].force_N == DVec3(0));
+    if (++frames > 40) below_N += served.hands()[1].force_N.y / 20;
+    return frames == 60;
+  }));
+  CHECK(below_N > 0.75 * expected_N);
+  CHECK(below_N < 1.25 * expected_N);
 }
 
 TEST_CASE("more hands than balls, and hands that jump about, do not end served water") {
