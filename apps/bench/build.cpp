@@ -49,7 +49,8 @@ Summary measureVulkan(Device& device, const PointCloud& cloud, const HashGrid& g
   return measureSection(device, list, "hash", options);
 }
 
-Summary measureCpu(NeighbourSearch& search, const PointCloud& cloud, const BenchOptions& options) {
+template <class Search>
+Summary measureCpu(Search& search, const PointCloud& cloud, const BenchOptions& options) {
   search.build(cloud.positions);
   std::vector<double> times;
   repeatMeasurement(options, [&](std::int64_t) {
@@ -61,7 +62,8 @@ Summary measureCpu(NeighbourSearch& search, const PointCloud& cloud, const Bench
 }
 
 // Cost of following an edit of a thousand points.
-Summary measureCpuMove(NeighbourSearch& search, PointCloud cloud, float distance, const BenchOptions& options) {
+template <class Search>
+Summary measureCpuMove(Search& search, PointCloud cloud, float distance, const BenchOptions& options) {
   constexpr std::size_t kMoved = 1000;
   search.build(cloud.positions);
   std::vector<PointMove> moves(std::min(kMoved, cloud.size()));
@@ -120,12 +122,16 @@ void benchBuild(Context& context, const Subject& subject, const TimeBenchOptions
     SortedGrid sorted(grid, context.threads());
     PointTree tree;
     DynamicTree dynamic;
-    for (NeighbourSearch* search : std::initializer_list<NeighbourSearch*>{&multimap, &sorted, &tree, &dynamic}) {
+    const auto measure = [&](auto& search) {
       for (const Input& input : inputs)
-        add("cpu", search->name(), input.name, {}, measureCpu(*search, input.cloud, options));
-      add("cpu", search->name(), "1000 points moved", {},
-          measureCpuMove(*search, ordered, 1 / grid.inverseCell, options));
-    }
+        add("cpu", search.name(), input.name, {}, measureCpu(search, input.cloud, options));
+      add("cpu", search.name(), "1000 points moved", {},
+          measureCpuMove(search, ordered, 1 / grid.inverseCell, options));
+    };
+    measure(multimap);
+    measure(sorted);
+    measure(tree);
+    measure(dynamic);
   }
 }
 

@@ -150,20 +150,24 @@ void benchQuery(Context& context, const Subject& subject, const TimeBenchOptions
   SortedGrid sorted(grid, context.threads());
   PointTree tree;
   DynamicTree dynamic;
-  for (NeighbourSearch* search : std::initializer_list<NeighbourSearch*>{&multimap, &sorted, &tree, &dynamic}) {
-    search->build(subject.model.cloud.positions);
+  const auto measure = [&](auto& search) {
+    search.build(subject.model.cloud.positions);
     std::vector<double> times;
     std::vector<std::uint32_t> found;
     repeatMeasurement(options, [&](std::int64_t) {
       found.clear();
       const Stopwatch watch;
-      search->near(hip - subject.model.cloud.origin, radius, found);
+      search.near(hip - subject.model.cloud.origin, radius, found);
       times.push_back(watch.elapsed_us());
     });
     records.push_back(
-        recordOf("query", {.backend = "cpu", .method = std::string(search->name())}, "neighbours alone", subject));
+        recordOf("query", {.backend = "cpu", .method = std::string(search.name())}, "neighbours alone", subject));
     records.back().wall_us = summarize(times);
-  }
+  };
+  measure(multimap);
+  measure(sorted);
+  measure(tree);
+  measure(dynamic);
 }
 
 void benchStep(Context& context, const Subject& subject, const TimeBenchOptions& options,

@@ -1,4 +1,8 @@
-// Neighbourhood search on the CPU, behind one interface.
+// What the CPU's neighbourhood searches have in common: PointTree, SortedGrid and those of the study. Each has
+//   build(positions)             sets the points, whose number is their index; keeps a view, which must stay valid
+//   move(moves)                  follows points that have moved in the positions, each at most once
+//   near(center, radius, found)  appends every point strictly nearer, once, in any order; distances in double precision
+//   bytes()                      memory in addition to the positions
 #pragma once
 
 #include <cstddef>
@@ -15,23 +19,6 @@ namespace palpate {
 struct PointMove {
   std::uint32_t point;
   Vec3 from;
-};
-
-/// Finds the points near a position. A point's number is its index in the positions.
-class NeighbourSearch {
- public:
-  virtual ~NeighbourSearch() = default;
-
-  /// Sets the points. Keeps a view of `positions`, which must outlive its use here.
-  virtual void build(std::span<const Vec3> positions) = 0;
-  /// Updates the structure for points that have moved in the positions; each at most once.
-  virtual void move(std::span<const PointMove> moves) = 0;
-  /// Appends every point strictly nearer than `radius` to `center`, once, in any order. Distances in double precision.
-  virtual void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const = 0;
-
-  virtual std::string_view name() const = 0;
-  /// Memory in addition to the positions.
-  virtual std::size_t bytes() const = 0;
 };
 
 }  // namespace palpate

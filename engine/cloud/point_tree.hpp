@@ -8,10 +8,10 @@
 namespace palpate {
 
 /// A k-d tree, rebuilt whenever points have moved. Queries are safe from any thread.
-class PointTree final : public NeighbourSearch {
+class PointTree {
  public:
   explicit PointTree(std::span<const Vec3> points = {});
-  ~PointTree() override;
+  ~PointTree();
   PointTree(const PointTree&) = delete;
   PointTree& operator=(const PointTree&) = delete;
 
@@ -19,11 +19,11 @@ class PointTree final : public NeighbourSearch {
   /// set). Returns the number found. `squaredDistances` has the same size.
   std::size_t nearest(const Vec3& p, std::span<std::uint32_t> indices, std::span<double> squaredDistances) const;
 
-  void build(std::span<const Vec3> positions) override;
-  void move(std::span<const PointMove> moves) override;
-  void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const override;
-  std::string_view name() const override { return "k-d tree"; }
-  std::size_t bytes() const override;
+  void build(std::span<const Vec3> positions);
+  void move(std::span<const PointMove> moves);
+  void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const;
+  std::string_view name() const { return "k-d tree"; }
+  std::size_t bytes() const;
 
  private:
   struct Index;

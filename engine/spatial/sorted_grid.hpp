@@ -15,7 +15,7 @@ namespace palpate {
 /// threads. A rebuild for at most as many points as before does not allocate. An update costs the changed points and
 /// the buckets that they enter or leave, and leaves the buckets that a build would make: queries visit the same points
 /// in the same order.
-class SortedGrid final : public NeighbourSearch {
+class SortedGrid {
  public:
   /// A point in bucket order; its number is its index in the positions.
   struct Placed {
@@ -29,17 +29,17 @@ class SortedGrid final : public NeighbourSearch {
   /// `threads`: 0: one per core.
   explicit SortedGrid(const HashGrid& grid, unsigned threads = 0, CellTags cellTags = CellTags::off);
 
-  void build(std::span<const Vec3> positions) override { build(positions, {}); }
+  void build(std::span<const Vec3> positions) { build(positions, {}); }
   /// `there`: zero for each point to leave out; empty: all points are included.
   void build(std::span<const Vec3> positions, std::span<const std::uint8_t> there);
   /// Follows the points with the numbers in `changed`, each once: moved, removed, restored or appended to the
   /// positions. All other points are as at the last build or update.
   void update(std::span<const Vec3> positions, std::span<const std::uint8_t> there,
               std::span<const std::uint32_t> changed);
-  void move(std::span<const PointMove> moves) override;
-  void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const override;
-  std::string_view name() const override { return "sorted grid"; }
-  std::size_t bytes() const override;
+  void move(std::span<const PointMove> moves);
+  void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const;
+  std::string_view name() const { return "sorted grid"; }
+  std::size_t bytes() const;
 
   const HashGrid& grid() const { return grid_; }
   std::size_t threads() const { return team_.size(); }
@@ -145,8 +145,8 @@ class SortedGrid final : public NeighbourSearch {
   std::uint8_t tagsOf(std::span<const Placed> points);
   // Into the cache, as far as it is worth it.
   static void fetch(std::span<const Placed> points) {
-    constexpr std::size_t kLine = 64 / sizeof(Placed), kMost = 8 * kLine;
-    for (std::size_t i = 0; i < std::min(points.size(), kMost); i += kLine) __builtin_prefetch(&points[i]);
+    constexpr std::size_t kLine = 64 / sizeof(Placed), kMaxFetched = 8 * kLine;
+    for (std::size_t i = 0; i < std::min(points.size(), kMaxFetched); i += kLine) __builtin_prefetch(&points[i]);
     if (!points.empty()) __builtin_prefetch(&points.back());
   }
   template <class Visit>

@@ -9,19 +9,19 @@ namespace palpate {
 /// A peer that follows edits: nanoflann's dynamic k-d tree, a row of static trees of doubling sizes (Bentley and Saxe
 /// 1980), of which an insertion merges the smallest. A removed point is only marked, so that memory and the cost of a
 /// query grow with the moves since the last build.
-class DynamicTree final : public NeighbourSearch {
+class DynamicTree {
  public:
   DynamicTree();
-  ~DynamicTree() override;
+  ~DynamicTree();
   DynamicTree(const DynamicTree&) = delete;
   DynamicTree& operator=(const DynamicTree&) = delete;
 
-  void build(std::span<const Vec3> positions) override;
+  void build(std::span<const Vec3> positions);
   /// Removes each point and inserts it where it is now, all of them together.
-  void move(std::span<const PointMove> moves) override;
-  void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const override;
-  std::string_view name() const override { return "dynamic k-d tree"; }
-  std::size_t bytes() const override;
+  void move(std::span<const PointMove> moves);
+  void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const;
+  std::string_view name() const { return "dynamic k-d tree"; }
+  std::size_t bytes() const;
 
  private:
   struct Index;

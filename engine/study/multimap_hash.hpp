@@ -8,17 +8,17 @@
 namespace palpate {
 
 /// The CPU baseline of the thesis (section 4.1): a multimap from bucket number to point, one insertion per point.
-class MultimapHash final : public NeighbourSearch {
+class MultimapHash {
  public:
   explicit MultimapHash(const HashGrid& grid) : grid_(grid) {}
 
-  void build(std::span<const Vec3> positions) override;
+  void build(std::span<const Vec3> positions);
   /// Erases and inserts each point.
-  void move(std::span<const PointMove> moves) override;
-  void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const override;
-  std::string_view name() const override { return "multimap"; }
+  void move(std::span<const PointMove> moves);
+  void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const;
+  std::string_view name() const { return "multimap"; }
   /// With the rounding of glibc's allocator.
-  std::size_t bytes() const override;
+  std::size_t bytes() const;
 
  private:
   struct Point {

@@ -1,6 +1,4 @@
 // One test body for every search structure: it finds what brute force finds.
-#include "engine/cloud/neighbour_search.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,14 +18,13 @@ namespace {
 
 using Numbers = std::vector<std::uint32_t>;
 
-std::vector<std::unique_ptr<NeighbourSearch>> everyStructure(const HashGrid& grid) {
-  std::vector<std::unique_ptr<NeighbourSearch>> all;
-  all.push_back(std::make_unique<MultimapHash>(grid));
-  all.push_back(std::make_unique<SortedGrid>(grid, 1));
-  all.push_back(std::make_unique<SortedGrid>(grid, 3));
-  all.push_back(std::make_unique<PointTree>());
-  all.push_back(std::make_unique<DynamicTree>());
-  return all;
+// Calls check(search) with each structure, empty.
+void forEachStructure(const HashGrid& grid, auto&& check) {
+  check(std::make_unique<MultimapHash>(grid));
+  check(std::make_unique<SortedGrid>(grid, 1));
+  check(std::make_unique<SortedGrid>(grid, 3));
+  check(std::make_unique<PointTree>());
+  check(std::make_unique<DynamicTree>());
 }
 
 Numbers bruteForce(std::span<const Vec3> positions, const DVec3& center, double radius) {
@@ -39,8 +36,7 @@ Numbers bruteForce(std::span<const Vec3> positions, const DVec3& center, double 
   return found;
 }
 
-void checkFinds(const NeighbourSearch& search, std::span<const Vec3> positions, std::span<const DVec3> centers,
-                double radius) {
+void checkFinds(const auto& search, std::span<const Vec3> positions, std::span<const DVec3> centers, double radius) {
   CAPTURE(search.name());
   std::size_t wrong = 0;
   for (const DVec3& center : centers) {
@@ -67,11 +63,11 @@ std::vector<DVec3> centersFor(std::span<const Vec3> positions, double radius) {
 void checkAll(const std::vector<Vec3>& positions, double cell) {
   CAPTURE(positions.size());
   for (const BucketKey key : {BucketKey::teschner, BucketKey::morton})
-    for (const auto& search : everyStructure(makeHashGrid(Vec3(-3), cell, positions.size(), key))) {
+    forEachStructure(makeHashGrid(Vec3(-3), cell, positions.size(), key), [&](const auto& search) {
       search->build(positions);
       for (const double radius : {0.4 * cell, cell, 3 * cell})
         checkFinds(*search, positions, centersFor(positions, radius), radius);
-    }
+    });
 }
 
 }  // namespace
@@ -106,17 +102,17 @@ TEST_CASE("neighbour search finds all points despite a far outlier") {
 
 TEST_CASE("neighbour search works if far more cells than points, or all points, are in reach") {
   const auto positions = randomPositions(2000, Vec3(0), 1);
-  for (const auto& search : everyStructure(makeHashGrid(Vec3(0), 1e-4, positions.size()))) {
+  forEachStructure(makeHashGrid(Vec3(0), 1e-4, positions.size()), [&](const auto& search) {
     search->build(positions);
     checkFinds(*search, positions, centersFor(positions, 0.5), 0.5);
     checkFinds(*search, positions, centersFor(positions, 1e9), 1e9);
-  }
+  });
 }
 
 TEST_CASE("neighbour search finds points after repeated moves and after a rebuild with another cloud") {
   auto positions = randomPositions(10'007, Vec3(0), 10);
   const auto others = randomPositions(301, Vec3(5), 10);
-  for (const auto& search : everyStructure(makeHashGrid(Vec3(0), 0.8, positions.size()))) {
+  forEachStructure(makeHashGrid(Vec3(0), 0.8, positions.size()), [&](const auto& search) {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> step(-3, 3);
     search->build(positions);
@@ -133,7 +129,7 @@ TEST_CASE("neighbour search finds points after repeated moves and after a rebuil
     checkFinds(*search, positions, centersFor(positions, 1.3), 1.3);
     search->build(others);
     checkFinds(*search, others, centersFor(others, 1.3), 1.3);
-  }
+  });
 }
 
 TEST_CASE("the sorted grid has the points of each bucket in their order, with any number of threads") {
