@@ -13,7 +13,7 @@ namespace {
 constexpr double kWallBelow_mm = 5;  // the hand when the wall appears, so that it is approached from free space
 constexpr double kMove_mm = 20;      // in a direction; small devices reach 35 mm from their middle
 constexpr double kClear_mm = 2;      // above the wall: lifted
-constexpr double kLeast_N = 0.2;     // a hand that leans
+constexpr double kMinLean_N = 0.2;   // a hand that leans
 constexpr double kMaxShare = 0.8;    // of the peak force
 constexpr double kStepRamp_s = 0.2;  // from one stiffness to the next: no knock in the hand
 constexpr double kStepHold_s = 0.5;  // leaned on at the whole stiffness
@@ -180,7 +180,7 @@ void DeviceCheckQuery::lean(const Pose& pose, double dt_s) noexcept {
   now_N_per_mm_ = std::min(stiffness_N_per_mm_, now_N_per_mm_ + rise);
   if (oscillation_.update(depth_mm_, now_N_per_mm_, dt_s) || share_ < 1) return fade(pose, dt_s);
   const double got_N = pose.felt.got_N;
-  if (got_N >= kLeast_N && got_N <= most_N_ && oscillation_.duration_s() == 0) {
+  if (got_N >= kMinLean_N && got_N <= most_N_ && oscillation_.duration_s() == 0) {
     if (now_N_per_mm_ == stiffness_N_per_mm_) leaned_s_ += dt_s;
     result_.triedStiffness_N_per_mm = std::max(result_.triedStiffness_N_per_mm, now_N_per_mm_);
   }

@@ -54,8 +54,8 @@ std::uint64_t WorkgroupWatch::readClock() const {
 }
 
 double WorkgroupWatch::tick_ns() const {
-  constexpr double kLeast_s = 0.1;  // a submission's delay differs by less than a thousandth of that
-  if (const double left_s = kLeast_s - sinceFirst_.elapsed_s(); left_s > 0)
+  constexpr double kMinSpan_s = 0.1;  // a submission's delay differs by less than a thousandth of that
+  if (const double left_s = kMinSpan_s - sinceFirst_.elapsed_s(); left_s > 0)
     std::this_thread::sleep_for(std::chrono::duration<double>(left_s));
   const std::uint64_t tick = readClock();
   return 1e9 * sinceFirst_.elapsed_s() / static_cast<double>(tick - firstTick_);

@@ -12,8 +12,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kTie = 1.1;                  // the GPU's time over the CPU's
-constexpr std::size_t kMostPoints = 200'000;  // around the spot: enough that the hand meets no edge
+constexpr double kTie = 1.1;                     // the GPU's time over the CPU's
+constexpr std::size_t kMaxPartPoints = 200'000;  // around the spot: enough that the hand meets no edge
 
 std::string inWords(const BackendTime& time) {
   if (!time.failure.empty()) return "not usable: " + time.failure;
@@ -41,8 +41,8 @@ Model partAround(const Model& model, const DVec3& place) {
     return count;
   };
   // As many as a flat surface has there; less where it is folded.
-  double reach = model.spacing * std::sqrt(kMostPoints / std::numbers::pi);
-  while (within(reach) > kMostPoints) reach *= 0.7;
+  double reach = model.spacing * std::sqrt(kMaxPartPoints / std::numbers::pi);
+  while (within(reach) > kMaxPartPoints) reach *= 0.7;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!isWithin(i, reach)) continue;
     part.cloud.positions.push_back(cloud.positions[i]);
@@ -66,7 +66,7 @@ BackendTimes measure(const SessionConfig& config, const Model& whole, const Back
   const Stopwatch watch;
   const std::vector<SurfaceSpot> places = sculptingPlaces(whole, kCoarsePoints);
   std::optional<Model> part;
-  if (whole.cloud.size() > kMostPoints) part = partAround(whole, places.front().position);
+  if (whole.cloud.size() > kMaxPartPoints) part = partAround(whole, places.front().position);
   const Model& model = part ? *part : whole;
   const Stroke stroke = strokeWith(config.brush.value_or(BrushConfig{}), whole);
   const auto on = [&](const BackendKind& kind) {

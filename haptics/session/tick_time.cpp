@@ -7,9 +7,9 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kWarmUp = 20;    // ticks at full depth that do not count, if others follow
-constexpr std::size_t kFewest = 10;    // ticks at full depth, for which a slow machine gets more time
-constexpr double kMostDurations = 10;  // of that time
+constexpr std::size_t kWarmUp = 20;   // ticks at full depth that do not count, if others follow
+constexpr std::size_t kFewest = 10;   // ticks at full depth, for which a slow machine gets more time
+constexpr double kMaxDurations = 10;  // of that time
 
 // One hand with the configured tool, and nothing that moves the points.
 SessionConfig alone(SessionConfig config) {
@@ -25,7 +25,7 @@ Summary strokeTimes(TouchBackend& backend, SculptingHand hand, const TickTimeReq
   const auto goesOn = [&] {
     const double durations = all.elapsed_s() / request.duration_s;
     return durations < 1 ? times_us.size() < request.ticks + kWarmUp
-                         : durations < kMostDurations && times_us.size() < kFewest;
+                         : durations < kMaxDurations && times_us.size() < kFewest;
   };
   for (std::uint64_t i = 0; goesOn(); ++i) {
     const bool counts = hand.sculpts();

@@ -50,7 +50,7 @@ void put(Facts& facts, const ServedFile& file) {
 }
 
 std::optional<ServedFile> servedFileIn(const Facts& facts) {
-  constexpr double kLeast = 1e-30, kLargest = 1e30;
+  constexpr double kMin = 1e-30, kMax = 1e30;
   ServedFile file{.unit = static_cast<LengthUnit>(facts.unit),
                   .estimatedNormals = facts.estimated_normals,
                   .unsent = printable(facts.unsent)};
@@ -60,7 +60,7 @@ std::optional<ServedFile> servedFileIn(const Facts& facts) {
                             .offset = DVec3(facts.offset[0], facts.offset[1], facts.offset[2])};
   for (int axis = 0; axis < 3; ++axis) {
     const double step = std::abs(grid.step[axis]);
-    if (!(step >= kLeast && step <= kLargest && std::abs(grid.offset[axis]) <= kLargest)) return std::nullopt;
+    if (!(step >= kMin && step <= kMax && std::abs(grid.offset[axis]) <= kMax)) return std::nullopt;
   }
   file.grid = grid;
   return file;

@@ -15,7 +15,7 @@
 layout(constant_id = 1) const uint kSubgroups = 12;  // per workgroup
 layout(constant_id = 2) const uint kItems = 10;      // keys per invocation
 layout(constant_id = 3) const uint kDigitBits = 7;
-layout(constant_id = 4) const uint kMostLooks = 256;  // without news, before this tile counts an earlier one
+layout(constant_id = 4) const uint kMaxLooks = 256;  // without news, before this tile counts an earlier one
 // For tests: not 0, every so many tiles never tell their counts.
 layout(constant_id = 5) const uint kSilent = 0;
 
@@ -78,7 +78,7 @@ uint takePlace(uint digit, uint counters) {
 // True if all are known: `sum` is then where the digit's keys of this tile go.
 bool lookBack(inout uint end, inout uint sum, uint d) {
   uint looks = 0;
-  while (looks < kMostLooks) {
+  while (looks < kMaxLooks) {
     uint words[kWindow];
     [[unroll]] for (uint k = 0; k < kWindow; ++k)
       words[k] = k < end ? args.tiles.at[(end - 1 - k) * kRadix + d] : 0;

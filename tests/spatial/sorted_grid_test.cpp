@@ -66,10 +66,10 @@ class ChangingPoints {
       if (std::exchange(there_[i], 0)) changed_.push_back(i);
   }
   void one() {
-    constexpr std::size_t kMost = 6000;
+    constexpr std::size_t kMaxPoints = 6000;
     const std::uint32_t kind = pick(10);
-    if (positions_.empty() || (kind == 0 && positions_.size() < kMost)) return append(somewhere());
-    if (kind == 1 && positions_.size() < kMost) return append(crowd_);
+    if (positions_.empty() || (kind == 0 && positions_.size() < kMaxPoints)) return append(somewhere());
+    if (kind == 1 && positions_.size() < kMaxPoints) return append(crowd_);
     const std::uint32_t point = pick(static_cast<std::uint32_t>(positions_.size()));
     if (std::ranges::find(changed_, point) != changed_.end()) return;
     if (kind == 2 && there_[point]) {
