@@ -10,7 +10,7 @@
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "tests/cloud/upright_shapes.hpp"
-#include "tests/source_folder.hpp"
+#include "tests/shared_files.hpp"
 
 namespace palpate::test::up_test {
 
@@ -185,11 +185,8 @@ TEST_CASE("a view from the origin along z has y down") {
 }
 
 TEST_CASE("each picture of a real depth camera has y down") {
-  const std::filesystem::path folder = modelsFolder() / "rgbd_livingroom_a";
-  if (!isRgbdFolder(folder)) {
-    MESSAGE("skipped: no ", folder.string());
-    return;
-  }
+  const std::filesystem::path folder = sharedFile("rgbd_livingroom_a");
+  if (folder.empty()) return;
   RgbdFolder stream(folder);
   DepthFrame frame;
   for (std::uint64_t i = 0; i < stream.frames(); i += 6) {
@@ -210,11 +207,8 @@ TEST_CASE("each picture of a real depth camera has y down") {
 }
 
 TEST_CASE("strips of a real aerial scan have z up, without any hint in the file") {
-  const std::filesystem::path file = modelsFolder() / "formats" / "autzen_trim.laz";
-  if (!std::filesystem::exists(file)) {
-    MESSAGE("skipped: no ", file.string());
-    return;
-  }
+  const std::filesystem::path file = sharedFile("formats/autzen_trim.laz");
+  if (file.empty()) return;
   const PointCloud cloud = readCloud(file).cloud;
   constexpr int kStrips = 12;
   for (int i = 0; i < kStrips; ++i) {
@@ -277,13 +271,11 @@ TEST_CASE("real scans stand upright in any orientation of the file") {
                                                         {"wild/trimesh__fuze_ascii.ply", UpAxis::z},
                                                         {"wild/tinyply__elephant.ply", UpAxis::y},
                                                         {"wild/vtkdata__shark.ply", UpAxis::y}};
-  if (!std::filesystem::exists(modelsFolder())) {
-    MESSAGE("skipped: no ", modelsFolder().string());
-    return;
-  }
+  const std::filesystem::path folder = sharedFile("");
+  if (folder.empty()) return;
   for (const auto& [file, up] : kTruth) {
     CAPTURE(file);
-    const PointCloud cloud = readPly(modelsFolder() / file);
+    const PointCloud cloud = readPly(folder / file);
     const Stopwatch watch;
     const Upright found = findUp(cloud);
     MESSAGE(file, ": ", nameOf(found.up), ", ", found.why, ", ", watch.elapsed_us() * 1e-3, " ms");

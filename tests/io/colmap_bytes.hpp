@@ -36,7 +36,7 @@ inline constexpr std::uint32_t kCamera = 7, kFirstImage = 3, kSecondImage = 900;
 inline constexpr int kSide = 20;                                                  // points along an edge of a plane
 
 inline double along(int k) { return 0.05 * k; }
-inline double errorOf(int i) { return 0.5 + 0.001 * i; }
+inline double reprojectionError(int i) { return 0.5 + 0.001 * i; }
 
 struct Files {
   std::string cameras, images, points;
@@ -59,7 +59,7 @@ inline Files binary() {
   for (int i = 0; i < kSide * kSide; ++i) {
     points.put(std::uint64_t(10 + 3 * i)).put(along(i % kSide)).put(along(i / kSide)).put(5.0);
     for (const int channel : {i % 256, 10, 200}) points.put(static_cast<std::uint8_t>(channel));
-    points.put(errorOf(i)).put(std::uint64_t{2});
+    points.put(reprojectionError(i)).put(std::uint64_t{2});
     for (const std::uint32_t id : {kFirstImage, kSecondImage}) points.put(id).put(std::uint32_t{0});
   }
   return {cameras.text(), images.text(), points.text()};
@@ -71,7 +71,7 @@ inline Files text() {
   files.images += "900 2 0 0 0 -1 0 0 7 c.jpg\n1.5 2.5 -1\n3 2 0 0 0 0 0 0 7 a b.jpg\n\n";  // no observations
   for (int i = 0; i < kSide * kSide; ++i)
     files.points += fmt::format("{} {} {} 5 {} 10 200 {} 3 0 900 0\n", 10 + 3 * i, along(i % kSide), along(i / kSide),
-                                i % 256, errorOf(i));
+                                i % 256, reprojectionError(i));
   return files;
 }
 

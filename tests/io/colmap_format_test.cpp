@@ -15,8 +15,9 @@
 #include "engine/io/colmap_model.hpp"
 #include "engine/io/saving.hpp"
 #include "tests/io/colmap_bytes.hpp"
+#include "tests/io/file_cases.hpp"
 #include "tests/scratch_folder.hpp"
-#include "tests/source_folder.hpp"
+#include "tests/shared_files.hpp"
 
 namespace palpate::test::colmap_format_test {
 
@@ -30,16 +31,11 @@ StoredCloud reading(const Files& files, const std::string& form) {
   return readCloud(folder.path());
 }
 
-std::string refusal(const Files& files, const std::string& form) {
+void refuses(const Files& files, const std::string& form, const std::string& expected) {
   const ScratchFolder folder;
   write(folder.path(), files, form);
-  try {
-    readCloud(folder.path());
-  } catch (const FileError& error) {
-    const std::string message = error.what();
-    return message.substr(folder.path().string().size() + 1);
-  }
-  return "read";
+  const std::string said = errorOf<FileError>([&] { readCloud(folder.path()); });
+  checkSaid(said.empty() ? "read" : said.substr(folder.path().string().size() + 1), expected);
 }
 
 }  // namespace
@@ -57,7 +53,7 @@ TEST_CASE("both forms of a COLMAP folder give the same cloud, seen from the same
     CHECK(cloud.extra[0].name == "error");
     double error = 0;
     std::memcpy(&error, cloud.extra[0].data.data() + 300 * sizeof error, sizeof error);
-    CHECK(error == errorOf(300));
+    CHECK(error == reprojectionError(300));
     CHECK(cloud.extra[1].name == "track_length");
     std::uint32_t track = 0;
     std::memcpy(&track, cloud.extra[1].data.data(), sizeof track);
@@ -122,11 +118,11 @@ TEST_CASE("every binary COLMAP file that is truncated is refused with its byte")
       CAPTURE(size);
       Files cut = whole;
       (cut.*file).resize(size);
-      CHECK(refusal(cut, "bin").starts_with(name + ".bin: byte "));
+      refuses(cut, "bin", name + ".bin: byte ...");
     }
     Files longer = whole;
     longer.*file += 'x';
-    CHECK(refusal(longer, "bin").find("unexpected data after the last of") != std::string::npos);
+    refuses(longer, "bin", "...unexpected data after the last of...");
   };
   check(&Files::cameras, "cameras", 1);
   check(&Files::images, "images", 1);
@@ -137,57 +133,52 @@ TEST_CASE("wrong counts in COLMAP files allocate no memory, and are refused at t
   for (const std::uint64_t lie : {std::uint64_t{1} << 40, ~std::uint64_t{0}}) {
     Files files = binary();
     std::memcpy(files.points.data(), &lie, sizeof lie);
-    CHECK(refusal(files, "bin").find("the file ends where the id of a point should be") != std::string::npos);
+    refuses(files, "bin", "...the file ends where the id of a point should be...");
     files = binary();
     constexpr std::size_t kTrackAt = 8 + 8 + 24 + 3 + 8;
     std::memcpy(files.points.data() + kTrackAt, &lie, sizeof lie);
-    CHECK(refusal(files, "bin").starts_with("points3D.bin: byte "));
+    refuses(files, "bin", "points3D.bin: byte ...");
     files = binary();
     const std::size_t seen = files.images.find("c.jpg") + 6;
     std::memcpy(files.images.data() + seen, &lie, sizeof lie);
-    CHECK(refusal(files, "bin").find("the file ends within the") != std::string::npos);
+    refuses(files, "bin", "...the file ends within the...");
   }
 }
 
 TEST_CASE("invalid lines of a COLMAP folder are refused with the line") {
-  const auto with = [](std::string Files::*file, const std::string& content) {
+  const auto with = [](std::string Files::*file, const std::string& content, const char* expected) {
     Files files = text();
     files.*file = content;
-    return refusal(files, "txt");
+    refuses(files, "txt", expected);
   };
-  CHECK(with(&Files::cameras, "7 TELESCOPE 640 480 1 2 3\n") == "read");  // points need no camera
-  CHECK(with(&Files::cameras, "7 PINHOLE 640 480 500 510 320\n") ==
-        "cameras.txt:1: the line ends where a parameter of a camera should be");
-  CHECK(with(&Files::cameras, "7 PINHOLE 640 480 500 510 320 240 9\n") ==
-        "cameras.txt:1: '9' follows the last number of a row");
-  CHECK(with(&Files::cameras, "#\n7 PINHOLE 640 480 500 510 320 nan\n") ==
-        "cameras.txt:2: a parameter of a camera is nan, not a finite number");
-  CHECK(with(&Files::cameras, "7 PINHOLE 6 4 5 5 3 2\n7 PINHOLE 6 4 5 5 3 2\n") ==
-        "cameras.txt:2: camera 7 is a duplicate");
-  CHECK(with(&Files::images, "3 0 0 0 0 0 0 0 7 a\n\n") == "images.txt:1: the rotation of an image is zero");
-  CHECK(with(&Files::images, "3 1 0 0 0 0 0 0 8 a\n\n") ==
-        "images.txt:1: image 3 is of camera 8, which does not exist");
-  CHECK(with(&Files::images, "3 1 0 0 0 0 0 0 7 a") ==
-        "images.txt:1: the file ends where the observations of an image should be");
-  CHECK(with(&Files::points, "1 0 0 0 1 2 300 0.5 3 0\n") ==
-        "points3D.txt:1: found '300', expected a colour from 0 to 255");
-  CHECK(with(&Files::points, "1 0 0 inf 1 2 3 0.5 3 0\n") ==
-        "points3D.txt:1: the position of a point is inf, not a finite number");
-  CHECK(with(&Files::points, "1 0 0 0 1 2 3 0.5 3 0 900\n") ==
-        "points3D.txt:1: a track of 3 numbers; expected pairs of an image and a position in it");
-  CHECK(with(&Files::points, "1 0 0 0 1 2 3 0.5 4 0\n") ==
-        "points3D.txt:1: point 1 was seen by image 4, which does not exist");
-  CHECK(with(&Files::points, "") == "read");  // no points
+  with(&Files::cameras, "7 TELESCOPE 640 480 1 2 3\n", "read");  // points need no camera
+  with(&Files::cameras, "7 PINHOLE 640 480 500 510 320\n",
+       "cameras.txt:1: the line ends where a parameter of a camera should be");
+  with(&Files::cameras, "7 PINHOLE 640 480 500 510 320 240 9\n", "cameras.txt:1: '9' follows the last number of a row");
+  with(&Files::cameras, "#\n7 PINHOLE 640 480 500 510 320 nan\n",
+       "cameras.txt:2: a parameter of a camera is nan, not a finite number");
+  with(&Files::cameras, "7 PINHOLE 6 4 5 5 3 2\n7 PINHOLE 6 4 5 5 3 2\n", "cameras.txt:2: camera 7 is a duplicate");
+  with(&Files::images, "3 0 0 0 0 0 0 0 7 a\n\n", "images.txt:1: the rotation of an image is zero");
+  with(&Files::images, "3 1 0 0 0 0 0 0 8 a\n\n", "images.txt:1: image 3 is of camera 8, which does not exist");
+  with(&Files::images, "3 1 0 0 0 0 0 0 7 a",
+       "images.txt:1: the file ends where the observations of an image should be");
+  with(&Files::points, "1 0 0 0 1 2 300 0.5 3 0\n", "points3D.txt:1: found '300', expected a colour from 0 to 255");
+  with(&Files::points, "1 0 0 inf 1 2 3 0.5 3 0\n",
+       "points3D.txt:1: the position of a point is inf, not a finite number");
+  with(&Files::points, "1 0 0 0 1 2 3 0.5 3 0 900\n",
+       "points3D.txt:1: a track of 3 numbers; expected pairs of an image and a position in it");
+  with(&Files::points, "1 0 0 0 1 2 3 0.5 4 0\n", "points3D.txt:1: point 1 was seen by image 4, which does not exist");
+  with(&Files::points, "", "read");  // no points
 
   for (const std::int32_t model : {15, 16, 40}) {  // unknown models are skipped by the file's size
     Files unknown = binary();
     std::memcpy(unknown.cameras.data() + 12, &model, sizeof model);
-    CHECK(refusal(unknown, "bin") == "read");
+    refuses(unknown, "bin", "read");
   }
   Files never = binary();
   const std::int32_t model = -1;
   std::memcpy(never.cameras.data() + 12, &model, sizeof model);
-  CHECK(refusal(never, "bin").find("camera model -1; expected a number of 0 or more") != std::string::npos);
+  refuses(never, "bin", "...camera model -1; expected a number of 0 or more...");
 
   const ScratchFolder folder;
   std::ofstream(folder / "points3D.txt") << text().points;
@@ -196,11 +187,8 @@ TEST_CASE("invalid lines of a COLMAP folder are refused with the line") {
 }
 
 TEST_CASE("a real reconstruction: the normal of every point faces the cameras that saw it") {
-  const std::filesystem::path folder = modelsFolder() / "colmap_a";
-  if (!isColmapFolder(folder)) {
-    MESSAGE("skipped: no ", folder.string());
-    return;
-  }
+  const std::filesystem::path folder = sharedFile("colmap_a");
+  if (folder.empty()) return;
   const ColmapModel model = readColmapImages(folder);
   CHECK(model.cameras.size() == 690);
   CHECK(model.images.size() == 177);

@@ -14,7 +14,7 @@
 #include "tests/colmap_writer.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
-#include "tests/source_folder.hpp"
+#include "tests/shared_files.hpp"
 
 namespace palpate::test::colmap_oracle_test {
 namespace {
@@ -107,11 +107,8 @@ TEST_CASE("COLMAP's other form of a written model is read as the same model") {
 
 TEST_CASE("COLMAP's other forms of a real reconstruction are read as the same one, normals included") {
   if (!hasColmap()) return;
-  const std::filesystem::path real = modelsFolder() / "colmap_a";
-  if (!isColmapFolder(real)) {
-    MESSAGE("skipped: no ", real.string());
-    return;
-  }
+  const std::filesystem::path real = sharedFile("colmap_a");
+  if (real.empty()) return;
   const ScratchFolder folder;
   convert(real, folder / "text", "TXT");
   REQUIRE(std::filesystem::exists(folder / "text" / "points3D.txt"));

@@ -1,8 +1,8 @@
 // The range of colour values is determined from the whole column, in every format.
 #include "engine/io/e57_scans.hpp"
 #include "tests/io/e57_bytes.hpp"
+#include "tests/io/file_cases.hpp"
 #include "tests/io/ply_bytes.hpp"
-#include "tests/io/reading_text.hpp"
 
 namespace palpate::test::color_columns_test {
 namespace {

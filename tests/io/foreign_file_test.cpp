@@ -1,6 +1,6 @@
 // Files are identified by their content, whatever their name, and files of other kinds are refused by kind.
+#include "tests/io/file_cases.hpp"
 #include "tests/io/gltf_bytes.hpp"
-#include "tests/io/reading_text.hpp"
 
 namespace palpate::test::foreign_file_test {
 namespace {
@@ -41,23 +41,22 @@ TEST_CASE("a file of another kind is refused with its kind and advice") {
   const std::string png = "\x89PNG\r\n\x1a\n";
   for (const char* name : {"a.png", "a.ply", "a.xyzzy"}) {
     CAPTURE(name);
-    CHECK(refusalOf(name, png + std::string(40, '\0')) == " is an image (PNG), not a 3D file");
+    refuses(name, png + std::string(40, '\0'), ": is an image (PNG), not a 3D file");
   }
-  CHECK(refusalOf("a.jpg", "\xff\xd8\xff\xe0") == " is an image (JPEG), not a 3D file");
-  CHECK(refusalOf("a.ply", "%PDF-1.7\n") == " is a document (PDF), not a 3D file");
-  CHECK(refusalOf("a.zip", "PK\3\4" + std::string(26, '\0') + "a.txt") == " is an archive (ZIP); unpack it first");
-  CHECK(refusalOf("a.sog", "PK\3\4" + std::string(26, '\0') + "meta.json").find("is SOG") != std::string::npos);
-  CHECK(refusalOf("a.ksplat", std::string(64, '\1')).find("export it as an uncompressed PLY") != std::string::npos);
-  CHECK(refusalOf("a.drc", "DRACO\2\2").find("Draco") != std::string::npos);
-  CHECK(refusalOf("a.fbx", "Kaydara FBX Binary").find("is FBX") != std::string::npos);
-  CHECK(refusalOf("a.ply", "<!DOCTYPE html><html>").find("web page") != std::string::npos);
-  CHECK(refusalOf("a.ply", std::string("\x7f") + "ELF") == " is a program, not a 3D file");
-  CHECK(refusalOf("a.mp4", std::string("\0\0\0\x18", 4) + "ftypmp42") == " is a video, not a 3D file");
-  CHECK(refusalOf("a.las", "") == " is empty; it contains no points");
-  CHECK(refusalOf("a.ply.gz", "\x1f\x8b\x08" + std::string(40, '\0')).find("byte") != std::string::npos);
-  CHECK(refusalOf("a.dat", "Dear reader\n")
-            .starts_with(" is text, not a 3D file that can be read (it begins with 'Dear"));
-  CHECK(refusalOf("a.dat", std::string("\1\2\3\0\4", 5)).starts_with(" is of an unknown kind"));
+  refuses("a.jpg", "\xff\xd8\xff\xe0", ": is an image (JPEG), not a 3D file");
+  refuses("a.ply", "%PDF-1.7\n", ": is a document (PDF), not a 3D file");
+  refuses("a.zip", "PK\3\4" + std::string(26, '\0') + "a.txt", ": is an archive (ZIP); unpack it first");
+  refuses("a.sog", "PK\3\4" + std::string(26, '\0') + "meta.json", "...is SOG...");
+  refuses("a.ksplat", std::string(64, '\1'), "...export it as an uncompressed PLY...");
+  refuses("a.drc", "DRACO\2\2", "...Draco...");
+  refuses("a.fbx", "Kaydara FBX Binary", "...is FBX...");
+  refuses("a.ply", "<!DOCTYPE html><html>", "...web page...");
+  refuses("a.ply", std::string("\x7f") + "ELF", ": is a program, not a 3D file");
+  refuses("a.mp4", std::string("\0\0\0\x18", 4) + "ftypmp42", ": is a video, not a 3D file");
+  refuses("a.las", "", ": is empty; it contains no points");
+  refuses("a.ply.gz", "\x1f\x8b\x08" + std::string(40, '\0'), "...byte...");
+  refuses("a.dat", "Dear reader\n", ": is text, not a 3D file that can be read (it begins with 'Dear...");
+  refuses("a.dat", std::string("\1\2\3\0\4", 5), ": is of an unknown kind...");
   CHECK(refusalOf("a.ply", "Dear reader\n").find("not a PLY file") == std::string::npos);
   CHECK_THROWS_WITH_AS(readCloud("-"), doctest::Contains("standard input"), FileError);
 }

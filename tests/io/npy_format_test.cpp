@@ -8,6 +8,7 @@
 
 #include "engine/io/zip_archive.hpp"
 #include "tests/io/damage.hpp"
+#include "tests/io/file_cases.hpp"
 #include "tests/io/npy_bytes.hpp"
 
 namespace palpate::test::npy_format_test {
@@ -18,21 +19,7 @@ namespace {
 
 using Color = std::array<std::uint8_t, 4>;
 
-StoredCloud reading(const std::string& text, const char* name = "a.npy") {
-  const ScratchFolder folder;
-  std::ofstream(folder / name, std::ios::binary) << text;
-  return readCloud(folder / name);
-}
-
-std::string refusal(const std::string& text, const char* name = "a.npy") {
-  try {
-    reading(text, name);
-  } catch (const FileError& error) {
-    const std::string message = error.what();
-    return message.substr(message.find(name) + 5);
-  }
-  return "read";
-}
+StoredCloud reading(const std::string& text, const char* name = "a.npy") { return readingFile(name, text); }
 
 }  // namespace
 
@@ -69,8 +56,7 @@ TEST_CASE("NPY rows of three, four and six numbers are positions, with an intens
   CHECK(facing.normals[1] == Vec3(0, 1, 0));
   CHECK(six({1, 2, 3, 0, 0, 0, 4, 5, 6, 255, 7, 128}).colors.at(1) == Color{255, 7, 128, 255});
   CHECK(six({1, 2, 3, 0, 0, 0, 4, 5, 6, 1, 1, 0.5f}).colors.at(1) == Color{255, 255, 128, 255});
-  CHECK(refusal(array("'<f4'", "(1, 6)", bytes({1.f, 2.f, 3.f, 300.f, 0.f, 0.f}))).find("have no names") !=
-        std::string::npos);
+  refuses("a.npy", array("'<f4'", "(1, 6)", bytes({1.f, 2.f, 3.f, 300.f, 0.f, 0.f})), "...have no names...");
 }
 
 TEST_CASE("a structured NPY array gives attributes with the names of its fields") {
@@ -180,67 +166,47 @@ TEST_CASE("a cloud of any number of points is read back from NPY unchanged") {
 
 TEST_CASE("a damaged or inconsistent NPY array is refused with its byte") {
   const std::string data = bytes({1.f, 2.f, 3.f});
-  CHECK(refusal("hello") == ": byte 0: not an array of NumPy: it does not begin as one");
-  CHECK(refusal(std::string("\x93NUMPY\x01\x00", 8)) == ": byte 8: ends inside the array's description");
-  CHECK(refusal(array("'<f4'", "(1, 3)", data, false, 4)).starts_with(": byte 6: version 4"));
-  CHECK(refusal(array("'<f4'", "(2, 3)", data)).find("the file ends after 1 of 2 rows of an array of shape (2, 3)") !=
-        std::string::npos);
-  CHECK(refusal(array("'<f4'", "(1000000000000000000, 3)", data)).find("too many numbers") != std::string::npos);
-  CHECK(refusal(array("'<f4'", "(1000000000000, 3)", data)).find("ends after 1 of 1000000000000 rows") !=
-        std::string::npos);
-  CHECK(refusal(array("'<f2'", "(2, 3)", data)).find("the type '<f2', which is not read") != std::string::npos);
-  CHECK(refusal(array("'|O'", "(2, 3)", data)).find("the type '|O', which is not read") != std::string::npos);
-  CHECK(refusal(array("'<c8'", "(2, 3)", data)).find("the type '<c8', which is not read") != std::string::npos);
-  CHECK(refusal(array("'<f4'", "(1, 3", data)).find("the array's description has") != std::string::npos);
-  CHECK(refusal(array("'<f4'", "(1, -3)", data)).find("which is not a value") != std::string::npos);
-  CHECK(refusal(array("'<f4'", "(3,)", data)).find("have no names") != std::string::npos);
-  CHECK(refusal(array("'<f4'", "(1, 1, 3)", data, true)).find("Fortran order") != std::string::npos);
-  CHECK(refusal(array("[('x', '<f4'), ('y', '<f4')]", "(1,)", data)).find("no scalar property 'z'") !=
-        std::string::npos);
-  CHECK(refusal(array("[('a', '|V0')]", "(5,)", data)).find("rows without bytes") != std::string::npos);
-  CHECK(refusal(array("'<f4'", "(1, 3)", bytes({1.f, std::numeric_limits<float>::quiet_NaN(), 2.f}))) == "read");
+  refuses("a.npy", "hello", ": byte 0: not an array of NumPy: it does not begin as one");
+  refuses("a.npy", std::string("\x93NUMPY\x01\x00", 8), ": byte 8: ends inside the array's description");
+  refuses("a.npy", array("'<f4'", "(1, 3)", data, false, 4), ": byte 6: version 4...");
+  refuses("a.npy", array("'<f4'", "(2, 3)", data), "...the file ends after 1 of 2 rows of an array of shape (2, 3)...");
+  refuses("a.npy", array("'<f4'", "(1000000000000000000, 3)", data), "...too many numbers...");
+  refuses("a.npy", array("'<f4'", "(1000000000000, 3)", data), "...ends after 1 of 1000000000000 rows...");
+  refuses("a.npy", array("'<f2'", "(2, 3)", data), "...the type '<f2', which is not read...");
+  refuses("a.npy", array("'|O'", "(2, 3)", data), "...the type '|O', which is not read...");
+  refuses("a.npy", array("'<c8'", "(2, 3)", data), "...the type '<c8', which is not read...");
+  refuses("a.npy", array("'<f4'", "(1, 3", data), "...the array's description has...");
+  refuses("a.npy", array("'<f4'", "(1, -3)", data), "...which is not a value...");
+  refuses("a.npy", array("'<f4'", "(3,)", data), "...have no names...");
+  refuses("a.npy", array("'<f4'", "(1, 1, 3)", data, true), "...Fortran order...");
+  refuses("a.npy", array("[('x', '<f4'), ('y', '<f4')]", "(1,)", data), "...no scalar property 'z'...");
+  refuses("a.npy", array("[('a', '|V0')]", "(5,)", data), "...rows without bytes...");
+  refuses("a.npy", array("'<f4'", "(1, 3)", bytes({1.f, std::numeric_limits<float>::quiet_NaN(), 2.f})), "read");
   std::string deep = "1";
   for (int k = 0; k < 100; ++k) deep = "(" + deep + ",)";
-  CHECK(refusal(array("'<f4'", deep, data)).find("too many brackets") != std::string::npos);
+  refuses("a.npy", array("'<f4'", deep, data), "...too many brackets...");
 
   const std::string one = array("'<f4'", "(1, 3)", data), good = zip({{"points.npy", one, {}}});
-  CHECK(refusal(good, "a.npz") == "read");
-  CHECK(refusal("PK", "a.npz").find("not a ZIP archive") != std::string::npos);
-  CHECK(refusal(good.substr(0, good.size() - 1), "a.npz").find("ends before its list of members; it is truncated") !=
-        std::string::npos);
+  refuses("a.npz", good, "read");
+  refuses("a.npz", "PK", "...not a ZIP archive...");
+  refuses("a.npz", good.substr(0, good.size() - 1), "...ends before its list of members; it is truncated...");
   std::string flipped = good;
   flipped[good.find("NUMPY") + 120 - 70] ^= 1;
-  CHECK(refusal(flipped, "a.npz").find("checksum") != std::string::npos);
-  CHECK(refusal(zip({{"points.npy", one, "\xff\xff\xff"}}), "a.npz").find("cannot be unpacked") != std::string::npos);
-  CHECK(refusal(zip({{"points.npy", std::string(100000, 'a'), "\x4b"}}), "a.npz").find("has an impossible size") !=
-        std::string::npos);
-  CHECK(refusal(good.substr(10), "a.npz").find("byte ") != std::string::npos);
+  refuses("a.npz", flipped, "...checksum...");
+  refuses("a.npz", zip({{"points.npy", one, "\xff\xff\xff"}}), "...cannot be unpacked...");
+  refuses("a.npz", zip({{"points.npy", std::string(100000, 'a'), "\x4b"}}), "...has an impossible size...");
+  refuses("a.npz", good.substr(10), "...byte ...");
 }
 
 TEST_CASE("flipped, cut or extreme bytes in an NPY array are read or refused, without a crash") {
   std::string rows;
   for (int k = 0; k < 60; ++k) rows += bytes({0.5 * k, 2., 3.});
   const std::string one = array("'<f8'", "(60, 3)", rows), names = array("[('xyz', '<f8', (3,))]", "(60,)", rows);
-  const int alone = readOfDamaged(one, ".npy", 80, 800), named = readOfDamaged(names, ".npy", 90, 800);
-  CHECK(alone > 80);
-  CHECK(alone < 790);
-  CHECK(named > 80);
-  CHECK(named < 790);
-  const ScratchFolder folder;
-  Damage damage;
+  checkDamaged(one, ".npy", 80, 800, {80, 790});
+  checkDamaged(names, ".npy", 90, 800, {80, 790});
   const std::string archive =
       zip({{"points.npy", one, plainBlock(one)}, {"ring.npy", array("'<u2'", "(60,)", std::string(120, '\3')), {}}});
-  int read = 0;
-  for (int k = 0; k < 800; ++k) {
-    std::ofstream(folder / "a.npz", std::ios::binary) << damage.of(archive, archive.size());
-    try {
-      readCloud(folder / "a.npz");
-      ++read;
-    } catch (const FileError&) {
-    }
-  }
-  CHECK(read > 10);
-  CHECK(read < 790);
+  checkDamaged(archive, ".npz", archive.size(), 800, {10, 790});
 }
 
 TEST_CASE("a written NPZ archive is read back unchanged, deflated where that is shorter") {

@@ -10,6 +10,7 @@
 #include "engine/io/lzf.hpp"
 #include "engine/io/saving.hpp"
 #include "tests/io/damage.hpp"
+#include "tests/io/file_cases.hpp"
 
 namespace palpate::test::pcd_format_test {
 namespace {
@@ -17,21 +18,7 @@ namespace {
 using Color = std::array<std::uint8_t, 4>;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-StoredCloud reading(const std::string& text) {
-  const ScratchFolder folder;
-  std::ofstream(folder / "a.pcd", std::ios::binary) << text;
-  return readCloud(folder / "a.pcd");
-}
-
-std::string refusal(const std::string& text) {
-  try {
-    reading(text);
-  } catch (const FileError& error) {
-    const std::string message = error.what();
-    return message.substr(message.find(".pcd") + 4);
-  }
-  return "read";
-}
+StoredCloud reading(const std::string& text) { return readingFile("a.pcd", text); }
 
 PointCloud again(const PointCloud& cloud, bool ascii) {
   const ScratchFolder folder;
@@ -200,38 +187,37 @@ TEST_CASE("a cloud of any number of points is read back from PCD unchanged") {
 
 TEST_CASE("a damaged or inconsistent PCD file is refused with its line or byte") {
   const std::string ascii = header("x y z", "4 4 4", "F F F", 2, "ascii");
-  CHECK(refusal("plywood\n") == ":1: not a PCD file: found 'plywood', expected 'VERSION'");
-  CHECK(refusal("") == ": is empty; it contains no points");
-  CHECK(refusal(ascii + "1 2 3\n") == ":12: the file ends after 1 of 2 points");
-  CHECK(refusal(ascii + "1 2 3\n4 5 6\n7 8 9\n") == ":13: more than the 2 points of the header");
-  CHECK(refusal(ascii + "1 2 3\n4 5\n") == ":12: found '' for 'z', expected a number");
-  CHECK(refusal(ascii + "1 2 3\n4 5") ==
-        ":12: found '' for 'z', expected a number; the file ends in this line, it may be truncated");
-  CHECK(refusal(ascii + "1 2 3\n4 5 6 7\n") == ":12: a point of more numbers than the header has fields");
-  CHECK(refusal(ascii + "1 2 3\n4 five 6\n").starts_with(":12: "));
-  CHECK(refusal(header("x y", "4 4", "F F", 1, "ascii")).find("no scalar property 'z'") != std::string::npos);
-  CHECK(refusal(header("x y z x", "4 4 4 4", "F F F F", 1, "ascii")) == ":3: a second field 'x'");
-  CHECK(refusal(header("x y z", "4 4 3", "F F F", 1, "ascii")) == ":10: field 'z' has numbers F of 3 bytes");
-  CHECK(refusal(header("x y z", "4 4", "F F F", 1, "ascii")) == ":4: SIZE has 2 entries for 3 fields");
-  CHECK(refusal(header("x y z", "4 4 4", "F F Q", 1, "ascii")) == ":5: type 'Q'; expected I, U or F");
-  CHECK(refusal(header("x y z", "4 4 4", "F F F", 1, "zip")).starts_with(":10: expected 'ascii', 'binary'"));
-  CHECK(refusal("VERSION 0.7\nFIELDS x y z\nWIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n") ==
-        ":6: 5 points in a grid of 3 x 2");
+  refuses("a.pcd", "plywood\n", ":1: not a PCD file: found 'plywood', expected 'VERSION'");
+  refuses("a.pcd", "", ": is empty; it contains no points");
+  refuses("a.pcd", ascii + "1 2 3\n", ":12: the file ends after 1 of 2 points");
+  refuses("a.pcd", ascii + "1 2 3\n4 5 6\n7 8 9\n", ":13: more than the 2 points of the header");
+  refuses("a.pcd", ascii + "1 2 3\n4 5\n", ":12: found '' for 'z', expected a number");
+  refuses("a.pcd", ascii + "1 2 3\n4 5",
+          ":12: found '' for 'z', expected a number; the file ends in this line, it may be truncated");
+  refuses("a.pcd", ascii + "1 2 3\n4 5 6 7\n", ":12: a point of more numbers than the header has fields");
+  refuses("a.pcd", ascii + "1 2 3\n4 five 6\n", ":12: ...");
+  refuses("a.pcd", header("x y", "4 4", "F F", 1, "ascii"), "...no scalar property 'z'...");
+  refuses("a.pcd", header("x y z x", "4 4 4 4", "F F F F", 1, "ascii"), ":3: a second field 'x'");
+  refuses("a.pcd", header("x y z", "4 4 3", "F F F", 1, "ascii"), ":10: field 'z' has numbers F of 3 bytes");
+  refuses("a.pcd", header("x y z", "4 4", "F F F", 1, "ascii"), ":4: SIZE has 2 entries for 3 fields");
+  refuses("a.pcd", header("x y z", "4 4 4", "F F Q", 1, "ascii"), ":5: type 'Q'; expected I, U or F");
+  refuses("a.pcd", header("x y z", "4 4 4", "F F F", 1, "zip"), ":10: expected 'ascii', 'binary'...");
+  refuses("a.pcd", "VERSION 0.7\nFIELDS x y z\nWIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n",
+          ":6: 5 points in a grid of 3 x 2");
   const std::string binary = header("x y z", "4 4 4", "F F F", 2, "binary");
-  CHECK(refusal(binary + bytesOf(1.f, 2.f, 3.f)) ==
-        fmt::format(": byte {}: the file ends after 1 of 2 points; it is truncated, or its header is wrong",
-                    binary.size() + 12));
+  refuses("a.pcd", binary + bytesOf(1.f, 2.f, 3.f),
+          fmt::format(": byte {}: the file ends after 1 of 2 points; it is truncated, or its header is wrong",
+                      binary.size() + 12));
   const std::string lying = header("x y z", "4 4 4", "F F F", 1000000000000, "binary");
-  CHECK(refusal(lying + bytesOf(1.f)).find("ends after 0 of 1000000000000 points") != std::string::npos);
+  refuses("a.pcd", lying + bytesOf(1.f), "...ends after 0 of 1000000000000 points...");
   const std::string packed = header("x y z", "4 4 4", "F F F", 2, "binary_compressed");
   const std::string body = stored(std::string(24, '\0'));
-  CHECK(refusal(packed + body) == "read");
-  CHECK(refusal(packed + body.substr(0, 5)).find("ends before its compressed points") != std::string::npos);
-  CHECK(refusal(packed + body.substr(0, 20)).find("ends inside its 25 compressed bytes") != std::string::npos);
-  CHECK(refusal(packed + stored(std::string(36, '\0'))).find("36 bytes of points, where 2 of 12") != std::string::npos);
+  refuses("a.pcd", packed + body, "read");
+  refuses("a.pcd", packed + body.substr(0, 5), "...ends before its compressed points...");
+  refuses("a.pcd", packed + body.substr(0, 20), "...ends inside its 25 compressed bytes...");
+  refuses("a.pcd", packed + stored(std::string(36, '\0')), "...36 bytes of points, where 2 of 12...");
   const std::string huge = header("x y z", "4 4 4", "F F F", 300000000, "binary_compressed");
-  CHECK(refusal(huge + bytesOf(std::uint32_t{3}, std::uint32_t{3600000000}) + "abc").find("cannot become") !=
-        std::string::npos);
+  refuses("a.pcd", huge + bytesOf(std::uint32_t{3}, std::uint32_t{3600000000}) + "abc", "...cannot become...");
 }
 
 TEST_CASE("flipped, cut or extreme bytes in a PCD file are read or refused, without a crash") {
@@ -243,10 +229,8 @@ TEST_CASE("flipped, cut or extreme bytes in a PCD file are read or refused, with
   const auto head = [](const char* data) { return header("x y z rgb ring", "4 4 4 4 2", "F F F U U", 60, data); };
   for (const std::string& good :
        {head("ascii") + text, head("binary") + rows, head("binary_compressed") + stored(rows)}) {
-    REQUIRE(refusal(good) == "read");
-    const int read = readOfDamaged(good, ".pcd", 220, 600);
-    CHECK(read > 50);
-    CHECK(read < 550);
+    refuses("a.pcd", good, "read");
+    checkDamaged(good, ".pcd", 220, 600, {50, 550});
   }
 }
 

@@ -3,7 +3,7 @@
 
 #include <thread>
 
-#include "tests/io/reading_text.hpp"
+#include "tests/io/file_cases.hpp"
 
 namespace palpate::test::pipe_linux_test {
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engine/io/ply_header.hpp"
+#include "tests/error_of.hpp"
 
 namespace palpate::test {
 
@@ -77,17 +78,6 @@ class BodyWriter {
 inline constexpr std::array kAllFormats{PlyFormat::ascii, PlyFormat::binaryLittleEndian, PlyFormat::binaryBigEndian};
 
 inline std::string magic(PlyFormat format) { return fmt::format("ply\nformat {} 1.0\n", plyName(format)); }
-
-/// The message of the Error that `action` throws; empty if it throws none.
-template <class Action>
-std::string errorOf(Action&& action) {
-  try {
-    action();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return {};
-}
 
 inline bool contains(const std::string& text, std::string_view part) { return text.find(part) != text.npos; }
 

@@ -6,7 +6,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "tests/io/ply_bytes.hpp"
-#include "tests/source_folder.hpp"
+#include "tests/shared_files.hpp"
 
 namespace palpate::test::ply_wild_test {
 namespace {
@@ -45,17 +45,14 @@ void checkCloud(const std::filesystem::path& path, const nlohmann::json& truth) 
 }  // namespace
 
 TEST_CASE("PLY files of other programs are read as their manifest says") {
-  const std::filesystem::path folder = modelsFolder() / "wild";
-  if (!std::filesystem::exists(folder / "manifest.json")) {
-    MESSAGE("skipped: no ", (folder / "manifest.json").string());
-    return;
-  }
-  std::ifstream file(folder / "manifest.json");
+  const std::filesystem::path list = sharedFile("wild/manifest.json");
+  if (list.empty()) return;
+  std::ifstream file(list);
   const nlohmann::json manifest = nlohmann::json::parse(file);
   for (const auto& [name, truth] : manifest.items()) {
     CAPTURE(name);
     const std::string expect = truth["expect"];
-    const std::filesystem::path path = folder / name;
+    const std::filesystem::path path = list.parent_path() / name;
     if (expect == "ok") {
       CHECK_NOTHROW(checkCloud(path, truth));
     } else {

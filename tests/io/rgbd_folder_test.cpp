@@ -12,7 +12,7 @@
 #include "tests/rgbd_writer.hpp"
 #include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
-#include "tests/source_folder.hpp"
+#include "tests/shared_files.hpp"
 
 namespace palpate::rgbd_folder_test {
 
@@ -76,11 +76,6 @@ class Remarks final : public LogListener {
   Log log{true};
   std::vector<std::string> lines;
 };
-
-const std::filesystem::path& livingRoom() {
-  static const std::filesystem::path folder = [] { return modelsFolder() / "rgbd_livingroom_a"; }();
-  return folder;
-}
 
 }  // namespace
 
@@ -393,11 +388,9 @@ TEST_CASE("ROS and RealSense bags are recognized by their first bytes, and the e
 }
 
 TEST_CASE("a real RGB-D recording is read completely") {
-  if (!isRgbdFolder(livingRoom())) {
-    MESSAGE("skipped: no ", livingRoom().string());
-    return;
-  }
-  RgbdFolder stream(livingRoom());
+  const std::filesystem::path folder = sharedFile("rgbd_livingroom_a");
+  if (folder.empty()) return;
+  RgbdFolder stream(folder);
   CHECK(stream.camera() == DepthCamera{.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5});
   CHECK(stream.depthScale() == 1000);
   CHECK(stream.kind() == "Redwood");

@@ -10,7 +10,7 @@
 #include "engine/io/e57_scans.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "tests/near.hpp"
-#include "tests/source_folder.hpp"
+#include "tests/shared_files.hpp"
 
 namespace palpate::test::shared_cases_test {
 namespace {
@@ -102,11 +102,8 @@ constexpr Rgb kFirst{0, 0, 255}, kLast{200, 240, 55};
 }  // namespace
 
 TEST_CASE("files that users of other programs could not read are read, or refused with an error") {
-  const std::filesystem::path cases = modelsFolder() / "cases";
-  if (!std::filesystem::is_directory(cases)) {
-    MESSAGE("skipped: no ", cases.string());
-    return;
-  }
+  const std::filesystem::path cases = sharedFile("cases");
+  if (cases.empty()) return;
   const Right plain, colored{.firstColor = kFirst, .lastColor = kLast};
   checkCase(cases / "ply/list_before_xyz_binary.ply", {.lost = "descriptor"});
   checkCase(cases / "ply/colour_ushort.ply", colored);
@@ -153,11 +150,8 @@ TEST_CASE("files that users of other programs could not read are read, or refuse
 }
 
 TEST_CASE("E57 scans, COLMAP models of newer cameras and unordered depth frames of reported cases are read") {
-  const std::filesystem::path cases = modelsFolder() / "cases";
-  if (!std::filesystem::is_directory(cases)) {
-    MESSAGE("skipped: no ", cases.string());
-    return;
-  }
+  const std::filesystem::path cases = sharedFile("cases");
+  if (cases.empty()) return;
   for (const char* model : {"rigs_frames_txt", "model_11_rad_tan_thin_prism_fisheye_txt", "model_15_fisheye_bin"})
     checkCase(cases / "colmap" / model, {.low = {0, 0, 5},
                                          .high = {4, 3, 6.2},

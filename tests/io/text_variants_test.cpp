@@ -1,5 +1,5 @@
 // Text as Windows, spreadsheets, surveyors and scanners write it.
-#include "tests/io/reading_text.hpp"
+#include "tests/io/file_cases.hpp"
 
 namespace palpate::test::text_variants_test {
 namespace {
@@ -35,8 +35,7 @@ TEST_CASE("decimal commas are read if another character separates the numbers") 
   checkSheetPlaces(readingFile("a.csv", sheetLines(",", true, "\"")).cloud);
   checkSheetPlaces(readingFile("a.csv", sheetLines(",", false)).cloud);
   checkSheetPlaces(readingFile("a.csv", sheetLines(", ", false)).cloud);
-  CHECK(refusalOf("a.csv", "x,y,z\n" + sheetLines(",", true)).find("if its commas are decimal ones") !=
-        std::string::npos);
+  refuses("a.csv", "x,y,z\n" + sheetLines(",", true), "...if its commas are decimal ones...");
 }
 
 TEST_CASE("UTF-8 with a byte order mark and UTF-16 of either byte order are read") {
@@ -83,7 +82,7 @@ TEST_CASE("unnamed columns 4 to 6 are normals if all rows allow it, and refused 
   const PointCloud colored = readingFile("a.xyz", "0 0 0 0 0 1\n1 0 0 0.2 0 0.8\n").cloud;
   CHECK_FALSE(colored.hasNormals());
   CHECK(colored.hasColors());
-  CHECK(refusalOf("a.xyz", "0 0 0 -3 0 1\n1 0 0 7 0 0\n").find("columns 4 to 6") != std::string::npos);
+  refuses("a.xyz", "0 0 0 -3 0 1\n1 0 0 7 0 0\n", "...columns 4 to 6...");
 }
 
 TEST_CASE("PTX: scans are placed by their matrices, and points without an echo are left out") {
@@ -100,9 +99,9 @@ TEST_CASE("PTX: scans are placed by their matrices, and points without an echo a
   CHECK(stored.cloud.extra[1].name == "scan");
   REQUIRE(stored.lost.size() == 3);
   CHECK(stored.lost[0] == "2 points without an echo");
-  CHECK(refusalOf("a.ptx", scan.substr(0, scan.find("2 2 1"))) == "13: the file ends after 3 of 4 points of scan 1");
-  CHECK(refusalOf("a.ptx", "2\n5000000000\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 1 1 1\n")
-            .find("ends after 1 of 10000000000 points") != std::string::npos);
+  refuses("a.ptx", scan.substr(0, scan.find("2 2 1")), ":13: the file ends after 3 of 4 points of scan 1");
+  refuses("a.ptx", "2\n5000000000\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 1 1 1\n",
+          "...ends after 1 of 10000000000 points...");
 }
 
 }  // namespace palpate::test::text_variants_test

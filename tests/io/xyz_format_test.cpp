@@ -9,6 +9,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "tests/io/damage.hpp"
+#include "tests/io/file_cases.hpp"
 
 namespace palpate::test::xyz_format_test {
 namespace {
@@ -16,19 +17,7 @@ namespace {
 using Color = std::array<std::uint8_t, 4>;
 
 StoredCloud reading(const std::string& text, const char* name = "a.xyz", const CloudReadOptions& options = {}) {
-  const ScratchFolder folder;
-  std::ofstream(folder / name, std::ios::binary) << text;
-  return readCloud(folder / name, nullptr, options);
-}
-
-std::string refusal(const std::string& text, const char* name = "a.xyz") {
-  try {
-    reading(text, name);
-  } catch (const FileError& error) {
-    const std::string message = error.what();
-    return message.substr(message.find(name) + 5);
-  }
-  return "read";
+  return readingFile(name, text, options);
 }
 
 PointCloud again(const PointCloud& cloud) {
@@ -78,22 +67,22 @@ TEST_CASE("comments, blank lines and any line ends are allowed between points") 
   CHECK(reading("1 2 3\n# one\n\n  \n// two\n4 5 6\n").cloud.size() == 2);
   CHECK(reading("1 2 3\r\n4 5 6\r\n").cloud.size() == 2);
   CHECK(reading("1 2 3\r4 5 6").cloud.size() == 2);
-  CHECK(refusal("") == ": is empty; it contains no points");
+  refuses("a.xyz", "", ": is empty; it contains no points");
   CHECK(reading("# nothing\n").cloud.empty());
   CHECK(reading("x y z\n").cloud.empty());
 }
 
 TEST_CASE("a text line that is not a point is refused with its line") {
-  CHECK(refusal("hello world\n") ==
-        ":1: found 'hello', expected the coordinates of a point, or names of columns with x, y and z among them; "
-        "--columns x,y,z names them in their place");
-  CHECK(refusal("1 2 3\n4 five 6\n") == ":2: found 'five' for 'y', expected a number");
-  CHECK(refusal("1 2 3\n4 5\n") == ":2: a point of 2 columns where those before have 3");
-  CHECK(refusal("# a\n1 2 3 4 5\n").starts_with(":2: a point of 5 columns, which may mean anything"));
-  CHECK(refusal("1 2 3 0.1 0.2 3.5\n").starts_with(":1: columns 4 to 6 have no names"));
-  CHECK(refusal("x y z w\n1 2 3\n") == ":2: a point of 3 columns, of which 4 have names");
-  CHECK(refusal("1 2 3 4 5 6\n1 2 3 4 5 256\n").starts_with(":1: columns 4 to 6 have no names"));
-  CHECK(refusal(std::string(2 << 20, '1')).starts_with(":1: "));
+  refuses("a.xyz", "hello world\n",
+          ":1: found 'hello', expected the coordinates of a point, or names of columns with x, y and z among them; "
+          "--columns x,y,z names them in their place");
+  refuses("a.xyz", "1 2 3\n4 five 6\n", ":2: found 'five' for 'y', expected a number");
+  refuses("a.xyz", "1 2 3\n4 5\n", ":2: a point of 2 columns where those before have 3");
+  refuses("a.xyz", "# a\n1 2 3 4 5\n", ":2: a point of 5 columns, which may mean anything...");
+  refuses("a.xyz", "1 2 3 0.1 0.2 3.5\n", ":1: columns 4 to 6 have no names...");
+  refuses("a.xyz", "x y z w\n1 2 3\n", ":2: a point of 3 columns, of which 4 have names");
+  refuses("a.xyz", "1 2 3 4 5 6\n1 2 3 4 5 256\n", ":1: columns 4 to 6 have no names...");
+  refuses("a.xyz", std::string(2 << 20, '1'), ":1: ...");
 }
 
 TEST_CASE("a written text cloud is read back unchanged") {
@@ -126,12 +115,12 @@ TEST_CASE("a PTS file gives the number of points of each scan") {
   CHECK(loadScalar<double>(cloud.extra[0].data.data()) == -100);
   CHECK(reading("1 2 3\n", "a.pts").cloud.size() == 1);
   CHECK(reading("0\n", "a.pts").cloud.empty());
-  CHECK(refusal("2\n1 2 3\n", "a.pts") == ":2: ends after 1 of 2 points");
-  CHECK(refusal("2\n1 2 3\n1\n4 5 6\n", "a.pts") == ":3: ends after 1 of 2 points");
-  CHECK(refusal("1\n1 2 3\n4 5 6\n", "a.pts") == ":3: more than the 1 points that were promised");
-  CHECK(refusal("3\n", "a.pts") == ":1: ends after 0 of 3 points");
-  CHECK(refusal("1 2 3\nfour\n", "a.pts") == ":2: found 'four', expected a point, or the number of points");
-  CHECK(refusal("1\n1 2 3\n") == "read");  // also under another ending
+  refuses("a.pts", "2\n1 2 3\n", ":2: ends after 1 of 2 points");
+  refuses("a.pts", "2\n1 2 3\n1\n4 5 6\n", ":3: ends after 1 of 2 points");
+  refuses("a.pts", "1\n1 2 3\n4 5 6\n", ":3: more than the 1 points that were promised");
+  refuses("a.pts", "3\n", ":1: ends after 0 of 3 points");
+  refuses("a.pts", "1 2 3\nfour\n", ":2: found 'four', expected a point, or the number of points");
+  refuses("a.xyz", "1\n1 2 3\n", "read");  // also under another ending
 
   for (const bool lit : {false, true}) {
     PointCloud some = cloud;
@@ -171,7 +160,7 @@ TEST_CASE("CSV has names in its first line, quoted or not, and commas") {
   CHECK(twice.extra[1].name == "A");
   CHECK(twice.extra[2].name == "a_2");
   CHECK(reading("x,y,z\n1,,3\n", "a.csv").lost == std::vector<std::string>{"1 point without a finite position"});
-  CHECK(refusal("x,y,z\n1,3\n", "a.csv") == ":2: a point of 2 columns, of which 3 have names");
+  refuses("a.csv", "x,y,z\n1,3\n", ":2: a point of 2 columns, of which 3 have names");
 }
 
 TEST_CASE("column names keep their case from LAS to text and back") {
@@ -228,9 +217,7 @@ TEST_CASE("flipped, cut or extreme bytes in a text file are read or refused, wit
   for (const auto& [good, ending] :
        {std::pair{text, ".pts"}, {text.substr(3), ".xyz"}, {"x,y,z,i,r,g,b\n" + text.substr(3), ".csv"}}) {
     CAPTURE(std::string(ending));
-    const int read = readOfDamaged(good, ending, 300, 800);
-    CHECK(read > 40);
-    CHECK(read < 760);
+    checkDamaged(good, ending, 300, 800, {40, 760});
   }
 }
 
