@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Functions that assert and are not named "check...".
-constexpr std::array<std::string_view, 4> kAsserting{"attacked", "attackedNear", "compareBackends", "works"};
+constexpr std::array<std::string_view, 5> kAsserting{"attacked", "attackedNear", "compareBackends", "refuses", "works"};
 
 // Cases without an assertion, which another case runs in a process of its own to test how it ends.
 constexpr std::array<std::string_view, 3> kRunByOthers{"helper: hangs", "helper: takes two seconds",

@@ -1,9 +1,11 @@
-// The table of formats, and reading and writing through a table with an additional format.
+// The table of formats, reading and writing through a table with an additional format, and what the desktop is told of
+// the formats.
 #include "engine/io/cloud_formats.hpp"
 
 #include <doctest/doctest.h>
 
 #include <fstream>
+#include <regex>
 #include <set>
 
 #include "engine/core/atomic_file.hpp"
@@ -12,8 +14,10 @@
 #include "engine/io/ply_format.hpp"
 #include "engine/io/saving.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate::test::cloud_formats_test {
+
 namespace {
 
 // Three numbers a line; the first line gives the number of lines that follow.
@@ -70,6 +74,18 @@ PointCloud threePoints() {
   PointCloud cloud;
   cloud.positions = {{0, 0, 0.125f}, {1, 0, 0}, {0, 1, 0}};
   return cloud;
+}
+
+std::string packaged(const char* name) {
+  std::ifstream file(sourceFolder() / "third_party" / "debian" / name);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::set<std::string> matches(const std::string& text, const char* pattern) {
+  const std::regex regex(pattern);
+  std::set<std::string> found;
+  for (std::sregex_iterator at(text.begin(), text.end(), regex), end; at != end; ++at) found.insert((*at)[1]);
+  return found;
 }
 
 }  // namespace
@@ -178,6 +194,26 @@ TEST_CASE("a read-only format is not written, and messages list the formats of t
   CHECK(kTable.namesRead() == "PLY, tally, scan");
   CHECK(kTable.endingsRead() == ".ply, .tally, .tly, .scan");
   CHECK(kTable.endingsWritten() == ".ply, .tally, .tly");
+}
+
+TEST_CASE("the desktop knows every ending that is read, and offers the program for each of its types") {
+  const std::string types = packaged("palpate.xml"), entry = packaged("palpate.desktop");
+  const std::set<std::string> patterns = matches(types, "<glob pattern=\"\\*([^\"]+)\"/>");
+  // Every desktop defines these types; the program is not to become the default for general text.
+  const std::set<std::string> elsewhere{".txt", ".csv"};
+  std::set<std::string> endings;
+  for (const CloudFormat& format : cloudFormats().all())
+    for (const std::string_view ending : format.endings) {
+      CAPTURE(std::string(ending));
+      endings.emplace(ending);
+      CHECK(patterns.contains(std::string(ending)) != elsewhere.contains(std::string(ending)));
+    }
+  for (const std::string& pattern : patterns) CHECK_MESSAGE(endings.contains(pattern), pattern);
+  const std::string offered = *matches(entry, "MimeType=([^\n]+)\n").begin();
+  const std::set<std::string> named = matches(types, "<mime-type type=\"([^\"]+)\">");
+  CHECK(named.size() > 10);
+  for (const std::string& type : named) CHECK_MESSAGE(offered.find(type + ";") != std::string::npos, type);
+  CHECK(offered.find("text/csv;") != std::string::npos);
 }
 
 }  // namespace palpate::test::cloud_formats_test

@@ -16,6 +16,8 @@ namespace palpate::test::e57_format_test {
 
 namespace {
 
+const doctest::skip kNeedsXml(!canReadE57());
+
 StoredCloud readingE57(const std::string& text, Log* log = nullptr) { return readingFile("a.e57", text, {}, log); }
 
 std::vector<double> ramp(int count, double begin, double step) {
@@ -44,8 +46,7 @@ E57Part scanOf(bool single) {
 
 }  // namespace
 
-TEST_CASE("E57 integers of any width, scaled integers and floats are read as they were written" *
-          doctest::skip(!canReadE57())) {
+TEST_CASE("E57 integers of any width, scaled integers and floats are read as they were written" * kNeedsXml) {
   for (const bool single : {true, false}) {
     E57Bytes file;
     file.add(scanOf(single));
@@ -81,7 +82,7 @@ TEST_CASE("E57 integers of any width, scaled integers and floats are read as the
   }
 }
 
-TEST_CASE("a constant E57 field, stored in no bits, is read" * doctest::skip(!canReadE57())) {
+TEST_CASE("a constant E57 field, stored in no bits, is read" * kNeedsXml) {
   E57Bytes file;
   E57Part part = scanOf(true);
   part.streams[3] = {.xml = "<intensity type=\"Integer\" minimum=\"77\" maximum=\"77\"/>"};
@@ -89,7 +90,7 @@ TEST_CASE("a constant E57 field, stored in no bits, is read" * doctest::skip(!ca
   CHECK(valueOf(readingE57(file.text()).cloud, "intensity", 2999) == 77);
 }
 
-TEST_CASE("E57 scans are placed by their poses, in double precision" * doctest::skip(!canReadE57())) {
+TEST_CASE("E57 scans are placed by their poses, in double precision" * kNeedsXml) {
   E57Bytes file;
   E57Part one = scanOf(false), other = one;
   const double half = std::sqrt(0.5);
@@ -116,7 +117,7 @@ TEST_CASE("E57 scans are placed by their poses, in double precision" * doctest::
 }
 
 TEST_CASE("spherical E57 coordinates become Cartesian ones; points without an echo are left out and counted" *
-          doctest::skip(!canReadE57())) {
+          kNeedsXml) {
   E57Bytes file;
   E57Part part{.points = 4,
                .streams = {floats("sphericalRange", {2, 3, 4, 5}, false),
@@ -133,7 +134,7 @@ TEST_CASE("spherical E57 coordinates become Cartesian ones; points without an ec
   CHECK(stored.lost == std::vector<std::string>{"1 point without coordinates"});
 }
 
-TEST_CASE("E57 normals are rotated with their scan" * doctest::skip(!canReadE57())) {
+TEST_CASE("E57 normals are rotated with their scan" * kNeedsXml) {
   E57Bytes file;
   E57Part part = scanOf(true);
   part.more = "<pose><rotation><w>0</w><x>1</x><y>0</y><z>0</z></rotation></pose>";  // 180 degrees about x
@@ -146,7 +147,7 @@ TEST_CASE("E57 normals are rotated with their scan" * doctest::skip(!canReadE57(
   CHECK(glm::length(cloud.normals[5] - Vec3(0, -0.6f, -0.8f)) < 1e-6f);
 }
 
-TEST_CASE("E57 colours are scaled to 8 bits by the limits that the file gives" * doctest::skip(!canReadE57())) {
+TEST_CASE("E57 colours are scaled to 8 bits by the limits that the file gives" * kNeedsXml) {
   E57Bytes file;
   E57Part part = scanOf(true);
   for (const std::size_t k : {4, 5, 6})
@@ -163,8 +164,7 @@ TEST_CASE("E57 colours are scaled to 8 bits by the limits that the file gives" *
   CHECK(cloud.colors[1][1] == 128);
 }
 
-TEST_CASE("an E57 page with a wrong checksum is reported by its number, at any position" *
-          doctest::skip(!canReadE57())) {
+TEST_CASE("an E57 page with a wrong checksum is reported by its number, at any position" * kNeedsXml) {
   E57Bytes file;
   file.add(scanOf(true));
   const std::string good = file.text();
@@ -185,7 +185,7 @@ TEST_CASE("an E57 page with a wrong checksum is reported by its number, at any p
   refuses("a.e57", good.substr(0, good.size() - 1024), "...the file ends after...");
 }
 
-TEST_CASE("invalid E57 content under valid checksums is refused with its byte" * doctest::skip(!canReadE57())) {
+TEST_CASE("invalid E57 content under valid checksums is refused with its byte" * kNeedsXml) {
   E57Bytes file;
   file.add(scanOf(true));
   const std::string good = E57Bytes::unpaged(file.text());
@@ -229,8 +229,7 @@ TEST_CASE("invalid E57 content under valid checksums is refused with its byte" *
   refuses("a.e57", nothing.text(), "...stores no data...");
 }
 
-TEST_CASE("damaged E57 files with valid checksums are read or refused, without a crash" *
-          doctest::skip(!canReadE57())) {
+TEST_CASE("damaged E57 files with valid checksums are read or refused, without a crash" * kNeedsXml) {
   E57Bytes file;
   E57Part part = scanOf(true);
   part.points = 100;
@@ -254,7 +253,7 @@ TEST_CASE("damaged E57 files with valid checksums are read or refused, without a
   CHECK(read < kTries - 50);
 }
 
-TEST_CASE("E57 files of the reference implementation are read as their headers say" * doctest::skip(!canReadE57())) {
+TEST_CASE("E57 files of the reference implementation are read as their headers say" * kNeedsXml) {
   const std::filesystem::path folder = scannedFiles();
   if (folder.empty()) return;
   const PointCloud bunny = readCloud(folder / "bunnyInt32.e57").cloud;

@@ -8,6 +8,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "tests/content_of.hpp"
+#include "tests/io/file_cases.hpp"
 #include "tests/near.hpp"
 #include "tests/rgbd_writer.hpp"
 #include "tests/says.hpp"
@@ -18,6 +19,7 @@ namespace palpate::rgbd_folder_test {
 
 namespace {
 
+using test::checkSaid;
 using Write = void (*)(const std::filesystem::path&, const RecordingPlan&);
 
 void replaceIn(const std::filesystem::path& file, const std::string& what, const std::string& by) {
@@ -228,37 +230,31 @@ TEST_CASE("colour images of another size are resized, and that is reported once"
 }
 
 TEST_CASE("an RGB-D frame that cannot be read is dropped with its file name, and later ones are read") {
-  const auto lostAfter = [](Write write, const std::function<void(const std::filesystem::path&)>& harm) {
+  using Path = std::filesystem::path;
+  const auto loses = [](Write write, const char* lost, const std::function<void(const Path&)>& harm) {
     const Played played = playAfter(write, harm);
     REQUIRE(played.lost.size() == 1);
     REQUIRE(played.frames.size() == 3);
     CHECK(played.frames[1].number == 2);  // the number of the dropped frame is not reused
-    return played.lost[0];
+    checkSaid(played.lost[0], lost);
   };
-  const auto second = [](const std::filesystem::path& folder) { return folder / "depth" / "00001.png"; };
-  CHECK(says(lostAfter(&writeRedwood,
-                       [&](const auto& f) { writeBytes(second(f), greyPng(2, 2, std::vector<std::uint16_t>(4, 9))); }),
-             "00001.png: has 2 x 2 pixels, and the camera 24 x 18"));
-  CHECK(
-      says(lostAfter(&writeRedwood,
-                     [&](const auto& f) { writeBytes(second(f), pngBytes(24, 18, 8, 0, std::string(24 * 18, 'x'))); }),
-           "00001.png: is not a grey PNG of 16 bits"));
-  CHECK(says(
-      lostAfter(&writeRedwood,
-                [&](const auto& f) { writeBytes(second(f), greyPng(24, 18, std::vector<std::uint16_t>(24 * 18))); }),
-      "00001.png: has no depth at all"));
-  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { std::filesystem::resize_file(second(f), 300); }),
-             "ends within the picture"));
-  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { std::filesystem::remove(second(f)); }),
-             "trajectory.log:6: frame 1 has a pose but no picture in depth"));
-  CHECK(says(lostAfter(&writeRedwood, [](const auto& f) { std::filesystem::remove(f / "color" / "00001.png"); }),
-             "00001.png: has no colour picture of the same number"));
-  CHECK(says(
-      lostAfter(&writeTum, [](const auto& f) { replaceIn(f / "rgb.txt", "1305031102.219637", "1305031102.239637"); }),
-      "depth.txt:3: 1305031102.208637.png has no colours in rgb.txt within 0.02 s"));
-  CHECK(
-      says(lostAfter(&writeTum, [](const auto& f) { std::filesystem::remove(f / "depth" / "1305031102.208637.png"); }),
-           "1305031102.208637.png: cannot be read"));
+  const auto second = [](const Path& folder) { return folder / "depth" / "00001.png"; };
+  loses(&writeRedwood, "...00001.png: has 2 x 2 pixels, and the camera 24 x 18...",
+        [&](const Path& f) { writeBytes(second(f), greyPng(2, 2, std::vector<std::uint16_t>(4, 9))); });
+  loses(&writeRedwood, "...00001.png: is not a grey PNG of 16 bits...",
+        [&](const Path& f) { writeBytes(second(f), pngBytes(24, 18, 8, 0, std::string(24 * 18, 'x'))); });
+  loses(&writeRedwood, "...00001.png: has no depth at all...",
+        [&](const Path& f) { writeBytes(second(f), greyPng(24, 18, std::vector<std::uint16_t>(24 * 18))); });
+  loses(&writeRedwood, "...ends within the picture...",
+        [&](const Path& f) { std::filesystem::resize_file(second(f), 300); });
+  loses(&writeRedwood, "...trajectory.log:6: frame 1 has a pose but no picture in depth...",
+        [&](const Path& f) { std::filesystem::remove(second(f)); });
+  loses(&writeRedwood, "...00001.png: has no colour picture of the same number...",
+        [](const Path& f) { std::filesystem::remove(f / "color" / "00001.png"); });
+  loses(&writeTum, "...depth.txt:3: 1305031102.208637.png has no colours in rgb.txt within 0.02 s...",
+        [](const Path& f) { replaceIn(f / "rgb.txt", "1305031102.219637", "1305031102.239637"); });
+  loses(&writeTum, "...1305031102.208637.png: cannot be read...",
+        [](const Path& f) { std::filesystem::remove(f / "depth" / "1305031102.208637.png"); });
 }
 
 TEST_CASE("RGB-D frames without a pose are dropped if others have one, at the start or at the end") {
@@ -292,52 +288,56 @@ TEST_CASE("a colour image belongs to the nearest depth image, and to one only") 
 }
 
 TEST_CASE("invalid lists of an RGB-D folder are refused on opening, with file and line") {
-  const auto redwood = [](const auto& harm) { return refusalAfter(&writeRedwood, harm); };
-  const auto tum = [](const auto& harm) { return refusalAfter(&writeTum, harm); };
-  CHECK(redwood([](const auto&) {}) == "opened");
-  CHECK(tum([](const auto&) {}) == "opened");
-  CHECK(says(tum([](const auto& f) { writeBytes(f / "depth.txt", "# nothing\n\n"); }), "depth.txt: lists no pictures"));
-  CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "noon "); }),
-             "depth.txt:3: found 'noon', expected a time in seconds and the name of a picture"));
-  CHECK(
-      says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "nan "); }), "depth.txt:3: found"));
-  CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "1305031102.175304 "); }),
-             "depth.txt:3: time 1305031102.175304 s is a duplicate of line"));
-  // Lists that are not in order of time are sorted.
-  CHECK(tum([](const auto& f) { replaceIn(f / "rgb.txt", "1305031102.219637 ", "7 "); }) == "opened");
-  CHECK(says(tum([](const auto& f) { replaceIn(f / "groundtruth.txt", "1305031102.172304 ", "1305031102.172304 7 "); }),
-             "groundtruth.txt:3: expected eight numbers"));
-  CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "1 0 0 0 0 0 0 2\n"); }),
-             "groundtruth.txt:1: the quaternion of the pose has the length 2"));
-  CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "1 0 0 nan 0 0 0 1\n"); }),
-             "groundtruth.txt:1: the position of the pose"));
-  CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "one"); }),
-             "trajectory.log:6: found 'one'"));
-  CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "0 0 1"); }),
-             "trajectory.log:6: frame 0 is a duplicate of line 1"));
-  CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "1e18 1 2"); }),
-             "trajectory.log:6: found"));
-  CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 1 0 0\n"); }),
-             "trajectory.log:3: ends within the pose that begins in line 1"));
-  CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 1 0\n"); }),
-             "trajectory.log:3: found '0 1 0', expected the four numbers of a row"));
-  CHECK(says(
-      redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 3 0 0\n0 0 1 0\n0 0 0 1\n"); }),
-      "trajectory.log:1: the first three columns of the pose are not a rotation"));
-  // An empty list is treated as missing.
-  CHECK(redwood([](const auto& f) { writeBytes(f / "trajectory.log", ""); }) == "opened");
-  CHECK(tum([](const auto& f) { writeBytes(f / "rgb.txt", "# color\n"); }) == "opened");
-  CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/1.png"); }),
-             "has the same number as"));
-  CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/last.png"); }),
-             "has no number"));
-  CHECK(says(redwood([](const auto& f) {
-               std::filesystem::remove_all(f / "depth");
-               std::filesystem::create_directory(f / "depth");
-             }),
-             "depth: has no pictures"));
-  CHECK(says(redwood([](const auto& f) { writeBytes(f / "intrinsics.json", "{}"); }),
-             "intrinsics.json: has no \"width\""));
+  // A list of a folder in which `what` is replaced, or all of it if that is empty.
+  const auto listIs = [](Write write) {
+    return [write](const char* list, const std::string& what, const std::string& by, const std::string& expected) {
+      const auto harm = [&](const std::filesystem::path& folder) {
+        if (what.empty())
+          writeBytes(folder / list, by);
+        else
+          replaceIn(folder / list, what, by);
+      };
+      checkSaid(refusalAfter(write, harm), expected);
+    };
+  };
+  const auto redwood = listIs(&writeRedwood), tum = listIs(&writeTum);
+  CHECK(refusalAfter(&writeRedwood, [](const auto&) {}) == "opened");
+  CHECK(refusalAfter(&writeTum, [](const auto&) {}) == "opened");
+  const std::string second = "1305031102.208637 ";
+  tum("depth.txt", "", "# nothing\n\n", "...depth.txt: lists no pictures...");
+  tum("depth.txt", second, "noon ",
+      "...depth.txt:3: found 'noon', expected a time in seconds and the name of a picture...");
+  tum("depth.txt", second, "nan ", "...depth.txt:3: found...");
+  tum("depth.txt", second, "1305031102.175304 ", "...depth.txt:3: time 1305031102.175304 s is a duplicate of line...");
+  tum("rgb.txt", "1305031102.219637 ", "7 ", "opened");  // lists that are not in order of time are sorted
+  tum("rgb.txt", "", "# color\n", "opened");             // an empty list is treated as missing
+  tum("groundtruth.txt", "1305031102.172304 ", "1305031102.172304 7 ",
+      "...groundtruth.txt:3: expected eight numbers...");
+  tum("groundtruth.txt", "", "1 0 0 0 0 0 0 2\n",
+      "...groundtruth.txt:1: the quaternion of the pose has the length 2...");
+  tum("groundtruth.txt", "", "1 0 0 nan 0 0 0 1\n", "...groundtruth.txt:1: the position of the pose...");
+  redwood("trajectory.log", "1 1 2", "one", "...trajectory.log:6: found 'one'...");
+  redwood("trajectory.log", "1 1 2", "0 0 1", "...trajectory.log:6: frame 0 is a duplicate of line 1...");
+  redwood("trajectory.log", "1 1 2", "1e18 1 2", "...trajectory.log:6: found...");
+  redwood("trajectory.log", "", "0 0 1\n1 0 0 0\n0 1 0 0\n",
+          "...trajectory.log:3: ends within the pose that begins in line 1...");
+  redwood("trajectory.log", "", "0 0 1\n1 0 0 0\n0 1 0\n",
+          "...trajectory.log:3: found '0 1 0', expected the four numbers of a row...");
+  redwood("trajectory.log", "", "0 0 1\n1 0 0 0\n0 3 0 0\n0 0 1 0\n0 0 0 1\n",
+          "...trajectory.log:1: the first three columns of the pose are not a rotation...");
+  redwood("trajectory.log", "", "", "opened");
+  redwood("intrinsics.json", "", "{}", "...intrinsics.json: has no \"width\"...");
+  const auto depth = [](const auto& harm, const char* expected) {
+    checkSaid(refusalAfter(&writeRedwood, [&](const auto& folder) { harm(folder / "depth"); }), expected);
+  };
+  depth([](const auto& d) { std::filesystem::copy(d / "00001.png", d / "1.png"); }, "...has the same number as...");
+  depth([](const auto& d) { std::filesystem::copy(d / "00001.png", d / "last.png"); }, "...has no number...");
+  depth(
+      [](const auto& d) {
+        std::filesystem::remove_all(d);
+        std::filesystem::create_directory(d);
+      },
+      "...depth: has no pictures...");
   const ScratchFolder empty;
   CHECK_FALSE(isRgbdFolder(empty.path()));
   CHECK_FALSE(isRgbdFolder(empty / "none"));

@@ -1,11 +1,15 @@
-// Reading LAZ: points are unpacked bit by bit, and damaged or inconsistent files are refused.
+// LAZ and COPC: points are unpacked bit by bit, LAS is packed and unpacked without a change, the pages of an octree are
+// traversed, and damaged or inconsistent files are refused.
 #include <doctest/doctest.h>
 
 #include "engine/core/checksum.hpp"
+#include "engine/io/copc.hpp"
+#include "engine/io/saving.hpp"
+#include "tests/io/copc_bytes.hpp"
 #include "tests/io/damage.hpp"
 #include "tests/io/laz_bytes.hpp"
 
-namespace palpate::test::laz_reading_test {
+namespace palpate::test::laz_format_test {
 
 namespace {
 
@@ -186,4 +190,137 @@ TEST_CASE("flipped, cut or extreme bytes in a LAZ file are read or refused, with
   }
 }
 
-}  // namespace palpate::test::laz_reading_test
+TEST_CASE("LAS converted to LAZ and back equals LAS written directly, byte by byte") {
+  for (const unsigned format : {0u, 1u, 2u, 3u, 6u, 7u, 8u})
+    for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{3000}}) {
+      CAPTURE(format);
+      CAPTURE(count);
+      LasBytes las = variedFile(format, count, 2);
+      las.records = lasRecord("LASF_Projection", 2112, "GEOGCS[...]") + lasRecord("somebody", 7, std::string(300, 'x'));
+      las.recordCount = 2;
+      las.padding = "\xdd\xcc";
+      las.tail = las.minor == 4 ? lasLongRecord("late", 9, std::string(7000, 'e')) : "bytes that nobody knows";
+      las.longRecords = las.minor == 4 ? 1 : 0;
+      const StoredCloud stored = reading(las.text());
+      const std::string packed = written(stored.cloud, ".laz");
+      CHECK(cloudFormats().toWrite("a.laz").lacks(stored).empty());
+      CHECK(lostOnTheWay(stored, cloudFormats().toWrite("a.laz")).empty());
+      CHECK((static_cast<unsigned>(packed[104]) & 0x80u) != 0);
+      const StoredCloud back = reading(packed);
+      CHECK(back.lost.empty());
+      CHECK(written(back.cloud) == written(stored.cloud));
+      CHECK(written(back.cloud, ".laz") == packed);
+    }
+}
+
+TEST_CASE("a packed LAZ file has exactly LASzip's length and bytes") {
+  const std::filesystem::path folder = scannedFiles();
+  if (folder.empty()) return;
+  const std::string ours = written(readCloud(folder / "simple.las").cloud, ".laz");
+  CHECK(pointsOf(ours) == pointsOf(bytesOf(folder / "simple.laz")));
+}
+
+TEST_CASE("packed LAZ bytes equal those that laz-perf has unpacked to the same points") {
+  struct Truth {
+    unsigned format;
+    std::uint64_t packed;  // checksum of a file that laz-perf 0.0.7 has unpacked
+  };
+  for (const Truth& truth :
+       {Truth{0u, 0xbdfa066c16c40435u}, Truth{1u, 0x280aa535c3f30b15u}, Truth{2u, 0x41a5fdd7f7230fe8u},
+        Truth{3u, 0xb8eb8dad828fbd1au}, Truth{6u, 0xd5471b56cf343532u}, Truth{7u, 0xff3de9728cfb143cu},
+        Truth{8u, 0x2f71ec8c07f28216u}}) {
+    CAPTURE(truth.format);
+    Checksum sum;
+    const std::string body = pointsOf(packedFile(variedFile(truth.format, 3000, 3)));
+    sum.add(std::as_bytes(std::span(body)));
+    CHECK(sum.value() == truth.packed);
+  }
+}
+
+TEST_CASE("a cloud of another format is packed as LAZ with the same points") {
+  PointCloud cloud;
+  for (int i = 0; i < 60'000; ++i) {
+    cloud.positions.emplace_back(0.25f * static_cast<float>(i % 251), -1.5f, 0.5f * static_cast<float>(i / 251));
+    cloud.normals.emplace_back(0, i % 2 ? 1 : -1, 0);
+  }
+  const PointCloud back = reading(written(cloud, ".laz")).cloud;
+  REQUIRE(back.size() == cloud.size());
+  CHECK(back.normals == cloud.normals);
+  bool same = true;
+  for (std::size_t i = 0; i < cloud.size(); ++i) same = same && back.fileCoordinates(i) == cloud.fileCoordinates(i);
+  CHECK(same);
+}
+
+TEST_CASE("wave packets are refused for LAZ, and an older file is kept") {
+  const ScratchFolder folder;
+  const StoredCloud stored = reading(fileOf(4, 20).text());
+  std::ofstream(folder / "a.laz") << "an older file";
+  CHECK_THROWS_WITH_AS(writeCloud(folder / "a.laz", stored.cloud), doctest::Contains("wave packets cannot be packed"),
+                       FileError);
+  CHECK(bytesOf(folder / "a.laz") == "an older file");
+}
+
+TEST_CASE("all points of a COPC octree are read in file order, and the lost octree is reported") {
+  const CopcFile file = copcFile();
+  const StoredCloud stored = reading(file.text);
+  CHECK(stored.cloud.size() == 900);
+  CHECK(stored.lost == std::vector<std::string>{"the octree of COPC: 3 nodes on 3 levels"});
+  const std::string back = written(stored.cloud);
+  CHECK(pointsOf(back).substr(0, file.rows.size()) == file.rows);
+  CHECK(back.ends_with("stays"));
+  CHECK(back.find("copc") == back.npos);
+  CHECK(stored.cloud.storedAs.baggage->sentence == "1 record of LAS: 'late' 3");
+  const ScratchFolder folder;
+  std::ofstream(folder / "a.copc.laz", std::ios::binary) << file.text;
+  CHECK(cloudFormats().toRead(folder / "a.copc.laz").name == "COPC");
+  CHECK(contentsOf(folder / "a.copc.laz").elements.at(0).count == 900);
+}
+
+TEST_CASE("a COPC hierarchy with cycles or entries outside the file is refused with its byte") {
+  const CopcFile good = copcFile();
+  const auto with = [&](std::size_t at, const CopcNode& node, const std::string& expected) {
+    CopcFile file = good;
+    file.put(at, node);
+    refuses("a.las", file.text, expected);
+  };
+  const auto say = [](std::size_t at, const char* what) { return fmt::format(": byte {}: {}...", at, what); };
+  const std::size_t root = good.root, page = good.page;
+  refuses("a.las", good.text, "read");
+  with(page, {{1, 0, 1, 0}, root, 64, -1}, say(page + 16, "the page of the hierarchy at byte"));
+  with(page, {{1, 0, 1, 0}, page, 64, -1}, "...is referenced twice...");
+  with(root + 32, {{1, 0, 1, 0}, 1u << 30, 64, -1}, say(root + 48, "a page of 64 bytes"));
+  with(root + 32, {{1, 0, 1, 0}, page, 33, -1}, say(root + 48, "a page of 33 bytes"));
+  with(root + 32, {{1, 0, 1, 0}, page, -32, -1}, say(root + 48, "a page of 0 bytes"));
+  with(page, {{1, 2, 1, 0}, 0, 0, 0}, say(page, "a node 1-2-1-0, which is not in an octree"));
+  with(page, {{-1, 0, 0, 0}, 0, 0, 0}, say(page, "a node -1-0-0-0"));
+  with(page, {{31, 0, 0, 0}, 0, 0, 0}, say(page, "a node 31-0-0-0"));
+  with(page, {{1, 0, 1, 0}, root, 10, -2}, say(page + 24, "a node of -2 points"));
+  with(page, {{1, 0, 1, 0}, root, 10, 0}, say(page + 24, "a node of 0 points in 10 bytes"));
+  with(page, {{1, 0, 1, 0}, 100, 10, 5}, say(page + 16, "a node at byte 100, outside the points"));
+  with(page, {{1, 0, 1, 0}, std::uint64_t{1} << 63, 10, 5}, "...outside the points...");
+  with(page, {{0, 0, 0, 0}, 0, 0, 0}, "...the node 0-0-0-0 is a duplicate...");
+  with(page, {{1, 0, 1, 0}, 0, 0, 0}, say(good.info + 40, "the nodes of the hierarchy have 800"));
+  std::uint64_t first = 0;
+  std::memcpy(&first, good.text.data() + root + 16, sizeof first);
+  with(page, {{1, 0, 1, 0}, first + 5, 200, 100}, "...overlap...");
+  CopcFile far = good;
+  putAt(far.text, far.info + 40, std::uint64_t{1} << 50);
+  refuses("a.las", far.text, say(far.info + 40, "a page of 64 bytes of the hierarchy"));
+}
+
+TEST_CASE("damaged COPC files are read or refused, without a crash") {
+  const CopcFile file = copcFile();
+  constexpr int kTries = 500;
+  checkDamaged(file.text, ".laz", file.info + 160, kTries, {20, kTries - 20});
+  // The pages follow the points; damaged alone, they are damaged more often.
+  Damage damage;
+  for (int k = 0; k < kTries; ++k) {
+    const std::string pages = damage.of(file.text.substr(file.root, 4 * CopcFile::kEntry), 4 * CopcFile::kEntry);
+    std::string text = file.text;
+    text.replace(file.root, pages.size(), pages);
+    const std::string why = refusalOf("a.las", text);
+    CHECK((why == "read" || why.starts_with(": byte ")));
+  }
+}
+
+}  // namespace palpate::test::laz_format_test
