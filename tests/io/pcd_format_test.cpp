@@ -120,32 +120,14 @@ TEST_CASE("binary PCD points are read in any type, with padding and several numb
 }
 
 TEST_CASE("compressed PCD copies earlier bytes, also overlapping its own output") {
-  CHECK(unpacked(std::string("\x02"
-                             "abc",
-                             4),
-                 3) == "abc");
-  CHECK(unpacked(std::string("\x00"
-                             "a\x20\x00",
-                             4),
-                 4) == "aaaa");  // a copy of three bytes, from one byte back
-  CHECK(unpacked(std::string("\x01"
-                             "ab\xe0\x02\x01",
-                             6),
-                 13) == "ababababababa");  // a copy of nine bytes from two bytes back, and the two literals
-  CHECK(unpacked(std::string("\x00"
-                             "a\x20\x01",
-                             4),
-                 4) == "bad at 2");  // from before the beginning
-  CHECK(unpacked(std::string("\x05"
-                             "ab",
-                             3),
-                 6) == "bad at 0");
-  CHECK(unpacked("\x02"
-                 "abc",
-                 2) == "bad at 0");
-  CHECK(unpacked("\x02"
-                 "abc",
-                 4) == "bad at 4");
+  using namespace std::string_literals;
+  CHECK(unpacked("\2abc", 3) == "abc");
+  CHECK(unpacked("\0a\x20\0"s, 4) == "aaaa");              // a copy of three bytes, from one byte back
+  CHECK(unpacked("\1ab\xe0\2\1", 13) == "ababababababa");  // nine bytes from two bytes back, and the two literals
+  CHECK(unpacked("\0a\x20\1"s, 4) == "bad at 2");          // from before the beginning
+  CHECK(unpacked("\5ab", 6) == "bad at 0");
+  CHECK(unpacked("\2abc", 2) == "bad at 0");
+  CHECK(unpacked("\2abc", 4) == "bad at 4");
   CHECK(unpacked("\xe0", 4) == "bad at 0");
 }
 

@@ -237,19 +237,8 @@ TEST_CASE("PLY normals can be computed from faces and strips, before or after th
       for (const bool strips : {false, true}) {
         using enum ScalarType;
         BodyWriter faces(format), vertices(format);
-        if (strips)
-          faces.put(i32, 9)
-              .put(i32, 0)
-              .put(i32, 1)
-              .put(i32, 3)
-              .put(i32, 2)
-              .put(i32, -1)
-              .put(i32, 0)
-              .put(i32, 1)
-              .put(i32, 3)
-              .put(i32, 2);
-        else
-          faces.put(i32, 4).put(i32, 0).put(i32, 1).put(i32, 2).put(i32, 3);
+        for (const int entry : strips ? std::vector{9, 0, 1, 3, 2, -1, 0, 1, 3, 2} : std::vector{4, 0, 1, 2, 3})
+          faces.put(i32, entry);
         faces.endRow();
         for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}, {5, 5}})
           vertices.put(f32, x).put(f32, y).put(f32, 0).endRow();
