@@ -50,6 +50,13 @@ inline bool lastErrorSays(const std::string& words) {
   return std::string(pp_last_error()).find(words) != std::string::npos;
 }
 
+/// The call fails with this status, and the error says these words.
+#define PP_CHECK_FAILS(call, status, words)                            \
+  do {                                                                 \
+    CHECK((call) == (status));                                         \
+    CHECK_MESSAGE(lastErrorSays(words), std::string(pp_last_error())); \
+  } while (false)
+
 /// A cloud that is open during a test.
 struct BallCloud {
   pp_cloud cloud{};

@@ -74,12 +74,10 @@ TEST_CASE("arrays with invalid positions or types are refused with the row") {
   ball.positions[3 * 42 + 1] = std::numeric_limits<float>::quiet_NaN();
   pp_cloud_arrays arrays = ball.arrays();
   pp_cloud cloud{};
-  CHECK(pp_cloud_create(&arrays, &cloud) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("row 42"));
+  PP_CHECK_FAILS(pp_cloud_create(&arrays, &cloud), PP_ERROR_ARGUMENT, "row 42");
   CHECK(cloud.id == 0);
   arrays.positions.data = nullptr;
-  CHECK(pp_cloud_create(&arrays, &cloud) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("positions"));
+  PP_CHECK_FAILS(pp_cloud_create(&arrays, &cloud), PP_ERROR_ARGUMENT, "positions");
   arrays.positions = {ball.positions.data(), PP_UINT8, 0, 0};
   CHECK(pp_cloud_create(&arrays, &cloud) == PP_ERROR_ARGUMENT);
   arrays.positions.type = 77;
@@ -103,8 +101,7 @@ TEST_CASE("a struct of an older program has defaults for the rest, and one of un
   PP_CHECK_OK(pp_cloud_close(cloud));
   for (const std::uint32_t size : {0u, 4u, static_cast<std::uint32_t>(sizeof arrays) + 8, 3'000'000'000u}) {
     arrays.size = size;
-    CHECK(pp_cloud_create(&arrays, &cloud) == PP_ERROR_ARGUMENT);
-    CHECK(lastErrorSays("pp_default"));
+    PP_CHECK_FAILS(pp_cloud_create(&arrays, &cloud), PP_ERROR_ARGUMENT, "pp_default");
   }
 }
 
@@ -144,8 +141,7 @@ TEST_CASE("a cloud written and read again is unchanged, in each format that keep
     CHECK(points.normals != nullptr);
     PP_CHECK_OK(pp_cloud_close(back));
   }
-  CHECK(pp_cloud_write(cloud, (folder / "ball.xlsx").string().c_str(), nullptr) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays(".ply"));
+  PP_CHECK_FAILS(pp_cloud_write(cloud, (folder / "ball.xlsx").string().c_str(), nullptr), PP_ERROR_ARGUMENT, ".ply");
   CHECK(std::string(pp_formats_written()).find(".las") != std::string::npos);
   CHECK(std::string(pp_formats_read()).find(".npz") != std::string::npos);
   PP_CHECK_OK(pp_cloud_close(cloud));

@@ -228,8 +228,7 @@ TEST_CASE("a recorded depth camera is felt frame by frame, restarts for a live s
   PP_REQUIRE_OK(pp_session_close(session));
   pp_stream_options stream = pp_default_stream_options();
   stream.speed = -1;
-  CHECK(pp_session_open_stream(name.c_str(), &stream, &options, &session) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("speed"));
+  PP_CHECK_FAILS(pp_session_open_stream(name.c_str(), &stream, &options, &session), PP_ERROR_ARGUMENT, "speed");
   stream.speed = 1;
   stream.intrinsics = "/nowhere.json";
   CHECK(pp_session_open_stream(name.c_str(), &stream, &options, &session) == PP_ERROR_FILE);
@@ -253,12 +252,10 @@ TEST_CASE("invalid frames are refused, and the last valid one is still felt") {
   kept.stable_rows = 1;
   const MovingBall ball(kept);
   PP_REQUIRE_OK(ball.push(0.01, 1.5));
-  CHECK(ball.push(0.01, 2) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("after the frame before"));
+  PP_CHECK_FAILS(ball.push(0.01, 2), PP_ERROR_ARGUMENT, "after the frame before");
   CHECK(ball.push(std::nan(""), 2) == PP_ERROR_ARGUMENT);
   CHECK(ball.push(0.02, std::nan("")) == PP_ERROR_ARGUMENT);
-  CHECK(ball.push(0.02, 1, 0, kPoints - 1) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("stable_rows"));
+  PP_CHECK_FAILS(ball.push(0.02, 1, 0, kPoints - 1), PP_ERROR_ARGUMENT, "stable_rows");
   pp_frame_arrays frame = pp_default_frame_arrays();
   CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
   CHECK(pp_session_push_frame(ball.session, nullptr) == PP_ERROR_ARGUMENT);
@@ -266,18 +263,15 @@ TEST_CASE("invalid frames are refused, and the last valid one is still felt") {
   frame.count = kPoints;
   frame.t_s = 1;
   frame.positions = bare.arrays().positions;
-  CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("normals"));
+  PP_CHECK_FAILS(pp_session_push_frame(ball.session, &frame), PP_ERROR_ARGUMENT, "normals");
   const std::vector<float> zeros(3 * kPoints, 0);
   frame.normals = {zeros.data(), PP_FLOAT32, 0, 0};
-  CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("normals: are zero"));
+  PP_CHECK_FAILS(pp_session_push_frame(ball.session, &frame), PP_ERROR_ARGUMENT, "normals: are zero");
   frame.normals = bare.arrays().normals;
   std::vector<float> velocities(3 * kPoints, 1);
   velocities[7] = INFINITY;
   frame.velocities = {velocities.data(), PP_FLOAT32, 0, 0};
-  CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("velocities"));
+  PP_CHECK_FAILS(pp_session_push_frame(ball.session, &frame), PP_ERROR_ARGUMENT, "velocities");
   frame.velocities.type = PP_UINT8;
   CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
   pp_brush brush = pp_default_brush();
@@ -294,8 +288,7 @@ TEST_CASE("invalid frames are refused, and the last valid one is still felt") {
   pp_frames_options few = pp_default_frames_options();
   few.max_points = 3;
   pp_session session{};
-  CHECK(pp_session_open_frames(ball.cloud.cloud, &few, nullptr, &session) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("max_points"));
+  PP_CHECK_FAILS(pp_session_open_frames(ball.cloud.cloud, &few, nullptr, &session), PP_ERROR_ARGUMENT, "max_points");
 }
 
 }  // namespace palpate::frames_test

@@ -30,8 +30,7 @@ TEST_CASE("a handle that is null, closed, of another kind or made up is refused 
   const pp_session wrong{ball.cloud.cloud.id};
   const pp_pose pose{};
   pp_contact contact{};
-  CHECK(pp_touch(wrong, &pose, &contact) == PP_ERROR_HANDLE);
-  CHECK(lastErrorSays("a cloud was given, but a session is required"));
+  PP_CHECK_FAILS(pp_touch(wrong, &pose, &contact), PP_ERROR_HANDLE, "a cloud was given, but a session is required");
   CHECK(pp_session_undo(wrong, 1, nullptr) == PP_ERROR_HANDLE);
   CHECK(pp_live_set_forces(wrong, 0) == PP_ERROR_HANDLE);
   CHECK(pp_mesh_close({ball.session.id}) == PP_ERROR_HANDLE);
@@ -68,8 +67,7 @@ TEST_CASE("a session outlives its cloud's handle, and a session closed twice giv
   const auto path = pressPath(1);
   CHECK(touch(session, pathOf(path)).back().contact == 1);
   PP_CHECK_OK(pp_session_close(session));
-  CHECK(pp_session_close(session) == PP_ERROR_HANDLE);
-  CHECK(lastErrorSays("closed"));
+  PP_CHECK_FAILS(pp_session_close(session), PP_ERROR_HANDLE, "closed");
 }
 
 TEST_CASE("many handles are open at once, opened and closed by several threads") {

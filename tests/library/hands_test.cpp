@@ -135,23 +135,21 @@ TEST_CASE("incompatible hands, poses and paths are refused, and the session stay
   pp_session session{};
   const BallCloud cloud(2'000);
   pp_session_options options = handsOptions(9);
-  CHECK(pp_session_open(cloud.cloud, &options, &session) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("hands"));
+  PP_CHECK_FAILS(pp_session_open(cloud.cloud, &options, &session), PP_ERROR_ARGUMENT, "hands");
   const OpenBall two(handsOptions(2));
   const auto top = pressAlong(2, 1, 1);
   const pp_path path = pathOf(top);
   std::vector<pp_tick> ticks(400);
   std::uint64_t count = 0;
-  CHECK(pp_session_touch(two.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("2 hands"));
+  PP_CHECK_FAILS(pp_session_touch(two.session, &path, ticks.data(), ticks.size(), &count), PP_ERROR_ARGUMENT,
+                 "2 hands");
   const pp_path* const paths[]{&path, &path, &path};
   CHECK(pp_session_touch_hands(two.session, paths, 3, nullptr, ticks.data(), nullptr, 400, &count) ==
         PP_ERROR_ARGUMENT);
   CHECK(pp_session_touch_hands(two.session, nullptr, 2, nullptr, ticks.data(), nullptr, 400, &count) ==
         PP_ERROR_ARGUMENT);
-  CHECK(pp_session_touch_hands(two.session, paths, 2, nullptr, ticks.data(), nullptr, 399, &count) ==
-        PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("capacity"));
+  PP_CHECK_FAILS(pp_session_touch_hands(two.session, paths, 2, nullptr, ticks.data(), nullptr, 399, &count),
+                 PP_ERROR_ARGUMENT, "capacity");
   const pp_path* const missing[]{&path, nullptr};
   CHECK(pp_session_touch_hands(two.session, missing, 2, nullptr, ticks.data(), nullptr, 400, &count) ==
         PP_ERROR_ARGUMENT);
@@ -164,9 +162,8 @@ TEST_CASE("incompatible hands, poses and paths are refused, and the session stay
   CHECK(pp_touch_hands(two.session, poses.data(), nullptr, 2, contacts.data(), nullptr) == PP_ERROR_ARGUMENT);
   poses[1].hip[0] = 0;
   const std::array<double, 8> orientations{1, 0, 0, 0, 2, 0, 0, 0};
-  CHECK(pp_touch_hands(two.session, poses.data(), orientations.data(), 2, contacts.data(), nullptr) ==
-        PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("quaternion"));
+  PP_CHECK_FAILS(pp_touch_hands(two.session, poses.data(), orientations.data(), 2, contacts.data(), nullptr),
+                 PP_ERROR_ARGUMENT, "quaternion");
   PP_CHECK_OK(pp_session_touch_hands(two.session, paths, 2, nullptr, ticks.data(), nullptr, 400, &count));
   CHECK(count == 400);
 }
@@ -253,8 +250,7 @@ TEST_CASE("a pad touches with many points, gives a torque at an edge, and is no 
   const BallCloud cloud(2'000);
   pp_session session{};
   tool.kind = "spoon";
-  CHECK(pp_session_open(cloud.cloud, &options, &session) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("spatula"));
+  PP_CHECK_FAILS(pp_session_open(cloud.cloud, &options, &session), PP_ERROR_ARGUMENT, "spatula");
   tool.kind = "ball";
   for (const std::uint32_t points : {0u, 65u}) {
     tool.points = points;
@@ -265,8 +261,7 @@ TEST_CASE("a pad touches with many points, gives a torque at an edge, and is no 
   CHECK(pp_session_open(cloud.cloud, &options, &session) == PP_ERROR_ARGUMENT);
   tool.size_mm = 5;
   tool.axis[0] = tool.axis[1] = tool.axis[2] = 0;
-  CHECK(pp_session_open(cloud.cloud, &options, &session) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("axis"));
+  PP_CHECK_FAILS(pp_session_open(cloud.cloud, &options, &session), PP_ERROR_ARGUMENT, "axis");
 }
 
 }  // namespace palpate::hands_test

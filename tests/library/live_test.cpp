@@ -81,8 +81,8 @@ TEST_CASE("a live session refuses conflicting calls, and works again after it is
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));
   CHECK(pp_live_start(ball.session, &options) == PP_ERROR_STATE);
   std::vector<pp_tick> ticks(200);
-  CHECK(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_STATE);
-  CHECK(lastErrorSays("the session is live; stop it first"));
+  PP_CHECK_FAILS(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count), PP_ERROR_STATE,
+                 "the session is live; stop it first");
   CHECK(pp_session_undo(ball.session, 1, nullptr) == PP_ERROR_STATE);
   CHECK(pp_session_set_brush(ball.session, nullptr) == PP_ERROR_STATE);
   const pp_pose pose{.t_s = 0, .hip = {0, 0, 49}};
@@ -169,16 +169,14 @@ TEST_CASE("a missing device and incompatible options are refused with an error")
   pp_live_options options = pp_default_live_options();
   CHECK(pp_live_start(ball.session, nullptr) == PP_ERROR_ARGUMENT);  // the default device, path, without a path
   options.device = "mouse-of-glass";
-  CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("mouse-of-glass"));
+  PP_CHECK_FAILS(pp_live_start(ball.session, &options), PP_ERROR_ARGUMENT, "mouse-of-glass");
   options.device = "sim";
   CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
   options.builtin = "nothing";
   CHECK(pp_live_start(ball.session, &options) != PP_OK);
   options.builtin = "press";
   options.rate_Hz = 1e9;
-  CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("rate_Hz"));
+  PP_CHECK_FAILS(pp_live_start(ball.session, &options), PP_ERROR_ARGUMENT, "rate_Hz");
   options.rate_Hz = 0;
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));  // a simulated stylus, moved by a simulated hand
   CHECK(readTicks(ball.session, 100).size() >= 100);

@@ -110,8 +110,7 @@ TEST_CASE("a stroke is recorded with all its edits of points, and replayed bit b
   }
   CHECK(replay(file, ball.cloud.cloud).identical == 1);
   // After edits no log can begin.
-  CHECK(pp_session_record(ball.session, file.string().c_str()) == PP_ERROR_STATE);
-  CHECK(lastErrorSays("edited"));
+  PP_CHECK_FAILS(pp_session_record(ball.session, file.string().c_str()), PP_ERROR_STATE, "edited");
 }
 
 TEST_CASE("a log contains the name of its model file, and is replayed without naming it") {
@@ -135,11 +134,9 @@ TEST_CASE("a log contains the name of its model file, and is replayed without na
   pp_replay_options wrong = pp_default_replay_options();
   wrong.cloud = other.cloud;
   pp_replay_result result = pp_default_replay_result();
-  CHECK(pp_recording_replay(file.string().c_str(), &wrong, &result) == PP_ERROR_FILE);
-  CHECK(lastErrorSays("4999 points"));
+  PP_CHECK_FAILS(pp_recording_replay(file.string().c_str(), &wrong, &result), PP_ERROR_FILE, "4999 points");
   std::filesystem::remove(model);
-  CHECK(pp_recording_replay(file.string().c_str(), nullptr, &result) == PP_ERROR_FILE);
-  CHECK(lastErrorSays("does not exist"));
+  PP_CHECK_FAILS(pp_recording_replay(file.string().c_str(), nullptr, &result), PP_ERROR_FILE, "does not exist");
   PP_REQUIRE_OK(pp_cloud_close(cloud));
 }
 
@@ -205,15 +202,13 @@ TEST_CASE("sessions that cannot be recorded, and files that are not logs, are re
   two.hands = 2;
   {
     const OpenBall hands(two);
-    CHECK(pp_session_record(hands.session, name.c_str()) == PP_ERROR_STATE);
-    CHECK(lastErrorSays("one hand"));
+    PP_CHECK_FAILS(pp_session_record(hands.session, name.c_str()), PP_ERROR_STATE, "one hand");
     Calls calls;
     pp_session_options lawful = cpuOptions();
     lawful.law = ownLaw;
     lawful.law_user = &calls;
     const OpenBall law(lawful);
-    CHECK(pp_session_record(law.session, name.c_str()) == PP_ERROR_STATE);
-    CHECK(lastErrorSays("law"));
+    PP_CHECK_FAILS(pp_session_record(law.session, name.c_str()), PP_ERROR_STATE, "law");
   }
   const OpenBall ball;
   CHECK(pp_session_record(ball.session, nullptr) == PP_ERROR_ARGUMENT);
@@ -249,8 +244,8 @@ TEST_CASE("sessions that cannot be recorded, and files that are not logs, are re
   CHECK(pp_recording_close({ball.session.id}) == PP_ERROR_HANDLE);
   // Another program's file is not replaced.
   PP_REQUIRE_OK(pp_session_record(ball.session, name.c_str()));
-  CHECK(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_FILE);
-  CHECK(lastErrorSays("is not a session log"));
+  PP_CHECK_FAILS(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count), PP_ERROR_FILE,
+                 "is not a session log");
   CHECK(contentOf(file) == "not a log");
   REQUIRE(std::filesystem::remove(file));
   PP_REQUIRE_OK(pp_session_record(ball.session, name.c_str()));

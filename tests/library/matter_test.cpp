@@ -197,8 +197,8 @@ TEST_CASE("parameters of matter without a hand are listed, set within their boun
   CHECK(stateOf(falling.matter).momentum_kg_m_s[0] > 5 * std::abs(stateOf(still.matter).momentum_kg_m_s[0]) + 1e-3);
   CHECK(pp_matter_set_parameter(still.matter, "gravity_y_m_s2", 1e9) == PP_ERROR_ARGUMENT);
   CHECK(pp_matter_set_parameter(still.matter, "gravity_y_m_s2", std::nan("")) == PP_ERROR_ARGUMENT);
-  CHECK(pp_matter_set_parameter(still.matter, "taste", 1) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("viscosity_Pa_s"));  // it lists the known ones
+  PP_CHECK_FAILS(pp_matter_set_parameter(still.matter, "taste", 1), PP_ERROR_ARGUMENT,
+                 "viscosity_Pa_s");  // it lists the known ones
   CHECK(pp_matter_set_parameter(still.matter, nullptr, 1) == PP_ERROR_ARGUMENT);
 }
 
@@ -206,14 +206,12 @@ TEST_CASE("missing scenes and calls that do not apply to a session are refused w
   pp_session session{};
   pp_matter matter{};
   const pp_session_options options = cpuOptions();
-  CHECK(pp_session_open_matter("lava", &options, &session) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("water"));
+  PP_CHECK_FAILS(pp_session_open_matter("lava", &options, &session), PP_ERROR_ARGUMENT, "water");
   CHECK(pp_matter_open("lava", nullptr, &matter) == PP_ERROR_ARGUMENT);
   CHECK(pp_matter_open(nullptr, nullptr, &matter) == PP_ERROR_ARGUMENT);
   CHECK(pp_matter_open("water", nullptr, nullptr) == PP_ERROR_ARGUMENT);
   const SceneFile broken(R"({"matter": "water", "box_mm": [80, 120]})");
-  CHECK(pp_session_open_matter(broken.name().c_str(), &options, &session) == PP_ERROR_FILE);
-  CHECK_MESSAGE(lastErrorSays("fill_mm"), std::string(pp_last_error()));
+  PP_CHECK_FAILS(pp_session_open_matter(broken.name().c_str(), &options, &session), PP_ERROR_FILE, "fill_mm");
   const SceneFile huge(
       R"({"matter": "water", "box_mm": [9000, 9000, 9000], "fill_mm": [9000, 9000, 9000], "spacing_mm": 1})");
   CHECK(pp_matter_open(huge.name().c_str(), nullptr, &matter) != PP_OK);
@@ -227,15 +225,13 @@ TEST_CASE("missing scenes and calls that do not apply to a session are refused w
   CHECK(pp_session_pause(ball.session, 1) == PP_ERROR_STATE);
   CHECK(pp_session_reset(ball.session) == PP_ERROR_STATE);
   CHECK(pp_session_get_motion(ball.session, &motion) == PP_ERROR_STATE);
-  CHECK(pp_session_set_parameter(ball.session, "gain", 1) == PP_ERROR_STATE);
-  CHECK(lastErrorSays("a scene of matter"));
+  PP_CHECK_FAILS(pp_session_set_parameter(ball.session, "gain", 1), PP_ERROR_STATE, "a scene of matter");
 
   const SceneFile tank;
   const OpenScene water(tank.name());
   pp_brush brush = pp_default_brush();
   CHECK(pp_session_set_brush(water.session, &brush) == PP_ERROR_ARGUMENT);
-  CHECK(pp_matter_step({water.session.id}, 1) == PP_ERROR_HANDLE);
-  CHECK(lastErrorSays("session"));
+  PP_CHECK_FAILS(pp_matter_step({water.session.id}, 1), PP_ERROR_HANDLE, "session");
   motion.size = 3;
   CHECK(pp_session_get_motion(water.session, &motion) == PP_ERROR_ARGUMENT);
   pp_session_options padded = cpuOptions();

@@ -11,10 +11,8 @@ TEST_CASE("a library built without PALPATE_SIMULATION opens no scene, and report
   pp_matter matter{};
   pp_session session{};
   for (const char* scene : {"water", "tank.json", "bunny.ply"}) {
-    CHECK(pp_matter_open(scene, nullptr, &matter) == PP_ERROR_UNSUPPORTED);
-    CHECK(lastErrorSays("needs PALPATE_SIMULATION"));
-    CHECK(pp_session_open_matter(scene, nullptr, &session) == PP_ERROR_UNSUPPORTED);
-    CHECK(lastErrorSays("needs PALPATE_SIMULATION"));
+    PP_CHECK_FAILS(pp_matter_open(scene, nullptr, &matter), PP_ERROR_UNSUPPORTED, "needs PALPATE_SIMULATION");
+    PP_CHECK_FAILS(pp_session_open_matter(scene, nullptr, &session), PP_ERROR_UNSUPPORTED, "needs PALPATE_SIMULATION");
   }
 }
 

@@ -143,12 +143,12 @@ TEST_CASE("clouds with an impossible pose are refused by their index") {
   pp_session session{};
   std::array<pp_placed_cloud, 2> clouds{placed(ball.cloud, false), placed(ball.cloud, true)};
   clouds[1].orientation[0] = 3;
-  CHECK(pp_session_open_clouds(clouds.data(), 2, &options, &session) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("clouds: 1: its orientation"));
+  PP_CHECK_FAILS(pp_session_open_clouds(clouds.data(), 2, &options, &session), PP_ERROR_ARGUMENT,
+                 "clouds: 1: its orientation");
   clouds[1] = placed(ball.cloud, true);
   clouds[1].position[2] = std::numeric_limits<double>::infinity();
-  CHECK(pp_session_open_clouds(clouds.data(), 2, &options, &session) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("clouds: 1: its position"));
+  PP_CHECK_FAILS(pp_session_open_clouds(clouds.data(), 2, &options, &session), PP_ERROR_ARGUMENT,
+                 "clouds: 1: its position");
   clouds[1].cloud = {};
   CHECK(pp_session_open_clouds(clouds.data(), 2, &options, &session) == PP_ERROR_HANDLE);
   CHECK(pp_session_open_clouds(clouds.data(), 0, &options, &session) == PP_ERROR_ARGUMENT);

@@ -167,12 +167,10 @@ TEST_CASE("carving removes points, painting gives them colours") {
   CHECK(green < 2'000);
   PP_CHECK_OK(pp_cloud_close(painted));
   brush.kind = "scrub";
-  CHECK(pp_session_set_brush(ball.session, &brush) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("push, carve"));
+  PP_CHECK_FAILS(pp_session_set_brush(ball.session, &brush), PP_ERROR_ARGUMENT, "push, carve");
   brush.kind = nullptr;
   brush.radius_mm = -1;
-  CHECK(pp_session_set_brush(ball.session, &brush) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("radius_mm"));
+  PP_CHECK_FAILS(pp_session_set_brush(ball.session, &brush), PP_ERROR_ARGUMENT, "radius_mm");
 }
 
 TEST_CASE("an answer that an edit would delay beyond the budget is held, and says how old it is") {

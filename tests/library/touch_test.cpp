@@ -100,14 +100,12 @@ TEST_CASE("an invalid path is refused with its row, and nothing is written beyon
   std::vector<double> rows{0, 0, 0, 51, 0.01, 0, 0, 50, 0.01, 0, 0, 49};
   std::uint64_t count = 7;
   pp_path path = pathOf(rows, 4);
-  CHECK(pp_path_ticks(ball.session, &path, &count) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("pose 2 of 3"));
+  PP_CHECK_FAILS(pp_path_ticks(ball.session, &path, &count), PP_ERROR_ARGUMENT, "pose 2 of 3");
   rows[8] = 0.02;
   PP_CHECK_OK(pp_path_ticks(ball.session, &path, &count));
   CHECK(count == 21);
   std::vector<pp_tick> ticks(21, pp_tick{.t_s = -1});
-  CHECK(pp_session_touch(ball.session, &path, ticks.data(), 20, &count) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("21"));
+  PP_CHECK_FAILS(pp_session_touch(ball.session, &path, ticks.data(), 20, &count), PP_ERROR_ARGUMENT, "21");
   CHECK(ticks[0].t_s == -1);
   rows[11] = std::numeric_limits<double>::infinity();
   CHECK(pp_path_ticks(ball.session, &path, &count) == PP_ERROR_ARGUMENT);
@@ -132,8 +130,7 @@ TEST_CASE("session options out of their bounds are refused by their name") {
     pp_session_options options = cpuOptions();
     change(options);
     pp_session session{};
-    CHECK(pp_session_open(ball.cloud, &options, &session) == PP_ERROR_ARGUMENT);
-    CHECK_MESSAGE(lastErrorSays(words), pp_last_error());
+    PP_CHECK_FAILS(pp_session_open(ball.cloud, &options, &session), PP_ERROR_ARGUMENT, words);
     CHECK(session.id == 0);
   };
   refused([](auto& o) { o.rate_Hz = 0; }, "rate_Hz");
@@ -285,8 +282,8 @@ TEST_CASE("a time that is not later than that of the pose before is an error, an
   for (const double t_s : {last_s, last_s - 0.001, -1.0}) {
     CAPTURE(t_s);
     pose.t_s = t_s;
-    CHECK(pp_touch(ball.session, &pose, &contact) == PP_ERROR_ARGUMENT);
-    CHECK(lastErrorSays("not later than the time of the pose before"));
+    PP_CHECK_FAILS(pp_touch(ball.session, &pose, &contact), PP_ERROR_ARGUMENT,
+                   "not later than the time of the pose before");
     CHECK(contact.valid == 0);
     CHECK(lengthOf(contact.force_N) == 0);
   }
@@ -333,8 +330,7 @@ TEST_CASE("contact parameters can be changed in a session, except the support ra
   PP_REQUIRE_OK(pp_session_set_contact(ball.session, &contact));
   CHECK(lengthOf(touch(ball.session, pathOf(path)).back().force_N) == near(0.5, 1e-6));
   contact.radius_mm = 3;
-  CHECK(pp_session_set_contact(ball.session, &contact) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("radius_mm"));
+  PP_CHECK_FAILS(pp_session_set_contact(ball.session, &contact), PP_ERROR_ARGUMENT, "radius_mm");
 }
 
 TEST_CASE("a program's own force law sets the force, within the limits") {
@@ -366,8 +362,7 @@ TEST_CASE("a force law is loaded from a library by its name") {
   pp_session session{};
   const std::string none = std::string(PALPATE_OWN_LAW) + ":nothing";
   options.law_library = none.c_str();
-  CHECK(pp_session_open(other.cloud, &options, &session) == PP_ERROR_FAILED);
-  CHECK(lastErrorSays("has no function nothing"));
+  PP_CHECK_FAILS(pp_session_open(other.cloud, &options, &session), PP_ERROR_FAILED, "has no function nothing");
   options.law_library = "libnowhere.so:law";
   CHECK(pp_session_open(other.cloud, &options, &session) == PP_ERROR_FAILED);
 }
