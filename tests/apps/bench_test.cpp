@@ -84,9 +84,7 @@ TEST_CASE("bench share measures the time until another hand feels a press" * kCl
     return;
   }
   const std::string json = (folder / "s.json").string();
-  const Outcome outcome = palpate("bench share --presses 6 --points 5000" + domain + " --json " + json);
-  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
-  CHECK(says(outcome.text, "felt p50 / p99 ms"));
+  checkEnds(0, "bench share --presses 6 --points 5000" + domain + " --json " + json, {"felt p50 / p99 ms"});
   const Result share = jsonOf(json)["share"][0];
   CAPTURE(share.dump());
   CHECK(share["felt_ms"]["n"].get<int>() + share["unsteady"].get<int>() + share["not_felt"].get<int>() +
@@ -99,16 +97,12 @@ TEST_CASE("bench share measures the time until another hand feels a press" * kCl
   CHECK(share["ticks"] > 500);
   CHECK(share["aged_ticks"] == 0);
   CHECK(share["same"] == true);
-  const Outcome none = palpate("bench share --join nobody" + domain);
-  CHECK(none.code == 1);
-  CHECK(says(none.text, "no session named 'nobody' is served"));
+  checkEnds(1, "bench share --join nobody" + domain, {"no session named 'nobody' is served"});
 }
 
 TEST_CASE("bench refuses unknown methods and back ends, and measures only what is requested") {
   CHECK(palpate("bench step --sizes 2000 --backend quantum").code == 2);
-  const Outcome wrong = palpate("bench step --sizes 2000 --method persistent");
-  CHECK(wrong.code == 2);
-  CHECK(wrong.text.find("two-step") != std::string::npos);
+  checkEnds(2, "bench step --sizes 2000 --method persistent", {"two-step"});
   const Outcome brute = palpate("bench query --sizes 2000 --method brute --repeat 5");
   CHECK(brute.code == 0);
   CHECK(brute.text.find("brute") != std::string::npos);
@@ -128,9 +122,7 @@ TEST_CASE("each bench shows and accepts its own options, and benches run togethe
   CHECK(says(build.text, "--moved"));
   CHECK_FALSE(says(build.text, "--tool"));
   CHECK(palpate("bench edit --sizes 2000 --resolution 16").code == 2);
-  const Outcome alone = palpate("bench sort --sizes 2000 --moved 0.5");
-  CHECK(alone.code == 2);
-  CHECK(says(alone.text, "bench sort has no option --moved"));
+  checkEnds(2, "bench sort --sizes 2000 --moved 0.5", {"bench sort has no option --moved"});
   works("bench build sort --sizes 2000 --backend cpu --repeat 5 --moved 0.5");  // an option of build, after sort
   works("bench sort --sizes 2000 build --backend cpu --repeat 5 --moved 0.5");
 }
@@ -262,11 +254,10 @@ TEST_CASE("bench read reads the given files on the requested number of threads")
   works("make sphere -n 60000 -o " + las);
   works("convert " + las + " " + laz);
   for (const int threads : {1, 3}) {
-    const Outcome outcome = palpate(
-        fmt::format("bench read {} {} --threads {} --repeat 6 --limit 0 --stages --json {}", las, laz, threads, json));
-    REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
-    CHECK(says(outcome.text, "M points/s"));
-    CHECK(says(outcome.text, "waited for memory"));
+    checkEnds(
+        0,
+        fmt::format("bench read {} {} --threads {} --repeat 6 --limit 0 --stages --json {}", las, laz, threads, json),
+        {"M points/s", "waited for memory"});
     const auto records = jsonOf(json)["read"];
     REQUIRE(records.size() == 2);
     CHECK(records[0]["format"] == "LAS");

@@ -133,10 +133,9 @@ TEST_CASE("a model without cameras is drawn unchanged, with a message") {
   const ScratchFolder folder;
   works("--quiet make sphere -n 2000 -o " + (folder / "s.ply").string());
   works("render " + (folder / "s.ply").string() + " --size 200x150 -o " + (folder / "without.png").string());
-  const Outcome outcome = palpate("render " + (folder / "s.ply").string() + " --size 200x150 --cameras -o " +
-                                  (folder / "with.png").string());
-  CHECK(outcome.code == 0);
-  CHECK_MESSAGE(says(outcome.text, "no cameras are drawn: the model has no camera poses"), outcome.text);
+  checkEnds(0,
+            "render " + (folder / "s.ply").string() + " --size 200x150 --cameras -o " + (folder / "with.png").string(),
+            {"no cameras are drawn: the model has no camera poses"});
   CHECK(contentOf(folder / "without.png") == contentOf(folder / "with.png"));
 }
 
@@ -161,12 +160,9 @@ TEST_CASE("unreliable COLMAP points are left out by info and render, and by conv
   writeColmap(folder / "model", written);
   const std::string model = (folder / "model").string(), out = (folder / "o.ply").string(),
                     json = (folder / "j.json").string();
-  const Outcome outcome = palpate("convert " + model + " " + out + " --drop-unreliable --json " + json);
-  CHECK(outcome.code == 0);
-  CHECK_MESSAGE(says(outcome.text,
-                     "50 of 950 points, which are unreliable: 50 with rays that meet at less than 1.5 "
-                     "degrees (--drop-unreliable)"),
-                outcome.text);
+  checkEnds(0, "convert " + model + " " + out + " --drop-unreliable --json " + json,
+            {"50 of 950 points, which are unreliable: 50 with rays that meet at less than 1.5 "
+             "degrees (--drop-unreliable)"});
   CHECK(jsonOf(json)["points"] == 900);
   works("convert " + model + " " + out + " --force --json " + json);
   CHECK(jsonOf(json)["points"] == 950);
@@ -183,7 +179,13 @@ TEST_CASE("unreliable COLMAP points are left out by info and render, and by conv
 
 TEST_CASE("the window shows a reconstruction's cameras, and a recording's camera with its path; F hides them") {
   if (!hasDisplay()) return;
-  const auto played = play("%/model --size 480x360 --backend cpu", R"(
+  const auto played = playWell(
+      "%/model --size 480x360 --backend cpu",
+      [](const std::filesystem::path& folder) {
+        writeColmap(folder / "model", sheet());
+        writeRedwood(folder / "recorded", {.frames = 30});
+      },
+      R"(
 0.1 key tab
 0.3 screenshot %/with.png
 0.35 state %/with.json
@@ -195,12 +197,7 @@ TEST_CASE("the window shows a reconstruction's cameras, and a recording's camera
 1.0 key f
 1.1 state %/shown.json
 1.2 quit
-)",
-                           "", [](const std::filesystem::path& folder) {
-                             writeColmap(folder / "model", sheet());
-                             writeRedwood(folder / "recorded", {.frames = 30});
-                           });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   CHECK(played->state("with.json")["cameras_shown"] == 4);
   CHECK(played->state("without.json")["cameras_shown"] == 0);
   CHECK(played->state("hidden.json")["cameras_shown"] == 0);

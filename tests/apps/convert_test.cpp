@@ -84,9 +84,7 @@ TEST_CASE("a folder of depth frames becomes one cloud whose points lie on the re
 
   // Impossible depths are reported, and no file is left.
   std::filesystem::remove(out);
-  const Outcome outcome = palpate("convert " + room.string() + " " + out + " --depth-scale 1000000");
-  CHECK(outcome.code == 1);
-  CHECK(outcome.text.find("show no surface") != std::string::npos);
+  checkEnds(1, "convert " + room.string() + " " + out + " --depth-scale 1000000", {"show no surface"});
   CHECK_FALSE(std::filesystem::exists(out));
 }
 
@@ -103,9 +101,7 @@ TEST_CASE("a scene of Gaussians is described, converted, felt and sculpted, and 
   CHECK(jsonOf(json)["colors"] == true);
 
   const std::string out = (folder / "out.ply").string();
-  const Outcome outcome = palpate("convert " + scene.string() + " " + out + " --json " + json);
-  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
-  CHECK(outcome.text.find("3000 faint") != std::string::npos);
+  checkEnds(0, "convert " + scene.string() + " " + out + " --json " + json, {"3000 faint"});
   CHECK(jsonOf(json)["from"] == "3DGS");
   CHECK(jsonOf(json)["kept"] == std::vector<std::string>{"positions", "normals", "colours"});
   works("info " + out + " --json " + json);
@@ -168,9 +164,7 @@ TEST_CASE("convert keeps points, properties and faces, and names what is lost") 
   const ScratchFolder folder;
   const std::string in = (folder / "in.ply").string(), out = (folder / "out.ply").string();
   std::ofstream(in) << kMesh;
-  const Outcome outcome = palpate("convert " + in + " " + out + " --json " + (folder / "c.json").string());
-  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
-  CHECK(outcome.text.find("not kept: 1 edge") != std::string::npos);
+  checkEnds(0, "convert " + in + " " + out + " --json " + (folder / "c.json").string(), {"not kept: 1 edge"});
   const auto json = jsonOf(folder / "c.json");
   CHECK(json["points"] == 4);
   CHECK(json["triangles"] == 2);
@@ -207,20 +201,14 @@ TEST_CASE("convert overwrites neither its input nor another existing file") {
   std::ofstream(other) << "mine";
   std::filesystem::create_symlink(in, link);
   for (const std::string& target : {in, link}) {
-    const Outcome itself = palpate("convert " + in + " " + target);
-    CHECK(itself.code == 1);
-    CHECK(itself.text.find("is the file that is read; name another file, or add --force") != std::string::npos);
+    checkEnds(1, "convert " + in + " " + target, {"is the file that is read; name another file, or add --force"});
   }
   CHECK(contentOf(in) == kMesh);
-  const Outcome taken = palpate("convert " + in + " " + other);
-  CHECK(taken.code == 1);
-  CHECK(taken.text.find("exists; name another file, or add --force") != std::string::npos);
+  checkEnds(1, "convert " + in + " " + other, {"exists; name another file, or add --force"});
   CHECK(contentOf(other) == "mine");
   const std::string missing = (folder / "nothing.ply").string();
   for (const std::string& target : {other, std::string("/nowhere/b.ply")}) {
-    const Outcome absent = palpate("convert " + missing + " " + target);
-    CHECK(absent.code == 1);
-    CHECK(absent.text.find(missing + ": does not exist") != std::string::npos);
+    checkEnds(1, "convert " + missing + " " + target, {missing + ": does not exist"});
   }
   works("convert " + in + " " + other + " --force");
   CHECK(contentOf(other).starts_with("ply\n"));
@@ -237,14 +225,10 @@ TEST_CASE("convert refuses output names of unknown type, and reports what is wro
   const ScratchFolder folder;
   const std::string in = (folder / "in.ply").string();
   std::ofstream(in) << kMesh;
-  const Outcome unknown = palpate("convert " + in + " " + (folder / "out.xyzzy").string());
-  CHECK(unknown.code == 2);
-  CHECK(unknown.text.find("clouds are written as .ply") != std::string::npos);
+  checkEnds(2, "convert " + in + " " + (folder / "out.xyzzy").string(), {"clouds are written as .ply"});
   CHECK(palpate("convert " + in).code == 2);
   std::ofstream(in) << "solid cube";
-  const Outcome foreign = palpate("convert " + in + " " + (folder / "out.ply").string());
-  CHECK(foreign.code == 1);
-  CHECK(foreign.text.find("that of a PLY file is") != std::string::npos);
+  checkEnds(1, "convert " + in + " " + (folder / "out.ply").string(), {"that of a PLY file is"});
   CHECK_FALSE(std::filesystem::exists(folder / "out.ply"));
 }
 
@@ -268,9 +252,8 @@ TEST_CASE("convert samples the requested number of points from a mesh, and refus
     if (samples > 900) CHECK(static_cast<double>(onSmall) == near(expected, 0.05));
   }
   CHECK(palpate("convert " + mesh + " " + points + " --samples 0 --force").code == 2);
-  const Outcome cloud = palpate("convert " + points + " " + (folder / "b.ply").string() + " --samples 10");
-  CHECK(cloud.code == 2);
-  CHECK(says(cloud.text, "--samples applies to meshes only; PLY contains points"));
+  checkEnds(2, "convert " + points + " " + (folder / "b.ply").string() + " --samples 10",
+            {"--samples applies to meshes only; PLY contains points"});
   CHECK_FALSE(std::filesystem::exists(folder / "b.ply"));
 }
 
@@ -286,9 +269,7 @@ TEST_CASE("convert keeps triangles from mesh to mesh, samples them for points, a
   works("convert " + file("part.off") + " " + file("part.ply") + " --samples 500 --json " + file("b.json"));
   CHECK(jsonOf(folder / "b.json")["points"] == 500);
   CHECK(jsonOf(folder / "b.json")["triangles"] == 0);
-  const Outcome refused = palpate("convert " + file("part.ply") + " " + file("part.copc.laz"));
-  CHECK(refused.code == 2);
-  CHECK(says(refused.text, "COPC can be read but not written"));
+  checkEnds(2, "convert " + file("part.ply") + " " + file("part.copc.laz"), {"COPC can be read but not written"});
   CHECK_FALSE(std::filesystem::exists(folder / "part.copc.laz"));
   works("convert " + file("part.ply") + " " + file("part.3dgs.ply") + " --json " + file("c.json"));
   CHECK(jsonOf(folder / "c.json")["to"] == "3DGS");
@@ -302,10 +283,8 @@ TEST_CASE("convert --unit against the unit of the file says that no length is co
   const Outcome again = palpate("convert " + file("feet.ply") + " " + file("b.ply") + " --unit ft");
   CHECK(again.code == 0);
   CHECK_FALSE(says(again.text, "no length is converted"));
-  const Outcome metres = palpate("convert " + file("feet.ply") + " " + file("c.ply") + " --unit m");
-  CHECK(metres.code == 0);
-  CHECK(says(metres.text, "feet.ply: its unit is ft; "));
-  CHECK(says(metres.text, "c.ply says m, with the same coordinates: no length is converted"));
+  checkEnds(0, "convert " + file("feet.ply") + " " + file("c.ply") + " --unit m",
+            {"feet.ply: its unit is ft; ", "c.ply says m, with the same coordinates: no length is converted"});
 }
 
 }  // namespace palpate::convert_test

@@ -42,24 +42,17 @@ TEST_CASE("a file without a byte is an error in every format, and no cloud of no
     std::ofstream(file).close();
     for (const std::string& command : {"info " + file, "convert " + file + " " + (folder / "b.ply").string()}) {
       CAPTURE(command);
-      const Outcome outcome = palpate(command);
-      CHECK(outcome.code == 1);
-      CHECK(says(outcome.text, file + ": is empty; it contains no points"));
+      checkEnds(1, command, {file + ": is empty; it contains no points"});
     }
   }
-  const Outcome made = palpate("make sphere -n 0 -o " + (folder / "none.ply").string());
-  CHECK(made.code == 2);
-  CHECK(says(made.text, "--points: 0 is not a whole number from 1 to"));
+  checkEnds(2, "make sphere -n 0 -o " + (folder / "none.ply").string(),
+            {"--points: 0 is not a whole number from 1 to"});
   CHECK_FALSE(std::filesystem::exists(folder / "none.ply"));
 }
 
 TEST_CASE("info on an unknown folder names the known kinds of folders and what in it can be read") {
   const ScratchFolder folder;
-  const auto refused = [&](const std::string& what) {
-    const Outcome outcome = palpate("info " + folder.path().string());
-    CHECK(outcome.code == 1);
-    CHECK_MESSAGE(says(outcome.text, what), outcome.text);
-  };
+  const auto refused = [&](const std::string& what) { checkEnds(1, "info " + folder.path().string(), {what}); };
   refused("is not a folder of COLMAP (points3D.bin or .txt), TUM (depth.txt) or Redwood (depth/); name a file in it\n");
   std::ofstream(folder / "notes.doc") << "x";
   std::ofstream(folder / "scan.ply") << "ply\n";

@@ -9,8 +9,16 @@ namespace palpate::files_test {
 
 TEST_CASE("the window opens a file by folder and format, saves it elsewhere, and exports its mesh") {
   if (!hasDisplay()) return;
-  const auto played =
-      play("%/ball.ply --size 900x640 --rate 250 --backend cpu --resolution 32", R"(
+  const auto played = playWell(
+      "%/ball.ply --size 900x640 --rate 250 --backend cpu --resolution 32",
+      [](const std::filesystem::path& folder) {
+        works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
+        std::filesystem::create_directory(folder / "inner");
+        works("make torus -n 3000 --size 40 -o " + (folder / "ring.ply").string());
+        works("convert " + (folder / "ring.ply").string() + " " + (folder / "inner" / "ring.xyz").string());
+        std::ofstream(folder / "inner" / "notes.doc") << "no cloud";
+      },
+      R"(
 0.05 key ctrl+o
 0.10 screenshot %/dialog.png
 0.15 click inner/
@@ -34,15 +42,7 @@ TEST_CASE("the window opens a file by folder and format, saves it elsewhere, and
 2.50 click Replace
 2.70 state %/again.json
 2.75 quit
-)",
-           "", [](const std::filesystem::path& folder) {
-             works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
-             std::filesystem::create_directory(folder / "inner");
-             works("make torus -n 3000 --size 40 -o " + (folder / "ring.ply").string());
-             works("convert " + (folder / "ring.ply").string() + " " + (folder / "inner" / "ring.xyz").string());
-             std::ofstream(folder / "inner" / "notes.doc") << "no cloud";
-           });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   const std::string opened = played->state("opened.json")["model"];
   CHECK(opened.ends_with("inner/ring.xyz"));
   const std::string saved = played->state("saved.json")["last_message"];
@@ -60,18 +60,9 @@ TEST_CASE("the window opens a file by folder and format, saves it elsewhere, and
 
 TEST_CASE("picking a position shows the point there, its normal, its attributes and its stiffness") {
   if (!hasDisplay()) return;
-  const auto played = play(
-      "%/ball.ply --size 480x480 --rate 250 --backend cpu", R"(
-0.05 key tab
-0.07 key R
-0.10 key D
-0.15 mouse 240 240
-0.50 button left down
-0.60 button left up
-0.80 state %/picked.json
-0.90 quit
-)",
-      "", [](const std::filesystem::path& folder) {
+  const auto played = playWell(
+      "%/ball.ply --size 480x480 --rate 250 --backend cpu",
+      [](const std::filesystem::path& folder) {
         std::ofstream file(folder / "ball.ply");
         file << "ply\nformat ascii 1.0\nelement vertex 4002\nproperty float x\nproperty float y\nproperty float z\n"
                 "property float nx\nproperty float ny\nproperty float nz\nproperty ushort intensity\nend_header\n";
@@ -84,8 +75,17 @@ TEST_CASE("picking a position shows the point there, its normal, its attributes 
           const double y = 1 - 2 * (k + 0.5) / 4002, turn = 2.399963 * k, far = std::sqrt(1 - y * y);
           write({far * std::cos(turn), y, far * std::sin(turn)});
         }
-      });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+      },
+      R"(
+0.05 key tab
+0.07 key R
+0.10 key D
+0.15 mouse 240 240
+0.50 button left down
+0.60 button left up
+0.80 state %/picked.json
+0.90 quit
+)");
   const auto picked = played->state("picked.json")["picked"];
   REQUIRE(!picked.is_null());
   const DVec3 place(picked["place"][0], picked["place"][1], picked["place"][2]);
@@ -101,7 +101,18 @@ TEST_CASE("picking a position shows the point there, its normal, its attributes 
 
 TEST_CASE("the file dialogue filters by format and offers recent folders") {
   if (!hasDisplay()) return;
-  const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu", R"(
+  const auto played = playWell(
+      "%/ball.ply --size 900x640 --rate 250 --backend cpu",
+      [](const std::filesystem::path& folder) {
+        works("make sphere -n 2000 --size 40 -o " + (folder / "ball.ply").string());
+        works("make sphere -n 2000 --size 40 -o " + (folder / "ball.pcd").string());
+        works("make sphere -n 2000 --size 40 -o " + (folder / "ball.xyz").string());
+        std::filesystem::create_directories(folder / "lately");
+        works("make torus -n 2000 --size 40 -o " + (folder / "lately" / "ring.xyz").string());
+        std::filesystem::create_directories(folder / "state" / "palpate");
+        std::ofstream(folder / "state" / "palpate" / "recent") << (folder / "lately" / "gone.las").string() << '\n';
+      },
+      R"(
 0.05 key ctrl+o
 0.10 click format
 0.15 click PCD (.pcd)
@@ -117,18 +128,7 @@ TEST_CASE("the file dialogue filters by format and offers recent folders") {
 0.85 click Open
 1.05 state %/recent.json
 1.10 quit
-)",
-                           "", [](const std::filesystem::path& folder) {
-                             works("make sphere -n 2000 --size 40 -o " + (folder / "ball.ply").string());
-                             works("make sphere -n 2000 --size 40 -o " + (folder / "ball.pcd").string());
-                             works("make sphere -n 2000 --size 40 -o " + (folder / "ball.xyz").string());
-                             std::filesystem::create_directories(folder / "lately");
-                             works("make torus -n 2000 --size 40 -o " + (folder / "lately" / "ring.xyz").string());
-                             std::filesystem::create_directories(folder / "state" / "palpate");
-                             std::ofstream(folder / "state" / "palpate" / "recent")
-                                 << (folder / "lately" / "gone.las").string() << '\n';
-                           });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   CHECK(says(played->state("hidden.json")["last_message"], "'ball.xyz' cannot be clicked"));
   CHECK(played->state("filtered.json")["model"].get<std::string>().ends_with("ball.pcd"));
   CHECK(played->state("recent.json")["model"].get<std::string>().ends_with("lately/ring.xyz"));
@@ -136,7 +136,12 @@ TEST_CASE("the file dialogue filters by format and offers recent folders") {
 
 TEST_CASE("the window exports triangles in each mesh format") {
   if (!hasDisplay()) return;
-  const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu --resolution 32", R"(
+  const auto played = playWell(
+      "%/ball.ply --size 900x640 --rate 250 --backend cpu --resolution 32",
+      [](const std::filesystem::path& folder) {
+        works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
+      },
+      R"(
 0.10 key M
 0.15 click Look
 0.60 click Export mesh...
@@ -152,11 +157,7 @@ TEST_CASE("the window exports triangles in each mesh format") {
 1.45 click OFF (.off)
 1.50 click Export
 1.75 quit
-)",
-                           "", [](const std::filesystem::path& folder) {
-                             works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
-                           });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   for (const char* name : {"ball-mesh.obj", "ball-mesh.stl", "ball-mesh.off"}) {
     CAPTURE(std::string(name));
     REQUIRE(std::filesystem::exists(played->folder / name));
@@ -179,10 +180,9 @@ TEST_CASE("a file of every format opens when dropped on the window" * kMoreInFul
     dropped[state] = file.string();
   }
   script += fmt::format("{:.2f} quit\n", 0.2 + 0.1 * static_cast<double>(dropped.size()));
-  const auto played = play("%/first.ply --size 320x240 --rate 250 --backend cpu", script, "", [](const auto& in) {
-    works("make sphere -n 2000 --size 40 -o " + (in / "first.ply").string());
-  });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto played = playWell(
+      "%/first.ply --size 320x240 --rate 250 --backend cpu",
+      [](const auto& in) { works("make sphere -n 2000 --size 40 -o " + (in / "first.ply").string()); }, script);
   CHECK(dropped.size() >= byTier<std::size_t>(13, 17));
   for (const auto& [state, file] : dropped) {
     CAPTURE(file);

@@ -43,30 +43,21 @@ TEST_CASE("mesh refuses what it cannot do with a reason, and leaves no file") {
   const std::string cloud = (folder / "c.ply").string(), out = (folder / "m.ply").string();
   works("make sphere -n 4000 -o " + cloud);
   for (const char* resolution : {"0", "-4", "2049", "many"}) {
-    const Outcome wrong = palpate("mesh " + cloud + " -o " + out + " --resolution " + resolution);
-    CHECK(wrong.code == 2);
-    CHECK(wrong.text.find("--resolution") != std::string::npos);
+    checkEnds(2, "mesh " + cloud + " -o " + out + " --resolution " + resolution, {"--resolution"});
   }
   CHECK(palpate("mesh " + cloud + " -o " + out + " --surface potato").code == 2);
   CHECK(palpate("mesh " + cloud + " -o " + out + " --radius wide").code == 2);
   // A support radius of four spacings covers many blocks of such small cells.
-  const Outcome large = palpate("mesh " + cloud + " -o " + out + " --resolution 2048 --radius 30");
-  CHECK(large.code == 1);
-  CHECK(large.text.find("resolution") != std::string::npos);
+  checkEnds(1, "mesh " + cloud + " -o " + out + " --resolution 2048 --radius 30", {"resolution"});
   std::ofstream(folder / "none.ply") << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
                                         "property float z\nend_header\n";
-  const Outcome none = palpate("mesh " + (folder / "none.ply").string() + " -o " + out);
-  CHECK(none.code == 1);
-  CHECK(none.text.find("no points") != std::string::npos);
+  checkEnds(1, "mesh " + (folder / "none.ply").string() + " -o " + out, {"no points"});
   works("make sphere -n 1 -o " + (folder / "one.ply").string());
-  const Outcome one = palpate("mesh " + (folder / "one.ply").string() + " -o " + out);
-  CHECK(one.code == 1);
-  CHECK(one.text.find("no surface") != std::string::npos);
+  checkEnds(1, "mesh " + (folder / "one.ply").string() + " -o " + out, {"no surface"});
   CHECK_FALSE(std::filesystem::exists(out));
   std::ofstream(folder / "two.xyz") << "0 0 0\n1 0 0\n";
-  const Outcome two = palpate("mesh " + (folder / "two.xyz").string() + " -o " + out);
-  CHECK(two.code == 1);
-  CHECK(two.text.find("too few for a surface, which needs at least 25") != std::string::npos);
+  checkEnds(1, "mesh " + (folder / "two.xyz").string() + " -o " + out,
+            {"too few for a surface, which needs at least 25"});
   CHECK(palpate("mesh " + cloud + " -o /nowhere/m.ply").code == 1);
 }
 

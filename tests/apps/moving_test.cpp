@@ -76,9 +76,7 @@ TEST_CASE("options that are incompatible with a moving model are refused by name
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 1000 -o " + model);
   const auto refused = [&](const std::string& options, const std::string& option) {
-    const Outcome outcome = palpate("touch " + model + " --motion oscillate " + options);
-    CHECK_MESSAGE(outcome.code == 2, outcome.text);
-    CHECK_MESSAGE(outcome.text.find(option) != std::string::npos, outcome.text);
+    checkEnds(2, "touch " + model + " --motion oscillate " + options, {option});
   };
   refused("--edit push", "--edit: a moving model cannot be sculpted");
   refused("--backend cuda", "--motion: --backend cuda");
@@ -90,18 +88,16 @@ TEST_CASE("the window shows a moving model at its position, and refuses a tool")
   if (!hasDisplay()) return;
   for (const std::string backend : {"cpu", "vulkan"}) {
     CAPTURE(backend);
-    const auto played =
-        play("%/sphere.ply --size 480x360 --rate 200 --motion drift --motion-axis 1,0,0 --motion-speed 150 --backend " +
-                 backend,
-             R"(
+    const auto played = playWell(
+        "%/sphere.ply --size 480x360 --rate 200 --motion drift --motion-axis 1,0,0 --motion-speed 150 --backend " +
+            backend,
+        sphereOf(1500), R"(
 0.2 screenshot %/begin.png
 0.6 screenshot %/later.png
 0.65 key 2
 0.9 state %/tool.json
 0.95 quit
-)",
-             "", [](const std::filesystem::path& folder) { makeSphere(folder, 1500); });
-    REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
     const Picture begin(played->folder / "begin.png"), later(played->folder / "later.png");
     REQUIRE(begin.rgb.size() == later.rgb.size());
     std::size_t others = 0;

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "tests/says.hpp"
+
 namespace palpate {
 
 std::string program() {
@@ -31,6 +33,17 @@ Outcome palpate(const std::string& arguments) { return run(program() + " " + arg
 void works(const std::string& arguments) {
   const Outcome outcome = palpate(arguments);
   REQUIRE_MESSAGE(outcome.code == 0, "palpate " << arguments << "\n" << outcome.text);
+}
+
+void checkEnds(int code, const std::string& arguments, const std::vector<std::string>& words) {
+  const Outcome outcome = palpate(arguments);
+  CAPTURE(arguments);
+  CAPTURE(outcome.text);
+  CHECK(outcome.code == code);
+  for (const std::string& word : words) {
+    CAPTURE(word);
+    CHECK(says(outcome.text, word));
+  }
 }
 
 bool isLeftOut(const std::string& arguments) {

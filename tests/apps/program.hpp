@@ -27,6 +27,8 @@ Outcome run(const std::string& command);
 Outcome palpate(const std::string& arguments);
 /// For commands that must succeed: on failure prints the command and its output.
 void works(const std::string& arguments);
+/// For commands that must end with this code and print each of these words.
+void checkEnds(int code, const std::string& arguments, const std::vector<std::string>& words);
 
 /// Whether a command needs PALPATE_STUDY or PALPATE_SIMULATION, and this palpate was built without.
 bool isLeftOut(const std::string& arguments);

@@ -191,9 +191,7 @@ TEST_CASE("no output replaces the model, what else is read, or another output") 
            "mesh " + name + " -o " + name,
        }) {
     CAPTURE(wrong);
-    const Outcome refused = palpate(wrong);
-    CHECK_MESSAGE(refused.code == 2, refused.text);
-    CHECK(says(refused.text, "is also named by"));
+    checkEnds(2, wrong, {"is also named by"});
     CHECK(contentOf(model) == before);
     CHECK(contentOf(path) == steps);
   }

@@ -41,9 +41,7 @@ TEST_CASE("holders of keys join, sculpt and have the same points; without these 
   works("keys '" + in("the lab") + "' --name surgeon --days 2 --json " + in("keys.json"));
   works("keys " + in("other") + " --name surgeon");
   CHECK(jsonOf(in("keys.json"))["new_authority"] == false);
-  const Outcome twice = palpate("keys '" + in("the lab") + "' --name surgeon");
-  CHECK(twice.code == 1);
-  CHECK(says(twice.text, "exists already"));
+  checkEnds(1, "keys '" + in("the lab") + "' --name surgeon", {"exists already"});
   const std::string own = " --security '" + in("the lab") + "/surgeon'",
                     others = " --security " + in("other") + "/surgeon";
   WireCapture wire(ownDomain());
@@ -68,9 +66,7 @@ TEST_CASE("holders of keys join, sculpt and have the same points; without these 
   CHECK(says(contentOf(folder / "none.said"), "there are programs with keys, and this one has none"));
   CHECK(says(contentOf(folder / "wrong.said"), "no session named 'clay' is served"));
   CHECK(says(contentOf(folder / "wrong.said"), "are they of the authority of"));
-  const Outcome second = palpate("serve " + in("m.ply") + " --name clay" + domain() + own);
-  CHECK(second.code == 1);
-  CHECK(says(second.text, "served already"));
+  checkEnds(1, "serve " + in("m.ply") + " --name clay" + domain() + own, {"served already"});
   CHECK(serving.program.wait(SIGINT) == 0);
   const Result shared = jsonOf(in("hand.json"))["shared"];
   CHECK(shared["sent"] > 10);

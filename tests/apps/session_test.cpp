@@ -97,10 +97,10 @@ TEST_CASE("with every stroke undone the saved file equals the model's; redone, t
 
 TEST_CASE("strokes beyond the undo memory are forgotten, with a message") {
   const Scene scene(3);
-  const Outcome outcome = palpate(scene.touch("--backend cpu --undo 3 --undo-memory 0.0001 --save " +
-                                              scene.file("s.ply") + " --json " + scene.file("t.json")));
-  REQUIRE(outcome.code == 0);
-  CHECK(outcome.text.find("dropped strokes") != std::string::npos);
+  checkEnds(0,
+            scene.touch("--backend cpu --undo 3 --undo-memory 0.0001 --save " + scene.file("s.ply") + " --json " +
+                        scene.file("t.json")),
+            {"dropped strokes"});
   const auto json = jsonOf(scene.folder / "t.json")["undo"];
   CHECK(json["undone"] == 0);
   CHECK(json["strokes"] == 3);
@@ -160,9 +160,7 @@ TEST_CASE("a replay that differs reports by how much, and exits with 1") {
   }
   SUBCASE("an unknown option") {
     changeText(scene.file("log"), scene.file("other"), "\"push_rate\": 0.1", "\"gush_rate\": 0.1");
-    const Outcome outcome = palpate("replay " + scene.file("other"));
-    CHECK(outcome.code == 1);
-    CHECK_MESSAGE(outcome.text.find("does not say how") != std::string::npos, outcome.text);
+    checkEnds(1, "replay " + scene.file("other"), {"does not say how"});
   }
 }
 
@@ -171,9 +169,7 @@ TEST_CASE("a truncated log is replayed up to its end, which is reported") {
   works(scene.touch("--backend cpu --log " + scene.file("log")));
   const std::string whole = contentOf(scene.folder / "log");
   std::ofstream(scene.folder / "cut", std::ios::binary) << whole.substr(0, whole.size() - 5000);
-  const Outcome outcome = palpate("replay " + scene.file("cut") + " --json " + scene.file("c.json"));
-  CHECK(outcome.code == 0);
-  CHECK_MESSAGE(outcome.text.find("it is truncated at byte") != std::string::npos, outcome.text);
+  checkEnds(0, "replay " + scene.file("cut") + " --json " + scene.file("c.json"), {"it is truncated at byte"});
   const auto json = jsonOf(scene.folder / "c.json");
   CHECK(json["gaps"].size() == 1);
   CHECK(json["gaps"][0]["edits"].is_null());
@@ -195,9 +191,7 @@ TEST_CASE("a changed byte within a log costs its block, and replay reports the t
   CHECK(whole["gaps"].empty());
   content[content.size() / 2] ^= 1;
   std::ofstream(scene.folder / "flipped", std::ios::binary) << content;
-  const Outcome outcome = palpate("replay " + scene.file("flipped") + " --json " + scene.file("f.json"));
-  CHECK_MESSAGE(outcome.code == 0, outcome.text);
-  CHECK_MESSAGE(outcome.text.find("are damaged: ") != std::string::npos, outcome.text);
+  checkEnds(0, "replay " + scene.file("flipped") + " --json " + scene.file("f.json"), {"are damaged: "});
   const auto json = jsonOf(scene.folder / "f.json");
   REQUIRE(json["gaps"].size() == 1);
   const auto gap = json["gaps"][0];
@@ -342,9 +336,7 @@ TEST_CASE("on a full disk the log ends, the session continues, and existing file
   CHECK(json["compared_ticks"] > 100);
   CHECK(json["edits"] > 1000);
   CHECK(json["ended"] == true);
-  const Outcome replayed = palpate("replay " + scene.file("log") + " --recover --save " + scene.file("r.ply"));
-  CHECK(replayed.code == 0);
-  CHECK_MESSAGE(replayed.text.find("they were not written") != std::string::npos, replayed.text);
+  checkEnds(0, "replay " + scene.file("log") + " --recover --save " + scene.file("r.ply"), {"they were not written"});
   CHECK(readPly(scene.folder / "r.ply").positions != readPly(scene.folder / "model.ply").positions);
   for (const auto& entry : std::filesystem::directory_iterator(scene.folder.path()))
     CHECK(entry.path().extension() != ".tmp");

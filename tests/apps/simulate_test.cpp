@@ -56,9 +56,8 @@ TEST_CASE("the built-in scenes run, with the same result for any number of threa
 TEST_CASE("simulate reports the gain of a scene's forces and the coupling of the hand's ball") {
   const ScratchFolder folder;
   const std::string json = (folder / "out.json").string();
-  const Outcome drop = palpate("simulate drop --duration 0.001 --backend cpu --json " + json);
-  REQUIRE(drop.code == 0);
-  CHECK(says(drop.text, "100 times the simulated one; spring between hand and ball 0.426 N/mm"));
+  checkEnds(0, "simulate drop --duration 0.001 --backend cpu --json " + json,
+            {"100 times the simulated one; spring between hand and ball 0.426 N/mm"});
   CHECK(jsonOf(json)["gain"] == 100);
   CHECK(jsonOf(json)["coupling_N_mm"].get<double>() == near(0.426, 0.01));
   works("simulate jelly --duration 0.001 --backend cpu --json " + json);

@@ -111,9 +111,7 @@ TEST_CASE("options that are incompatible with a tool are refused before a file i
   const auto fails = [&](const std::string& arguments, const std::string& reason) {
     if (isLeftOut(arguments)) return;
     CAPTURE(arguments);
-    const Outcome outcome = palpate("touch not-there.ply " + arguments);
-    CHECK(outcome.code == 2);
-    CHECK_MESSAGE(outcome.text.find(reason) != std::string::npos, outcome.text);
+    checkEnds(2, "touch not-there.ply " + arguments, {reason});
   };
   fails("--tool hammer", "--tool");
   fails("--tool pad --tool-points 65", "--tool-points");

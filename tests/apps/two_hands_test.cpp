@@ -128,18 +128,15 @@ TEST_CASE("eight hands of one session leave the same traces as each hand alone, 
   works(scene.touch(all + " --trace '" + scene.file(traceOf(1)) + "' --json " + scene.file("all.json")));
   for (int hand = 1; hand <= 8; ++hand) CHECK(contentOf(scene.folder / traceOf(hand)) == (hand % 2 ? a : b));
   CHECK(jsonOf(scene.folder / "all.json")["hands"].size() == 7);
-  const Outcome nine = palpate(scene.touch(all + " --hand path=builtin:press"));
-  CHECK(nine.code == 2);
-  CHECK(says(nine.text, "--hand: 8 hands after the first are given; a session has 8 hands at most"));
+  checkEnds(2, scene.touch(all + " --hand path=builtin:press"),
+            {"--hand: 8 hands after the first are given; a session has 8 hands at most"});
 }
 
 TEST_CASE("options that are incompatible with another hand are refused with a reason") {
   const Scene scene;
   const auto wrong = [&](const std::string& options, const std::string& part, const std::string& backend = "cpu") {
     if (isLeftOut(options)) return;
-    const Outcome outcome = palpate(scene.touch(options, backend));
-    CHECK(outcome.code == 2);
-    CHECK(says(outcome.text, part));
+    checkEnds(2, scene.touch(options, backend), {part});
   };
   const std::string path = "--hand path=builtin:press ";
   wrong("--hand device=path", "--hand device=path: device=path requires path=FILE.csv or path=builtin:NAME");
@@ -156,9 +153,8 @@ TEST_CASE("options that are incompatible with another hand are refused with a re
   wrong(path + "--method brute", "--hand: --method brute supports one hand; use fused", "vulkan");
   wrong(path + "--ahead on", "--ahead: queries of several hands cannot be submitted ahead", "vulkan");
   wrong("--second-device path", "unknown option '--second-device'");
-  const Outcome cuda = palpate("touch " + scene.model + " --backend cuda " + path);
-  CHECK(cuda.code == 2);
-  CHECK(says(cuda.text, "--hand: --backend cuda supports one hand; use vulkan or cpu"));
+  checkEnds(2, "touch " + scene.model + " --backend cuda " + path,
+            {"--hand: --backend cuda supports one hand; use vulkan or cpu"});
 }
 
 }  // namespace palpate::two_hands_test

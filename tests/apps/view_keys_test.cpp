@@ -20,7 +20,7 @@ struct Eye {
 
 TEST_CASE("the mouse and the keys move the view") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
+  const auto played = playWell("%/sphere.ply --size 480x360 --rate 250", sphereOf(2000), R"(
 0.1 mouse 373 180
 0.2 state %/still.json
 0.4 state %/begin.json
@@ -55,10 +55,7 @@ TEST_CASE("the mouse and the keys move the view") {
 3.0 state %/z.json
 3.1 key q
 9.9 state %/after.json
-)",
-                           "", [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto eye = [&](const char* name) { return Eye(played->state(name)); };
   const Eye begin = eye("begin.json"), panned = eye("panned.json"), looked = eye("looked.json");
   // The sphere follows the cursor to the right and down, so the eye moves to the left and up.
@@ -84,7 +81,7 @@ TEST_CASE("the mouse and the keys move the view") {
 
 TEST_CASE("a first click measures, even directly after the start or after a cursor move") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
+  const auto played = playWell("%/sphere.ply --size 480x360 --rate 250", sphereOf(2000), R"(
 0 key d
 0 mouse 353 160
 0 button left down
@@ -94,10 +91,7 @@ TEST_CASE("a first click measures, even directly after the start or after a curs
 0 button left up
 0 state %/measured.json
 0.1 quit
-)",
-                           "", [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   CHECK(played->state("measured.json")["measured"] > 10);
 }
 
@@ -129,10 +123,7 @@ TEST_CASE("keys choose the brush, keep the stylus engaged and switch the forces 
 8.3 key ctrl+q
 29.9 state %/after.json
 )";
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250", script, "",
-                           [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+  const auto played = playWell("%/sphere.ply --size 480x360 --rate 250", sphereOf(2000), script);
   CHECK(played->state("tool1.json")["tool"] == "feel");
   for (std::size_t i = 0; i < kBrushKinds.size(); ++i)
     CHECK(played->state(fmt::format("tool{}.json", i + 2))["tool"] == kBrushKinds[i].first);
@@ -155,7 +146,7 @@ TEST_CASE("keys choose the brush, keep the stylus engaged and switch the forces 
 
 TEST_CASE("help, curves, colours, background and screenshots follow their keys") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600 --rate 250", R"(
+  const auto played = playWell("%/sphere.ply --size 800x600 --rate 250", sphereOf(2000), R"(
 0.1 mouse 400 590
 0.4 screenshot %/begin.png
 0.5 key c
@@ -174,10 +165,7 @@ TEST_CASE("help, curves, colours, background and screenshots follow their keys")
 2.9 key p
 3.1 state %/last.json
 3.2 quit
-)",
-                           "", [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
   const Picture begin = picture("begin.png"), bare = picture("bare.png"), helped = picture("help.png"),
                 normals = picture("normals.png"), light = picture("light.png");

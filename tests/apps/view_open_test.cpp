@@ -28,25 +28,24 @@ std::string dropAll(double time_s, const std::vector<std::string>& names) {
 void checkNothingIsLost(const std::string& backend) {
   CAPTURE(backend);
   const std::vector<std::string> refused{"empty.ply", "broken.ply", "none.ply", "text.ply", "folder"};
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push --backend " + backend,
-                           strokeAt(0.1) + "1 ask\n1.1 state %/dent.json\n" + dropAll(1.2, refused) + strokeAt(4) + R"(
+  const auto played = playWell(
+      "%/sphere.ply --size 480x360 --rate 250 --edit push --backend " + backend,
+      [](const auto& folder) {
+        makeSphere(folder, 2000);
+        std::ofstream(folder / "empty.ply")
+            << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+               "property float z\nend_header\n";
+        std::ofstream(folder / "broken.ply") << "ply\nformat ascii 1.0\nelement vertex 7\n";
+        std::ofstream(folder / "text.ply") << "a letter\n";
+        std::filesystem::create_directory(folder / "folder");
+      },
+      strokeAt(0.1) + "1 ask\n1.1 state %/dent.json\n" + dropAll(1.2, refused) + strokeAt(4) + R"(
 5 state %/again.json
 5.1 key ctrl+z
 5.2 key ctrl+z
 5.5 state %/undone.json
 5.6 quit
-)",
-                           "", [](const auto& folder) {
-                             makeSphere(folder, 2000);
-                             std::ofstream(folder / "empty.ply")
-                                 << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
-                                    "property float z\nend_header\n";
-                             std::ofstream(folder / "broken.ply") << "ply\nformat ascii 1.0\nelement vertex 7\n";
-                             std::ofstream(folder / "text.ply") << "a letter\n";
-                             std::filesystem::create_directory(folder / "folder");
-                           });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto dent = played->state("dent.json"), again = played->state("again.json");
   REQUIRE(dent["undo_count"] == 1);
   for (const std::string& name : refused) {
@@ -74,7 +73,7 @@ TEST_CASE("a file that cannot be opened changes nothing: model, strokes and undo
 
 TEST_CASE("a model saved under another name has that file from then on, and a file that failed to open is ignored") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
+  const auto played = playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", makeKeptSphere, strokeAt(0.1) + R"(
 1 ask
 1.1 save %/mine.ply
 1.3 state %/saved.json
@@ -97,10 +96,7 @@ TEST_CASE("a model saved under another name has that file from then on, and a fi
 3.4 state %/again.json
 3.5 quit
 8 state %/after.json
-)",
-                           "", makeKeptSphere);
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const std::string mine = played->folder.path() / "mine.ply";
   for (const char* name : {"saved.json", "nothing.json", "none.json", "scaled.json", "again.json"}) {
     CAPTURE(name);
@@ -119,7 +115,7 @@ TEST_CASE("a model saved under another name has that file from then on, and a fi
 
 TEST_CASE("a question in the window ends the stroke, and none starts behind it") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
+  const auto played = playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", sphereOf(2000), strokeAt(0.1) + R"(
 1 ask
 1.1 key space down
 1.3 button left down
@@ -133,10 +129,7 @@ TEST_CASE("a question in the window ends the stroke, and none starts behind it")
 2.6 state %/cancelled.json
 2.7 quit
 2.9 click Do not save
-)",
-                           "", [](const auto& folder) { makeSphere(folder, 2000); });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   CHECK(played->state("pressing.json")["stylus"] == true);
   for (const char* name : {"asked.json", "later.json", "cancelled.json"}) {
     CAPTURE(name);
@@ -148,7 +141,14 @@ TEST_CASE("a question in the window ends the stroke, and none starts behind it")
 
 TEST_CASE("file dialogues can be used by keyboard alone, and say which file will be replaced") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
+  const auto played = playWell(
+      "%/sphere.ply --size 480x360 --rate 250",
+      [](const auto& folder) {
+        makeSphere(folder, 2000);
+        std::filesystem::create_directory(folder / "a");
+        works("--quiet make cube -n 500 -o " + (folder / "cube.ply").string());
+      },
+      R"(
 0.1 key ctrl+shift+s
 0.4 screenshot %/original.png
 0.5 text mine
@@ -172,14 +172,7 @@ TEST_CASE("file dialogues can be used by keyboard alone, and say which file will
 3.9 key enter
 4.4 state %/again.json
 4.5 quit
-)",
-                           "", [](const auto& folder) {
-                             makeSphere(folder, 2000);
-                             std::filesystem::create_directory(folder / "a");
-                             works("--quiet make cube -n 500 -o " + (folder / "cube.ply").string());
-                           });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto& folder = played->folder.path();
   CHECK(played->state("saved.json")["model"] == (folder / "mine.ply").string());
   CHECK(readPly(folder / "mine.ply").size() == 2000);
@@ -193,19 +186,19 @@ TEST_CASE("file dialogues can be used by keyboard alone, and say which file will
 
 TEST_CASE("opening another model closes the save dialogue, so that the first model's file is not overwritten") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
+  const auto played = playWell(
+      "%/sphere.ply --size 480x360 --rate 250",
+      [](const auto& folder) {
+        makeSphere(folder, 2000);
+        works("--quiet make cube -n 500 -o " + (folder / "other.ply").string());
+      },
+      R"(
 0.1 key ctrl+shift+s
 0.4 drop %/other.ply
 1.2 click Replace
 1.6 state %/state.json
 1.7 quit
-)",
-                           "", [](const auto& folder) {
-                             makeSphere(folder, 2000);
-                             works("--quiet make cube -n 500 -o " + (folder / "other.ply").string());
-                           });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto state = played->state("state.json");
   CHECK(state["points"] == 500);
   CHECK(says(std::string(state["last_message"]), "'Replace' cannot be clicked"));

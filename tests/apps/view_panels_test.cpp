@@ -27,7 +27,7 @@ constexpr const char* kStroke = R"(
 
 TEST_CASE("the curves pause, and are exported to CSV files, none of which overwrites another") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x400 --rate 500", R"(
+  const auto played = playWell("%/sphere.ply --size 800x400 --rate 500", makeTwo, R"(
 0.1 mouse 408 200
 0.4 key space down
 0.5 button left down
@@ -43,10 +43,7 @@ TEST_CASE("the curves pause, and are exported to CSV files, none of which overwr
 3.7 state %/first.json
 3.8 click Export CSV
 4.0 quit
-)",
-                           "", makeTwo);
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto& folder = played->folder.path();
   const auto picture = [&](const char* name) { return Picture(folder / name); };
   const Picture paused = picture("paused.png"), later = picture("later.png"), on = picture("on.png");
@@ -81,7 +78,7 @@ TEST_CASE("the curves pause, and are exported to CSV files, none of which overwr
 
 TEST_CASE("the model is centred in the area that the panels leave free, in dark and in light") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply", R"(
+  const auto played = playWell("%/sphere.ply", makeTwo, R"(
 0.4 screenshot %/large.png
 0.5 resize 600 400
 1.2 screenshot %/small.png
@@ -92,10 +89,7 @@ TEST_CASE("the model is centred in the area that the panels leave free, in dark 
 2.1 click dark
 2.4 screenshot %/light.png
 2.5 quit
-)",
-                           "", makeTwo);
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   // Columns that contain a part of the model, the only brown object.
   const auto columnsOf = [&](const char* name) {
     const Picture picture(played->folder.path() / name);
@@ -129,7 +123,13 @@ TEST_CASE("the model is centred in the area that the panels leave free, in dark 
 
 TEST_CASE("another model is opened only after the user has decided what happens to unsaved changes") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", std::string(kStroke) + R"(
+  const auto played = playWell(
+      "%/sphere.ply --size 480x360 --rate 250 --edit push",
+      [](const auto& folder) {
+        makeTwo(folder);
+        std::filesystem::copy_file(folder / "sphere.ply", folder / "kept.ply");
+      },
+      std::string(kStroke) + R"(
 1.8 drop %/torus.ply
 2.0 state %/asked.json
 2.1 key ctrl+z
@@ -140,13 +140,7 @@ TEST_CASE("another model is opened only after the user has decided what happens 
 3.1 state %/discarded.json
 3.2 quit
 31.9 state %/after.json
-)",
-                           "", [](const auto& folder) {
-                             makeTwo(folder);
-                             std::filesystem::copy_file(folder / "sphere.ply", folder / "kept.ply");
-                           });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto dent = played->state("dent.json"), asked = played->state("asked.json"),
              cancelled = played->state("cancelled.json"), discarded = played->state("discarded.json");
   REQUIRE(dent["changed"] == true);
@@ -168,7 +162,7 @@ TEST_CASE("another model is opened only after the user has decided what happens 
 
 TEST_CASE("changes are saved first if the user chooses so, and the window closes only after that") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", std::string(kStroke) + R"(
+  const auto played = playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", makeTwo, std::string(kStroke) + R"(
 1.8 drop %/torus.ply
 2.0 click Save
 2.3 state %/torus.json
@@ -186,10 +180,7 @@ TEST_CASE("changes are saved first if the user chooses so, and the window closes
 5.0 key q
 5.2 click Save
 33.9 state %/after.json
-)",
-                           "", makeTwo);
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto dent = played->state("dent.json"), again = played->state("again.json"),
              stays = played->state("stays.json");
   CHECK(std::string(played->state("torus.json")["model"]).ends_with("torus.ply"));
@@ -208,20 +199,20 @@ TEST_CASE("a failed save keeps the changes and the window open") {
   if (!hasDisplay()) return;
   // The longest name that can be written: saving fails, since it first writes a temporary file with a longer name.
   const std::string name = std::string(248, 's') + ".ply";
-  const auto played = play("%/" + name + " --size 480x360 --rate 250 --edit push", std::string(kStroke) + R"(
+  const auto played = playWell(
+      "%/" + name + " --size 480x360 --rate 250 --edit push",
+      [&](const auto& folder) {
+        makeSphere(folder, 2000);
+        std::filesystem::rename(folder / "sphere.ply", folder / name);
+      },
+      std::string(kStroke) + R"(
 1.8 quit
 2.0 click Save
 2.4 state %/failed.json
 2.5 quit
 2.7 click Do not save
 31.9 state %/after.json
-)",
-                           "", [&](const auto& folder) {
-                             makeSphere(folder, 2000);
-                             std::filesystem::rename(folder / "sphere.ply", folder / name);
-                           });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto failed = played->state("failed.json");
   CHECK(failed["changed"] == true);
   CHECK(failed["asks_about_changes"] == false);
@@ -231,7 +222,7 @@ TEST_CASE("a failed save keeps the changes and the window open") {
 
 TEST_CASE("the panels choose the surface, save under another name, record and replay") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x600 --rate 250 --edit push", R"(
+  const auto played = playWell("%/sphere.ply --size 480x600 --rate 250 --edit push", makeTwo, R"(
 0.1 click Feel
 0.3 click surface
 0.5 click sharp
@@ -269,10 +260,7 @@ TEST_CASE("the panels choose the surface, save under another name, record and re
 8.0 key enter
 8.2 state %/torus.json
 8.3 quit
-)",
-                           "", makeTwo);
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto& folder = played->folder.path();
   const auto recorded = played->state("recorded.json"), saved = played->state("saved.json");
   CHECK(played->state("sharp.json")["surface"] == "sharp");
@@ -291,27 +279,33 @@ TEST_CASE("the panels choose the surface, save under another name, record and re
 
 TEST_CASE("a model dropped while another one loads is loaded instead of it") {
   if (!hasDisplay()) return;
-  const auto played = play("--size 320x240", R"(
+  const auto played = playWell(
+      "--size 320x240",
+      [](const auto& folder) {
+        makeTwo(folder);
+        works("--quiet make sphere -n 300000 -o " + (folder / "large.ply").string());
+      },
+      R"(
 0.1 impatient
 0.2 drop %/large.ply
 0.3 drop %/torus.ply
 0.3 patient
 0.4 state %/torus.json
 0.5 quit
-)",
-                           "", [](const auto& folder) {
-                             makeTwo(folder);
-                             works("--quiet make sphere -n 300000 -o " + (folder / "large.ply").string());
-                           });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   CHECK(std::string(played->state("torus.json")["model"]).ends_with("torus.ply"));
   CHECK(contentOf(played->folder.path() / "state" / "palpate" / "recent").find("large.ply") == std::string::npos);
 }
 
 TEST_CASE("a file that could not be opened is not listed among the models, and Tab hides the panels") {
   if (!hasDisplay()) return;
-  const auto played = play("--size 480x360", R"(
+  const auto played = playWell(
+      "--size 480x360",
+      [](const auto& folder) {
+        makeTwo(folder);
+        std::ofstream(folder / "broken.ply") << "no cloud";
+      },
+      R"(
 0.1 drop %/broken.ply
 0.2 state %/broken.json
 0.3 click broken.ply
@@ -325,13 +319,7 @@ TEST_CASE("a file that could not be opened is not listed among the models, and T
 1.1 click torus.ply
 1.2 state %/back.json
 1.3 quit
-)",
-                           "", [](const auto& folder) {
-                             makeTwo(folder);
-                             std::ofstream(folder / "broken.ply") << "no cloud";
-                           });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto message = [&](const char* name) { return std::string(played->state(name)["last_message"]); };
   CHECK(says(message("broken.json"), "that of a PLY file is"));
   CHECK(says(message("again.json"), "'broken.ply' cannot be clicked"));

@@ -32,7 +32,13 @@ std::string fileOf(const Played& played, const char* name) { return contentOf(pl
 
 TEST_CASE("Ctrl+S asks before a mesh loses its faces, saves beside it by default, and asks only once") {
   if (!hasDisplay()) return;
-  const auto played = play("%/mesh.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
+  const auto played = playWell(
+      "%/mesh.ply --size 480x360 --rate 250 --edit push",
+      [](const auto& folder) {
+        makeMesh(folder);
+        std::ofstream(folder / "mesh-sculpted.ply") << "of yesterday";
+      },
+      strokeAt(0.1) + R"(
 1.4 ask
 1.5 key ctrl+s
 1.7 state %/asked.json
@@ -43,18 +49,13 @@ TEST_CASE("Ctrl+S asks before a mesh loses its faces, saves beside it by default
 2.2 key ctrl+s
 2.4 key enter
 2.8 state %/saved.json
-)" + strokeAt(2.9) + R"(
+)" + strokeAt(2.9) +
+          R"(
 4.2 key ctrl+s
 4.6 state %/again.json
 4.7 quit
 8 state %/after.json
-)",
-                           "", [](const auto& folder) {
-                             makeMesh(folder);
-                             std::ofstream(folder / "mesh-sculpted.ply") << "of yesterday";
-                           });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto asked = played->state("asked.json"), cancelled = played->state("cancelled.json"),
              saved = played->state("saved.json"), again = played->state("again.json");
   CHECK(asked["asks_how_to_save"] == true);
@@ -77,22 +78,23 @@ TEST_CASE("Ctrl+S asks before a mesh loses its faces, saves beside it by default
 
 TEST_CASE("saving over a mesh keeps the original as a backup, and earlier backups too") {
   if (!hasDisplay()) return;
-  const auto played = play("%/mesh.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
+  const auto played = playWell(
+      "%/mesh.ply --size 480x360 --rate 250 --edit push",
+      [](const auto& folder) {
+        makeMesh(folder);
+        std::ofstream(folder / "mesh.ply.bak") << "of yesterday";
+      },
+      strokeAt(0.1) + R"(
 1.4 ask
 1.5 key ctrl+s
 1.7 click Replace
 2.3 state %/saved.json
-)" + strokeAt(2.4) + R"(
+)" + strokeAt(2.4) +
+          R"(
 3.7 key ctrl+s
 4.1 state %/again.json
 4.2 quit
-)",
-                           "", [](const auto& folder) {
-                             makeMesh(folder);
-                             std::ofstream(folder / "mesh.ply.bak") << "of yesterday";
-                           });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto saved = played->state("saved.json"), again = played->state("again.json");
   CHECK(saved["changed"] == false);
   CHECK(says(std::string(saved["last_message"]), "mesh.ply.bak2"));
@@ -106,7 +108,7 @@ TEST_CASE("saving over a mesh keeps the original as a backup, and earlier backup
 
 TEST_CASE("closing the window and choosing Save asks how to save a mesh, and Cancel keeps everything") {
   if (!hasDisplay()) return;
-  const auto played = play("%/mesh.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
+  const auto played = playWell("%/mesh.ply --size 480x360 --rate 250 --edit push", makeMesh, strokeAt(0.1) + R"(
 1.4 ask
 1.5 quit
 1.7 click Save
@@ -117,10 +119,7 @@ TEST_CASE("closing the window and choosing Save asks how to save a mesh, and Can
 2.8 click Save
 3.2 click Save a copy
 30 state %/after.json
-)",
-                           "", makeMesh);
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   CHECK(played->state("asked.json")["asks_how_to_save"] == true);
   CHECK(played->state("cancelled.json")["asks_how_to_save"] == false);
   CHECK(played->state("cancelled.json")["asks_about_changes"] == false);
@@ -133,13 +132,11 @@ TEST_CASE("closing the window and choosing Save asks how to save a mesh, and Can
 TEST_CASE("a script without questions saves a mesh beside the original, and replaces palpate's own file") {
   if (!hasDisplay()) return;
   const std::string script = strokeAt(0.1) + "1.5 key ctrl+s\n1.9 state %/saved.json\n2.0 quit\n";
-  const auto mesh = play("%/mesh.ply --size 480x360 --rate 250 --edit push", script, "", makeMesh);
-  REQUIRE_MESSAGE(mesh->outcome.code == 0, mesh->outcome.text);
+  const auto mesh = playWell("%/mesh.ply --size 480x360 --rate 250 --edit push", makeMesh, script);
   CHECK(mesh->state("saved.json")["changed"] == false);
   CHECK(fileOf(*mesh, "mesh.ply") == fileOf(*mesh, "original.ply"));
   CHECK(exists(*mesh, "mesh-sculpted.ply"));
-  const auto ours = play("%/sphere.ply --size 480x360 --rate 250 --edit push", "0 ask\n" + script, "", makeMesh);
-  REQUIRE_MESSAGE(ours->outcome.code == 0, ours->outcome.text);
+  const auto ours = playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", makeMesh, "0 ask\n" + script);
   CHECK(ours->state("saved.json")["asks_how_to_save"] == false);
   CHECK(std::string(ours->state("saved.json")["save_file"]).ends_with("sphere.ply"));
   CHECK(readPly(ours->folder.path() / "sphere.ply").size() == ours->state("saved.json")["points"]);
@@ -149,7 +146,7 @@ TEST_CASE("a script without questions saves a mesh beside the original, and repl
 
 TEST_CASE("undone strokes are not unsaved changes, redo restores them, and changes are relative to the saved state") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
+  const auto played = playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", makeKeptSphere, strokeAt(0.1) + R"(
 1.4 ask
 1.5 state %/dent.json
 1.6 key ctrl+z
@@ -166,10 +163,7 @@ TEST_CASE("undone strokes are not unsaved changes, redo restores them, and chang
 3.8 state %/same.json
 3.9 quit
 8 state %/after.json
-)",
-                           "", makeKeptSphere);
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   const auto changed = [&](const char* name) { return played->state(name)["changed"]; };
   REQUIRE(played->state("dent.json")["undo_count"] == 1);
   CHECK(changed("dent.json") == true);
@@ -214,10 +208,9 @@ TEST_CASE("a recording on a full disk gives one message, and the session continu
   const std::string& text = played->outcome.text;
   REQUIRE(says(text, "the session continues"));
   CHECK(text.find("the session continues") == text.rfind("the session continues"));
-  const Outcome replayed = palpate("replay --recover --save " + (folder / "r.ply").string() + " " +
-                                   (played->folder.path() / "take.log").string());
-  CHECK_MESSAGE(replayed.code == 0, replayed.text);
-  CHECK(says(replayed.text, "they were not written"));
+  checkEnds(
+      0, "replay --recover --save " + (folder / "r.ply").string() + " " + (played->folder.path() / "take.log").string(),
+      {"they were not written"});
 }
 
 }  // namespace palpate::view_save_test

@@ -45,9 +45,7 @@ TEST_CASE("the window reports a tool smaller than the spacing, and no longer rep
   script += "0.6 state %/small.json\n0.7 mouse 5 5\n";
   for (int i = 0; i < 12; ++i) script += "0.8 key ]\n";
   script += "1.1 key backspace\n1.3 state %/again.json\n1.4 quit\n";
-  const auto played = play("%/sphere.ply --size 400x300 --edit push", script, "",
-                           [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto played = playWell("%/sphere.ply --size 400x300 --edit push", sphereOf(2000), script);
   const std::string large = played->state("large.json")["last_message"];
   CHECK(large.find("smaller than the spacing") == std::string::npos);
   const std::string small = played->state("small.json")["last_message"];

@@ -55,7 +55,9 @@ int reds(const Picture& picture) {
 
 TEST_CASE("a picked position has the digits of the file, also when copied; beside the model none is picked") {
   if (!hasDisplay()) return;
-  const auto played = play("%/field.ply --size 480x360 --rate 250 --backend cpu --up z", R"(
+  const auto played = playWell(
+      "%/field.ply --size 480x360 --rate 250 --backend cpu --up z",
+      [](const auto& folder) { writeField(folder / "field.ply"); }, R"(
 0.1 key tab
 0.2 key z
 0.3 key d
@@ -76,9 +78,7 @@ TEST_CASE("a picked position has the digits of the file, also when copied; besid
 2.2 key enter
 2.4 state %/pasted.json
 2.5 quit
-)",
-                           "", [](const auto& folder) { writeField(folder / "field.ply"); });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   const auto picked = played->state("picked.json")["picked"];
   REQUIRE_FALSE(picked.is_null());
   const double east = picked["position"][0], north = picked["position"][1], height = picked["position"][2];
@@ -96,7 +96,14 @@ TEST_CASE("a picked position has the digits of the file, also when copied; besid
 
 TEST_CASE("an error is shown until it is closed, and messages about a model disappear with it") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --backend cpu", R"(
+  const auto played = playWell(
+      "%/sphere.ply --size 480x360 --rate 250 --backend cpu",
+      [](const auto& folder) {
+        makeSphere(folder, 2000);
+        works("--quiet make torus -n 2000 -o " + (folder / "torus.ply").string());
+        std::ofstream(folder / "broken.ply") << "no cloud";
+      },
+      R"(
 0.1 state %/sphere.json
 0.2 drop %/broken.ply
 0.4 screenshot %/broken.png
@@ -110,13 +117,7 @@ TEST_CASE("an error is shown until it is closed, and messages about a model disa
 1.2 drop %/torus.ply
 1.4 state %/torus.json
 1.5 quit
-)",
-                           "", [](const auto& folder) {
-                             makeSphere(folder, 2000);
-                             works("--quiet make torus -n 2000 -o " + (folder / "torus.ply").string());
-                             std::ofstream(folder / "broken.ply") << "no cloud";
-                           });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   const auto saidIn = [&](const char* state) { return played->state(state)["messages"].dump(); };
   CHECK_FALSE(says(saidIn("sphere.json"), "up is"));  // the panel shows it
   REQUIRE(played->state("broken.json")["errors"].size() == 1);
@@ -130,7 +131,10 @@ TEST_CASE("an error is shown until it is closed, and messages about a model disa
 
 TEST_CASE("the brush size is shown and typed in the model's own unit") {
   if (!hasDisplay()) return;
-  const auto played = play("%/ball.ply --size 480x360 --rate 250 --backend cpu --unit m", R"(
+  const auto played = playWell(
+      "%/ball.ply --size 480x360 --rate 250 --backend cpu --unit m",
+      [](const auto& folder) { works("--quiet make sphere -n 2000 --size 2 -o " + (folder / "ball.ply").string()); },
+      R"(
 0.1 key 2
 0.3 key ctrl down
 0.4 click radius
@@ -139,11 +143,7 @@ TEST_CASE("the brush size is shown and typed in the model's own unit") {
 0.8 key enter
 1.0 state %/typed.json
 1.1 quit
-)",
-                           "", [](const auto& folder) {
-                             works("--quiet make sphere -n 2000 --size 2 -o " + (folder / "ball.ply").string());
-                           });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   const auto typed = played->state("typed.json");
   CHECK(typed["mm_per_unit"].get<double>() == near(50, 0.01));
   CHECK(typed["brush_radius_mm"].get<double>() == near(0.2 * typed["mm_per_unit"].get<double>(), 1e-6));
@@ -151,7 +151,7 @@ TEST_CASE("the brush size is shown and typed in the model's own unit") {
 
 TEST_CASE("Escape closes a list first, and only then the measurement or dialogue behind it") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x600 --rate 250 --backend cpu", R"(
+  const auto played = playWell("%/sphere.ply --size 480x600 --rate 250 --backend cpu", sphereOf(2000), R"(
 0.1 click Tool
 0.2 key d
 0.3 click Look
@@ -179,9 +179,7 @@ TEST_CASE("Escape closes a list first, and only then the measurement or dialogue
 2.5 click Up
 2.7 state %/gone.json
 2.8 quit
-)",
-                           "", [](const auto& folder) { makeSphere(folder, 2000); });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   const auto closed = played->state("closed.json");
   CHECK(says(std::string(closed["last_message"]), "'height' cannot be clicked"));
   CHECK(closed["color"] == "rgb");
@@ -199,7 +197,7 @@ TEST_CASE("Escape closes a list first, and only then the measurement or dialogue
 
 TEST_CASE("the axis views of the window are relative to the model's up direction") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x600 --rate 250 --backend cpu --up z", R"(
+  const auto played = playWell("%/sphere.ply --size 480x600 --rate 250 --backend cpu --up z", sphereOf(2000), R"(
 0.1 click Tool
 0.2 click Look
 0.4 click front
@@ -215,9 +213,7 @@ TEST_CASE("the axis views of the window are relative to the model's up direction
 1.7 key ctrl+5
 1.8 state %/top_key.json
 1.9 quit
-)",
-                           "", [](const auto& folder) { makeSphere(folder, 2000); });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   const auto from = [&](const char* state) {
     const auto camera = played->state(state)["camera"];
     const auto vec = [](const Result& v) { return DVec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()); };
@@ -234,7 +230,7 @@ TEST_CASE("the axis views of the window are relative to the model's up direction
 
 TEST_CASE("a narrow window hides the panels, and the model stays centred when panels appear or disappear") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 320x240 --rate 250 --backend cpu", R"(
+  const auto played = playWell("%/sphere.ply --size 320x240 --rate 250 --backend cpu", sphereOf(2000), R"(
 0.3 screenshot %/narrow.png
 0.3 state %/narrow.json
 0.4 key tab
@@ -249,9 +245,7 @@ TEST_CASE("a narrow window hides the panels, and the model stays centred when pa
 1.9 resize 320 240
 2.3 state %/again.json
 2.4 quit
-)",
-                           "", [](const auto& folder) { makeSphere(folder, 2000); });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
   CHECK(played->state("narrow.json")["panels"] == false);
   CHECK(std::abs(middleOf(picture("narrow.png")) - 160) < 15);
@@ -277,12 +271,14 @@ TEST_CASE("file names are shown in their own script") {
 1.6 screenshot %/none.png
 1.7 quit
 )";
-  const auto played = play("--size 480x240 --rate 250 --backend cpu", script, "", [](const auto& folder) {
-    makeSphere(folder, 500);
-    for (const char* name : {"жжжж.ply", "λλλλ.ply", "模模模模.ply", "????.ply"})
-      std::filesystem::copy_file(folder / "sphere.ply", folder / name);
-  });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto played = playWell(
+      "--size 480x240 --rate 250 --backend cpu",
+      [](const auto& folder) {
+        makeSphere(folder, 500);
+        for (const char* name : {"жжжж.ply", "λλλλ.ply", "模模模模.ply", "????.ply"})
+          std::filesystem::copy_file(folder / "sphere.ply", folder / name);
+      },
+      script);
   const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
   const Picture none = picture("none.png");
   // The name is the first line of the panel.
@@ -296,7 +292,16 @@ TEST_CASE("file names are shown in their own script") {
 TEST_CASE("recent models are those that can be read; a missing one is reported, and a scene keeps its name") {
   if (!hasScenes()) return;
   if (!hasDisplay()) return;
-  const auto played = play("--size 480x360 --rate 250 --backend cpu", R"(
+  const auto played = playWell(
+      "--size 480x360 --rate 250 --backend cpu",
+      [](const auto& folder) {
+        makeSphere(folder, 500);
+        std::ofstream(folder / "broken.ply") << "no cloud";
+        std::filesystem::create_directories(folder / "state" / "palpate");
+        std::ofstream recent(folder / "state" / "palpate" / "recent");
+        for (const char* name : {"gone.ply", "broken.ply", "sphere.ply"}) recent << (folder / name).string() << "\n";
+      },
+      R"(
 0.1 click gone.ply
 0.2 state %/gone.json
 0.3 click broken.ply
@@ -305,16 +310,7 @@ TEST_CASE("recent models are those that can be read; a missing one is reported, 
 0.8 drop jelly
 1.0 state %/jelly.json
 1.1 quit
-)",
-                           "", [](const auto& folder) {
-                             makeSphere(folder, 500);
-                             std::ofstream(folder / "broken.ply") << "no cloud";
-                             std::filesystem::create_directories(folder / "state" / "palpate");
-                             std::ofstream recent(folder / "state" / "palpate" / "recent");
-                             for (const char* name : {"gone.ply", "broken.ply", "sphere.ply"})
-                               recent << (folder / name).string() << "\n";
-                           });
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+)");
   CHECK(says(std::string(played->state("gone.json")["last_message"]), "'gone.ply' cannot be clicked"));
   CHECK(says(std::string(played->state("sphere.json")["model"]), "sphere.ply"));
   CHECK(played->state("jelly.json")["model"] == "jelly");

@@ -205,7 +205,7 @@ TEST_CASE("sculpting continues when the disk for unsaved strokes is full, and on
 
 TEST_CASE("each tap of the stylus makes a stroke of its own, and a tap beside the model makes none") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", R"(
+  const auto played = playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", sphereOf(2000), R"(
 0.1 mouse 373 180
 0.3 key t
 0.6 tap 373 180
@@ -218,10 +218,7 @@ TEST_CASE("each tap of the stylus makes a stroke of its own, and a tap beside th
 2.7 tap 474 350
 3.3 state %/beside.json
 3.4 quit
-)",
-                           "", [](const auto& folder) { makeSphere(folder, 2000); });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   CHECK(played->state("once.json")["undo_count"] == 1);
   CHECK(played->state("thrice.json")["undo_count"] == 3);
   CHECK(played->state("undone.json")["undo_count"] == 2);
@@ -231,7 +228,8 @@ TEST_CASE("each tap of the stylus makes a stroke of its own, and a tap beside th
 
 TEST_CASE("a click or key press shorter than a frame is not lost, in a panel or on the model") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", std::string(kTwoStrokes) + R"(
+  const auto played =
+      playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", sphereOf(2000), std::string(kTwoStrokes) + R"(
 2 state %/before.json
 2.1 tap 160 168
 2.3 state %/tool.json
@@ -247,10 +245,7 @@ TEST_CASE("a click or key press shorter than a frame is not lost, in a panel or 
 3.8 quit
 3.9 click Do not save
 9 state %/after.json
-)",
-                           "", [](const auto& folder) { makeSphere(folder, 2000); });
-  CAPTURE(played->outcome.text);
-  REQUIRE(played->outcome.code == 0);
+)");
   CHECK(played->state("before.json")["tool"] == "push");
   CHECK(played->state("tool.json")["tool"] == "carve");
   CHECK(played->state("measured.json")["measured"] > 10);

@@ -35,10 +35,12 @@ inline std::string inFolder(std::string text, const std::filesystem::path& folde
   return text;
 }
 
+/// What is in the folder before the program starts.
+using Preparation = std::function<void(const std::filesystem::path&)>;
+
 // `arguments` and `script` may name files of the folder with %; the program runs in it.
 inline std::unique_ptr<Played> play(const std::string& arguments, const std::string& script,
-                                    const std::string& before = "",
-                                    const std::function<void(const std::filesystem::path&)>& prepare = {}) {
+                                    const std::string& before = "", const Preparation& prepare = {}) {
   auto played = std::make_unique<Played>();
   const std::filesystem::path& folder = played->folder.path();
   if (prepare) prepare(folder);
@@ -51,8 +53,20 @@ inline std::unique_ptr<Played> play(const std::string& arguments, const std::str
   return played;
 }
 
+/// The same; fails unless the program ends without an error.
+inline std::unique_ptr<Played> playWell(const std::string& arguments, const Preparation& prepare,
+                                        const std::string& script, const std::string& before = "") {
+  auto played = play(arguments, script, before, prepare);
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  return played;
+}
+
 inline void makeSphere(const std::filesystem::path& folder, int points = 8000) {
   works("--quiet make sphere -n " + std::to_string(points) + " -o " + (folder / "sphere.ply").string());
+}
+
+inline Preparation sphereOf(int points = 8000) {
+  return [points](const std::filesystem::path& folder) { makeSphere(folder, points); };
 }
 
 /// The sphere, and a copy of its file.
