@@ -15,20 +15,20 @@ namespace palpate {
 class LateForce {
  public:
   static constexpr double kLent_mJ = 0.45, kFarther_mm = 0.25;
-  static constexpr double kMost_N = 100;  ///< the force is limited to this size in any case
-  static constexpr double kMost_mJ =
-      50;  ///< of the energy put in, so much is kept: a ball of 25 mm, pressed 7 cm into water
+  static constexpr double kMax_N = 100;  ///< the force is limited to this size in any case
+  /// Of the energy put in, so much is kept: that of a ball of 25 mm pressed 7 cm into water.
+  static constexpr double kMaxStored_mJ = 50;
 
   /// The part of `wanted_N` that a hand at `position_mm` gets. `felt`: share of the last force that it has received.
   DVec3 at(const DVec3& position_mm, double felt, DVec3 wanted_N) noexcept {
     constexpr double kBeginning_mJ = 1e-7;  // always left, so that a hand that presses in again meets a force, and pays
     const DVec3 way_mm = position_mm_ ? position_mm - *position_mm_ : DVec3(0);
     position_mm_ = position_mm;
-    energy_mJ_ = std::clamp(energy_mJ_ - felt * glm::dot(force_N_, way_mm), kBeginning_mJ - kLent_mJ, kMost_mJ);
+    energy_mJ_ = std::clamp(energy_mJ_ - felt * glm::dot(force_N_, way_mm), kBeginning_mJ - kLent_mJ, kMaxStored_mJ);
     const double size_N = glm::length(wanted_N);
     if (!(size_N > 0)) return force_N_ = DVec3(0);
-    if (size_N > kMost_N) wanted_N *= kMost_N / size_N;
-    const double mayCost_mJ = glm::dot(wanted_N, way_mm) + std::min(size_N, kMost_N) * kFarther_mm;
+    if (size_N > kMax_N) wanted_N *= kMax_N / size_N;
+    const double mayCost_mJ = glm::dot(wanted_N, way_mm) + std::min(size_N, kMax_N) * kFarther_mm;
     const double left_mJ = energy_mJ_ + kLent_mJ;
     return force_N_ = mayCost_mJ > left_mJ ? left_mJ / mayCost_mJ * wanted_N : wanted_N;
   }

@@ -246,7 +246,7 @@ TEST_CASE("a late force gives a hand at most 0.5 mJ, whatever it is, and stays f
       // It helps the hand nine times of ten, and then resists it.
       force_N = late.at(place, 1, (k / 100 % 10 == 9 ? -wanted_N : wanted_N) * glm::normalize(way));
       REQUIRE(isFinite(force_N));
-      REQUIRE(glm::length(force_N) <= LateForce::kMost_N * (1 + 1e-9));
+      REQUIRE(glm::length(force_N) <= LateForce::kMax_N * (1 + 1e-9));
     }
     CHECK(least_mJ < -0.3);
     CHECK(least_mJ >= -0.5);
