@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Judges a change of the tests: makes random bugs in source lines that two trees share, and names each bug that the quick
-tests of OLD detect and those of NEW do not.
+"""Judges a change of the tests: makes random bugs in source lines that two trees share, and names each bug that the
+quick tests of OLD detect and those of NEW do not.
 
   python3 tests/random_mutations.py OLD NEW [--count 30] [--seed HEX] [--only N,N,...]
 
-OLD and NEW are source trees (git worktrees without uncommitted changes) with a build of the preset `release`. The seed
-is the first eight hexadecimal digits of OLD's commit, unless --seed says otherwise. A bug is made in NEW first; one that
-survives there is made in OLD too. A room's bug is judged by the test programs of that room. Both trees are restored and
-built again at the end. The exit code is 1 if a bug is detected in OLD alone.
+OLD and NEW are source trees (git worktrees without uncommitted changes) with a build of the preset `release`. The
+seed is the first eight hexadecimal digits of OLD's commit, unless --seed says otherwise. A bug is made in NEW first;
+one that survives there is made in OLD too. A room's bug is judged by the test programs of that room. Both trees are
+restored and built again at the end. The exit code is 1 if a bug is detected in OLD alone.
 """
 
 import argparse
@@ -31,7 +31,8 @@ MISTAKES = [(re.compile(pattern), replacement) for pattern, replacement in (
     (r" && ", " || "), (r" \|\| ", " && "), (r" \+ ", " - "), (r" - ", " + "), (r" \* ", " / "), (r" \+= ", " -= "),
     (r"\bstd::min\b", "std::max"), (r"\bstd::max\b", "std::min"), (r"\bmin\(", "max("), (r"\bmax\(", "min("),
     (r"\btrue\b", "false"), (r"\bfalse\b", "true"), (r"\b1\b", "2"), (r"\b0\.5\b", "0.25"), (r"!(?=[a-z(])", ""),
-    (r"\breturn;", ";"), (r"\+\+", "--"), (r"\bbarrier\(\);", ";"), (r"^(\s+)[a-z]\w*(?:[.]\w+|->\w+)*\(.*\);$", r"\1;"),
+    (r"\breturn;", ";"), (r"\+\+", "--"), (r"\bbarrier\(\);", ";"),
+    (r"^(\s+)[a-z]\w*(?:[.]\w+|->\w+)*\(.*\);$", r"\1;"),
 )]
 
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Compares two programs: runs each line of tests/same_results.txt with OLD and with NEW on this machine, and compares all
-# files that they write, byte for byte.
+# Compares two programs: runs each line of tests/same_results.txt with OLD and with NEW on this machine, and compares
+# all files that they write, byte for byte.
 #   bash tests/same_results.sh OLD NEW [NAME...]     programs, e.g. of two build folders; names: only these lines
-# Lines with scans are skipped, with a message, where PALPATE_MODELS (default ../shared/models) lacks them. The exit code
-# is 1 if a line differs that the list does not say to differ, or if a program fails.
+# Lines with scans are skipped, with a message, where PALPATE_MODELS (default ../shared/models) lacks them. The exit
+# code is 1 if a line differs that the list does not say to differ, or if a program fails.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [ $# -ge 2 ] || { sed -n '2,6s/^# \{0,1\}//p' "$0" >&2; exit 2; }

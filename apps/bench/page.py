@@ -85,7 +85,8 @@ def from_bench(file, result):
     about["machine"] = ", ".join(f"{backend}: {text}" for backend, text in result["machines"].items())
     if "version" in run:
         about["machine"] += f", palpate {run['version']}"
-    tables = [text for key, value in result.items() if key not in ("run", "machines") and isinstance(value, (list, dict))
+    tables = [text for key, value in result.items()
+              if key not in ("run", "machines") and isinstance(value, (list, dict))
               for text in bench_tables(key, [(row, {}) for row in (value if isinstance(value, list) else [value])])]
     if not tables:
         raise Invalid("has machines, but no measurement")

@@ -15,7 +15,8 @@ MEASUREMENT = {"title": "Speed", "command": "palpate bench build", "columns": ["
                "rows": [[1000, [1.5, 2]]]}
 SUMMARY = {"n": 5, "min": 1, "p50": 1234.5678, "p99": 3, "p999": 2345.6, "max": 4}
 # As `palpate bench touch --json` and its like write it.
-WRITTEN = {"machines": {"cpu": "a machine"}, "run": {"command": "palpate bench touch", "date": "2026-11-28", "version": "0.1.0"},
+WRITTEN = {"machines": {"cpu": "a machine"},
+           "run": {"command": "palpate bench touch", "date": "2026-11-28", "version": "0.1.0"},
            "touch": {"M5_plates": [], "judgements": [
                {"backend": "cpu", "points": 200000, "step": {"us": SUMMARY, "gpu_us": None}, "force_N": [0.1] * 50,
                 "slides": [{"speed": 50.0}, {"speed": 200.0, "held": True}]}]}}
