@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kOurs = "comment written by palpate";
 
 // "1 face", "2 faces".
-std::string counted(const FileElement& element) {
+std::string inWords(const FileElement& element) {
   const bool plural = element.count != 1 && !element.name.ends_with('s');
   return fmt::format("{} {}{}", element.count, element.name, plural ? "s" : "");
 }
@@ -24,7 +24,7 @@ std::string moreOf(const FileContents& contents) {
   const auto add = [&](const std::string& what) { more += (more.empty() ? "" : ", ") + what; };
   for (const FileElement& element : contents.elements) {
     if (element.name != "vertex") {
-      if (element.count > 0) add(counted(element));
+      if (element.count > 0) add(inWords(element));
       continue;
     }
     for (const FileElement::Property& property : element.properties)

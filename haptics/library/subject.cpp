@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "haptics/library/gpu_half.hpp"
 #include "haptics/library/options.hpp"
 #include "haptics/session/backend_choice.hpp"
 

@@ -1,5 +1,7 @@
 // Several clouds in the space of one session: felt, edited and read back as one.
+#include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include "tests/library/ball.hpp"
 #include "tests/near.hpp"
