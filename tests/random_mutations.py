@@ -87,6 +87,8 @@ class Tree:
     def judge(self, file, number, line):
         """"no build", "survived", or the program and the first case that failed."""
         targets = [f"tests_{room}" for room in rooms_of(file) if f"tests_{room}" in self.targets]
+        if file.startswith("apps/python/"):
+            targets = ["palpate_python"]
         mutated = self.lines(file)
         mutated[number] = line
         (Path(self.folder) / file).write_text("\n".join(mutated))
@@ -95,17 +97,20 @@ class Tree:
             if not self.build(targets):
                 return "no build"
             for target in targets:
-                failure = self.failure(target)
+                failure = self.failure(target, file)
                 if failure:
                     return failure
             return "survived"
         finally:
             self.restore()
 
-    def failure(self, target):
+    def failure(self, target, file):
         """The first failing case of a test program, run as ctest runs it; empty if all pass."""
-        room = target.removeprefix("tests_")
-        out, code = run(["ctest", "--preset", "release", "-R", rf"^{room}\.", "-LE", "links", "--stop-on-failure",
+        room = target.removeprefix("tests_").removeprefix("palpate_")
+        entries = rf"^{room}\."
+        if room == "apps":  # the window has tests of its own
+            entries = r"^apps\.(view|measure)" if "/view/" in file else r"^apps\.[^v]"
+        out, code = run(["ctest", "--preset", "release", "-R", entries, "-LE", "links", "--stop-on-failure",
                          "--output-on-failure", "-j", str(2 * os.cpu_count()), "--timeout", str(LIMIT_S)],
                         self.folder, 4 * LIMIT_S, PALPATE_GPU=os.environ.get("PALPATE_GPU", "llvmpipe"),
                         PALPATE_TESTS_VALIDATE="core")

@@ -1,5 +1,6 @@
 #include "haptics/library/built_session.hpp"
 
+#include "engine/core/job_stop.hpp"
 #include "haptics/library/failures.hpp"
 
 namespace palpate::library {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptics/library/gpu_half.hpp"
 #include "haptics/library/linked_fields.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/tick_pacer.hpp"

@@ -1,4 +1,5 @@
 // Beginning and end of contacts: by path, tick by tick and live.
+#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <stdexcept>
