@@ -20,7 +20,7 @@ import sys
 import time
 from pathlib import Path
 
-LIMIT_S = 600  # of one test program; a bug that makes it hang counts as detected
+LIMIT_S = 300  # of one test program; a bug that makes it hang counts as detected
 FOLDERS = ("engine/", "haptics/", "shaders/", "apps/")
 ENDINGS = (".cpp", ".hpp", ".h", ".comp", ".glsl")
 NOT_JUDGED = re.compile(r"_windows\.|engine/cuda/|/no_|not_built|apps/examples|apps/bench|haptics/devices/hdapi_")
