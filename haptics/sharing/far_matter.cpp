@@ -47,7 +47,7 @@ class FarMatter final : public TouchBackend, private FrameStream {
   void resetHand(std::size_t hand) noexcept override {
     hands_[hand].late.lift();
     hands_[hand].came_N = DVec3(0);
-    hands_[hand].since_s = steadyNow_s() + known_.roundTrip_s() + kPlaced_s;
+    hands_[hand].placed_s = steadyNow_s();
   }
   void finish() override {
     const std::scoped_lock hold(lock_);
@@ -72,14 +72,17 @@ class FarMatter final : public TouchBackend, private FrameStream {
   struct Hand {
     LateForce late;
     DVec3 came_N{0};
-    double since_s = 0;  // forces of earlier times are those of another position
+    double placed_s = 0;  // when it was put down
   };
 
   Contact answerTo(std::size_t i, const Pose& pose, double share, double comes) noexcept {
     Hand& hand = hands_[i];
     Contact contact{.proxy = pose.hip, .fresh = true, .valid = isFinite(pose.hip)};
     if (!contact.valid) return contact;
-    if (forces_.true_s >= hand.since_s) hand.came_N = glm::mix(hand.came_N, DVec3(forces_.force_N[i]), comes);
+    // Forces from before the server's ball is there are those of another position. The round trip is that measured by
+    // now: that of a new link is known only after the hand has begun.
+    if (forces_.true_s >= hand.placed_s + known_.roundTrip_s() + kPlaced_s)
+      hand.came_N = glm::mix(hand.came_N, DVec3(forces_.force_N[i]), comes);
     const DVec3 force_N = hand.late.at(pose.hip, pose.felt.share(), share * hand.came_N);  // a unit is a millimetre
     const double size_N = glm::length(force_N);
     contact.force_N = force_N;

@@ -54,6 +54,7 @@ class RestingFar final : public BrickCloud {
     update.force_N[0] = Vec3(force_N);
     source_.apply(std::move(update));
   }
+  void setRoundTrip(double roundTrip_s) { known_.setRoundTrip(roundTrip_s); }
   BrickSource& source() override { return source_; }
   bool moves() const override { return source_.moves(); }
   const InformationAge& known() const override { return known_; }
@@ -253,6 +254,21 @@ TEST_CASE("a late force gives a hand at most 0.5 mJ, whatever it is, and stays f
   }
 }
 
+TEST_CASE("a hand that a late force accelerates as fast as it may takes at most 0.5 mJ") {
+  for (const double wanted_N : {0.5, 3.0, 50.0}) {
+    LateForce late;
+    double y = 0, way = 0, energy_mJ = 0;
+    for (int k = 0; k < 50; ++k) {
+      const double force_N = late.at({0, y, 0}, 1, {0, wanted_N, 0}).y;
+      way += LateForce::kFarther_mm;
+      y += way;
+      energy_mJ -= force_N * way;
+      REQUIRE(energy_mJ >= -0.5);
+    }
+    CHECK(energy_mJ < -0.4);
+  }
+}
+
 TEST_CASE("a hand that sinks into joined matter again feels it, though it had taken all that it may") {
   LateForce late;
   double y = 0;
@@ -298,6 +314,11 @@ TEST_CASE("a hand that is put down elsewhere does not feel the force of its earl
   joined.session().backend().resetHand(0);
   CHECK(feel(0) == 0);
   CHECK(feel(joined.far().known().roundTrip_s() + 0.2) > 0.4);
+  // A link that has just been made counts as slow until it is measured, and not longer.
+  joined.session().backend().resetHand(0);
+  CHECK(feel(0.2) == 0);
+  joined.far().setRoundTrip(0.01);
+  CHECK(feel(0.2) > 0.4);
 }
 
 TEST_CASE("invalid water from a server is refused with a reason") {
