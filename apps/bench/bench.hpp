@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// The back end that a bench measures, with what users cannot choose: how the engine works.
+/// Options of the measured back end, with options of the engine that users do not have.
 struct BenchBackend : BackendOptions {
   std::string sort = "counting", wait;  ///< empty: by driver and cores
   double grid = 0;                      ///< cells along the longest side; 0: as `cell_mm`
@@ -59,7 +59,7 @@ struct Subject {
 using SubjectMaker = std::function<Subject(Context&)>;
 std::vector<SubjectMaker> subjectsOf(const BenchOptions& options);
 
-/// Of a session beside its back end.
+/// Options of a session that are not of its back end.
 struct BenchSession {
   std::optional<BrushConfig> brush = {};  ///< if the model is edited
   double rate_Hz = SessionConfig{}.rate_Hz;

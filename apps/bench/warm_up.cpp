@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kKeys = 1 << 20, kKeyBits = 21;
 constexpr double kCuda_s = 1;
 
-// The same number in each place: what a sort does with them costs the same.
+// All keys are equal: the cost of this sort does not depend on them.
 void sortFor(Device& device, double duration_s) {
   const auto words = [&](const char* name) { return Buffer::of<std::uint32_t>(device, kKeys, Memory::device, name); };
   const Buffer keys = words("keys"), values = words("values"), keysAlt = words("keys alt");

@@ -28,8 +28,8 @@ class SpacingMeasure {
   std::vector<std::uint32_t> sector_;
 };
 
-/// The target spacing of each point of a cloud, by the points of its sheet within `radius`; model units. `grid` is the
-/// index of all of them, whose threads share the work.
+/// Returns the target spacing of each point of a cloud, from the points of its sheet within `radius`; model units.
+/// `grid` is the index of all points; its threads share the work.
 std::vector<float> measuredSpacings(SortedGrid& grid, std::span<const Vec3> positions, std::span<const Vec3> normals,
                                     double radius);
 

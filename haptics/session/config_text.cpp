@@ -24,8 +24,8 @@ void dropFormerSettings(SettingsJson& json) {
     if (found == json.end() || !found->is_object() || !found->contains(name)) continue;
     const SettingsJson& value = found->at(name);
     if (const std::string_view only = usual; !only.empty() && value != SettingsJson::parse(only))
-      throw ConfigError(pathOf(section, name), "is {}; this palpate no longer has this setting and reads only {}",
-                        value.dump(), only);
+      throw ConfigError(pathOf(section, name), "is {}; this setting was removed, and only {} is accepted", value.dump(),
+                        only);
     found->erase(name);
   }
 }

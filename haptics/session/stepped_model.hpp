@@ -33,8 +33,8 @@ class SteppedModel {
   /// Maximum rate of the frames that step() returns.
   static constexpr double kFrames_Hz = 60;
   /// Advances to that time, s since the beginning; hands that are missing in `hands` stop touching. False if the points
-  /// have not moved since the last frame, or the next one is not due yet. Sets the forces of water or sand on the
-  /// hands.
+  /// have not moved since the last frame, or the next one is not due yet. Sets the force of water or sand on each
+  /// hand.
   bool step(double time_s, std::span<SeenHand> hands, CloudFrame& frame);
   /// Restarts of a simulation that has failed. Thread-safe.
   Restarts restarts() const;

@@ -7,9 +7,8 @@
 
 namespace palpate {
 
-void TickFeed::ticked(const TraceRow& row, const DeviceState& device) noexcept {
+void TickFeed::ticked(const TraceRow& row, const DeviceState& /*device*/) noexcept {
   core_.store(currentCore(), std::memory_order_relaxed);
-  if (listener_) listener_->ticked(row, device);
   if (std::exchange(leftOut_, false) || isFull()) return;
   const std::uint64_t added = added_.load(std::memory_order_relaxed);
   rowOf(added, 0) = row;

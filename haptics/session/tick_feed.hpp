@@ -16,8 +16,6 @@ class TickFeed final : public TickRecorder {
   /// On the servo thread.
   void tickedToo(std::size_t hand, const TraceRow& row) noexcept override;
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
-  /// Listener that is also notified of every tick; set while no servo thread runs.
-  void setListener(TickRecorder* listener) { listener_ = listener; }
 
   /// Appends the rows since the last call, ordered by tick, then by hand. For one thread.
   void take(std::vector<TraceRow>& rows);
@@ -35,7 +33,6 @@ class TickFeed final : public TickRecorder {
   std::vector<TraceRow> ring_;
   std::atomic<std::uint64_t> added_ = 0, taken_ = 0;
   std::atomic<int> core_ = -1;
-  TickRecorder* listener_ = nullptr;
 };
 
 /// Statistics and curves of the ticks so far, for display.

@@ -19,8 +19,8 @@ namespace palpate {
 namespace {
 
 constexpr double kPoll_s = 0.004;
-constexpr double kComes_s = 0.02;     // time constant with which a force follows the received ones, 60 a second
-constexpr double kPlaced_s = 0.05;    // until a hand that was put down elsewhere is sent, and the ball is at it
+constexpr double kFollow_s = 0.02;    // time constant with which a force follows the received ones, 60 a second
+constexpr double kPlaced_s = 0.05;    // until a hand's new position is sent, and the server's ball is at it
 constexpr double kMinForce_N = 1e-6;  // that counts as touching
 
 /// Gives each hand the force that was received for it, and shows the received particles.
@@ -40,13 +40,13 @@ class FarMatter final : public TouchBackend, private FrameStream {
     forces_ = source_.forces().value_or(forces_);
     const double share = shareAt(steadyNow_s() - forces_.true_s, known_.limits());
     const double dt_s = poses.front().time_s - std::exchange(last_s_, poses.front().time_s);
-    const double comes = dt_s > 0 ? 1 - std::exp(-dt_s / kComes_s) : 0;
-    for (std::size_t i = 0; i < hands_.size(); ++i) answers_[i] = answerTo(i, poses[i], share, comes);
+    const double follows = dt_s > 0 ? 1 - std::exp(-dt_s / kFollow_s) : 0;
+    for (std::size_t i = 0; i < hands_.size(); ++i) answers_[i] = answerTo(i, poses[i], share, follows);
     return answers_;
   }
   void resetHand(std::size_t hand) noexcept override {
     hands_[hand].late.lift();
-    hands_[hand].came_N = DVec3(0);
+    hands_[hand].force_N = DVec3(0);
     hands_[hand].placed_s = steadyNow_s();
   }
   void finish() override {
@@ -71,19 +71,19 @@ class FarMatter final : public TouchBackend, private FrameStream {
  private:
   struct Hand {
     LateForce late;
-    DVec3 came_N{0};
-    double placed_s = 0;  // when it was put down
+    DVec3 force_N{0};
+    double placed_s = 0;  // time of its last reset
   };
 
-  Contact answerTo(std::size_t i, const Pose& pose, double share, double comes) noexcept {
+  Contact answerTo(std::size_t i, const Pose& pose, double share, double follows) noexcept {
     Hand& hand = hands_[i];
     Contact contact{.proxy = pose.hip, .fresh = true, .valid = isFinite(pose.hip)};
     if (!contact.valid) return contact;
     // Forces from before the server's ball is there are those of another position. The round trip is that measured by
     // now: that of a new link is known only after the hand has begun.
     if (forces_.true_s >= hand.placed_s + known_.roundTrip_s() + kPlaced_s)
-      hand.came_N = glm::mix(hand.came_N, DVec3(forces_.force_N[i]), comes);
-    const DVec3 force_N = hand.late.at(pose.hip, pose.felt.share(), share * hand.came_N);  // a unit is a millimetre
+      hand.force_N = glm::mix(hand.force_N, DVec3(forces_.force_N[i]), follows);
+    const DVec3 force_N = hand.late.at(pose.hip, pose.felt.share(), share * hand.force_N);  // a unit is a millimetre
     const double size_N = glm::length(force_N);
     contact.force_N = force_N;
     contact.touching = size_N > kMinForce_N;
@@ -111,7 +111,7 @@ class FarMatter final : public TouchBackend, private FrameStream {
     }
   }
 
-  // If nothing is known any more, the last known particles remain visible.
+  // While no particles are known, the last known ones remain visible.
   bool take(CloudFrame& frame) override {
     {
       const std::scoped_lock hold(lock_);

@@ -10,18 +10,19 @@ namespace palpate {
 
 /// Limits a late force so that a hand gets no more energy from it than it has put in, but for kLent_mJ: a time-domain
 /// passivity controller (Hannaford, Ryu 2002). The force of a tick acts until the next one, over a displacement that
-/// may differ by up to kFarther_mm from the last one: so much of the force is given as the remaining energy pays for in
-/// any case. At 1 kHz that holds up to 25 g. Energies in mJ (N mm), of the model in millimetres.
+/// differs from the last one by up to kFarther_mm. The force is scaled so that the remaining energy covers that. At 1
+/// kHz this holds for accelerations up to 25 g; a larger jerk may exceed the limit. Energies in mJ (N mm), of the model
+/// in millimetres.
 class LateForce {
  public:
   static constexpr double kLent_mJ = 0.45, kFarther_mm = 0.25;
   static constexpr double kMax_N = 100;  ///< the force is limited to this size in any case
-  /// Of the energy put in, so much is kept: that of a ball of 25 mm pressed 7 cm into water.
+  /// Maximum of the energy that counts: that of a ball of 25 mm pressed 7 cm into water.
   static constexpr double kMaxStored_mJ = 50;
 
   /// The part of `wanted_N` that a hand at `position_mm` gets. `felt`: share of the last force that it has received.
   DVec3 at(const DVec3& position_mm, double felt, DVec3 wanted_N) noexcept {
-    constexpr double kBeginning_mJ = 1e-7;  // always left, so that a hand that presses in again meets a force, and pays
+    constexpr double kBeginning_mJ = 1e-7;  // minimum that is left, so that a hand that presses in again adds energy
     const DVec3 way_mm = position_mm_ ? position_mm - *position_mm_ : DVec3(0);
     position_mm_ = position_mm;
     energy_mJ_ = std::clamp(energy_mJ_ - felt * glm::dot(force_N_, way_mm), kBeginning_mJ - kLent_mJ, kMaxStored_mJ);
@@ -32,7 +33,7 @@ class LateForce {
     const double left_mJ = energy_mJ_ + kLent_mJ;
     return force_N_ = mayCost_mJ > left_mJ ? left_mJ / mayCost_mJ * wanted_N : wanted_N;
   }
-  /// The hand is put down elsewhere. What it owes, it owes still.
+  /// The next position is not reached by a displacement. The energy stays.
   void lift() noexcept { position_mm_.reset(); }
 
  private:

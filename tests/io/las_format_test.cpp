@@ -286,7 +286,7 @@ TEST_CASE("LAS coordinates survive a conversion to PLY or text and back to LAS, 
 
 TEST_CASE("LAS records before and behind the points are kept, and listed when another format loses them") {
   LasBytes las = fileOf(6, 30);
-  las.records = lasRecord("LASF_Projection", 2112, "GEOGCS[...]") + lasRecord("somebody", 7, std::string(300, '\x7f'));
+  las.records = lasRecord("LASF_Projection", 2112, "GEOGCS[...]") + lasRecord("a vendor", 7, std::string(300, '\x7f'));
   las.recordCount = 2;
   las.padding = "\xdd\xcc";
   las.tail = lasLongRecord("LASF_Projection", 2112, "more of it") + lasLongRecord("late", 9, std::string(70000, 'e'));
@@ -297,7 +297,7 @@ TEST_CASE("LAS records before and behind the points are kept, and listed when an
   CHECK(back.substr(375) == text.substr(375));
   CHECK(back.substr(235, 12) == text.substr(235, 12));
   const std::string sentence =
-      "4 records of LAS: 'LASF_Projection' 2112, 'somebody' 7, 'LASF_Projection' 2112, 'late' 9";
+      "4 records of LAS: 'LASF_Projection' 2112, 'a vendor' 7, 'LASF_Projection' 2112, 'late' 9";
   CHECK(lostOnTheWay(stored, cloudFormats().toWrite("a.ply")) == std::vector<std::string>{sentence});
   CHECK(lostOnTheWay(stored, cloudFormats().toWrite("a.las")).empty());
 

@@ -196,10 +196,10 @@ TEST_CASE("LAS converted to LAZ and back equals LAS written directly, byte by by
       CAPTURE(format);
       CAPTURE(count);
       LasBytes las = variedFile(format, count, 2);
-      las.records = lasRecord("LASF_Projection", 2112, "GEOGCS[...]") + lasRecord("somebody", 7, std::string(300, 'x'));
+      las.records = lasRecord("LASF_Projection", 2112, "GEOGCS[...]") + lasRecord("a vendor", 7, std::string(300, 'x'));
       las.recordCount = 2;
       las.padding = "\xdd\xcc";
-      las.tail = las.minor == 4 ? lasLongRecord("late", 9, std::string(7000, 'e')) : "bytes that nobody knows";
+      las.tail = las.minor == 4 ? lasLongRecord("late", 9, std::string(7000, 'e')) : "bytes of no known record";
       las.longRecords = las.minor == 4 ? 1 : 0;
       const StoredCloud stored = reading(las.text());
       const std::string packed = written(stored.cloud, ".laz");

@@ -84,7 +84,7 @@ TEST_CASE("a log of an earlier version replays with its former settings, unless 
     CHECK(parseConfig(with("index", fmt::format("\"sort\": {}", value))) == unusual());
   CHECK(parseConfig(with("index", R"("cells_along_side": 0.0, "spare_slots": null)")) == unusual());
   CHECK_THROWS_WITH_AS(parseConfig(with("index", R"("cells_along_side": 64.0)")),
-                       "index.cells_along_side: is 64.0; this palpate no longer has this setting and reads only 0",
+                       "index.cells_along_side: is 64.0; this setting was removed, and only 0 is accepted",
                        ConfigError);
   CHECK(textFault(with("index", R"("spare_slots": 77)")) == "index.spare_slots");
   CHECK(textFault(with("index", R"("wait": null)")) == "index.wait");

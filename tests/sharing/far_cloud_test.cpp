@@ -199,13 +199,13 @@ TEST_CASE("a restart of the motion is reported once to each client, and not to c
     const std::scoped_lock hold(lock);
     return restarts;
   };
-  Served served(cloud, {.name = "begins anew", .sculptable = false, .motion = stands, .restarts = told});
+  Served served(cloud, {.name = "restarting", .sculptable = false, .motion = stands, .restarts = told});
   std::array<Lines, 2> lines;
   std::array<Log, 2> logs{Log(true), Log(true)};
   std::array<JoinedCloud, 2> joined;
   for (std::size_t i = 0; i < 2; ++i) {
     logs[i].listen(&lines[i]);
-    joined[i] = joinNear("begins anew", &logs[i]);
+    joined[i] = joinNear("restarting", &logs[i]);
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   for (std::size_t i = 0; i < 2; ++i) CHECK(lines[i].restarts().empty());  // it was so when they joined
@@ -215,7 +215,7 @@ TEST_CASE("a restart of the motion is reported once to each client, and not to c
   };
   REQUIRE(within(30, [&] { return areTold(1); }));
   for (const Lines& each : lines) {
-    CHECK(each.restarts()[0].find("'begins anew'") != std::string::npos);
+    CHECK(each.restarts()[0].find("'restarting'") != std::string::npos);
     CHECK(each.restarts()[0].find("it has diverged?[2J") != std::string::npos);
   }
   restarted(6, "has burst");
@@ -226,7 +226,7 @@ TEST_CASE("a restart of the motion is reported once to each client, and not to c
   Log lateLog(true);
   lateLog.listen(&late);
   {
-    const JoinedCloud latest = joinNear("begins anew", &lateLog);
+    const JoinedCloud latest = joinNear("restarting", &lateLog);
     std::this_thread::sleep_for(std::chrono::milliseconds(1000));
     CHECK(latest.far->counts().restarts == 0);
   }
