@@ -1,6 +1,7 @@
 #include "haptics/force_law.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/core/error.hpp"
 
@@ -9,12 +10,19 @@ namespace {
 
 /// A late tick must not make up for the lost time in one jump: the rise counts at most this time.
 constexpr double kLongestRise_s = 0.002;
-/// Share of the maximum rise while others change the surface: a Touch's whole force then takes 55 ms.
-constexpr double kChangingRise = 0.1;
+/// Share of the maximum rise that a surface has alone, with the hand at rest: a Touch's whole force then takes 55 ms.
+constexpr double kSurfaceShare = 0.1;
 
 void checkForceOption(double value, const char* name, bool mayBeInfinite) {
   if (!(value >= 0) || (!mayBeInfinite && !std::isfinite(value)))
     throw UsageError("{} is {}; it must be {}zero or more", name, value, mayBeInfinite ? "" : "finite and ");
+}
+
+double inTime(double rate_N_per_s, double dt_s) { return dt_s > 0 ? rate_N_per_s * std::min(dt_s, kLongestRise_s) : 0; }
+
+DVec3 towards(const DVec3& from, const DVec3& to, double longest) {
+  const double length = glm::distance(from, to);
+  return length > longest ? glm::mix(from, to, longest / length) : to;
 }
 
 }  // namespace
@@ -35,22 +43,36 @@ void ForceLaw::limitTo(double peakForce_N, double stiffness_N_per_mm) noexcept {
 }
 
 void ForceLaw::reset() noexcept {
-  rates_.reset();
-  for (Rates& rates : pointRates_) rates.reset();
-  force_N_ = torque_mNm_ = DVec3(0);
-  demand_N_ = 0;
-  isLettingGo_ = false;
+  point_ = {};
+  std::fill(toolPoints_.begin(), toolPoints_.end(), Point{});
+  followed_N_ = force_N_ = torque_mNm_ = DVec3(0);
+  hand_ = {};
+  demand_N_ = asked_N_ = 0;
+  isMoveKnown_ = false;
+}
+
+// On a surface at rest, a spring and a damper with this motion of the hand would change by as much, in the other
+// direction. A point that touches nothing has no damper.
+void ForceLaw::move(Point& point, const DVec3& hip, bool touching, double share, double dt_s) noexcept {
+  const DVec3 hip_mm = hip * scale_.mm_per_unit;
+  if (!touching) point.stretch.reset(), point.hand.reset();
+  const DVec3 hand_mm_per_s = touching ? point.hand.add(hip_mm, dt_s) : DVec3(0);
+  const DVec3 change_N = share * (options_.stiffness_N_per_mm * (hip_mm - point.hip_mm) +
+                                  options_.damping_N_s_per_mm * (hand_mm_per_s - point.hand_mm_per_s));
+  hand_.along_N += change_N;
+  hand_.most_N += glm::length(change_N);
+  point.hip_mm = hip_mm;
+  point.hand_mm_per_s = hand_mm_per_s;
 }
 
 // F = k dx + d dx', dx from the HIP to the proxy (god-object with a virtual coupling; Zilles, Salisbury 1995). dx' is a
 // backward difference, so it needs two ticks of contact. On a moving surface dx' is limited to the relative speed of
 // hand and surface: anything faster results from points that another frame has exchanged, and must not be damped.
-DVec3 ForceLaw::spring(const Contact& contact, const DVec3& hip, double dt_s, Rates& rates) const noexcept {
-  const DVec3 stretch_mm = (contact.proxy - hip) * scale_.mm_per_unit;
-  DVec3 rate_mm_per_s = rates.stretch.add(stretch_mm, dt_s);
-  const DVec3 hand_mm_per_s = rates.hand.add(hip * scale_.mm_per_unit, dt_s);
+DVec3 ForceLaw::spring(const Contact& contact, Point& point, double dt_s) const noexcept {
+  const DVec3 stretch_mm = contact.proxy * scale_.mm_per_unit - point.hip_mm;
+  DVec3 rate_mm_per_s = point.stretch.add(stretch_mm, dt_s);
   if (contact.velocity != DVec3(0)) {
-    const double apart_mm_per_s = glm::length(hand_mm_per_s - contact.velocity * scale_.mm_per_unit);
+    const double apart_mm_per_s = glm::length(point.hand_mm_per_s - contact.velocity * scale_.mm_per_unit);
     const double size_mm_per_s = glm::length(rate_mm_per_s);
     if (size_mm_per_s > apart_mm_per_s) rate_mm_per_s *= apart_mm_per_s / size_mm_per_s;
   }
@@ -58,115 +80,101 @@ DVec3 ForceLaw::spring(const Contact& contact, const DVec3& hip, double dt_s, Ra
 }
 
 DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) noexcept {
-  if (!contact.valid || !contact.touching) {
-    isLettingGo_ = isLettingGo_ || contact.isWithin;
-    if (contact.valid && isLettingGo_) return letGo(dt_s);
-    reset();
-    return DVec3(0);
-  }
-  if (contact.force_N) {
-    rates_.reset();
-    if (!isFinite(contact.torque_mNm)) {
-      reset();
-      return DVec3(0);
-    }
-    const DVec3 felt_N = given(*contact.force_N, contact.velocity, dt_s);
+  if (!contact.valid || !isFinite(pose.hip) || !std::isfinite(dt_s)) return fault();
+  const bool touching = contact.touching, isGiven = touching && contact.force_N;
+  hand_ = {};
+  move(point_, pose.hip, touching && !isGiven, 1, dt_s);
+  torque_mNm_ = DVec3(0);
+  if (!touching) return felt(DVec3(0), DVec3(0), 0, dt_s);
+  if (isGiven) {
+    if (!isFinite(contact.torque_mNm)) return fault();
     const double wanted_N = glm::length(*contact.force_N);
+    const DVec3 felt_N = felt(*contact.force_N, contact.velocity, wanted_N, dt_s);
     torque_mNm_ = (wanted_N > 0 ? std::min(1.0, glm::length(felt_N) / wanted_N) : 1) * contact.torque_mNm;
     return felt_N;
   }
-  torque_mNm_ = DVec3(0);
-  const DVec3 force_N = spring(contact, pose.hip, dt_s, rates_);
-  if (custom_) return given(custom_.function(custom_.user, contact, pose, dt_s, force_N), contact.velocity, dt_s);
-  if (!isFinite(force_N) || !isFinite(contact.normal) || !std::isfinite(dt_s)) {
-    reset();
-    return DVec3(0);
+  const DVec3 spring_N = spring(contact, point_, dt_s);
+  if (custom_) {
+    const DVec3 force_N = custom_.function(custom_.user, contact, pose, dt_s, spring_N);
+    return felt(force_N, contact.velocity, glm::length(force_N), dt_s);
   }
-
-  demand_N_ = glm::length(force_N);
+  if (!isFinite(spring_N) || !isFinite(contact.normal)) return fault();
   // A surface only pushes. Friction depends on the normal force, so without one the tangential part is dropped, too.
-  const auto pushes = [&](const DVec3& f) { return glm::dot(f, contact.normal) > 0; };
-  const DVec3 result = pushes(force_N) ? limited(force_N, contact.velocity, dt_s) : DVec3(0);
-  force_N_ = pushes(result) ? result : DVec3(0);
-  return force_N_;
-}
-
-// A surface that ends under a loaded hand, or is not found any more, must not cause a knock.
-DVec3 ForceLaw::letGo(double dt_s) noexcept {
-  const DVec3 before_N = force_N_;
-  reset();
-  if (before_N == DVec3(0) || !std::isfinite(dt_s)) return DVec3(0);
-  force_N_ = before_N;
-  isLettingGo_ = true;
-  force_N_ = limited(DVec3(0), DVec3(0), dt_s);
-  return force_N_;
-}
-
-// Such a force may also pull, as of matter that a ball carries along.
-DVec3 ForceLaw::given(const DVec3& force_N, const DVec3& velocity, double dt_s) noexcept {
-  if (!isFinite(force_N) || !std::isfinite(dt_s)) {
-    reset();
-    return DVec3(0);
-  }
-  demand_N_ = glm::length(force_N);
-  force_N_ = limited(force_N, velocity, dt_s);
-  return force_N_;
+  const bool pushes = glm::dot(spring_N, contact.normal) > 0;
+  return felt(pushes ? spring_N : DVec3(0), contact.velocity, glm::length(spring_N), dt_s);
 }
 
 DVec3 ForceLaw::update(const Contact& whole, std::span<const PointContact> points, const Pose& pose,
                        double dt_s) noexcept {
+  if (!whole.valid || !std::isfinite(dt_s)) return fault();
+  hand_ = {};
   DVec3 asked_N(0), sum_N(0), torque_mNm(0);
-  const bool touches = whole.valid && whole.touching;
-  for (std::size_t i = 0; i < points.size() && i < pointRates_.size(); ++i)
-    isLettingGo_ = isLettingGo_ || (pointRates_[i].stretch.isKnown() && points[i].contact.isWithin);
-  if (!touches && whole.valid && isLettingGo_) return letGo(dt_s);
-  if (!touches) points = {};
-  for (std::size_t i = 0; i < points.size() && i < pointRates_.size(); ++i) {
+  for (std::size_t i = 0; i < points.size() && i < toolPoints_.size(); ++i) {
     const PointContact& point = points[i];
-    if (!point.contact.touching) {
-      pointRates_[i].reset();
-      continue;
-    }
-    const DVec3 force_N = point.share * spring(point.contact, point.hip, dt_s, pointRates_[i]);
+    const bool touching = whole.touching && point.contact.touching;
+    move(toolPoints_[i], point.hip, touching, point.share, dt_s);
+    if (!touching) continue;
+    const DVec3 force_N = point.share * spring(point.contact, toolPoints_[i], dt_s);
     asked_N += force_N;
     // NaN propagates into the sum.
     if (glm::dot(force_N, point.contact.normal) <= 0) continue;
     sum_N += force_N;
     torque_mNm += glm::cross(scale_.mm_per_unit * (point.hip - pose.hip), force_N);
   }
-  if (points.empty() || !isFinite(sum_N) || !isFinite(torque_mNm) || !std::isfinite(dt_s)) {
-    reset();
-    return DVec3(0);
-  }
-
-  demand_N_ = glm::length(asked_N);
+  if (!isFinite(sum_N) || !isFinite(torque_mNm) || !isFinite(hand_.along_N)) return fault();
   const double wanted_N = glm::length(sum_N);
-  const DVec3 result = limited(sum_N, whole.velocity, dt_s);
-  force_N_ = glm::dot(result, sum_N) > 0 ? result : DVec3(0);
-  const double share = wanted_N > 0 ? std::min(1.0, glm::length(force_N_) / wanted_N) : 1;
-  torque_mNm_ = share * torque_mNm;
-  return force_N_;
+  const DVec3 felt_N = felt(sum_N, whole.velocity, glm::length(asked_N), dt_s);
+  torque_mNm_ = (wanted_N > 0 ? std::min(1.0, glm::length(felt_N) / wanted_N) : 1) * torque_mNm;
+  return felt_N;
+}
+
+DVec3 ForceLaw::fault() noexcept {
+  reset();
+  return DVec3(0);
 }
 
 // `velocity`: of the surface, model units per second.
-DVec3 ForceLaw::limited(const DVec3& target_N, const DVec3& velocity, double dt_s) noexcept {
+DVec3 ForceLaw::felt(const DVec3& target_N, const DVec3& velocity, double demand_N, double dt_s) noexcept {
   const double wanted_N = glm::length(target_N);
-  if (!std::isfinite(wanted_N)) return DVec3(0);  // the squares overflowed
-  double size_N = std::min(wanted_N, options_.maxForce_N);
+  if (!std::isfinite(wanted_N)) return fault();  // the squares of large numbers overflow, too
+  demand_N_ = demand_N;
   const double power_W = glm::dot(target_N, scale_.mm_per_unit * velocity) * 1e-3;  // at the wanted force
-  if (power_W > 0) size_N = std::min(size_N, wanted_N * options_.maxSurfacePower_W / power_W);
-  const DVec3 clamped_N = wanted_N > 0 ? target_N * (size_N / wanted_N) : DVec3(0);
-  // The step begins at the last force, shrunk to the new size if it was larger: a decrease is immediate, a rotation is
-  // not.
-  const double last_N = glm::length(force_N_);
-  const DVec3 from_N = last_N > size_N && !isLettingGo_ ? force_N_ * (size_N / last_N) : force_N_;
-  const DVec3 step_N = clamped_N - from_N;
-  const double rise_N_per_s = (isChanging_ ? kChangingRise : 1) * options_.maxRise_N_per_s;
-  const double longest_N = dt_s > 0 ? rise_N_per_s * std::min(dt_s, kLongestRise_s) : 0;
-  const double length_N = glm::length(step_N);
-  if (length_N > longest_N) return from_N + step_N * (longest_N / length_N);
-  isLettingGo_ = false;
-  return clamped_N;
+  const double share = power_W > options_.maxSurfacePower_W ? options_.maxSurfacePower_W / power_W : 1;
+  const double most_N = std::min(share * wanted_N, options_.maxForce_N);
+  follow(wanted_N > 0 ? target_N * (most_N / wanted_N) : DVec3(0), dt_s);
+  return rise(dt_s);
+}
+
+// The one law: what the hand does changes the force at once, and what the surface does changes it slowly, whatever it
+// is. While the proxy follows without a jump, the spring changes by the hand's motion along it and by nothing else. Of
+// a change of what is asked for, that much is the hand's, and the rest is the surface's. A force that is still there
+// where none is asked for falls as the spring of a hand that withdraws, and so gives it no more energy than a spring
+// does.
+void ForceLaw::follow(const DVec3& target_N, double dt_s) noexcept {
+  const double asked_N = glm::length(target_N), last_N = glm::length(followed_N_);
+  const double lastAsked_N = std::exchange(asked_N_, asked_N);
+  if (!std::exchange(isMoveKnown_, true)) {
+    followed_N_ = target_N;
+    return;
+  }
+  if (asked_N == 0 && last_N == 0) return;
+  const DVec3 along = asked_N > 0 ? target_N / asked_N : followed_N_ / last_N;
+  const double surface_N = inTime(kSurfaceShare * options_.maxRise_N_per_s, dt_s);
+  const double hand_N = -glm::dot(hand_.along_N, along);
+  const double explained_N = std::clamp(asked_N - lastAsked_N, std::min(hand_N, 0.0), std::max(hand_N, 0.0));
+  const double least_N = std::max(0.0, last_N + std::min(hand_N, explained_N) - surface_N);
+  const double most_N = std::max(0.0, last_N + explained_N) + surface_N;
+  const DVec3 next_N = asked_N < least_N ? least_N * along : asked_N > most_N ? most_N * along : target_N;
+  followed_N_ = towards(followed_N_, next_N, hand_.most_N + surface_N);
+}
+
+// The step begins at the last force, shrunk to the new size if it was larger: a decrease by the hand is immediate, a
+// rotation is not.
+DVec3 ForceLaw::rise(double dt_s) noexcept {
+  const double last_N = glm::length(force_N_), size_N = glm::length(followed_N_);
+  if (last_N > size_N) force_N_ *= size_N / last_N;
+  force_N_ = towards(force_N_, followed_N_, inTime(options_.maxRise_N_per_s, dt_s));
+  return force_N_;
 }
 
 }  // namespace palpate

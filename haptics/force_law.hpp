@@ -15,8 +15,8 @@ struct ForceOptions {
   double stiffness_N_per_mm = 0.8;
   double damping_N_s_per_mm = 0.002;
   double maxForce_N = kTouchPeakForce_N;
-  /// Maximum rate at which the force may grow or rotate. Its size may fall at once, except where a surface is lost
-  /// under a hand that is still inside: there it falls no faster than it may grow.
+  /// Maximum rate at which the force may grow or rotate with the hand's own motion; its size may fall at once with it.
+  /// What the surface alone does changes the force, in size and direction, at a tenth of this rate at most.
   double maxRise_N_per_s = 600;
   /// Maximum power of a moving surface on the hand: its velocity times the force. 2 N at half a metre per second.
   double maxSurfacePower_W = 1;
@@ -50,20 +50,19 @@ class ForceLaw {
   /// Lowers maxForce_N and the stiffness to what a device bears.
   void limitTo(double peakForce_N, double stiffness_N_per_mm = std::numeric_limits<double>::infinity()) noexcept;
 
-  /// Others are changing the surface under the proxy: meanwhile the force rises at a tenth of the rate of the hand's
-  /// own pressing, so that no change is felt as a knock.
-  void setChanging(bool isChanging) noexcept { isChanging_ = isChanging; }
-
-  /// The force on the hand, N, for a tick `dt_s` after the previous one. Exactly zero if nothing is touched, on any
-  /// fault or non-finite number, and if spring and damper together would pull into the surface. If the contact states
-  /// the force itself, that is used, within the same limits.
+  /// The force on the hand, N, for a tick `dt_s` after the previous one. Each tick brings it closer to what spring and
+  /// damper ask for, which is nothing where nothing is touched and where they would pull into the surface: by as much
+  /// as the hand's motion in this tick changes a spring and a damper on a surface at rest, and by a tenth of
+  /// maxRise_N_per_s. So a hand that withdraws is free at once, and a surface that ends or changes is not felt as a
+  /// knock. Exactly zero at once on any fault or non-finite number. In the first tick after reset() the motion is
+  /// unknown and counts as the hand's. If the contact states the force itself, that is used, within the same limits.
   DVec3 update(const Contact& contact, const Pose& pose, double dt_s) noexcept;
 
   /// Allocates for a tool of that many points.
-  void feelWith(std::size_t points) { pointRates_.resize(points); }
+  void feelWith(std::size_t points) { toolPoints_.resize(points); }
 
   /// The same for a tool: each point has its share of spring and damper and only pushes, and the limits act on the sum.
-  /// Exactly zero while `whole`, the combined answer, touches nothing or is a fault.
+  /// Nothing is asked for while `whole`, the combined answer, touches nothing.
   DVec3 update(const Contact& whole, std::span<const PointContact> points, const Pose& pose, double dt_s) noexcept;
 
   /// Torque of the forces on a tool's points, as summed up by update(): about the HIP, mN m, reduced in proportion if a
@@ -78,26 +77,36 @@ class ForceLaw {
   void reset() noexcept;
 
  private:
-  /// Rate of a point's spring, and of its hand, mm/s.
-  struct Rates {
-    RateEstimate stretch, hand;
-    void reset() noexcept { stretch.reset(), hand.reset(); }
+  /// A point that touches, as the last tick left it.
+  struct Point {
+    RateEstimate stretch, hand;  ///< rate of its spring, and of itself, mm/s, while it touches
+    DVec3 hip_mm{0};
+    DVec3 hand_mm_per_s{0};
   };
-  DVec3 spring(const Contact& contact, const DVec3& hip, double dt_s, Rates& rates) const noexcept;
-  DVec3 letGo(double dt_s) noexcept;
-  DVec3 given(const DVec3& force_N, const DVec3& velocity, double dt_s) noexcept;
-  DVec3 limited(const DVec3& target_N, const DVec3& velocity, double dt_s) noexcept;
+  /// What the hand's motion in this tick changes a spring and a damper by: the sum over the points, and of their sizes.
+  struct HandPart {
+    DVec3 along_N{0};
+    double most_N = 0;
+  };
+  void move(Point& point, const DVec3& hip, bool touching, double share, double dt_s) noexcept;
+  DVec3 spring(const Contact& contact, Point& point, double dt_s) const noexcept;
+  DVec3 felt(const DVec3& target_N, const DVec3& velocity, double demand_N, double dt_s) noexcept;
+  void follow(const DVec3& target_N, double dt_s) noexcept;
+  DVec3 rise(double dt_s) noexcept;
+  DVec3 fault() noexcept;
 
   ForceOptions options_;
   ModelScale scale_;
   CustomForce custom_;
-  Rates rates_;
-  std::vector<Rates> pointRates_;  ///< of a tool
-  DVec3 force_N_{0};               ///< at the last tick
+  Point point_;
+  std::vector<Point> toolPoints_;
+  HandPart hand_;
+  double asked_N_ = 0;   ///< at the last tick, within the limits of a force
+  DVec3 followed_N_{0};  ///< what is asked for, without the jumps of the surface
+  DVec3 force_N_{0};     ///< at the last tick
   DVec3 torque_mNm_{0};
   double demand_N_ = 0;
-  bool isChanging_ = false;
-  bool isLettingGo_ = false;  ///< of a lost surface
+  bool isMoveKnown_ = false;  ///< hand_; not in the first tick after reset()
 };
 
 }  // namespace palpate

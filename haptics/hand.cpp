@@ -123,7 +123,6 @@ DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, dou
     law_.reset();
     passivity_.lift();
   }
-  law_.setChanging(conditions.isChanging);
   if (conditions.isChanging) passivity_.changed();
   const DVec3 spring_N = points.empty() ? law_.update(contact_, pose, dt_s) : law_.update(contact_, points, pose, dt_s);
   signs.demand_N = law_.demand_N();

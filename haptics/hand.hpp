@@ -26,7 +26,7 @@ struct HandOptions {
 struct TickConditions {
   bool forcesOn = true;     ///< the user wants forces
   double known = 1;         ///< TickSigns::known
-  bool isChanging = false;  ///< ForceLaw::setChanging(); the motion of the surface is then the work of others
+  bool isChanging = false;  ///< others change the surface here: its motion is then their work
 };
 
 /// Results of a hand's session beside its rows.

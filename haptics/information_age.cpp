@@ -10,7 +10,7 @@ namespace {
 constexpr double kFull_s = 1, kAgeFade_s = 1;
 constexpr double kRoundTrips = 2.5;
 constexpr double kLongestTrip_s = 2, kUnknownTrip_s = 1;
-/// From the offer of a change until its force has risen (ForceLaw::setChanging()).
+/// From the offer of a change until its force has risen.
 constexpr double kChanging_s = 0.1;
 
 double seconds(InformationAge::Clock::rep ticks) {

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// Rate at which a limited force returns: as for changes of others (ForceLaw::setChanging()).
+/// Rate at which a limited force returns: that of a surface that changes (ForceLaw).
 constexpr double kReturn_N_per_s = 60;
 /// If no energy is left, none is taken in either, since nothing resists the hand. So a hand that sinks in, farther than
 /// the noise of encoders, gets a small force to press against, at a small cost.

@@ -16,8 +16,6 @@ class RateEstimate {
   DVec3 add(const DVec3& value, double dt_s) noexcept;
 
   void reset() noexcept { count_ = 0; }
-  /// Whether there was a value since the last reset().
-  bool isKnown() const noexcept { return count_ > 0; }
 
  private:
   static constexpr std::size_t kMax = 16;  // ticks in a difference: a millisecond up to 16 kHz

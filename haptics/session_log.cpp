@@ -153,6 +153,11 @@ void LogReader::readHeader() {
   }
   if (whole) return;
   if (!isThere) throw FileError(file_, "is not a session log; record a session to get one");
+  if (first.version == session_file::kOtherForceLaw)
+    throw FileError(file_,
+                    fmt::format("is a session log of version {}; the force law has changed since, so that its forces "
+                                "would not be found again; use the palpate that wrote it",
+                                first.version));
   if (first.version != session_file::kVersion)
     throw FileError(
         file_, fmt::format("is a session log of version {}, and this palpate reads version {}; use the palpate that "

@@ -60,7 +60,9 @@ namespace session_file {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> kMagic{'p', 'a', 'l', 'p', 'l', 'o', 'g', '\n'};
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
+/// The last version with the same layout and another force law, under which its forces were recorded.
+constexpr std::uint32_t kOtherForceLaw = 3;
 
 struct Header {
   std::array<char, 8> magic = kMagic;

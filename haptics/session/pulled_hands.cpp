@@ -68,7 +68,6 @@ void PulledHands::feel(std::size_t hand, const Contact& answer, const Pose& pose
   tick = {.contact = answer};
   if (!isSane(answer)) tick.contact = {.proxy = pose.hip, .lost = answer.lost};
   ForceLaw& law = laws_[hand];
-  if (parts_.known) law.setChanging(parts_.known->isChanging());
   const std::span<const PointContact> points = parts_.backend.points(hand);
   tick.force_N = points.empty() ? law.update(tick.contact, pose, dt_s) : law.update(tick.contact, points, pose, dt_s);
   tick.torque_mNm = law.torque_mNm();

@@ -128,7 +128,7 @@ TEST_CASE("a log of an older version is refused with both versions") {
   std::memcpy(text.data(), &header, sizeof header);
   write(folder / "log", text + "a text  ");
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "log"),
-                       doctest::Contains("is a session log of version 2, and this palpate reads version 3"), FileError);
+                       doctest::Contains("is a session log of version 2, and this palpate reads version 4"), FileError);
 }
 
 }  // namespace palpate::session_damage_test

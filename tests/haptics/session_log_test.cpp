@@ -48,6 +48,10 @@ TEST_CASE("a missing log, another file and another version are refused with a re
   for (const std::size_t header : {0u, 32u}) newer[header + 8] = 9;
   write(folder / "bad", newer);
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("version 9"), FileError);
+  for (const std::size_t header : {0u, 32u}) newer[header + 8] = 3;
+  write(folder / "bad", newer);
+  CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("version 3; the force law has changed"),
+                       FileError);
   std::string huge = contentOf(folder / "log");
   for (const std::size_t header : {0u, 32u}) std::memset(huge.data() + header + 12, 0xFF, 4);
   write(folder / "bad", huge);
