@@ -52,17 +52,20 @@ void ForceLaw::reset() noexcept {
 }
 
 // On a surface at rest, a spring and a damper with this motion of the hand would change by as much, in the other
-// direction. A point that touches nothing has no damper.
+// direction. A point that touches nothing has no damper, and one that begins to touch has it from the second tick on.
 void ForceLaw::move(Point& point, const DVec3& hip, bool touching, double share, double dt_s) noexcept {
   const DVec3 hip_mm = hip * scale_.mm_per_unit;
-  if (!touching) point.stretch.reset(), point.hand.reset();
-  const DVec3 hand_mm_per_s = touching ? point.hand.add(hip_mm, dt_s) : DVec3(0);
-  const DVec3 change_N = share * (options_.stiffness_N_per_mm * (hip_mm - point.hip_mm) +
-                                  options_.damping_N_s_per_mm * (hand_mm_per_s - point.hand_mm_per_s));
-  hand_.along_N += change_N;
-  hand_.most_N += glm::length(change_N);
+  DVec3 change_N = options_.stiffness_N_per_mm * (hip_mm - point.hip_mm);
+  if (touching) {
+    const DVec3 last_mm_per_s = std::exchange(point.hand_mm_per_s, point.hand.add(hip_mm, dt_s));
+    change_N += options_.damping_N_s_per_mm * (point.hand_mm_per_s - last_mm_per_s);
+  } else {
+    point.stretch.reset(), point.hand.reset();
+    point.hand_mm_per_s = DVec3(0);
+  }
+  hand_.along_N += share * change_N;
+  hand_.most_N += share * glm::length(change_N);
   point.hip_mm = hip_mm;
-  point.hand_mm_per_s = hand_mm_per_s;
 }
 
 // F = k dx + d dx', dx from the HIP to the proxy (god-object with a virtual coupling; Zilles, Salisbury 1995). dx' is a
