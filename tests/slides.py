@@ -9,7 +9,7 @@ chosen at random and judged by the points around them: thin (the other side is w
 Prints a line per program and kind of place:
   jumps      tracks with a tick that changes the force by more than 60 N/s and the hand's motion
   fall       the largest change in a tick beyond the hand's motion, N
-  lost       tracks in which contact ends in a tick although the proxy is more than 0.3 mm away from the hand
+  lost       tracks in which contact ends in a tick although the hand is more than 0.3 mm deep below the surface there
   turned     tracks in which the normal of a contact turns by more than a right angle in a tick
 """
 
@@ -200,7 +200,8 @@ def judged(rows, cloud, span):
         fall = math.sqrt(dot(change, change)) - hand
         result["fall"] = max(result["fall"], fall)
         result["jumps"] |= fall > SURFACE_N + 1e-4
-        result["lost"] |= bool(before[14]) and not row[14] and before[13] > 0.3
+        deep = cloud.scale * dot(sub(before[4:7], row[1:4]), before[7:10])
+        result["lost"] |= bool(before[14]) and not row[14] and deep > 0.3
         result["turned"] |= bool(before[14]) and bool(row[14]) and dot(row[7:10], before[7:10]) < 0
     return result
 

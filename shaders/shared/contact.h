@@ -62,6 +62,12 @@ const float kConvergence = 1e-5f;  // of the support radius: maximum step of a c
 // smaller value costs another evaluation, and a larger one is felt as a ripple.
 const float kLastStep = 1e-4f;
 const float kLongestStep = 0.5f;      // of the support radius: for the proxy and for the sub-steps of the HIP
+// The normal at the proxy turns in a tick by at most a radian for this much motion of the hand, in support radii, and by
+// the angle that it may turn by while the hand rests. Less lets a deep proxy run around ridges and thin parts, more makes
+// it lag on edges.
+const float kTurnWay = 0.25f;
+const float kRestingTurn = 0.005f;
+const float kShortestReturn = 5e-4f;  // of the support radius: to where the normal had not turned too far
 const float kStaticFriction = 1.25f;  // times the coefficient of sliding, before a held proxy slides
 const uint kMaxSubsteps = 16;  // a HIP that jumps further than these reach may pass through a thin sheet undetected
 

@@ -108,6 +108,11 @@ PALPATE_STRUCT(ProxyTick) {
   PALPATE_VEC3 before;  // the place of the last sub-step
   PALPATE_VEC3 proxy;
   PALPATE_OF(Tracking) tracking;
+  PALPATE_VEC3 felt;  // normal of the felt face where the proxy was; zero if it is unknown
+  PALPATE_VEC3 kept;  // the last place at which the normal had not turned too far
+  Real leastCosine;   // between that normal and one that has turned as far as it may
+  bool keeps;         // there was such a place in this tick
+  bool turnsTooFar;   // the proxy is on its way back to `kept`, or there
   uint purpose;
   uint substep;  // from 1 on
   uint trackingSteps;
@@ -124,9 +129,14 @@ PALPATE_FORMULA PALPATE_OF(ProxyTick)
     tickFrom(bool touching, bool sticking, uint face, PALPATE_VEC3 facing, PALPATE_VEC3 lastHip, PALPATE_VEC3 proxy,
              PALPATE_VEC3 hip, Real radius, Real friction) {
   PALPATE_VEC3 slide = PALPATE_VEC3(Real(0.0));
-  if (touching && facing != PALPATE_VEC3(Real(0.0)))
-    slide = slideAlong(face == kFaceBehind ? -facing : facing, proxy - hip, friction, sticking);
   PALPATE_OF(ProxyTick) tick;
+  tick.felt = face == kFaceBehind ? -facing : facing;
+  if (touching && facing != PALPATE_VEC3(Real(0.0))) slide = slideAlong(tick.felt, proxy - hip, friction, sticking);
+  tick.kept = proxy;
+  const Real turn = Real(kRestingTurn) + distance(lastHip, hip) / (Real(kTurnWay) * radius);
+  tick.leastCosine = cos(min(turn, Real(3.0)));
+  tick.keeps = false;
+  tick.turnsTooFar = false;
   tick.tracking = trackingFrom(slide, sticking, Real(kConvergence) * radius);
   tick.proxy = tick.tracking.slid ? proxy + shortened(slide, Real(kLongestStep) * radius) : proxy;
   tick.at = tick.proxy;
@@ -141,11 +151,33 @@ PALPATE_FORMULA PALPATE_OF(ProxyTick)
   return tick;
 }
 
-// Touching: takes the step that the surface at the proxy requires. False if the proxy rests.
+// Touching: takes the step that the surface at the proxy requires. False if the proxy rests. Where the hand is deeper
+// than the radius of a ridge or of a thin part's rim, a proxy without friction would run around it at once, to the side
+// from which the hand did not come. So the hand's motion limits how far the normal turns.
 PALPATE_FORMULA bool takesStep(PALPATE_INOUT(PALPATE_OF(ProxyTick)) tick, PALPATE_OF(Surface) surface, PALPATE_VEC3 hip,
                                Real radius, Real friction, bool spent) {
   if (tick.trackingSteps == kMaxTrackingSteps || !surface.defined) return false;
   const Real arrived = Real(kConvergence) * radius;
+  if (dot(tick.felt, surface.normal) < tick.leastCosine) {
+    const PALPATE_VEC3 back = Real(0.5) * (tick.proxy - tick.kept);
+    tick.turnsTooFar = length(back) >= Real(kShortestReturn) * radius;
+    if (tick.turnsTooFar) {
+      tick.proxy -= back;
+      ++tick.trackingSteps;
+      return !spent;
+    }
+    if (tick.keeps) {
+      tick.turnsTooFar = true;
+      return false;
+    }
+    tick.felt = surface.normal;  // the surface itself has turned
+  }
+  if (tick.turnsTooFar) {
+    tick.proxy -= surface.distance * surface.normal;
+    return false;
+  }
+  tick.kept = tick.proxy;
+  tick.keeps = true;
   const PALPATE_OF(TrackingStep) step =
       nextStep(tick.tracking, tick.proxy - hip, surface.normal, surface.distance, friction);
   tick.truncated = step.size >= arrived && spent;
@@ -168,6 +200,8 @@ PALPATE_FORMULA bool goesOn(PALPATE_INOUT(PALPATE_OF(ProxyTick)) tick, PALPATE_O
       tick.sticking = true;
       tick.tracking = trackingFrom(PALPATE_VEC3(Real(0.0)), true, Real(kConvergence) * radius);
       tick.proxy = tick.before;
+      tick.felt = tick.face == kFaceBehind ? -surface.normal : surface.normal;
+      tick.kept = tick.proxy;
       tick.at = tick.proxy;
       return true;
     }
@@ -181,6 +215,12 @@ PALPATE_FORMULA bool goesOn(PALPATE_INOUT(PALPATE_OF(ProxyTick)) tick, PALPATE_O
   }
   tick.sticking = !tick.tracking.slid;
   if (surface.defined && dot(tick.proxy - hip, surface.normal) >= Real(0.0)) return false;
+  if (tick.turnsTooFar && !spent) {  // the hand has come out past the edge: the proxy follows
+    tick.turnsTooFar = false;
+    tick.leastCosine = Real(-1.0);
+    tick.at = tick.proxy;
+    return true;
+  }
   if (!surface.defined) tick.face = kFaceInside;  // lost inside: not caught again on the way out
   tick.purpose = kLeaves;
   tick.touching = false;

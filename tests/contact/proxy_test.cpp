@@ -53,6 +53,53 @@ constexpr std::array<SurfaceKind, 3> kKinds{SurfaceKind::average, SurfaceKind::s
 
 }  // namespace
 
+TEST_CASE("a hand deeper than a ridge is wide does not lose it while it rests, and not within a tick while it moves") {
+  class Ridge final : public SurfaceField {  // along y, a cylinder with a radius of 1
+   public:
+    SurfaceSample surface(const DVec3& x, const DVec3&) const override {
+      const double out = std::hypot(x.x, x.z);
+      return {.defined = true, .distance = out - 1, .normal = {x.x / out, 0, x.z / out}, .neighbours = 100};
+    }
+  } ridge;
+  ProxyTracker proxy(2);
+  double most = 0;
+  DVec3 normal(0, 0, 1);
+  const auto follow = [&](const DVec3& hip) {
+    proxy.follow(ridge, hip);
+    if (proxy.touching()) most = std::max(most, std::acos(std::min(1.0, glm::dot(normal, proxy.surface().normal))));
+    normal = proxy.surface().normal;
+  };
+  for (int i = 0; i <= 170; ++i) follow({0.05, 0, 3 - 0.02 * i});
+  REQUIRE(proxy.touching());
+  CHECK(most < 0.06);  // 0.02 of motion, and 0.005 at rest
+  const DVec3 before = normal;
+  for (int i = 0; i < 20; ++i) follow({0.05, 0, -0.4});
+  CHECK(proxy.touching());
+  CHECK(glm::dot(before, normal) > std::cos(0.11));
+  // In the end it is beside the hand.
+  for (int i = 0; i < 1000; ++i) follow({0.05, 0, -0.4});
+  CHECK(proxy.touching());
+  CHECK(glm::distance(proxy.proxy(), DVec3(0.05, 0, -0.4)) == near(1 - std::hypot(0.05, 0.4), 1e-3));
+}
+
+TEST_CASE("a surface that turns under a resting hand takes the proxy along in the same tick") {
+  class Turning final : public SurfaceField {
+   public:
+    DVec3 normal{0, 0, 1};
+    SurfaceSample surface(const DVec3& x, const DVec3&) const override {
+      return {.defined = true, .distance = glm::dot(x, normal), .normal = normal, .neighbours = 100};
+    }
+  } plane;
+  ProxyTracker proxy(2);
+  proxy.follow(plane, {0, 0, 0.1});
+  for (int i = 0; i <= 10; ++i) proxy.follow(plane, {0, 0, -0.05 * i});
+  for (int i = 1; i <= 10; ++i) {
+    plane.normal = {std::sin(0.05 * i), 0, std::cos(0.05 * i)};
+    proxy.follow(plane, {0, 0, -0.5});
+    CHECK(glm::distance(proxy.proxy(), DVec3(0, 0, -0.5) + 0.5 * plane.normal.z * plane.normal) < 1e-3);
+  }
+}
+
 TEST_CASE("the proxy follows the exact god-object") {
   for (const std::string_view name : {"sphere", "torus", "bumpy-sphere"}) {
     CAPTURE(name);
