@@ -8,6 +8,7 @@ Hands 3 mm deep, in virtual time: slides straight along the tangent at 20 mm/s, 
 chosen at random and judged by the points around them: thin (the other side is within 4 mm), hollow, edge or flat.
 Prints a line per program and kind of place:
   jumps      tracks with a tick that changes the force by more than 60 N/s and the hand's motion
+  knocks     tracks in which that exceeds the hand's motion by more than 0.3 N
   fall       the largest change in a tick beyond the hand's motion, N
   lost       tracks in which contact ends in a tick although the hand is more than 0.3 mm deep below the surface there
   turned     tracks in which the normal of a contact turns by more than a right angle in a tick
@@ -29,6 +30,7 @@ MODELS = ["horse_48485", "armadillo_43243", "bunny_34834", "dragon_res3", "lion_
 STIFFNESS, DAMPING = 0.8, 0.002  # N/mm, N s/mm; the defaults
 SURFACE_N = 0.06  # in a tick of 1 ms
 DEEP, CLEAR, WAY, SPEED = 3.0, 8.0, 10.0, 20.0  # mm, mm/s
+COUNTED = ["jumps", "knocks", "lost", "turned"]
 KINDS = ["thin", "hollow", "edge", "flat"]
 
 
@@ -128,7 +130,8 @@ class Cloud:
 
     def is_free(self, p, n):
         """Whether the way out along the normal is free."""
-        return all(next(self.near(along(p, s, n), min(1.5, 0.7 * s)), None) is None for s in (1, 2, 3, 4.5, 6, 7, CLEAR))
+        steps = (1, 2, 3, 4.5, 6, 7, CLEAR)
+        return all(next(self.near(along(p, s, n), min(1.5, 0.7 * s)), None) is None for s in steps)
 
 
 def places(cloud, count, rng):
@@ -159,8 +162,8 @@ def path_over(cloud, where):
         keys += [(t, away), (t + 0.1, away)]
         t += 0.1 + 0.001  # farther in a tick than a path is traced
         out, deep = along(p, CLEAR, n), along(p, -DEEP, n)
-        pressed = t + 0.01 + (CLEAR + DEEP) / 60
-        keys += [(t, out), (t + 0.01, out), (pressed, deep), (pressed + 0.05, deep)]
+        pressed = t + 0.06 + (CLEAR + DEEP) / 60
+        keys += [(t, out), (t + 0.06, out), (pressed, deep), (pressed + 0.05, deep)]
         left = pressed + 0.05 + (WAY / SPEED if number % 4 else 0.3)
         there = along(deep, WAY if number % 4 else 0, tangent)
         keys.append((left, there))
@@ -186,8 +189,10 @@ def played(program, file, cloud, keys, backend):
 
 
 def judged(rows, cloud, span):
-    result = {"jumps": 0, "fall": 0.0, "lost": 0, "turned": 0}
+    result = {"jumps": 0, "knocks": 0, "fall": 0.0, "lost": 0, "turned": 0}
     first, last = (round(1000 * t) for t in span)
+    # The hand may have been put on another surface on its way to the place.
+    first = next((i for i in range(first, last) if not rows[i][14] and not any(rows[i][10:13])), last)
     for i in range(first + 2, last):
         row, before, earlier = rows[i], rows[i - 1], rows[i - 2]
         scaled = [tuple(cloud.scale * value for value in each[1:4]) for each in (row, before, earlier)]
@@ -199,6 +204,7 @@ def judged(rows, cloud, span):
         change = sub(row[10:13], before[10:13])
         fall = math.sqrt(dot(change, change)) - hand
         result["fall"] = max(result["fall"], fall)
+        result["knocks"] |= fall > 0.3
         result["jumps"] |= fall > SURFACE_N + 1e-4
         deep = cloud.scale * dot(sub(before[4:7], row[1:4]), before[7:10])
         result["lost"] |= bool(before[14]) and not row[14] and deep > 0.3
@@ -230,21 +236,18 @@ def main():
             rows = played(program, file, cloud, keys, args.backend)
             for number, ((kind, p, _, _), span) in enumerate(zip(where, spans)):
                 result = judged(rows, cloud, span)
-                totals[program][kind].update({"tracks": 1, **{key: result[key] for key in ("jumps", "lost", "turned")}})
+                totals[program][kind].update({"tracks": 1, **{key: result[key] for key in COUNTED}})
                 falls[program, kind] = max(falls[program, kind], result["fall"])
-                if args.list and (result["jumps"] or result["lost"] or result["turned"]):
-                    print(f"{program} {name} {number} {kind} {'slide' if number % 4 else 'press'} from {span[0]:.3f} s: "
-                          f"{result}")
+                if args.list and any(result[key] for key in COUNTED):
+                    how = "slide" if number % 4 else "press"
+                    print(f"{program} {name} {number} {kind} {how} from {span[0]:.3f} s: {result}")
     for program in args.programs:
         print(f"{program}, {args.backend}")
-        print(f"  {'place':8} {'tracks':>6} {'jumps':>6} {'fall, N':>8} {'lost':>6} {'turned':>6}")
-        for kind in KINDS:
-            total = totals[program][kind]
-            print(f"  {kind:8} {total['tracks']:6} {total['jumps']:6} {falls[program, kind]:8.3f} {total['lost']:6} "
-                  f"{total['turned']:6}")
-        every = sum(totals[program].values(), collections.Counter())
-        print(f"  {'all':8} {every['tracks']:6} {every['jumps']:6} {max(falls[program, k] for k in KINDS):8.3f} "
-              f"{every['lost']:6} {every['turned']:6}")
+        print(f"  {'place':8} {'tracks':>6} " + " ".join(f"{key:>6}" for key in COUNTED) + f" {'fall, N':>8}")
+        for name, kinds in [*((kind, [kind]) for kind in KINDS), ("all", KINDS)]:
+            total = sum((totals[program][kind] for kind in kinds), collections.Counter())
+            print(f"  {name:8} {total['tracks']:6} " + " ".join(f"{total[key]:6}" for key in COUNTED) +
+                  f" {max(falls[program, kind] for kind in kinds):8.3f}")
 
 
 if __name__ == "__main__":
