@@ -61,10 +61,10 @@ const float kConvergence = 1e-5f;  // of the support radius: maximum step of a c
 // In support radii: a step smaller than this is the last. Each step is at most a quarter of the one before, so a
 // smaller value costs another evaluation, and a larger one is felt as a ripple.
 const float kLastStep = 1e-4f;
-const float kLongestStep = 0.5f;      // of the support radius: for the proxy and for the sub-steps of the HIP
-// The normal at the proxy turns in a tick by at most a radian for this much motion of the hand, in support radii, and by
-// the angle that it may turn by while the hand rests. Less lets a deep proxy run around ridges and thin parts, more makes
-// it lag on edges.
+const float kLongestStep = 0.5f;  // of the support radius: for the proxy and for the sub-steps of the HIP
+// The normal at the proxy turns in a tick by at most a radian for this much motion of the hand, in support radii, and
+// kRestingTurn while it rests. A smaller way lets a deep proxy run around ridges and thin parts, a longer one makes it
+// lag on edges.
 const float kTurnWay = 0.25f;
 const float kRestingTurn = 0.005f;
 const float kShortestReturn = 5e-4f;  // of the support radius: to where the normal had not turned too far
