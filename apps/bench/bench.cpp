@@ -223,6 +223,7 @@ void listBenchResults(std::vector<ResultFacts>& all) {
                                                            {"bench coexist", &listCoexistBenchResults},
                                                            {"bench stream", &listStreamBenchResults},
                                                            {"bench locality", &listLocalityBenchResults},
+                                                           {"bench strokes", &listStrokesBenchResults},
                                                            {"bench matter", &listMatterBenchResults},
                                                            {"bench read", &listReadBenchResults},
                                                            {"bench share", &listShareBenchResults}}) {
@@ -247,6 +248,7 @@ void addBench(Options& app, Context& context, Command& command) {
   addCoexistBench(sub, context, command);
   addStreamBench(sub, context, command);
   addLocalityBench(sub, context, command);
+  addStrokesBench(sub, context, command);
   addMatterBench(sub, context, command);
   addReadBench(sub, context, command);
   addShareBench(sub, context, command);

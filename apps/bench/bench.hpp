@@ -129,6 +129,7 @@ void listSplatBenchResults(std::vector<ResultFacts>& all);
 void listCoexistBenchResults(std::vector<ResultFacts>& all);
 void listStreamBenchResults(std::vector<ResultFacts>& all);
 void listLocalityBenchResults(std::vector<ResultFacts>& all);
+void listStrokesBenchResults(std::vector<ResultFacts>& all);
 void listMatterBenchResults(std::vector<ResultFacts>& all);
 void listReadBenchResults(std::vector<ResultFacts>& all);
 void listShareBenchResults(std::vector<ResultFacts>& all);
@@ -157,5 +158,8 @@ void addReadBench(Options& bench, Context& context, Command& command);
 /// Changes that edits must not make, on models and on clouds as uneven as real ones: strokes of each brush, judged only
 /// by the points before and after (engine/study/edit_judge.hpp).
 void addLocalityBench(Options& bench, Context& context, Command& command);
+/// Random strokes of every brush, half of them on thin parts, folds and borders, judged by the points before and after
+/// (apps/bench/stroke_judge.hpp).
+void addStrokesBench(Options& bench, Context& context, Command& command);
 
 }  // namespace palpate

@@ -1,0 +1,476 @@
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "apps/bench/bench.hpp"
+#include "apps/bench/stroke_judge.hpp"
+#include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "engine/study/edit_aftermath.hpp"
+#include "haptics/session/sculpting_hand.hpp"
+#include "haptics/surface_walk.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kHandRate_Hz = 1000;
+constexpr double kLifted_mm = 4, kWalkStep_mm = 0.5;
+constexpr double kUsualDepth_mm = 2, kUsualSpeed_mm_per_s = 50;
+constexpr std::size_t kMostHandTicks = 2500, kMaxAirTicks = 400, kQuietTicks = 24;
+constexpr std::size_t kMostStroked = 100'000, kPlaceTries = 300, kSavedWorst = 20;
+constexpr std::size_t kNumbersPerStroke = 4096;  // random numbers that a stroke may use
+constexpr double kNoSide = std::numeric_limits<double>::infinity();
+
+struct StrokesOptions : BenchOptions {
+  std::int64_t strokes = 500, only = -1;
+  std::string seed = "1", saveWorst;
+  std::vector<std::string> brushes{"push", "carve", "inflate", "smooth", "flatten", "grab"};
+};
+
+struct StrokeResult {
+  std::size_t number = 0;
+  std::string subject, brush, place;
+  BrushConfig config;
+  double depth_mm = 0, speed_mm_per_s = 0, drag_mm = 0, thickness_mm = 0, wall_s = 0;
+  std::size_t ticks = 0;
+  DVec3 start{0};
+  StrokeVerdict verdict;
+};
+
+// A model, and the kinds of place on it.
+class StrokeModel {
+ public:
+  StrokeModel(Context& context, const std::string& file, EstimateOn where)
+      : name_(std::filesystem::path(file).stem().string()),
+        model_(capped(context, loadModel(context, {.file = file}, where))),
+        surface_(model_.cloud, kWalkedPoints),
+        judge_(model_.cloud) {}
+
+  const std::string& name() const { return name_; }
+  const Model& model() const { return model_; }
+  const ThinnedCloud& surface() const { return surface_; }
+  StrokeJudge& judge() { return judge_; }
+
+  struct Place {
+    std::string_view kind;
+    SurfaceSpot spot;
+    double thickness_mm = kNoSide;
+  };
+  /// A place around a point, for a ball of this radius, mm.
+  Place placeAt(std::uint32_t point, double radius_mm) {
+    const DVec3 p(model_.cloud.positions[point]), n(model_.cloud.normals[point]);
+    const double radius = model_.scale.toUnits(radius_mm), h = judge_.spacingAt(p, n);
+    found_.clear();
+    judge_.tree().near(p, 2 * radius, found_);
+    Place place{.kind = "flat", .spot = {.position = p, .normal = n}};
+    double thickness = kNoSide, gap = kNoSide;
+    std::size_t turned = 0, near = 0;
+    double over = 0;
+    std::vector<double> angles;
+    const Frame3 frame = frameAround(n);
+    for (const std::uint32_t i : found_) {
+      const DVec3 offset = DVec3(model_.cloud.positions[i]) - p;
+      const double up = glm::dot(offset, n), side = glm::length(offset - up * n);
+      const double facing = glm::dot(DVec3(model_.cloud.normals[i]), n);
+      if (facing < -0.5 && side < std::max(1.5 * h, 0.2 * radius)) {
+        if (up < 0) thickness = std::min(thickness, -up);
+        if (up > 0.5 * h) gap = std::min(gap, up);
+      }
+      const double distance = glm::length(offset);
+      if (distance < 4 * h && facing > 0.3 && side > 0)
+        angles.push_back(std::atan2(glm::dot(offset, frame.u), glm::dot(offset, frame.v)));
+      if (distance > radius || facing < -0.5) continue;
+      ++near;
+      if (facing < 0.4) {
+        ++turned;
+        over += up > 0 ? 1 : -1;
+      }
+    }
+    std::ranges::sort(angles);
+    double widest = angles.empty() ? 2 * std::numbers::pi : angles.front() + 2 * std::numbers::pi - angles.back();
+    for (std::size_t k = 1; k < angles.size(); ++k) widest = std::max(widest, angles[k] - angles[k - 1]);
+    place.thickness_mm = model_.scale.toMm(thickness);
+    const bool turns = turned > 4 && 10 * turned > near;
+    if (widest > 2.4)
+      place.kind = "border";
+    else if (thickness < 2 * radius)
+      place.kind = "thin";
+    else if (gap < 2 * radius || (turns && over > 0))
+      place.kind = "fold";
+    else if (turns)
+      place.kind = "edge";
+    return place;
+  }
+
+ private:
+  static Model capped(Context& context, Model model) {
+    const PointCloud& all = model.cloud;
+    if (all.size() <= kMostStroked) return model;
+    PointCloud some;
+    some.origin = all.origin;
+    const std::size_t every = (all.size() + kMostStroked - 1) / kMostStroked;
+    for (std::size_t run = 0; run < all.size(); run += every) {
+      const std::size_t i = std::min(run + randomBits(1, run) % every, all.size() - 1);
+      some.positions.push_back(all.positions[i]);
+      some.normals.push_back(all.normals[i]);
+    }
+    model.cloud = std::move(some);
+    const SpacingRange spacing = spacingRange(model.cloud, context.threads());
+    model.spacing = spacing.mean, model.wideSpacing = spacing.wide, model.noise = spacing.noise;
+    return model;
+  }
+
+  std::string name_;
+  Model model_;
+  ThinnedCloud surface_;
+  StrokeJudge judge_;
+  std::vector<std::uint32_t> found_;
+};
+
+std::uint64_t numberIn(const std::string& hex) {
+  std::uint64_t number = 0;
+  const char* begin = hex.data() + (hex.starts_with("0x") ? 2 : 0);
+  const char* end = hex.data() + hex.size();
+  const auto [at, fault] = std::from_chars(begin, end, number, 16);
+  if (fault != std::errc() || at != end) throw UsageError("--seed: {} is not a hexadecimal number", hex);
+  return number;
+}
+
+// A stroke as the seed and its number say.
+struct PlannedStroke {
+  StrokeResult result;
+  PlayedStroke played;
+  std::vector<DVec3> hips;  // one for each tick, from the cloud's origin
+};
+
+PlannedStroke planStroke(StrokeModel& subject, const StrokesOptions& options, std::uint64_t seed, std::size_t number) {
+  const ModelScale& scale = subject.model().scale;
+  std::uint64_t next = number * kNumbersPerStroke;
+  const auto random = [&] { return randomUnit(seed, next++); };
+  const auto between = [&](double least, double most) { return least * std::pow(most / least, random()); };
+  PlannedStroke plan;
+  StrokeResult& result = plan.result;
+  result.number = number;
+  result.subject = subject.name();
+  result.brush = options.brushes[static_cast<std::size_t>(random() * static_cast<double>(options.brushes.size()))];
+  result.config.kind = *valueNamed(kBrushKinds, result.brush);
+  result.depth_mm = kUsualDepth_mm, result.speed_mm_per_s = kUsualSpeed_mm_per_s;
+  if (random() < 0.5) {
+    result.config.radius_mm *= between(0.5, 2);
+    result.depth_mm = between(1, 3 * result.config.radius_mm);
+    result.speed_mm_per_s = between(5, 500);
+  }
+  result.drag_mm = std::max(0.0, random() * 1.2 - 0.2) * 3 * 2 * result.config.radius_mm;
+  const bool odd = random() < 0.5;
+  StrokeModel::Place place;
+  for (std::size_t tries = 0; tries < kPlaceTries; ++tries) {
+    const auto point = static_cast<std::uint32_t>(random() * static_cast<double>(subject.model().cloud.size()));
+    place = subject.placeAt(point, result.config.radius_mm);
+    if (!odd || place.kind == "thin" || place.kind == "fold" || place.kind == "border") break;
+  }
+  result.place = place.kind;
+  result.thickness_mm = place.thickness_mm;
+  result.start = place.spot.position;
+  const SurfaceSpot start = settle(subject.surface(), place.spot.position, place.spot.normal);
+  const double angle = 2 * std::numbers::pi * random();
+  const Frame3 frame = frameAround(start.normal);
+  // A slow stroke is not longer than the bench can wait for.
+  const double longest = result.speed_mm_per_s * kMostHandTicks / kHandRate_Hz;
+  result.speed_mm_per_s =
+      std::max(result.speed_mm_per_s, 2 * (result.depth_mm + kLifted_mm) * kHandRate_Hz / kMostHandTicks);
+  result.drag_mm = std::min(result.drag_mm, longest);
+  std::vector<SurfaceSpot> way{start};
+  const auto spots = walk(subject.surface(), start, std::cos(angle) * frame.u + std::sin(angle) * frame.v,
+                          scale.toUnits(kWalkStep_mm), static_cast<std::size_t>(result.drag_mm / kWalkStep_mm));
+  double beyond_mm = 0;  // over a border the hand goes on by a radius
+  for (const SurfaceSpot& spot : spots) {
+    beyond_mm = spot.supported ? 0 : beyond_mm + kWalkStep_mm;
+    if (beyond_mm > result.config.radius_mm) break;
+    way.push_back(spot);
+  }
+  result.drag_mm = static_cast<double>(way.size() - 1) * kWalkStep_mm;
+
+  const auto at = [&](const SurfaceSpot& spot, double height_mm) {
+    return spot.position + scale.toUnits(height_mm) * spot.normal;
+  };
+  plan.hips.push_back(at(way.front(), kLifted_mm));
+  const auto moveTo = [&](const DVec3& hip, double speed_mm_per_s) {
+    const DVec3 from = plan.hips.back();
+    const auto ticks =
+        static_cast<int>(std::ceil(scale.toMm(glm::distance(from, hip)) / speed_mm_per_s * kHandRate_Hz - 1e-6));
+    for (int k = 1; k <= ticks; ++k) plan.hips.push_back(glm::mix(from, hip, static_cast<double>(k) / ticks));
+  };
+  for (const SurfaceSpot& spot : way) moveTo(at(spot, -result.depth_mm), result.speed_mm_per_s);
+  plan.hips.insert(plan.hips.end(), 100, plan.hips.back());
+  moveTo(at(way.back(), kLifted_mm), std::max(result.speed_mm_per_s, 100.0));
+  plan.hips.insert(plan.hips.end(), 100, plan.hips.back());
+  result.ticks = plan.hips.size();
+
+  plan.played = {.brush = result.config.kind,
+                 .radius_mm = result.config.radius_mm,
+                 .depth_mm = result.depth_mm,
+                 .yield_mm = result.config.yieldDepth_mm,
+                 .drag_mm = result.drag_mm,
+                 .thickness_mm = result.thickness_mm,
+                 .isOpen = result.place == "border" || result.place == "thin",
+                 .mm_per_unit = scale.mm_per_unit,
+                 .spots = {},
+                 .normals = {}};
+  for (const SurfaceSpot& spot : way) {
+    plan.played.spots.push_back(spot.position);
+    plan.played.normals.push_back(spot.normal);
+  }
+  return plan;
+}
+
+void save(const std::filesystem::path& folder, const StrokeModel& subject, std::span<const PointState> after,
+          const PlannedStroke& plan) {
+  std::filesystem::create_directories(folder);
+  const std::string stem =
+      fmt::format("{:04}_{}_{}_{}", plan.result.number, plan.result.subject, plan.result.brush, plan.result.place);
+  const auto file = [&](std::string_view end) { return folder / (stem + std::string(end)); };
+  writeCloud(file("_before.ply"), subject.model().cloud);
+  writeCloud(file("_after.ply"), editedCloud(subject.model().cloud, after));
+  std::ofstream path(file("_path.csv"));
+  path << "t_s,x,y,z\n";
+  for (std::size_t k = 0; k < plan.hips.size(); ++k) {
+    const DVec3 hip = subject.model().cloud.origin + plan.hips[k];
+    path << fmt::format("{:.3f},{:.9g},{:.9g},{:.9g}\n", static_cast<double>(k) / kHandRate_Hz, hip.x, hip.y, hip.z);
+  }
+  const DVec3 look = plan.played.spots.front(), normal = plan.played.normals.front();
+  std::ofstream(file("_place.txt")) << fmt::format("{} {} {} {} {} {} {} {} {} {} {}\n", look.x, look.y, look.z,
+                                                   normal.x, normal.y, normal.z, subject.model().scale.mm_per_unit,
+                                                   plan.result.config.radius_mm, plan.result.depth_mm,
+                                                   plan.result.drag_mm, fmt::join(plan.result.verdict.broken(), ","));
+}
+
+// Plays a stroke in virtual time, as the hand of a session, and judges it.
+void play(Context& context, StrokeModel& subject, const StrokesOptions& options, PlannedStroke& plan,
+          const std::string& saveTo) {
+  BenchBackend way = options.backend;
+  way.backend = options.backends.front();
+  Session session = startSession(context, subject.model(), way,
+                                 {.brush = plan.result.config, .rate_Hz = kHandRate_Hz, .journal = true});
+  const Stopwatch watch;
+  session.pull({});
+  const DVec3 origin = subject.model().cloud.origin;
+  std::uint64_t ticks = 0;
+  const auto tick = [&](const DVec3& hip) {
+    const Pose pose{.time_s = static_cast<double>(ticks++) / kHandRate_Hz, .hip = origin + hip};
+    const std::span<const PulledTick> answer = session.tick(std::span(&pose, 1));
+    if (!answer.front().contact.valid) session.finish();  // throws the back end's failure
+  };
+  for (const DVec3& hip : plan.hips) tick(hip);
+  for (std::size_t k = 0, quiet = 0; k < kMaxAirTicks && quiet < kQuietTicks; ++k) {
+    tick(plan.hips.back());
+    quiet = session.lastEdits().points.empty() ? quiet + 1 : 0;
+  }
+  session.endPulling();
+  session.finish();
+  plan.result.wall_s = watch.elapsed_s();
+  const auto after = session.journal()->points();
+  plan.result.verdict = subject.judge().judge(after, plan.played);
+  if (!saveTo.empty()) save(saveTo, subject, after, plan);
+}
+
+using Value = std::optional<Json>;
+
+constexpr Reported<StrokeResult> kStrokeRows[]{
+    {"number", "", "number of the stroke, for --only", field<&StrokeResult::number>},
+    {"subject", "", "model", field<&StrokeResult::subject>},
+    {"brush", "", "brush", field<&StrokeResult::brush>},
+    {"place", "", "flat, edge, thin, fold or border", field<&StrokeResult::place>},
+    {"radius_mm", "mm", "radius of the brush", [](const StrokeResult& r) -> Value { return r.config.radius_mm; }},
+    {"depth_mm", "mm", "depth of the HIP under the surface before", field<&StrokeResult::depth_mm>},
+    {"speed_mm_per_s", "mm/s", "speed of the hand", field<&StrokeResult::speed_mm_per_s>},
+    {"drag_mm", "mm", "way along the surface", field<&StrokeResult::drag_mm>},
+    {"thickness_mm", "mm", "of the solid under the start; null: no far side within a brush's diameter",
+     [](const StrokeResult& r) -> Value { return r.thickness_mm < kNoSide ? Json(r.thickness_mm) : Json(nullptr); }},
+    {"ticks", "", "ticks of the stroke", field<&StrokeResult::ticks>},
+    {"wall_s", "s", "time to play it", field<&StrokeResult::wall_s>},
+    {"changed", "", "points that moved, are new or were removed",
+     [](const StrokeResult& r) -> Value { return r.verdict.changed; }},
+    {"inserted", "", "points inserted", [](const StrokeResult& r) -> Value { return r.verdict.inserted; }},
+    {"removed", "", "points removed", [](const StrokeResult& r) -> Value { return r.verdict.removed; }},
+    {"region", "", "points at the changed ones after the stroke",
+     [](const StrokeResult& r) -> Value { return r.verdict.region; }},
+    {"region_before", "", "the same before", [](const StrokeResult& r) -> Value { return r.verdict.regionBefore; }},
+    {"needed", "", "points that the region may need", [](const StrokeResult& r) -> Value { return r.verdict.needed; }},
+    {"raised_mm", "mm", "largest height of a changed point above the surface before",
+     [](const StrokeResult& r) -> Value { return r.verdict.raised_mm; }},
+    {"raised_points", "", "points that are higher than they may be",
+     [](const StrokeResult& r) -> Value { return r.verdict.raisedPoints; }},
+    {"through", "", "of these, points above a side that faced away from theirs",
+     [](const StrokeResult& r) -> Value { return r.verdict.through; }},
+    {"turned", "", "normals against the surface of their neighbours",
+     [](const StrokeResult& r) -> Value { return r.verdict.turned; }},
+    {"turned_before", "", "the same before", [](const StrokeResult& r) -> Value { return r.verdict.turnedBefore; }},
+    {"shreds", "", "points with hardly a neighbour, or off the plane of their neighbours",
+     [](const StrokeResult& r) -> Value { return r.verdict.shreds; }},
+    {"shreds_before", "", "the same before", [](const StrokeResult& r) -> Value { return r.verdict.shredsBefore; }},
+    {"deepest_mm", "mm", "largest motion inwards", [](const StrokeResult& r) -> Value { return r.verdict.deepest_mm; }},
+    {"expected_mm", "mm", "depth less the yield depth",
+     [](const StrokeResult& r) -> Value { return r.verdict.expected_mm; }},
+    {"far_moved_mm", "mm", "largest motion of a point that faced away from the tool",
+     [](const StrokeResult& r) -> Value { return r.verdict.farMoved_mm; }},
+    {"pairs", "", "pairs of neighbours before", [](const StrokeResult& r) -> Value { return r.verdict.pairs; }},
+    {"folded", "", "of these, pairs that have passed each other",
+     [](const StrokeResult& r) -> Value { return r.verdict.folded; }},
+    {"broken", "", "criteria that the stroke fails", [](const StrokeResult& r) -> Value { return r.verdict.broken(); }},
+};
+
+struct StrokesResults {
+  std::vector<StrokeResult> strokes;
+  std::size_t broken() const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(strokes, [](const StrokeResult& s) { return !s.verdict.broken().empty(); }));
+  }
+};
+
+constexpr Reported<StrokesResults> kStrokesRows[]{
+    {"strokes", "", "one for each stroke",
+     [](const StrokesResults& r) -> Value { return arrayBy(kStrokeRows, r.strokes); }},
+    {"broken", "", "strokes that fail a criterion", [](const StrokesResults& r) -> Value { return r.broken(); }},
+};
+
+void printTable(std::FILE* out, const std::vector<StrokeResult>& strokes) {
+  std::map<std::pair<std::string, std::string>, std::vector<const StrokeResult*>> rows;
+  for (const StrokeResult& stroke : strokes) {
+    rows[{stroke.brush, stroke.place}].push_back(&stroke);
+    rows[{stroke.brush, "~ all"}].push_back(&stroke);
+    rows[{"~ all", stroke.place}].push_back(&stroke);
+    rows[{"~ all", "~ all"}].push_back(&stroke);
+  }
+  fmt::print(out, "\nstrokes that fail a criterion, by brush and kind of place\n{:<9}{:<8}{:>10}", "brush", "place",
+             "broken");
+  for (const std::string_view name : strokeCriteria()) fmt::print(out, "{:>10}", name);
+  fmt::print(out, "{:>9}{:>9}\n", "mean s", "most s");
+  for (const auto& [key, group] : rows) {
+    std::size_t broken = 0;
+    double sum_s = 0, most_s = 0;
+    std::map<std::string_view, std::size_t> fails;
+    for (const StrokeResult* stroke : group) {
+      const auto names = stroke->verdict.broken();
+      broken += !names.empty();
+      for (const std::string_view name : names) ++fails[name];
+      sum_s += stroke->wall_s, most_s = std::max(most_s, stroke->wall_s);
+    }
+    fmt::print(out, "{:<9}{:<8}{:>10}", key.first, key.second, fmt::format("{}/{}", broken, group.size()));
+    for (const std::string_view name : strokeCriteria()) fmt::print(out, "{:>10}", fails[name]);
+    fmt::print(out, "{:>9.2f}{:>9.2f}\n", sum_s / static_cast<double>(group.size()), most_s);
+  }
+}
+
+void printStroke(std::FILE* out, const StrokeResult& r) {
+  const StrokeVerdict& v = r.verdict;
+  fmt::print(
+      out,
+      "{:>5} {:<16}{:<8}{:<7} r {:>4.1f} depth {:>4.1f} drag {:>4.0f} {:>4.0f} mm/s  thick {:>5.1f}  points "
+      "{:>6} to {:>6} high {:>5.2f} deep {:>5.2f} turned {}-{} shreds {}-{} far {:.2f} fold {}/{} {:.1f} s  {}\n",
+      r.number, r.subject, r.brush, r.place, r.config.radius_mm, r.depth_mm, r.drag_mm, r.speed_mm_per_s,
+      r.thickness_mm, v.regionBefore, v.region, v.raised_mm, v.deepest_mm, v.turned, v.turnedBefore, v.shreds,
+      v.shredsBefore, v.farMoved_mm, v.folded, v.pairs, r.wall_s, fmt::join(v.broken(), ", "));
+  std::fflush(out);
+}
+
+Json benchStrokes(Context& context, const StrokesOptions& options) {
+  const std::uint64_t seed = numberIn(options.seed);
+  const EstimateOn where = options.wants("vulkan") ? EstimateOn::gpu : EstimateOn::cpu;
+  const auto count = static_cast<std::size_t>(options.strokes), models = options.models.size();
+  StrokesResults results;
+  const auto numbersOn = [&](std::size_t model) {
+    std::vector<std::size_t> numbers;
+    if (options.only >= 0) {
+      if (static_cast<std::size_t>(options.only) % models == model)
+        numbers.push_back(static_cast<std::size_t>(options.only));
+      return numbers;
+    }
+    for (std::size_t k = model; k < count; k += models) numbers.push_back(k);
+    return numbers;
+  };
+  for (std::size_t m = 0; m < models; ++m) {
+    const auto numbers = numbersOn(m);
+    if (numbers.empty()) continue;
+    StrokeModel subject(context, options.models[m], where);
+    for (const std::size_t k : numbers) {
+      PlannedStroke plan = planStroke(subject, options, seed, k);
+      play(context, subject, options, plan, options.only >= 0 ? options.saveWorst : "");
+      results.strokes.push_back(plan.result);
+      if (options.only >= 0 || !plan.result.verdict.broken().empty()) printStroke(context.tables(), plan.result);
+    }
+  }
+  std::vector<const StrokeResult*> worst;
+  for (const StrokeResult& stroke : results.strokes)
+    if (stroke.verdict.badness() > 0) worst.push_back(&stroke);
+  std::ranges::sort(worst, std::greater(), [](const StrokeResult* s) { return s->verdict.badness(); });
+  worst.resize(std::min(worst.size(), kSavedWorst));
+  printTable(context.tables(), results.strokes);
+  fmt::print(context.tables(), "\nthe worst, each repeated by --only NUMBER with the same models and seed {}\n",
+             options.seed);
+  for (const StrokeResult* stroke : worst) printStroke(context.tables(), *stroke);
+  if (!options.saveWorst.empty() && options.only < 0)
+    for (std::size_t m = 0; m < models; ++m) {
+      std::optional<StrokeModel> subject;
+      for (const StrokeResult* stroke : worst) {
+        if (stroke->number % models != m) continue;
+        if (!subject) subject.emplace(context, options.models[m], where);
+        PlannedStroke plan = planStroke(*subject, options, seed, stroke->number);
+        play(context, *subject, options, plan, options.saveWorst);
+      }
+    }
+  std::ranges::sort(results.strokes, {}, &StrokeResult::number);
+  fmt::print(context.tables(), "\n{} of {} strokes fail a criterion\n", results.broken(), results.strokes.size());
+  return jsonBy(kStrokesRows, results);
+}
+
+}  // namespace
+
+void listStrokesBenchResults(std::vector<ResultFacts>& all) {
+  listAlone(all, "strokes", ".", kStrokesRows);
+  listAlone(all, "strokes", ".strokes[].", kStrokeRows);
+}
+
+void addStrokesBench(Options& bench, Context& context, Command& command) {
+  Options& sub = bench.addSubcommand("strokes", "judge random strokes of every brush on models, thin parts above all");
+  const auto options = std::make_shared<StrokesOptions>();
+  options->backend.surface = "average";
+  sub.add("--models,--model", options->models,
+          cloudFormats().namesRead() + " files; of more than 100,000 points a part")
+      .typeName("FILE...")
+      .required();
+  sub.add("--strokes", options->strokes, "number of strokes").check(wholeBetween(1, bounds::kMaxCount)).showDefault();
+  sub.add("--seed", options->seed, "seed of the strokes, a hexadecimal number").typeName("HEX").showDefault();
+  sub.add("--only", options->only, "play only the stroke of this number")
+      .check(wholeBetween(0, bounds::kMaxCount))
+      .typeName("K");
+  sub.add(
+         "--save-worst", options->saveWorst,
+         "folder for the points before and after, and the hand's path, of the worst strokes (with --only: of that one)")
+      .typeName("FOLDER");
+  addListOption(sub, "--brushes", options->brushes, "brushes to test");
+  options->backends = {"cpu"};
+  sub.add("--backend", options->backends, "cpu or vulkan").check(oneOf({"cpu", "vulkan"})).showDefault();
+  addRadiusOption(sub, options->backend);
+  addEngineOptions(sub, options->backend);
+  sub.footer(
+      "Half of the strokes start on thin parts, folds or borders, half have the default brush, 2 mm deep at 50 mm/s; "
+      "the others have radius, depth and speed by the seed. Stroke K plays on model K modulo the number of models, in "
+      "virtual time. Exit code 0 however many strokes fail: the table says which.\n");
+  sub.whenNamed([&command, &context, options] {
+    command = [&context, options] {
+      measureAlone(context, *options, "strokes", [&] { return benchStrokes(context, *options); });
+    };
+  });
+}
+
+}  // namespace palpate
