@@ -18,6 +18,7 @@ constexpr double kNearby = 2.5;  // local spacings: neighbours of a point
 constexpr std::size_t kLeastNeighbours = 3, kOfAPlane = 10, kOfAFlake = 6;
 constexpr double kFlake = 1;  // local spacings off the plane of the neighbours
 constexpr double kSame = 0.3, kAway = -0.8, kThrough = -0.3;
+constexpr double kThin = 2, kOtherSide = -0.5, kInPlane = 0.35;
 constexpr double kPair = 1.6, kLeastPair = 0.5, kFlip = -0.1;
 
 // A cloud at one moment: the points of the region and enough around them.
@@ -26,6 +27,7 @@ struct Sheet {
   std::vector<DVec3> normals;
   std::vector<double> spacings;
   std::vector<char> inRegion, rests;  // rests: unchanged by the stroke
+  std::vector<char> isThin;           // before the stroke another side was as near as the neighbours
 };
 
 struct Faults {
@@ -67,6 +69,19 @@ Faults faultsOf(const Sheet& sheet) {
     if (sheet.inRegion[i]) {
       ++faults.region;
       faults.shreds += close < kLeastNeighbours || 2 * flakes > kOfAFlake || kin < kLeastNeighbours;
+    }
+    if (sheet.isThin[i]) {
+      // No direction can be spread over two sides that are nearer to each other than their points: the majority of the
+      // neighbours in the point's own plane decides.
+      std::size_t against = 0, inPlane = 0;
+      for (const std::uint32_t j : list) {
+        if (std::abs(glm::dot(place(j) - place(i), sheet.normals[i])) > kInPlane * glm::distance(place(j), place(i)))
+          continue;
+        ++inPlane;
+        against += glm::dot(sheet.normals[i], sheet.normals[j]) < 0;
+      }
+      faults.turned += sheet.inRegion[i] && 4 * against > 3 * inPlane;
+      continue;
     }
     if (list.size() < kLeastNeighbours + 1) continue;
     for (const std::uint32_t j : list) mean += place(j) / static_cast<double>(list.size());
@@ -193,6 +208,14 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
     treeAfter.near(place, 2 * kNearby * h, found);
     for (const std::uint32_t j : found) mark(numbers[j], glm::distance(DVec3(places[j]), place));
   }
+  const auto isThin = [&](std::uint32_t i) {
+    const NearestPoints around = nearestTo(tree_, was(i));
+    for (std::size_t k = 0; k < around.count; ++k) {
+      if (around.squared[k] > kThin * kThin * spacing(i) * spacing(i)) break;
+      if (glm::dot(faced(i), faced(around.points[k])) < kOtherSide) return true;
+    }
+    return false;
+  };
   Sheet then, now;
   for (std::uint32_t i = 0; i < after.size(); ++i) {
     if (near[i] == 0) continue;
@@ -203,6 +226,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
       sheet.spacings.push_back(h);
       sheet.inRegion.push_back(near[i] == 2);
       sheet.rests.push_back(!touched[i]);
+      sheet.isThin.push_back(isThin(ancestorOf(i)));
     };
     if (i < old) add(then, before_.positions[i], before_.normals[i]);
     if (!after[i].gone()) add(now, after[i].position, after[i].normal);
@@ -218,10 +242,9 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
   double h = 0;
   for (const double each : then.spacings) h += each / static_cast<double>(then.spacings.size());
   const double along = (2 * stroke.drag_mm + 2 * 3.1416 * stroke.radius_mm) / mm;
-  const double high =
-      (stroke.brush == BrushKind::grab ? stroke.depth_mm + std::min(stroke.drag_mm, 2 * stroke.radius_mm)
-                                       : stroke.depth_mm) /
-      mm;
+  const bool grabs = stroke.brush == BrushKind::grab;
+  const double carried = grabs ? std::min(stroke.drag_mm, 2 * stroke.radius_mm) + stroke.lift_mm : 0;
+  const double high = (stroke.depth_mm + carried) / mm;
   verdict.needed = verdict.regionBefore + static_cast<std::size_t>(along * high / (h * h));
   verdict.crowds = static_cast<double>(verdict.region) > StrokeTolerance::kCrowd * static_cast<double>(verdict.needed);
 
@@ -231,9 +254,16 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
       if (glm::distance(place, stroke.spots[k]) < glm::distance(place, stroke.spots[best])) best = k;
     return stroke.normals[best];
   };
+  // Whether a point faced away from the tool wherever that came near it: a drag may lead around an edge.
+  const auto facesAway = [&](const DVec3& place, const DVec3& normal) {
+    const double reach = 2 * stroke.radius_mm / mm;
+    double most = glm::dot(normal, axisAt(place));
+    for (std::size_t k = 0; k < stroke.spots.size(); ++k)
+      if (glm::distance(place, stroke.spots[k]) < reach) most = std::max(most, glm::dot(normal, stroke.normals[k]));
+    return most < kAway;
+  };
   const bool presses = stroke.brush == BrushKind::push || stroke.brush == BrushKind::carve;
   const double highest = presses ? StrokeTolerance::kRaised_mm : stroke.depth_mm + StrokeTolerance::kOverDepth_mm;
-  const double carried = stroke.brush == BrushKind::grab ? std::min(stroke.drag_mm, 2 * stroke.radius_mm) : 0;
   for (const std::uint32_t i : changed) {
     if (after[i].gone()) continue;
     const DVec3 place(after[i].position);
@@ -250,9 +280,12 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
     if (stroke.brush == BrushKind::carve) verdict.deepest_mm = std::max(verdict.deepest_mm, -height);
     if (i >= old) continue;
     const DVec3 axis = axisAt(was(i)), motion = place - was(i);
-    if (stroke.brush != BrushKind::carve)
-      verdict.deepest_mm = std::max(verdict.deepest_mm, -mm * glm::dot(motion, axis));
-    if (glm::dot(faced(i), axis) < kAway && stroke.brush != BrushKind::carve && stroke.brush != BrushKind::grab)
+    if (stroke.brush != BrushKind::carve) {
+      // A bump of a rough surface moves further than it ends below that surface; a thin part has no depth of its own.
+      const double inwards = -mm * glm::dot(motion, axis);
+      verdict.deepest_mm = std::max(verdict.deepest_mm, stroke.isOpen ? inwards : std::min(inwards, -height));
+    }
+    if (stroke.brush != BrushKind::carve && !grabs && facesAway(was(i), faced(i)))
       verdict.farMoved_mm = std::max(verdict.farMoved_mm, mm * glm::length(motion));
     // Neighbours that have passed each other.
     const double reach = spacing(i);

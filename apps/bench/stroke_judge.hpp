@@ -18,6 +18,7 @@ struct PlayedStroke {
   double radius_mm = 0, depth_mm = 0, yield_mm = 0, drag_mm = 0;  ///< of the ball, of the HIP; along the surface
   double thickness_mm =
       0;                ///< of the solid under its start, along the inward normal; infinite if no far side was found
+  double lift_mm = 0;   ///< height above the surface to which the hand leaves: a grab goes with it
   bool isOpen = false;  ///< it starts at a border, or somewhere so thin that the depth cannot be demanded
   double mm_per_unit = 1;
   std::vector<DVec3> spots, normals;  ///< of the surface before under the hand, and the outward axis there
