@@ -131,8 +131,7 @@ bool exceeds(std::size_t after, std::size_t before, std::size_t region) {
 std::span<const std::string_view> strokeCriteria() { return kCriteria; }
 
 std::vector<std::string_view> StrokeVerdict::broken() const {
-  const std::array<bool, kCriteria.size()> flags{raises,   turns,       crowds,   shreds_,
-                                                 goesDeep, goesShallow, movesFar, folds};
+  const std::array<bool, kCriteria.size()> flags{raises, turns, crowds, tears, goesDeep, goesShallow, movesFar, folds};
   std::vector<std::string_view> names;
   for (std::size_t k = 0; k < flags.size(); ++k)
     if (flags[k]) names.push_back(kCriteria[k]);
@@ -236,7 +235,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
   verdict.turned = faultsNow.turned, verdict.turnedBefore = faultsThen.turned;
   verdict.shreds = faultsNow.shreds, verdict.shredsBefore = faultsThen.shreds;
   verdict.turns = exceeds(verdict.turned, verdict.turnedBefore, verdict.region);
-  verdict.shreds_ = exceeds(verdict.shreds, verdict.shredsBefore, verdict.region);
+  verdict.tears = exceeds(verdict.shreds, verdict.shredsBefore, verdict.region);
 
   // Points that the walls of the deepest allowed dent or bump may need beside those that were there.
   double h = 0;

@@ -16,8 +16,6 @@ namespace palpate {
 struct PlayedStroke {
   BrushKind brush = BrushKind::push;
   double radius_mm = 0, depth_mm = 0, yield_mm = 0, drag_mm = 0;  ///< of the ball, of the HIP; along the surface
-  double thickness_mm =
-      0;                ///< of the solid under its start, along the inward normal; infinite if no far side was found
   double lift_mm = 0;   ///< height above the surface to which the hand leaves: a grab goes with it
   bool isOpen = false;  ///< it starts at a border, or somewhere so thin that the depth cannot be demanded
   double mm_per_unit = 1;
@@ -51,7 +49,7 @@ struct StrokeVerdict {
   double expected_mm = 0;  ///< depth less the yield depth; at least 0
   double farMoved_mm = 0;  ///< largest motion of a point that faced away from the tool
   std::size_t pairs = 0, folded = 0;  ///< neighbours before; those of them that have passed each other
-  bool raises = false, turns = false, crowds = false, shreds_ = false, goesDeep = false, goesShallow = false,
+  bool raises = false, turns = false, crowds = false, tears = false, goesDeep = false, goesShallow = false,
        movesFar = false, folds = false;
 
   std::vector<std::string_view> broken() const;

@@ -24,7 +24,8 @@ grep -v '^#' "$list" | while read -r name kind package file samples sum; do
         tar xzf "$(find unpacked -name data.tar.gz)" -C files "$file"
         ;;
       source:*)
-        ls "${package#source:}"_*.orig*.tar.* > /dev/null 2>&1 || apt --download-only --tar-only source "${package#source:}"
+        ls "${package#source:}"_*.orig*.tar.* > /dev/null 2>&1 ||
+          apt --download-only --tar-only source "${package#source:}"
         for archive in "${package#source:}"_*.orig*.tar.*; do
           tar xf "$archive" -C files "$file" 2> /dev/null || true
         done

@@ -221,7 +221,6 @@ PlannedStroke planStroke(StrokeModel& subject, const StrokesOptions& options, st
                  .depth_mm = result.depth_mm,
                  .yield_mm = result.config.yieldDepth_mm,
                  .drag_mm = result.drag_mm,
-                 .thickness_mm = result.thickness_mm,
                  .lift_mm = kLifted_mm,
                  .isOpen = result.place == "border" || result.place == "thin",
                  .mm_per_unit = scale.mm_per_unit,
