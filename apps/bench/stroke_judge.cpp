@@ -301,8 +301,9 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
     }
   }
   verdict.raises = verdict.raisedPoints > 0;
-  const double deepest = (presses ? verdict.expected_mm : stroke.depth_mm) * (1 + StrokeTolerance::kDeeper) +
-                         StrokeTolerance::kDepthSlack_mm;
+  // The surface of coarse points is known to a part of their spacing.
+  const double slack = StrokeTolerance::kDepthSlack_mm + StrokeTolerance::kRough * h * mm;
+  const double deepest = (presses ? verdict.expected_mm : stroke.depth_mm) * (1 + StrokeTolerance::kDeeper) + slack;
   verdict.goesDeep = verdict.deepest_mm > deepest + carried;
   verdict.goesShallow =
       stroke.brush == BrushKind::push && !stroke.isOpen &&

@@ -31,6 +31,7 @@ struct StrokeTolerance {
   static constexpr double kCrowd = 2;            ///< times the points that the new area needs
   static constexpr double kDeeper = 0.25;        ///< share of the expected depth that a stroke may be deeper
   static constexpr double kDepthSlack_mm = 0.4;  ///< in addition
+  static constexpr double kRough = 0.3;          ///< spacings, also in addition for a deep stroke
   static constexpr double kShallow = 0.5;        ///< share of the expected depth that a push must reach
   static constexpr double kFar_mm = 0.3;         ///< motion of points that face away from the tool
 };
