@@ -3,7 +3,7 @@
 # all files that they write, byte for byte.
 #   bash tests/same_results.sh OLD NEW [NAME...]     programs, e.g. of two build folders; names: only these lines
 # Lines with scans are skipped, with a message, where PALPATE_MODELS (default ../shared/models) lacks them. The exit
-# code is 1 if a line differs that the list does not say to differ, or if a program fails.
+# code is 1 if a line differs, or fails, that the list does not say to differ.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [ $# -ge 2 ] || { sed -n '2,6s/^# \{0,1\}//p' "$0" >&2; exit 2; }
@@ -55,13 +55,12 @@ while IFS= read -r line; do
   fi
   case $result in
     same) same=$((same + 1)) ;;
-    DIFFERS*)
+    DIFFERS* | FAILED)
       if [ -n "$reason" ]; then
         intended=$((intended + 1)) result="differs by intent: $reason"
       else
         wrong+=("$name")
       fi ;;
-    *) wrong+=("$name") ;;
   esac
   printf '%-11s %-16s %s\n' "$kind" "$name" "$result"
   rm -rf "$at"
