@@ -15,11 +15,11 @@ namespace {
 constexpr std::array<std::string_view, 8> kCriteria{"raised", "turned",  "points",   "shreds",
                                                     "deep",   "shallow", "far side", "fold"};
 constexpr double kNearby = 2.5;  // local spacings: neighbours of a point
-constexpr std::size_t kLeastNeighbours = 3, kOfAPlane = 10, kOfAFlake = 6;
+constexpr std::size_t kMinNeighbours = 3, kOfAPlane = 10, kOfAFlake = 6;
 constexpr double kFlake = 1;  // local spacings off the plane of the neighbours
 constexpr double kSame = 0.3, kAway = -0.8, kThrough = -0.3;
 constexpr double kThin = 2, kOtherSide = -0.5, kInPlane = 0.35;
-constexpr double kPair = 1.6, kLeastPair = 0.5, kFlip = -0.1;
+constexpr double kPair = 1.6, kMinPair = 0.5, kFlip = -0.1;
 
 // A cloud at one moment: the points of the region and enough around them.
 struct Sheet {
@@ -68,7 +68,7 @@ Faults faultsOf(const Sheet& sheet) {
     }
     if (sheet.inRegion[i]) {
       ++faults.region;
-      faults.shreds += close < kLeastNeighbours || 2 * flakes > kOfAFlake || kin < kLeastNeighbours;
+      faults.shreds += close < kMinNeighbours || 2 * flakes > kOfAFlake || kin < kMinNeighbours;
     }
     if (sheet.isThin[i]) {
       // No direction can be spread over two sides that are nearer to each other than their points: the majority of the
@@ -83,7 +83,7 @@ Faults faultsOf(const Sheet& sheet) {
       faults.turned += sheet.inRegion[i] && 4 * against > 3 * inPlane;
       continue;
     }
-    if (list.size() < kLeastNeighbours + 1) continue;
+    if (list.size() < kMinNeighbours + 1) continue;
     for (const std::uint32_t j : list) mean += place(j) / static_cast<double>(list.size());
     SymmetricMatrix3 spread;
     for (const std::uint32_t j : list) spread.addSquare(place(j) - mean);
@@ -295,7 +295,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
       DVec3 offset = was(j) - was(i);
       offset -= glm::dot(offset, faced(i)) * faced(i);
       const double squared = glm::dot(offset, offset);
-      if (squared < kLeastPair * kLeastPair * reach * reach) continue;
+      if (squared < kMinPair * kMinPair * reach * reach) continue;
       ++verdict.pairs;
       verdict.folded += glm::dot(offset, DVec3(after[j].position) - place) < kFlip * squared;
     }

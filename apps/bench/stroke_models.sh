@@ -8,8 +8,9 @@ list=$(dirname "$(realpath "$0")")/stroke_models.txt
 mkdir -p "$2/packages/lists/partial" "$2/packages/cache/archives/partial" "$2/packages/files"
 folder=$(realpath "$2")
 cd "$folder/packages"
-site="[signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian bookworm main"
-printf 'deb %s\ndeb-src %s\n' "$site" "$site" > sources.list
+# The system's own archive, with its sources.
+apt-get indextargets --format 'deb-src $(SITE) $(CODENAME) $(COMPONENT)' 'Created-By: Packages' |
+  sort -u | sed 'p; s/^deb-src/deb/' > sources.list
 apt() {
   apt-get -qq -o Dir::Etc::sourcelist="$PWD/sources.list" -o Dir::Etc::sourceparts=- \
     -o Dir::State::lists="$PWD/lists" -o Dir::Cache="$PWD/cache" -o APT::Sandbox::User=root "$@"

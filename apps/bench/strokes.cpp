@@ -26,8 +26,8 @@ namespace {
 constexpr double kHandRate_Hz = 1000;
 constexpr double kLifted_mm = 4, kWalkStep_mm = 0.5;
 constexpr double kUsualDepth_mm = 2, kUsualSpeed_mm_per_s = 50;
-constexpr std::size_t kMostHandTicks = 2500, kMaxAirTicks = 400, kQuietTicks = 24;
-constexpr std::size_t kMostStroked = 100'000, kPlaceTries = 300, kSavedWorst = 20;
+constexpr std::size_t kMaxHandTicks = 2500, kMaxAirTicks = 400, kQuietTicks = 24;
+constexpr std::size_t kMaxPoints = 100'000, kPlaceTries = 300, kSavedWorst = 20;
 constexpr std::size_t kNumbersPerStroke = 4096;  // random numbers that a stroke may use
 constexpr double kNoSide = std::numeric_limits<double>::infinity();
 
@@ -115,10 +115,10 @@ class StrokeModel {
  private:
   static Model capped(Context& context, Model model) {
     const PointCloud& all = model.cloud;
-    if (all.size() <= kMostStroked) return model;
+    if (all.size() <= kMaxPoints) return model;
     PointCloud some;
     some.origin = all.origin;
-    const std::size_t every = (all.size() + kMostStroked - 1) / kMostStroked;
+    const std::size_t every = (all.size() + kMaxPoints - 1) / kMaxPoints;
     for (std::size_t run = 0; run < all.size(); run += every) {
       const std::size_t i = std::min(run + randomBits(1, run) % every, all.size() - 1);
       some.positions.push_back(all.positions[i]);
@@ -185,9 +185,9 @@ PlannedStroke planStroke(StrokeModel& subject, const StrokesOptions& options, st
   const double angle = 2 * std::numbers::pi * random();
   const Frame3 frame = frameAround(start.normal);
   // A slow stroke is not longer than the bench can wait for.
-  const double longest = result.speed_mm_per_s * kMostHandTicks / kHandRate_Hz;
+  const double longest = result.speed_mm_per_s * kMaxHandTicks / kHandRate_Hz;
   result.speed_mm_per_s =
-      std::max(result.speed_mm_per_s, 2 * (result.depth_mm + kLifted_mm) * kHandRate_Hz / kMostHandTicks);
+      std::max(result.speed_mm_per_s, 2 * (result.depth_mm + kLifted_mm) * kHandRate_Hz / kMaxHandTicks);
   result.drag_mm = std::min(result.drag_mm, longest);
   std::vector<SurfaceSpot> way{start};
   const auto spots = walk(subject.surface(), start, std::cos(angle) * frame.u + std::sin(angle) * frame.v,
@@ -286,23 +286,23 @@ void play(Context& context, StrokeModel& subject, const StrokesOptions& options,
 using Value = std::optional<Json>;
 
 constexpr Reported<StrokeResult> kStrokeRows[]{
-    {"number", "", "number of the stroke, for --only", field<&StrokeResult::number>},
+    {"number", "", "stroke number, for --only", field<&StrokeResult::number>},
     {"subject", "", "model", field<&StrokeResult::subject>},
     {"brush", "", "brush", field<&StrokeResult::brush>},
     {"place", "", "flat, edge, thin, fold or border", field<&StrokeResult::place>},
     {"radius_mm", "mm", "radius of the brush", [](const StrokeResult& r) -> Value { return r.config.radius_mm; }},
     {"depth_mm", "mm", "depth of the HIP under the surface before", field<&StrokeResult::depth_mm>},
     {"speed_mm_per_s", "mm/s", "speed of the hand", field<&StrokeResult::speed_mm_per_s>},
-    {"drag_mm", "mm", "way along the surface", field<&StrokeResult::drag_mm>},
+    {"drag_mm", "mm", "path length along the surface", field<&StrokeResult::drag_mm>},
     {"thickness_mm", "mm", "of the solid under the start; null: no far side within a brush's diameter",
      [](const StrokeResult& r) -> Value { return r.thickness_mm < kNoSide ? Json(r.thickness_mm) : Json(nullptr); }},
     {"ticks", "", "ticks of the stroke", field<&StrokeResult::ticks>},
-    {"wall_s", "s", "time to play it", field<&StrokeResult::wall_s>},
+    {"wall_s", "s", "wall time of the stroke", field<&StrokeResult::wall_s>},
     {"changed", "", "points that moved, are new or were removed",
      [](const StrokeResult& r) -> Value { return r.verdict.changed; }},
     {"inserted", "", "points inserted", [](const StrokeResult& r) -> Value { return r.verdict.inserted; }},
     {"removed", "", "points removed", [](const StrokeResult& r) -> Value { return r.verdict.removed; }},
-    {"region", "", "points at the changed ones after the stroke",
+    {"region", "", "points near changed ones after the stroke",
      [](const StrokeResult& r) -> Value { return r.verdict.region; }},
     {"region_before", "", "the same before", [](const StrokeResult& r) -> Value { return r.verdict.regionBefore; }},
     {"needed", "", "points that the region may need", [](const StrokeResult& r) -> Value { return r.verdict.needed; }},
@@ -315,7 +315,7 @@ constexpr Reported<StrokeResult> kStrokeRows[]{
     {"turned", "", "normals against the surface of their neighbours",
      [](const StrokeResult& r) -> Value { return r.verdict.turned; }},
     {"turned_before", "", "the same before", [](const StrokeResult& r) -> Value { return r.verdict.turnedBefore; }},
-    {"shreds", "", "points with hardly a neighbour, or off the plane of their neighbours",
+    {"shreds", "", "points with fewer than three neighbours, or off the plane of their neighbours",
      [](const StrokeResult& r) -> Value { return r.verdict.shreds; }},
     {"shreds_before", "", "the same before", [](const StrokeResult& r) -> Value { return r.verdict.shredsBefore; }},
     {"deepest_mm", "mm", "largest motion inwards", [](const StrokeResult& r) -> Value { return r.verdict.deepest_mm; }},
