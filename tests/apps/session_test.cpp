@@ -1,4 +1,5 @@
 // Undo, saving, session logs and their replay, through the program.
+#include <cstddef>
 #include <cstring>
 
 #include "engine/core/checksum.hpp"
@@ -239,9 +240,11 @@ TEST_CASE("a log that cannot be replayed is reported in one clear line") {
   std::string newer = contentOf(scene.folder / "log");
   session_file::Header header;
   std::memcpy(&header, newer.data(), sizeof header);
-  for (const std::size_t copy : {std::size_t{0}, sizeof header + header.textBytes}) newer[copy + 8] = 4;
+  constexpr std::uint32_t kNewer = session_file::kVersion + 1;
+  for (const std::size_t copy : {std::size_t{0}, sizeof header + header.textBytes})
+    std::memcpy(&newer[copy + offsetof(session_file::Header, version)], &kNewer, sizeof kNewer);
   std::ofstream(scene.folder / "newer", std::ios::binary) << newer;
-  fails("replay " + scene.file("newer"), 1, "version 4");
+  fails("replay " + scene.file("newer"), 1, "version " + std::to_string(kNewer));
   fails("replay " + log + " --recover", 2, "--save");
   fails("replay " + log + " --save x.ply", 2, "--recover");
   fails("replay " + log + " --tolerance -1", 2, "--tolerance");

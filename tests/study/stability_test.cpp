@@ -38,17 +38,25 @@ TEST_CASE("an excessive stiffness without the controller shakes the hand and add
 }
 
 TEST_CASE("every millisecond of delay lowers the largest stable stiffness") {
-  for (const PassivityMode passivity : {PassivityMode::observe, PassivityMode::on}) {
-    StabilityOptions options{.passivity = passivity};
-    double last_N_per_mm = std::numeric_limits<double>::infinity();
-    for (const double delay_ms : {0.0, 1.0, 3.0}) {
-      options.delay_ms = delay_ms;
-      const double limit_N_per_mm = largestStableStiffness(options);
-      CHECK(limit_N_per_mm < 0.8 * last_N_per_mm);
-      last_N_per_mm = limit_N_per_mm;
-    }
-    CHECK(last_N_per_mm > 1);
+  StabilityOptions options{.passivity = PassivityMode::observe};
+  double last_N_per_mm = std::numeric_limits<double>::infinity();
+  for (const double delay_ms : {0.0, 1.0, 3.0}) {
+    options.delay_ms = delay_ms;
+    const double limit_N_per_mm = largestStableStiffness(options);
+    CHECK(limit_N_per_mm < 0.8 * last_N_per_mm);
+    last_N_per_mm = limit_N_per_mm;
   }
+  CHECK(last_N_per_mm > 1);
+}
+
+// A late force does not change as the hand moves, so most of its change follows at the rate of the surface. That calms
+// the hand as the controller does, and both together hold 4.2 N/mm at 3 ms: more than half of what they hold without.
+TEST_CASE("delay lowers the largest stable stiffness with the passivity controller, too") {
+  const auto limit = [](double delay_ms) { return largestStableStiffness({.delay_ms = delay_ms}); };
+  const double none = limit(0), some = limit(3), much = limit(6);
+  CHECK(some < 0.6 * none);
+  CHECK(much < 0.7 * some);
+  CHECK(much > 1.5);
 }
 
 TEST_CASE("the passivity controller raises the largest stable stiffness") {
