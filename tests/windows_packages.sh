@@ -36,6 +36,7 @@ feels_a_haply() {  # PROGRAM: taps are felt, and the last force is zero
   until [ -s "$scratch/service" ]; do sleep 0.1; done
   export PALPATE_HAPLY_CONFIG
   PALPATE_HAPLY_CONFIG=Z:$(head -n 1 "$scratch/service")
+  : > "$(dirname "${PALPATE_HAPLY_CONFIG#Z:}")/taps"
   quietly "$@" doctor --device haply
   says 'serial number   049D' "$scratch/said"
   # On a busy machine wine's clocks stall, which takes the force away, as old states do: there are further tries.

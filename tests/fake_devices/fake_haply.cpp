@@ -115,6 +115,7 @@ struct FakeHaply::Service {
           listener = client;
         } else {
           ++connections;
+          if (options.beginsAnew) rest();
           say(client, state(true).dump());
           hear(client);
         }
@@ -164,6 +165,11 @@ struct FakeHaply::Service {
       hear(client);
       answer(client);
     });
+  }
+
+  void rest() {
+    const std::scoped_lock lock(guard);
+    began_s.reset();
   }
 
   void take(const Json& message) {

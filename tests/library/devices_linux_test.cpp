@@ -20,7 +20,7 @@ namespace palpate::library_devices_test {
 
 namespace {
 
-/// A Haply service whose hand taps from above on what is 26 to 40 mm above the middle, and its user's settings.
+/// A Haply service whose hand rests 40 mm above the middle and taps down to 26 mm, and its user's settings.
 class Desk {
  public:
   Desk() {
@@ -35,6 +35,7 @@ class Desk {
     }
     REQUIRE_FALSE(config.empty());
     config_.emplace("PALPATE_HAPLY_CONFIG", config);
+    taps_ = std::filesystem::path(config).replace_filename("taps");
   }
   ~Desk() { ::pclose(service_); }
   Desk(const Desk&) = delete;
@@ -45,10 +46,14 @@ class Desk {
     std::ofstream(folder_ / "palpate" / "devices.json")
         << R"({"version": 1, "devices": {"haply:049D": )" << device << "}}";
   }
+  /// From the next session on. One that began with the hand inside the ball would feel it from there.
+  void rest() const { std::filesystem::remove(taps_); }
+  void tap() const { std::ofstream{taps_}; }
 
  private:
   ScratchFolder folder_;
   Variable home_{"XDG_CONFIG_HOME", folder_.path().string()};
+  std::filesystem::path taps_;  // exists while the hand shall tap
   std::FILE* service_ = nullptr;
   std::optional<Variable> config_;
 };
@@ -81,16 +86,36 @@ Taps tapsIn(std::span<const pp_tick> ticks) {
 
 constexpr std::chrono::seconds kTime{3};  // of taps
 
-Taps taps(pp_session session, const pp_live_options& options) {
-  PP_REQUIRE_OK(pp_live_start(session, &options));
+/// The hand begins to tap once there are ticks. `read` returns those since the last call, `stop` ends the session.
+template <typename Read, typename Stop>
+Taps tapsOf(const Desk& desk, const Read& read, const Stop& stop) {
+  std::vector<pp_tick> all;
+  const auto readOn = [&] {
+    const std::vector<pp_tick> ticks = read();
+    all.insert(all.end(), ticks.begin(), ticks.end());
+    return !ticks.empty();
+  };
+  for (int i = 0; i < 3000 && !readOn(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  REQUIRE_FALSE(all.empty());
+  desk.tap();
   std::this_thread::sleep_for(kTime);
-  PP_REQUIRE_OK(pp_live_stop(session));
-  std::vector<pp_tick> all, ticks(512);
-  for (std::uint64_t count = 1; count > 0;) {
-    PP_REQUIRE_OK(pp_live_read_ticks(session, ticks.data(), ticks.size(), &count));
-    all.insert(all.end(), ticks.begin(), ticks.begin() + static_cast<std::ptrdiff_t>(count));
+  stop();
+  while (readOn()) {
   }
   return tapsIn(all);
+}
+
+Taps taps(const Desk& desk, pp_session session, const pp_live_options& options) {
+  desk.rest();
+  PP_REQUIRE_OK(pp_live_start(session, &options));
+  const auto read = [&] {
+    std::vector<pp_tick> ticks(512);
+    std::uint64_t count = 0;
+    PP_REQUIRE_OK(pp_live_read_ticks(session, ticks.data(), ticks.size(), &count));
+    ticks.resize(count);
+    return ticks;
+  };
+  return tapsOf(desk, read, [&] { PP_REQUIRE_OK(pp_live_stop(session)); });
 }
 
 pp_live_options haply() {
@@ -104,12 +129,12 @@ pp_live_options haply() {
 TEST_CASE("a session of the library uses the axes and the stiffness that a device's user agreed to") {
   const Desk desk;
   const OpenBall ball(smallBall());
-  const Taps before = taps(ball.session, haply());
+  const Taps before = taps(desk, ball.session, haply());
   CHECK(before.up_mm == within(40, 1));
   CHECK(before.towards_mm < 2);
   CHECK(before.stiffness_N_per_mm > 0.5);
   desk.agree(R"({"model": "Inverse3 049D", "stiffness_N_per_mm": 0.3, "axes": "z,x,y"})");
-  const Taps after = taps(ball.session, haply());
+  const Taps after = taps(desk, ball.session, haply());
   CHECK(after.up_mm < 2);
   CHECK(after.towards_mm == within(40, 1));
   CHECK(after.stiffness_N_per_mm == within(0.2, 0.12));
@@ -121,7 +146,7 @@ TEST_CASE("the axes that a program asks for replace those that a device's user a
   const OpenBall ball(smallBall());
   pp_live_options options = haply();
   options.axes = "x,y,z";
-  const Taps asked = taps(ball.session, options);
+  const Taps asked = taps(desk, ball.session, options);
   CHECK(asked.up_mm == within(40, 1));
   CHECK(asked.towards_mm < 2);
   CHECK(asked.stiffness_N_per_mm == within(0.2, 0.12));
@@ -133,14 +158,14 @@ TEST_CASE("a session of the C++ header is felt through a device, with the axes t
   pp::Session session(pp::Cloud(ball.arrays()), smallBall());
   pp_live_options options = haply();
   options.axes = "z,x,y";
+  desk.rest();
   session.startLive(options);
-  std::this_thread::sleep_for(kTime);
-  CHECK(session.liveState().running == 1);
-  session.stopLive();
-  std::vector<pp_tick> all;
-  for (std::vector<pp_tick> ticks = session.readTicks(); !ticks.empty(); ticks = session.readTicks())
-    all.insert(all.end(), ticks.begin(), ticks.end());
-  const Taps felt = tapsIn(all);
+  const Taps felt = tapsOf(
+      desk, [&] { return session.readTicks(); },
+      [&] {
+        CHECK(session.liveState().running == 1);
+        session.stopLive();
+      });
   CHECK(felt.up_mm < 2);
   CHECK(felt.towards_mm == within(40, 1));
   CHECK(felt.stiffness_N_per_mm > 0.5);

@@ -1,5 +1,6 @@
 // A service of Haply devices, with a simulated hand that taps on what is below it, for programs of any system: prints
-// the name of its configuration file, serves until its input ends, and prints the largest and the last force.
+// the name of its configuration file, serves until its input ends, and prints the largest and the last force. The hand
+// rests above from each connection of a device until the file "taps" exists beside the configuration file.
 #include <cstdio>
 #include <iostream>
 #include <string>
@@ -12,7 +13,7 @@ int main() {
   for (double t_s = 0; t_s < 60; t_s += 0.6)
     for (const auto& [after_s, height_mm] : {std::pair{0.0, 40.0}, {0.2, 40.0}, {0.3, 26.0}, {0.5, 26.0}})
       hand.push_back({t_s + after_s, {0, height_mm, 0}});
-  const FakeHaply service({.hand = hand});
+  const FakeHaply service({.hand = hand, .begins = "taps", .beginsAnew = true});
   std::puts((service.folder() / "haply.json").string().c_str());
   std::fflush(stdout);
   for (std::string line; std::getline(std::cin, line);) {

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import palpate as pp
@@ -14,7 +16,9 @@ import pytest
 
 @pytest.fixture
 def desk(tmp_path, monkeypatch):
-    """A Haply service whose hand taps from above, 26 to 40 mm above the middle; yields the folder of the settings."""
+    """A Haply service whose hand rests 40 mm above the middle, and taps from there down to 26 mm once a session ticks:
+    one that began with the hand inside the ball would feel it from there. Yields the folder of the settings.
+    """
     service = subprocess.Popen([os.environ["PALPATE_HAPLY_SERVICE"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                text=True)
     monkeypatch.setenv("PALPATE_HAPLY_CONFIG", service.stdout.readline().strip())
@@ -24,8 +28,17 @@ def desk(tmp_path, monkeypatch):
 
 
 def taps(session, **options):
-    ticks = []
-    live = session.live("haply", on_ticks=lambda block: ticks.append(block.copy()), **options)
+    ticks, begun = [], threading.Event()
+
+    def keep(block):
+        ticks.append(block.copy())
+        begun.set()
+
+    signal = Path(os.environ["PALPATE_HAPLY_CONFIG"]).with_name("taps")
+    signal.unlink(missing_ok=True)
+    live = session.live("haply", on_ticks=keep, **options)
+    assert begun.wait(30)
+    signal.touch()
     time.sleep(3)
     live.stop()
     t = np.concatenate(ticks)
