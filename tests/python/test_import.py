@@ -14,19 +14,17 @@ import pytest
 
 
 def processor_seconds(program: str) -> float:
-    """Processor seconds; the minimum of several runs, since the load of the machine only adds to them."""
-
-    def once() -> float:
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run([sys.executable, "-c", program], check=True)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-    return min(once() for _ in range(5))
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([sys.executable, "-c", program], check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def test_an_import_takes_a_tenth_of_a_second_at_most_and_leaves_numpy_for_later():
-    assert processor_seconds("import palpate") - processor_seconds("pass") < 0.1
+def test_an_import_takes_less_than_that_of_numpy_which_it_leaves_for_later():
+    # A busy machine makes all three take longer. So they run in turn, and the least of each is compared.
+    programs = ("pass", "import palpate", "import numpy")
+    bare, own, numpy = (min(times) for times in zip(*([processor_seconds(p) for p in programs] for _ in range(5))))
+    assert own - bare < 0.8 * (numpy - bare)
     subprocess.run([sys.executable, "-c", "import palpate, sys; assert 'numpy' not in sys.modules"], check=True)
 
 
