@@ -27,7 +27,20 @@ def desk(tmp_path, monkeypatch):
     service.communicate(timeout=30)
 
 
-def taps(session, **options):
+def stiffness_at_rest(t):
+    """The most of a hand at rest, where nothing is damped, N/mm."""
+    moves = np.flatnonzero((np.diff(t["hip"], axis=0) != 0).any(axis=1)) + 1
+    index = np.arange(len(t))
+    last_move = np.concatenate(([0], moves))[np.searchsorted(moves, index, side="right")]
+    felt = t[(index - last_move >= 20) & (t["contact"] != 0) & (t["penetration_mm"] > 0.5)]
+    return (np.linalg.norm(felt["force_N"], axis=1) / felt["penetration_mm"]).max(initial=0)
+
+
+def taps(session, stiffness, **options):
+    """Farthest right, up and towards, mm, and stiffness_at_rest(). The hand goes on until it has felt 0.95 of a
+    stiffness, which takes longer on a machine that stalls, since the force then ramps up again, and for two more taps,
+    so that it would feel more.
+    """
     ticks, begun = [], threading.Event()
 
     def keep(block):
@@ -39,27 +52,26 @@ def taps(session, **options):
     live = session.live("haply", on_ticks=keep, **options)
     assert begun.wait(30)
     signal.touch()
-    time.sleep(3)
+    end = time.monotonic() + 30
+    while stiffness_at_rest(np.concatenate(ticks[:])) < 0.95 * stiffness and time.monotonic() < end:
+        time.sleep(0.1)
+    time.sleep(1.2)
     live.stop()
     t = np.concatenate(ticks)
-    felt = t[(t["t_s"] > 1.5) & (t["contact"] != 0) & (t["penetration_mm"] > 0.5)]
-    assert len(felt) > 20
-    # A stall of the machine makes the force ramp up again: it is never stiffer, but may be softer.
-    stiffness = np.median(np.linalg.norm(felt["force_N"], axis=1) / felt["penetration_mm"])
-    return 0.6 * np.abs(t["hip"]).max(axis=0), stiffness
+    return 0.6 * np.abs(t["hip"]).max(axis=0), stiffness_at_rest(t)
 
 
 def test_a_session_uses_what_the_user_of_a_device_agreed_to(desk, ball):
     with pp.Session(ball, gpu="cpu", mm_per_unit=0.6) as session:
-        (_, up_mm, towards_mm), stiffness = taps(session)
-        assert up_mm == pytest.approx(40, abs=1) and towards_mm < 2 and 0.5 < stiffness < 0.85
+        (_, up_mm, towards_mm), stiffness = taps(session, 0.8)
+        assert up_mm == pytest.approx(40, abs=1) and towards_mm < 2 and stiffness == pytest.approx(0.8, abs=0.05)
         agreed = {"model": "Inverse3 049D", "stiffness_N_per_mm": 0.3, "axes": "z,x,y"}
         (desk / "palpate").mkdir()
         (desk / "palpate" / "devices.json").write_text(json.dumps({"version": 1, "devices": {"haply:049D": agreed}}))
-        (_, up_mm, towards_mm), stiffness = taps(session)
-        assert up_mm < 2 and towards_mm == pytest.approx(40, abs=1) and 0.1 < stiffness < 0.32
-        (_, up_mm, towards_mm), stiffness = taps(session, axes="x,y,z")
-        assert up_mm == pytest.approx(40, abs=1) and towards_mm < 2 and 0.1 < stiffness < 0.32
+        (_, up_mm, towards_mm), stiffness = taps(session, 0.3)
+        assert up_mm < 2 and towards_mm == pytest.approx(40, abs=1) and stiffness == pytest.approx(0.3, abs=0.02)
+        (_, up_mm, towards_mm), stiffness = taps(session, 0.3, axes="x,y,z")
+        assert up_mm == pytest.approx(40, abs=1) and towards_mm < 2 and stiffness == pytest.approx(0.3, abs=0.02)
 
 
 def test_axes_that_make_no_sense_are_refused(desk, ball):
