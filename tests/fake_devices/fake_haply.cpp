@@ -115,7 +115,7 @@ struct FakeHaply::Service {
           listener = client;
         } else {
           ++connections;
-          if (options.beginsAnew) rest();
+          if (options.restarts) rest();
           say(client, state(true).dump());
           hear(client);
         }

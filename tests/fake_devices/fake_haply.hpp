@@ -22,8 +22,8 @@ namespace palpate {
 
 struct FakeHaplyOptions {
   std::vector<PathKey> hand{{0, DVec3(0)}};  ///< about kMiddle_mm, in palpate's axes; time since the first command
-  std::string begins;       ///< if not empty: a file of folder(); the hand begins its path once that exists
-  bool beginsAnew = false;  ///< with each connection of a device the hand is at the beginning of its path again
+  std::string begins;     ///< if not empty: a file of folder(); the hand begins its path once that exists
+  bool restarts = false;  ///< each connection of a device puts the hand back to the start of its path
   std::string version = "3.5.0", permutation = "XYZ", handedness = "right";
   std::vector<std::string> ids{"049D"};
   bool inUse = false, calibrated = true, wireless = true, grips = true, pressed = false;

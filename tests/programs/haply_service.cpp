@@ -13,7 +13,7 @@ int main() {
   for (double t_s = 0; t_s < 60; t_s += 0.6)
     for (const auto& [after_s, height_mm] : {std::pair{0.0, 40.0}, {0.2, 40.0}, {0.3, 26.0}, {0.5, 26.0}})
       hand.push_back({t_s + after_s, {0, height_mm, 0}});
-  const FakeHaply service({.hand = hand, .begins = "taps", .beginsAnew = true});
+  const FakeHaply service({.hand = hand, .begins = "taps", .restarts = true});
   std::puts((service.folder() / "haply.json").string().c_str());
   std::fflush(stdout);
   for (std::string line; std::getline(std::cin, line);) {
