@@ -39,6 +39,11 @@ constexpr double kMaxRaised = 0.9;  // in brush radii; more would raise points o
 // Side of the cells of the grid of the surface: of the support radius, within which neighbours define the surface, at
 // least, and of the brush's radius, so that the grid contains the brush's ball.
 constexpr double kCellOfSupport = 0.5, kCellOfRadius = 1.0 / 7;
+// Cosines between the outward directions of the surface under the hand and of the side on which the stroke is: with
+// less than the first the hand has broken through to another side, until there is more than the second.
+constexpr double kOtherSide = -0.3, kSameSide = 0.3;
+constexpr double kSideTurn = 2;     // of the side, in radians for each brush radius that the hand moves
+constexpr double kElsewhere = 2;    // in brush radii: farther from where it broke through, every side is a new one
 constexpr double kMinLength = 0.3;  // shortest mean normal that is meaningful
 constexpr double kMaxMeasured = 8192;
 // Number of edits without the brush after which no point is inserted any more: filling every gap takes far fewer, and
@@ -179,17 +184,21 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   lastHip_ = hip;
   const bool sculpts = press != Press::none, touches = contact.touching && sculpts;
   const bool yields = touches && glm::length(spring) > brush_.yieldDepth;
+  // A contact that ends while the hand is deep has not been lifted from its side.
+  brokeThrough_ = sculpts && (brokeThrough_ || (yielded_ && !touches));
+  yielded_ = yields;
   const bool wasLifted = !touched_ && time_s - lastTouch_s_ > kGap_s;
   if (touches) lastTouch_s_ = time_s;
   touched_ = touches;
   const bool holds = brush_.kind == BrushKind::grab && open_ && sculpts;
   if (!sculpts || (press == Press::contact && !holds && wasLifted)) open_ = false;
   const Place place{.hip = hip, .jumps = !acts_, .outward = outwardOf(contact, spring), .found = hip + spring};
-  if (yields && !isGoingOn()) begin(place);
+  if (touches && (open_ || brokeThrough_)) noteSide(place);
+  if (yields && !isGoingOn() && !brokeThrough_) begin(place);
   // Withdraws: moves towards the proxy. A hand that moves sideways does not, although the proxy trails behind it.
   const bool withdraws = brush_.kind != BrushKind::grab && motion != DVec3(0) &&
                          glm::dot(motion, spring) > kWithdrawing * glm::length(motion) * glm::length(spring);
-  acts_ = open_ && (holds || yields) && !withdraws;
+  acts_ = open_ && (holds || (yields && !brokeThrough_)) && !withdraws;
   if (acts_) goOnTo(place);
 }
 
@@ -201,8 +210,26 @@ void BrushStroke::begin(const Place& place) {
   foundAt_ = heldAt_ = touchedAt_ = place.found;
   place_ = heldFrom_ = place.hip;
   wayCount_ = 0;
-  isLifted_ = false;
+  isLifted_ = brokeThrough_ = false;
+  side_ = place;
   beginSheet();
+}
+
+// The side follows the surface under the hand as far as that is no more curved than the brush can tell apart: a hand
+// that has gone through a thin part, or around its rim, is at another side, where the stroke would undo this one. Its
+// contact may end there; the other side remains the wrong one until the hand is elsewhere.
+void BrushStroke::noteSide(const Place& place) {
+  const double cosine = glm::dot(place.outward, side_.outward), way = glm::distance(place.hip, side_.hip);
+  const bool isElsewhere = brokeThrough_ && way > kElsewhere * brush_.radius;
+  brokeThrough_ = !isElsewhere && cosine < (brokeThrough_ ? kSameSide : kOtherSide);
+  if (brokeThrough_) return;
+  const double turn = std::acos(std::clamp(cosine, -1.0, 1.0)), mostTurn = kSideTurn * way / brush_.radius;
+  const DVec3 aside = place.outward - cosine * side_.outward;
+  side_.hip = place.hip;
+  if (isElsewhere || turn <= mostTurn || !(glm::length(aside) > 0))
+    side_.outward = place.outward;
+  else
+    side_.outward = std::cos(mostTurn) * side_.outward + std::sin(mostTurn) * glm::normalize(aside);
 }
 
 void BrushStroke::goOnTo(const Place& place) {
@@ -358,6 +385,7 @@ void BrushStroke::placeTool() {
   double first = height;
   if (brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve) {
     first = brush_.yieldDepth + radius;
+    tool_.height = std::max(0.0, height - brush_.yieldDepth);
     if (height > first) tool_.shaft = std::min(height - first + kShaftMargin * radius, kMaxShaft * radius);
   } else if (brush_.kind == BrushKind::inflate) {
     tool_.height = std::clamp(height - brush_.yieldDepth, 0.0, kMaxRaised * radius);

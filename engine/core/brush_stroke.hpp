@@ -88,6 +88,7 @@ class BrushStroke {
   };
 
   void begin(const Place& place);
+  void noteSide(const Place& place);
   void goOnTo(const Place& place);
   void advance(double most);
   double longestStep(double share) const;
@@ -105,6 +106,8 @@ class BrushStroke {
   BrushOptions brush_;
   std::uint32_t number_ = 0;
   bool open_ = false, acts_ = false, knowsLast_ = false, touched_ = false, isLifted_ = false;
+  bool yielded_ = false;       // the surface yielded at the last answer
+  bool brokeThrough_ = false;  // the hand is at another side of the model than the stroke
   double lastTouch_s_ = 0, lastEdit_s_ = 0;
   bool edited_ = false;          // whether this stroke has edited
   std::uint32_t idleEdits_ = 0;  // edits since the last with an effect, kMaxFilling at most
@@ -120,6 +123,7 @@ class BrushStroke {
   // Remaining path, a ring buffer.
   std::array<Place, kMaxWay> way_;
   std::size_t wayFirst_ = 0, wayCount_ = 0;
+  Place side_;  // with the position of the hand at its last touch
   Tool tool_{};
 };
 

@@ -31,8 +31,8 @@ __global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* 
   if (glm::dot(away, away) >= tool.reach * tool.reach) return;
   const uint id = __float_as_uint(point.w);
   Found& known = founds[id];
-  FoundPoint found{from, xyz(normals[i])};
-  if (known.stroke == tool.stroke) found = {known.position, known.normal};
+  FoundPoint found{from, xyz(normals[i]), kUnseen};
+  if (known.stroke == tool.stroke) found = {known.position, known.normal, known.room};
   if (isSampled(id, tool.sampling)) {
     const MeasuredPoint says = measured(brush, tool, found);
     if (says.weight != 0 && isActedOn(*tools, found)) {
@@ -40,7 +40,7 @@ __global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* 
       for (int k = 0; k < 3; ++k) atomicAdd(&sums->normals[k], uint(says.normal[k]));
       atomicAdd(&sums->heights, uint(says.height));
     }
-    const uint near = entered(brush, tool, from, xyz(normals[i]), found);
+    const uint near = entered(brush, tool, from, found);
     if (near != kOutsideSheet) {
       atomicOr(&sums->seen[near % kSheetCells / 32], 1u << near % 32);
       atomicMin(&sums->nearest, near);
@@ -48,7 +48,7 @@ __global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* 
   }
   const vec3 to = brushed(brush, tool, from, found.normal, found).position;
   if (to == from || !isActedOn(*tools, found)) return;
-  known = {found.position, tool.stroke, found.normal};
+  known = {found.position, tool.stroke, found.normal, found.room};
   positions[i] = make_float4(to.x, to.y, to.z, point.w);
   normals[i].w = kMarkRefit;
 }

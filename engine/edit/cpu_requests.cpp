@@ -60,9 +60,8 @@ constexpr std::size_t kMaxNeighbours = 2048;
 
 }  // namespace
 
-std::optional<DVec3> CpuSculpture::pushedFrom(std::uint32_t point) const {
-  if (!pushes_ || points_.strokes[point] != pushes_->stroke()) return std::nullopt;
-  return pushes_->outward();
+PlacedBrush::Seen CpuSculpture::seenBy(const PlacedBrush& brush, std::uint32_t point) const {
+  return {DVec3(points_.positions[point]), DVec3(points_.normals[point]), points_.strokes[point] == brush.stroke()};
 }
 
 ResampleNeighbour CpuSculpture::seen(std::uint32_t number) const {
@@ -96,10 +95,9 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, std::span<const std
                                        .fills = fills_ && complete,
                                        .carves = carves_,
                                        .moved = isMoved(point),
-                                       .pushedFrom = pushedFrom(point),
                                        .found = DVec3(as.position) - place,
                                        .foundNormal = DVec3(as.normal),
-                                       .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity(),
+                                       .room = cuts_ ? double{as.room} : std::numeric_limits<double>::infinity(),
                                        .claims = &claims_,
                                        .place = place});
 }
@@ -123,16 +121,35 @@ double CpuSculpture::closestOf(std::uint32_t point) const {
                                   static_cast<double>(shared::kCrowded) * std::max(spacing, widestSpacing_));
 }
 
-// Whether any point around a group faces away from the tool that pushes.
-bool CpuSculpture::anyFacesAway(const Surroundings& around) const {
-  return pushes_ && std::ranges::any_of(around.points.numbers(), [&](std::uint32_t number) {
-           return glm::dot(DVec3(points_.normals[number]), pushes_->outward()) <=
-                  static_cast<double>(shared::kOtherSide);
+// Whether any point around a group may be in the way of those that the brush moves.
+bool CpuSculpture::isAnyInTheWay(const Surroundings& around) const {
+  return moves_ && !std::ranges::all_of(around.points.numbers(), [&](std::uint32_t number) {
+           return moves_->isInNoWay(seenBy(*moves_, number));
          });
 }
 
-// Whether the closest neighbours show that resampleRequest() of a point would have no effect, where neither a ball
-// carves nor any neighbour faces away from a tool that pushes: true for most points.
+// Whether nothing is in the way of a moved point, if that holds for all around.
+bool CpuSculpture::isInNoWay(const PlacedBrush& brush, std::uint32_t point) const {
+  const PlacedBrush::Found as = found(brush, point);
+  return brush.isInNoWay({as.position, as.normal, true});
+}
+
+// How far a point may go on. `near`: indices of its neighbours; if there are none, nothing
+// is in its way.
+double CpuSculpture::roomOf(std::uint32_t point, const Surroundings& around,
+                            std::span<const std::uint32_t> near) const {
+  const DVec3 place(points_.positions[point]);
+  const PlacedBrush::Found as = found(*moves_, point);
+  const PlacedBrush::Path path = moves_->path(place, as, points_.spacing(point));
+  double free = static_cast<double>(shared::kFreeAhead) * neighbourhoodOf(point);
+  for (const std::uint32_t i : near)
+    if (const std::uint32_t number = around.points.numbers()[i]; number != point)
+      free = moves_->freeUntil(path, seenBy(*moves_, number), free);
+  return free;
+}
+
+// Whether the closest neighbours show that resampleRequest() of a point would have no effect, where no ball carves:
+// true for most points.
 bool CpuSculpture::requestsNothing(std::uint32_t point, const Surroundings& around,
                                    std::span<const std::uint32_t> closest) const {
   constexpr std::uint32_t kAllSectors = (1u << shared::kGapSectors) - 1;
@@ -165,20 +182,26 @@ void CpuSculpture::request(const Part& part) {
 void CpuSculpture::request(const Part& part, const CellGroups::Group& group, const Surroundings& around) {
   thread_local ResampleNeighbours neighbours;
   thread_local NearPoints near;
-  const bool isClear = !carves_ && !anyFacesAway(around);
+  const bool noneInTheWay = !isAnyInTheWay(around);
   bool gathered = false;
   for (std::size_t member = 0; member < group.count; ++member) {
     const std::size_t i = part.first + part.groups.members(group)[member];
     const std::uint32_t point = unsettled_[i];
     Request& request = requests_[i];
-    if (isClear && around.near[member] <= kMaxNeighbours && requestsNothing(point, around, around.closest[member])) {
-      request = {};
-      continue;
+    const bool looks = moves_ && points_.strokes[point] == moves_->stroke();
+    const bool isFree = noneInTheWay && (!looks || isInNoWay(*moves_, point));
+    const bool isClear = !carves_ && around.near[member] <= kMaxNeighbours;
+    const bool asksNothing = isClear && requestsNothing(point, around, around.closest[member]);
+    near.truncate(0);
+    if (!asksNothing || !isFree) around.points.near(DVec3(points_.positions[point]), widestNeighbourhood(), near);
+    request = {};
+    if (!asksNothing) {
+      if (!std::exchange(gathered, true))
+        neighbours.gather(around.points, points_.normals, [this](std::uint32_t each) { return seen(each); });
+      static_cast<ResampleRequest&>(request) = requestOf(point, near.indices(), neighbours);
     }
-    if (!std::exchange(gathered, true))
-      neighbours.gather(around.points, points_.normals, [this](std::uint32_t each) { return seen(each); });
-    around.points.near(DVec3(points_.positions[point]), widestNeighbourhood(), near);
-    static_cast<ResampleRequest&>(request) = requestOf(point, near.indices(), neighbours);
+    if (isFree) near.truncate(0);
+    if (looks) request.room = roomOf(point, around, near.indices());
     if (!request.inserts) continue;
     request.place = Vec3(DVec3(points_.positions[point]) + request.offset);
     request.reach = static_cast<float>(reachOf(point) - glm::length(request.offset));
@@ -193,10 +216,9 @@ void CpuSculpture::resample() {
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     const std::uint32_t point = unsettled_[i];
     points_.unsettled[point] = requests_[i].unsettled;
-    // From now on it counts as part of the sheet that it has reached.
-    if (requests_[i].stops) points_.founds[point].normal = Vec3(-pushes_->outward());
-    if (requests_[i].thick && cuts_ && points_.strokes[point] == cuts_->stroke())
-      points_.founds[point].thick = static_cast<float>(*requests_[i].thick);
+    const std::optional<PlacedBrush>& brush = cuts_ ? cuts_ : moves_;
+    if (requests_[i].room && brush && points_.strokes[point] == brush->stroke())
+      points_.founds[point].room = static_cast<float>(*requests_[i].room);
     settled_ = settled_ && !requests_[i].unsettled;
     if (requests_[i].goes) remove(point);
     if (requests_[i].inserts) inserting_.push_back(static_cast<std::uint32_t>(i));

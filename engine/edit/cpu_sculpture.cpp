@@ -35,6 +35,8 @@ constexpr double kCrowdedTickWork = 2 * kTickWork, kCrowdedWork = 2'000'000;
 constexpr double kThreadWork = 4000, kLookWork = 11;
 // Priority, in support radii, that a waiting point gains with each edit, so that every point has its turn.
 constexpr float kWaitStrain = 1.0f / 512;
+// The same of a point that a stroke moves for the first time.
+constexpr float kFirstStrain = 1.0f / 8;
 
 // Calls body(i) for every i below `count`, on all threads; a thread takes `fewest` at a time, or more.
 template <class Body>
@@ -111,10 +113,10 @@ void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   carves_ = brush.kind() == BrushKind::carve;
   fills_ = brush.fills();
   claims_.begin(brush.stroke());
-  pushes_.reset();
+  moves_.reset();
   cuts_.reset();
   if (carves_ && brush.acts() && resamples(brush)) cuts_ = brush;
-  if ((brush.kind() == BrushKind::push || brush.kind() == BrushKind::grab) && brush.acts()) pushes_ = brush;
+  if (brush.looksAhead() && brush.acts() && resamples(brush)) moves_ = brush;
   if (brush.acts()) applyBrush(brush);
   findUnsettled(size);
   engaged_.unsettled = engage(burst, workOfPoint_ * static_cast<double>(unsettled_.size()));
@@ -212,7 +214,16 @@ void CpuSculpture::apply(const PlacedBrush& brush, std::uint32_t point, const Pl
   if (to.taken) points_.there[point] = 0;
   if (!moved) return;
   strains_[point] += glm::distance(place, points_.positions[point]);
-  points_.setFound(point, points_.found(point, brush.stroke()));
+  if (points_.strokes[point] != brush.stroke()) {
+    SculptedPoints::Found found = points_.found(point, brush.stroke());
+    if (moves_) {
+      // It is soon to look ahead.
+      found.room = firstStep();
+      strains_[point] += kFirstStrain * static_cast<float>(options_.radius);
+    }
+    points_.setFound(point, found);
+  }
+  if (moves_) points_.founds[point].room -= glm::distance(place, points_.positions[point]);
   points_.positions[point] = place;
   if (std::exchange(points_.unsettled[point], 1) == 0) slice.waiting.push_back(point);
   if (point >= points_.fromFile) points_.reaches[point - points_.fromFile] = mostReach();
@@ -224,9 +235,10 @@ PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t p
 
 PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t point, const Vec3& place) const {
   // Without a copy of the state: it would be written and read back in parts of other sizes, which stalls.
-  if (points_.strokes[point] != brush.stroke()) return {DVec3(place), DVec3(points_.normals[point])};
+  if (points_.strokes[point] != brush.stroke())
+    return {DVec3(place), DVec3(points_.normals[point]), double{moves_ ? firstStep() : shared::kUnseen}};
   const SculptedPoints::FoundState& found = points_.founds[point];
-  return {DVec3(found.position), DVec3(found.normal)};
+  return {DVec3(found.position), DVec3(found.normal), double{found.room}};
 }
 
 void CpuSculpture::brush(const PlacedBrush& brush, std::size_t number, Slice& slice) {
@@ -250,7 +262,7 @@ void CpuSculpture::measure(const PlacedBrush& brush, Slice& slice) const {
   for (std::size_t i = 0; i < slice.measured.size(); ++i) {
     if (i + kAhead < slice.measured.size()) points_.prefetchFound(slice.measured[i + kAhead].number, brush.stroke());
     const auto& [place, point] = slice.measured[i];
-    brush.measure(DVec3(place), DVec3(points_.normals[point]), found(brush, point, place), slice.measure);
+    brush.measure(DVec3(place), found(brush, point, place), slice.measure);
   }
 }
 

@@ -65,6 +65,7 @@ class CpuSculpture {
 
  private:
   double reachOf(std::uint32_t point) const;
+  float firstStep() const { return shared::kFirstStep * static_cast<float>(options_.radius); }
   float mostReach() const;
   bool isAtRest(std::uint32_t point) const;
   bool isMoved(std::uint32_t point) const;
@@ -88,14 +89,16 @@ class CpuSculpture {
   void refit();
   void refit(Part& part);
   void setNormals(Part& part);
-  std::optional<DVec3> pushedFrom(std::uint32_t point) const;
+  struct Surroundings;
+  double roomOf(std::uint32_t point, const Surroundings& around, std::span<const std::uint32_t> near) const;
+  PlacedBrush::Seen seenBy(const PlacedBrush& brush, std::uint32_t point) const;
   ResampleNeighbour seen(std::uint32_t number) const;
   double neighbourhoodOf(std::uint32_t point) const;
   double widestNeighbourhood() const;
   ResampleRequest requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
                             ResampleNeighbours& neighbours) const;
-  struct Surroundings;
-  bool anyFacesAway(const Surroundings& around) const;
+  bool isInNoWay(const PlacedBrush& brush, std::uint32_t point) const;
+  bool isAnyInTheWay(const Surroundings& around) const;
   double closestOf(std::uint32_t point) const;
   bool requestsNothing(std::uint32_t point, const Surroundings& around, std::span<const std::uint32_t> closest) const;
   void request(const Part& part);
@@ -119,8 +122,7 @@ class CpuSculpture {
   Backlog backlog_;
   double refitWork_ = 0, workOfPoint_;  // of the last edit, and its mean
   Engaged engaged_;
-  std::optional<PlacedBrush> pushes_;  // of this tick
-  std::optional<PlacedBrush> cuts_;
+  std::optional<PlacedBrush> moves_, cuts_;  // the brush of this tick, if its points look ahead, or if it carves
   SurfaceMeasure measure_;
   std::vector<std::uint32_t> waiting_;  // numbers of all points that may be unsettled, each once
   // By point: displacement since it was last resampled, model units, and the priority that it has gained by waiting.

@@ -15,16 +15,35 @@ PlacedBrush::Point PlacedBrush::brushed(const DVec3& place, const DVec3& normal,
   return {brushed.position, brushed.taken != 0};
 }
 
+bool PlacedBrush::movesAlong(const Seen& seen) const {
+  return seen.isOfStroke || !(glm::distance(seen.position, tool_.middle) < tool_.reach) ||
+         actsOn({seen.position, seen.normal, 0});
+}
+
+PlacedBrush::Path PlacedBrush::path(const DVec3& place, const Found& found, double spacing) const {
+  return shared::pathOf(brush_, tool_, place, found, spacing);
+}
+
+double PlacedBrush::freeUntil(const Path& path, const Seen& seen, double free) const {
+  const DVec3 offset = seen.position - path.position;
+  if (!shared::isBeside(path, offset)) return free;
+  return shared::freeUntil(brush_, tool_, path, {offset, seen.normal, movesAlong(seen)}, free);
+}
+
+bool PlacedBrush::isInNoWay(const Seen& seen) const {
+  return shared::isInNoWay(brush_, tool_, seen.normal) && movesAlong(seen);
+}
+
 shared::MeasuredPoint PlacedBrush::measured(const Found& found) const { return shared::measured(brush_, tool_, found); }
 
-void PlacedBrush::measure(const DVec3& place, const DVec3& normal, const Found& found, SurfaceMeasure& measure) const {
+void PlacedBrush::measure(const DVec3& place, const Found& found, SurfaceMeasure& measure) const {
   if (const shared::MeasuredPoint point = measured(found); point.weight != 0 && actsOn(found)) measure.add(point);
-  measure.enter(shared::entered(brush_, tool_, place, normal, found));
+  measure.enter(shared::entered(brush_, tool_, place, found));
 }
 
 DVec3 PlacedBrush::smoothed(const DVec3& place, const Found& found, const SurfaceSample& surface) const {
   if (!surface.defined || !actsOn(found)) return place;
-  return shared::smoothed(brush_, tool_, place, found.normal, surface.distance, surface.normal);
+  return shared::smoothed(brush_, tool_, place, found, surface.distance, surface.normal);
 }
 
 std::uint32_t PlacedBrush::painted(const DVec3& place, const Found& found, std::uint32_t color) const {

@@ -32,7 +32,21 @@ class PlacedBrush {
   std::uint32_t stroke() const { return tool_.stroke; }
   /// Whether points may be inserted in this edit.
   bool fills() const { return tool_.closes == 0; }
-  const DVec3& outward() const { return tool_.outward; }  ///< unit, the tool's axis
+  /// Whether a point may be moved further than the first step only after it has looked at what lies ahead.
+  bool looksAhead() const { return shared::looksAhead(brush_.kind); }
+  /// A point as another one sees it.
+  struct Seen {
+    DVec3 position, normal;
+    bool isOfStroke = false;  ///< this stroke has moved it
+  };
+  /// The path of a point that this stroke has moved. `spacing`: its target, model units.
+  using Path = shared::PathOf<double>;
+  Path path(const DVec3& place, const Found& found, double spacing) const;
+  /// How far it may go on, `free` at most, if it sees another point; model units.
+  double freeUntil(const Path& path, const Seen& seen, double free) const;
+  /// Whether a point is in nobody's way, whatever the brush moves, and if it is moved itself, nor is any such point in
+  /// its own: freeUntil() changes nothing.
+  bool isInNoWay(const Seen& seen) const;
 
   /// False: the brush has no effect on a point here, however the stroke found it. Cheaper than the effect itself.
   bool mayAffect(const DVec3& place) const;
@@ -52,21 +66,22 @@ class PlacedBrush {
   bool measures(std::uint32_t id) const { return shared::isSampled(id, tool_.sampling); }
   /// Its contribution to the measure of the surface under the tool.
   shared::MeasuredPoint measured(const Found& found) const;
-  /// Adds it to the measure if the brush acts on the point, and the point's cell. `normal`: the current one, unit.
-  void measure(const DVec3& place, const DVec3& normal, const Found& found, SurfaceMeasure& measure) const;
+  /// Adds it to the measure if the brush acts on the point, and the point's cell.
+  void measure(const DVec3& place, const Found& found, SurfaceMeasure& measure) const;
 
  private:
   bool actsOn(const Found& found) const;
+  bool movesAlong(const Seen& seen) const;
 
   shared::BrushOf<double> brush_;
   BrushStroke::Tool tool_;
   bool resamples_;
 };
 
-// Whether it is in the ball or the shaft, with a margin for rounding. Inflate and grab reach points where the stroke
-// found them.
+// Whether it is in the ball or the shaft, with a margin for rounding. Inflate, grab and flatten reach points where the
+// stroke found them.
 inline bool PlacedBrush::mayAffect(const DVec3& place) const {
-  if (kind() == BrushKind::inflate || kind() == BrushKind::grab) return true;
+  if (kind() == BrushKind::inflate || kind() == BrushKind::grab || kind() == BrushKind::flatten) return true;
   constexpr double kMargin = 1e-6;
   const bool hasShaft = kind() == BrushKind::push || kind() == BrushKind::carve;
   const DVec3 offset = place - tool_.center;

@@ -23,37 +23,32 @@ struct Normals {
   const float *x, *y, *z;
 };
 struct Surveyed {
-  double *squared, *along, *gap;
+  double *squared, *gap;
   std::uint32_t* sector;
 };
 
-// gap: squared distance of a neighbour of the same sheet, otherwise infinity. Whether the normal of any neighbour faces
-// away from the axis.
+// gap: squared distance of a neighbour of the same sheet, otherwise infinity.
 PALPATE_WIDEST_LANES
-bool surveyEach(std::size_t count, const Offsets& offsets, const Normals& normals, const Frame3& frame,
-                const DVec3& axis, const Surveyed& surveyed) {
+void surveyEach(std::size_t count, const Offsets& offsets, const Normals& normals, const Frame3& frame,
+                const Surveyed& surveyed) {
   const double *x = offsets.x, *y = offsets.y, *z = offsets.z;
   const float *nx = normals.x, *ny = normals.y, *nz = normals.z;
-  double *squared = surveyed.squared, *along = surveyed.along, *gap = surveyed.gap;
+  double *squared = surveyed.squared, *gap = surveyed.gap;
   std::uint32_t* sector = surveyed.sector;
   const double ux = frame.u.x, uy = frame.u.y, uz = frame.u.z, vx = frame.v.x, vy = frame.v.y, vz = frame.v.z;
-  const double wx = frame.n.x, wy = frame.n.y, wz = frame.n.z, ax = axis.x, ay = axis.y, az = axis.z;
-  std::uint64_t facingAway = 0;
+  const double wx = frame.n.x, wy = frame.n.y, wz = frame.n.z;
 #pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const double far = x[k] * x[k] + y[k] * y[k] + z[k] * z[k];
     const double normalX = double{nx[k]}, normalY = double{ny[k]}, normalZ = double{nz[k]};
     const double cosine = normalX * wx + normalY * wy + normalZ * wz;
     squared[k] = far;
-    along[k] = normalX * ax + normalY * ay + normalZ * az;
-    facingAway += along[k] <= static_cast<double>(shared::kOtherSide) ? 1 : 0;
     gap[k] = cosine > static_cast<double>(shared::kSameSheet) ? far : kFar;
   }
 #pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k)
     sector[k] = shared::sectorOf(static_cast<float>(x[k] * ux + y[k] * uy + z[k] * uz),
                                  static_cast<float>(x[k] * vx + y[k] * vy + z[k] * vz));
-  return facingAway > 0;
 }
 
 // Doubles that are not negative have the order of their bits, whose minimum processors find in several lanes.
@@ -106,7 +101,7 @@ void ResampleNeighbours::makeRoom(std::size_t points) {
   if (points_.size() >= points) return;
   const std::size_t room = 2 * points;
   for (std::vector<float>* each : {&normalX_, &normalY_, &normalZ_, &nearX_, &nearY_, &nearZ_}) each->resize(room);
-  for (std::vector<double>* each : {&squared_, &along_, &gap_}) each->resize(room);
+  for (std::vector<double>* each : {&squared_, &gap_}) each->resize(room);
   sectors_.resize(room);
   points_.resize(room);
   isSeen_.resize(room);
@@ -150,11 +145,10 @@ ResampleNeighbour ResampleNeighbours::operator[](std::size_t k) const {
   return neighbour;
 }
 
-ResampleNeighbours::Survey ResampleNeighbours::survey(const Frame3& frame, const DVec3& axis) {
-  const Surveyed surveyed{squared_.data(), along_.data(), gap_.data(), sectors_.data()};
+ResampleNeighbours::Survey ResampleNeighbours::survey(const Frame3& frame) {
+  const Surveyed surveyed{squared_.data(), gap_.data(), sectors_.data()};
   Survey survey;
-  survey.anyFacesAway = surveyEach(size(), {near_.x(), near_.y(), near_.z()},
-                                   {nearX_.data(), nearY_.data(), nearZ_.data()}, frame, axis, surveyed);
+  surveyEach(size(), {near_.x(), near_.y(), near_.z()}, {nearX_.data(), nearY_.data(), nearZ_.data()}, frame, surveyed);
   LeastBits least;
   findLeast(size(), surveyed, least);
   survey.nearest = std::bit_cast<double>(least.squared);

@@ -55,16 +55,12 @@ class ResampleNeighbours {
   /// What decides for most points that nothing is to be done.
   struct Survey {
     double nearest = 0;  ///< least squared distance of a neighbour; infinity without one
-    bool anyFacesAway =
-        false;  ///< whether the cosine between a neighbour's normal and the axis is shared::kOtherSide at most
     std::array<double, shared::kGapSectors>
         gaps{};  ///< distance of the nearest of the same sheet by sector, or infinity
   };
-  /// Surveys the neighbours of a point with this tangent plane; then, by neighbour: its squared distance, and the
-  /// cosine between its normal and the axis.
-  Survey survey(const Frame3& frame, const DVec3& axis);
+  /// Surveys the neighbours of a point with this tangent plane; then, by neighbour: its squared distance.
+  Survey survey(const Frame3& frame);
   const double* squaredDistances() const { return squared_.data(); }
-  const double* cosinesAlong() const { return along_.data(); }
   /// The neighbour at the distance gaps[sector] of the last survey; of several the one with the smallest number.
   std::size_t atGap(std::size_t sector, double distance) const;
 
@@ -80,8 +76,8 @@ class ResampleNeighbours {
   mutable std::vector<ResampleNeighbour> points_;
   mutable std::vector<std::uint8_t> isSeen_;
   // The near ones.
-  std::vector<float> nearX_, nearY_, nearZ_;   // normals
-  std::vector<double> squared_, along_, gap_;  // gap_: squared distance in the same sheet, or infinity
+  std::vector<float> nearX_, nearY_, nearZ_;  // normals
+  std::vector<double> squared_, gap_;         // gap_: squared distance in the same sheet, or infinity
   std::vector<std::uint32_t> sectors_;
 };
 

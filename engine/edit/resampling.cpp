@@ -106,21 +106,6 @@ std::optional<double> thicknessSeen(const ResampleNeighbour& self, const Resampl
   return least;
 }
 
-// Whether a point pushed along the axis of a survey has reached a sheet that faces away from the tool.
-bool stopsBefore(const ResampleNeighbour& self, const ResampleNeighbours::Survey& survey,
-                 const ResampleNeighbours& neighbours) {
-  if (!survey.anyFacesAway) return false;
-  const double* const cosines = neighbours.cosinesAlong();
-  for (std::size_t i = 0; i < neighbours.size(); ++i) {
-    if (!(cosines[i] <= static_cast<double>(shared::kOtherSide))) continue;
-    const ResampleNeighbour other = neighbours[i];
-    if (shared::isThrough(Vec3(-other.offset), Vec3(other.normal), static_cast<float>(self.spacing),
-                          shared::kStopMargin))
-      return true;
-  }
-  return false;
-}
-
 // The lowest-ranked of the neighbours that crowd a point and rank before it. `widest`: no spacing is wider.
 std::optional<ResampleNeighbour> firstToCrowd(const ResampleNeighbour& self, const ResampleNeighbours::Survey& survey,
                                               const ResampleNeighbours& neighbours, double widest) {
@@ -151,18 +136,16 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
   ResampleNeighbours& neighbours = view.neighbours;
   ResampleRequest request;
   if (view.carves) {
-    request.thick = thicknessSeen(self, view);
+    request.room = thicknessSeen(self, view);
     const double deep = glm::dot(view.found, view.foundNormal);
-    const double least = request.thick.value_or(view.thick) - static_cast<double>(shared::kSkin) * self.spacing;
+    const double least = request.room.value_or(view.room) - static_cast<double>(shared::kSkin) * self.spacing;
     if (view.moved && (deep > least || standsOutside(self, DVec3(0), neighbours, kGoes))) return {.goes = true};
   }
-  const ResampleNeighbours::Survey survey =
-      neighbours.survey(frameAround(self.normal), view.pushedFrom.value_or(DVec3(0)));
-  request.stops = view.pushedFrom && stopsBefore(self, survey, neighbours);
+  const ResampleNeighbours::Survey survey = neighbours.survey(frameAround(self.normal));
   if (const std::optional<ResampleNeighbour> first = firstToCrowd(self, survey, neighbours, view.widest)) {
     const auto firstYieldsTo = [&](const ResampleNeighbour& third) { return hasToYield(*first, third); };
     // A settled point stays.
-    if (!first->unsettled || !anyOf(neighbours, firstYieldsTo)) return {.goes = true, .stops = request.stops};
+    if (!first->unsettled || !anyOf(neighbours, firstYieldsTo)) return {.goes = true};
     request.unsettled = true;
   }
 

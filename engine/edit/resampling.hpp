@@ -20,12 +20,12 @@ namespace palpate {
 /// The request of an unsettled point in one tick.
 struct ResampleRequest {
   bool goes = false;        ///< the point is merged into a neighbour, or removed
-  bool stops = false;       ///< the point was pushed up to the far sheet of a plate
   bool unsettled = false;   ///< the point must be examined again in the next tick, even if its request is carried out
   bool inserts = false;     ///< the point requests a new point
   DVec3 offset{0};          ///< of the new point
   std::uint32_t other = 0;  ///< number of the neighbour on the other side of the gap
-  std::optional<double> thick;   ///< depth of the far sheet under the point as found, if seen; model units
+  /// New room of the point in this stroke, if any was seen: SculptedPoints::FoundState, model units.
+  std::optional<double> room;
   bool takesAfterOther = false;  ///< the other end's target is the wider one: the new point gets its parent
 };
 
@@ -38,16 +38,14 @@ struct ResampleView {
   double widest = std::numeric_limits<double>::infinity();  ///< no target spacing is wider, model units
   /// False: no new point is requested, since the stroke is over or not all neighbours could be examined.
   bool fills = true;
-  bool carves = false;              ///< a ball carves: points that it has moved out of the solid are removed
-  bool moved = true;                ///< a brush has moved the point since it was inserted
-  std::optional<DVec3> pushedFrom;  ///< unit, the axis of a tool that pushes the point in this stroke
-  DVec3 found{0}, foundNormal{0};   ///< while a ball carves: as the stroke found the point, from its current position
-  double thick = std::numeric_limits<double>::infinity();  ///< depth of the far sheet under it when last seen
+  bool carves = false;             ///< a ball carves: points that it has moved out of the solid are removed
+  bool moved = true;               ///< a brush has moved the point since it was inserted
+  DVec3 found{0}, foundNormal{0};  ///< while a ball carves: as the stroke found the point, from its current position
+  double room = std::numeric_limits<double>::infinity();  ///< the same: depth of the far sheet when last seen
   const InsertionClaims* claims = nullptr;  ///< refuse a position at which a point was inserted before; null: none
   DVec3 place{0};                           ///< of the deciding point, model units
 };
 
-/// A pushed point stops where it reaches a sheet that faces away from the tool: the far side of a plate stays as it is.
 /// While a ball carves, points that it has moved out of the solid are removed (shared::kSkin); new points stay where
 /// they were inserted, or they would be inserted again. Points nearer than kCrowded to each other rank settled before
 /// unsettled, then by number. A point is removed if the lowest-ranked of those before it stays in this tick. Otherwise

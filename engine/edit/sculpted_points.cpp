@@ -122,7 +122,7 @@ std::uint32_t SculptedPoints::insertBetween(std::uint32_t point, std::uint32_t o
   if (const std::uint32_t stroke = std::max(strokes[point], strokes[other]); stroke != 0) {
     const Found one = found(point, stroke), two = found(other, stroke);
     setFound(number, {{0.5f * (one.position + two.position), middleNormal(one.normal, two.normal),
-                       shared::middleThickness(one.thick, two.thick)},
+                       shared::middleRoom(one.room, two.room)},
                       stroke});
   }
   return number;

@@ -6,6 +6,7 @@
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/point_state.hpp"
+#include "shaders/shared/brush.h"
 
 namespace palpate {
 
@@ -29,7 +30,7 @@ struct SculptedPoints {
   /// State in which a stroke found a point.
   struct FoundState {
     Vec3 position{0}, normal{0};
-    float thick = 3.0e38f;  ///< depth of the far sheet under it when last seen, model units
+    float room = shared::kUnseen;  ///< how far it may go on; while carved: from there to the far sheet; model units
   };
   /// The same with the number of the stroke; 0: none.
   struct Found : FoundState {

@@ -34,8 +34,8 @@ SurfaceMeasure sculpt(SoftSculpture& sculpture, const PlacedBrush& brush, double
   std::vector<PlaceWay> ways;
   for (const NowPlace& at : near) {
     if (!(glm::distance(at.place, brush.center()) < brush.radius())) continue;
-    const PlacedBrush::Found found{at.place, DVec3(at.normal)};
-    if (brush.measures(at.number)) brush.measure(at.place, DVec3(at.normal), found, measure);
+    const PlacedBrush::Found found{at.place, DVec3(at.normal), double{shared::kUnseen}};
+    if (brush.measures(at.number)) brush.measure(at.place, found, measure);
     DVec3 to;
     if (smooths) {
       const auto forEachNear = [&](double radius, auto&& visit) {

@@ -57,13 +57,12 @@ bool firstYields;
 uint blocked;  // a bit for each sector
 uint requested;   // the sector in which a new point is requested; kGapSectors: none
 bool crowded, leaves;
-bool pushes, stops;  // a tool pushes the point in this stroke; it has reached the far sheet of a plate
-vec3 outward;        // the tool's axis
 bool carves, moved;  // a brush has moved the point since it was created
-// While a ball cuts.
-bool cuts, swallowed;       // the ball removes the point
-vec3 foundAt, foundNormal;  // as the stroke found it, from its present position
-float thick;                // depth of the far sheet under that
+bool looks;          // the stroke has moved the point, and it looks at what lies ahead
+bool cuts, swallowed;       // a ball cuts; it removes the point
+vec3 foundAt, foundNormal;  // of these two: as the stroke found the point, from its present position
+Path path;                  // along which the brush moves it
+float free;                 // how far it may go on; while a ball cuts: depth of the far sheet under it as found
 Brush brush;
 BrushTool tool;
 
@@ -126,7 +125,22 @@ void noteFarSheet(vec3 normal, vec3 d) {
   if (dot(normal, foundNormal) > kFarSheet) return;
   const float along = dot(d, foundNormal), deep = dot(foundAt, foundNormal) - along;
   const vec3 aside = d - along * foundNormal;
-  if (deep > 0.0 && dot(aside, aside) < kBeside * kBeside * self.spacing * self.spacing) thick = min(thick, deep);
+  if (deep > 0.0 && dot(aside, aside) < kBeside * kBeside * self.spacing * self.spacing) free = min(free, deep);
+}
+
+// Whether the brush moves a neighbour, or does not reach it.
+bool movesAlong(uint id, vec3 position, vec3 normal) {
+  if (args.tables.at[0].founds.at[id].stroke == tool.stroke) return true;
+  const vec3 away = position - tool.middle;
+  if (!(dot(away, away) < tool.reach * tool.reach)) return true;
+  const uint cell = connectedCell(tool, FoundPoint(position, normal, 0.0));
+  return (args.tables.at[0].tool.at[0].connected[cell / 32] >> (cell % 32) & 1) != 0;
+}
+
+void noteAhead(uint at, vec3 normal, vec3 d) {
+  if (!isBeside(path, d)) return;
+  const SeenPoint seen = SeenPoint(d, normal, movesAlong(keptIds[at], center + d, normal));
+  free = freeUntil(brush, tool, path, seen, free);
 }
 
 // For a carving ball: whether one neighbour indicates that the point is outside the solid.
@@ -177,8 +191,7 @@ void visitNeighbour(uint at) {
     const vec3 normal = args.cloud.normals.at[slot].xyz;
     if (carves && walk == kWalkAround) noteOutside(at, normal, d);
     if (cuts && walk == kWalkAround) noteFarSheet(normal, d);
-    if (pushes && walk == kWalkAround)
-      stops = stops || (dot(normal, outward) <= kOtherSide && isThrough(-d, normal, self.spacing, kStopMargin));
+    if (looks && walk == kWalkAround) noteAhead(at, normal, d);
     if (!sameSheet(self.normal, normal)) slot |= kOtherSheet;
     if (carves && walk == kWalkBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
     keptNeighbours[at].w = uintBitsToFloat(slot);
@@ -213,8 +226,8 @@ void begin() {
   firstYields = false;
   blocked = 0;
   requested = kGapSectors;
-  through = stops = false;
-  thick = kUnseen;
+  through = false;
+  free = looks ? kFreeAhead * neighbourhoodRadius(self.spacing, args.radius) : kUnseen;
   votes = vec2(0.0);
   crowded = false;
   leaves = false;
@@ -289,9 +302,9 @@ bool hasRisen(float share) {
 void noteThickness() {
   const uint id = self.rank & ~kExamined;
   const bool isNoted = args.tables.at[0].founds.at[id].stroke == tool.stroke;
-  thick = subgroupMin(thick);
-  if (thick == kUnseen && isNoted) thick = args.tables.at[0].founds.at[id].thick;
-  else if (isNoted && subgroupElect()) args.tables.at[0].founds.at[id].thick = thick;
+  free = subgroupMin(free);
+  if (free == kUnseen && isNoted) free = args.tables.at[0].founds.at[id].room;
+  else if (isNoted && subgroupElect()) args.tables.at[0].founds.at[id].room = free;
 }
 
 // Whether a carving ball has removed the point, or brought it outside the solid.
@@ -300,7 +313,7 @@ bool isOutside() {
   if (cuts) noteThickness();
   if (swallowed) return true;
   if (!moved) return false;
-  const bool isBelow = cuts && dot(foundAt, foundNormal) > thick - kSkin * self.spacing;
+  const bool isBelow = cuts && dot(foundAt, foundNormal) > free - kSkin * self.spacing;
   return isBelow || subgroupAny(through) || hasRisen(kNearlyAll);
 }
 
@@ -390,8 +403,6 @@ void requestForAll() {
   rests = args.tables.at[0].rests;
   const uint kind = args.tables.at[0].brush.at[0].kind;
   carves = kind == kBrushCarve;
-  const bool pushing = (kind == kBrushPush || kind == kBrushGrab) && args.tables.at[0].tool.at[0].tool.acts != 0;
-  outward = args.tables.at[0].tool.at[0].tool.outward;
   brush = args.tables.at[0].brush.at[0];
   tool = args.tables.at[0].tool.at[0].tool;
   cuts = carves && tool.acts != 0;
@@ -407,14 +418,15 @@ void requestForAll() {
     center = position.xyz;
     const float mostReach = kReach * args.radius;
     reach = id < firstNew ? mostReach : args.tables.at[0].reaches.at[id - firstNew];
-    pushes = pushing && args.tables.at[0].founds.at[id].stroke == args.tables.at[0].tool.at[0].tool.stroke;
+    const bool isNoted = args.tables.at[0].founds.at[id].stroke == tool.stroke;
+    looks = isNoted && tool.acts != 0 && looksAhead(kind);
     moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
     swallowed = cuts && carved(brush, tool, center, self.normal).taken != 0;
     foundAt = foundNormal = vec3(0.0);
-    if (cuts) {
-      const bool isNoted = args.tables.at[0].founds.at[id].stroke == tool.stroke;
+    if (cuts || looks) {
       foundNormal = isNoted ? args.tables.at[0].founds.at[id].normal : self.normal;
       if (isNoted) foundAt = args.tables.at[0].founds.at[id].position - center;
+      path = pathOf(brush, tool, center, FoundPoint(center + foundAt, foundNormal, 0.0), self.spacing);
     }
     begin();
     for (walk = kWalkAround; walk != kWalkNoMore; walk = nextWalk()) {
@@ -422,8 +434,10 @@ void requestForAll() {
                       walk != kWalkAround);
       subgroupShares();
     }
-    // From now on it counts as part of the sheet that it has reached.
-    if (subgroupAny(stops) && subgroupElect()) args.tables.at[0].founds.at[id].normal = -outward;
+    if (looks) {
+      free = subgroupMin(free);
+      if (subgroupElect()) args.tables.at[0].founds.at[id].room = free;
+    }
     if (subgroupElect() && (leaves || crowded || requested < kGapSectors)) requestFor(id, center, requested);
     subgroupShares();
   }

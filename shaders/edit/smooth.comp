@@ -41,10 +41,10 @@ void main() {
     const vec3 place = list.at[i].position;
     facing = list.at[i].normal;
     const Surface surface = surfaceAbout(place);
-    const vec3 foundNormal = foundPoint(list.at[i].id, place, facing).normal;
+    const FoundPoint found = foundPoint(list.at[i].id, place, facing);
     const bool goes = list.at[i].toBucket == kNoBucket;
     if (surface.defined && !goes && subgroupElect()) {
-      const vec3 to = smoothed(brush, tool, place, foundNormal, surface.distance, surface.normal);
+      const vec3 to = smoothed(brush, tool, place, found, surface.distance, surface.normal);
       const uint from = list.at[i].fromBucket;
       const uint bucket = bucketAt(to);
       list.at[i].position = to;

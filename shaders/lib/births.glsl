@@ -17,7 +17,7 @@ void noteBirth(uint id, uint one, uint other) {
     const float size = length(sum);
     found.position = 0.5 * (a.position + b.position);
     if (size > 1e-3) found.normal = sum / size;
-    found.thick = middleThickness(a.thick, b.thick);
+    found.room = middleRoom(a.room, b.room);
   }
   args.tables.at[0].founds.at[id] = found;
 }

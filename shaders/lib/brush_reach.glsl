@@ -14,15 +14,22 @@ void takeUpBrush(Brushes brushes, BrushTools tools) {
 
 // A point as the stroke found it.
 FoundPoint foundPoint(uint id, vec3 position, vec3 normal) {
-  if (args.tables.at[0].founds.at[id].stroke != tool.stroke) return FoundPoint(position, normal);
-  return FoundPoint(args.tables.at[0].founds.at[id].position, args.tables.at[0].founds.at[id].normal);
+  if (args.tables.at[0].founds.at[id].stroke != tool.stroke) {
+    const bool looks = looksAhead(brush.kind) && resamples(args.tables.at[0].lists);
+    return FoundPoint(position, normal, looks ? kFirstStep * brush.support : kUnseen);
+  }
+  return FoundPoint(args.tables.at[0].founds.at[id].position, args.tables.at[0].founds.at[id].normal,
+                    args.tables.at[0].founds.at[id].room);
 }
 void noteFound(uint id, FoundPoint found) {
-  // Field by field: the validation layer of Debian 12 overestimates the size of a whole entry.
-  if (args.tables.at[0].founds.at[id].stroke != tool.stroke) args.tables.at[0].founds.at[id].thick = kUnseen;
+  if (args.tables.at[0].founds.at[id].stroke == tool.stroke) return;
+  // Field by field: the validation layer of Debian 12 overestimates the size of a whole entry. The stroke comes last:
+  // a subgroup that recalls the point's request may read the entry meanwhile.
   args.tables.at[0].founds.at[id].position = found.position;
-  args.tables.at[0].founds.at[id].stroke = tool.stroke;
   args.tables.at[0].founds.at[id].normal = found.normal;
+  args.tables.at[0].founds.at[id].room = found.room;
+  memoryBarrierBuffer();
+  args.tables.at[0].founds.at[id].stroke = tool.stroke;
 }
 
 PointMove stayingMove(uint slot, vec4 position, vec3 normal) {

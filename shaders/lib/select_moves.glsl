@@ -29,12 +29,12 @@ void noteReached(uint id, vec3 position, FoundPoint found) {
 }
 
 // Adds the points' contributions to the measured surface under the tool. The whole subgroup calls it together.
-void measure(bool counts, vec3 position, vec3 normal, FoundPoint found) {
+void measure(bool counts, vec3 position, FoundPoint found) {
   MeasuredPoint point = MeasuredPoint(0, ivec3(0), 0);
   uint near = kOutsideSheet;
   if (counts) {
     if (isActedOn(found)) point = measured(brush, tool, found);
-    near = entered(brush, tool, position, normal, found);
+    near = entered(brush, tool, position, found);
   }
   const uint cell = near % kSheetCells, nearest = subgroupMin(near);
   if (near != kOutsideSheet) atomicOr(args.update.at[0].seen[cell / 32], 1u << cell % 32);

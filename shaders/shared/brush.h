@@ -37,6 +37,21 @@ const float kInFront = 0.25f;
 // Units of a measured weight, normal and height of 1: integers, so that sums do not depend on the order of addition.
 const float kWeightSteps = 63.0f, kNormalSteps = 511.0f, kHeightSteps = 255.0f;
 const float kMaxHeight = 4.0f;  // in radii of the brush
+// Distance to a thing that nothing has seen, model units.
+const float kUnseen = 3.0e38f;
+// In support radii: how far a stroke moves a point before the point has looked at what lies ahead.
+const float kFirstStep = 1.0f / 64.0f;
+// In spacings of a point: it stops this far before what lies ahead, and looks this far to the sides of its path.
+const float kStopMargin = 1.0f, kStopBeside = 2.0f;
+// In neighbourhood radii: how far a point may move if nothing lies ahead, until it looks again.
+const float kFreeAhead = 0.5f;
+// Something ahead that moves along with a point is not in its way: below this share of the point's motion that it
+// lacks.
+const float kLags = 0.5f;
+// Cosine between a path and the normal of a surface above which the path meets the surface.
+const float kMeets = 0.2f;
+// Cosine between the normals of the two sides of a thin part, at most.
+const float kOpposite = -0.5f;
 // RGBA8 that paint starts from for a point without a colour (0): kUnpainted of engine/core/point_state.hpp.
 const uint kUnpainted = 0xff93aac8u;
 
@@ -64,7 +79,7 @@ PALPATE_STRUCT(BrushTool) {
   Real reach;            // radius of that ball
   PALPATE_VEC3 hand;     // position of the tool on the path of the HIP
   Real hearing;          // points found within this distance of `hand` measure the surface
-  Real height;           // inflate: displacement at the centre, model units
+  Real height;           // push: depth, inflate: displacement, at the centre, model units
   uint stroke;           // number, from 1 on
   uint sampling;         // one of 2^sampling points is measured
   uint closes;           // not 0: the brush has not acted for long; no point is inserted any more
@@ -89,8 +104,12 @@ PALPATE_SIZE(PlacedTool, 648);
 PALPATE_STRUCT(FoundPoint) {
   PALPATE_VEC3 position;
   PALPATE_VEC3 normal;
+  Real room;  // how far the stroke may move it until it looks ahead again, model units; kUnseen: any distance
 };
 PALPATE_SINGLE(FoundPoint);
+
+// Room of a new point, from those of its two ends.
+PALPATE_FUNCTION float middleRoom(float a, float b) { return a < kUnseen && b < kUnseen ? 0.5f * (a + b) : min(a, b); }
 
 // A point after the brush.
 PALPATE_STRUCT(Brushed) {
@@ -156,16 +175,18 @@ PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) t
   return tool.share * facingShare(tool, foundNormal) * brushWeight(brush, length(position - tool.center));
 }
 
+// Whether a brush acts on a side of the model: grab carries both sides of a thin part along.
+PALPATE_FORMULA bool isActedSide(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 foundNormal) {
+  return brush.kind == kBrushGrab || facingShare(tool, foundNormal) > Real(0.0);
+}
+
 // The cell in which a point is entered, in the lower bits, and over them its distance from the surface that the hand
-// touches: the smallest of all names the cell of that surface. kOutsideSheet if in none: sides of the model that face
-// away do not connect what the brush acts on.
+// touches: the smallest of all names the cell of that surface. kOutsideSheet if in none: sides of the model on which
+// the brush does not act do not connect what it acts on.
 PALPATE_FORMULA uint entered(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
-                             PALPATE_VEC3 normal, PALPATE_OF(FoundPoint) found) {
-  // A point that has stopped at such a side counts as a part of it (kStopMargin), although it faces the tool.
-  PALPATE_VEC3 side = found.normal;
-  if (!(facingShare(tool, side) > Real(0.0)) && dot(normal, tool.outward) > Real(0.0)) side = -side;
-  const PALPATE_VEC3 place = sheetPlace(tool.entersFrom, tool.cell, found.position, side);
-  if (!(facingShare(tool, side) > Real(0.0)) || !isInSheet(place)) return kOutsideSheet;
+                             PALPATE_OF(FoundPoint) found) {
+  const PALPATE_VEC3 place = sheetPlace(tool.entersFrom, tool.cell, found.position, found.normal);
+  if (!isActedSide(brush, tool, found.normal) || !isInSheet(place)) return kOutsideSheet;
   PALPATE_VEC3 offset = position - tool.touched;
   if (brush.kind == kBrushGrab) offset = found.position - tool.touched;
   const Real share = min(Real(1.0), length(offset) / (Real(2.0) * tool.reach));
@@ -180,6 +201,17 @@ PALPATE_FORMULA uint connectedCell(PALPATE_OF(BrushTool) tool, PALPATE_OF(FoundP
 // Whether a brush acts on everything within its tool, connected or not.
 PALPATE_FUNCTION bool actsOnAll(uint kind) { return kind == kBrushCarve; }
 
+// Whether a point must look at what lies ahead before the brush moves it further than the first step.
+PALPATE_FUNCTION bool looksAhead(uint kind) { return kind != kBrushPaint && kind != kBrushCarve; }
+
+// Position of a point after a step in one edit, no longer than a point may move in one: a point moves only as far as
+// it has seen.
+PALPATE_FORMULA PALPATE_VEC3 afterStep(PALPATE_OF(Brush) brush, PALPATE_VEC3 position, PALPATE_OF(FoundPoint) found,
+                                       PALPATE_VEC3 step) {
+  const Real size = length(step), most = min(brush.longestMove, max(Real(0.0), found.room));
+  return position + (size > most ? most / size : Real(1.0)) * step;
+}
+
 // Rest of a displacement of which a point gets a share only: of the full one from where the stroke found it, minus
 // `gone`, the part already done.
 PALPATE_FORMULA Real restOfShare(Real share, Real displacement, Real gone) {
@@ -190,37 +222,31 @@ PALPATE_FORMULA Real restOfShare(Real share, Real displacement, Real gone) {
 // points. Here a point moves along the tool's axis to the underside of the ball: the brush leaves its shape, and points
 // ahead of a moving hand are pressed down, not carried along. For a point-sized brush both are the same. In an inner
 // corner the ball meets the other face with its side: that face yields along its own normal, by as much as the ball
-// is in it. Along the axis it would be dragged out of its place and torn.
-PALPATE_FORMULA PALPATE_OF(Brushed)
-    pushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_OF(FoundPoint) found) {
-  PALPATE_OF(Brushed) result;
-  result.position = position;
-  result.taken = 0u;
+// is in it, and no more than the face under the hand. Along the axis it would be dragged out of its place and torn.
+PALPATE_FORMULA PALPATE_VEC3 pushWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                                     PALPATE_OF(FoundPoint) found) {
+  const PALPATE_VEC3 none = Real(0.0) * tool.outward;
   const Real share = facingShare(tool, found.normal);
-  if (tool.acts == 0u || !(share > Real(0.0))) return result;
+  if (tool.acts == 0u || !(share > Real(0.0))) return none;
   const PALPATE_VEC3 offset = position - tool.center;
   const Real height = dot(offset, tool.outward);
   const PALPATE_VEC3 aside = offset - height * tool.outward;
   const Real squared = brush.radius * brush.radius - dot(aside, aside);
-  if (!(squared > Real(0.0))) return result;
+  if (!(squared > Real(0.0))) return none;
   const Real chord = sqrt(squared);
   const Real depth = height + chord;
-  if (height > max(tool.shaft, chord) || !(depth > Real(0.0))) return result;
+  if (height > max(tool.shaft, chord) || !(depth > Real(0.0))) return none;
   const PALPATE_VEC3 gone = found.position - position;
-  PALPATE_VEC3 way = -restOfShare(share, depth, dot(gone, tool.outward)) * tool.outward;
+  const PALPATE_VEC3 way = -restOfShare(share, depth, dot(gone, tool.outward)) * tool.outward;
   const Real wall = clampedShare((Real(kSlope) - dot(found.normal, tool.outward)) / Real(kSlope - kWall));
-  if (wall > Real(0.0)) {
-    const PALPATE_VEC3 fromAxis = offset - max(Real(0.0), min(tool.shaft, height)) * tool.outward;
-    const Real front = -dot(found.normal, fromAxis);
-    const Real inside = max(Real(0.0), brush.radius * brush.radius - dot(fromAxis, fromAxis));
-    const Real sunk = sqrt(front * front + inside) - front;
-    const Real weight = wall * clampedShare(front / (Real(kInFront) * brush.radius)) *
-                        clampedShare(Real(2.0) * (Real(1.0) - sunk / depth));
-    way = way - weight * (way + restOfShare(share, sunk, dot(gone, found.normal)) * found.normal);
-  }
-  const Real step = tool.share * length(way);
-  result.position = position + (step > brush.longestMove ? brush.longestMove / step : Real(1.0)) * tool.share * way;
-  return result;
+  if (!(wall > Real(0.0))) return way;
+  const PALPATE_VEC3 fromAxis = offset - max(Real(0.0), min(tool.shaft, height)) * tool.outward;
+  const Real front = -dot(found.normal, fromAxis);
+  const Real inside = max(Real(0.0), brush.radius * brush.radius - dot(fromAxis, fromAxis));
+  const Real sunk = sqrt(front * front + inside) - front;
+  const Real weight = wall * clampedShare(front / (Real(kInFront) * brush.radius)) *
+                      clampedShare(Real(2.0) * (Real(1.0) - sunk / depth));
+  return way - weight * (way + restOfShare(share, min(sunk, tool.height), dot(gone, found.normal)) * found.normal);
 }
 
 // Carve cuts the tool out of the solid. The tool's wall inside the solid is the new surface. A point that faces the
@@ -250,29 +276,34 @@ PALPATE_FORMULA PALPATE_OF(Brushed)
 // (smoothed()), and paint does not move points.
 PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                             PALPATE_VEC3 normal, PALPATE_OF(FoundPoint) found) {
-  if (brush.kind == kBrushPush) return pushed(brush, tool, position, found);
   if (brush.kind == kBrushCarve) return carved(brush, tool, position, normal);
   PALPATE_OF(Brushed) result;
   result.position = position;
   result.taken = 0u;
+  if (brush.kind == kBrushPush)
+    result.position = afterStep(brush, position, found, tool.share * pushWay(brush, tool, position, found));
   if (tool.acts == 0u) return result;
-  if (brush.kind == kBrushFlatten) {
-    const Real move = brushShare(brush, tool, position, found.normal) * dot(position - tool.center, tool.outward);
-    result.position = position - max(-brush.longestMove, min(brush.longestMove, move)) * tool.outward;
-    return result;
-  }
-  // These two use the position as found, so that a point gets no more than its share in a stroke of any length.
-  const Real weight = facingShare(tool, found.normal) * brushWeight(brush, length(found.position - tool.center));
+  // These use the position as found, so that a point gets no more than its share in a stroke of any length.
+  Real weight = brushWeight(brush, length(found.position - tool.center));
+  if (brush.kind != kBrushGrab) weight *= facingShare(tool, found.normal);
   if (!(weight > Real(0.0))) return result;
+  if (brush.kind == kBrushFlatten) {
+    // A share that decreases with the distance from the centre never brings a point past another one along the axis:
+    // the flanks of a limb are lowered or raised, and not laid into one plane.
+    const Real height = dot(found.position - tool.center, tool.outward);
+    const Real side = height < Real(0.0) ? Real(-1.0) : Real(1.0);
+    const Real gone = side * dot(found.position - position, tool.outward);
+    const Real left = max(Real(0.0), side * weight * height - gone);
+    result.position = afterStep(brush, position, found, -tool.share * left * side * tool.outward);
+  }
   if (brush.kind == kBrushInflate) {
     const Real left = weight * tool.height - dot(position - found.position, found.normal);
-    const Real step = min(tool.share * weight * Real(kInflateStep) * brush.radius, brush.longestMove);
-    result.position = position + max(Real(0.0), min(left, step)) * found.normal;
+    const Real step = tool.share * weight * Real(kInflateStep) * brush.radius;
+    result.position = afterStep(brush, position, found, max(Real(0.0), min(left, step)) * found.normal);
   }
   if (brush.kind == kBrushGrab) {
     const PALPATE_VEC3 way = (found.position + weight * tool.motion) - position;
-    const Real step = tool.share * length(way);
-    result.position = position + (step > brush.longestMove ? brush.longestMove / step : Real(1.0)) * tool.share * way;
+    result.position = afterStep(brush, position, found, tool.share * way);
   }
   return result;
 }
@@ -281,9 +312,128 @@ PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(
 // (kSurfaceSphere), which unlike their average preserves curvature. `signedDistance`: of the point to it, model units,
 // positive outside; `normal`: the sphere's.
 PALPATE_FORMULA PALPATE_VEC3 smoothed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
-                                      PALPATE_VEC3 foundNormal, Real signedDistance, PALPATE_VEC3 normal) {
-  const Real move = brushShare(brush, tool, position, foundNormal) * signedDistance;
-  return position - max(-brush.longestMove, min(brush.longestMove, move)) * normal;
+                                      PALPATE_OF(FoundPoint) found, Real signedDistance, PALPATE_VEC3 normal) {
+  const Real move = brushShare(brush, tool, position, found.normal) * signedDistance;
+  return afterStep(brush, position, found, -move * normal);
+}
+
+// The direction in which a brush moves a point, unit; zero for none.
+PALPATE_FORMULA PALPATE_VEC3 directionOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                                         PALPATE_OF(FoundPoint) found) {
+  if (brush.kind == kBrushPush) {
+    const PALPATE_VEC3 way = pushWay(brush, tool, position, found);
+    const Real far = length(way);
+    return far > Real(kAtCenter) * brush.radius ? way / far : -tool.outward;
+  }
+  if (brush.kind == kBrushInflate) return found.normal;
+  if (brush.kind == kBrushSmooth) return -found.normal;
+  if (brush.kind == kBrushFlatten)
+    return (dot(found.position - tool.center, tool.outward) > Real(0.0) ? Real(-1.0) : Real(1.0)) * tool.outward;
+  const Real size = length(tool.motion);
+  return brush.kind == kBrushGrab && size > Real(0.0) ? tool.motion / size : Real(0.0) * tool.motion;
+}
+
+// What a point sees of another one: `offset` away, with this unit normal. `moves`: the brush acts on the other one, or
+// does not reach it.
+PALPATE_STRUCT(SeenPoint) {
+  PALPATE_VEC3 offset;
+  PALPATE_VEC3 normal;
+  bool moves;
+};
+PALPATE_SINGLE(SeenPoint);
+
+// How much less than a point the brush moves the other one: 0 if both move alike, 2 if they move towards each other.
+PALPATE_FORMULA Real lagOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_OF(SeenPoint) seen) {
+  if (!seen.moves) return Real(1.0);
+  if (brush.kind == kBrushInflate) return Real(2.0);
+  if (brush.kind == kBrushSmooth) return Real(1.0);
+  // What grab holds moves by weights that cannot fold it: BrushStroke::held().
+  if (brush.kind == kBrushGrab) return Real(0.0);
+  return Real(1.0) - facingShare(tool, seen.normal);
+}
+
+// How far in front of a face the tool is, which presses it or is behind it: the ball and its shaft, or over a plane.
+PALPATE_FORMULA Real inFrontOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                               PALPATE_VEC3 normal) {
+  const PALPATE_VEC3 offset = tool.center - position;
+  if (brush.kind == kBrushFlatten) return dot(normal, offset + brush.radius * tool.outward);
+  const Real along = max(Real(0.0), min(tool.shaft, -dot(offset, tool.outward)));
+  return dot(normal, offset + along * tool.outward);
+}
+
+// What a moving point looks for on its path.
+PALPATE_STRUCT(Path) {
+  PALPATE_VEC3 direction;    // unit; zero: no path
+  PALPATE_VEC3 position;     // of the point
+  PALPATE_VEC3 back;         // from there to where the stroke found it
+  PALPATE_VEC3 foundNormal;  // unit
+  Real spacing;              // of the point, model units
+  bool pressed;              // a tool that presses is in front of the point's face
+  bool isBehind;             // it is behind the face, which may be the far side of a thin part
+};
+PALPATE_SINGLE(Path);
+
+PALPATE_FORMULA PALPATE_OF(Path) pathOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                                        PALPATE_OF(FoundPoint) found, Real spacing) {
+  PALPATE_OF(Path) path;
+  path.direction = directionOf(brush, tool, position, found);
+  path.position = position;
+  path.back = found.position - position;
+  path.foundNormal = found.normal;
+  path.spacing = spacing;
+  const bool presses = brush.kind == kBrushPush || brush.kind == kBrushFlatten;
+  path.pressed = presses && inFrontOf(brush, tool, found.position, found.normal) > Real(0.0);
+  path.isBehind = presses && !path.pressed;
+  return path;
+}
+
+// Whether a point `offset` away may limit a path.
+PALPATE_FORMULA bool isBeside(PALPATE_OF(Path) path, PALPATE_VEC3 offset) {
+  const Real along = dot(offset, path.direction), beside = Real(kStopBeside) * path.spacing;
+  const PALPATE_VEC3 aside = offset - along * path.direction;
+  return path.isBehind || (along > Real(0.0) && dot(aside, aside) < beside * beside);
+}
+
+// Whether a point is on the far side of a thin part of whose near side, which the tool presses, it sees a point.
+PALPATE_FORMULA bool isFarSide(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_OF(Path) path,
+                               PALPATE_OF(SeenPoint) seen) {
+  const PALPATE_VEC3 offset = seen.offset - path.back;
+  const Real over = dot(offset, path.foundNormal), beside = Real(kStopBeside) * path.spacing;
+  const PALPATE_VEC3 aside = offset - over * path.foundNormal;
+  return path.isBehind && over < Real(0.0) && dot(aside, aside) < beside * beside &&
+         dot(seen.normal, path.foundNormal) < Real(kOpposite) &&
+         inFrontOf(brush, tool, path.position + seen.offset, seen.normal) > Real(0.0);
+}
+
+// How far a point may go on its path, at most `free`, until it comes within a margin of the surface at another point,
+// which isBeside(), if that stays behind.
+PALPATE_FORMULA Real freeUntil(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_OF(Path) path,
+                               PALPATE_OF(SeenPoint) seen, Real free) {
+  if (isFarSide(brush, tool, path, seen)) return Real(0.0);
+  const Real along = dot(seen.offset, path.direction), beside = Real(kStopBeside) * path.spacing;
+  const PALPATE_VEC3 aside = seen.offset - along * path.direction;
+  if (!(along > Real(0.0)) || !(dot(aside, aside) < beside * beside)) return free;
+  Real lag = lagOf(brush, tool, seen);
+  // The far side of a thin part stays: isFarSide(), as seen from there.
+  if (path.pressed && dot(seen.normal, path.foundNormal) < Real(kOpposite)) lag = Real(1.0);
+  if (lag < Real(kLags)) return free;
+  const bool enters = dot(path.foundNormal, path.direction) < Real(0.0);
+  const Real slope = dot(seen.normal, path.direction), margin = Real(kStopMargin) * path.spacing;
+  if (enters ? slope > Real(kMeets) : slope < -Real(kMeets))
+    return min(free, max(Real(0.0), dot(seen.offset, seen.normal) / slope - margin) / lag);
+  // A rim does not pass a side that stays.
+  if (!enters && slope > Real(kMeets) && (brush.kind == kBrushPush || brush.kind == kBrushFlatten))
+    return min(free, along / lag);
+  if (seen.moves || !(slope < -Real(kMeets))) return free;
+  // A surface that faces the same way is the point's own, unless it was well ahead where the stroke found the point.
+  const Real before = dot(seen.offset - path.back, seen.normal) / slope;
+  return before > Real(2.0) * margin ? min(free, max(Real(0.0), dot(seen.offset, seen.normal) / slope - margin)) : free;
+}
+
+// Whether freeUntil() changes nothing between points with normals for which this holds, if the brush moves them all.
+PALPATE_FORMULA bool isInNoWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 normal) {
+  if (brush.kind == kBrushInflate || brush.kind == kBrushSmooth) return dot(normal, tool.outward) > Real(0.7072);
+  return brush.kind == kBrushGrab || dot(normal, tool.outward) > Real(0.5);
 }
 
 PALPATE_FORMULA uint blendedChannel(uint from, uint to, Real share) {

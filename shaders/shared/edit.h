@@ -38,7 +38,7 @@ struct Found {
   vec3 position;
   uint stroke;  // 0: not moved by a stroke
   vec3 normal;
-  float thick;  // depth of the far sheet under it when last seen, model units; kUnseen
+  float room;  // how far it may go on; while carved: from there down to the far sheet when last seen; model units
 };
 PALPATE_SIZE(Found, 32);
 

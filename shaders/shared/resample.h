@@ -65,9 +65,6 @@ const float kSkin = 0.1f, kBeside = 2.0f, kAtRest = 0.02f, kNearlyAll = 0.8f;
 // otherwise points would be added and removed for ever.
 const float kBirthMargin = 0.1f, kHalfOfThem = 0.5f;
 
-// A pushed point stops this many of its spacings before a sheet that faces away from the tool.
-const float kStopMargin = 0.4f;
-
 // Whether a position is through, `offset` from a point that faces the other way, whose unit normal is `normal`.
 PALPATE_FUNCTION bool isThrough(vec3 offset, vec3 normal, float spacing, float margin) {
   const float before = dot(offset, normal);  // negative inside
@@ -78,13 +75,6 @@ PALPATE_FUNCTION bool isThrough(vec3 offset, vec3 normal, float spacing, float m
 // Whether a position at this offset from a point at rest, with this unit normal, has risen over it.
 PALPATE_FUNCTION bool isAbove(vec3 offset, vec3 normal, float spacing, float margin) {
   return dot(offset, normal) > (kSkin - margin) * spacing;
-}
-
-// Thickness of the solid under a new point, from the thicknesses at its two ends, either of which may be unknown
-// (kUnseen).
-const float kUnseen = 3.0e38f;
-PALPATE_FUNCTION float middleThickness(float a, float b) {
-  return a < kUnseen && b < kUnseen ? 0.5f * (a + b) : min(a, b);
 }
 
 // Slots of the table in which requests for new points claim their positions: a power of two. If two distant positions

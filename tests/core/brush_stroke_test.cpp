@@ -232,7 +232,7 @@ TEST_CASE("grab moves its points only as far as the connected surface ahead of t
     const auto options = brushOf(brush(BrushKind::grab), kSupport);
     SurfaceMeasure measure;
     const auto enter = [&](const DVec3& place, const DVec3& normal) {
-      measure.enter(shared::entered<double>(options, tool, place, normal, {place, normal}));
+      measure.enter(shared::entered<double>(options, tool, place, {place, normal, double{shared::kUnseen}}));
     };
     for (double x = hasEdge ? -2 : -8; x <= 8; x += 0.5)
       for (double y = -8; y <= 8; y += 0.5) enter({x, y, 0}, kUp);
@@ -263,6 +263,44 @@ TEST_CASE("no tool reaches beyond the range of an edit, wherever the hand and th
       CHECK(std::isfinite(tool.center.x + tool.middle.y + tool.shaft + tool.hearing + tool.height));
       hand.stroke.note(measured(glm::normalize(DVec3(std::sin(3 * turn), std::cos(turn), 1)), 4 * std::sin(5.0 * k)));
     }
+  }
+}
+
+TEST_CASE(
+    "a hand that has gone through a thin part does nothing until it is at its side again, elsewhere or released") {
+  // A leaf of 1 at z = 0; the hand is at its upper side, through its rim or through itself at the lower one.
+  // Whether the stroke acts on it, after all that came before.
+  double time_s = 0;
+  const auto feel = [&](BrushStroke& stroke, const DVec3& hip, const DVec3& normal, double deep,
+                        Press press = Press::contact) {
+    while (stroke.hasWay()) stroke.next(time_s += 1e-3);
+    time_s += 1e-3;
+    stroke.feel({.normal = normal, .touching = deep > 0}, hip, deep * normal, press, time_s);
+    return stroke.hasWay();
+  };
+  for (const bool endsContact : {false, true}) {
+    CAPTURE(endsContact);
+    BrushStroke stroke(kSupport);
+    stroke.setBrush(brush(BrushKind::push));
+    CHECK(feel(stroke, {0, 0, -1}, kUp, 1));
+    CHECK(feel(stroke, {0.1, 0, -1}, kUp, 1));
+    if (endsContact)  // deep, and for longer than a gap of a stroke
+      for (int k = 0; k < 400; ++k) CHECK_FALSE(feel(stroke, {0.2, 0, -3}, kUp, 0));
+    CHECK_FALSE(feel(stroke, {0.2, 0, -1.1}, -kUp, 1));
+    CHECK_FALSE(feel(stroke, {0.3, 0, -1.1}, -kUp, 1));
+    CHECK_FALSE(feel(stroke, {1.5 * kRadius, 0, -1.1}, -kUp, 1));
+    BrushStroke back = stroke, elsewhere = stroke;
+    CHECK(feel(back, {0.4, 0, -1}, kUp, 1));
+    CHECK(feel(elsewhere, {2.5 * kRadius, 0, -1.1}, -kUp, 1));
+    CHECK_FALSE(feel(stroke, {0.3, 0, -1.1}, -kUp, 1, Press::none));
+    CHECK(feel(stroke, {0.3, 0, -1.1}, -kUp, 1));
+  }
+  // Around a limb that the brush can tell from a rim the side goes along with the hand.
+  BrushStroke around(kSupport);
+  around.setBrush(brush(BrushKind::push));
+  for (double angle = 0; angle < 4; angle += 0.01) {
+    const DVec3 normal(std::sin(angle), 0, std::cos(angle));
+    CHECK(feel(around, 0.8 * kRadius * normal, normal, 1));
   }
 }
 

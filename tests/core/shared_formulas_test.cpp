@@ -225,13 +225,60 @@ TEST_CASE_TEMPLATE("a proxy slides as far as friction allows, and a step that re
   CHECK_FALSE(shared::trackingFrom(none, false, Real(0.5)).slid);
 }
 
+TEST_CASE_TEMPLATE("a point stops a spacing before what stays behind, and goes on along what moves with it", Real,
+                   float, double) {
+  shared::BrushOf<Real> brush{
+      .kind = shared::kBrushPush, .falloff = 3, .radius = 4, .longestMove = 1, .support = 4, .color = 0};
+  const V3<Real> up(0, 0, 1), aside(1, 0, 0), origin(0, 0, 0);
+  shared::BrushToolOf<Real> tool{.center = V3<Real>(0, 0, 3), .acts = 1, .outward = up, .share = 1, .height = 1};
+  // From the origin, found there with `found`, until a point at `offset`; 2 if nothing is in the way.
+  const auto free = [&](const V3<Real>& found, const V3<Real>& offset, const V3<Real>& normal, bool moves = true) {
+    const auto path = shared::pathOf(brush, tool, origin, {origin, found, Real(shared::kUnseen)}, Real(0.25));
+    return shared::freeUntil(brush, tool, path, {offset, normal, moves}, Real(2));
+  };
+  const auto is = [](Real value, double truth) { return std::abs(static_cast<double>(value) - truth) < 1e-6; };
+  const V3<Real> below(Real(0.2), 0, -1);
+  CHECK(is(free(up, below, -up), 0.75));                          // the far side of a plate
+  CHECK(is(free(up, V3<Real>(Real(0.6), 0, -1), -up), 2));        // too far aside
+  CHECK(is(free(up, -below, -up), 2));                            // behind
+  CHECK(is(free(up, V3<Real>(0, 0, Real(-0.2)), -up), 0));        // nearer than a spacing
+  CHECK(is(free(up, below, aside), 2));                           // the wall of a dent
+  CHECK(is(free(up, below, up), 2));                              // the same sheet
+  CHECK(is(free(up, below, up, false), 0.75));                    // another one, which the brush does not move
+  CHECK(is(free(up, V3<Real>(0, 0, Real(-0.4)), up, false), 2));  // its own, at the border of the brush
+  // A rim goes down to the far side, and not past it.
+  CHECK(is(free(V3<Real>(Real(0.6), 0, Real(-0.8)), V3<Real>(0, 0, Real(-0.5)), -up), 0.5));
+  // The far side of a part at a right angle to the axis, whose near side the tool is in front of, stays.
+  const V3<Real> beside(Real(-0.5), 0, 0);
+  tool.center = V3<Real>(-3, 0, 2);
+  CHECK(is(free(aside, beside, -aside), 0));
+  CHECK(is(free(aside, beside, aside), 2));
+  tool.center = V3<Real>(3, 0, 2);
+  CHECK(free(aside, V3<Real>(Real(-0.3), 0, Real(-0.1)), -aside) < Real(0.2));  // the tool is in front: it is pressed
+  // Two sides that are inflated meet half way; what is smoothed comes alone.
+  brush.kind = shared::kBrushInflate;
+  CHECK(is(free(up, V3<Real>(0, 0, 1), -up), 0.375));
+  brush.kind = shared::kBrushSmooth;
+  CHECK(is(free(up, below, -up), 0.75));
+  // Grab carries along what it holds.
+  brush.kind = shared::kBrushGrab;
+  tool.motion = V3<Real>(0, 0, -3);
+  CHECK(is(free(up, below, -up), 2));
+  CHECK(is(free(up, below, -up, false), 0.75));
+  // No step is longer than what is free.
+  const auto step = [&](Real room) { return shared::afterStep(brush, origin, {origin, up, room}, V3<Real>(0, 0, -3)); };
+  CHECK(is(step(Real(0.3)).z, -0.3));
+  CHECK(is(step(Real(shared::kUnseen)).z, -1));
+  CHECK(step(Real(-1e-6)) == origin);
+}
+
 TEST_CASE_TEMPLATE("each brush moves or removes points by its tool, also at the tool's centre", Real, float, double) {
   shared::BrushOf<Real> brush{
       .kind = shared::kBrushPush, .falloff = 3, .radius = 4, .longestMove = 100, .support = 1, .color = 0};
   const V3<Real> up(0, 0, 1);
   shared::BrushToolOf<Real> tool{.center = V3<Real>(1, 2, 7.5), .acts = 1, .outward = up, .share = 1};
   const auto positionOf = [&](const V3<Real>& place) {
-    return shared::brushed(brush, tool, place, up, {place, up}).position;
+    return shared::brushed(brush, tool, place, up, {place, up, Real(shared::kUnseen)}).position;
   };
   // The whole displacement at once: every point in the ball comes to rest on its underside, straight below its
   // position.
@@ -254,7 +301,7 @@ TEST_CASE_TEMPLATE("each brush moves or removes points by its tool, also at the 
   }
   brush.kind = shared::kBrushCarve;
   const auto taken = [&](const V3<Real>& place, const V3<Real>& normal) {
-    return shared::brushed(brush, tool, place, normal, {place, normal}).taken == 1;
+    return shared::brushed(brush, tool, place, normal, {place, normal, Real(shared::kUnseen)}).taken == 1;
   };
   const V3<Real> aside(1, 0, 0);
   CHECK(taken(tool.center + aside, aside));   // faces away from the middle

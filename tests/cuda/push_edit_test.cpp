@@ -57,7 +57,7 @@ TEST_CASE("a CUDA push moves points in range as the reference does and leaves th
     std::size_t inRange = 0, wrong = 0, marked = 0, disturbed = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
       const DVec3 before(scene.cloud.positions[i]), normal(scene.cloud.normals[i]);
-      const DVec3 expected = brush.brushed(before, normal, {before, normal}).position;
+      const DVec3 expected = brush.brushed(before, normal, {before, normal, double{shared::kUnseen}}).position;
       inRange += expected != before;
       wrong += glm::distance(DVec3(moved.positions[i]), expected) > 1e-4;
       marked += moved.normals[i].w != 0;

@@ -53,6 +53,7 @@ inline std::vector<BrushCase> randomQuestions(std::size_t count) {
                                    .normal = Vec3(direction()),
                                    .foundPosition = Vec3(position + share(random) * direction()),
                                    .foundNormal = Vec3(direction()),
+                                   .room = static_cast<float>(1.5 * share(random)),
                                    .color = static_cast<std::uint32_t>(random())}});
   }
   return questions;
@@ -65,12 +66,12 @@ inline constexpr double kRounding = 5e-5;
 // counted.
 inline void checkAgree(const std::vector<BrushCase>& questions, const std::vector<shared::BrushAnswer>& answers,
                        double signedDistance) {
-  std::size_t otherSide = 0, moved = 0, taken = 0, colored = 0, says = 0;
+  std::size_t otherSide = 0, moved = 0, taken = 0, colored = 0, says = 0, seen = 0;
   for (std::size_t i = 0; i < questions.size(); ++i) {
     const auto& [options, tool, q] = questions[i];
     const PlacedBrush brush(options, kSupport, tool);
     const DVec3 place(q.position), normal(q.normal);
-    const PlacedBrush::Found found{DVec3(q.foundPosition), DVec3(q.foundNormal)};
+    const PlacedBrush::Found found{DVec3(q.foundPosition), DVec3(q.foundNormal), double{q.room}};
     const PlacedBrush::Point expected = brush.brushed(place, normal, found);
     moved += expected.position != place;
     taken += expected.taken;
@@ -87,6 +88,12 @@ inline void checkAgree(const std::vector<BrushCase>& questions, const std::vecto
     for (std::size_t k = 0; k < 4; ++k) CHECK(std::abs(is[k] - wanted[k]) <= 1);
     const shared::MeasuredPoint measured = brush.measured(found), said = answers[i].measured;
     says += measured.weight > 0;
+    const DVec3 offset = place - found.position;
+    const auto inDouble = brushOf(options, kSupport);
+    const auto path = shared::pathOf(inDouble, tool, found.position, found, 0.5);
+    const double free = shared::freeUntil(inDouble, tool, path, {offset, normal, q.color % 2 != 0}, 1.0);
+    seen += free < 1;
+    if (std::abs(answers[i].free - free) > 1e-3) ++otherSide;
     CHECK(std::abs(said.weight - measured.weight) <= 1);
     CHECK(std::abs(said.height - measured.height) <= 1400);  // one step of the weight or of the height
     for (int k = 0; k < 3; ++k) CHECK(std::abs(said.normal[k] - measured.normal[k]) <= 600);
@@ -96,6 +103,7 @@ inline void checkAgree(const std::vector<BrushCase>& questions, const std::vecto
   CHECK(taken > questions.size() / 50);
   CHECK(colored > questions.size() / 20);
   CHECK(says > questions.size() / 10);
+  CHECK(seen > questions.size() / 10);
 }
 
 }  // namespace palpate

@@ -12,17 +12,19 @@ struct BrushQuestion {
   vec3 normal;
   vec3 foundPosition;
   vec3 foundNormal;
+  float room;
   uint color;
 };
-PALPATE_SIZE(BrushQuestion, 212);
+PALPATE_SIZE(BrushQuestion, 216);
 
 struct BrushAnswer {
   Brushed brushed;
   uint painted;
   vec3 smoothed;
   MeasuredPoint measured;
+  float free;  // model units, from the position as found, in sight of the question's
 };
-PALPATE_SIZE(BrushAnswer, 52);
+PALPATE_SIZE(BrushAnswer, 56);
 
 struct BrushProbeArgs {
   PALPATE_ADDRESS(BrushQuestions) questions;
@@ -36,11 +38,17 @@ PALPATE_FUNCTION BrushAnswer answerTo(BrushQuestion q, float signedDistance) {
   FoundPoint found;
   found.position = q.foundPosition;
   found.normal = q.foundNormal;
+  found.room = q.room;
   BrushAnswer answer;
   answer.brushed = brushed(q.brush, q.tool, q.position, q.normal, found);
   answer.painted = painted(q.brush, q.tool, q.position, q.foundNormal, q.color);
-  answer.smoothed = smoothed(q.brush, q.tool, q.position, q.foundNormal, signedDistance, q.normal);
+  answer.smoothed = smoothed(q.brush, q.tool, q.position, found, signedDistance, q.normal);
   answer.measured = measured(q.brush, q.tool, found);
+  SeenPoint seen;
+  seen.offset = q.position - q.foundPosition;
+  seen.normal = q.normal;
+  seen.moves = q.color % 2u != 0u;
+  answer.free = freeUntil(q.brush, q.tool, pathOf(q.brush, q.tool, q.foundPosition, found, 0.5f), seen, 1.0f);
   return answer;
 }
 

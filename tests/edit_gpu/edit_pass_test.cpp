@@ -67,14 +67,18 @@ TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   for (const BrushOptions options : {BrushOptions{.yieldDepth = 0.5, .pushRate = 0.1, .radius = 6},
+                                     BrushOptions{.yieldDepth = 0.5, .pushRate = 0.1, .radius = 6, .resample = false},
                                      BrushOptions{.yieldDepth = 0, .pushRate = 1, .radius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const PlacedBrush brush = brushAt(options, scene.radius, hip, spring);
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
+    // In its first tick a point has not looked ahead yet.
+    const double room =
+        options.resample ? static_cast<double>(shared::kFirstStep) * scene.radius : double{shared::kUnseen};
     std::size_t count = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
       const DVec3 before(scene.cloud.positions[i]), normal(scene.cloud.normals[i]);
-      const DVec3 expected = brush.brushed(before, normal, {before, normal}).position;
+      const DVec3 expected = brush.brushed(before, normal, {before, normal, room}).position;
       if (expected == before) {
         // Points within rounding of the brush's border may move or not, by less than that.
         CHECK(glm::distance(DVec3(moved.positions[i]), before) < 1e-4);

@@ -104,7 +104,8 @@ TEST_CASE("an edited tick moves each point as the brush specifies, at most a qua
   double furthest = 0;
   for (std::size_t i = 0; i < after.size(); ++i) {
     const DVec3 before(scene.cloud.positions[i]), normal(scene.cloud.normals[i]);
-    wrong += after.positions[i] != Vec3(brush.brushed(before, normal, {before, normal}).position);
+    wrong +=
+        after.positions[i] != Vec3(brush.brushed(before, normal, {before, normal, double{shared::kUnseen}}).position);
     furthest = std::max(furthest, glm::distance(DVec3(after.positions[i]), before));
   }
   CHECK(wrong == 0);

@@ -1,0 +1,159 @@
+// What a push does to thin and folded parts, judged point by point: the side that it does not touch stays in its place,
+// and the pressed one stops before it.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "engine/cloud/point_tree.hpp"
+#include "tests/touch/back_end.hpp"
+
+namespace palpate::thin_parts_test {
+
+namespace {
+
+constexpr double kSpacing = 0.5, kSupport = 4 * kSpacing, kBrush = 6, kTau = 0.25;
+
+/// A sheet of this thickness whose middle is at height(x), with a rim at either end along x: first its upper points,
+/// then its lower ones, then those of the rims.
+struct Sheet {
+  PointCloud cloud;
+  std::size_t eachSide = 0;
+};
+template <class Height>
+Sheet makeSheet(double length, double width, double thickness, Height&& height) {
+  Sheet sheet;
+  PointCloud lower;
+  const auto normalAt = [&](double x) { return glm::normalize(DVec3(height(x - 1e-4) - height(x + 1e-4), 0, 2e-4)); };
+  const auto add = [](PointCloud& cloud, const DVec3& place, const DVec3& normal) {
+    cloud.positions.emplace_back(place);
+    cloud.normals.emplace_back(normal);
+  };
+  for (double y = -0.5 * width; y <= 0.5 * width; y += kSpacing) {
+    for (double x = -0.5 * length; x <= 0.5 * length; x += kSpacing * normalAt(x).z) {
+      const DVec3 normal = normalAt(x), middle(x, y, height(x));
+      add(sheet.cloud, middle + 0.5 * thickness * normal, normal);
+      add(lower, middle - 0.5 * thickness * normal, -normal);
+    }
+    for (const double end : {-0.5, 0.5}) {
+      const DVec3 middle(end * length, y, height(end * length)), up = normalAt(middle.x);
+      const DVec3 out = glm::cross(up, DVec3(0, end < 0 ? -1 : 1, 0)) * -1.0;
+      const int steps = std::max(1, static_cast<int>(0.5 * std::numbers::pi * thickness / kSpacing));
+      for (int k = 0; k < steps; ++k) {
+        const double angle = std::numbers::pi * ((k + 0.5) / steps - 0.5);
+        const DVec3 normal = std::sin(angle) * up + std::cos(angle) * out;
+        add(lower, middle + 0.5 * thickness * normal, normal);
+      }
+    }
+  }
+  sheet.eachSide = sheet.cloud.size();
+  for (const Vec3& place : lower.positions) sheet.cloud.positions.push_back(place);
+  for (const Vec3& normal : lower.normals) sheet.cloud.normals.push_back(normal);
+  return sheet;
+}
+
+/// The points of a sheet after a push: pressed at `from`, dragged to `to` at 100 mm/s, lifted straight up.
+PointCloud pushed(TouchBackend& touch, const Sheet& sheet, const DVec3& from, const DVec3& to) {
+  double time_s = 0;
+  const auto go = [&](const DVec3& a, const DVec3& b, double speed) {
+    const int ticks = std::max(1, static_cast<int>(glm::distance(a, b) / speed * 1000));
+    for (int k = 0; k < ticks; ++k, time_s += 1e-3)
+      touch.query({.time_s = time_s, .hip = a + (b - a) * (double(k) / ticks)}, 0);
+  };
+  const DVec3 up(0, 0, 8);
+  go(from + up, from, 100);
+  go(from, to, 100);
+  go(to, to + up, 100);
+  touch.finish();
+  PointCloud after = sheet.cloud;
+  CHECK(touch.readBack(after) > 50);
+  return after;
+}
+
+struct Judged {
+  std::size_t moved = 0, through = 0;
+  double median = 0, highest = 0;  // of the moved points: distance from the lower side; height over the upper one
+};
+/// `lower(x)`, `upper(x)`: heights of the sides. A point is through if it faces up and is below the lower one.
+template <class Lower, class Upper>
+Judged judge(const Sheet& sheet, const PointCloud& after, Lower&& lower, Upper&& upper) {
+  Judged judged;
+  judged.highest = -std::numeric_limits<double>::infinity();
+  const PointTree before(sheet.cloud.positions);
+  std::vector<double> left;
+  std::vector<std::uint32_t> same;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    same.clear();
+    before.near(DVec3(after.positions[i]), 1e-6, same);
+    if (!same.empty()) continue;
+    const double x = after.positions[i].x, z = after.positions[i].z;
+    ++judged.moved;
+    judged.through += after.normals[i].z > 0.3f && z < lower(x);
+    judged.highest = std::max(judged.highest, z - upper(x));
+    left.push_back(z - lower(x));
+  }
+  std::ranges::sort(left);
+  if (!left.empty()) judged.median = left[left.size() / 2];
+  return judged;
+}
+
+/// Number of points of the far side that are farther than this from their place.
+std::size_t farMoved(const Sheet& sheet, const PointCloud& after, double distance) {
+  const PointTree tree(after.positions);
+  std::vector<std::uint32_t> there;
+  std::size_t moved = 0;
+  for (std::size_t i = sheet.eachSide; i < sheet.cloud.size(); ++i) {
+    there.clear();
+    tree.near(DVec3(sheet.cloud.positions[i]), distance, there);
+    moved += there.empty();
+  }
+  return moved;
+}
+
+TouchWanted wanted(BrushKind kind) {
+  return {.radius = kSupport,
+          .brush = BrushOptions{.kind = kind, .yieldDepth = kTau, .pushRate = 0.1, .radius = kBrush}};
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(OnBackEnd, "a push into a leaf stops a spacing before its far side, which stays") {
+  for (const double thickness : {0.6, 1.6}) {
+    CAPTURE(thickness);
+    const Sheet leaf = makeSheet(40, 16, thickness, [](double) { return 0.0; });
+    const auto touch = make(leaf.cloud, wanted(BrushKind::push));
+    // Three times as deep as the leaf is thick.
+    const double deep = 0.5 * thickness - 3 * thickness;
+    const PointCloud after = pushed(*touch, leaf, {-5, 0, deep}, {5, 0, deep});
+    CHECK(farMoved(leaf, after, 1e-6) == 0);
+    const double half = 0.5 * thickness;
+    const Judged judged = judge(
+        leaf, after, [&](double) { return -half; }, [&](double) { return half; });
+    CHECK(judged.moved > 100);
+    CHECK(judged.through == 0);
+    CHECK(judged.highest < 0.05);
+    // Where it is thick enough, the floor of the trench is a spacing over the far side.
+    if (thickness > kSpacing) CHECK(judged.median < std::max(kSpacing, thickness - 2 * kSpacing) + 0.3 * kSpacing);
+    CHECK(judged.median > 0.5 * std::min(kSpacing, thickness));
+  }
+}
+
+TEST_CASE_FIXTURE(OnBackEnd, "a push across the folds of a cloth leaves its far side, and no rags") {
+  constexpr double kThickness = 1.6;
+  const auto height = [](double x) { return 2 * std::sin(0.2 * std::numbers::pi * x); };
+  const Sheet cloth = makeSheet(40, 16, kThickness, height);
+  const auto touch = make(cloth.cloud, wanted(BrushKind::push));
+  const PointCloud after = pushed(*touch, cloth, {-6, 0, -1.5}, {6, 0, -1.5});
+  const std::size_t far = farMoved(cloth, after, 0.1 * kSpacing);
+  CHECK(far < cloth.eachSide / 30);
+  CHECK(after.size() < cloth.cloud.size() + cloth.cloud.size() / 4);
+  // The sides are offset along the normals: measured along z, a bound that holds at every slope.
+  const auto above = [&](double x) { return height(x) + 1.9 * kThickness; };
+  const auto below = [&](double x) { return height(x) - 1.9 * kThickness; };
+  const Judged judged = judge(cloth, after, below, above);
+  CHECK(judged.moved > 200);
+  CHECK(judged.through == 0);
+  CHECK(judged.highest < 0);
+}
+
+}  // namespace palpate::thin_parts_test
