@@ -13,9 +13,9 @@ enum class BrushKind {
   carve,    ///< removes the points inside the brush and closes the surface behind them
   inflate,  ///< moves points along their normals, outwards
   smooth,   ///< moves points towards the surface that their neighbours define
-  grab,     ///< moves points along with the hand
+  grab,     ///< moves points along with the hand, on both sides of a thin part
   paint,    ///< changes the colour of points
-  flatten   ///< moves points onto the plane of the surface as the stroke found it
+  flatten   ///< moves points towards the plane of the surface as the stroke found it
 };
 constexpr std::array<std::pair<std::string_view, BrushKind>, 7> kBrushKinds = {{{"push", BrushKind::push},
                                                                                 {"carve", BrushKind::carve},
@@ -32,17 +32,19 @@ constexpr bool changesShape(BrushKind kind) { return kind != BrushKind::carve &&
 /// A brush and its settings. Every brush acts only while the HIP is deeper than `yieldDepth` behind the proxy and does
 /// not withdraw. Its tool is fixed to the hand and perpendicular to the surface as the stroke found it (BrushStroke).
 /// Push and carve use a ball with a shaft of the same width, whose tip is the yield depth before the HIP; the other
-/// brushes act around the position where the surface was found over the hand. All brushes but carve leave points of a
-/// side of the model that faces away unchanged, and parts that are not connected with the surface under the hand.
+/// brushes act around the position where the surface was found over the hand. All brushes but carve leave parts that
+/// are not connected with the surface under the hand unchanged, and all but carve and grab a side of the model that
+/// faces away. With all but carve and paint a point moves only as far as it has seen, if it is resampled.
 struct BrushOptions {
   BrushKind kind = BrushKind::push;
   double yieldDepth = 0;  ///< depth of the HIP behind the proxy from which the surface yields, model units
   double pushRate = 0;    ///< push: share of the distance to its target that a point moves in one tick, 0 to 1
   double radius = 0;      ///< of the brush's ball, model units
   /// All but push: share of the full effect applied in one tick, 0 to 1; for all but carve, at the centre of the brush.
-  /// The full effect is, for carve, the path to the brush; for smooth and flatten, the path to the surface and to the
-  /// plane; for grab, the path of the hand since it took hold, up to two radii; for inflate, a thousandth of the
-  /// brush's radius until the surface is raised by as much as the hand presses; for paint, the colour.
+  /// The full effect is, for carve, the path to the brush; for smooth and flatten, the path to the surface and, from
+  /// where the stroke found the point, to the plane; for grab, the path of the hand since it took hold, up to two
+  /// radii; for inflate, a thousandth of the brush's radius until the surface is raised by as much as the hand presses;
+  /// for paint, the colour.
   double strength = 0.5;
   /// All but push and carve: falloff of the effect towards the rim, (1 - r^2)^falloff, with r the distance in brush
   /// radii. An integer, so that every processor computes the same result; 0 is a hard rim, kMaxFalloff the maximum.

@@ -134,8 +134,7 @@ bool CpuSculpture::isInNoWay(const PlacedBrush& brush, std::uint32_t point) cons
   return brush.isInNoWay({as.position, as.normal, true});
 }
 
-// How far a point may go on. `near`: indices of its neighbours; if there are none, nothing
-// is in its way.
+// How far a point may go on. `near`: indices of its neighbours; without any, nothing is in its way.
 double CpuSculpture::roomOf(std::uint32_t point, const Surroundings& around,
                             std::span<const std::uint32_t> near) const {
   const DVec3 place(points_.positions[point]);

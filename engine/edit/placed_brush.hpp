@@ -44,8 +44,8 @@ class PlacedBrush {
   Path path(const DVec3& place, const Found& found, double spacing) const;
   /// How far it may go on, `free` at most, if it sees another point; model units.
   double freeUntil(const Path& path, const Seen& seen, double free) const;
-  /// Whether a point is in nobody's way, whatever the brush moves, and if it is moved itself, nor is any such point in
-  /// its own: freeUntil() changes nothing.
+  /// Whether a point is in the way of no other, whatever the brush moves, and if it is moved itself, has no such point
+  /// in its own way: freeUntil() changes nothing.
   bool isInNoWay(const Seen& seen) const;
 
   /// False: the brush has no effect on a point here, however the stroke found it. Cheaper than the effect itself.
