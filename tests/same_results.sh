@@ -45,6 +45,7 @@ while IFS= read -r line; do
     continue
   fi
   reason=$(sed -n "s/^differs $name: //p" "$list")
+  reason=${reason//$'\n'/; }
   at=$work/$name result=same
   if run "$old" "$at/old" "$commands" && run "$new" "$at/new" "$commands"; then
     [ -n "$(ls -A "$at/old")" ] || result='DIFFERS: writes nothing'
