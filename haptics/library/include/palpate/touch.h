@@ -53,8 +53,8 @@ PP_API pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const 
 /** Notifies the session that all hands were lifted: the next poses begin new contacts elsewhere. */
 PP_API pp_status pp_touch_lift(pp_session session);
 
-/** A brush changes the points within its reach while the hand is deeper than yield_depth_mm. With `resample` no point
- * moves farther than it has looked ahead; without, a deep push moves one side of a thin part through the other. */
+/** A brush changes the points within its reach while the hand is deeper than yield_depth_mm. With `resample` all but
+ * carve move a point only as far as it has seen; without, a deep push moves one side of a thin part through another. */
 typedef struct pp_brush {
   uint32_t size;         /**< bytes of this struct */
   uint32_t falloff;      /**< falloff towards the rim: (1 - r^2)^falloff; 0 to 16 */
