@@ -80,6 +80,8 @@ bool Hand::sculpts() const noexcept {
 void Hand::feel(const Contact& answer, std::span<const PointContact> points, const Pose& pose, double dt_s,
                 const TickConditions& conditions) noexcept {
   contact_ = trusted(answer, hip_);
+  const DVec3 toProxy = (contact_.proxy - hip_) / options_.map.scale;
+  device_->feel(contact_.touching ? std::optional(toProxy) : std::nullopt);
   force_N_ = forceFor(points, pose, dt_s, conditions);
 }
 

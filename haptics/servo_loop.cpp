@@ -45,6 +45,7 @@ ServoLoop::ServoLoop(ContactQuery& query, const std::vector<SessionHand>& hands,
       throw UsageError("the device {} would call the ticks itself; only the first one may", hand.device.name());
     hands_.emplace_back(hand.device, hand.law, hand.options, options.rate_Hz, query.points(hands_.size()).size());
   }
+  countsTicks_ = hands.front().device.limits().countsTicks;
 }
 
 ServoLoop::ServoLoop(HapticDevice& device, ContactQuery& query, ForceLaw law, const ServoOptions& options,
@@ -84,7 +85,10 @@ bool ServoLoop::isOver(std::uint64_t index) const noexcept {
   return index >= plannedTicks_ || (options_.stop && options_.stop->load(std::memory_order_relaxed));
 }
 
-bool ServoLoop::next(std::uint64_t index, double budget_us, Progress& progress, ServoResult& result) noexcept {
+bool ServoLoop::next(std::uint64_t due, double budget_us, Progress& progress, ServoResult& result) noexcept {
+  progress.missed += due - progress.next;
+  progress.next = due + 1;
+  const std::uint64_t index = countsTicks_ ? progress.done : due;
   const double time_s = options_.begin_s + static_cast<double>(index) / options_.rate_Hz;
   const std::size_t place = options_.endless ? 0 : progress.done;
   if (place > 0)  // last positions of the hands, in case a device fails now
@@ -94,8 +98,10 @@ bool ServoLoop::next(std::uint64_t index, double budget_us, Progress& progress, 
   const auto sinceBegin_s = [&](std::uint64_t tick) { return static_cast<double>(tick) / options_.rate_Hz; };
   const double dt_s =
       progress.lastIndex ? sinceBegin_s(index) - sinceBegin_s(*progress.lastIndex) : 1 / options_.rate_Hz;
-  const Tick how = tick(time_s, dt_s, budget_us, place, result);
+  const Tick how = tick(time_s, dt_s, budget_us, place, progress.missed, result);
+  if (how == Tick::waits) return true;
   ++progress.done;
+  progress.missed = 0;
   result.deviceFailed = how == Tick::deviceFailed;
   result.queryLost = how == Tick::queryLost;
   if (how != Tick::done) return false;
@@ -158,15 +164,20 @@ std::size_t ServoLoop::playByDevice(ServoResult& result) {
   return progress.done;
 }
 
-ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, std::size_t place,
+ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, std::size_t place, std::uint64_t missed,
                                 ServoResult& result) noexcept {
   const Stopwatch watch;
   const auto row = [&](std::size_t hand) -> TraceRow& { return result.hands[hand].trace.rows[place]; };
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     row(i).time_s = time_s;
+    row(i).missed = static_cast<std::uint32_t>(missed);
     row(i).proxy = row(i).hip;
   }
   if (!readAll(time_s)) return Tick::deviceFailed;
+  if (countsTicks_ && hands_.front().state().waits) {
+    for (Hand& hand : hands_) hand.takeForceAway();
+    return Tick::waits;
+  }
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     const Hand& hand = hands_[i];
     if (hand.state().putDown) query_.resetHand(i);

@@ -109,13 +109,15 @@ class ServoLoop {
   double budgetOf(const TickPacer& pacer, std::uint64_t index) const noexcept;
   struct Progress {
     std::size_t done = 0;
-    std::optional<std::uint64_t> lastIndex;
+    std::optional<std::uint64_t> lastIndex;  // of the ticks that count
+    std::uint64_t next = 0, missed = 0;      // index after the last tick, and ticks left out since the last row
   };
-  /// Runs the tick `index`; false if it was the last.
-  bool next(std::uint64_t index, double budget_us, Progress& progress, ServoResult& result) noexcept;
-  enum class Tick { done, deviceFailed, queryLost };
+  /// Runs the tick that is due; false if it was the last.
+  bool next(std::uint64_t due, double budget_us, Progress& progress, ServoResult& result) noexcept;
+  enum class Tick { done, waits, deviceFailed, queryLost };
   /// `place`: index of the rows to fill.
-  Tick tick(double time_s, double dt_s, double budget_us, std::size_t place, ServoResult& result) noexcept;
+  Tick tick(double time_s, double dt_s, double budget_us, std::size_t place, std::uint64_t missed,
+            ServoResult& result) noexcept;
   TickConditions conditionsNow() const noexcept;
   /// False if a device failed; then no device has a force.
   bool readAll(double time_s) noexcept;
@@ -126,6 +128,7 @@ class ServoLoop {
   ServoOptions options_;
   std::uint64_t plannedTicks_;
   std::vector<Hand> hands_;
+  bool countsTicks_;              ///< DeviceLimits::countsTicks
   std::vector<Pose> poses_;       ///< of the current tick, one for each hand
   const Hand* failed_ = nullptr;  ///< the first one whose device failed
 };

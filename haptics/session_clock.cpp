@@ -64,4 +64,9 @@ void SteppedClock::goOnTo(double time_s) noexcept {
   arrived_.wait(lock, [&] { return !ticks_ || awaited_ns_ > limit_ns_; });
 }
 
+void SteppedClock::passTo(double time_s) noexcept {
+  const std::scoped_lock lock(guard_);
+  now_ns_ = std::max<std::int64_t>(now_ns_, std::llround(time_s * 1e9));
+}
+
 }  // namespace palpate

@@ -33,6 +33,8 @@ class SteppedClock final : public SessionClock {
   void letGo() noexcept;
   /// Lets the session advance to `time_s`; returns when it has done all ticks until then, or has left.
   void goOnTo(double time_s) noexcept;
+  /// The session comes too late for the ticks until `time_s`.
+  void passTo(double time_s) noexcept;
 
  private:
   static constexpr std::int64_t kNotWaiting = -1;

@@ -22,9 +22,10 @@ struct TraceRow {
   DVec3 torque_mNm{0};        ///< of a tool of many points or a ball in matter, about the HIP; reported, not rendered
   double penetration_mm = 0;  ///< from HIP to proxy; 0 if nothing is touched
   bool contact = false;
-  bool fresh = false;    ///< from this tick's own query
-  bool valid = false;    ///< false: the query or the device failed at this tick
-  bool putDown = false;  ///< the stylus was lifted before this tick, and put down elsewhere
+  bool fresh = false;        ///< from this tick's own query
+  bool valid = false;        ///< false: the query or the device failed at this tick
+  bool putDown = false;      ///< the stylus was lifted before this tick, and put down elsewhere
+  std::uint32_t missed = 0;  ///< ticks before it that came too late
   std::uint32_t neighbours = 0;
   double gpu_us = 0;   ///< 0 if it was not measured
   double step_us = 0;  ///< from pose read to force computed

@@ -42,12 +42,17 @@ void EventQueue::note(const WindowEvent& event, Seen& seen) {
   seen.key = seen.key || !isModifier(key->key);
 }
 
-std::vector<WindowEvent> EventQueue::takeForPicture() {
-  std::vector<WindowEvent> taken;
+void EventQueue::add(const std::vector<WindowEvent>& events, double from_s, double to_s) {
+  const double gap_s = (to_s - from_s) / static_cast<double>(events.size() + 1);
+  for (const WindowEvent& event : events) waiting_.push_back({from_s += gap_s, event});
+}
+
+std::vector<TimedEvent> EventQueue::takeForPicture() {
+  std::vector<TimedEvent> taken;
   Seen seen;
   if (!hasSeen()) ++picturesSinceChange_;
-  while (!waiting_.empty() && fits(waiting_.front(), seen)) {
-    note(waiting_.front(), seen);
+  while (!waiting_.empty() && fits(waiting_.front().event, seen)) {
+    note(waiting_.front().event, seen);
     taken.push_back(std::move(waiting_.front()));
     waiting_.pop_front();
   }

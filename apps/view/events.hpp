@@ -45,4 +45,10 @@ struct CloseEvent {};
 using WindowEvent =
     std::variant<KeyEvent, TextEvent, MouseEvent, ButtonEvent, WheelEvent, DropEvent, PushEvent, CloseEvent>;
 
+/// An event and its time, s: of the script, or of the machine.
+struct TimedEvent {
+  double time_s = 0;
+  WindowEvent event;
+};
+
 }  // namespace palpate

@@ -11,13 +11,6 @@ namespace {
 constexpr std::size_t kPicked = 5;    // depths: at the cursor, and to the left, right, above and below
 constexpr std::uint32_t kBeside = 4;  // distance of the other four, picture pixels
 
-// Compares without near and far depth, which edits may change.
-bool isSameView(const Camera& a, Camera b) {
-  b.nearDepth = a.nearDepth;
-  b.farDepth = a.farDepth;
-  return a == b;
-}
-
 }  // namespace
 
 ModelPicture::ModelPicture(Device& sight)
@@ -43,7 +36,6 @@ void ModelPicture::fit(const UVec2& window_px, std::uint32_t supersample) {
 
 void ModelPicture::record(CommandList& list, WindowSession& session, const ShownMesh& mesh, const Camera& camera,
                           const FrameOptions& options) {
-  followFound(list, camera);
   const bool drawsMesh = mesh.triangleCount() > 0;
   const Scene scene{camera, options, session.edits(), session.frames(), drawsMesh ? mesh.version() : 0};
   if (scene_ == scene) return;
@@ -56,25 +48,12 @@ void ModelPicture::record(CommandList& list, WindowSession& session, const Shown
     frame_->record(list, session.drawn(), camera, options);
 }
 
-// Called before the next picture is drawn: a stroke that begins keeps the depths of the last one.
-void ModelPicture::followFound(CommandList& list, const Camera& camera) {
-  if (found_ && !(keepsFound_ && isSameView(found_->camera, camera))) found_.reset();
-  if (!keepsFound_ || found_ || !scene_ || !isSameView(scene_->camera, camera)) return;
-  const Buffer& depths = frame_->depthImage();
-  found_.emplace(Found{.depths = Buffer(sight_, depths.bytes(), Memory::device, "found depths"),
-                       .size_px = {frame_->width(), frame_->height()},
-                       .shrink = shrink_,
-                       .camera = camera});
-  list.copy(depths, found_->depths, depths.bytes());
-}
-
 void ModelPicture::recordPick(CommandList& list, const DVec2& cursor_px, const DVec2& window_px) {
-  const UVec2 size_px = found_ ? found_->size_px : UVec2(frame_->width(), frame_->height());
-  const std::uint32_t shrink = found_ ? found_->shrink : shrink_;
-  const Buffer& depths = found_ ? found_->depths : frame_->depthImage();
+  const UVec2 size_px(frame_->width(), frame_->height());
+  const Buffer& depths = frame_->depthImage();
   const UVec2 at =
-      glm::min(UVec2(glm::clamp(glm::floor(cursor_px), DVec2(0), window_px - 1.0) / double(shrink)), size_px - 1u);
-  asked_ = {.place_px = cursor_px, .beside_px = double(kBeside * shrink)};
+      glm::min(UVec2(glm::clamp(glm::floor(cursor_px), DVec2(0), window_px - 1.0) / double(shrink_)), size_px - 1u);
+  asked_ = {.place_px = cursor_px, .beside_px = double(kBeside * shrink_)};
   const UVec2 low = at - glm::min(at, UVec2(kBeside)), high = glm::min(at + kBeside, size_px - 1u);
   const UVec2 places[kPicked] = {at, {low.x, at.y}, {high.x, at.y}, {at.x, low.y}, {at.x, high.y}};
   for (std::size_t k = 0; k < kPicked; ++k)
@@ -87,6 +66,19 @@ void ModelPicture::takePick() {
   const std::span<const float> depths = pick_.mapped<float>();
   picked_.depth = static_cast<double>(depths[0]);
   for (std::size_t k = 0; k < picked_.beside.size(); ++k) picked_.beside[k] = static_cast<double>(depths[1 + k]);
+}
+
+FoundSurface ModelPicture::surface(const DVec2& window_px) {
+  if (!frame_ || !scene_) return {};
+  const Buffer& depths = frame_->depthImage();
+  const Buffer read(sight_, depths.bytes(), Memory::readback, "found depths");
+  CommandList list(sight_, sight_.window(), "found depths");
+  list.begin();
+  list.copy(depths, read, depths.bytes());
+  list.end();
+  sight_.window().run(list);
+  const std::span<const float> found = read.mapped<const float>();
+  return {{found.begin(), found.end()}, frame_->width(), double(shrink_), scene_->camera, window_px};
 }
 
 void ModelPicture::noteTime(double time_ms) {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "apps/view/shown_mesh.hpp"
-#include "apps/view/stylus_hand.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/render/frame.hpp"
+#include "haptics/session/found_surface.hpp"
 
 namespace palpate {
 
@@ -28,13 +28,12 @@ class ModelPicture {
   /// Draws the triangles if there are any, else the discs.
   void record(CommandList& list, WindowSession& session, const ShownMesh& mesh, const Camera& camera,
               const FrameOptions& options);
-  /// While on, picks use the depths of the picture before this call, so that a stroke follows the surface as it was
-  /// when the stroke began.
-  void keepFound(bool on) { keepsFound_ = on; }
   /// Copies the depth under the cursor; takePick() reads it once the GPU has finished the picture.
   void recordPick(CommandList& list, const DVec2& cursor_px, const DVec2& window_px);
   void takePick();
   const Pick& picked() const { return picked_; }
+  /// The surface in the last picture, once the GPU has finished it; reads all of its depths.
+  FoundSurface surface(const DVec2& window_px);
 
   /// Called after each frame, with its duration.
   void noteTime(double time_ms);
@@ -54,21 +53,10 @@ class ModelPicture {
     bool operator==(const Scene&) const = default;
   };
 
-  // Depths of the picture before a stroke.
-  struct Found {
-    Buffer depths;
-    UVec2 size_px{0};
-    std::uint32_t shrink = 1;
-    Camera camera;
-  };
-  void followFound(CommandList& list, const Camera& camera);
-
   Device& sight_;
   std::unique_ptr<Frame> frame_;
   std::uint32_t supersample_ = 0, shrink_ = 1;
   std::optional<Scene> scene_;  // of the picture in frame_
-  std::optional<Found> found_;
-  bool keepsFound_ = false;
   Buffer pick_;
   Pick asked_, picked_;
   std::uint64_t made_ = 0;

@@ -13,14 +13,10 @@ namespace {
 
 constexpr double kZoomPerNotch = 0.85;  // factor of the distance
 constexpr double kZoom_per_s = 1.5;     // with the cap of a 3D mouse
-// A visible surface that recedes more steeply than this, and by more than a step, is a different surface.
-constexpr double kSteepest = 4, kStep_mm = 2;
-// Time without contact after which a pressing stylus is put down again; time that it may need to reach contact.
-constexpr double kLost_s = 0.06, kPutDown_s = 0.2;
-// A stylus farther than this from the position that is pressed has not followed the cursor yet.
-constexpr double kArrived_mm = 10;
-constexpr double kLongestTap_s = 0.3;  // maximum wait for the hand to reach the surface
+constexpr double kDepthPerNotch_mm = 0.5;
 constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
+
+PointerStroke* strokeOf(const Pointed& at) { return at.session ? at.session->stroke() : nullptr; }
 
 }  // namespace
 
@@ -36,6 +32,7 @@ void PointingDevices::setDevice(std::shared_ptr<TurnedDevice> device, const Poin
 void PointingDevices::moveMouse(const DVec2& place_px, const Pointed& at) {
   const DVec2 way_px = place_px - std::exchange(cursor_px_, place_px);
   hand_.giveToPad(false);
+  if (PointerStroke* stroke = strokeOf(at)) stroke->moveTo(place_px, at.time_s);
   at.viewpoint.set(drag_.moved(at.viewpoint.camera(), way_px, at.size_px));
 }
 
@@ -48,26 +45,21 @@ void PointingDevices::release(MouseButton button, const Pointed& at) {
   constexpr double kStill_px = 3;  // less motion than this is a click, more rotates the view
   if (const auto missed = std::exchange(missed_px_, std::nullopt))
     hasMissed_ = glm::distance(*missed, cursor_px_) <= kStill_px;
-  if (button != MouseButton::left) return;
-  tapping_ = isPressing() && !hand_.isBeside() && hasLeftNothing(at);
-  if (!tapping_) hand_.release();
+  if (PointerStroke* stroke = strokeOf(at); stroke && button == MouseButton::left) stroke->release(at.time_s);
 }
 
-// Whether the present press has made no edit yet and is so short that the hand may still be on its way to the surface.
-bool PointingDevices::hasLeftNothing(const Pointed& at) const {
-  return at.session && at.session->brushSettings().kind && at.session->edits() == pressed_.edits &&
-         at.time_s - pressed_.time_s < kLongestTap_s;
+// Along the surface as the picture shows it now, before the stroke changes it.
+void PointingDevices::beginStroke(const ViewSettings& view, const Pointed& at) {
+  ++presses_;
+  drag_.beginOther();
+  StrokeOptions options = at.session->strokeOptions(view.press_mm);
+  options.inPlane = !view.followsSurface;
+  at.session->press(PointerStroke(at.surface(), options, cursor_px_, at.time_s));
 }
 
-void PointingDevices::press(MouseButton button, bool shift, const Pointed& at) {
+void PointingDevices::press(MouseButton button, bool shift, const ViewSettings& view, const Pointed& at) {
   const bool left = button == MouseButton::left;
-  if (hand_.isHeld() && left) {
-    hand_.press();
-    ++presses_;
-    pressed_ = {.time_s = at.time_s, .edits = at.session->edits()};
-    drag_.beginOther();
-    return;
-  }
+  if (hand_.isHeld() && left) return beginStroke(view, at);
   const auto place = placeUnderCursor(at);
   if (at.measure && left && !shift && place) {
     at.measure->take(*place);
@@ -83,7 +75,9 @@ void PointingDevices::press(MouseButton button, bool shift, const Pointed& at) {
 }
 
 void PointingDevices::turnWheel(const WheelEvent& event, const Pointed& at) {
-  if (hand_.isHeld()) return hand_.turnWheel(event.away);
+  if (PointerStroke* stroke = strokeOf(at))
+    return stroke->deepen(at.session->model().scale.toUnits(kDepthPerNotch_mm * event.away), at.time_s);
+  if (hand_.isHeld()) return hand_.lower(kDepthPerNotch_mm * event.away);
   constexpr double kScroll_px = 20;
   if (event.right != 0) at.viewpoint.move({-kScroll_px * event.right, 0}, at.size_px);
   at.viewpoint.zoom(placeUnderCursor(at), std::pow(kZoomPerNotch, event.away), at.session->longestSide());
@@ -102,7 +96,7 @@ ViewCommands PointingDevices::push(const PushEvent& event, const Pointed& at) {
   if (!at.session) return {};
   if (pressed & kHold) {
     hand_.lock(!hand_.isHeld());
-    hold(hand_.isLocked(), at.session);
+    hold(hand_.isLocked(), at);
   }
   if (pressed & kFit) return {WindowCommand::resetView};
   return {};
@@ -111,28 +105,29 @@ ViewCommands PointingDevices::push(const PushEvent& event, const Pointed& at) {
 void PointingDevices::carryOut(StylusCommand command, const Pointed& at) {
   if (command == StylusCommand::lockOrUnlock) hand_.lock(!hand_.isLocked());
   if (command == StylusCommand::putAway) hand_.lock(false);
-  hold(command == StylusCommand::hold || hand_.isLocked(), at.session);
+  hold(command == StylusCommand::hold || hand_.isLocked(), at);
 }
 
 void PointingDevices::letGo(const Pointed& at) {
   hand_.lock(false);
-  hold(false, at.session);
+  hold(false, at);
   drag_.end();
 }
 
-void PointingDevices::hold(bool on, WindowSession* session) {
-  on = on && session && session->isTouching() && !device_;
+void PointingDevices::hold(bool on, const Pointed& at) {
+  on = on && at.session && at.session->isTouching() && !device_;
   if (on == hand_.isHeld()) return;
   hand_.hold(on);
-  tapping_ = false;
   drag_.end();
-  if (!on && session) session->lift();
+  if (PointerStroke* stroke = strokeOf(at)) stroke->release(at.time_s);
+  if (!on && at.session) at.session->lift();
   window_.showCursor(!on);
 }
 
 void PointingDevices::moveCursor(const DVec2& way_px, const Pointed& at) {
   hand_.giveToPad(true);
   cursor_px_ = glm::clamp(cursor_px_ + way_px, DVec2(0), at.size_px - 1.0);
+  if (PointerStroke* stroke = strokeOf(at)) stroke->moveTo(cursor_px_, at.time_s);
 }
 
 void PointingDevices::moveByPad(double dt_s, const Pointed& at) {
@@ -141,8 +136,8 @@ void PointingDevices::moveByPad(double dt_s, const Pointed& at) {
   const auto beyondDead = [](const DVec2& stick) { return glm::length(stick) > kStickDead ? stick : DVec2(0); };
   const DVec2 move = beyondDead(pad->left), depth = beyondDead(pad->right);
   const DVec2 way_px = kStick_px_per_s * dt_s * DVec2(move.x, -move.y);
-  if (pad->a && !hand_.isHeld()) hold(true, at.session);
-  if (pad->b && hand_.isHeld() && hand_.isByPad()) hold(hand_.isLocked(), at.session);
+  if (pad->a && !hand_.isHeld()) hold(true, at);
+  if (pad->b && hand_.isHeld() && hand_.isByPad()) hold(hand_.isLocked(), at);
   if (!hand_.isHeld()) {
     if (move != DVec2(0)) at.viewpoint.turn(way_px, at.size_px);
     return;
@@ -177,57 +172,26 @@ void PointingDevices::move(double dt_s, const ViewSettings& view, const Pointed&
   }
   moveByPad(dt_s, at);
   moveByCap(dt_s, at);
-  if (tapping_ && !hasLeftNothing(at)) {
-    tapping_ = false;
-    hand_.release();
-  }
   if (!hand_.isHeld() || !at.session || at.session->isPlaying()) return;
+  if (at.session->isDrawing()) {  // it is put down at the first aim after the stroke
+    hand_.putDownAgain();
+    return at.session->lift();
+  }
   const double beside = glm::dot(camera.target - camera.eye, camera.axes().forward);
   const auto depth = hand_.depthAt(cursor_px_, at.picked, view.followsSurface, beside);
-  if (!depth) return;
-  const bool goesByPick = hand_.isPressing() && view.followsSurface;
-  aimAt(camera.unproject(goesByPick ? at.picked.place_px : cursor_px_, *depth, at.size_px), view, at);
+  if (depth) aimAt(camera.unproject(cursor_px_, *depth, at.size_px), view, at);
 }
 
 // A stylus that sculpts aims at its press depth below the surface, along the normal, plus the displacement of its
-// spring and hand. Where the visible surface continues farther back, the stylus is put down there, and the stroke
-// continues.
+// spring and hand.
 void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const Pointed& at) {
   const Model& model = at.session->model();
-  const std::optional<DVec3> last = std::exchange(pressedAt_, hand_.isPressing() ? std::optional(place) : std::nullopt);
-  const bool comesBack = std::exchange(wasBeside_, hand_.isBeside()) && !wasBeside_;
-  const DVec3 along = glm::normalize(place - at.viewpoint.camera().eye);
-  const auto& rows = at.session->history().rows();
-  bool isPutDown = false;
-  if (last && pressedAt_) {
-    const double deeper = std::abs(glm::dot(place - *last, along));
-    const double aside = glm::length(place - *last - glm::dot(place - *last, along) * along);
-    if (!rows.empty() && rows.back().contact) felt_s_ = std::max(felt_s_, at.time_s);
-    // Contact lost although the surface under the cursor is visible, e.g. in a crease: the stylus is inside the model.
-    if (comesBack || deeper > kSteepest * aside + model.scale.toUnits(kStep_mm) || at.time_s - felt_s_ > kLost_s) {
-      isPutDown = true;
-      hand_.putDownAgain();
-      pressedAt_.reset();
-    }
-  } else {
-    felt_s_ = at.time_s + kPutDown_s;
-    // On its way it would pass through the model, and sculpt there.
-    if (pressedAt_ && !rows.empty() &&
-        model.scale.toMm(glm::distance(rows.back().hip, model.cloud.origin + place)) > kArrived_mm) {
-      isPutDown = true;
-      hand_.putDownAgain();
-      pressedAt_.reset();
-    }
-  }
   const double inward_mm = hand_.takeInward_mm(view.press_mm);
   const double given_mm = at.session->givenWay_mm();
-  DVec3 way = model.scale.toUnits(inward_mm) * along;
+  DVec3 way = model.scale.toUnits(inward_mm) * glm::normalize(place - at.viewpoint.camera().eye);
   if (inward_mm > 0 && given_mm > 0)
     way = -model.scale.toUnits(inward_mm + given_mm) * normalAt(at.picked, at.viewpoint.camera(), at.size_px);
-  if (isPutDown)
-    at.session->putDown(model.cloud.origin + place + way, hand_.sculpts());
-  else
-    at.session->aim(model.cloud.origin + place + way, hand_.sculpts());
+  at.session->aim(model.cloud.origin + place + way, hand_.sculpts());
 }
 
 }  // namespace palpate

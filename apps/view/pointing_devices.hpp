@@ -1,6 +1,7 @@
 // Mouse, gamepad and 3D mouse: they move the viewpoint, or the stylus while it is held.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -24,7 +25,8 @@ struct Pointed {
   Viewpoint& viewpoint;
   Pick picked;
   DVec2 size_px{0};
-  double time_s = 0;
+  double time_s = 0;                      ///< of the event, or of the frame
+  std::function<FoundSurface()> surface;  ///< reads that of the last picture
   Measure* measure = nullptr;  ///< the left button picks positions for it; null: the left button rotates the view
 };
 
@@ -40,12 +42,9 @@ class PointingDevices {
   bool isTouching() const { return hand_.isHeld() || device_; }  ///< with the stylus, or a device
   bool isMoving() const { return hand_.isHeld() || drag_.isUnderWay(); }
   std::uint64_t presses() const { return presses_; }  ///< number of presses of the stylus
-  bool isPressing() const { return hand_.isHeld() && hand_.isPressing(); }
-  /// Whether the button was released before the hand reached the surface: the press continues until it makes an edit.
-  bool isTapping() const { return tapping_; }
 
   void moveMouse(const DVec2& place_px, const Pointed& at);
-  void press(MouseButton button, bool shift, const Pointed& at);
+  void press(MouseButton button, bool shift, const ViewSettings& view, const Pointed& at);
   void release(MouseButton button, const Pointed& at);
   /// Whether a click to measure has missed the model since the last call.
   bool takeMiss() { return std::exchange(hasMissed_, false); }
@@ -62,11 +61,11 @@ class PointingDevices {
   void move(double dt_s, const ViewSettings& view, const Pointed& at);
 
  private:
-  void hold(bool on, WindowSession* session);
+  void hold(bool on, const Pointed& at);
   void moveByPad(double dt_s, const Pointed& at);
   void moveByCap(double dt_s, const Pointed& at);
+  void beginStroke(const ViewSettings& view, const Pointed& at);
   void aimAt(const DVec3& place, const ViewSettings& view, const Pointed& at);
-  bool hasLeftNothing(const Pointed& at) const;
   void moveCursor(const DVec2& way_px, const Pointed& at);
   std::optional<DVec3> placeUnderCursor(const Pointed& at) const;
 
@@ -77,14 +76,6 @@ class PointingDevices {
   bool hasMissed_ = false;
   CameraDrag drag_;
   StylusHand hand_;
-  std::optional<DVec3> pressedAt_;  // surface position of the last press; model units
-  bool wasBeside_ = false;          // whether it was beside the model
-  double felt_s_ = 0;               // time of the last contact, or of putting the stylus down
-  struct {
-    double time_s = 0;
-    std::uint64_t edits = 0;
-  } pressed_;  // time of the last press, and number of edits then
-  bool tapping_ = false;
   PushEvent push_;
   std::uint64_t presses_ = 0;
   std::optional<SpaceMouse> spaceMouse_;

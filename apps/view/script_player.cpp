@@ -9,9 +9,9 @@ void ScriptPlayer::passPicture(double picture_s) {
   if (!standsStill()) time_s_ += ownClock_ ? kStep_s : std::min(kLongest_s, picture_s);
 }
 
-std::optional<ScriptAction> ScriptPlayer::takeDue() {
+std::optional<TimedAction> ScriptPlayer::takeDue() {
   if (isOver() || actions_[next_].time_s > time_s_) return std::nullopt;
-  return actions_[next_++].action;
+  return actions_[next_++];
 }
 
 bool ScriptPlayer::isAboutToPress() const {

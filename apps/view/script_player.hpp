@@ -1,6 +1,7 @@
 // Plays a script: returns its actions when they are due, and provides the window's clock.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "apps/view/script.hpp"
@@ -25,7 +26,9 @@ class ScriptPlayer {
   /// Advances the clock after a frame of that duration; clicks take no script time.
   void passPicture(double picture_s);
   /// The next action, if it is due.
-  std::optional<ScriptAction> takeDue();
+  std::optional<TimedAction> takeDue();
+  /// Time before which all actions were taken.
+  double known_s() const { return isOver() ? clock_s() : std::min(clock_s(), actions_[next_].time_s); }
   /// Whether the next action is due and is a button press.
   bool isAboutToPress() const;
 

@@ -21,8 +21,6 @@ class ShownModel {
 
   /// Reads the depth under the cursor in the last picture, once the GPU has finished it.
   void takePick();
-  /// ModelPicture::keepFound().
-  void keepFound(bool on) { picture_.keepFound(on); }
   /// Called before each frame with its time: lowers the resolution while drawing is slow and something moves, unless
   /// `inFull`. `moves`: something other than edited points moves.
   void choosePace(bool moves, double clock_s, bool inFull);

@@ -1,24 +1,12 @@
-// The stylus held by mouse, gamepad or 3D mouse: its depth follows from the surface visible under the cursor.
+// The stylus held by mouse, gamepad or 3D mouse: its depth follows from the surface visible under the cursor, except
+// during a stroke of the mouse (PointerStroke).
 #pragma once
 
-#include <array>
 #include <optional>
 
-#include "engine/render/camera.hpp"
+#include "haptics/session/found_surface.hpp"
 
 namespace palpate {
-
-/// Depths under the cursor in the last picture; during a stroke, in the picture before the stroke.
-struct Pick {
-  DVec2 place_px{0};
-  double depth = 0;  ///< model units; 0: no surface
-  double beside_px = 0;
-  std::array<double, 4> beside{};  ///< depths beside_px to the left, right, above and below
-};
-
-/// Normal of the visible surface there, towards the eye; the direction to the eye where depths lack or the surface is
-/// seen at a grazing angle.
-DVec3 normalAt(const Pick& pick, const Camera& camera, const DVec2& size_px);
 
 class StylusHand {
  public:
@@ -32,37 +20,29 @@ class StylusHand {
   bool isByPad() const { return byPad_; }
   void giveToPad(bool on) { byPad_ = on; }
 
-  bool isPressing() const { return pressing_; }
-  void press();
-  void release() { pressing_ = false; }
-  /// Whether the stylus aims into the surface, with any device; one stroke lasts as long as this is true.
-  bool sculpts() const { return pressing_ || trigger_ > 0 || hover_mm_ < 0; }
-  /// Whether the stylus presses where no surface is visible.
-  bool isBeside() const { return isBeside_; }
-  /// Changes the press depth while pressing, else the height above the surface.
-  void turnWheel(double notches);
+  /// Whether the stylus aims into the surface, by pad; one stroke lasts as long as this is true.
+  bool sculpts() const { return trigger_ > 0 || hover_mm_ < 0; }
   void lower(double way_mm) { hover_mm_ -= way_mm; }
   /// Raises the stylus by the cap of a 3D mouse; limited, as a cap is held for a long time.
   void lift(double way_mm);
   /// Press by the triggers of a gamepad, -1 to 1.
   void pressByTrigger(double share) { trigger_ = share; }
 
-  /// Puts the stylus down again, in front of a surface that lies behind the one touched so far.
+  /// Puts the stylus down again, in front of the surface.
   void putDownAgain() { putDown_ = false; }
   /// Depth of the stylus from the eye under the cursor; `beside` where no surface is visible there. Nothing until a
   /// depth was picked there: a stylus that begins inside the model would never feel its surface.
   std::optional<double> depthAt(const DVec2& cursor_px, const Pick& picked, bool followsSurface, double beside);
   /// Displacement beyond that depth, mm. The first call after hold() or putDownAgain() returns a position in front of
-  /// the surface, even while pressing: from behind it nothing would be felt.
+  /// the surface, even while a trigger is pulled: from behind it nothing would be felt.
   double takeInward_mm(double press_mm);
 
  private:
-  bool held_ = false, locked_ = false, byPad_ = false, pressing_ = false;
-  double hover_mm_ = 0, extraPress_mm_ = 0, trigger_ = 0;
+  bool held_ = false, locked_ = false, byPad_ = false;
+  double hover_mm_ = 0, trigger_ = 0;
   double planeDepth_ = 0;   // depth of the surface that the stylus follows; 0: none yet
   DVec2 planePlace_px_{0};  // its position in the picture
   bool putDown_ = false;    // put down since hold() or putDownAgain()
-  bool isBeside_ = false;
 };
 
 }  // namespace palpate

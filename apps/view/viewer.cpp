@@ -45,11 +45,10 @@ void Viewer::step() {
   constexpr double kIdle_s = 0.02;  // wait for events while nothing is shown
   constexpr double kFirst_s = 1.0 / 60;
   const bool visible = window_.size_px().x > 0 && window_.size_px().y > 0;
-  events_.add(window_.takeEvents(visible ? 0 : kIdle_s));
-  if (!pointing_.isTapping())
-    for (const WindowEvent& event : events_.takeForPicture()) handle(event);
+  handleEvents(visible ? 0 : kIdle_s);
   if (const auto push = pointing_.takePush(messages_)) handle(*push);
   playScript();
+  now_s_ = script_.clock_s();
   if (document_.load([this] { letGo(); })) welcome();
   const double dt_s = script_.hasOwnClock() ? ScriptPlayer::kStep_s
                       : pace_.count() == 0  ? kFirst_s
@@ -63,6 +62,7 @@ void Viewer::step() {
     pointing_.letGo(pointed());
   else
     pointing_.move(dt_s, settings_.view, pointed());
+  if (WindowSession* session = document_.session()) session->drawUntil(events_.known_s(script_.known_s()));
   playTicks();
   draw(dt_s);
   if (closing_ == Closing::asked && !document_.isLeaving()) {
@@ -71,6 +71,25 @@ void Viewer::step() {
   }
   pace_.add(watch.elapsed_us() * 1e-3);
   shown_.picture().noteTime(pace_.last_ms());
+}
+
+// The window system does not tell when events came: they are spread over the time since the last look.
+void Viewer::handleEvents(double wait_s) {
+  const std::vector<WindowEvent> events = window_.takeEvents(wait_s);
+  const double from_s = std::exchange(polled_s_, script_.clock_s());
+  events_.add(events, from_s, polled_s_);
+  if (isFinishing()) return events_.forgetSeen();  // the next press begins on the surface that this stroke leaves
+  for (const TimedEvent& timed : events_.takeForPicture()) {
+    now_s_ = timed.time_s;
+    handle(timed.event);
+  }
+}
+
+// Whether the button is up, and the stylus still follows the path that was drawn until then: events wait for it, so
+// that they do not change the stroke.
+bool Viewer::isFinishing() const {
+  WindowSession* session = document_.session();
+  return session && session->isDrawing() && !session->stroke();
 }
 
 void Viewer::handle(const WindowEvent& event) {
@@ -86,7 +105,7 @@ void Viewer::handle(const WindowEvent& event) {
   if (const auto* button = std::get_if<ButtonEvent>(&event)) {
     if (!button->down) pointing_.release(button->button, pointed());
     if (pointing_.takeMiss()) messages_.say("nothing is measured: the model is not under the cursor");
-    if (button->down && meansModel) pointing_.press(button->button, keyboard_.isShiftDown(), pointed());
+    if (button->down && meansModel) pointing_.press(button->button, keyboard_.isShiftDown(), settings_.view, pointed());
   }
   if (const auto* wheel = std::get_if<WheelEvent>(&event); wheel && meansModel) pointing_.turnWheel(*wheel, pointed());
   if (const auto* drop = std::get_if<DropEvent>(&event); drop && !drop->files.empty()) {
@@ -104,27 +123,30 @@ bool Viewer::scriptWaits() const {
 }
 
 void Viewer::playScript() {
-  const bool isTapping = pointing_.isTapping();
+  const bool isFinishing = this->isFinishing();
   if (script_.isOver() || (script_.hasOwnClock() && !screen_.wasShown())) return;
-  if (!isTapping && (scriptWaits() || !events_.isEmpty())) return;
+  if (!isFinishing && (scriptWaits() || !events_.isEmpty())) return;
   if (pace_.count() > 0) script_.passPicture(pace_.last_ms() * 1e-3);
   // An action runs only once the model is loaded, and each button press only after a frame has handled the one before.
-  while (!isTapping && !scriptWaits()) {
-    const auto action = script_.takeDue();
-    if (!action) return;
-    act(*action);
-    if (const auto* event = std::get_if<WindowEvent>(&*action))
+  while (!isFinishing && !scriptWaits()) {
+    const auto timed = script_.takeDue();
+    if (!timed) return;
+    act(*timed);
+    const ScriptAction& action = timed->action;
+    if (const auto* event = std::get_if<WindowEvent>(&action))
       if (std::holds_alternative<ButtonEvent>(*event) || std::holds_alternative<KeyEvent>(*event)) return;
-    if (std::holds_alternative<ScreenshotAction>(*action) || std::holds_alternative<ClickAction>(*action) ||
-        std::holds_alternative<AwaitAction>(*action) || std::holds_alternative<TapAction>(*action))
+    if (std::holds_alternative<ScreenshotAction>(action) || std::holds_alternative<ClickAction>(action) ||
+        std::holds_alternative<AwaitAction>(action) || std::holds_alternative<TapAction>(action))
       return;
   }
 }
 
-void Viewer::act(const ScriptAction& action) {
+void Viewer::act(const TimedAction& timed) {
+  const ScriptAction& action = timed.action;
+  now_s_ = timed.time_s;
   messages_.tryTo([&] {
     if (const auto* event = std::get_if<WindowEvent>(&action)) handle(*event);
-    if (const auto* tap = std::get_if<TapAction>(&action)) events_.add(tap->events);
+    if (const auto* tap = std::get_if<TapAction>(&action)) events_.add(tap->events, timed.time_s, timed.time_s);
     if (const auto* resize = std::get_if<ResizeAction>(&action)) window_.resize(resize->size_px);
     if (const auto* minimise = std::get_if<MinimiseAction>(&action)) window_.minimise(minimise->on);
     if (const auto* picture = std::get_if<ScreenshotAction>(&action)) screen_.keep(picture->file, Screen::Of::window);
@@ -283,7 +305,12 @@ Pointed Viewer::pointed() {
           .viewpoint = viewpoint_,
           .picked = shown_.picture().picked(),
           .size_px = DVec2(screen_.size_px()),
-          .time_s = script_.clock_s(),
+          .time_s = now_s_,
+          .surface =
+              [this] {
+                screen_.waitForLast();
+                return shown_.picture().surface(DVec2(screen_.size_px()));
+              },
           .measure = settings_.view.measures ? &measure_ : nullptr};
 }
 

@@ -44,9 +44,11 @@ class Viewer {
  private:
   void step();
   void handle(const WindowEvent& event);
+  void handleEvents(double wait_s);
+  bool isFinishing() const;
   void playScript();
   bool scriptWaits() const;
-  void act(const ScriptAction& action);
+  void act(const TimedAction& timed);
   void click(const std::string& name);
   void await(const std::string& file);
   void carryOut(const ViewCommands& commands);
@@ -90,6 +92,7 @@ class Viewer {
   DVec2 free_px_{0};  // Panels::freeWidth_px() in the last frame
   OwnCamera ownCamera_;
   EventQueue events_;
+  double now_s_ = 0, polled_s_ = 0;  // of the event that is handled, or of the frame; of the last look for events
   Keyboard keyboard_;
   PointingDevices pointing_;
   Measure measure_;

@@ -60,7 +60,6 @@ void Viewer::draw(double dt_s) {
     if (pace_.count() > 0) shown_.takePick();
     session->drawn().closeSurface();
     shown_.fit(screen_.size_px(), settings_.view);
-    shown_.keepFound(pointing_.isPressing());
     layers.servoCore = session->live()->core();
     layers.model = &shown_.picture();
     layers.drawModel = [&](CommandList& list) {

@@ -7,10 +7,14 @@
 namespace palpate {
 namespace {
 
-// An aim that jumps from picture to picture becomes a motion: it is approached with this time constant, at most at the
-// speed of a quick hand.
-constexpr double kGlide_s = 0.03, kMaxGlide_mm_per_s = 600;
+// An aim that jumps from picture to picture becomes a motion: it is approached with this time constant.
+constexpr double kGlide_s = 0.03;
 constexpr double kSmallestStep_mm = 1e-3;  // resolution of the stylus: imperceptible
+
+// A drawn stylus that has no contact for this time, or whose contact is farther than this behind, e.g. beyond a crease,
+// is put down again; it may then need that time to reach contact.
+constexpr double kLost_s = 0.06, kLost_mm = 3, kPutDown_s = 0.2;
+constexpr double kBehind_s = 0.1;  // a stroke that is farther behind its pointer catches up
 
 const DVec3 kNoStops_mm(1e6);  // a mouse has no stops
 
@@ -24,14 +28,16 @@ SimulatedTouchOptions guidedHand(const DVec3& workspace_mm) {
           .workspace_mm = workspace_mm};
 }
 
-GuidedTouch::GuidedTouch(const WorkspaceMap& map, const DVec3& parked)
-    : parked_(parked),
+GuidedTouch::GuidedTouch(const WorkspaceMap& map, const DVec3& parked, const GuidedOptions& options)
+    : map_(map),
+      options_(options),
+      parked_(parked),
       glide_(parked),
       hand_(
           [this, unitsPer_mm = map.scale](double time_s) {
             const double dt_s = std::max(time_s - std::exchange(glideTime_s_, time_s), 0.0);
             const DVec3 way = (last_.lifted ? parked_ : last_.place) - glide_;
-            const double length = glm::length(way), farthest = kMaxGlide_mm_per_s * unitsPer_mm * dt_s;
+            const double length = glm::length(way), farthest = kFastestHand_mm_per_s * unitsPer_mm * dt_s;
             double share = 1 - std::exp(-dt_s / kGlide_s);
             if (share * length > farthest) share = farthest / length;
             glide_ += share * way;
@@ -44,6 +50,7 @@ GuidedTouch::GuidedTouch(const WorkspaceMap& map, const DVec3& parked)
 DeviceLimits GuidedTouch::limits() const {
   DeviceLimits limits = hand_.limits();
   limits.buttons = 1;
+  limits.countsTicks = options_.countsTicks;
   return limits;
 }
 
@@ -66,9 +73,84 @@ void GuidedTouch::lift() noexcept {
   latest_.store(aim_);
 }
 
+void GuidedTouch::dropStroke() noexcept {
+  strokes_.clear();
+  wasDrawn_ = wasDrawn_ || pose_;
+  pose_.reset();
+}
+
+// In front of the surface along the line of sight, which nothing visible crosses; below it against its normal.
+DVec3 GuidedTouch::placeOf(const DrawnPose& pose) const noexcept {
+  return pose.place - inward_ * (inward_ < 0 ? pose.toEye : pose.outward);
+}
+
+// Takes the poses of so many ticks, until the stylus is to be put down, lifted or let go.
+int GuidedTouch::takePoses() noexcept {
+  const auto jumps = [](const DrawnPose& pose) { return pose.putDown || pose.ends; };
+  const double behind_s = static_cast<double>(strokes_.pending()) * options_.tick_s;
+  const int most = options_.catchesUp ? 1 + static_cast<int>(behind_s / kBehind_s) : 1;
+  int taken = 0;
+  for (const DrawnPose* next = strokes_.next(); next && taken < most; next = strokes_.next()) {
+    if (taken > 0 && jumps(*next)) break;
+    pose_ = *next;
+    strokes_.drop();
+    ++taken;
+    if (jumps(*pose_)) break;
+  }
+  return taken;
+}
+
+// Never farther from the proxy than the stroke presses: a surface that yields is pressed no deeper, and a proxy that is
+// held back is not left behind.
+void GuidedTouch::follow(const DrawnPose& pose, int ticks) noexcept {
+  const double step = kFastestHand_mm_per_s * options_.tick_s * map_.scale * ticks;
+  inward_ += std::clamp(pose.inward - inward_, -step, step);
+  DVec3 to = placeOf(pose);
+  if (toProxy_) {
+    const DVec3 proxy = hip_ + map_.scale * *toProxy_, way = to - proxy;
+    const double reach = std::max(pose.inward, 0.0), length = glm::length(way);
+    if (length > reach) to = proxy + reach / length * way;
+  }
+  const double length = glm::distance(to, hip_);
+  hip_ = length > step ? hip_ + step / length * (to - hip_) : to;
+}
+
+// Whether the stylus that presses has had no contact, or has stayed behind, for too long.
+bool GuidedTouch::isLost(const DrawnPose& pose, int ticks) noexcept {
+  if (pose.holds || !(inward_ > 0) || inward_ != pose.inward) return false;
+  const double behind = toProxy_ ? glm::distance(placeOf(pose), hip_ + map_.scale * *toProxy_) - pose.inward : 0;
+  lost_s_ = toProxy_ && behind <= kLost_mm * map_.scale ? 0 : lost_s_ + ticks * options_.tick_s;
+  return lost_s_ > kLost_s;
+}
+
+DeviceState GuidedTouch::readStroke() noexcept {
+  const int ticks = takePoses();
+  DeviceState state{.buttons = kSculptButton, .ok = true};
+  if (ticks == 0) {
+    state.waits = options_.countsTicks;
+    pose_->putDown = false;
+  }
+  state.putDown = pose_->putDown || pose_->ends || isLost(*pose_, ticks);
+  if (state.putDown) {
+    inward_ = -kHover_mm * map_.scale;
+    hip_ = placeOf(*pose_);
+    lost_s_ = -kPutDown_s;
+  } else if (!state.waits) {
+    follow(*pose_, std::max(ticks, 1));
+  }
+  state.position = (hip_ - map_.offset) / map_.scale;
+  if (pose_->ends) {
+    state.buttons = 0;
+    wasDrawn_ = true;
+    pose_.reset();
+  }
+  return state;
+}
+
 DeviceState GuidedTouch::read(double time_s) noexcept {
+  if (pose_ || strokes_.next()) return readStroke();
   const Aim aim = latest_.load().value_or(last_);
-  const bool moved = aim.putDowns != last_.putDowns || aim.lifted != last_.lifted;
+  const bool moved = std::exchange(wasDrawn_, false) || aim.putDowns != last_.putDowns || aim.lifted != last_.lifted;
   last_ = aim;
   if (moved) {
     glide_ = aim.lifted ? parked_ : aim.place;

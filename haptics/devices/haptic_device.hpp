@@ -20,6 +20,8 @@ struct DeviceState {
   bool putDown = false;       ///< it was lifted since the last read: there was no motion from that position to this one
   /// False: no force reaches the hand in this tick, a temporary fault of the device; later it ramps up again.
   bool rendersForce = true;
+  /// The position of this tick is not known yet, where ticks are counted: nothing is asked, and there is no force.
+  bool waits = false;
   bool ok = false;  ///< false: the device failed; the other fields are invalid
 };
 
@@ -39,6 +41,9 @@ struct DeviceLimits {
   /// A hand, or a model of one, feels the force and yields to it. False for a script that moves regardless of it:
   /// no person has to be protected at the start of a session, and there is no closed loop that could become unstable.
   bool handHeld = true;
+  /// The time of a session is the number of its ticks, without those that came too late or at which the device waited:
+  /// its motion then has the same effect on any machine. Only the first hand's counts.
+  bool countsTicks = false;
   int buttons = 0;  ///< number of them: kSculptButton sculpts, kClutchButton draws the clutch
 };
 
@@ -72,6 +77,9 @@ class HapticDevice {
 
   /// `time_s`: since the session began; a real device ignores it.
   virtual DeviceState read(double time_s) noexcept = 0;
+
+  /// The way to the proxy at this tick, in the device's own unit; nothing without contact. Before write().
+  virtual void feel(const std::optional<DVec3>& /*toProxy*/) noexcept {}
 
   /// False if the force did not reach the device.
   virtual bool write(const DVec3& force_N) noexcept = 0;

@@ -17,6 +17,7 @@ class WrappedDevice : public HapticDevice {
   bool paces() const override { return device_->paces(); }
   bool pace(double rate_Hz, const std::function<bool()>& tick) override { return device_->pace(rate_Hz, tick); }
   DeviceState read(double time_s) noexcept override { return device_->read(time_s); }
+  void feel(const std::optional<DVec3>& toProxy) noexcept override { device_->feel(toProxy); }
   bool write(const DVec3& force_N) noexcept override { return device_->write(force_N); }
   void emergencyStop() noexcept override { device_->emergencyStop(); }
   std::string faultText() const override { return device_->faultText(); }

@@ -77,9 +77,11 @@ InteractiveSession::InteractiveSession(const SessionConfig& config, Model model,
       options_(options),
       bounds_(boundsOf(this->model().cloud)),
       longestSide_(this->model().shownBounds().longestSide()),
-      stylus_(mapFor(this->model()), parkingPlace(this->model())),
-      map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model())),
-      history_(1 / config.rate_Hz) {
+      stylus_(mapFor(this->model()), parkingPlace(this->model()),
+              {.tick_s = 1 / config.rate_Hz,
+               .countsTicks = !config.moves() && !config.model.join,
+               .catchesUp = !options.clock}),
+      map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model())) {
   if (player()) held_ = player()->isPaused();
   if (!config.model.matter && canBeSculpted(config, this->model()) &&
       (!config.brush || config.brush->kind != BrushKind::push))
@@ -168,11 +170,41 @@ std::optional<std::string> InteractiveSession::tickUntil(double clock_s) {
   return failure;
 }
 
+StrokeOptions InteractiveSession::strokeOptions(double press_mm) const {
+  StrokeOptions options{.tick_s = 1 / config().rate_Hz,
+                        .origin = model().cloud.origin,
+                        .unitsPer_mm = model().scale.toUnits(1),
+                        .inward = model().scale.toUnits(press_mm)};
+  if (const auto& brush = config().brush) {
+    options.inward += model().scale.toUnits(brush->yieldDepth_mm);
+    options.holds = brush->kind == BrushKind::grab;
+  }
+  return options;
+}
+
+void InteractiveSession::press(PointerStroke stroke) {
+  if (!isDrawing() && !failed_ && !playing_ && !options_.device) stroke_ = std::move(stroke);
+}
+
+void InteractiveSession::drawUntil(double known_s) {
+  while (stroke_ && stylus_.canDraw() && stroke_->isKnown(known_s)) {
+    if (const auto pose = stroke_->next()) stylus_.draw(*pose);
+    if (stroke_->isOver()) stroke_.reset();
+  }
+  if (failed_) dropStroke();
+}
+
+void InteractiveSession::dropStroke() {
+  stroke_.reset();
+  stylus_.dropStroke();
+}
+
 void InteractiveSession::setDevice(std::shared_ptr<TurnedDevice> device, const HapticDeviceFacts& facts) {
   if (failed_ && !hasLostDevice()) return;
   const auto change = [&] {
     backend().resetHand(0);
     playing_.reset();
+    dropStroke();
     options_.device = std::move(device);
     options_.deviceFacts = facts;
     map_ = options_.device ? mapInto(facts, model()) : mapFor(model());
@@ -327,6 +359,7 @@ std::vector<std::string> InteractiveSession::play(const std::string& log) {
     backend().resetHand(0);
     for (LoggedTick& tick : record.ticks) tick.time_s += live()->next_s();
     const double end_s = record.ticks.back().time_s;
+    dropStroke();
     playing_ = Playing{.device = std::make_unique<ReplayDevice>(std::move(record.ticks), recorded.limits),
                        .map = recorded.map,
                        .end_s = end_s};

@@ -10,6 +10,7 @@
 
 #include "haptics/devices/guided_touch.hpp"
 #include "haptics/devices/turned_device.hpp"
+#include "haptics/session/pointer_stroke.hpp"
 #include "haptics/session/session.hpp"
 #include "haptics/session/tick_feed.hpp"
 #include "haptics/session/unsaved_strokes.hpp"
@@ -69,8 +70,17 @@ class InteractiveSession : public Session {
 
   // The guided stylus; positions in file coordinates. No effect where a person holds a device.
   void aim(const DVec3& place, bool sculpts = true) { stylus_.aim(place, sculpts); }
-  void putDown(const DVec3& place, bool sculpts) { stylus_.putDown(place, sculpts); }
   void lift() { stylus_.lift(); }
+  /// How a stroke of this session's pointer presses, `press_mm` deep.
+  StrokeOptions strokeOptions(double press_mm) const;
+  /// The stylus follows that stroke, in place of aims, until it is over. No effect while a stroke is in progress.
+  void press(PointerStroke stroke);
+  /// The stroke whose button is down; null: none is.
+  PointerStroke* stroke() { return stroke_ && !stroke_->isReleased() ? &*stroke_ : nullptr; }
+  /// Whether a stroke is in progress: its button is down, or the stylus is still on its path.
+  bool isDrawing() const { return stroke_ || stylus_.isDrawing(); }
+  /// All events of the pointer before `known_s` were given to stroke().
+  void drawUntil(double known_s);
   void setForces(bool on) { forcesOn_ = on; }
   bool forcesOn() const { return forcesOn_; }
 
@@ -136,12 +146,14 @@ class InteractiveSession : public Session {
   OpenHand hand();
   void keepUnsaved(const SessionConfig& config);
   void goOnWith(const LeftStrokes& left);
+  void dropStroke();
   bool undoStrokes(std::size_t undo, std::size_t redo);
 
   InteractiveOptions options_;
   Bounds bounds_;
   double longestSide_;
   GuidedTouch stylus_;
+  std::optional<PointerStroke> stroke_;
   WorkspaceMap map_;
   std::atomic<bool> forcesOn_ = true;
   bool held_ = false, failed_ = false;

@@ -1,6 +1,5 @@
 #include "haptics/session/tick_feed.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "engine/core/processor.hpp"
@@ -36,11 +35,8 @@ void TickFeed::take(std::vector<TraceRow>& rows) {
 
 void TickHistory::add(const std::vector<TraceRow>& rows) {
   for (const TraceRow& row : rows) {
-    if (std::exchange(follows_, true)) {
-      const double periods = (row.time_s - rows_.back().time_s) / period_s_;
-      missed_ += static_cast<std::uint64_t>(std::max(0LL, std::llround(periods) - 1));
-    }
     ++ticks_;
+    missed_ += row.missed;
     step_us_.add(row.step_us);
     rows_.push_back(row);
     if (rows_.size() > kKept) rows_.pop_front();

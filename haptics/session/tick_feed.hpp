@@ -41,9 +41,6 @@ class TickHistory {
   /// Maximum number of rows kept for curves and CSV: the last ones.
   static constexpr std::size_t kKept = 60'000;
 
-  /// between two ticks if none is missed.
-  explicit TickHistory(double period_s) : period_s_(period_s) {}
-
   void add(const std::vector<TraceRow>& rows);
 
   const std::deque<TraceRow>& rows() const { return rows_; }
@@ -54,11 +51,9 @@ class TickHistory {
   bool inContact() const { return !rows_.empty() && rows_.back().contact; }
 
  private:
-  double period_s_;
   std::deque<TraceRow> rows_;
   std::uint64_t ticks_ = 0, missed_ = 0;
   TickHistogram step_us_;
-  bool follows_ = false;
 };
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/window_play.hpp"
+#include "tests/content_of.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/near.hpp"
 
@@ -209,6 +210,59 @@ TEST_CASE("a press acts where the cursor is, not on the stylus's way there, howe
   }
   CHECK(farthest > 3);
   CHECK(farthest < 12);
+}
+
+TEST_CASE("a drag makes the same stroke however its events fall into pictures") {
+  if (!hasDisplay()) return;
+  const auto saved = [](const std::string& pause) {
+    std::string script = "0.1 mouse 418 210\n0.3 key space down\n0.6 button left down\n";
+    for (int i = 0; i < 40; ++i) {
+      script += fmt::format("{} mouse {} {}\n", 0.65 + 0.011 * i, 418 + 2 * i, 210 + i % 7);
+      if (i % 9 == 4) script += pause.empty() ? "" : fmt::format("{} {}\n", 0.65 + 0.011 * i, pause);
+    }
+    const auto played = playWell("%/sphere.ply --size 560x420 --edit push", sphereOf(),
+                                 script + "1.2 button left up\n3 save %/after.ply\n3.2 quit\n");
+    return contentOf(played->folder.path() / "after.ply");
+  };
+  const std::string once = saved("");
+  CHECK(once == saved("screenshot %/late.png"));  // the events after it wait for the next picture
+}
+
+TEST_CASE("a drag off the border of an open scan pulls no tongue") {
+  if (!hasDisplay()) return;
+  const auto writeSheet = [](const std::filesystem::path& folder) {
+    std::ofstream out(folder / "sheet.ply");
+    out << "ply\nformat ascii 1.0\ncomment units: mm\nelement vertex 3721\nproperty float x\nproperty float y\n"
+           "property float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n";
+    for (int i = -30; i <= 30; ++i)
+      for (int j = -30; j <= 30; ++j) out << i << ' ' << j << " 0 0 0 1\n";
+  };
+  const auto played = playWell("%/sheet.ply --size 560x420 --up z --mm-per-unit 1 --edit push", writeSheet, R"(
+0.1 mouse 418 210
+0.3 key space down
+0.6 button left down
+0.8 mouse 440 212
+0.9 mouse 558 214
+1.0 mouse 420 230
+1.1 mouse 418 418
+1.3 mouse 418 240
+1.5 button left up
+1.8 screenshot %/after.png
+1.8 state %/after.json
+1.9 save %/after.ply
+2.1 quit
+)");
+  CHECK(played->state("after.json")["undo_count"] == 1);
+  const PointCloud after = readPly(played->folder / "after.ply");
+  float lowest = 0, highest = 0, widest = 0;
+  for (const Vec3& place : after.positions) {
+    lowest = std::min(lowest, place.z);
+    highest = std::max(highest, place.z);
+    widest = std::max({widest, std::abs(place.x), std::abs(place.y)});
+  }
+  CHECK(lowest == near(-2.5, 0.2));
+  CHECK(highest <= 0.6F);
+  CHECK(widest <= 30.6F);
 }
 
 TEST_CASE("a script runs the same ticks on any machine; in real time ticks follow the clock") {

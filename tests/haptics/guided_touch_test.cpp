@@ -34,6 +34,12 @@ class Recorder final : public TickRecorder {
   std::atomic<std::size_t> count = 0;
 };
 
+/// A stroke onto the sphere of radius 50 from above, and along it.
+DrawnPose drawnPose(int tick) {
+  const DVec3 outward = glm::normalize(DVec3(1e-4 * tick, 0, 1));
+  return {.place = 50.0 * outward, .outward = outward, .toEye = {0, 0, 1}, .inward = 2, .putDown = tick == 0};
+}
+
 }  // namespace
 
 TEST_CASE("a lifted stylus is parked, and put down at the hand's first aim") {
@@ -128,6 +134,66 @@ TEST_CASE("an aim that is not a number is ignored") {
   device.read(0);
   device.aim({NAN, 0, 0});
   CHECK(glm::distance(device.read(0.001).position, DVec3(1, 2, 3)) < 0.01);
+}
+
+TEST_CASE(
+    "a drawn stroke has a pose a tick; until the next one nothing is asked, and there is neither force nor time") {
+  GuidedTouch device({}, kParked, {.countsTicks = true});
+  for (int tick = 0; tick < 40; ++tick) device.draw(drawnPose(tick));
+  CountingContact sphere(50);
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 0.1});
+  const auto rows = loop.run().trace().rows;
+  REQUIRE(rows.size() == 40);
+  for (std::size_t i = 0; i < rows.size(); ++i) CHECK(rows[i].time_s == within(1e-3 * double(i), 1e-9));
+  CHECK(rows.back().contact);
+  CHECK(glm::distance(rows.back().hip, rows.back().proxy) == near(2, 1e-3));
+  CHECK(device.read(1).waits);
+  device.draw({.place = {0, 0, 50}, .outward = {0, 0, 1}, .toEye = {0, 0, 1}, .inward = 2, .ends = true});
+  const DeviceState ended = device.read(1);
+  CHECK(ended.putDown);
+  CHECK(ended.buttons == 0);
+  CHECK_FALSE(device.read(1).waits);
+}
+
+TEST_CASE("where ticks have the time of the clock, a drawn stylus rests until its next pose") {
+  GuidedTouch device({}, kParked);
+  for (int tick = 0; tick < 40; ++tick) device.draw(drawnPose(tick));
+  DeviceState state;
+  for (int tick = 0; tick < 40; ++tick) state = device.read(tick);
+  const DeviceState rests = device.read(40);
+  CHECK_FALSE(rests.waits);
+  CHECK(rests.position == state.position);
+  CHECK(rests.buttons == kSculptButton);
+}
+
+TEST_CASE("a stroke that is far behind its pointer catches up, if it may") {
+  for (const bool catchesUp : {false, true}) {
+    GuidedTouch device({}, kParked, {.countsTicks = true, .catchesUp = catchesUp});
+    for (int tick = 0; tick < 1000; ++tick) device.draw(drawnPose(tick));
+    int reads = 0;
+    DeviceState state;
+    for (; device.isDrawing(); ++reads) state = device.read(reads * 1e-3);
+    if (catchesUp)
+      CHECK(reads < 400);
+    else
+      CHECK(reads == 1000);
+    CHECK(glm::distance(state.position, 48.0 * drawnPose(999).outward) < 0.2);
+  }
+}
+
+TEST_CASE("a drawn stylus that has lost contact is put down again, one that holds is not") {
+  for (const bool holds : {false, true}) {
+    GuidedTouch device({}, kParked);
+    int putDowns = 0;
+    for (int tick = 0; tick < 400; ++tick) {
+      DrawnPose pose = drawnPose(tick);
+      pose.holds = holds;
+      device.draw(pose);
+      putDowns += device.read(tick * 1e-3).putDown;
+      device.feel({});
+    }
+    CHECK(putDowns == (holds ? 1 : 2));
+  }
 }
 
 TEST_CASE("a replay puts the stylus down where the session did, once") {

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include "haptics/devices/guided_touch.hpp"
 #include "haptics/devices/haply_device.hpp"
 #include "haptics/devices/hid_device.hpp"
 #include "haptics/devices/rumbling_device.hpp"
@@ -91,6 +92,25 @@ TEST_CASE("a tick of a 3D mouse with a rumbling gamepad allocates no memory, als
   countedThread = std::thread::id();
   CHECK(allocations == 0);
   CHECK(!rendered);
+}
+
+TEST_CASE("a tick of a drawn stroke allocates no memory") {
+  GuidedTouch device({}, {0, 0, 300}, {.countsTicks = true, .catchesUp = true});
+  for (int tick = 0; device.canDraw(); ++tick)
+    device.draw({.place = {1e-3 * tick, 0, 0}, .outward = {0, 0, 1}, .toEye = {0, 0, 1}, .inward = 2});
+  countedThread = std::this_thread::get_id();
+  allocations = 0;
+  counting = true;
+  bool waits = false;
+  for (int tick = 0; !waits && tick < 10'000; ++tick) {
+    waits = device.read(1e-3 * tick).waits;
+    device.feel(DVec3(0, 0, 2));
+    device.write({0, 0, 1});
+  }
+  counting = false;
+  countedThread = std::thread::id();
+  CHECK(waits);
+  CHECK(allocations == 0);
 }
 
 TEST_CASE("a tick of a Haply device allocates no memory, while its own thread speaks with the service") {
