@@ -218,7 +218,7 @@ TEST_CASE("a drag makes the same stroke however its events fall into pictures") 
     std::string script = "0.1 mouse 418 210\n0.3 key space down\n0.6 button left down\n";
     for (int i = 0; i < 40; ++i) {
       script += fmt::format("{} mouse {} {}\n", 0.65 + 0.011 * i, 418 + 2 * i, 210 + i % 7);
-      if (i % 9 == 4) script += pause.empty() ? "" : fmt::format("{} {}\n", 0.65 + 0.011 * i, pause);
+      if (i % 9 == 2) script += pause.empty() ? "" : fmt::format("{} {}\n", 0.65 + 0.011 * i, pause);
     }
     const auto played = playWell("%/sphere.ply --size 560x420 --edit push", sphereOf(),
                                  script + "1.2 button left up\n3 save %/after.ply\n3.2 quit\n");
