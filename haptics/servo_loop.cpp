@@ -114,8 +114,9 @@ std::size_t ServoLoop::playAtOnce(const TickObserver& observer, ServoResult& res
   const ZeroForceAtExit zero(hands_);
   Progress progress;
   for (std::uint64_t index = 0; !isOver(index); ++index) {
+    const std::size_t before = progress.done;
     if (!next(index, 0, progress, result)) break;
-    if (observer) observer(result.trace().rows[progress.done - 1]);
+    if (observer && progress.done > before) observer(result.trace().rows[progress.done - 1]);
   }
   return progress.done;
 }

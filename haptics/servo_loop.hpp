@@ -128,7 +128,7 @@ class ServoLoop {
   ServoOptions options_;
   std::uint64_t plannedTicks_;
   std::vector<Hand> hands_;
-  bool countsTicks_;              ///< DeviceLimits::countsTicks
+  bool countsTicks_ = false;      ///< DeviceLimits::countsTicks
   std::vector<Pose> poses_;       ///< of the current tick, one for each hand
   const Hand* failed_ = nullptr;  ///< the first one whose device failed
 };
