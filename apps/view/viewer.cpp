@@ -89,7 +89,7 @@ void Viewer::handleEvents(double wait_s) {
 // that they do not change the stroke.
 bool Viewer::isFinishing() const {
   WindowSession* session = document_.session();
-  return session && session->isDrawing() && !session->stroke();
+  return session && !document_.isGivingWay() && session->isDrawing() && !session->stroke();
 }
 
 void Viewer::handle(const WindowEvent& event) {

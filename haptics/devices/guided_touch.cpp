@@ -62,11 +62,6 @@ void GuidedTouch::aim(const DVec3& place, bool sculpts) noexcept {
   latest_.store(aim_);
 }
 
-void GuidedTouch::putDown(const DVec3& place, bool sculpts) noexcept {
-  aim_.lifted = true;
-  aim(place, sculpts);
-}
-
 void GuidedTouch::lift() noexcept {
   aim_.lifted = true;
   aim_.sculpts = false;
@@ -84,7 +79,7 @@ DVec3 GuidedTouch::placeOf(const DrawnPose& pose) const noexcept {
   return pose.place - inward_ * (inward_ < 0 ? pose.toEye : pose.outward);
 }
 
-// Takes the poses of so many ticks, until the stylus is to be put down, lifted or let go.
+// Takes the poses of this tick, up to one at which the stylus is put down or let go; returns their number.
 int GuidedTouch::takePoses() noexcept {
   const auto jumps = [](const DrawnPose& pose) { return pose.putDown || pose.ends; };
   const double behind_s = static_cast<double>(strokes_.pending()) * options_.tick_s;

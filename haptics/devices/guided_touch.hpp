@@ -35,8 +35,6 @@ class GuidedTouch final : public HapticDevice {
   /// Sets the intended position, model units, and whether the button that sculpts is held. Puts a lifted stylus down
   /// there.
   void aim(const DVec3& place, bool sculpts = true) noexcept;
-  /// As aim(), but the stylus is put down there instead of moved there.
-  void putDown(const DVec3& place, bool sculpts) noexcept;
   /// Takes the stylus away from the model, with its button released.
   void lift() noexcept;
   /// Poses of a stroke, one a tick; from the first one to the one that ends it no aim has an effect. Only with
