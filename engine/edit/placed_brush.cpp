@@ -27,7 +27,10 @@ PlacedBrush::Path PlacedBrush::path(const DVec3& place, const Found& found, doub
 double PlacedBrush::freeUntil(const Path& path, const Seen& seen, double free) const {
   const DVec3 offset = seen.position - path.position;
   if (!shared::isBeside(path, offset)) return free;
-  return shared::freeUntil(brush_, tool_, path, {offset, seen.normal, movesAlong(seen)}, free);
+  // For most neighbours it does not matter whether the brush moves them.
+  const double along = shared::freeUntil(brush_, tool_, path, {offset, seen.normal, true}, free);
+  const double staying = shared::freeUntil(brush_, tool_, path, {offset, seen.normal, false}, free);
+  return along == staying || movesAlong(seen) ? along : staying;
 }
 
 bool PlacedBrush::isInNoWay(const Seen& seen) const {

@@ -139,8 +139,10 @@ bool movesAlong(uint id, vec3 position, vec3 normal) {
 
 void noteAhead(uint at, vec3 normal, vec3 d) {
   if (!isBeside(path, d)) return;
-  const SeenPoint seen = SeenPoint(d, normal, movesAlong(keptIds[at], center + d, normal));
-  free = freeUntil(brush, tool, path, seen, free);
+  // For most neighbours it does not matter whether the brush moves them, which takes loads to find out.
+  const float along = freeUntil(brush, tool, path, SeenPoint(d, normal, true), free);
+  const float staying = freeUntil(brush, tool, path, SeenPoint(d, normal, false), free);
+  free = along == staying || movesAlong(keptIds[at], center + d, normal) ? along : staying;
 }
 
 // For a carving ball: whether one neighbour indicates that the point is outside the solid.
