@@ -184,8 +184,10 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   lastHip_ = hip;
   const bool sculpts = press != Press::none, touches = contact.touching && sculpts;
   const bool yields = touches && glm::length(spring) > brush_.yieldDepth;
-  // A contact that ends while the hand is deep has not been lifted from its side.
-  brokeThrough_ = sculpts && (brokeThrough_ || (yielded_ && !touches));
+  // A contact that ends while the hand is still behind the surface has not been lifted from its side.
+  const bool fellThrough = yielded_ && !touches && glm::dot(hip - side_.found, side_.outward) < 0;
+  const bool keepsSide = shared::looksAhead(static_cast<shared::uint>(brush_.kind));  // carve may go through
+  brokeThrough_ = sculpts && keepsSide && (brokeThrough_ || fellThrough);
   yielded_ = yields;
   const bool wasLifted = !touched_ && time_s - lastTouch_s_ > kGap_s;
   if (touches) lastTouch_s_ = time_s;
@@ -193,7 +195,7 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   const bool holds = brush_.kind == BrushKind::grab && open_ && sculpts;
   if (!sculpts || (press == Press::contact && !holds && wasLifted)) open_ = false;
   const Place place{.hip = hip, .jumps = !acts_, .outward = outwardOf(contact, spring), .found = hip + spring};
-  if (touches && (open_ || brokeThrough_)) noteSide(place);
+  if (touches && keepsSide && (open_ || brokeThrough_)) noteSide(place);
   if (yields && !isGoingOn() && !brokeThrough_) begin(place);
   // Withdraws: moves towards the proxy. A hand that moves sideways does not, although the proxy trails behind it.
   const bool withdraws = brush_.kind != BrushKind::grab && motion != DVec3(0) &&
@@ -215,7 +217,7 @@ void BrushStroke::begin(const Place& place) {
   beginSheet();
 }
 
-// The side follows the surface under the hand as far as that is no more curved than the brush can tell apart: a hand
+// The side turns with the surface under the hand, unless the surface is more strongly curved than the brush: a hand
 // that has gone through a thin part, or around its rim, is at another side, where the stroke would undo this one. Its
 // contact may end there; the other side remains the wrong one until the hand is elsewhere.
 void BrushStroke::noteSide(const Place& place) {
@@ -226,6 +228,7 @@ void BrushStroke::noteSide(const Place& place) {
   const double turn = std::acos(std::clamp(cosine, -1.0, 1.0)), mostTurn = kSideTurn * way / brush_.radius;
   const DVec3 aside = place.outward - cosine * side_.outward;
   side_.hip = place.hip;
+  side_.found = place.found;
   if (isElsewhere || turn <= mostTurn || !(glm::length(aside) > 0))
     side_.outward = place.outward;
   else

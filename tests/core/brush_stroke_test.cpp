@@ -295,6 +295,18 @@ TEST_CASE(
     CHECK_FALSE(feel(stroke, {0.3, 0, -1.1}, -kUp, 1, Press::none));
     CHECK(feel(stroke, {0.3, 0, -1.1}, -kUp, 1));
   }
+  // Carve may go on at the wall of a hole that it has cut.
+  BrushStroke carves(kSupport);
+  carves.setBrush(brush(BrushKind::carve));
+  CHECK(feel(carves, {0, 0, -1}, kUp, 1));
+  CHECK_FALSE(feel(carves, {0, 0, -3}, kUp, 0));
+  CHECK(feel(carves, {2, 0, -3}, DVec3(-1, 0, 0), 1));
+  // A hand that is pulled out at once has not gone through: it may press the wall beside.
+  BrushStroke lifts(kSupport);
+  lifts.setBrush(brush(BrushKind::push));
+  CHECK(feel(lifts, {0, 0, -1}, kUp, 1));
+  CHECK_FALSE(feel(lifts, {0, 0, 1}, kUp, 0));
+  CHECK(feel(lifts, {2, 0, 0.5}, DVec3(-1, 0, 0), 1));
   // Around a limb that the brush can tell from a rim the side goes along with the hand.
   BrushStroke around(kSupport);
   around.setBrush(brush(BrushKind::push));
