@@ -18,7 +18,6 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
-#include "haptics/devices/simulated_touch.hpp"
 
 namespace palpate {
 namespace {
@@ -90,7 +89,7 @@ struct FakeHaply::Service {
         folder(std::move(notes)),
         simulation(io, {asio::ip::address_v4::loopback(), 0}),
         events(io, {asio::ip::address_v4::loopback(), 0}),
-        hand(Path(options.hand), {}) {
+        hand(Path(options.hand), {}, options.arm) {
     accept(simulation, false);
     accept(events, true);
   }

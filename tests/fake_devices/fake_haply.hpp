@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engine/core/vec.hpp"
+#include "haptics/devices/simulated_touch.hpp"
 #include "haptics/path.hpp"
 #include "haptics/session_clock.hpp"
 #include "tests/scratch_folder.hpp"
@@ -22,6 +23,7 @@ namespace palpate {
 
 struct FakeHaplyOptions {
   std::vector<PathKey> hand{{0, DVec3(0)}};  ///< about kMiddle_mm, in palpate's axes; time since the first command
+  SimulatedTouchOptions arm{};               ///< and its damping
   std::string begins;     ///< if not empty: a file of folder(); the hand begins its path once that exists
   bool restarts = false;  ///< each connection of a device puts the hand back to the start of its path
   std::string version = "3.5.0", permutation = "XYZ", handedness = "right";
