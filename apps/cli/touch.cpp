@@ -138,6 +138,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .compactions = backend.compactions,
                      .index = backend.index,
                      .movedPoints = end.edited,
+                     .blocked = session.blocked(),
                      .realtimePriority = result.realtimePriority,
                      .pacedByDevice = result.pacedByDevice,
                      .realtime = config.realtime,

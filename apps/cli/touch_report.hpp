@@ -78,6 +78,7 @@ struct TouchReport {
   std::uint64_t compactions = 0;
   IndexWork index;
   std::size_t movedPoints = 0;  ///< that are edited (SculptedCloud::edited)
+  BlockedMoves blocked;
   bool realtimePriority = false;
   bool pacedByDevice = false;
   bool realtime = false;

@@ -136,6 +136,9 @@ void printTicks(const Rows& rows, const TouchReport& report) {
     rows.print("edit p50 / p99.9",
                fmt::format("{:.1f} / {:.1f} us ({}), {} moved", report.edit_us.p50, report.edit_us.p999,
                            counted(report.edit_us.count, "tick"), counted(report.movedPoints, "point")));
+  if (report.blocked.edits)
+    rows.print("too thin", fmt::format("nearly nothing under the brush could move in {}, before a side that stays",
+                                       counted(report.blocked.edits, "edit")));
   if (report.shape) rows.print("shape", fmt::format("strokes that changed the rest shape: {}", report.shape->strokes));
   if (trace.contactTicks == 0 && !report.matter)
     rows.print("contact",

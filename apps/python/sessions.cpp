@@ -185,6 +185,7 @@ void bindOpening(py::class_<PySession>& session) {
         return py::dict("points"_a = info.points, "mm_per_unit"_a = info.mm_per_unit, "spacing_mm"_a = info.spacing_mm,
                         "radius_mm"_a = info.radius_mm, "rate_Hz"_a = info.rate_Hz, "undo_count"_a = info.undo_count,
                         "redo_count"_a = info.redo_count, "live"_a = info.live != 0,
+                        "blocked_moves"_a = info.blocked_moves, "blocked_edits"_a = info.blocked_edits,
                         "backend"_a = std::string(info.backend), "machine"_a = std::string(info.machine));
       });
 }

@@ -28,4 +28,14 @@ void BrushNotes::notePaint(const WindowSession& session, ViewSettings& view, Mes
   messages.say("colours: the points' own, so that the paint is visible");
 }
 
+void BrushNotes::noteBlocked(const WindowSession& session, double now_s) {
+  constexpr double kShown_s = 0.25;  // bridges frames without an edit
+  const std::uint64_t edits = session.blocked().edits;
+  if (std::exchange(blockedEdits_, edits) != edits) blockedUntil_s_ = now_s + kShown_s;
+  const std::optional<BrushKind> kind = session.brushSettings().kind;
+  // Inflate and grab meet another surface; the others the far side of a thin part.
+  const bool meets = kind == BrushKind::inflate || kind == BrushKind::grab;
+  blocked_ = now_s < blockedUntil_s_ ? meets ? "no room here" : "too thin here" : "";
+}
+
 }  // namespace palpate

@@ -18,9 +18,15 @@ class BrushNotes {
   void noteSize(const WindowSession& session, const ViewSettings& view, std::uint64_t presses, Messages& messages);
   /// Shows the points' own colours when a paint stroke begins, so that the paint is visible, and reports it.
   void notePaint(const WindowSession& session, ViewSettings& view, Messages& messages);
+  /// Called once per frame, at that time.
+  void noteBlocked(const WindowSession& session, double now_s);
+  /// Why nothing under the pressed brush moves; empty: it moves, or the hand does not press.
+  const std::string& blocked() const { return blocked_; }
 
  private:
-  std::string tooSmall_;
+  std::string tooSmall_, blocked_;
+  std::uint64_t blockedEdits_ = 0;
+  double blockedUntil_s_ = 0;
   std::uint64_t presses_ = 0;
   bool inStroke_ = false;
 };

@@ -30,6 +30,7 @@ struct ViewStatus {
   std::optional<double> loading;           ///< progress, 0 to 1
   std::string loadingWhat;
   std::vector<std::string> remarks;  ///< newest last; each is shown for a while
+  std::string blocked;               ///< why nothing under the pressed brush moves; empty: it moves
   std::span<const std::string> errors;
   std::span<const std::string> models, recent;
   std::span<const std::string> gone;  ///< recent models that no longer exist

@@ -65,6 +65,7 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
   if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));
   if (!view.panels && status.loading)
     lines.push_back(fmt::format("{}, {:.0f} %", status.loadingWhat, 100 * *status.loading));
+  if (!status.blocked.empty()) lines.push_back(status.blocked);
   if (lines.empty() && status.session)
     lines.push_back(view.panels ? "hold Space to touch,  H for help"
                                 : "hold Space to touch,  H for help,  Tab for panels");

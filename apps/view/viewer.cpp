@@ -351,6 +351,7 @@ void Viewer::followSession() {
   document_.follow();
   followName();
   brushNotes_.notePaint(*session, settings_.view, messages_);
+  brushNotes_.noteBlocked(*session, now_s_);
   shown_.follow(*session, settings_.view, measure_, messages_);
 }
 

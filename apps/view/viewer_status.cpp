@@ -40,6 +40,7 @@ ViewStatus Viewer::status() {
     status.loadingWhat = loader.stage();
   }
   status.remarks = messages_.remarks();
+  status.blocked = brushNotes_.blocked();
   status.errors = messages_.errors();
   status.models = document_.offered();
   status.recent = document_.recent().files();
@@ -86,6 +87,7 @@ void Viewer::writeState(const std::string& file) {
   const WindowState state{.document = document_,
                           .view = settings_.view,
                           .messages = messages_,
+                          .blocked = brushNotes_.blocked(),
                           .camera = viewpoint_.camera(),
                           .size_px = screen_.size_px(),
                           .stylus = pointing_.isTouching(),

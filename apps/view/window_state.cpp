@@ -146,6 +146,8 @@ constexpr Reported<WindowState> kWindow[]{
     {"last_message", "", "the last message, also when it is no longer shown",
      [](const WindowState& w) -> Value { return w.messages.last(); }},
     {"messages", "", "shown messages", [](const WindowState& w) -> Value { return w.messages.remarks(); }},
+    {"blocked", "", "why nothing under the pressed brush moves: too thin here, or no room here; empty: it moves",
+     [](const WindowState& w) -> Value { return w.blocked; }},
     {"errors", "", "shown errors", [](const WindowState& w) -> Value { return w.messages.errors(); }},
     {"panels", "", "whether the panels are shown", [](const WindowState& w) -> Value { return w.view.panels; }},
     {"measuring", "", "whether the left button picks positions",

@@ -17,6 +17,7 @@ struct WindowState {
   const Document& document;
   const ViewSettings& view;
   const Messages& messages;
+  const std::string& blocked;  ///< ViewStatus::blocked
   const Camera& camera;
   UVec2 size_px{0};
   bool stylus = false;  ///< the mouse holds the stylus and touches

@@ -142,6 +142,7 @@ void SurfaceMeasure::add(const SurfaceMeasure& other) {
   weights += other.weights;
   for (std::size_t k = 0; k < normals.size(); ++k) normals[k] += other.normals[k];
   heights += other.heights;
+  blocked += other.blocked;
   for (std::size_t k = 0; k < seen.size(); ++k) seen[k] |= other.seen[k];
   nearest = std::min(nearest, other.nearest);
 }
@@ -157,6 +158,7 @@ SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b) {
   SurfaceMeasure gap{.weights = a.weights - b.weights,
                      .normals = {},
                      .heights = a.heights - b.heights,
+                     .blocked = a.blocked - b.blocked,
                      .seen = a.seen,
                      .nearest = a.nearest};
   for (std::size_t k = 0; k < 3; ++k) gap.normals[k] = a.normals[k] - b.normals[k];

@@ -18,6 +18,7 @@ struct SurfaceMeasure {
   std::uint32_t weights = 0;
   std::array<std::uint32_t, 3> normals{};
   std::uint32_t heights = 0;
+  std::uint32_t blocked = 0;  ///< points that had no room for their step
   // Results for the points that the stroke found around the hand; a difference has those of the later measure.
   SheetCells seen{};                             ///< their cells
   shared::uint nearest = shared::kOutsideSheet;  ///< smallest of their results of entered()

@@ -21,6 +21,12 @@ struct EditProgress {
   std::uint64_t dropped = 0;  ///< edits that were not made (TouchShortfalls)
 };
 
+/// What brushes could not do so far, because points stop before a side that stays (engine/edit/README.md).
+struct BlockedMoves {
+  std::uint64_t moves = 0;  ///< moves of points for which there was no room: in each edit, one for each such point
+  std::uint64_t edits = 0;  ///< edits in which nearly all points under the brush were blocked
+};
+
 /// The edits of a cloud, in order, for their followers: a journal, a session log, other machines. All changes of the
 /// points by other means than a brush go through it, too.
 class EditStream {
@@ -36,6 +42,8 @@ class EditStream {
   virtual std::optional<EditRoom> room() const { return std::nullopt; }
   /// Allocates nothing. For the thread that queries.
   virtual EditProgress progress() const noexcept = 0;
+  /// For any thread. Zero where points do not look ahead.
+  virtual BlockedMoves blocked() const noexcept { return {}; }
   /// Ends the stroke in progress, if any, and sets points exactly to `to` of `changes`: moved, removed, restored or
   /// new, each of them once. Complete on return; take() reports it with a mark of its own. For the thread that queries,
   /// between queries. Throws Error where points cannot be edited, or if a point is not at the position in its change:

@@ -193,6 +193,7 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
   };
   for (const Slice& slice : std::span(slices_).first(slices)) {
     if (!slice.measured.empty()) measure_.add(slice.measure);
+    measure_.blocked += slice.blocked;
     append(changed_, slice.changed);
     append(strayed_, slice.strayed);
     append(waiting_, slice.waiting);
@@ -246,6 +247,7 @@ void CpuSculpture::brush(const PlacedBrush& brush, std::size_t number, Slice& sl
        {&slice.reached, &slice.changed, &slice.strayed, &slice.waiting, &slice.swallowed})
     list->clear();
   slice.measured.clear();
+  slice.blocked = 0;
   grid_.forEachNear(brush.center(), brush.radius(), number, [&](const SortedGrid::Placed& near) {
     if (brush.measures(near.number)) {
       points_.prefetchNormal(near.number);
@@ -267,13 +269,17 @@ void CpuSculpture::measure(const PlacedBrush& brush, Slice& slice) const {
 }
 
 void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
-  const bool smooths = brush.kind() == BrushKind::smooth, paints = brush.kind() == BrushKind::paint;
+  const bool paints = brush.kind() == BrushKind::paint;
   for (const std::uint32_t point : slice.reached) points_.prefetch(point);
   for (const std::uint32_t point : slice.reached) {
     const DVec3 place(points_.positions[point]);
     const PlacedBrush::Found as = found(brush, point);
-    const PlacedBrush::Point to =
-        smooths ? PlacedBrush::Point{smoothed(brush, point)} : brush.brushed(place, DVec3(points_.normals[point]), as);
+    const PlacedBrush::Point to = brushed(brush, point, as);
+    // One that has moved since it looked ahead is about to look again.
+    if (brush.mayBlock(as) && !(strains_[point] > 0)) {
+      const DVec3 free = brushed(brush, point, {as.position, as.normal, double{shared::kUnseen}}).position;
+      slice.blocked += brush.isBlocked(place, as, free);
+    }
     bool painted = false;
     if (paints) {
       const std::uint32_t before =
@@ -284,15 +290,16 @@ void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
   }
 }
 
-DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) const {
+PlacedBrush::Point CpuSculpture::brushed(const PlacedBrush& brush, std::uint32_t point,
+                                         const PlacedBrush::Found& as) const {
   const DVec3 place(points_.positions[point]);
+  if (brush.kind() != BrushKind::smooth) return brush.brushed(place, DVec3(points_.normals[point]), as);
   const SurfaceOptions options{.radius = options_.radius, .kind = SurfaceKind::sphere};
-  return brush.smoothed(place, found(brush, point),
-                        surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {
-                          grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
-                            visit(DVec3(near.position) - place, points_.normals[near.number]);
-                          });
-                        }));
+  return {brush.smoothed(place, as, surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {
+                           grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
+                             visit(DVec3(near.position) - place, points_.normals[near.number]);
+                           });
+                         }))};
 }
 
 std::size_t CpuSculpture::mostAtOnce(EditSize size) const {

@@ -75,7 +75,7 @@ class CpuSculpture {
   void applyBrush(const PlacedBrush& brush);
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point, const Vec3& place) const;
-  DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;
+  PlacedBrush::Point brushed(const PlacedBrush& brush, std::uint32_t point, const PlacedBrush::Found& as) const;
   struct Slice;
   void brush(const PlacedBrush& brush, std::size_t number, Slice& slice);
   void measure(const PlacedBrush& brush, Slice& slice) const;
@@ -167,6 +167,7 @@ class CpuSculpture {
   struct alignas(128) Slice {
     std::vector<SortedGrid::Placed> measured;
     SurfaceMeasure measure;
+    std::uint32_t blocked = 0;
     // Numbers of points. `waiting`: those that were settled; `swallowed`, `changed`, `strayed`: to append to the lists
     // of all slices.
     std::vector<std::uint32_t> reached, changed, strayed, waiting, swallowed;

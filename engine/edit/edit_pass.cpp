@@ -152,8 +152,10 @@ BrushMoves::Io EditPass::movesIo(const shared::CloudView& cloud, std::uint32_t p
 
 SurfaceMeasure EditPass::measure() const {
   const shared::HashUpdate& sums = report();
-  SurfaceMeasure measure{
-      .weights = sums.weights, .normals = {sums.normals[0], sums.normals[1], sums.normals[2]}, .heights = sums.heights};
+  SurfaceMeasure measure{.weights = sums.weights,
+                         .normals = {sums.normals[0], sums.normals[1], sums.normals[2]},
+                         .heights = sums.heights,
+                         .blocked = sums.blocked};
   std::ranges::copy(sums.seen, measure.seen.begin());
   measure.nearest = sums.nearest;
   return measure;

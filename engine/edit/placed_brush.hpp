@@ -34,6 +34,11 @@ class PlacedBrush {
   bool fills() const { return tool_.closes == 0; }
   /// Whether a point may be moved further than the first step only after it has looked at what lies ahead.
   bool looksAhead() const { return shared::looksAhead(brush_.kind); }
+  /// Whether the room of a point may block a step, and whether it blocks that to `free`, its position with any room.
+  bool mayBlock(const Found& found) const { return shared::mayBlock(brush_, found); }
+  bool isBlocked(const DVec3& place, const Found& found, const DVec3& free) const {
+    return shared::isBlocked(brush_, place, found, free);
+  }
   /// A point as another one sees it.
   struct Seen {
     DVec3 position, normal;

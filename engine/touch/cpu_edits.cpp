@@ -117,6 +117,7 @@ bool CpuEdits::finishedWithin(double budget_us) {
   if (work_.isOffer) return true;
   stroke_.note(sculpture_.measure());
   collected_.touched = static_cast<std::uint32_t>(sculpture_.changed().size());
+  blocked_.note(stroke_.tool().stroke, sculpture_.measure().blocked, collected_.touched);
   if (statistics_.editTimes_us.size() < statistics_.editTimes_us.capacity())
     statistics_.editTimes_us.push_back(work_.time_us);
   return true;

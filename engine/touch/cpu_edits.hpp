@@ -10,6 +10,7 @@
 #include "engine/core/edit_queue.hpp"
 #include "engine/core/offered_changes.hpp"
 #include "engine/edit/cpu_sculpture.hpp"
+#include "engine/touch/blocked_count.hpp"
 #include "engine/touch/edit_pace.hpp"
 #include "engine/touch/touch_backend.hpp"
 #include "engine/touch/touch_statistics.hpp"
@@ -63,6 +64,7 @@ class CpuEdits {
     BackendMemory memory;
   };
   const Collected& collected() const { return collected_; }
+  BlockedMoves blocked() const noexcept { return blocked_.sum(); }  ///< EditStream::blocked()
   const TouchStatistics& statistics() const { return statistics_; }
 
  private:
@@ -90,6 +92,7 @@ class CpuEdits {
   double time_s_ = 0;               // of the pose whose answer triggered the last edit
   std::uint64_t answered_ = 0;
   Collected collected_;
+  BlockedCount blocked_;
   std::uint64_t changes_ = 0;  // calls of change() reported so far
   EditPace pace_;
   TouchStatistics statistics_;

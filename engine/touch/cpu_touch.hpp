@@ -73,6 +73,7 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   EditProgress progress() const noexcept override {
     return {.states = edits_.answered(), .dropped = edits_.statistics().shortfalls.droppedEdits()};
   }
+  BlockedMoves blocked() const noexcept override { return edits_.blocked(); }
   void change(std::span<const PointChange> changes) override;
   bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
     return edits_.offered().give(changes, changesFollowed);

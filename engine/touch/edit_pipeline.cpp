@@ -234,8 +234,12 @@ void EditPipeline::collect(const Stopwatch* sinceAsked) {
 // Reads the report of the last edit, for the next one.
 void EditPipeline::takeReport() {
   const shared::HashUpdate& report = pass_.report();
-  const SurfaceMeasure measured = pass_.measure();
-  stroke_.note(measured - std::exchange(measured_, measured));
+  const SurfaceMeasure sum = pass_.measure(), measured = sum - std::exchange(measured_, sum);
+  stroke_.note(measured);
+  const std::uint32_t changed = report.changed + report.gone;
+  // Smoothing lists all points in its reach. An edit that failed is repeated.
+  const std::uint32_t listed = pass_.brush().kind == BrushKind::smooth ? std::min(changed, measured.blocked) : 0;
+  if (report.failed == 0) blocked_.note(stroke_.tool().stroke, measured.blocked, changed - listed);
   index_.readReport();
   // If a running compaction is about to free slots, the edit waits: it is retried, and so is the next one.
   const bool waits = report.failed == shared::kUpdateNoSlots && index_.isCompacting();
@@ -243,7 +247,7 @@ void EditPipeline::takeReport() {
   statistics_.shortfalls.editsRebuilt += report.failed != 0 && !waits;
   if (updates(*last_.list) && report.failed == 0) index_.followed();
   // The next edit uses the same method as the last one, unless its size clearly calls for the other.
-  const double share = (report.changed + report.gone) / std::max(1.0, static_cast<double>(index_.cloud().count()));
+  const double share = changed / std::max(1.0, static_cast<double>(index_.cloud().count()));
   // kUpdateTooLarge: the edit found more points than there is room for.
   if (report.failed & shared::kUpdateTooLarge) next_.all = true;
   next_.large = (report.failed != 0 && !waits) || share > (next_.large ? kLargeEdit / 2 : kLargeEdit);

@@ -15,6 +15,7 @@
 #include "engine/edit/edit_pass.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/queue.hpp"
+#include "engine/touch/blocked_count.hpp"
 #include "engine/touch/edit_pace.hpp"
 #include "engine/touch/live_index.hpp"
 #include "engine/touch/touch_statistics.hpp"
@@ -75,6 +76,7 @@ class EditPipeline {
   const OfferedChanges& offered() const { return offered_; }
   bool isUnderWay() const { return last_.isUnderWay || offer_.isUnderWay; }
   const EditPass& pass() const { return pass_; }
+  BlockedMoves blocked() const noexcept { return blocked_.sum(); }  ///< EditStream::blocked()
   /// Passes of the last edit; before any edit, of the next one.
   std::vector<PassRecord> passes() const { return (last_.list ? *last_.list : chosen()).passes(); }
 
@@ -130,6 +132,7 @@ class EditPipeline {
   EditPass pass_;
   BrushStroke stroke_;
   SurfaceMeasure measured_;  // sum over all edits so far
+  BlockedCount blocked_;
   std::array<Lists, 2> lists_;
   LastEdit last_;
   Next next_;

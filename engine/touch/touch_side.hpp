@@ -98,6 +98,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   EditProgress progress() const noexcept override {
     return {.states = record_.answered, .dropped = statistics_.shortfalls.droppedEdits()};
   }
+  BlockedMoves blocked() const noexcept override { return edits_ ? edits_->blocked() : BlockedMoves{}; }
   void change(std::span<const PointChange> changes) override;
   bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
     return edits_ && edits_->offered().give(changes, changesFollowed);

@@ -350,6 +350,9 @@ pp_session_info OpenSession::info() const {
   info.undo_count = strokes.undoCount;
   info.redo_count = strokes.redoCount;
   info.edits = views_.edits();
+  const BlockedMoves blocked = session_->blocked();
+  info.blocked_moves = blocked.moves;
+  info.blocked_edits = blocked.edits;
   putText(session_.opened().backend.name, info.backend);
   putText(session_->machine(), info.machine);
   return info;

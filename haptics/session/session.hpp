@@ -98,6 +98,8 @@ class Session {
   /// Throws Error "WHAT: the refusal" where the model or the back end refuses the action.
   void require(Action action, std::string_view what) const;
   TouchBackend& backend() const { return *backend_; }
+  /// What brushes could not do so far. Thread-safe.
+  BlockedMoves blocked() const noexcept { return backend_->edits() ? backend_->edits()->blocked() : BlockedMoves{}; }
   /// Controls the simulation of the model; null if it is not simulated. Thread-safe.
   SimulationControl* simulation() const { return backend_->simulation(); }
   /// Null if no journal is kept.

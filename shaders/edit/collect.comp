@@ -36,7 +36,7 @@ void main() {
     const uint points = slotsToLookAt(group, selecting);
     for (uint base = 0; base < points; base += gl_WorkGroupSize.x) {
       const uint k = base + scanIndex();
-      bool moves = false, reached = false;
+      bool moves = false, reached = false, blocked = false;
       PointMove move;
       vec4 position = vec4(0.0), normal = vec4(0.0);
       FoundPoint found = FoundPoint(vec3(0.0), vec3(0.0), 0.0);
@@ -50,11 +50,13 @@ void main() {
         if (reached) {
           found = foundPoint(id, position.xyz, normal.xyz);
           moves = brushedMove(slot, position, normal, found, move);
+          blocked = isBlocked(position, normal, found);
           reached = isSampled(id, tool.sampling);
         }
         if (moves) noteReached(id, position.xyz, found);
       }
       measure(reached, position.xyz, found);
+      countBlocked(blocked);
       const uint at = nextMove(args.update, moves);
       if (moves) writeMove(update, at, move);
     }

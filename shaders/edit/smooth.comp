@@ -37,12 +37,17 @@ void main() {
   PointMoves list = PointMoves(update.moves);
   const uint moves = min(args.update.at[0].moves, update.mostMoves);
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
+  uint blocked = 0;
   for (uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; i < moves; i += stride) {
     const vec3 place = list.at[i].position;
     facing = list.at[i].normal;
     const Surface surface = surfaceAbout(place);
     const FoundPoint found = foundPoint(list.at[i].id, place, facing);
     const bool goes = list.at[i].toBucket == kNoBucket;
+    if (surface.defined && !goes && mayBlock(brush, found) && isActedOn(found)) {
+      const vec3 free = smoothed(brush, tool, place, withRoom(found), surface.distance, surface.normal);
+      if (isBlocked(brush, place, found, free)) ++blocked;
+    }
     if (surface.defined && !goes && subgroupElect()) {
       const vec3 to = smoothed(brush, tool, place, found, surface.distance, surface.normal);
       const uint from = list.at[i].fromBucket;
@@ -52,4 +57,5 @@ void main() {
       if (bucket != from) touchBuckets(update, from, bucket, i);
     }
   }
+  if (blocked > 0 && subgroupElect()) atomicAdd(args.update.at[0].blocked, blocked);
 }

@@ -58,6 +58,9 @@ bool isActedOn(FoundPoint found) {
   return (args.tool.at[0].connected[cell / 32] >> (cell % 32) & 1) != 0;
 }
 
+// The same point with any room.
+FoundPoint withRoom(FoundPoint found) { return FoundPoint(found.position, found.normal, kUnseen); }
+
 // The move of a point in reach; false if the point does not change.
 bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out PointMove move) {
   const uint id = floatBitsToUint(position.w);

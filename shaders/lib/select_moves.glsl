@@ -48,6 +48,19 @@ void measure(bool counts, vec3 position, FoundPoint found) {
   atomicAdd(args.update.at[0].heights, uint(heights));
 }
 
+// Whether a point in reach has no room for its step, with any brush but smooth.
+bool isBlocked(vec4 position, vec4 normal, FoundPoint found) {
+  if (!mayBlock(brush, found) || normal.w == kMarkGoes || !isActedOn(found)) return false;
+  const vec3 free = brushed(brush, tool, position.xyz, normal.xyz, withRoom(found)).position;
+  return isBlocked(brush, position.xyz, found, free);
+}
+
+// The whole subgroup calls it together.
+void countBlocked(bool blocked) {
+  const uint count = subgroupBallotBitCount(subgroupBallot(blocked));
+  if (count > 0 && subgroupElect()) atomicAdd(args.update.at[0].blocked, count);
+}
+
 const uint kAnyCell = 0xffffffffu;
 
 // Looks up the cells of workgroup `group` of `groups`: every `groups`-th of the brush's box, so that a surface along

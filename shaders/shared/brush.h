@@ -48,6 +48,9 @@ const float kFreeAhead = 0.5f;
 // Something ahead that moves along with a point is not in its way: below this share of the point's motion that it
 // lacks.
 const float kLags = 0.5f;
+// Room below this share of a step blocks it; a point that has not looked yet has more. In support radii: shorter steps
+// do not count.
+const float kBlocks = 1.0f / 32.0f, kCountedStep = 1e-4f;
 // Cosine between a path and the normal of a surface above which the path meets the surface.
 const float kMeets = 0.2f;
 // Cosine between the normals of the two sides of a thin part, at most.
@@ -210,6 +213,18 @@ PALPATE_FORMULA PALPATE_VEC3 afterStep(PALPATE_OF(Brush) brush, PALPATE_VEC3 pos
                                        PALPATE_VEC3 step) {
   const Real size = length(step), most = min(brush.longestMove, max(Real(0.0), found.room));
   return position + (size > most ? most / size : Real(1.0)) * step;
+}
+
+// Whether the room of a point may block a step.
+PALPATE_FORMULA bool mayBlock(PALPATE_OF(Brush) brush, PALPATE_OF(FoundPoint) found) {
+  return looksAhead(brush.kind) && found.room < Real(kBlocks) * brush.longestMove;
+}
+
+// Whether it blocks the step of one edit. `free`: position after the step with any room.
+PALPATE_FORMULA bool isBlocked(PALPATE_OF(Brush) brush, PALPATE_VEC3 position, PALPATE_OF(FoundPoint) found,
+                               PALPATE_VEC3 free) {
+  const Real step = length(free - position);
+  return step > Real(kCountedStep) * brush.support && found.room < Real(kBlocks) * step;
 }
 
 // Rest of a displacement of which a point gets a share only: of the full one from where the stroke found it, minus

@@ -84,14 +84,15 @@ struct HashUpdate {
   uint weights;
   uint normals[3];
   uint heights;
+  uint blocked;  // points that had no room for their step (shaders/shared/brush.h), likewise
   // The points that a brush has entered (shaders/shared/brush.h); cleared between updates.
   uint seen[kSheetWords];  // their cells
   uint nearest;            // smallest result of entered()
 };
-const uint kUpdateBytes = 640;
+const uint kUpdateBytes = 644;
 PALPATE_SIZE(HashUpdate, kUpdateBytes);
 const uint kUpdateBegins = 88;  // bytes of the first part
-const uint kUpdateSeen = 124;   // bytes before the cells
+const uint kUpdateSeen = 128;   // bytes before the cells
 
 struct HashUpdateArgs {
   CloudView cloud;

@@ -270,6 +270,17 @@ TEST_CASE_TEMPLATE("a point stops a spacing before what stays behind, and goes o
   CHECK(is(step(Real(0.3)).z, -0.3));
   CHECK(is(step(Real(shared::kUnseen)).z, -1));
   CHECK(step(Real(-1e-6)) == origin);
+  // It is blocked if hardly any of it is, as far as a point may go in one edit.
+  const auto blocks = [&](double room, double step) {
+    const shared::FoundPointOf<Real> point{origin, up, Real(room)};
+    return shared::mayBlock(brush, point) && shared::isBlocked(brush, origin, point, V3<Real>(0, 0, Real(-step)));
+  };
+  CHECK(blocks(0, 0.5));
+  CHECK(blocks(-1e-6, 0.001));
+  CHECK_FALSE(blocks(0, 0.0003));
+  CHECK(blocks(0.03, 1));
+  CHECK_FALSE(blocks(0.03, 0.9));
+  CHECK_FALSE(blocks(double{shared::kFirstStep} * 4, 1));
 }
 
 TEST_CASE_TEMPLATE("each brush moves or removes points by its tool, also at the tool's centre", Real, float, double) {

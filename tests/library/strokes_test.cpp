@@ -46,6 +46,7 @@ TEST_CASE("a stroke dents the ball along its path and nowhere else, and undo res
   CHECK(info.undo_count == 1);
   CHECK(info.redo_count == 0);
   CHECK(info.edits > 100);
+  CHECK(info.blocked_moves + info.blocked_edits == 0);
 
   std::uint64_t done = 0;
   PP_REQUIRE_OK(pp_session_undo(ball.session, 5, &done));
@@ -57,6 +58,36 @@ TEST_CASE("a stroke dents the ball along its path and nowhere else, and undo res
   PP_REQUIRE_OK(pp_session_redo(ball.session, 1, &done));
   CHECK(done == 0);
   PP_REQUIRE_OK(pp_session_undo(ball.session, 1, nullptr));
+}
+
+TEST_CASE("the state of a session says that a part is too thin for its brush") {
+  std::vector<float> positions, normals;
+  for (int side = 0; side < 2; ++side)
+    for (int i = -40; i <= 40; ++i)
+      for (int k = -40; k <= 40; ++k) {
+        const auto top = static_cast<float>(kBallRadius);
+        positions.insert(positions.end(), {0.5f * float(i), 0.5f * float(k), side == 0 ? top : top - 0.4f});
+        normals.insert(normals.end(), {0, 0, side == 0 ? 1.0f : -1.0f});
+      }
+  pp_cloud_arrays arrays = pp_default_cloud_arrays();
+  arrays.count = positions.size() / 3;
+  arrays.positions = {positions.data(), PP_FLOAT32, 0, 0};
+  arrays.normals = {normals.data(), PP_FLOAT32, 0, 0};
+  pp_cloud cloud{};
+  PP_REQUIRE_OK(pp_cloud_create(&arrays, &cloud));
+  pp_session session{};
+  const pp_session_options options = cpuOptions();
+  PP_REQUIRE_OK(pp_session_open(cloud, &options, &session));
+  pp_session_info info = pp_default_session_info();
+  PP_REQUIRE_OK(pp_session_get_info(session, &info));
+  CHECK(info.blocked_moves + info.blocked_edits == 0);
+  const auto path = pressPath(2, 50, 100);
+  stroke(session, pathOf(path), pushOf(5));
+  PP_REQUIRE_OK(pp_session_get_info(session, &info));
+  CHECK(info.blocked_edits > 80);
+  CHECK(info.blocked_moves > 50 * info.blocked_edits);
+  PP_REQUIRE_OK(pp_session_close(session));
+  PP_REQUIRE_OK(pp_cloud_close(cloud));
 }
 
 TEST_CASE("touching without a brush changes nothing, and a dent is felt") {

@@ -39,6 +39,17 @@ def test_paths_of_any_layout_are_the_same(session):
             session.touch(wrong)
 
 
+def test_a_session_says_that_a_part_is_too_thin_for_its_brush(session):
+    session.push(press_path(4, 150, 50), radius_mm=5)
+    assert session.blocked_moves == session.blocked_edits == 0
+    x, y = (each.ravel() for each in np.meshgrid(np.arange(-20, 20.5, 0.5), np.arange(-20, 20.5, 0.5)))
+    sides = [np.column_stack([x, y, np.full_like(x, z)]) for z in (RADIUS, RADIUS - 0.4)]
+    normals = np.repeat([[0.0, 0, 1], [0, 0, -1]], len(x), axis=0)
+    with pp.Session(pp.Cloud(np.concatenate(sides), normals=normals), gpu="cpu", mm_per_unit=1) as leaf:
+        leaf.push(press_path(2, 50, 100), radius_mm=5)
+        assert leaf.blocked_edits > 80 and leaf.blocked_moves > 50 * leaf.blocked_edits
+
+
 def test_another_surface_can_be_chosen(session):
     averaged = session.touch(press_path(1))[-1]
     curved = session.touch(press_path(1), surface="sphere")[-1]

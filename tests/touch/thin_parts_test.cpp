@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "engine/cloud/point_tree.hpp"
+#include "engine/touch/blocked_count.hpp"
 #include "tests/touch/back_end.hpp"
 
 namespace palpate::thin_parts_test {
@@ -110,6 +111,31 @@ std::size_t farMoved(const Sheet& sheet, const PointCloud& after, double distanc
   return moved;
 }
 
+/// What a brush could not do, and how many states of points it made, while the hand rests.
+struct Rest {
+  BlockedMoves blocked;
+  std::uint64_t states = 0;
+};
+constexpr int kRest = 40;  // ticks
+/// Pressed at the middle, dragged aside at 500 mm/s, and at rest there.
+Rest atRest(TouchBackend& touch, double top, double depth, double aside) {
+  double time_s = 0;
+  const auto go = [&](int ticks, const DVec3& from, const DVec3& to) {
+    for (int k = 1; k <= ticks; ++k)
+      touch.query({.time_s = time_s += 1e-3, .hip = from + (double(k) / ticks) * (to - from)}, 0);
+  };
+  const DVec3 over(0, 0, top + 2), in(0, 0, top - depth), end(aside, 0, top - depth);
+  go(20, over, in);
+  if (aside > 0) go(static_cast<int>(2 * aside), in, end);
+  go(100, end, end);
+  const BlockedMoves before = touch.edits()->blocked();
+  const std::uint64_t states = touch.edits()->progress().states;
+  go(kRest, end, end);
+  const BlockedMoves after = touch.edits()->blocked();
+  return {.blocked = {.moves = after.moves - before.moves, .edits = after.edits - before.edits},
+          .states = touch.edits()->progress().states - states};
+}
+
 TouchWanted wanted(BrushKind kind) {
   return {.radius = kSupport,
           .brush = BrushOptions{.kind = kind, .yieldDepth = kTau, .pushRate = 0.1, .radius = kBrush}};
@@ -154,6 +180,51 @@ TEST_CASE_FIXTURE(OnBackEnd, "a push across the folds of a cloth leaves its far 
   CHECK(judged.moved > 200);
   CHECK(judged.through == 0);
   CHECK(judged.highest < 0);
+}
+
+TEST_CASE_FIXTURE(OnBackEnd,
+                  "a brush on a part that is too thin for it moves nothing, and all of its points are blocked") {
+  const auto wave = [](double x) { return 0.1 * std::sin(std::numbers::pi * x); };
+  for (const BrushKind kind : {BrushKind::push, BrushKind::smooth}) {
+    CAPTURE(int(kind));
+    const Sheet leaf = makeSheet(40, 16, 0.4, [&](double x) { return kind == BrushKind::smooth ? wave(x) : 0.0; });
+    const auto touch = make(leaf.cloud, wanted(kind));
+    const Rest rest = atRest(*touch, 0.2, 1.5, 0);
+    MESSAGE(rest.blocked.moves << " " << rest.blocked.edits << " " << rest.states);
+    CHECK(rest.blocked.edits == kRest);
+    CHECK(rest.blocked.moves > 50 * kRest);
+    CHECK(rest.blocked.moves < 300 * kRest);
+    if (kind == BrushKind::push) CHECK(rest.states == 0);
+  }
+}
+
+TEST_CASE_FIXTURE(OnBackEnd, "a brush that has done its work, or is slower than the hand, blocks no point") {
+  const Sheet plate = makeSheet(40, 16, 8, [](double) { return 0.0; });
+  for (const BrushKind kind : {BrushKind::push, BrushKind::inflate, BrushKind::smooth, BrushKind::grab}) {
+    CAPTURE(int(kind));
+    const auto touch = make(plate.cloud, wanted(kind));
+    const Rest rest = atRest(*touch, 4, 2, kind == BrushKind::grab ? 6 : 0);
+    MESSAGE(rest.blocked.moves << " " << rest.blocked.edits << " " << rest.states);
+    PointCloud after = plate.cloud;
+    CHECK(touch->readBack(after) > 50);
+    CHECK(touch->edits()->blocked().moves == 0);
+    CHECK(touch->edits()->blocked().edits == 0);
+  }
+}
+
+TEST_CASE("an edit is blocked if nearly all points are that would move, and not few of those that its stroke reaches") {
+  BlockedCount count;
+  count.note(1, 0, 100);
+  count.note(1, 20, 0);
+  count.note(1, 90, 20);
+  CHECK(count.sum().edits == 0);
+  count.note(1, 90, 10);
+  CHECK(count.sum().edits == 1);
+  count.note(2, 5, 0);
+  CHECK(count.sum().edits == 2);
+  count.note(2, 0, 0);
+  CHECK(count.sum().edits == 2);
+  CHECK(count.sum().moves == 205);
 }
 
 }  // namespace palpate::thin_parts_test

@@ -310,6 +310,16 @@ class Session(_palpate._Session):
         return int(self._info()["redo_count"])
 
     @property
+    def blocked_moves(self) -> int:
+        """Moves for which points had no room, before a side that stays; in each edit one for each such point."""
+        return int(self._info()["blocked_moves"])
+
+    @property
+    def blocked_edits(self) -> int:
+        """Edits in which nearly all points under the brush had no room: while it increases, the part is too thin."""
+        return int(self._info()["blocked_edits"])
+
+    @property
     def machine(self) -> str:
         """Name of the machine that answers."""
         return str(self._info()["machine"])

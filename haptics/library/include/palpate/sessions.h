@@ -152,6 +152,8 @@ typedef struct pp_session_info {
   uint64_t edits;      /**< states of points that brushes have made and that have been taken in so far */
   char backend[16];    /**< "vulkan" or "cpu" */
   char machine[112];   /**< name of the machine that answers; cut off to fit */
+  uint64_t blocked_moves; /**< moves for which points had no room, before a side that stays; in each edit one a point */
+  uint64_t blocked_edits; /**< edits in which nearly all points under the brush had no room: the part is too thin */
 } pp_session_info;
 PP_OPTIONS(session_info)
 /** Present state of the session. */
