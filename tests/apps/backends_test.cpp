@@ -38,6 +38,28 @@ TEST_CASE(
   CHECK(std::ranges::any_of(rows, &Row::contact));
 }
 
+TEST_CASE("the report says that a part is too thin for its brush, on the CPU and on the GPU") {
+  const ScratchFolder folder;
+  writePlate(folder / "leaf.ply", 0.8);
+  std::ofstream(folder / "press.csv") << "t_s,x,y,z\n0,0,0,2\n0.05,0,0,-2\n0.2,0,0,-2\n";
+  for (const std::string backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    const Outcome outcome = palpate("touch " + (folder / "leaf.ply").string() + " --mm-per-unit 1 --edit push --path " +
+                                    (folder / "press.csv").string() + " --backend " + backend + " --json " +
+                                    (folder / "touch.json").string());
+    REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+    CHECK(says(outcome.text, "too thin  "));
+    const auto report = jsonOf(folder / "touch.json");
+    CAPTURE(report.dump());
+    CHECK(report["blocked_edits"] > 100);
+    CHECK(report["blocked_moves"] > 20 * report["blocked_edits"].get<int>());
+  }
+  const std::string ball = (folder / "ball.ply").string();
+  works("make sphere -n 20000 -o " + ball);
+  works("touch " + ball + " --backend cpu --edit push --json " + (folder / "touch.json").string());
+  CHECK(jsonOf(folder / "touch.json")["blocked_moves"] == 0);
+}
+
 TEST_CASE("CPU and GPU give the same forces for the same press, on a static and on a sculpted cloud") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();

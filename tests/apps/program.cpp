@@ -46,6 +46,18 @@ void checkEnds(int code, const std::string& arguments, const std::vector<std::st
   }
 }
 
+void writePlate(const std::filesystem::path& file, double thickness) {
+  const int sides = thickness > 0 ? 2 : 1;
+  std::ofstream out(file);
+  out << "ply\nformat ascii 1.0\ncomment units: mm\nelement vertex " << 3721 * sides
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+         "property float nz\nend_header\n";
+  for (int side = 0; side < sides; ++side)
+    for (int i = -30; i <= 30; ++i)
+      for (int j = -30; j <= 30; ++j)
+        out << i << ' ' << j << ' ' << -side * thickness << " 0 0 " << 1 - 2 * side << '\n';
+}
+
 bool isLeftOut(const std::string& arguments) {
   constexpr bool kHasStudy = PALPATE_HAS_STUDY, kHasSimulation = PALPATE_HAS_SIMULATION;
   const auto names = [&](const char* word) { return arguments.find(word) != std::string::npos; };

@@ -30,6 +30,9 @@ void works(const std::string& arguments);
 /// For commands that must end with this code and print each of these words.
 void checkEnds(int code, const std::string& arguments, const std::vector<std::string>& words);
 
+/// Writes a plate of 61 x 61 points a side, 1 mm apart, under z = 0; of no thickness: one side alone.
+void writePlate(const std::filesystem::path& file, double thickness);
+
 /// Whether a command needs PALPATE_STUDY or PALPATE_SIMULATION, and this palpate was built without.
 bool isLeftOut(const std::string& arguments);
 /// False, with a message, if this palpate was built without PALPATE_SIMULATION: the case is skipped.

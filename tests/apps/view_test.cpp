@@ -230,13 +230,7 @@ TEST_CASE("a drag makes the same stroke however its events fall into pictures") 
 
 TEST_CASE("a drag off the border of an open scan pulls no tongue") {
   if (!hasDisplay()) return;
-  const auto writeSheet = [](const std::filesystem::path& folder) {
-    std::ofstream out(folder / "sheet.ply");
-    out << "ply\nformat ascii 1.0\ncomment units: mm\nelement vertex 3721\nproperty float x\nproperty float y\n"
-           "property float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n";
-    for (int i = -30; i <= 30; ++i)
-      for (int j = -30; j <= 30; ++j) out << i << ' ' << j << " 0 0 0 1\n";
-  };
+  const auto writeSheet = [](const std::filesystem::path& folder) { writePlate(folder / "sheet.ply", 0); };
   const auto played = playWell("%/sheet.ply --size 560x420 --up z --mm-per-unit 1 --edit push", writeSheet, R"(
 0.1 mouse 418 210
 0.3 key space down
@@ -263,6 +257,40 @@ TEST_CASE("a drag off the border of an open scan pulls no tongue") {
   CHECK(lowest == near(-2.5, 0.2));
   CHECK(highest <= 0.6F);
   CHECK(widest <= 30.6F);
+}
+
+TEST_CASE("the window says that a part is too thin for its brush, as long as the brush presses there") {
+  if (!hasDisplay()) return;
+  const auto writeLeaf = [](const std::filesystem::path& folder) { writePlate(folder / "leaf.ply", 0.8); };
+  const auto played = playWell("%/leaf.ply --size 560x420 --up z --mm-per-unit 1 --edit push", writeLeaf, R"(
+0.1 mouse 418 210
+0.3 key space down
+0.5 state %/before.json
+0.6 button left down
+1.3 state %/pressed.json
+1.3 screenshot %/pressed.png
+1.4 button left up
+2.2 state %/after.json
+2.3 quit
+)");
+  const auto pressed = played->state("pressed.json");
+  CAPTURE(pressed.dump());
+  CHECK(played->state("before.json")["blocked"] == "");
+  CHECK(pressed["contact"] == true);
+  CHECK(pressed["blocked"] == "too thin here");
+  CHECK(played->state("after.json")["blocked"] == "");
+  const auto thick = playWell(
+      "%/thick.ply --size 560x420 --up z --mm-per-unit 1 --edit push",
+      [](const std::filesystem::path& folder) { writePlate(folder / "thick.ply", 12); }, R"(
+0.1 mouse 418 210
+0.3 key space down
+0.6 button left down
+1.3 state %/pressed.json
+1.4 button left up
+1.5 quit
+)");
+  CHECK(thick->state("pressed.json")["edits"] > 0);
+  CHECK(thick->state("pressed.json")["blocked"] == "");
 }
 
 TEST_CASE("a script runs the same ticks on any machine; in real time ticks follow the clock") {
