@@ -4,6 +4,7 @@
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/near.hpp"
+#include "tests/says.hpp"
 
 namespace palpate::backends_test {
 

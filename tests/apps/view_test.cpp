@@ -282,7 +282,7 @@ TEST_CASE("the window says that a part is too thin for its brush, as long as the
   const auto thick = playWell(
       "%/thick.ply --size 560x420 --up z --mm-per-unit 1 --edit push",
       [](const std::filesystem::path& folder) { writePlate(folder / "thick.ply", 12); }, R"(
-0.1 mouse 418 210
+0.1 mouse 418 160
 0.3 key space down
 0.6 button left down
 1.3 state %/pressed.json

@@ -271,9 +271,9 @@ TEST_CASE_TEMPLATE("a point stops a spacing before what stays behind, and goes o
   CHECK(is(step(Real(shared::kUnseen)).z, -1));
   CHECK(step(Real(-1e-6)) == origin);
   // It is blocked if hardly any of it is, as far as a point may go in one edit.
-  const auto blocks = [&](double room, double step) {
+  const auto blocks = [&](double room, double way) {
     const shared::FoundPointOf<Real> point{origin, up, Real(room)};
-    return shared::mayBlock(brush, point) && shared::isBlocked(brush, origin, point, V3<Real>(0, 0, Real(-step)));
+    return shared::mayBlock(brush, point) && shared::isBlocked(brush, origin, point, V3<Real>(0, 0, Real(-way)));
   };
   CHECK(blocks(0, 0.5));
   CHECK(blocks(-1e-6, 0.001));

@@ -140,4 +140,17 @@ TEST_CASE("in real time an edit beyond the budget is bridged by the last answer,
   CHECK(touch.report().shortfalls.editsTooSlow == leftOut + (slow ? 1 : 0));
 }
 
+TEST_CASE("points that wait for their turn to look ahead are not blocked") {
+  const Scene scene = makeScene("sphere", 80'000);
+  CpuTouch touch(scene.cloud, {.radius = scene.radius,
+                               .brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 1, .radius = 25},
+                               .editSize = EditSize::tick,
+                               .threads = 1});
+  for (int k = 0; k < 100; ++k) touch.query({.time_s = 1e-3 * k, .hip = DVec3(0, 0, 51 - std::min(0.5 * k, 12.0))}, 0);
+  touch.finish();
+  PointCloud after = scene.cloud;
+  CHECK(touch.readBack(after) > 500);
+  CHECK(touch.edits()->blocked().moves == 0);
+}
+
 }  // namespace palpate::cpu_touch_test

@@ -140,18 +140,18 @@ PP_API pp_status pp_session_close(pp_session session);
 
 /** Present state of a session. */
 typedef struct pp_session_info {
-  uint32_t size;       /**< bytes of this struct */
-  uint32_t live;       /**< 1: a live session is running */
-  uint64_t points;     /**< points of the cloud as opened */
-  double mm_per_unit;  /**< millimetres in the hand per model unit */
-  double spacing_mm;   /**< mean distance of neighbouring points, mm */
-  double radius_mm;    /**< support radius, mm */
-  double rate_Hz;      /**< ticks per second */
-  uint64_t undo_count; /**< strokes that can be undone */
-  uint64_t redo_count; /**< strokes that can be redone */
-  uint64_t edits;      /**< states of points that brushes have made and that have been taken in so far */
-  char backend[16];    /**< "vulkan" or "cpu" */
-  char machine[112];   /**< name of the machine that answers; cut off to fit */
+  uint32_t size;          /**< bytes of this struct */
+  uint32_t live;          /**< 1: a live session is running */
+  uint64_t points;        /**< points of the cloud as opened */
+  double mm_per_unit;     /**< millimetres in the hand per model unit */
+  double spacing_mm;      /**< mean distance of neighbouring points, mm */
+  double radius_mm;       /**< support radius, mm */
+  double rate_Hz;         /**< ticks per second */
+  uint64_t undo_count;    /**< strokes that can be undone */
+  uint64_t redo_count;    /**< strokes that can be redone */
+  uint64_t edits;         /**< states of points that brushes have made and that have been taken in so far */
+  char backend[16];       /**< "vulkan" or "cpu" */
+  char machine[112];      /**< name of the machine that answers; cut off to fit */
   uint64_t blocked_moves; /**< moves for which points had no room, before a side that stays; in each edit one a point */
   uint64_t blocked_edits; /**< edits in which nearly all points under the brush had no room: the part is too thin */
 } pp_session_info;
