@@ -275,8 +275,8 @@ void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
     const DVec3 place(points_.positions[point]);
     const PlacedBrush::Found as = found(brush, point);
     const PlacedBrush::Point to = brushed(brush, point, as);
-    // One that has moved since it looked ahead is about to look again.
-    if (brush.mayBlock(as) && !(strains_[point] > 0)) {
+    // An unsettled one is about to look ahead again.
+    if (brush.mayBlock(as) && points_.unsettled[point] == 0) {
       const DVec3 free = brushed(brush, point, {as.position, as.normal, double{shared::kUnseen}}).position;
       slice.blocked += brush.isBlocked(place, as, free);
     }
