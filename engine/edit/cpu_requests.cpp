@@ -121,10 +121,10 @@ double CpuSculpture::closestOf(std::uint32_t point) const {
                                   static_cast<double>(shared::kCrowded) * std::max(spacing, widestSpacing_));
 }
 
-// Whether any point around a group may be in the way of those that the brush moves.
+// Whether any point around a group may be in the way of those that the brush moves, or hold them up.
 bool CpuSculpture::isAnyInTheWay(const Surroundings& around) const {
   return moves_ && !std::ranges::all_of(around.points.numbers(), [&](std::uint32_t number) {
-           return moves_->isInNoWay(seenBy(*moves_, number));
+           return (blocked_.empty() || isBlocked_[number] == 0) && moves_->isInNoWay(seenBy(*moves_, number));
          });
 }
 
@@ -142,8 +142,11 @@ double CpuSculpture::roomOf(std::uint32_t point, const Surroundings& around,
   const PlacedBrush::Path path = moves_->path(place, as, points_.spacing(point));
   double free = static_cast<double>(shared::kFreeAhead) * neighbourhoodOf(point);
   for (const std::uint32_t i : near)
-    if (const std::uint32_t number = around.points.numbers()[i]; number != point)
-      free = moves_->freeUntil(path, seenBy(*moves_, number), free);
+    if (const std::uint32_t number = around.points.numbers()[i]; number != point) {
+      const PlacedBrush::Seen seen = seenBy(*moves_, number);
+      free = moves_->freeUntil(path, seen, free);
+      if (isBlocked_[number] != 0) free = moves_->freeBeside(path, seen.position, found(*moves_, number), free);
+    }
   return free;
 }
 

@@ -79,6 +79,7 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
   for (std::uint32_t bucket = 0; bucket <= grid.bucketMask && !crowded_; ++bucket)
     crowded_ = grid_.bucket(bucket).size() > kCrowd;
   isChanged_.reserve(points_.positions.capacity());
+  isBlocked_.reserve(points_.positions.capacity());
   strains_.reserve(points_.positions.capacity());
   makeRoom();
   if (options.resample) points_.spacings = measuredSpacings(grid_, points_.positions, points_.normals, options.radius);
@@ -108,6 +109,8 @@ void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   engaged_.atFirst = engage(burst, brush.acts() ? std::max(workUnder(brush, options_), refitWork_) : 0);
   for (const std::uint32_t point : changed_) isChanged_[point] = 0;
   changed_.clear();
+  for (const std::uint32_t point : blocked_) isBlocked_[point] = 0;
+  blocked_.clear();
   measure_ = {};
   takeSwallowed();
   carves_ = brush.kind() == BrushKind::carve;
@@ -175,6 +178,7 @@ void CpuSculpture::remove(std::uint32_t point) {
 // For points that were added.
 void CpuSculpture::makeRoom() {
   isChanged_.resize(points_.size());
+  isBlocked_.resize(points_.size());
   strains_.resize(points_.size());
 }
 
@@ -193,12 +197,14 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
   };
   for (const Slice& slice : std::span(slices_).first(slices)) {
     if (!slice.measured.empty()) measure_.add(slice.measure);
-    measure_.blocked += slice.blocked;
+    measure_.blocked += static_cast<std::uint32_t>(slice.blocked.size());
+    append(blocked_, slice.blocked);
     append(changed_, slice.changed);
     append(strayed_, slice.strayed);
     append(waiting_, slice.waiting);
     append(swallowed_, slice.swallowed);
   }
+  for (const std::uint32_t point : blocked_) isBlocked_[point] = 1;
   followInIndex();
 }
 
@@ -244,10 +250,9 @@ PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t p
 
 void CpuSculpture::brush(const PlacedBrush& brush, std::size_t number, Slice& slice) {
   for (std::vector<std::uint32_t>* list :
-       {&slice.reached, &slice.changed, &slice.strayed, &slice.waiting, &slice.swallowed})
+       {&slice.reached, &slice.changed, &slice.strayed, &slice.waiting, &slice.swallowed, &slice.blocked})
     list->clear();
   slice.measured.clear();
-  slice.blocked = 0;
   grid_.forEachNear(brush.center(), brush.radius(), number, [&](const SortedGrid::Placed& near) {
     if (brush.measures(near.number)) {
       points_.prefetchNormal(near.number);
@@ -278,7 +283,7 @@ void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
     // An unsettled one is about to look ahead again.
     if (brush.mayBlock(as) && points_.unsettled[point] == 0) {
       const DVec3 free = brushed(brush, point, {as.position, as.normal, double{shared::kUnseen}}).position;
-      slice.blocked += brush.isBlocked(place, as, free);
+      if (brush.isBlocked(place, as, free)) slice.blocked.push_back(point);
     }
     bool painted = false;
     if (paints) {

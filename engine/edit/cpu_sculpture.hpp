@@ -167,10 +167,9 @@ class CpuSculpture {
   struct alignas(128) Slice {
     std::vector<SortedGrid::Placed> measured;
     SurfaceMeasure measure;
-    std::uint32_t blocked = 0;
     // Numbers of points. `waiting`: those that were settled; `swallowed`, `changed`, `strayed`: to append to the lists
     // of all slices.
-    std::vector<std::uint32_t> reached, changed, strayed, waiting, swallowed;
+    std::vector<std::uint32_t> reached, changed, strayed, waiting, swallowed, blocked;
   };
   std::vector<Slice> slices_;
   std::vector<std::uint32_t> unsettled_, changed_;  // numbers of points
@@ -179,6 +178,8 @@ class CpuSculpture {
   std::vector<Request> requests_;                   // of the unsettled points
   std::vector<std::uint32_t> inserting_;            // indices of those that insert a point, by its number
   std::vector<std::uint8_t> isChanged_;             // by point: whether it is in changed_
+  std::vector<std::uint32_t> blocked_;              // that the last edit has blocked
+  std::vector<std::uint8_t> isBlocked_;             // by point
 };
 
 }  // namespace palpate

@@ -33,6 +33,10 @@ double PlacedBrush::freeUntil(const Path& path, const Seen& seen, double free) c
   return along == staying || movesAlong(seen) ? along : staying;
 }
 
+double PlacedBrush::freeBeside(const Path& path, const DVec3& place, const Found& blocked, double free) const {
+  return shared::freeBeside(path, place - path.position, blocked.position - place, blocked.normal, free);
+}
+
 bool PlacedBrush::isInNoWay(const Seen& seen) const {
   return shared::isInNoWay(brush_, tool_, seen.normal) && movesAlong(seen);
 }

@@ -7,7 +7,7 @@
 #include "engine/core/brush.hpp"
 #include "engine/core/brush_stroke.hpp"
 #include "engine/core/point_state.hpp"
-#include "shaders/shared/brush.h"
+#include "shaders/shared/look_ahead.h"
 
 namespace palpate {
 
@@ -49,6 +49,8 @@ class PlacedBrush {
   Path path(const DVec3& place, const Found& found, double spacing) const;
   /// How far it may go on, `free` at most, if it sees another point; model units.
   double freeUntil(const Path& path, const Seen& seen, double free) const;
+  /// The same beside a point that has been blocked in this edit, as the stroke found it.
+  double freeBeside(const Path& path, const DVec3& place, const Found& blocked, double free) const;
   /// Whether a point is in the way of no other, whatever the brush moves, and if it is moved itself, has no such point
   /// in its own way: freeUntil() changes nothing.
   bool isInNoWay(const Seen& seen) const;

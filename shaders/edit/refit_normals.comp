@@ -50,7 +50,7 @@ vec3 fittedNormal(vec3 center, vec3 old) {
 void main() {
   if (args.update.at[0].failed != 0) return;
   const uint changed = args.update.at[0].changed, head = args.head.at[0];
-  const uint tick = resamples(args.lists) ? args.lists.now.tick + 1 : 0;
+  const uint tick = resamples(args.lists) ? args.lists.now.tick + 1 & kTickBits : 0;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
     const uint i = args.changed.at[which];
@@ -68,7 +68,11 @@ void main() {
     if (refits) normal = fittedNormal(position.xyz, normal);
     if (subgroupElect()) {
       args.fitted.at[which] = vec4(normal, spacing);
-      if (examines) args.tables.at[0].examined.at[id] = tick;
+      if (examines) {
+        const uint noted = args.tables.at[0].examined.at[id];
+        const uint blocked = (noted & kTickBits) == tick ? noted & kIsBlocked : 0;
+        args.tables.at[0].examined.at[id] = kIsExamined | blocked | tick;
+      }
       logPoint(head + which, position.xyz, id, normal, color, parent);
     }
   }

@@ -8,6 +8,7 @@
 #include "shaders/lib/claims.glsl"
 #include "shaders/lib/edit_end.glsl"
 #include "shaders/shared/frame.h"
+#include "shaders/shared/look_ahead.h"
 
 layout(push_constant, scalar) uniform Push { RequestArgs args; };
 #include "shaders/lib/kept_neighbours.glsl"
@@ -58,6 +59,7 @@ uint blocked;  // a bit for each sector
 uint requested;   // the sector in which a new point is requested; kGapSectors: none
 bool crowded, leaves;
 bool carves, moved;  // a brush has moved the point since it was created
+bool anyBlocked;     // by this edit
 bool looks;          // the stroke has moved the point, and it looks at what lies ahead
 bool cuts, swallowed;       // a ball cuts; it removes the point
 vec3 foundAt, foundNormal;  // of these two: as the stroke found the point, from its present position
@@ -78,7 +80,7 @@ shared Sector sectors[kSubgroups * kGapSectors];
 uint sectorAt(uint s) { return gl_SubgroupID * kGapSectors + s; }
 
 // Points examined in this tick rank after all others.
-uint rankOf(uint id) { return (examinedOf.at[id] == tick ? kExamined : 0u) | id; }
+uint rankOf(uint id) { return ((examinedOf.at[id] & ~kIsBlocked) == (kIsExamined | tick) ? kExamined : 0u) | id; }
 float targetOf(uint id) { return spacings.at[id < firstNew ? id : parentsOf.at[id - firstNew]]; }
 bool sameSheet(vec3 a, vec3 b) { return dot(a, b) > kSameSheet; }
 bool isNew(Seen point) { return (point.rank & 0x7fffffffu) >= firstNew; }
@@ -138,11 +140,16 @@ bool movesAlong(uint id, vec3 position, vec3 normal) {
 }
 
 void noteAhead(uint at, vec3 normal, vec3 d) {
+  const uint id = keptIds[at];
+  if (anyBlocked && (examinedOf.at[id] & ~kIsExamined) == (kIsBlocked | tick)) {
+    const Found blocked = args.tables.at[0].founds.at[id];
+    free = freeBeside(path, d, blocked.position - (center + d), blocked.normal, free);
+  }
   if (!isBeside(path, d)) return;
   // For most neighbours it does not matter whether the brush moves them, which takes loads to find out.
   const float along = freeUntil(brush, tool, path, SeenPoint(d, normal, true), free);
   const float staying = freeUntil(brush, tool, path, SeenPoint(d, normal, false), free);
-  free = along == staying || movesAlong(keptIds[at], center + d, normal) ? along : staying;
+  free = along == staying || movesAlong(id, center + d, normal) ? along : staying;
 }
 
 // For a carving ball: whether one neighbour indicates that the point is outside the solid.
@@ -396,7 +403,8 @@ void requestFor(uint id, vec3 center, uint sector) {
 }
 
 void requestForAll() {
-  tick = args.lists.now.tick;
+  tick = args.lists.now.tick & kTickBits;
+  anyBlocked = args.lists.now.blocked == tick;
   fills = args.lists.now.nextId < args.tables.at[0].ids && args.tables.at[0].tool.at[0].tool.closes == 0;
   firstNew = args.tables.at[0].firstNew;
   examinedOf = args.tables.at[0].examined;

@@ -34,6 +34,9 @@ const float kTurnedAway = -0.3f, kOtherSide = -0.8f;
 const float kSlope = 0.5f, kWall = 0.17f;
 // In radii of the brush: a face yields along its normal if the tool's axis is this far in front of it.
 const float kInFront = 0.25f;
+// The same cosines: a face begins to overhang below the first, and does below the second; it overhangs the hand if it
+// was this many radii above the surface there.
+const float kUpright = 0.17f, kOverhang = -0.13f, kAbove = 0.25f;
 // Units of a measured weight, normal and height of 1: integers, so that sums do not depend on the order of addition.
 const float kWeightSteps = 63.0f, kNormalSteps = 511.0f, kHeightSteps = 255.0f;
 const float kMaxHeight = 4.0f;  // in radii of the brush
@@ -41,20 +44,9 @@ const float kMaxHeight = 4.0f;  // in radii of the brush
 const float kUnseen = 3.0e38f;
 // In support radii: how far a stroke moves a point before the point has looked at what lies ahead.
 const float kFirstStep = 1.0f / 64.0f;
-// In spacings of a point: it stops this far before what lies ahead, and looks this far to the sides of its path.
-const float kStopMargin = 1.0f, kStopBeside = 2.0f;
-// In neighbourhood radii: how far a point may move if nothing lies ahead, until it looks again.
-const float kFreeAhead = 0.5f;
-// Something ahead that moves along with a point is not in its way: below this share of the point's motion that it
-// lacks.
-const float kLags = 0.5f;
 // Room below this share of a step blocks it; a point that has not looked yet has more. In support radii: shorter steps
 // do not count.
 const float kBlocks = 1.0f / 32.0f, kCountedStep = 1e-4f;
-// Cosine between a path and the normal of a surface above which the path meets the surface.
-const float kMeets = 0.2f;
-// Cosine between the normals of the two sides of a thin part, at most.
-const float kOpposite = -0.5f;
 // RGBA8 that paint starts from for a point without a colour (0): kUnpainted of engine/core/point_state.hpp.
 const uint kUnpainted = 0xff93aac8u;
 
@@ -233,6 +225,14 @@ PALPATE_FORMULA Real restOfShare(Real share, Real displacement, Real gone) {
   return max(Real(0.0), displacement - (Real(1.0) - share) * (displacement + max(gone, Real(0.0))));
 }
 
+// How much of a face overhangs the surface under the hand, 0 to 1: the tool cannot press it. The ball is in it only
+// because it is wider than the gap below, as between a statue's arm and its side.
+PALPATE_FORMULA Real overhangShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_OF(FoundPoint) found) {
+  const Real above = dot(found.position - tool.center, tool.outward) + brush.radius - tool.height;
+  return clampedShare(above / (Real(kAbove) * brush.radius)) *
+         clampedShare((Real(kUpright) - dot(found.normal, tool.outward)) / Real(kUpright - kOverhang));
+}
+
 // Push (thesis section 5.2). The thesis moves every point towards the proxy, which on flat ground only crowds the
 // points. Here a point moves along the tool's axis to the underside of the ball: the brush leaves its shape, and points
 // ahead of a moving hand are pressed down, not carried along. For a point-sized brush both are the same. In an inner
@@ -241,7 +241,7 @@ PALPATE_FORMULA Real restOfShare(Real share, Real displacement, Real gone) {
 PALPATE_FORMULA PALPATE_VEC3 pushWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                      PALPATE_OF(FoundPoint) found) {
   const PALPATE_VEC3 none = Real(0.0) * tool.outward;
-  const Real share = facingShare(tool, found.normal);
+  const Real share = facingShare(tool, found.normal) * (Real(1.0) - overhangShare(brush, tool, found));
   if (tool.acts == 0u || !(share > Real(0.0))) return none;
   const PALPATE_VEC3 offset = position - tool.center;
   const Real height = dot(offset, tool.outward);
@@ -330,125 +330,6 @@ PALPATE_FORMULA PALPATE_VEC3 smoothed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushT
                                       PALPATE_OF(FoundPoint) found, Real signedDistance, PALPATE_VEC3 normal) {
   const Real move = brushShare(brush, tool, position, found.normal) * signedDistance;
   return afterStep(brush, position, found, -move * normal);
-}
-
-// The direction in which a brush moves a point, unit; zero for none.
-PALPATE_FORMULA PALPATE_VEC3 directionOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
-                                         PALPATE_OF(FoundPoint) found) {
-  if (brush.kind == kBrushPush) {
-    const PALPATE_VEC3 way = pushWay(brush, tool, position, found);
-    const Real far = length(way);
-    return far > Real(kAtCenter) * brush.radius ? way / far : -tool.outward;
-  }
-  if (brush.kind == kBrushInflate) return found.normal;
-  if (brush.kind == kBrushSmooth) return -found.normal;
-  if (brush.kind == kBrushFlatten)
-    return (dot(found.position - tool.center, tool.outward) > Real(0.0) ? Real(-1.0) : Real(1.0)) * tool.outward;
-  const Real size = length(tool.motion);
-  return brush.kind == kBrushGrab && size > Real(0.0) ? tool.motion / size : Real(0.0) * tool.motion;
-}
-
-// What a point sees of another one: `offset` away, with this unit normal. `moves`: the brush acts on the other one, or
-// does not reach it.
-PALPATE_STRUCT(SeenPoint) {
-  PALPATE_VEC3 offset;
-  PALPATE_VEC3 normal;
-  bool moves;
-};
-PALPATE_SINGLE(SeenPoint);
-
-// How much less than a point the brush moves the other one: 0 if both move alike, 2 if they move towards each other.
-PALPATE_FORMULA Real lagOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_OF(SeenPoint) seen) {
-  if (!seen.moves) return Real(1.0);
-  if (brush.kind == kBrushInflate) return Real(2.0);
-  if (brush.kind == kBrushSmooth) return Real(1.0);
-  // What grab holds moves by weights that cannot fold it: BrushStroke::held().
-  if (brush.kind == kBrushGrab) return Real(0.0);
-  return Real(1.0) - facingShare(tool, seen.normal);
-}
-
-// How far in front of a face the tool is, which presses it or is behind it: the ball and its shaft, or over a plane.
-PALPATE_FORMULA Real inFrontOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
-                               PALPATE_VEC3 normal) {
-  const PALPATE_VEC3 offset = tool.center - position;
-  if (brush.kind == kBrushFlatten) return dot(normal, offset + brush.radius * tool.outward);
-  const Real along = max(Real(0.0), min(tool.shaft, -dot(offset, tool.outward)));
-  return dot(normal, offset + along * tool.outward);
-}
-
-// What a moving point looks for on its path.
-PALPATE_STRUCT(Path) {
-  PALPATE_VEC3 direction;    // unit; zero: no path
-  PALPATE_VEC3 position;     // of the point
-  PALPATE_VEC3 back;         // from there to where the stroke found it
-  PALPATE_VEC3 foundNormal;  // unit
-  Real spacing;              // of the point, model units
-  bool pressed;              // a tool that presses is in front of the point's face
-  bool isBehind;             // it is behind the face, which may be the far side of a thin part
-};
-PALPATE_SINGLE(Path);
-
-PALPATE_FORMULA PALPATE_OF(Path) pathOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
-                                        PALPATE_OF(FoundPoint) found, Real spacing) {
-  PALPATE_OF(Path) path;
-  path.direction = directionOf(brush, tool, position, found);
-  path.position = position;
-  path.back = found.position - position;
-  path.foundNormal = found.normal;
-  path.spacing = spacing;
-  const bool presses = brush.kind == kBrushPush || brush.kind == kBrushFlatten;
-  path.pressed = presses && inFrontOf(brush, tool, found.position, found.normal) > Real(0.0);
-  path.isBehind = presses && !path.pressed;
-  return path;
-}
-
-// Whether a point `offset` away may limit a path.
-PALPATE_FORMULA bool isBeside(PALPATE_OF(Path) path, PALPATE_VEC3 offset) {
-  const Real along = dot(offset, path.direction), beside = Real(kStopBeside) * path.spacing;
-  const PALPATE_VEC3 aside = offset - along * path.direction;
-  return path.isBehind || (along > Real(0.0) && dot(aside, aside) < beside * beside);
-}
-
-// Whether a point is on the far side of a thin part of whose near side, which the tool presses, it sees a point.
-PALPATE_FORMULA bool isFarSide(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_OF(Path) path,
-                               PALPATE_OF(SeenPoint) seen) {
-  const PALPATE_VEC3 offset = seen.offset - path.back;
-  const Real over = dot(offset, path.foundNormal), beside = Real(kStopBeside) * path.spacing;
-  const PALPATE_VEC3 aside = offset - over * path.foundNormal;
-  return path.isBehind && over < Real(0.0) && dot(aside, aside) < beside * beside &&
-         dot(seen.normal, path.foundNormal) < Real(kOpposite) &&
-         inFrontOf(brush, tool, path.position + seen.offset, seen.normal) > Real(0.0);
-}
-
-// How far a point may go on its path, at most `free`, until it comes within a margin of the surface at another point,
-// which isBeside(), if that stays behind.
-PALPATE_FORMULA Real freeUntil(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_OF(Path) path,
-                               PALPATE_OF(SeenPoint) seen, Real free) {
-  if (isFarSide(brush, tool, path, seen)) return Real(0.0);
-  const Real along = dot(seen.offset, path.direction), beside = Real(kStopBeside) * path.spacing;
-  const PALPATE_VEC3 aside = seen.offset - along * path.direction;
-  if (!(along > Real(0.0)) || !(dot(aside, aside) < beside * beside)) return free;
-  Real lag = lagOf(brush, tool, seen);
-  // The far side of a thin part stays: isFarSide(), as seen from there.
-  if (path.pressed && dot(seen.normal, path.foundNormal) < Real(kOpposite)) lag = Real(1.0);
-  if (lag < Real(kLags)) return free;
-  const bool enters = dot(path.foundNormal, path.direction) < Real(0.0);
-  const Real slope = dot(seen.normal, path.direction), margin = Real(kStopMargin) * path.spacing;
-  if (enters ? slope > Real(kMeets) : slope < -Real(kMeets))
-    return min(free, max(Real(0.0), dot(seen.offset, seen.normal) / slope - margin) / lag);
-  // A rim does not pass a side that stays.
-  if (!enters && slope > Real(kMeets) && (brush.kind == kBrushPush || brush.kind == kBrushFlatten))
-    return min(free, along / lag);
-  if (seen.moves || !(slope < -Real(kMeets))) return free;
-  // A surface that faces the same way is the point's own, unless it was well ahead where the stroke found the point.
-  const Real before = dot(seen.offset - path.back, seen.normal) / slope;
-  return before > Real(2.0) * margin ? min(free, max(Real(0.0), dot(seen.offset, seen.normal) / slope - margin)) : free;
-}
-
-// Whether freeUntil() changes nothing between points with normals for which this holds, if the brush moves them all.
-PALPATE_FORMULA bool isInNoWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 normal) {
-  if (brush.kind == kBrushInflate || brush.kind == kBrushSmooth) return dot(normal, tool.outward) > Real(0.7072);
-  return brush.kind == kBrushGrab || dot(normal, tool.outward) > Real(0.5);
 }
 
 PALPATE_FORMULA uint blendedChannel(uint from, uint to, Real share) {

@@ -25,6 +25,8 @@ const uint kFewestSelectCells = 64u, kMaxSelectCells = 256u;  // at most one for
 const float kMarkGoes = 3.0f;
 // Bits of the rest position of an id that no point has had yet.
 const uint kNeverRested = 0xffffffffu;
+// In an entry of `examined`, over the lower bits of a tick: the edit of this tick has examined, or blocked, the point.
+const uint kIsExamined = 0x40000000u, kIsBlocked = 0x80000000u, kTickBits = 0x3fffffffu;
 // In the w of a fitted normal: the point stays as it was given, and is not examined.
 const float kNotExamined = -1.0f;
 // New points in one tick. They get their ids in the order of the points that request them, by comparing each with each.
@@ -52,7 +54,7 @@ struct PointTables {
   PALPATE_ADDRESS(Founds) founds;
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(BrushTools) tool;
-  PALPATE_ADDRESS(Uints) examined;  // tick in which a point was last examined
+  PALPATE_ADDRESS(Uints) examined;  // tick in which a point was last examined or blocked, with bits of which
   PALPATE_ADDRESS(ResampleLists) lists;
   PALPATE_ADDRESS(PointMoves) moves;
   PALPATE_ADDRESS(Uints) marks;
@@ -85,8 +87,9 @@ struct Resampling {
   uint nextId;
   uint tick;
   uint thinning;  // only every 2^thinning-th point's request for a new point counts
+  uint blocked;   // the last tick that blocked a point
 };
-const uint kResamplingBytes = 20;
+const uint kResamplingBytes = 24;
 PALPATE_SIZE(Resampling, kResamplingBytes);
 
 // What happens to the requests of the last tick.

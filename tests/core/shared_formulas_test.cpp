@@ -7,7 +7,7 @@
 #include <random>
 
 #include "engine/core/vec.hpp"
-#include "shaders/shared/brush.h"
+#include "shaders/shared/look_ahead.h"
 #include "shaders/shared/frame.h"
 #include "shaders/shared/plane_fit.h"
 #include "shaders/shared/proxy.h"

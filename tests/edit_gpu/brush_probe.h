@@ -1,6 +1,6 @@
 #ifndef PALPATE_TESTS_BRUSH_PROBE_H
 #define PALPATE_TESTS_BRUSH_PROBE_H
-#include "shaders/shared/brush.h"
+#include "shaders/shared/look_ahead.h"
 
 PALPATE_SHARED_BEGIN
 
