@@ -124,7 +124,7 @@ double CpuSculpture::closestOf(std::uint32_t point) const {
 // Whether any point around a group may be in the way of those that the brush moves, or hold them up.
 bool CpuSculpture::isAnyInTheWay(const Surroundings& around) const {
   return moves_ && !std::ranges::all_of(around.points.numbers(), [&](std::uint32_t number) {
-           return (blocked_.empty() || isBlocked_[number] == 0) && moves_->isInNoWay(seenBy(*moves_, number));
+           return (blocked_.empty() || isBlocked_[number] == Blocked::no) && moves_->isInNoWay(seenBy(*moves_, number));
          });
 }
 
@@ -145,7 +145,8 @@ double CpuSculpture::roomOf(std::uint32_t point, const Surroundings& around,
     if (const std::uint32_t number = around.points.numbers()[i]; number != point) {
       const PlacedBrush::Seen seen = seenBy(*moves_, number);
       free = moves_->freeUntil(path, seen, free);
-      if (isBlocked_[number] != 0) free = moves_->freeBeside(path, seen.position, found(*moves_, number), free);
+      if (isBlocked_[number] != Blocked::no)
+        free = moves_->freeBeside(path, seen.position, found(*moves_, number), free);
     }
   return free;
 }
@@ -212,6 +213,8 @@ void CpuSculpture::request(const Part& part, const CellGroups::Group& group, con
 
 void CpuSculpture::resample() {
   requests_.resize(unsettled_.size());
+  for (const std::uint32_t point : unsettled_)
+    if (isBlocked_[point] == Blocked::before) isBlocked_[point] = Blocked::no;
   const std::span<Part> parts = shareUnsettled();
   grid_.team().forEach(parts.size(), [&](std::size_t k) { request(parts[k]); });
   inserting_.clear();

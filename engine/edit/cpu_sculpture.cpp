@@ -109,8 +109,10 @@ void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   engaged_.atFirst = engage(burst, brush.acts() ? std::max(workUnder(brush, options_), refitWork_) : 0);
   for (const std::uint32_t point : changed_) isChanged_[point] = 0;
   changed_.clear();
-  for (const std::uint32_t point : blocked_) isBlocked_[point] = 0;
-  blocked_.clear();
+  const bool sameStroke = std::exchange(blockedBy_, brush.stroke()) == brush.stroke();
+  for (const std::uint32_t point : blocked_)
+    if (!sameStroke || isBlocked_[point] != Blocked::no) isBlocked_[point] = sameStroke ? Blocked::before : Blocked::no;
+  if (!sameStroke) blocked_.clear();
   measure_ = {};
   takeSwallowed();
   carves_ = brush.kind() == BrushKind::carve;
@@ -197,14 +199,14 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
   };
   for (const Slice& slice : std::span(slices_).first(slices)) {
     if (!slice.measured.empty()) measure_.add(slice.measure);
-    measure_.blocked += static_cast<std::uint32_t>(slice.blocked.size());
-    append(blocked_, slice.blocked);
+    measure_.blocked += slice.blockedMoves;
+    for (const std::uint32_t point : slice.blocked)
+      if (std::exchange(isBlocked_[point], Blocked::now) == Blocked::no) blocked_.push_back(point);
     append(changed_, slice.changed);
     append(strayed_, slice.strayed);
     append(waiting_, slice.waiting);
     append(swallowed_, slice.swallowed);
   }
-  for (const std::uint32_t point : blocked_) isBlocked_[point] = 1;
   followInIndex();
 }
 
@@ -253,6 +255,7 @@ void CpuSculpture::brush(const PlacedBrush& brush, std::size_t number, Slice& sl
        {&slice.reached, &slice.changed, &slice.strayed, &slice.waiting, &slice.swallowed, &slice.blocked})
     list->clear();
   slice.measured.clear();
+  slice.blockedMoves = 0;
   grid_.forEachNear(brush.center(), brush.radius(), number, [&](const SortedGrid::Placed& near) {
     if (brush.measures(near.number)) {
       points_.prefetchNormal(near.number);
@@ -280,10 +283,13 @@ void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
     const DVec3 place(points_.positions[point]);
     const PlacedBrush::Found as = found(brush, point);
     const PlacedBrush::Point to = brushed(brush, point, as);
-    // An unsettled one is about to look ahead again.
-    if (brush.mayBlock(as) && points_.unsettled[point] == 0) {
-      const DVec3 free = brushed(brush, point, {as.position, as.normal, double{shared::kUnseen}}).position;
-      if (brush.isBlocked(place, as, free)) slice.blocked.push_back(point);
+    // One that has moved since it looked ahead is about to look again, and so is an unsettled one.
+    if (brush.mayBlock(as) && !(strains_[point] > 0)) {
+      slice.blocked.push_back(point);
+      if (points_.unsettled[point] == 0) {
+        const DVec3 free = brushed(brush, point, {as.position, as.normal, double{shared::kUnseen}}).position;
+        slice.blockedMoves += brush.isBlocked(place, as, free);
+      }
     }
     bool painted = false;
     if (paints) {

@@ -170,6 +170,7 @@ class CpuSculpture {
     // Numbers of points. `waiting`: those that were settled; `swallowed`, `changed`, `strayed`: to append to the lists
     // of all slices.
     std::vector<std::uint32_t> reached, changed, strayed, waiting, swallowed, blocked;
+    std::uint32_t blockedMoves = 0;
   };
   std::vector<Slice> slices_;
   std::vector<std::uint32_t> unsettled_, changed_;  // numbers of points
@@ -178,8 +179,12 @@ class CpuSculpture {
   std::vector<Request> requests_;                   // of the unsettled points
   std::vector<std::uint32_t> inserting_;            // indices of those that insert a point, by its number
   std::vector<std::uint8_t> isChanged_;             // by point: whether it is in changed_
-  std::vector<std::uint32_t> blocked_;              // that the last edit has blocked
-  std::vector<std::uint8_t> isBlocked_;             // by point
+  // Whether a point under the brush has no room to move: in this edit, or in an earlier one of the stroke, after which
+  // it has not looked ahead.
+  enum class Blocked : std::uint8_t { no, before, now };
+  std::vector<Blocked> isBlocked_;      // by point
+  std::vector<std::uint32_t> blocked_;  // all for which it is not `no`, and some more
+  std::uint32_t blockedBy_ = 0;         // the stroke
 };
 
 }  // namespace palpate

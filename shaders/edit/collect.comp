@@ -51,7 +51,7 @@ void main() {
           found = foundPoint(id, position.xyz, normal.xyz);
           moves = brushedMove(slot, position, normal, found, move);
           blocked = isBlocked(position, normal, found);
-          if (blocked) noteBlocked(id);
+          if (mayBlock(brush, found)) noteBlocked(id);
           reached = isSampled(id, tool.sampling);
         }
         if (moves) noteReached(id, position.xyz, found);

@@ -59,7 +59,7 @@ uint blocked;  // a bit for each sector
 uint requested;   // the sector in which a new point is requested; kGapSectors: none
 bool crowded, leaves;
 bool carves, moved;  // a brush has moved the point since it was created
-bool anyBlocked;     // by this edit
+bool anyBlocked;     // by this stroke
 bool looks;          // the stroke has moved the point, and it looks at what lies ahead
 bool cuts, swallowed;       // a ball cuts; it removes the point
 vec3 foundAt, foundNormal;  // of these two: as the stroke found the point, from its present position
@@ -141,9 +141,10 @@ bool movesAlong(uint id, vec3 position, vec3 normal) {
 
 void noteAhead(uint at, vec3 normal, vec3 d) {
   const uint id = keptIds[at];
-  if (anyBlocked && (examinedOf.at[id] & ~kIsExamined) == (kIsBlocked | tick)) {
+  if (anyBlocked && (examinedOf.at[id] & kIsBlocked) != 0) {
     const Found blocked = args.tables.at[0].founds.at[id];
-    free = freeBeside(path, d, blocked.position - (center + d), blocked.normal, free);
+    if (blocked.stroke == tool.stroke)
+      free = freeBeside(path, d, blocked.position - (center + d), blocked.normal, free);
   }
   if (!isBeside(path, d)) return;
   // For most neighbours it does not matter whether the brush moves them, which takes loads to find out.
@@ -404,7 +405,6 @@ void requestFor(uint id, vec3 center, uint sector) {
 
 void requestForAll() {
   tick = args.lists.now.tick & kTickBits;
-  anyBlocked = args.lists.now.blocked == tick;
   fills = args.lists.now.nextId < args.tables.at[0].ids && args.tables.at[0].tool.at[0].tool.closes == 0;
   firstNew = args.tables.at[0].firstNew;
   examinedOf = args.tables.at[0].examined;
@@ -415,6 +415,7 @@ void requestForAll() {
   carves = kind == kBrushCarve;
   brush = args.tables.at[0].brush.at[0];
   tool = args.tables.at[0].tool.at[0].tool;
+  anyBlocked = args.lists.now.blocked == tool.stroke;
   cuts = carves && tool.acts != 0;
   const uint changed = args.update.at[0].changed;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;

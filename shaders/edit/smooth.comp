@@ -46,9 +46,7 @@ void main() {
     const bool goes = list.at[i].toBucket == kNoBucket;
     if (surface.defined && !goes && mayBlock(brush, found) && isActedOn(found)) {
       const vec3 free = smoothed(brush, tool, place, withRoom(found), surface.distance, surface.normal);
-      const bool isHere = isBlocked(brush, place, found, free);
-      if (isHere) ++blocked;
-      if (isHere && subgroupElect()) noteBlocked(list.at[i].id);
+      if (isBlocked(brush, place, found, free)) ++blocked;
     }
     if (surface.defined && !goes && subgroupElect()) {
       const vec3 to = smoothed(brush, tool, place, found, surface.distance, surface.normal);

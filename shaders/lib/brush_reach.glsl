@@ -61,12 +61,11 @@ bool isActedOn(FoundPoint found) {
 // The same point with any room.
 FoundPoint withRoom(FoundPoint found) { return FoundPoint(found.position, found.normal, kUnseen); }
 
-// Notes that this edit has blocked a point, for its neighbours (request.comp).
+// Notes that a point under the brush has no room to move, for its neighbours (request.comp).
 void noteBlocked(uint id) {
   ResampleLists lists = args.tables.at[0].lists;
-  const uint tick = lists.now.tick + 1 & kTickBits;
-  args.tables.at[0].examined.at[id] = kIsBlocked | tick;
-  lists.now.blocked = tick;
+  args.tables.at[0].examined.at[id] = kIsBlocked | lists.now.tick + 1 & kTickBits;
+  lists.now.blocked = tool.stroke;
 }
 
 // The move of a point in reach; false if the point does not change.

@@ -36,7 +36,7 @@ const float kSlope = 0.5f, kWall = 0.17f;
 const float kInFront = 0.25f;
 // The same cosines: a face begins to overhang below the first, and does below the second; it overhangs the hand if it
 // was this many radii above the surface there.
-const float kUpright = 0.17f, kOverhang = -0.13f, kAbove = 0.25f;
+const float kUpright = 0.0f, kOverhang = -0.25f, kAbove = 0.25f;
 // Units of a measured weight, normal and height of 1: integers, so that sums do not depend on the order of addition.
 const float kWeightSteps = 63.0f, kNormalSteps = 511.0f, kHeightSteps = 255.0f;
 const float kMaxHeight = 4.0f;  // in radii of the brush

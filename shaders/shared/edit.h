@@ -25,7 +25,8 @@ const uint kFewestSelectCells = 64u, kMaxSelectCells = 256u;  // at most one for
 const float kMarkGoes = 3.0f;
 // Bits of the rest position of an id that no point has had yet.
 const uint kNeverRested = 0xffffffffu;
-// In an entry of `examined`, over the lower bits of a tick: the edit of this tick has examined, or blocked, the point.
+// In an entry of `examined`, over the lower bits of a tick: the edit of this tick has examined the point;
+// the point had no room to move in this edit, or in an earlier one after which it was not examined.
 const uint kIsExamined = 0x40000000u, kIsBlocked = 0x80000000u, kTickBits = 0x3fffffffu;
 // In the w of a fitted normal: the point stays as it was given, and is not examined.
 const float kNotExamined = -1.0f;
@@ -54,7 +55,7 @@ struct PointTables {
   PALPATE_ADDRESS(Founds) founds;
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(BrushTools) tool;
-  PALPATE_ADDRESS(Uints) examined;  // tick in which a point was last examined or blocked, with bits of which
+  PALPATE_ADDRESS(Uints) examined;  // tick in which a point was last examined, or had no room, with bits of which
   PALPATE_ADDRESS(ResampleLists) lists;
   PALPATE_ADDRESS(PointMoves) moves;
   PALPATE_ADDRESS(Uints) marks;
@@ -87,7 +88,7 @@ struct Resampling {
   uint nextId;
   uint tick;
   uint thinning;  // only every 2^thinning-th point's request for a new point counts
-  uint blocked;   // the last tick that blocked a point
+  uint blocked;   // the last stroke with points that had no room to move
 };
 const uint kResamplingBytes = 24;
 PALPATE_SIZE(Resampling, kResamplingBytes);
