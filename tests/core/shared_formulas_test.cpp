@@ -7,8 +7,8 @@
 #include <random>
 
 #include "engine/core/vec.hpp"
-#include "shaders/shared/look_ahead.h"
 #include "shaders/shared/frame.h"
+#include "shaders/shared/look_ahead.h"
 #include "shaders/shared/plane_fit.h"
 #include "shaders/shared/proxy.h"
 #include "shaders/shared/resample.h"
@@ -265,6 +265,30 @@ TEST_CASE_TEMPLATE("a point stops a spacing before what stays behind, and goes o
   tool.motion = V3<Real>(0, 0, -3);
   CHECK(is(free(up, below, -up), 2));
   CHECK(is(free(up, below, -up, false), 0.75));
+  // Beside a blocked point that lies a unit aside, and was found there: a quarter of their distance and of a spacing.
+  const auto besideBlocked = [&](const V3<Real>& itsBack, const V3<Real>& itsNormal, double gone = 0) {
+    brush.kind = shared::kBrushPush;
+    const V3<Real> place(0, 0, Real(-gone)), offset = V3<Real>(1, 0, 0) - itsBack - place;
+    const auto path = shared::pathOf(brush, tool, place, {origin, up, Real(shared::kUnseen)}, Real(0.25));
+    return shared::freeBeside(path, offset, itsBack, itsNormal, Real(2));
+  };
+  tool.center = V3<Real>(0, 0, 3);
+  CHECK(is(besideBlocked(origin, up), 0.3125));
+  CHECK(is(besideBlocked(origin, up, 0.2), 0.1125));
+  CHECK(is(besideBlocked(origin, up, 0.5), 0));
+  CHECK(is(besideBlocked(V3<Real>(0, 0, 1), up), 1.3125));  // it has gone a unit itself
+  CHECK(is(besideBlocked(origin, -up), 2));                 // another side
+  // What overhangs the hand is not pressed; what rises to it is.
+  const auto presses = [&](const V3<Real>& normal, double height) {
+    brush.kind = shared::kBrushPush;
+    const V3<Real> place(1, 0, Real(height));
+    return shared::brushed(brush, tool, place, normal, {place, normal, Real(shared::kUnseen)}).position != place;
+  };
+  const V3<Real> slanting(Real(-0.8), 0, Real(-0.6));
+  CHECK_FALSE(presses(slanting, 2));
+  CHECK(presses(slanting, -0.5));
+  CHECK(presses(aside, 2));
+  CHECK(presses(up, 2));
   // No step is longer than what is free.
   const auto step = [&](Real room) { return shared::afterStep(brush, origin, {origin, up, room}, V3<Real>(0, 0, -3)); };
   CHECK(is(step(Real(0.3)).z, -0.3));

@@ -22,9 +22,10 @@ struct BrushAnswer {
   uint painted;
   vec3 smoothed;
   MeasuredPoint measured;
-  float free;  // model units, from the position as found, in sight of the question's
+  float free;    // model units, from the position as found, in sight of the question's
+  float beside;  // the same beside a blocked point there, found at the origin
 };
-PALPATE_SIZE(BrushAnswer, 56);
+PALPATE_SIZE(BrushAnswer, 60);
 
 struct BrushProbeArgs {
   PALPATE_ADDRESS(BrushQuestions) questions;
@@ -48,7 +49,9 @@ PALPATE_FUNCTION BrushAnswer answerTo(BrushQuestion q, float signedDistance) {
   seen.offset = q.position - q.foundPosition;
   seen.normal = q.normal;
   seen.moves = q.color % 2u != 0u;
-  answer.free = freeUntil(q.brush, q.tool, pathOf(q.brush, q.tool, q.foundPosition, found, 0.5f), seen, 1.0f);
+  const Path path = pathOf(q.brush, q.tool, q.foundPosition, found, 0.5f);
+  answer.free = freeUntil(q.brush, q.tool, path, seen, 1.0f);
+  answer.beside = freeBeside(path, seen.offset, -q.position, q.foundNormal, 50.0f);
   return answer;
 }
 

@@ -188,6 +188,54 @@ TEST_CASE_FIXTURE(OnBackEnd, "a push across the folds of a cloth leaves its far 
 }
 
 TEST_CASE_FIXTURE(OnBackEnd,
+                  "where the upper side of a thin plate ends beyond the lower one, it is not pushed down as a flap") {
+  constexpr double kThickness = 0.6, kBeyond = 1.6;
+  Sheet plate;
+  for (const double side : {1.0, -1.0})
+    for (double y = -10; y <= 10; y += kSpacing)
+      for (double x = -16; x <= (side > 0 ? kBeyond : 0); x += kSpacing) {
+        plate.cloud.positions.emplace_back(Vec3(x, y, 0.5 * side * kThickness));
+        plate.cloud.normals.emplace_back(0, 0, side);
+        plate.eachSide += side > 0;
+      }
+  const auto touch = make(plate.cloud, wanted(BrushKind::push));
+  const PointCloud after = pushed(*touch, plate, {0, -4, -2}, {0, 4, -2});
+  double lowest = 0;
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (after.normals[i].z > 0.3f) lowest = std::min(lowest, double{after.positions[i].z});
+  CHECK(lowest > -0.5 * kThickness - kSpacing);
+  CHECK(after.size() < plate.cloud.size() + plate.cloud.size() / 20);
+  CHECK(farMoved(plate, after, 1e-6) == 0);
+}
+
+TEST_CASE_FIXTURE(OnBackEnd, "a push under an overhang leaves it, however wide the brush is") {
+  // A floor that bends up and leans back over the hand.
+  constexpr double kBend = 2, kFloorEnd = 4;
+  Sheet cave;
+  const auto add = [&](double x, double z, const DVec3& normal) {
+    for (double y = -10; y <= 10; y += kSpacing) {
+      cave.cloud.positions.emplace_back(Vec3(x, y, z));
+      cave.cloud.normals.emplace_back(normal);
+    }
+  };
+  for (double x = -15; x < kFloorEnd; x += kSpacing) add(x, 0, {0, 0, 1});
+  DVec3 out(0, 0, -1), end(0);
+  for (double angle = -0.5 * std::numbers::pi; angle < 0.65; angle += kSpacing / kBend) {
+    out = {std::cos(angle), 0, std::sin(angle)};
+    if (cave.eachSide == 0 && angle > 0.3) cave.eachSide = cave.cloud.size();
+    end = DVec3(kFloorEnd, 0, kBend) + kBend * out;
+    add(end.x, end.z, -out);
+  }
+  for (double far = kSpacing; far < 8; far += kSpacing) add(end.x - far * out.z, end.z + far * out.x, -out);
+  const auto touch = make(cave.cloud, wanted(BrushKind::push));
+  const PointCloud after = pushed(*touch, cave, {3.5, -3, -1.5}, {3.5, 3, -1.5});
+  CHECK(farMoved(cave, after, 1e-6) == 0);
+  double lowest = 0;
+  for (const Vec3& place : after.positions) lowest = std::min(lowest, double{place.z});
+  CHECK(lowest == within(-1.5 + kTau, 0.2));
+}
+
+TEST_CASE_FIXTURE(OnBackEnd,
                   "a brush on a part that is too thin for it moves nothing, and all of its points are blocked") {
   for (const BrushKind kind : {BrushKind::push, BrushKind::smooth}) {
     CAPTURE(int(kind));
