@@ -34,7 +34,7 @@ double PlacedBrush::freeUntil(const Path& path, const Seen& seen, double free) c
 }
 
 double PlacedBrush::freeBeside(const Path& path, const DVec3& place, const Found& blocked, double free) const {
-  return shared::freeBeside(path, place - path.position, blocked.position - place, blocked.normal, free);
+  return shared::freeBeside(brush_, path, place - path.position, blocked.position - place, blocked.normal, free);
 }
 
 bool PlacedBrush::isInNoWay(const Seen& seen) const {

@@ -144,7 +144,7 @@ void noteAhead(uint at, vec3 normal, vec3 d) {
   if (anyBlocked && (examinedOf.at[id] & kIsBlocked) != 0) {
     const Found blocked = args.tables.at[0].founds.at[id];
     if (blocked.stroke == tool.stroke)
-      free = freeBeside(path, d, blocked.position - (center + d), blocked.normal, free);
+      free = freeBeside(brush, path, d, blocked.position - (center + d), blocked.normal, free);
   }
   if (!isBeside(path, d)) return;
   // For most neighbours it does not matter whether the brush moves them, which takes loads to find out.

@@ -16,7 +16,8 @@ const float kLags = 0.5f;
 const float kMeets = 0.2f;
 // Cosine between the normals of the two sides of a thin part, at most.
 const float kOpposite = -0.5f;
-// A point beside a blocked one stays this much of their distance, as the stroke found it, and this many spacings behind.
+// A point goes no further ahead of a blocked one beside it than this share of their distance, as the stroke found them,
+// and this many spacings.
 const float kBlockedSlope = 0.25f, kBlockedMargin = 0.25f;
 // Cosine between the normals of two such points on one side, at least.
 const float kOneSide = 0.3f;
@@ -136,9 +137,10 @@ PALPATE_FORMULA Real freeUntil(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) to
 
 // How far a point may go on its path, at most `free`, beside a blocked point on its own side: `offset` away, found by
 // the stroke `back` from there, with this normal. So a side that stays holds up what has nothing below it, as at a rim.
-PALPATE_FORMULA Real freeBeside(PALPATE_OF(Path) path, PALPATE_VEC3 offset, PALPATE_VEC3 back, PALPATE_VEC3 foundNormal,
-                                Real free) {
-  if (!(dot(foundNormal, path.foundNormal) > Real(kOneSide))) return free;
+PALPATE_FORMULA Real freeBeside(PALPATE_OF(Brush) brush, PALPATE_OF(Path) path, PALPATE_VEC3 offset, PALPATE_VEC3 back,
+                                PALPATE_VEC3 foundNormal, Real free) {
+  // What grab holds keeps its shape by its weights.
+  if (brush.kind == kBrushGrab || !(dot(foundNormal, path.foundNormal) > Real(kOneSide))) return free;
   const PALPATE_VEC3 apart = offset + back - path.back;  // as found
   const Real most = Real(kBlockedSlope) * length(apart) + Real(kBlockedMargin) * path.spacing;
   return min(free, max(Real(0.0), most - dot(back - path.back, path.direction)));

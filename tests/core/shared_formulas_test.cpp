@@ -270,7 +270,7 @@ TEST_CASE_TEMPLATE("a point stops a spacing before what stays behind, and goes o
     brush.kind = shared::kBrushPush;
     const V3<Real> place(0, 0, Real(-gone)), offset = V3<Real>(1, 0, 0) - itsBack - place;
     const auto path = shared::pathOf(brush, tool, place, {origin, up, Real(shared::kUnseen)}, Real(0.25));
-    return shared::freeBeside(path, offset, itsBack, itsNormal, Real(2));
+    return shared::freeBeside(brush, path, offset, itsBack, itsNormal, Real(2));
   };
   tool.center = V3<Real>(0, 0, 3);
   CHECK(is(besideBlocked(origin, up), 0.3125));

@@ -93,8 +93,8 @@ inline void checkAgree(const std::vector<BrushCase>& questions, const std::vecto
     const auto inDouble = brushOf(options, kSupport);
     const auto path = shared::pathOf(inDouble, tool, found.position, found, 0.5);
     const double free = shared::freeUntil(inDouble, tool, path, {offset, normal, q.color % 2 != 0}, 1.0);
-    const double beside = shared::freeBeside(path, offset, -place, found.normal, 50.0);
-    CHECK(answers[i].beside == near(beside, 1e-3));
+    const double beside = shared::freeBeside(inDouble, path, offset, -place, found.normal, 50.0);
+    CHECK(answers[i].beside == within(beside, 1e-3));
     seen += free < 1;
     if (std::abs(answers[i].free - free) > 1e-3) ++otherSide;
     CHECK(std::abs(said.weight - measured.weight) <= 1);

@@ -51,7 +51,7 @@ PALPATE_FUNCTION BrushAnswer answerTo(BrushQuestion q, float signedDistance) {
   seen.moves = q.color % 2u != 0u;
   const Path path = pathOf(q.brush, q.tool, q.foundPosition, found, 0.5f);
   answer.free = freeUntil(q.brush, q.tool, path, seen, 1.0f);
-  answer.beside = freeBeside(path, seen.offset, -q.position, q.foundNormal, 50.0f);
+  answer.beside = freeBeside(q.brush, path, seen.offset, -q.position, q.foundNormal, 50.0f);
   return answer;
 }
 
