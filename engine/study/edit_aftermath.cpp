@@ -60,6 +60,14 @@ std::uint32_t EditAftermath::ancestorOf(std::uint32_t i) const {
   return i;
 }
 
+bool EditAftermath::wereTwoSides(std::uint32_t i, std::uint32_t k, double most) const {
+  const std::uint32_t one = ancestorOf(i), other = ancestorOf(k);
+  constexpr double kOpposite = -0.3;  // cosine
+  const DVec3 facing = normalBefore(one);
+  return glm::dot(facing, normalBefore(other)) < kOpposite &&
+         std::abs(glm::dot(placeBefore(other) - placeBefore(one), facing)) < most;
+}
+
 double EditAftermath::nearestOfSheet(std::uint32_t i, double most) const {
   std::vector<std::uint32_t> found;
   tree_->near(position(i), most, found);

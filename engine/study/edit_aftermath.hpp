@@ -44,6 +44,8 @@ class EditAftermath {
   const DVec3& facing(std::uint32_t i) const { return facings_[i]; }
   /// The point before the edit from which it descends.
   std::uint32_t ancestorOf(std::uint32_t i) const;
+  /// Whether two points descend from opposite sides of a part that was thinner than `most`, model units.
+  bool wereTwoSides(std::uint32_t i, std::uint32_t k, double most) const;
   /// Distance to the nearest other point that faces the same way, limited to `most`; model units.
   double nearestOfSheet(std::uint32_t i, double most) const;
   /// Normal of the plane through the nearest points of its sheet, unit, of either sign; empty if there are too few, or

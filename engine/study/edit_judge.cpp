@@ -87,9 +87,13 @@ void judgeShape(const EditAftermath& aftermath, EditJudge& judge, const BrushPat
     verdict.deepest = std::max(verdict.deepest, -height);
     verdict.highest = std::max(verdict.highest, height);
     near.clear();
-    tree.near(place, 0.5 * judge.spacingAt(place, aftermath.facing(i)), near);
-    verdict.doubled += std::ranges::any_of(
-        near, [&](std::uint32_t k) { return glm::dot(aftermath.normal(changed[k]), aftermath.normal(i)) < -kSided; });
+    const double spacing = judge.spacingAt(place, aftermath.facing(i));
+    tree.near(place, 0.5 * spacing, near);
+    // The two sides of a thin part, carried along together, are as they were.
+    verdict.doubled += std::ranges::any_of(near, [&](std::uint32_t k) {
+      return glm::dot(aftermath.normal(changed[k]), aftermath.normal(i)) < -kSided &&
+             !aftermath.wereTwoSides(i, changed[k], spacing);
+    });
   }
   verdict.reachSlack = way.reachSlack;
   if (way.depth)

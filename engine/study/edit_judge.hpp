@@ -53,7 +53,8 @@ struct EditVerdict {
   double reachSlack = 0;            ///< BrushPath::reachSlack
   std::size_t changed = 0;          ///< points that moved or are new
   double deepest = 0, highest = 0;  ///< of these, under and over the original surface, model units
-  std::size_t doubled = 0;  ///< of these, points with another one that faces the other way within half a spacing
+  std::size_t doubled = 0;  ///< of these, points with another one that faces the other way within half a spacing,
+                            ///< but for the two sides of a part that was thinner than a spacing
   bool wrongDepth = false, raised = false;  ///< compared with BrushPath, within the tolerances
   std::size_t fitted = 0;                   ///< changed points whose normal could be compared with a plane fit
   double normal_deg = 0;                    ///< 95th percentile of the angle between the two, ignoring signs

@@ -247,6 +247,24 @@ TEST_CASE("normals are compared with a fit of their own sheet, and those that fa
   CHECK(edited.verdict().broken(false) == Words{"turns normals"});
 }
 
+TEST_CASE("both sides of a thin part that move together are no second layer, and one that is folded is") {
+  Edited edited(makePlate(20'000, 0.1));
+  std::vector<std::uint32_t> middle;
+  for (std::uint32_t i = 0; i < edited.cloud.size(); ++i)
+    if (glm::length(DVec3(edited.cloud.positions[i])) < 2.5) middle.push_back(i);
+  for (const std::uint32_t i : middle) edited.states[i].position.z += 0.5F;
+  CHECK(edited.verdict().changed == middle.size());
+  CHECK(edited.verdict().doubled == 0);
+  // A flap of the upper side, turned over and laid back on it.
+  for (const std::uint32_t i : middle) {
+    const Vec3 place = edited.cloud.positions[i];
+    if (place.x < 0 || edited.cloud.normals[i].z < 0) continue;
+    edited.states[i].position.x = -place.x;
+    edited.states[i].normal.z = -1;
+  }
+  CHECK(edited.verdict().doubled > middle.size() / 10);
+}
+
 TEST_CASE("a carved wall faces the ball, wherever its sheet faced before") {
   // A ball of radius 3 carved 5 deep into a block: the lower half of its wall is below the old surface's side.
   Edited edited(grid(61, 0.4));
