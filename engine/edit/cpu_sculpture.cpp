@@ -110,9 +110,11 @@ void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   for (const std::uint32_t point : changed_) isChanged_[point] = 0;
   changed_.clear();
   const bool sameStroke = std::exchange(blockedBy_, brush.stroke()) == brush.stroke();
-  for (const std::uint32_t point : blocked_)
-    if (!sameStroke || isBlocked_[point] != Blocked::no) isBlocked_[point] = sameStroke ? Blocked::before : Blocked::no;
-  if (!sameStroke) blocked_.clear();
+  std::erase_if(blocked_, [&](std::uint32_t point) {
+    const bool stays = sameStroke && isBlocked_[point] != Blocked::no;
+    isBlocked_[point] = stays ? Blocked::before : Blocked::no;
+    return !stays;
+  });
   measure_ = {};
   takeSwallowed();
   carves_ = brush.kind() == BrushKind::carve;

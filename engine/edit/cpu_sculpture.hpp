@@ -183,7 +183,7 @@ class CpuSculpture {
   // it has not looked ahead.
   enum class Blocked : std::uint8_t { no, before, now };
   std::vector<Blocked> isBlocked_;      // by point
-  std::vector<std::uint32_t> blocked_;  // all for which it is not `no`, and some more
+  std::vector<std::uint32_t> blocked_;  // all for which it is not `no`; each once
   std::uint32_t blockedBy_ = 0;         // the stroke
 };
 

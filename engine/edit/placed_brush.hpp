@@ -49,7 +49,7 @@ class PlacedBrush {
   Path path(const DVec3& place, const Found& found, double spacing) const;
   /// How far it may go on, `free` at most, if it sees another point; model units.
   double freeUntil(const Path& path, const Seen& seen, double free) const;
-  /// The same beside a point that has been blocked in this edit, as the stroke found it.
+  /// The same beside a point without room, at `place`; `blocked`: as the stroke found that one.
   double freeBeside(const Path& path, const DVec3& place, const Found& blocked, double free) const;
   /// Whether a point is in the way of no other, whatever the brush moves, and if it is moved itself, has no such point
   /// in its own way: freeUntil() changes nothing.

@@ -247,7 +247,7 @@ TEST_CASE("normals are compared with a fit of their own sheet, and those that fa
   CHECK(edited.verdict().broken(false) == Words{"turns normals"});
 }
 
-TEST_CASE("both sides of a thin part that move together are no second layer, and one that is folded is") {
+TEST_CASE("two sides of a thin part that move together do not count as a second layer, a folded flap does") {
   Edited edited(makePlate(20'000, 0.1));
   std::vector<std::uint32_t> middle;
   for (std::uint32_t i = 0; i < edited.cloud.size(); ++i)
