@@ -1,4 +1,4 @@
-// The requests of a CpuSculpture's unsettled points, and the points that are inserted and removed by them.
+// What a CpuSculpture's unsettled points see ahead, their requests, and the points that these insert and remove.
 #include <algorithm>
 #include <utility>
 
@@ -114,7 +114,7 @@ void CpuSculpture::MemberLists::add(std::span<const std::uint32_t> indices) {
 
 // No neighbour that is further away matters to requestsNothing(): neither crowds it, nor does it fill a gap.
 double CpuSculpture::closestOf(std::uint32_t point) const {
-  if (!options_.resample) return 0;
+  if (!resamples_) return 0;
   constexpr double kMargin = 1e-9;  // for rounding
   const double spacing = points_.spacing(point);
   return (1 + kMargin) * std::max(static_cast<double>(shared::kWidestGap) * spacing,
@@ -194,7 +194,7 @@ void CpuSculpture::request(const Part& part, const CellGroups::Group& group, con
     const bool looks = moves_ && points_.strokes[point] == moves_->stroke();
     const bool isFree = noneInTheWay && (!looks || isInNoWay(*moves_, point));
     const bool isClear = !carves_ && around.near[member] <= kMaxNeighbours;
-    const bool asksNothing = isClear && requestsNothing(point, around, around.closest[member]);
+    const bool asksNothing = !resamples_ || (isClear && requestsNothing(point, around, around.closest[member]));
     near.truncate(0);
     if (!asksNothing || !isFree) around.points.near(DVec3(points_.positions[point]), widestNeighbourhood(), near);
     request = {};
@@ -211,7 +211,7 @@ void CpuSculpture::request(const Part& part, const CellGroups::Group& group, con
   }
 }
 
-void CpuSculpture::resample() {
+void CpuSculpture::examine() {
   requests_.resize(unsettled_.size());
   for (const std::uint32_t point : unsettled_)
     if (isBlocked_[point] == Blocked::before) isBlocked_[point] = Blocked::no;

@@ -82,8 +82,27 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
   isBlocked_.reserve(points_.positions.capacity());
   strains_.reserve(points_.positions.capacity());
   makeRoom();
-  if (options.resample) points_.spacings = measuredSpacings(grid_, points_.positions, points_.normals, options.radius);
+  if (options.measures) setSpacings(std::vector<float>(cloud.size()));
+}
+
+void CpuSculpture::setSpacings(std::vector<float> known) {
+  points_.spacings = measuredSpacings(grid_, points_.positions, points_.normals, options_.radius, std::move(known));
   for (const float spacing : points_.spacings) widestSpacing_ = std::max(widestSpacing_, double{spacing});
+}
+
+CpuSculpture::Kept CpuSculpture::kept(std::uint32_t point) const {
+  return {.found = points_.lastFound(point),
+          .strain = strains_[point],
+          .unsettled = points_.unsettled[point] != 0,
+          .blocked = isBlocked_[point] != Blocked::no};
+}
+
+void CpuSculpture::keep(std::uint32_t point, const Kept& kept) {
+  points_.setFound(point, kept.found);
+  strains_[point] = kept.strain;
+  if (kept.unsettled && std::exchange(points_.unsettled[point], 1) == 0) waiting_.push_back(point);
+  if (kept.blocked && std::exchange(isBlocked_[point], Blocked::before) == Blocked::no) blocked_.push_back(point);
+  blockedBy_ = kept.found.stroke;
 }
 
 bool CpuSculpture::isAtRest(std::uint32_t point) const {
@@ -104,6 +123,7 @@ double CpuSculpture::reachOf(std::uint32_t point) const {
 }
 
 void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
+  PALPATE_CHECK_EQ(points_.spacings.size(), std::size_t{points_.fromFile});
   WorkerTeam::Burst burst(grid_.team());
   // Those that the unsettled points will need wake while the brush is applied: often about as many as last time.
   engaged_.atFirst = engage(burst, brush.acts() ? std::max(workUnder(brush, options_), refitWork_) : 0);
@@ -122,15 +142,16 @@ void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   claims_.begin(brush.stroke());
   moves_.reset();
   cuts_.reset();
-  if (carves_ && brush.acts() && resamples(brush)) cuts_ = brush;
-  if (brush.looksAhead() && brush.acts() && resamples(brush)) moves_ = brush;
+  resamples_ = brush.resamples();
+  if (carves_ && brush.acts() && resamples_) cuts_ = brush;
+  if (brush.looksAhead() && brush.acts()) moves_ = brush;
   if (brush.acts()) applyBrush(brush);
   findUnsettled(size);
   engaged_.unsettled = engage(burst, workOfPoint_ * static_cast<double>(unsettled_.size()));
   refit();
   settled_ = !someWait_;
-  if (resamples(brush))
-    resample();
+  if (resamples_ || moves_)
+    examine();
   else
     for (const std::uint32_t point : unsettled_) points_.unsettled[point] = 0;
   std::erase_if(waiting_, [&](std::uint32_t point) { return !points_.unsettled[point]; });
@@ -143,7 +164,7 @@ void CpuSculpture::takeSwallowed() {
   followInIndex();
 }
 
-void CpuSculpture::set(std::span<const PointChange> changes) {
+void CpuSculpture::receive(std::span<const PointChange> changes) {
   for (const PointChange& change : changes) {
     points_.set(change.to);
     strayed_.push_back(change.to.number());
@@ -152,6 +173,15 @@ void CpuSculpture::set(std::span<const PointChange> changes) {
   const auto again = std::ranges::unique(strayed_);
   strayed_.erase(again.begin(), again.end());
   makeRoom();
+  for (const std::uint32_t point : strayed_) {
+    strains_[point] = 0;
+    isBlocked_[point] = Blocked::no;
+  }
+  std::erase_if(waiting_, [&](std::uint32_t point) { return !points_.unsettled[point]; });
+  followInIndex();
+}
+
+void CpuSculpture::set(std::span<const PointChange> changes) {
   for (const std::uint32_t point : waiting_) points_.unsettled[point] = 0;
   for (const std::uint32_t point : waiting_) strains_[point] = 0;
   waiting_.clear();
@@ -159,7 +189,7 @@ void CpuSculpture::set(std::span<const PointChange> changes) {
   settled_ = true;
   someWait_ = false;
   backlog_ = {};
-  followInIndex();
+  receive(changes);
 }
 
 void CpuSculpture::followInIndex() {

@@ -11,10 +11,10 @@ namespace palpate {
 
 struct SculptOptions {
   double radius = 0;  ///< support radius, model units
-  /// Brushes that keep the density may insert points where the surface is stretched and merge them where it is crowded.
-  bool resample = true;
   IndexFollow index = IndexFollow::incremental;
   unsigned threads = 0;  ///< 0: one per core
+  /// Measures the spacings of all points as loaded. Brushes require spacings: without this those of setSpacings().
+  bool measures = true;
 };
 
 /// How much one edit does: a whole edit, or only as much as fits into a tick at 1 kHz on two cores.
@@ -24,8 +24,7 @@ enum class EditSize { whole, tick };
 /// points in the index.
 class CpuSculpture {
  public:
-  /// Copies the data it needs from `cloud`, which must have normals; builds the index and, if it keeps the density,
-  /// measures it.
+  /// Copies the data it needs from `cloud`, which must have normals; builds the index, and measures spacings if wanted.
   CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options);
 
   const SculptedPoints& points() const { return points_; }
@@ -58,10 +57,21 @@ class CpuSculpture {
   bool someWait() const { return someWait_ || !swallowed_.empty(); }
   /// The points that the last edit left waiting.
   const Backlog& backlog() const { return backlog_; }
-  /// Sets the state in which a continuing stroke found a point.
-  void setFound(std::uint32_t point, const SculptedPoints::Found& found) { points_.setFound(point, found); }
+  /// Sets the spacings of all points, model units: those that are 0 are measured.
+  void setSpacings(std::vector<float> known);
+  /// What a stroke keeps of a point that it has moved, from one edit to the next.
+  struct Kept {
+    SculptedPoints::Found found;
+    float strain = 0;
+    bool unsettled = false, blocked = false;
+  };
+  Kept kept(std::uint32_t point) const;
+  /// For the next edit, which continues the stroke.
+  void keep(std::uint32_t point, const Kept& kept);
   /// Sets points exactly; afterwards all are settled.
   void set(std::span<const PointChange> changes);
+  /// The same in a stroke: other points that are unsettled remain so.
+  void receive(std::span<const PointChange> changes);
 
  private:
   double reachOf(std::uint32_t point) const;
@@ -71,7 +81,6 @@ class CpuSculpture {
   bool isMoved(std::uint32_t point) const;
   void remove(std::uint32_t point);
   void followInIndex();
-  bool resamples(const PlacedBrush& brush) const { return options_.resample && brush.resamples(); }
   void applyBrush(const PlacedBrush& brush);
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point, const Vec3& place) const;
@@ -103,7 +112,7 @@ class CpuSculpture {
   bool requestsNothing(std::uint32_t point, const Surroundings& around, std::span<const std::uint32_t> closest) const;
   void request(const Part& part);
   void request(const Part& part, const CellGroups::Group& group, const Surroundings& around);
-  void resample();
+  void examine();
   void insertClaimed();
   void makeRoom();
   void tellOf(std::uint32_t point);
@@ -117,6 +126,7 @@ class CpuSculpture {
   double widestSpacing_ = 0;  // of all targets, model units
   std::uint64_t followed_ = 0;
   bool settled_ = true, carves_ = false, fills_ = true;
+  bool resamples_ = false;  // points are inserted and merged in this edit
   bool crowded_ = false;   // thousands of points are in one cell
   bool someWait_ = false;  // more points are unsettled than an edit processes
   Backlog backlog_;

@@ -19,7 +19,8 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
       tables_(Buffer::of<shared::PointTables>(device, 1, Memory::device, "point tables")),
       colors_(Buffer::of<std::uint32_t>(device, colors.empty() ? 0 : live.slots(), Memory::device, "live colors")),
       parents_(Buffer::of<std::uint32_t>(device, live.slots() - live.count(), Memory::device, "parents")),
-      founds_(Buffer::of<shared::Found>(device, live.slots(), Memory::device, "founds")) {
+      founds_(Buffer::of<shared::Found>(device, live.slots(), Memory::device, "founds")),
+      resample_(device, live, update_, radius) {
   CommandList list(device, device.latencyQueue(), "clear founds");
   list.begin();
   list.fill(founds_, 0, founds_.bytes());
@@ -30,27 +31,35 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
     std::ranges::copy(colors, byId.begin());
     upload(device, colors_, byId);
   }
-  if (brush.resample) resample_.emplace(device, live, update_, radius);
-  upload(device, tables_,
-         std::vector<shared::PointTables>{{.colors = colors.empty() ? 0 : colors_.address(),
+  uploadTables();
+  resample_.measure(view(live.front()), tables_.address());
+}
+
+void EditPass::setBrush(const BrushOptions& brush) {
+  moves_.setBrush(brush);
+  uploadTables();
+}
+
+void EditPass::uploadTables() {
+  upload(device_, tables_,
+         std::vector<shared::PointTables>{{.colors = colors_.bytes() == 0 ? 0 : colors_.address(),
                                            .parents = parents_.address(),
-                                           .spacings = resample_ ? resample_->spacings() : 0,
-                                           .rests = resample_ ? resample_->rests() : 0,
-                                           .reaches = resample_ ? resample_->reaches() : 0,
+                                           .spacings = resample_.spacings(),
+                                           .rests = resample_.rests(),
+                                           .reaches = resample_.reaches(),
                                            .founds = founds_.address(),
                                            .brush = moves_.address(),
                                            .tool = moves_.tool(),
-                                           .examined = resample_ ? resample_->examined() : 0,
-                                           .lists = resample_ ? resample_->lists() : 0,
+                                           .examined = resample_.examined(),
+                                           .lists = resample_.lists(),
                                            .moves = update_.moves(),
                                            .marks = update_.marks(),
                                            .touched = update_.touched(),
                                            .movesOf = update_.bySlot(),
-                                           .firstNew = live.count(),
-                                           .ids = live.slots(),
+                                           .firstNew = live_.count(),
+                                           .ids = live_.slots(),
                                            .mostMoves = update_.mostMoves(),
-                                           .unused = 0}});
-  if (resample_) resample_->measure(view(live.front()), tables_.address());
+                                           .resamples = resamples() ? 1u : 0u}});
 }
 
 Resample::Io EditPass::resampleIo(const shared::CloudView& cloud, std::uint32_t parity) const {
@@ -106,12 +115,12 @@ void EditPass::recordReached(CommandList& list, const LiveCloud::Half& from, Rea
 void EditPass::recordRestore(CommandList& list, const LiveCloud::Half& half, Given given, std::uint32_t flags) const {
   if (given == Given::offered) flags |= shared::kRestoreOffered;
   const shared::CloudView cloud = view(half);
-  const DeviceAddress lists = resample_ ? resample_->lists() : 0;
-  given_.record(list, {.cloud = cloud, .parity = half.parity, .tables = tables_.address(), .lists = lists}, flags);
+  given_.record(list,
+                {.cloud = cloud, .parity = half.parity, .tables = tables_.address(), .lists = resample_.lists()},
+                flags);
 }
 
 void EditPass::recordForget(CommandList& list, const LiveCloud::Half& half) const {
-  if (!resample_) return;
   const shared::CloudView cloud = view(half);
   moves_.recordRecalls(list, movesIo(cloud, half.parity), shared::kForgetsRequests);
 }
@@ -165,25 +174,25 @@ EditSequel::Io EditPass::sequelIo(const shared::CloudView& cloud, std::uint32_t 
   return {.cloud = cloud,
           .parity = parity,
           .tables = tables_.address(),
-          .lists = resamples() ? resample_->lists() : 0,
+          .lists = examines() ? resample_.lists() : 0,
           .scratch = scratch};
 }
 
 void EditPass::recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                             const Scratch& scratch, bool requests) const {
-  sequel_.record(list, sequelIo(cloud, parity, scratch), requests && resamples() ? shared::EditEnd{} : end());
+  sequel_.record(list, sequelIo(cloud, parity, scratch), requests && examines() ? shared::EditEnd{} : end());
 }
 
 void EditPass::recordRequests(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                               const Scratch& scratch) const {
-  if (!resamples()) return;
+  if (!examines()) return;
   const auto section = list.section("requests");
-  resample_->recordRequests(list, resampleIo(cloud, parity), scratch.changed, scratch.fitted, end());
+  resample_.recordRequests(list, resampleIo(cloud, parity), scratch.changed, scratch.fitted, end());
 }
 
 shared::EditEnd EditPass::end() const {
   return {.report = update_.reportAddress(),
-          .resampling = resamples() ? resample_->reportAddress() : 0,
+          .resampling = examines() ? resample_.reportAddress() : 0,
           .empty = update_.emptyCounters()};
 }
 
@@ -199,7 +208,7 @@ void EditPass::complete(std::vector<PointState>& points) const {
 std::uint64_t EditPass::mostLogged(Reach reach) const { return hasBox(reach) ? update_.mostMoves() : live_.slots(); }
 
 std::uint64_t EditPass::bytes() const {
-  return update_.bytes() + (resample_ ? resample_->bytes() : 0) + moves_.bytes() + given_.bytes() + tables_.bytes() +
+  return update_.bytes() + resample_.bytes() + moves_.bytes() + given_.bytes() + tables_.bytes() +
          colors_.bytes() + parents_.bytes() + founds_.bytes();
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 
 #include "engine/core/brush.hpp"
@@ -26,9 +25,8 @@ class EditPass {
   EditPass(const EditPass&) = delete;
   EditPass& operator=(const EditPass&) = delete;
 
-  /// Replaces the brush: lists recorded with the previous one must be recorded again. Nothing may run meanwhile. It
-  /// keeps the density only if the first brush did.
-  void setBrush(const BrushOptions& brush) { moves_.setBrush(brush); }
+  /// Replaces the brush: lists recorded with the previous one must be recorded again. Nothing may run meanwhile.
+  void setBrush(const BrushOptions& brush);
   /// Sets the tool of the edit that is submitted next. Not during an edit.
   void setTool(const BrushStroke::Tool& tool) { moves_.setTool(tool); }
 
@@ -60,7 +58,7 @@ class EditPass {
                         SortMethod sort) const;
 
   /// True if the last completed edit left requests: another one would change points even though no brush acts.
-  bool unsettled() const { return resamples() && resample_->unsettled(); }
+  bool unsettled() const { return resamples() && resample_.unsettled(); }
   /// Measures of the surface under the tool: sums over all edits so far.
   SurfaceMeasure measure() const;
   /// Result of the last completed edit.
@@ -81,7 +79,9 @@ class EditPass {
   using Scratch = EditSequel::Scratch;
 
   // Paint moves nothing, so it inserts and removes no points.
-  bool resamples() const { return resample_ && brush().resample && brush().kind != BrushKind::paint; }
+  bool resamples() const { return brush().resample && brush().kind != BrushKind::paint; }
+  // Whether points that have moved are examined: for requests, or to look ahead.
+  bool examines() const { return resamples() || shared::looksAhead(static_cast<std::uint32_t>(brush().kind)); }
   std::uint32_t recalls() const { return resamples() ? shared::kRecallsRequests : shared::kRecallsNothing; }
   // Lists for the passes that follow an update.
   Scratch scratch() const { return {.changed = update_.changed(), .fitted = update_.fitted()}; }
@@ -103,6 +103,7 @@ class EditPass {
   void recordReached(CommandList& list, const LiveCloud::Half& from, Reach reach) const;
   // Given changes. `flags`: shared::kRestore...
   void recordRestore(CommandList& list, const LiveCloud::Half& half, Given given, std::uint32_t flags) const;
+  void uploadTables();
   // Drops the requests of the last tick.
   void recordForget(CommandList& list, const LiveCloud::Half& half) const;
   // The passes after the index: normals and log. Ends the update, unless `requests` follow.
@@ -120,7 +121,7 @@ class EditPass {
   GivenChanges given_;
   EditSequel sequel_;
   Buffer tables_, colors_, parents_, founds_;
-  std::optional<Resample> resample_;
+  Resample resample_;
 };
 
 }  // namespace palpate

@@ -22,7 +22,7 @@ class EditSequel {
     const shared::CloudView& cloud;
     std::uint32_t parity;
     DeviceAddress tables;
-    DeviceAddress lists;  ///< of the resampling; 0 without it
+    DeviceAddress lists;  ///< of the resampling; 0 if points are not examined
     Scratch scratch;
   };
   /// `end`: completes the edit in the last of these passes, if no other pass follows.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "engine/core/check.hpp"
 #include "engine/core/widest_lanes.hpp"
 #include "engine/edit/resampling.hpp"
 #include "engine/spatial/cell_groups.hpp"
@@ -119,7 +120,8 @@ void forEachPart(SortedGrid& grid, std::size_t count, Body&& body) {
 }  // namespace
 
 std::vector<float> measuredSpacings(SortedGrid& grid, std::span<const Vec3> positions, std::span<const Vec3> normals,
-                                    double radius) {
+                                    double radius, std::vector<float> known) {
+  PALPATE_CHECK_EQ(known.size(), positions.size());
   const double least = static_cast<double>(shared::kMinSpacing) * radius;
   const double most = static_cast<double>(shared::kMaxSpacing) * radius;
   // Only the first of coincident points counts, so that thousands at one position cost no more than as many elsewhere.
@@ -134,13 +136,15 @@ std::vector<float> measuredSpacings(SortedGrid& grid, std::span<const Vec3> posi
     distinct->build(positions, counts);
   }
   const SortedGrid& counted = distinct ? *distinct : grid;
-  std::vector<float> spacings(positions.size());
   // In the order of the index, so that points of a cell are together.
   const std::span<const SortedGrid::Placed> all = grid.placed();
   forEachPart(grid, all.size(), [&](std::size_t begin, std::size_t end) {
     thread_local CellGroups groups;
     thread_local SpacingMeasure measure;
-    const std::span<const SortedGrid::Placed> points = all.subspan(begin, end - begin);
+    thread_local std::vector<SortedGrid::Placed> points;
+    points.clear();
+    for (const SortedGrid::Placed& point : all.subspan(begin, end - begin))
+      if (known[point.number] == 0) points.push_back(point);
     groups.assign(grid.grid(), points.size(),
                   [&](std::size_t i) { return std::pair(DVec3(points[i].position), radius); });
     for (const CellGroups::Group& group : groups.groups()) {
@@ -148,11 +152,11 @@ std::vector<float> measuredSpacings(SortedGrid& grid, std::span<const Vec3> posi
       for (const std::uint32_t i : groups.members(group)) {
         const std::uint32_t point = points[i].number;
         const double spacing = measure.at(DVec3(points[i].position), DVec3(normals[point]), radius);
-        spacings[point] = static_cast<float>(std::clamp(spacing, least, most));
+        known[point] = static_cast<float>(std::clamp(spacing, least, most));
       }
     }
   });
-  return spacings;
+  return known;
 }
 
 }  // namespace palpate

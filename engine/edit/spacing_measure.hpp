@@ -28,9 +28,9 @@ class SpacingMeasure {
   std::vector<std::uint32_t> sector_;
 };
 
-/// Returns the target spacing of each point of a cloud, from the points of its sheet within `radius`; model units.
-/// `grid` is the index of all points; its threads share the work.
+/// Returns the target spacing of each point of a cloud: where `known` is 0 as measured from the points of its sheet
+/// within `radius`; model units. `grid` is the index of all points; its threads share the work.
 std::vector<float> measuredSpacings(SortedGrid& grid, std::span<const Vec3> positions, std::span<const Vec3> normals,
-                                    double radius);
+                                    double radius, std::vector<float> known);
 
 }  // namespace palpate

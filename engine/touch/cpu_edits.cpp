@@ -84,7 +84,7 @@ void CpuEdits::carryOut() {
   standing_.clear();
   for (const PointChange& change : offered_.changes())
     if (sculpture_.points().state(change.to.number()) == change.from) standing_.push_back(change);
-  if (!standing_.empty()) sculpture_.set(standing_);
+  if (!standing_.empty()) sculpture_.receive(standing_);
   work_.states += standing_.size();
   report(standing_.size(), work_.inStroke);
   work_.time_us = watch.elapsed_us();

@@ -20,9 +20,9 @@ HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
 
 SculptOptions sculptOptions(const CpuTouchOptions& options) {
   return {.radius = options.radius / options.widening,
-          .resample = options.brush && options.brush->resample,
           .index = options.index,
-          .threads = options.threads};
+          .threads = options.threads,
+          .measures = options.brush.has_value()};
 }
 
 }  // namespace

@@ -45,20 +45,16 @@ MadeBackend makeBackend(const BackendSetup& setup) {
   const bool isShared = static_cast<bool>(model.share());
   // Edits of others require editable points, even if this hand has no brush.
   if (isShared && !brush) brush = brushOptions({.resample = false}, model.scale);
-  // Allocates for any later brush, which may keep the density.
-  std::optional<BrushOptions> widest = brush;
-  if (widest && !isShared) widest->resample = true;
   auto touch = setup.kind.make({.model = model,
                                 .config = config,
                                 .surface = setup.surface,
-                                .brush = widest,
+                                .brush = brush,
                                 .paintable = setup.paintable || isShared,
                                 .tools = toolsOf(config, model),
                                 .threads = setup.threads,
                                 .source = setup.source,
                                 .fusion = setup.source ? std::nullopt : setup.fusion,
                                 .engine = setup.engine});
-  if (brush && widest->resample != brush->resample) touch->setBrush(brush);
   if (isShared && !config.brush) touch->setBrush(std::nullopt);
   return {.touch = std::move(touch)};
 }

@@ -1,5 +1,6 @@
 #include "haptics/sharing/brick_sculptor.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "engine/core/clock.hpp"
@@ -82,23 +83,44 @@ void BrickSculptor::finish() {
   stroke_.end();
 }
 
+// Spacings of the points that this edit may move, and before the stroke changes them, of those around.
+void BrickSculptor::measureSpacings(CpuSculpture& sculpture) {
+  const PlacedBrush& brush = *work_.brush;
+  std::vector<float> spacings;
+  std::vector<std::uint32_t> measured;
+  for (std::uint32_t i = 0; i < work_.points.size(); ++i) {
+    const DVec3 away = glm::abs(DVec3(work_.points[i].position) - brush.center());
+    if (const auto known = work_.spacings.find(work_.points[i].number()); known != work_.spacings.end()) {
+      spacings.push_back(known->second);
+    } else if (std::max({away.x, away.y, away.z}) < 2 * brush.radius()) {
+      spacings.push_back(0);
+      measured.push_back(i);
+    } else {
+      spacings.push_back(static_cast<float>(radius_));  // the brush moves none of these: any value will do
+    }
+  }
+  sculpture.setSpacings(std::move(spacings));
+  for (const std::uint32_t i : measured) work_.spacings[work_.points[i].number()] = sculpture.points().spacings[i];
+}
+
 void BrickSculptor::edit() {
   const Stopwatch watch;
   const PlacedBrush& brush = *work_.brush;
   work_.points.clear();
   work_.changes.clear();
   work_.measure = {};
-  if (std::exchange(work_.stroke, brush.stroke()) != brush.stroke()) work_.founds.clear();
+  if (std::exchange(work_.stroke, brush.stroke()) != brush.stroke()) work_.kept.clear();
   // A point stays within twice the brush radius, and its normal depends on the points within a support radius.
   const DVec3 reach(2 * brush.radius() + 1.01 * radius_);
   source_.pointsIn(brush.center() - reach, brush.center() + reach, work_.points);
   if (!work_.points.empty()) {
     const PointCloud cloud = cloudOf(work_.points);
     CpuSculpture sculpture(cloud, makeHashGrid(Vec3(boundsOf(cloud).min), radius_, cloud.size(), BucketKey::teschner),
-                           {.radius = radius_, .resample = false, .threads = 1});
+                           {.radius = radius_, .threads = 1, .measures = false});
+    measureSpacings(sculpture);
     for (std::uint32_t i = 0; i < work_.points.size(); ++i)
-      if (const auto found = work_.founds.find(work_.points[i].number()); found != work_.founds.end())
-        sculpture.setFound(i, found->second);
+      if (const auto kept = work_.kept.find(work_.points[i].number()); kept != work_.kept.end())
+        sculpture.keep(i, kept->second);
     sculpture.edit(brush);
     work_.measure = sculpture.measure();
     for (const std::uint32_t number : sculpture.changed()) {
@@ -108,8 +130,9 @@ void BrickSculptor::edit() {
       to.parent = from.number();
       work_.changes.push_back({.from = from, .to = to});
       work_.ever.insert(from.number());
-      work_.founds[from.number()] = sculpture.points().lastFound(number);
     }
+    for (std::uint32_t i = 0; i < work_.points.size(); ++i)
+      if (sculpture.points().strokes[i] == brush.stroke()) work_.kept[work_.points[i].number()] = sculpture.kept(i);
   }
   if (!work_.changes.empty()) work_.version = source_.make(work_.changes);
   work_.time_us = watch.elapsed_us();

@@ -45,6 +45,7 @@ class BrickSculptor {
   bool finishedWithin(double budget_us);
   void start(double time_s, bool realtime);
   void edit();
+  void measureSpacings(CpuSculpture& sculpture);
 
   BrickSource& source_;
   double radius_;
@@ -60,7 +61,9 @@ class BrickSculptor {
   struct Work {
     std::optional<PlacedBrush> brush;
     SurfaceMeasure measure;
-    std::unordered_map<std::uint32_t, SculptedPoints::Found> founds;  // by the number of the point
+    // By the number of the point: what the stroke keeps of it, and spacings as loaded, model units.
+    std::unordered_map<std::uint32_t, CpuSculpture::Kept> kept;
+    std::unordered_map<std::uint32_t, float> spacings;
     std::uint32_t stroke = 0;
     double time_us = 0;
     std::uint64_t version = 0;  // version of the bricks that contains the edit

@@ -50,7 +50,7 @@ vec3 fittedNormal(vec3 center, vec3 old) {
 void main() {
   if (args.update.at[0].failed != 0) return;
   const uint changed = args.update.at[0].changed, head = args.head.at[0];
-  const uint tick = resamples(args.lists) ? args.lists.now.tick + 1 & kTickBits : 0;
+  const uint tick = examines(args.lists) ? args.lists.now.tick + 1 & kTickBits : 0;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
     const uint i = args.changed.at[which];
@@ -58,17 +58,17 @@ void main() {
     const vec4 before = args.cloud.normals.at[i];
     const uint id = floatBitsToUint(position.w);
     const bool refits = before.w == kMarkRefit;
-    const bool examines = refits && resamples(args.lists);
+    const bool isExamined = refits && examines(args.lists);
     // Loaded before the neighbours are visited, to hide the latency.
     const uint color = colorOf(args.tables, id);
     const uint parent = parentOf(args.tables, id);
     float spacing = kNotExamined;
-    if (examines) spacing = args.tables.at[0].spacings.at[parent];
+    if (isExamined) spacing = args.tables.at[0].spacings.at[parent];
     vec3 normal = before.xyz;
     if (refits) normal = fittedNormal(position.xyz, normal);
     if (subgroupElect()) {
       args.fitted.at[which] = vec4(normal, spacing);
-      if (examines) {
+      if (isExamined) {
         const uint noted = args.tables.at[0].examined.at[id];
         const uint blocked = (noted & kTickBits) == tick ? noted & kIsBlocked : 0;
         args.tables.at[0].examined.at[id] = kIsExamined | blocked | tick;

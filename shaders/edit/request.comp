@@ -1,9 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Keeps the surface evenly sampled: every point examined in this tick determines whether it crowds another one and is
-// to be removed, or whether there is a gap beside it that a new point should fill. One subgroup for each point. In
-// double precision, with the reasons: engine/edit/resampling.cpp. Nothing else in this tick waits for it: requests are
-// carried out in the next one.
+// Every point examined in this tick looks at what lies ahead of it, and keeps the surface evenly sampled: it determines
+// whether it crowds another one and is to be removed, or whether there is a gap beside it that a new point should fill.
+// Without resampling it only looks ahead. One subgroup for each point. In double precision, with the reasons:
+// engine/edit/cpu_requests.cpp and resampling.cpp. Nothing else in this tick waits for it: requests are carried out in
+// the next one.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/claims.glsl"
 #include "shaders/lib/edit_end.glsl"
@@ -43,7 +44,8 @@ Seen self;
 uint selfSlot;
 // Data of points, by their ids.
 uint tick, firstNew;
-bool fills;  // new points are requested: ids are left, or many would be requested in every tick
+bool requests;  // points may request anything
+bool fills;     // new points are requested: ids are left, or many would be requested in every tick
 Uints examinedOf, parentsOf;
 Floats spacings;
 Places rests;
@@ -202,6 +204,7 @@ void visitNeighbour(uint at) {
     if (carves && walk == kWalkAround) noteOutside(at, normal, d);
     if (cuts && walk == kWalkAround) noteFarSheet(normal, d);
     if (looks && walk == kWalkAround) noteAhead(at, normal, d);
+    if (!requests) return;
     if (!sameSheet(self.normal, normal)) slot |= kOtherSheet;
     if (carves && walk == kWalkBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
     keptNeighbours[at].w = uintBitsToFloat(slot);
@@ -350,6 +353,7 @@ uint takeUpGap() {
 
 // The next walk.
 uint nextWalk() {
+  if (!requests) return kWalkNoMore;
   if (walk == kWalkAround && isOutside()) {
     leaves = true;
     return kWalkNoMore;
@@ -405,6 +409,7 @@ void requestFor(uint id, vec3 center, uint sector) {
 
 void requestForAll() {
   tick = args.lists.now.tick & kTickBits;
+  requests = resamples(args.tables);
   fills = args.lists.now.nextId < args.tables.at[0].ids && args.tables.at[0].tool.at[0].tool.closes == 0;
   firstNew = args.tables.at[0].firstNew;
   examinedOf = args.tables.at[0].examined;
@@ -431,6 +436,7 @@ void requestForAll() {
     reach = id < firstNew ? mostReach : args.tables.at[0].reaches.at[id - firstNew];
     const bool isNoted = args.tables.at[0].founds.at[id].stroke == tool.stroke;
     looks = isNoted && tool.acts != 0 && looksAhead(kind);
+    if (!requests && !looks) continue;
     moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
     swallowed = cuts && carved(brush, tool, center, self.normal).taken != 0;
     foundAt = foundNormal = vec3(0.0);

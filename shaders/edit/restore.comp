@@ -13,14 +13,14 @@ void finish(uint i) {
   if (args.update.at[0].failed != 0 || !subgroupElect()) return;
   if (args.changes.at[i].from.id == kChangeLeftOut) return;
   const uint id = args.changes.at[i].to.id & ~kPointGone;
-  if (resamples(args.lists)) atomicMax(args.lists.now.nextId, id + 1);
+  atomicMax(args.lists.now.nextId, id + 1);
   if (!isNull(args.tables.at[0].colors)) args.tables.at[0].colors.at[id] = args.changes.at[i].to.color;
   args.tables.at[0].founds.at[id].stroke = 0;
   const uint firstNew = args.tables.at[0].firstNew;
   if (id < firstNew) return;
   args.tables.at[0].parents.at[id - firstNew] = args.changes.at[i].to.parent;
   // A point that no edit here has created has its rest position where it is given first.
-  if (resamples(args.lists) && floatBitsToUint(args.tables.at[0].rests.at[id].x) == kNeverRested)
+  if (floatBitsToUint(args.tables.at[0].rests.at[id].x) == kNeverRested)
     args.tables.at[0].rests.at[id] = args.changes.at[i].to.position;
 }
 

@@ -13,7 +13,7 @@ void settle() {
     args.cloud.normals.at[args.changed.at[which]] = vec4(args.fitted.at[which].xyz, 0.0);
   if (threadIndex() != 0) return;
   args.head.at[0] += changed + args.update.at[0].gone;
-  if (!resamples(args.lists)) return;
+  if (!examines(args.lists)) return;
   args.lists.now.requests = 0;
   args.lists.now.nextId += args.lists.now.births;
   args.lists.now.births = 0;

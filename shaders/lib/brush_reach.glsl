@@ -14,10 +14,8 @@ void takeUpBrush(Brushes brushes, BrushTools tools) {
 
 // A point as the stroke found it.
 FoundPoint foundPoint(uint id, vec3 position, vec3 normal) {
-  if (args.tables.at[0].founds.at[id].stroke != tool.stroke) {
-    const bool looks = looksAhead(brush.kind) && resamples(args.tables.at[0].lists);
-    return FoundPoint(position, normal, looks ? kFirstStep * brush.support : kUnseen);
-  }
+  if (args.tables.at[0].founds.at[id].stroke != tool.stroke)
+    return FoundPoint(position, normal, looksAhead(brush.kind) ? kFirstStep * brush.support : kUnseen);
   return FoundPoint(args.tables.at[0].founds.at[id].position, args.tables.at[0].founds.at[id].normal,
                     args.tables.at[0].founds.at[id].room);
 }
@@ -41,8 +39,7 @@ PointMove stayingMove(uint slot, vec4 position, vec3 normal) {
 // The reach of a point that the brush moves is the full one again.
 void resetReach(uint id) {
   const uint firstNew = args.tables.at[0].firstNew;
-  if (id >= firstNew && uvec2(args.tables.at[0].reaches) != uvec2(0))
-    args.tables.at[0].reaches.at[id - firstNew] = kReach * brush.support;
+  if (id >= firstNew) args.tables.at[0].reaches.at[id - firstNew] = kReach * brush.support;
 }
 
 // Whether the tool may reach a point.
@@ -87,7 +84,7 @@ bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out Po
   if (result.taken != 0) {
     // Resampling removes it in the next edit, by its own request: until then the near sheet of a plate sees the far
     // one.
-    if (!resamples(args.tables.at[0].lists)) move.toBucket = kNoBucket;
+    if (!resamples(args.tables)) move.toBucket = kNoBucket;
     return true;
   }
   move.position = result.position;

@@ -34,7 +34,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Res
 };
 
 bool isNull(Uints address) { return uvec2(address) == uvec2(0); }
-bool resamples(ResampleLists lists) { return uvec2(lists) != uvec2(0); }
+bool examines(ResampleLists lists) { return uvec2(lists) != uvec2(0); }
+bool resamples(Tables tables) { return tables.at[0].resamples != 0; }
 
 uint colorOf(Tables tables, uint id) {
   if (isNull(tables.at[0].colors)) return 0;

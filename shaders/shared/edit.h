@@ -64,7 +64,7 @@ struct PointTables {
   uint firstNew;
   uint ids;
   uint mostMoves;  // capacity of the list; the same for requests
-  uint unused;
+  uint resamples;  // 0: points look ahead, but none is inserted or merged
 };
 PALPATE_SIZE(PointTables, 128);
 
@@ -151,7 +151,7 @@ struct SettleArgs {
 };
 PALPATE_SIZE(SettleArgs, 120);
 
-// New requests, and the granted ones among those for new points.
+// What moved points see ahead, new requests, and the granted ones among those for new points.
 struct RequestArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;

@@ -73,8 +73,7 @@ TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
     const PlacedBrush brush = brushAt(options, scene.radius, hip, spring);
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
     // In its first tick a point has not looked ahead yet.
-    const double room =
-        options.resample ? static_cast<double>(shared::kFirstStep) * scene.radius : double{shared::kUnseen};
+    const double room = static_cast<double>(shared::kFirstStep) * scene.radius;
     std::size_t count = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
       const DVec3 before(scene.cloud.positions[i]), normal(scene.cloud.normals[i]);

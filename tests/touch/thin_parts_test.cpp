@@ -141,9 +141,10 @@ Rest atRest(TouchBackend& touch, double top, double depth, double aside) {
           .states = touch.edits()->progress().states - states};
 }
 
-TouchWanted wanted(BrushKind kind) {
+TouchWanted wanted(BrushKind kind, bool resample = true) {
   return {.radius = kSupport,
-          .brush = BrushOptions{.kind = kind, .yieldDepth = kTau, .pushRate = 0.1, .radius = kBrush}};
+          .brush = BrushOptions{
+              .kind = kind, .yieldDepth = kTau, .pushRate = 0.1, .radius = kBrush, .resample = resample}};
 }
 
 }  // namespace
@@ -166,6 +167,32 @@ TEST_CASE_FIXTURE(OnBackEnd, "a push into a leaf stops a spacing before its far 
     // Where it is thick enough, the floor of the trench is a spacing over the far side.
     if (thickness > kSpacing) CHECK(judged.median < std::max(kSpacing, thickness - 2 * kSpacing) + 0.3 * kSpacing);
     CHECK(judged.median > 0.5 * std::min(kSpacing, thickness));
+  }
+}
+
+TEST_CASE_FIXTURE(OnBackEnd, "without resampling, too, no side of a plate that is pushed deeply passes the other") {
+  constexpr double kThickness = 1, kDeep = 5;
+  const Sheet plate = makeSheet(40, 16, kThickness, [](double) { return 0.0; });
+  for (const BrushKind kind : {BrushKind::push, BrushKind::flatten}) {
+    CAPTURE(int(kind));
+    const auto touch = make(plate.cloud, wanted(kind, false));
+    const double deep = 0.5 * kThickness - kDeep;
+    const PointCloud after = pushed(*touch, plate, {-5, 0, deep}, {5, 0, deep});
+    REQUIRE(after.size() == plate.cloud.size());
+    std::size_t pressed = 0, through = 0, far = 0, turned = 0;
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      const bool isNear = i < plate.eachSide;
+      const double z = after.positions[i].z, down = plate.cloud.positions[i].z - after.positions[i].z;
+      pressed += isNear && down > 0.3 * kThickness;
+      through += isNear && z < -0.5 * kThickness + 0.5 * kSpacing;
+      far += !isNear && plate.cloud.normals[i].z < -0.9f &&
+             (after.positions[i] != plate.cloud.positions[i] || after.normals[i] != plate.cloud.normals[i]);
+      turned += glm::dot(after.normals[i], plate.cloud.normals[i]) < 0.5f;
+    }
+    CHECK(pressed > 100);
+    CHECK(through == 0);
+    CHECK(far == 0);
+    CHECK(turned == 0);
   }
 }
 
