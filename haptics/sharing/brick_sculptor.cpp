@@ -57,7 +57,7 @@ void BrickSculptor::start(double time_s, bool realtime) {
     ++statistics_.shortfalls.editsTooSlow;
     return;
   }
-  work_.brush.emplace(*brush_, radius_, stroke_.next(time_s));
+  work_.brush.emplace(*brush_, radius_, stroke_.next(time_s, work_.backlog));
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
   time_s_ = time_s;
   isUnderWay_ = true;
@@ -109,6 +109,7 @@ void BrickSculptor::edit() {
   work_.points.clear();
   work_.changes.clear();
   work_.measure = {};
+  work_.backlog = {};
   if (std::exchange(work_.stroke, brush.stroke()) != brush.stroke()) work_.kept.clear();
   // A point stays within twice the brush radius, and its normal depends on the points within a support radius.
   const DVec3 reach(2 * brush.radius() + 1.01 * radius_);
@@ -123,6 +124,7 @@ void BrickSculptor::edit() {
         sculpture.keep(i, kept->second);
     sculpture.edit(brush);
     work_.measure = sculpture.measure();
+    work_.backlog = sculpture.backlog();
     for (const std::uint32_t number : sculpture.changed()) {
       const PointState& from = work_.points[number];
       PointState to = sculpture.points().state(number);

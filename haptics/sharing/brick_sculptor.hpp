@@ -61,6 +61,7 @@ class BrickSculptor {
   struct Work {
     std::optional<PlacedBrush> brush;
     SurfaceMeasure measure;
+    Backlog backlog;
     // By the number of the point: what the stroke keeps of it, and spacings as loaded, model units.
     std::unordered_map<std::uint32_t, CpuSculpture::Kept> kept;
     std::unordered_map<std::uint32_t, float> spacings;

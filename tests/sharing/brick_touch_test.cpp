@@ -230,6 +230,55 @@ TEST_CASE("in virtual time each brush edits the points around a hand as it edits
     }
 }
 
+TEST_CASE("a deep push of a plate whose bricks are joined leaves its far side, as in a whole cloud, bit by bit") {
+  constexpr double kThickness = 1;
+  Scene plate{.spacing = 0.5, .radius = 2};
+  for (const double side : {1.0, -1.0})
+    for (double y = -15; y <= 15; y += plate.spacing)
+      for (double x = -20; x <= 20; x += plate.spacing) {
+        plate.cloud.positions.emplace_back(Vec3(x, y, 0.5 * side * kThickness));
+        plate.cloud.normals.emplace_back(0, 0, side);
+      }
+  // Under the larger brush some points wait for their turn.
+  for (const double radius : {6.0, 12.0}) {
+    CAPTURE(radius);
+    const BrushOptions brush{
+        .kind = BrushKind::push, .yieldDepth = 0.25, .pushRate = 0.3, .radius = radius, .resample = false};
+    CpuTouch whole(plate.cloud, {.radius = plate.radius, .brush = brush, .threads = 1});
+    BrickHand hand(plate, {.brush = brush});
+    hand.source.apply(hand.bricks.whole(DVec3(-60), DVec3(60)));
+    for (int tick = 0; tick < 200; ++tick) {
+      const double down = std::min(1.0, tick / 80.0), aside = std::clamp((tick - 80) / 60.0, 0.0, 1.0);
+      const Pose pose{.time_s = 1e-3 * tick, .hip = DVec3(4 * aside - 2, 0, 1 - 5 * down)};
+      whole.query(pose, 0);
+      hand.touch->query(pose, 0);
+    }
+    hand.touch->finish();
+    whole.finish();
+    PointCloud there = plate.cloud;
+    CHECK(whole.readBack(there) > 100);
+    std::vector<PointState> made, states = statesOf(plate.cloud);
+    hand.source.takeMade(made);
+    for (const PointState& state : made) states[state.number()] = state;
+    const PointCloud here = editedCloud(plate.cloud, states);
+    CHECK(here.positions == there.positions);
+    std::size_t pressed = 0, through = 0, far = 0, turned = 0;
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      const bool isNear = i < here.size() / 2;
+      pressed += isNear && here.positions[i].z < plate.cloud.positions[i].z - 0.3 * kThickness;
+      through += isNear && here.positions[i].z < -0.5 * kThickness + 0.5 * plate.spacing;
+      far += !isNear && here.positions[i] != plate.cloud.positions[i];
+      turned += glm::dot(here.normals[i], plate.cloud.normals[i]) < 0.5f;
+      // Components that are zero but for rounding depend on the order of the neighbours.
+      CHECK(glm::distance(here.normals[i], there.normals[i]) < 1e-7f);
+    }
+    CHECK(pressed > 100);
+    CHECK(through == 0);
+    CHECK(far == 0);
+    CHECK(turned == 0);
+  }
+}
+
 TEST_CASE("in real time an edit waits until the last one is felt, so that a brush goes no deeper than the hand" *
           kClock) {
   const Scene scene = makeScene("sphere", 20'000);

@@ -171,13 +171,13 @@ TEST_CASE_FIXTURE(OnBackEnd, "a push into a leaf stops a spacing before its far 
 }
 
 TEST_CASE_FIXTURE(OnBackEnd, "without resampling, too, no side of a plate that is pushed deeply passes the other") {
-  constexpr double kThickness = 1, kDeep = 5;
+  constexpr double kThickness = 1;
   const Sheet plate = makeSheet(40, 16, kThickness, [](double) { return 0.0; });
-  for (const BrushKind kind : {BrushKind::push, BrushKind::flatten}) {
-    CAPTURE(int(kind));
-    const auto touch = make(plate.cloud, wanted(kind, false));
-    const double deep = 0.5 * kThickness - kDeep;
-    const PointCloud after = pushed(*touch, plate, {-5, 0, deep}, {5, 0, deep});
+  for (const double depth : {2.0, 6.0}) {
+    CAPTURE(depth);
+    const auto touch = make(plate.cloud, wanted(BrushKind::push, false));
+    const DVec3 aside(5, 0, 0), deep(0, 0, 0.5 * kThickness - depth);
+    const PointCloud after = pushed(*touch, plate, deep - aside, deep + aside);
     REQUIRE(after.size() == plate.cloud.size());
     std::size_t pressed = 0, through = 0, far = 0, turned = 0;
     for (std::size_t i = 0; i < after.size(); ++i) {
