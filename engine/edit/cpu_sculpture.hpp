@@ -43,9 +43,10 @@ class CpuSculpture {
   /// Number of edits and sets whose changes the index followed without a build.
   std::uint64_t followed() const { return followed_; }
 
-  /// One tick: applies the brush, if it acts; then the unsettled points get the normals of their surroundings and are
-  /// resampled: if they are more than `size` allows, those that have moved furthest since they last were; the others
-  /// follow in the next edits. A whole edit allows 1024 points or a sixteenth of all, whichever is more.
+  /// One tick: applies the brush, if it acts; then the unsettled points get the normals of their surroundings, look
+  /// ahead, and are resampled if the brush resamples: if they are more than `size` allows, those that have moved
+  /// furthest since they last were; the others follow in the next edits. A whole edit allows 1024 points or a sixteenth
+  /// of all, whichever is more.
   void edit(const PlacedBrush& brush, EditSize size = EditSize::whole);
   /// The last edit's measure of the surface under its brush.
   const SurfaceMeasure& measure() const { return measure_; }
@@ -127,8 +128,8 @@ class CpuSculpture {
   std::uint64_t followed_ = 0;
   bool settled_ = true, carves_ = false, fills_ = true;
   bool resamples_ = false;  // points are inserted and merged in this edit
-  bool crowded_ = false;   // thousands of points are in one cell
-  bool someWait_ = false;  // more points are unsettled than an edit processes
+  bool crowded_ = false;    // thousands of points are in one cell
+  bool someWait_ = false;   // more points are unsettled than an edit processes
   Backlog backlog_;
   double refitWork_ = 0, workOfPoint_;  // of the last edit, and its mean
   Engaged engaged_;

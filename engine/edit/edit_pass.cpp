@@ -115,8 +115,7 @@ void EditPass::recordReached(CommandList& list, const LiveCloud::Half& from, Rea
 void EditPass::recordRestore(CommandList& list, const LiveCloud::Half& half, Given given, std::uint32_t flags) const {
   if (given == Given::offered) flags |= shared::kRestoreOffered;
   const shared::CloudView cloud = view(half);
-  given_.record(list,
-                {.cloud = cloud, .parity = half.parity, .tables = tables_.address(), .lists = resample_.lists()},
+  given_.record(list, {.cloud = cloud, .parity = half.parity, .tables = tables_.address(), .lists = resample_.lists()},
                 flags);
 }
 
@@ -208,8 +207,8 @@ void EditPass::complete(std::vector<PointState>& points) const {
 std::uint64_t EditPass::mostLogged(Reach reach) const { return hasBox(reach) ? update_.mostMoves() : live_.slots(); }
 
 std::uint64_t EditPass::bytes() const {
-  return update_.bytes() + resample_.bytes() + moves_.bytes() + given_.bytes() + tables_.bytes() +
-         colors_.bytes() + parents_.bytes() + founds_.bytes();
+  return update_.bytes() + resample_.bytes() + moves_.bytes() + given_.bytes() + tables_.bytes() + colors_.bytes() +
+         parents_.bytes() + founds_.bytes();
 }
 
 std::uint64_t EditPass::predictedBytes(std::uint64_t points, bool colors) {

@@ -37,8 +37,8 @@ class EditPass {
   Reach reach() const { return moves_.box() == BrushMoves::Box::far ? Reach::far : Reach::near; }
 
   // Edits by the brush, with the tool of the time of execution; recorded ahead. Two sections: "edit", after which
-  // points, index, normals and log are complete, and "requests", which prepares the insertions and removals of the next
-  // edit.
+  // points, index, normals and log are complete, and "requests", in which points look ahead, and the insertions and
+  // removals of the next edit are prepared.
   /// At the cost of the points reached: the points on `half` and their index change in place.
   void recordIncremental(CommandList& list, const LiveCloud::Half& half, Reach reach) const;
   /// With a rebuild: reads `from` and writes `to`; the caller flips the cloud.
@@ -109,7 +109,7 @@ class EditPass {
   // The passes after the index: normals and log. Ends the update, unless `requests` follow.
   void recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, const Scratch& scratch,
                     bool requests) const;
-  // Requests of insertions and removals for the next edit. Ends the update.
+  // How far points may go on, and requests of insertions and removals for the next edit. Ends the update.
   void recordRequests(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                       const Scratch& scratch) const;
 

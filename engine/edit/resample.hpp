@@ -5,9 +5,10 @@
 
 namespace palpate {
 
-/// Keeps the surface whole while it is sculpted: inserts points where an edit stretches it, merges them where it crowds
-/// them. The GPU's side of engine/edit/resampling.hpp. A point's request at the end of a tick is carried out with the
-/// next edit, and points with requests are examined again until none is left.
+/// Examines the points that a stroke has moved. They look at what lies ahead of them (shaders/shared/look_ahead.h), and
+/// if the brush resamples, the surface is kept whole: points are inserted where an edit stretches it, and merged where
+/// it crowds them. The GPU's side of engine/edit/resampling.hpp. A point's request at the end of a tick is carried out
+/// with the next edit, and points with requests are examined again until none is left.
 class Resample {
  public:
   /// `radius`: support radius, model units.
@@ -22,8 +23,8 @@ class Resample {
     DeviceAddress tables;
     const HashUpdate& lists;
   };
-  /// Computes new requests, once the index is updated and normals are fitted. The last passes of an edit; the force
-  /// does not wait for them.
+  /// Points look ahead, and make new requests, once the index is updated and normals are fitted. The last passes of an
+  /// edit; the force does not wait for them.
   void recordRequests(CommandList& list, const Io& io, DeviceAddress changed, DeviceAddress fitted,
                       const shared::EditEnd& end) const;
   /// Address at which the last pass of an edit reports its Resampling to the host.

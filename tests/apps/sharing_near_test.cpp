@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/io/cloud_formats.hpp"
 #include "tests/apps/running_program.hpp"
 #include "tests/apps/serving.hpp"
 #include "tests/apps/window_play.hpp"
@@ -125,6 +126,44 @@ TEST_CASE("a client with only nearby points sculpts like the file, byte for byte
     CHECK(pointsOf(in(later.c_str())) == pointsOf(in(saved.c_str())));
     CHECK(serving.program.wait(SIGINT) == 0);
     CHECK(jsonOf(in("s.json"))["states"] == near["sent"]);
+  }
+}
+
+TEST_CASE("hands that join a thin plate, with all of its points or only nearby ones, push no side through the other") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  constexpr double kThickness = 1, kSpacing = 0.5;
+  std::ostringstream points;
+  std::size_t eachSide = 0;
+  for (const double side : {1.0, -1.0})
+    for (double y = -12; y <= 12; y += kSpacing)
+      for (double x = -15; x <= 15; x += kSpacing, eachSide += side > 0)
+        points << x << ' ' << y << ' ' << 0.5 * side * kThickness << " 0 0 " << side << '\n';
+  std::ofstream(in("m.ply")) << "ply\nformat ascii 1.0\nelement vertex " << 2 * eachSide
+                             << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+                                "property float ny\nproperty float nz\nend_header\n"
+                             << points.str();
+  const PointCloud before = readCloud(in("m.ply")).cloud;
+  REQUIRE(before.size() == 2 * eachSide);
+  std::ofstream(in("deep.csv")) << "t_s,x,y,z\n0,-3,0,2\n0.1,-3,0,-4\n0.3,3,0,-4\n0.4,3,0,2\n";
+  const std::string push = " --edit push --brush-radius 5 --path " + in("deep.csv");
+  for (const std::string& how : {std::string(" --backend vulkan"), std::string(" --backend cpu --partial")}) {
+    CAPTURE(how);
+    Serving serving(in("m.ply") + " --name plate --mm-per-unit 1 --save " + in("end.ply"), folder / "said");
+    works("touch --join plate" + domain() + how + push);
+    CHECK(serving.program.wait(SIGINT) == 0);
+    const PointCloud after = readCloud(in("end.ply")).cloud;
+    REQUIRE(after.size() == before.size());
+    std::size_t pressed = 0, through = 0, far = 0;
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      pressed += i < eachSide && after.positions[i].z < 0.2 * kThickness;
+      through += i < eachSide && after.positions[i].z < -0.5 * kThickness + 0.5 * kSpacing;
+      far += i >= eachSide && after.positions[i] != before.positions[i];
+    }
+    CHECK(pressed > 50);
+    CHECK(through == 0);
+    CHECK(far == 0);
   }
 }
 

@@ -2,9 +2,11 @@
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
+#include "engine/matter/soft_brush.hpp"
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_sculpture.hpp"
 #include "engine/matter/soft_world.hpp"
+#include "tests/edit/tool_at.hpp"
 #include "tests/matter/soft_bodies.hpp"
 #include "tests/matter/soft_truths.hpp"
 
@@ -228,6 +230,26 @@ TEST_CASE("pinned nodes yield to no brush, and their neighbours do") {
     CHECK(body.body.displacements()[i] == Vec3(0));
   }
   CHECK(beside > 5e-4);
+}
+
+TEST_CASE("a push into a thin soft plate on the floor stops before its far side, however deep the hand is") {
+  for (const int cells : {1, 2}) {
+    CAPTURE(cells);
+    TestBody body(block({14, cells, 14}), kJelly, std::array{PlaceBox{DVec3(-1, -1e-6, -1), DVec3(1, 1e-6, 1)}});
+    Sculptor sculptor(body);
+    const BrushOptions push{.yieldDepth = 0, .pushRate = 0.3, .radius = 4};
+    const PlacedBrush brush = brushAt(push, 2, DVec3(7, -1, 7), DVec3(0, 1 + cells, 0));
+    std::vector<Vec3> before;
+    for (std::uint32_t i = 0; i < sculptor.surface.size(); ++i)
+      before.push_back(sculptor.surface.placeOf(body.body, i));
+    for (int tick = 0; tick < 100; ++tick) sculpt(sculptor.sculpture, brush, kSoftSpacing_m);
+    double lowest = cells;
+    for (std::uint32_t i = 0; i < before.size(); ++i)
+      if (before[i].y > 0.999 * cells * kSoftSpacing_m)
+        lowest = std::min(lowest, double{sculptor.surface.placeOf(body.body, i).y} / kSoftSpacing_m);
+    CHECK(lowest < 0.7 * cells);
+    CHECK(lowest > 0.1 * cells);
+  }
 }
 
 TEST_CASE("a bar sculpted at its end has its stiffness unchanged elsewhere") {

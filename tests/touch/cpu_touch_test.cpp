@@ -85,7 +85,7 @@ TEST_CASE("on the CPU a HIP that is not a number gives an invalid contact, and t
   touch.finish();
 }
 
-TEST_CASE("an edited tick moves each point as the brush specifies, at most a quarter of a support radius") {
+TEST_CASE("a stroke's first edit moves each point as the brush specifies, by a first step at most") {
   const Scene scene = makeScene("sphere", 20'000);
   const BrushOptions options{.yieldDepth = 0.2, .pushRate = 1, .radius = 9, .resample = false};
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = options});
@@ -95,7 +95,7 @@ TEST_CASE("an edited tick moves each point as the brush specifies, at most a qua
   touch.finish();
   PointCloud after = scene.cloud;
   CHECK(touch.readBack(after) > 30);
-  const double longestMove = static_cast<double>(shared::kLongestMove) * scene.radius;
+  const double room = static_cast<double>(shared::kFirstStep) * scene.radius;
   BrushStroke stroke(scene.radius);
   stroke.setBrush(options);
   stroke.feel(contact, hip, contact.proxy - hip, Press::contact, 0);
@@ -104,12 +104,11 @@ TEST_CASE("an edited tick moves each point as the brush specifies, at most a qua
   double furthest = 0;
   for (std::size_t i = 0; i < after.size(); ++i) {
     const DVec3 before(scene.cloud.positions[i]), normal(scene.cloud.normals[i]);
-    wrong +=
-        after.positions[i] != Vec3(brush.brushed(before, normal, {before, normal, double{shared::kUnseen}}).position);
+    wrong += after.positions[i] != Vec3(brush.brushed(before, normal, {before, normal, room}).position);
     furthest = std::max(furthest, glm::distance(DVec3(after.positions[i]), before));
   }
   CHECK(wrong == 0);
-  CHECK(furthest == near(longestMove, 1e-4));
+  CHECK(furthest == near(room, 1e-4));
 }
 
 TEST_CASE("in real time an edit beyond the budget is bridged by the last answer, and edits that are too slow pause") {

@@ -142,9 +142,9 @@ Rest atRest(TouchBackend& touch, double top, double depth, double aside) {
 }
 
 TouchWanted wanted(BrushKind kind, bool resample = true) {
-  return {.radius = kSupport,
-          .brush = BrushOptions{
-              .kind = kind, .yieldDepth = kTau, .pushRate = 0.1, .radius = kBrush, .resample = resample}};
+  return {
+      .radius = kSupport,
+      .brush = BrushOptions{.kind = kind, .yieldDepth = kTau, .pushRate = 0.1, .radius = kBrush, .resample = resample}};
 }
 
 }  // namespace
