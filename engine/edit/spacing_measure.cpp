@@ -122,6 +122,7 @@ void forEachPart(SortedGrid& grid, std::size_t count, Body&& body) {
 std::vector<float> measuredSpacings(SortedGrid& grid, std::span<const Vec3> positions, std::span<const Vec3> normals,
                                     double radius, std::vector<float> known) {
   PALPATE_CHECK_EQ(known.size(), positions.size());
+  if (std::ranges::find(known, 0.0f) == known.end()) return known;
   const double least = static_cast<double>(shared::kMinSpacing) * radius;
   const double most = static_cast<double>(shared::kMaxSpacing) * radius;
   // Only the first of coincident points counts, so that thousands at one position cost no more than as many elsewhere.

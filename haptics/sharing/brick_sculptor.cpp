@@ -1,6 +1,7 @@
 #include "haptics/sharing/brick_sculptor.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/core/clock.hpp"
@@ -83,24 +84,27 @@ void BrickSculptor::finish() {
   stroke_.end();
 }
 
-// Spacings of the points that this edit may move, and before the stroke changes them, of those around.
+// Spacings of the points that this edit may move. They are measured before the stroke changes any point around them, of
+// many at a time.
 void BrickSculptor::measureSpacings(CpuSculpture& sculpture) {
-  const PlacedBrush& brush = *work_.brush;
-  std::vector<float> spacings;
-  std::vector<std::uint32_t> measured;
+  const double reach = work_.brush->radius(), soon = reach + radius_;
+  std::vector<float> spacings(work_.points.size(), static_cast<float>(radius_));  // any value, where no point moves
+  std::vector<std::uint32_t> unknown;
+  bool isAnySoon = false;
   for (std::uint32_t i = 0; i < work_.points.size(); ++i) {
-    const DVec3 away = glm::abs(DVec3(work_.points[i].position) - brush.center());
+    const DVec3 away = DVec3(work_.points[i].position) - work_.brush->center();
+    if (std::max({std::abs(away.x), std::abs(away.y), std::abs(away.z)}) >= 2 * reach) continue;
     if (const auto known = work_.spacings.find(work_.points[i].number()); known != work_.spacings.end()) {
-      spacings.push_back(known->second);
-    } else if (std::max({away.x, away.y, away.z}) < 2 * brush.radius()) {
-      spacings.push_back(0);
-      measured.push_back(i);
+      spacings[i] = known->second;
     } else {
-      spacings.push_back(static_cast<float>(radius_));  // the brush moves none of these: any value will do
+      unknown.push_back(i);
+      isAnySoon = isAnySoon || glm::dot(away, away) < soon * soon;
     }
   }
+  if (!isAnySoon) unknown.clear();
+  for (const std::uint32_t i : unknown) spacings[i] = 0;
   sculpture.setSpacings(std::move(spacings));
-  for (const std::uint32_t i : measured) work_.spacings[work_.points[i].number()] = sculpture.points().spacings[i];
+  for (const std::uint32_t i : unknown) work_.spacings[work_.points[i].number()] = sculpture.points().spacings[i];
 }
 
 void BrickSculptor::edit() {

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <numbers>
 #include <random>
@@ -171,6 +172,31 @@ TEST_CASE("the normals of sculpted points are those of their neighbours one by o
     }
   }
   CHECK(refitted >= 500);
+}
+
+TEST_CASE("points that wait for their turn in a stroke have it, though changes of others are received meanwhile") {
+  const PointCloud cloud = ballOf(60'000);
+  const double radius = 1.5 * supportFor(cloud.size());
+  const HashGrid grid = makeHashGrid(Vec3(-kShapeRadius), radius, cloud.size());
+  const BrushOptions push{.yieldDepth = 0.5, .pushRate = 0.3, .radius = 12, .resample = false};
+  const PlacedBrush down = brushAt(push, radius, DVec3(0, 0, 44), DVec3(0, 0, 6));
+  CpuSculpture alone(cloud, grid, {.radius = radius, .threads = 1}), joined(cloud, grid, {.radius = radius});
+  std::uint32_t far = 0;
+  for (std::uint32_t i = 0; i < cloud.size(); ++i)
+    if (cloud.positions[i].z < cloud.positions[far].z) far = i;
+  std::size_t waited = 0;
+  for (int tick = 0; tick < 40; ++tick) {
+    alone.edit(down, EditSize::tick);
+    joined.edit(down, EditSize::tick);
+    waited += joined.someWait();
+    PointState painted = joined.points().state(far);
+    painted.color = 0xff000000u + static_cast<std::uint32_t>(tick);
+    joined.receive(std::array{PointChange{.from = joined.points().state(far), .to = painted}});
+  }
+  CHECK(waited > 20);
+  CHECK(joined.points().colors[far] == 0xff000027u);
+  CHECK(joined.points().positions == alone.points().positions);
+  CHECK(joined.points().normals == alone.points().normals);
 }
 
 TEST_CASE("an edit for a tick refits few points, the furthest moved first, and the rest follows to the same surface") {
