@@ -159,7 +159,7 @@ void addReadBench(Options& bench, Context& context, Command& command);
 /// by the points before and after (engine/study/edit_judge.hpp).
 void addLocalityBench(Options& bench, Context& context, Command& command);
 /// Random strokes of every brush, half of them on thin parts, folds and borders, judged by the points before and after
-/// (apps/bench/stroke_judge.hpp).
+/// (engine/study/stroke_judge.hpp).
 void addStrokesBench(Options& bench, Context& context, Command& command);
 
 }  // namespace palpate

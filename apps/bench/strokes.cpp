@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/stroke_judge.hpp"
+#include "engine/study/stroke_judge.hpp"
 #include "engine/cloud/counter_random.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/spacing.hpp"
@@ -312,9 +312,8 @@ constexpr Reported<StrokeResult> kStrokeRows[]{
      [](const StrokeResult& r) -> Value { return r.verdict.raisedPoints; }},
     {"through", "", "of these, points above a side that faced away from theirs",
      [](const StrokeResult& r) -> Value { return r.verdict.through; }},
-    {"turned", "", "normals against the surface of their neighbours",
+    {"turned", "", "normals against the side to which the surface has carried them",
      [](const StrokeResult& r) -> Value { return r.verdict.turned; }},
-    {"turned_before", "", "the same before", [](const StrokeResult& r) -> Value { return r.verdict.turnedBefore; }},
     {"shreds", "", "points with fewer than three neighbours, or off the plane of their neighbours",
      [](const StrokeResult& r) -> Value { return r.verdict.shreds; }},
     {"shreds_before", "", "the same before", [](const StrokeResult& r) -> Value { return r.verdict.shredsBefore; }},
@@ -376,9 +375,9 @@ void printStroke(std::FILE* out, const StrokeResult& r) {
   fmt::print(
       out,
       "{:>5} {:<16}{:<8}{:<7} r {:>4.1f} depth {:>4.1f} drag {:>4.0f} {:>4.0f} mm/s  thick {:>5.1f}  points "
-      "{:>6} to {:>6} high {:>5.2f} deep {:>5.2f} turned {}-{} shreds {}-{} far {:.2f} fold {}/{} {:.1f} s  {}\n",
+      "{:>6} to {:>6} high {:>5.2f} deep {:>5.2f} turned {} shreds {}-{} far {:.2f} fold {}/{} {:.1f} s  {}\n",
       r.number, r.subject, r.brush, r.place, r.config.radius_mm, r.depth_mm, r.drag_mm, r.speed_mm_per_s,
-      r.thickness_mm, v.regionBefore, v.region, v.raised_mm, v.deepest_mm, v.turned, v.turnedBefore, v.shreds,
+      r.thickness_mm, v.regionBefore, v.region, v.raised_mm, v.deepest_mm, v.turned, v.shreds,
       v.shredsBefore, v.farMoved_mm, v.folded, v.pairs, r.wall_s, fmt::join(v.broken(), ", "));
   std::fflush(out);
 }

@@ -34,6 +34,41 @@ NearestPoints nearestTo(const PointTree& tree, const DVec3& place) {
   return near;
 }
 
+bool tellsItsSide(const PointCloud& cloud, const PointTree& tree, std::uint32_t point) {
+  const DVec3 facing(cloud.normals[point]), place(cloud.positions[point]);
+  const NearestPoints near = nearestTo(tree, place);
+  std::vector<DVec3> offsets;
+  for (std::size_t k = 0; k < near.count && offsets.size() < kOfAFit; ++k)
+    if (glm::dot(DVec3(cloud.normals[near.points[k]]), facing) > 0)
+      offsets.push_back(DVec3(cloud.positions[near.points[k]]) - place);
+  const std::optional<DVec3> plane = planeThrough(offsets);
+  return plane && std::abs(glm::dot(*plane, facing)) > kEdgeOn;
+}
+
+std::optional<DVec3> carriedNormal(const PointCloud& before, const PointTree& tree, std::span<const PointState> after,
+                                   std::uint32_t point) {
+  const DVec3 facing(before.normals[point]), place(before.positions[point]), moved(after[point].position);
+  const Frame3 frame = frameAround(facing);
+  const NearestPoints near = nearestTo(tree, place);
+  double uu = 0, uv = 0, vv = 0;
+  DVec3 alongU(0), alongV(0);
+  for (std::size_t k = 0, count = 0; k < near.count && count < kOfAFit; ++k) {
+    const std::uint32_t other = near.points[k];
+    if (after[other].gone() || glm::dot(DVec3(before.normals[other]), facing) <= 0) continue;
+    const DVec3 was = DVec3(before.positions[other]) - place, is = DVec3(after[other].position) - moved;
+    const double u = glm::dot(was, frame.u), v = glm::dot(was, frame.v);
+    uu += u * u, uv += u * v, vv += v * v;
+    alongU += u * is, alongV += v * is;
+    ++count;
+  }
+  const double det = uu * vv - uv * uv;
+  if (det <= 0) return std::nullopt;
+  const DVec3 across = glm::cross(vv * alongU - uv * alongV, uu * alongV - uv * alongU) / (det * det);
+  const double area = glm::length(across);
+  if (area < kCrushed) return std::nullopt;
+  return across / area;
+}
+
 EditAftermath::EditAftermath(const PointCloud& before, const PointTree& tree, std::span<const PointState> after,
                              const BrushPath& way)
     : before_(before),
@@ -96,7 +131,8 @@ DVec3 EditAftermath::facingOf(std::uint32_t i) {
     if (const std::optional<DVec3> wall = wallFacing(i, ancestor)) return *wall;
     if (!tellsItsSide(ancestor)) return normal(i);
   }
-  if (!way_.carves && !way_.pushes && moved(ancestor)) return carriedNormal(ancestor).value_or(normal(i));
+  if (!way_.carves && !way_.pushes && moved(ancestor)) 
+    return carriedNormal(before_, treeBefore_, after_, ancestor).value_or(normal(i));
   if (!isNew(i) || glm::distance(placeBefore(ancestor), position(i)) < kKin * way_.support)
     return normalBefore(ancestor);
   return normalBefore(nearestTo(treeBefore_, position(i)).points[0]);
@@ -114,43 +150,9 @@ std::optional<DVec3> EditAftermath::wallFacing(std::uint32_t i, std::uint32_t an
   return std::abs(side) > kEdgeOn ? std::copysign(1 / distance, side) * outward : normal(i);
 }
 
-// A normal shows which side was outside only if it is roughly perpendicular to the local plane: in noise it may lie
-// along that plane, or there is no plane.
 bool EditAftermath::tellsItsSide(std::uint32_t point) {
-  if (tells_[point]) return *tells_[point];
-  const DVec3 facing = normalBefore(point);
-  const NearestPoints near = nearestTo(treeBefore_, placeBefore(point));
-  std::vector<DVec3> offsets;
-  for (std::size_t k = 0; k < near.count && offsets.size() < kOfAFit; ++k)
-    if (glm::dot(normalBefore(near.points[k]), facing) > 0)
-      offsets.push_back(placeBefore(near.points[k]) - placeBefore(point));
-  const std::optional<DVec3> plane = planeThrough(offsets);
-  return tells_[point].emplace(plane && std::abs(glm::dot(*plane, facing)) > kEdgeOn);
-}
-
-// The normal of a point, rotated as its sheet was bent: the cross product of the transformed tangent directions, from
-// the displacements of its neighbours. Empty if they were crushed so that they show no direction.
-std::optional<DVec3> EditAftermath::carriedNormal(std::uint32_t point) const {
-  const DVec3 facing = normalBefore(point);
-  const Frame3 frame = frameAround(facing);
-  const NearestPoints near = nearestTo(treeBefore_, placeBefore(point));
-  double uu = 0, uv = 0, vv = 0;
-  DVec3 alongU(0), alongV(0);
-  for (std::size_t k = 0, count = 0; k < near.count && count < kOfAFit; ++k) {
-    const std::uint32_t other = near.points[k];
-    if (after_[other].gone() || glm::dot(normalBefore(other), facing) <= 0) continue;
-    const DVec3 was = placeBefore(other) - placeBefore(point), is = position(other) - position(point);
-    const double u = glm::dot(was, frame.u), v = glm::dot(was, frame.v);
-    uu += u * u, uv += u * v, vv += v * v;
-    alongU += u * is, alongV += v * is;
-    ++count;
-  }
-  const double det = uu * vv - uv * uv;
-  if (det <= 0) return std::nullopt;
-  const DVec3 across = glm::cross(vv * alongU - uv * alongV, uu * alongV - uv * alongU) / (det * det);
-  const double area = glm::length(across);
-  if (area < kCrushed) return std::nullopt;
-  return across / area;
+  if (!tells_[point]) tells_[point] = palpate::tellsItsSide(before_, treeBefore_, point);
+  return *tells_[point];
 }
 
 // How much a point faced the ball at the first contact, or at the smallest distance: from -1 (facing away) to 1.

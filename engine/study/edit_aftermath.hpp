@@ -25,6 +25,16 @@ inline constexpr std::size_t kOfAFit = 16;
 /// In support radii: points within this distance belong to one sheet.
 inline constexpr double kKin = 2;
 
+/// Whether the normal of a point shows which side is outside: in noise it may lie along the plane of its neighbours, or
+/// there is no plane. `tree`: of the points.
+bool tellsItsSide(const PointCloud& cloud, const PointTree& tree, std::uint32_t point);
+
+/// The normal of a point of the cloud before, rotated as its sheet was bent: the cross product of the transformed tangent
+/// directions, from the displacements of its neighbours on the same side. Empty if they were crushed so that they show
+/// no direction. `tree`: of the points before. `after[i]` has the number i.
+std::optional<DVec3> carriedNormal(const PointCloud& before, const PointTree& tree, std::span<const PointState> after,
+                                   std::uint32_t point);
+
 class EditAftermath {
  public:
   /// `tree`: of the points before. `after[i]` has the number i, the points before first. All arguments must outlive
@@ -56,7 +66,6 @@ class EditAftermath {
   DVec3 facingOf(std::uint32_t i);
   std::optional<DVec3> wallFacing(std::uint32_t i, std::uint32_t ancestor);
   bool tellsItsSide(std::uint32_t point);
-  std::optional<DVec3> carriedNormal(std::uint32_t point) const;
   double sideOf(std::uint32_t point);
   DVec3 nearestCenter(const DVec3& place) const;
   DVec3 placeBefore(std::uint32_t point) const { return DVec3(before_.positions[point]); }

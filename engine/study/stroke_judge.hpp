@@ -43,7 +43,7 @@ struct StrokeVerdict {
   double raised_mm = 0;                      ///< largest height of a changed point above the surface before
   std::size_t raisedPoints = 0;              ///< points that are higher than they may be
   std::size_t through = 0;                   ///< of these, points above a surface that faced away from theirs
-  std::size_t turned = 0, turnedBefore = 0;  ///< normals against the surface of their neighbours; in the region
+  std::size_t turned = 0;  ///< normals against the side to which the surface has carried them; carve: and away from the tool
   std::size_t shreds = 0, shredsBefore = 0;  ///< points with hardly a neighbour, or off the plane of their neighbours
   std::size_t needed = 0;                    ///< points that the region may need at the spacing before
   double deepest_mm = 0;   ///< largest motion inwards along the stroke's axis; carve: depth under the surface before
@@ -73,6 +73,10 @@ class StrokeJudge {
   double spacingAt(const DVec3& place, const DVec3& facing) { return heights_.spacingAt(place, facing); }
 
  private:
+  std::uint32_t ancestorOf(std::span<const PointState> after, std::uint32_t i) const;
+  bool leadsOut(const DVec3& from, const DVec3& to);
+  std::size_t turnedIn(std::span<const PointState> after, std::span<const char> near, const PlayedStroke& stroke) const;
+
   const PointCloud& before_;
   PointTree tree_;
   EditJudge heights_;

@@ -1,11 +1,10 @@
-#include "apps/bench/stroke_judge.hpp"
+#include "engine/study/stroke_judge.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <queue>
+#include <limits>
 
-#include "engine/cloud/eigen3.hpp"
 #include "engine/study/edit_aftermath.hpp"
 
 namespace palpate {
@@ -15,10 +14,11 @@ namespace {
 constexpr std::array<std::string_view, 8> kCriteria{"raised", "turned",  "points",   "shreds",
                                                     "deep",   "shallow", "far side", "fold"};
 constexpr double kNearby = 2.5;  // local spacings: neighbours of a point
-constexpr std::size_t kMinNeighbours = 3, kOfAPlane = 10, kOfAFlake = 6;
+constexpr std::size_t kMinNeighbours = 3, kOfAFlake = 6, kNearestOld = 3;
 constexpr double kFlake = 1;  // local spacings off the plane of the neighbours
 constexpr double kSame = 0.3, kAway = -0.8, kThrough = -0.3;
-constexpr double kThin = 2, kOtherSide = -0.5, kInPlane = 0.35;
+constexpr double kOnSurface = 1.5;  // local spacings from a point
+constexpr double kOutwards = 0.2;   // cosine
 constexpr double kPair = 1.6, kMinPair = 0.5, kFlip = -0.1;
 
 // A cloud at one moment: the points of the region and enough around them.
@@ -26,99 +26,37 @@ struct Sheet {
   std::vector<Vec3> places;
   std::vector<DVec3> normals;
   std::vector<double> spacings;
-  std::vector<char> inRegion, rests;  // rests: unchanged by the stroke
-  std::vector<char> isThin;           // before the stroke another side was as near as the neighbours
+  std::vector<char> inRegion;
 };
 
-struct Faults {
-  std::size_t region = 0, turned = 0, shreds = 0;
+struct Shreds {
+  std::size_t region = 0, shreds = 0;
 };
 
-struct Edge {
-  double cost;
-  std::uint32_t from, to;
-  bool operator>(const Edge& other) const { return cost > other.cost; }
-};
-
-// Orientations spread from the points at rest along the surface; counts the points whose normal contradicts them.
-Faults faultsOf(const Sheet& sheet) {
+Shreds shredsOf(const Sheet& sheet) {
   const PointTree tree(sheet.places);
-  const std::size_t count = sheet.places.size();
-  const auto place = [&](std::size_t i) { return DVec3(sheet.places[i]); };
-  std::vector<DVec3> fits(count, DVec3(0));
-  std::vector<std::vector<std::uint32_t>> neighbours(count);
-  Faults faults;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const NearestPoints near = nearestTo(tree, place(i));
+  Shreds found;
+  for (std::uint32_t i = 0; i < sheet.places.size(); ++i) {
+    if (!sheet.inRegion[i]) continue;
+    const DVec3 place(sheet.places[i]);
+    const NearestPoints near = nearestTo(tree, place);
     const double h = sheet.spacings[i];
     std::size_t close = 0, flakes = 0, kin = 0;
-    DVec3 mean(0);
-    std::vector<std::uint32_t>& list = neighbours[i];
     for (std::size_t k = 0; k < near.count; ++k) {
       const std::uint32_t j = near.points[k];
-      if (j == i) continue;
       const double distance = std::sqrt(near.squared[k]);
+      if (j == i) continue;
       if (distance > 4 * h) break;
       close += distance <= kNearby * h;
-      if (list.size() < kOfAPlane) list.push_back(j);
       if (kin < kOfAFlake && glm::dot(sheet.normals[i], sheet.normals[j]) > kSame) {
         ++kin;
-        flakes += std::abs(glm::dot(place(j) - place(i), sheet.normals[i])) > kFlake * h;
+        flakes += std::abs(glm::dot(DVec3(sheet.places[j]) - place, sheet.normals[i])) > kFlake * h;
       }
     }
-    if (sheet.inRegion[i]) {
-      ++faults.region;
-      faults.shreds += close < kMinNeighbours || 2 * flakes > kOfAFlake || kin < kMinNeighbours;
-    }
-    if (sheet.isThin[i]) {
-      // No direction can be spread over two sides that are nearer to each other than their points: the majority of the
-      // neighbours in the point's own plane decides.
-      std::size_t against = 0, inPlane = 0;
-      for (const std::uint32_t j : list) {
-        if (std::abs(glm::dot(place(j) - place(i), sheet.normals[i])) > kInPlane * glm::distance(place(j), place(i)))
-          continue;
-        ++inPlane;
-        against += glm::dot(sheet.normals[i], sheet.normals[j]) < 0;
-      }
-      faults.turned += sheet.inRegion[i] && 4 * against > 3 * inPlane;
-      continue;
-    }
-    if (list.size() < kMinNeighbours + 1) continue;
-    for (const std::uint32_t j : list) mean += place(j) / static_cast<double>(list.size());
-    SymmetricMatrix3 spread;
-    for (const std::uint32_t j : list) spread.addSquare(place(j) - mean);
-    fits[i] = eigenSymmetric(spread).vectors[0];
+    ++found.region;
+    found.shreds += close < kMinNeighbours || 2 * flakes > kOfAFlake || kin < kMinNeighbours;
   }
-  std::vector<char> known(count, 0);
-  std::priority_queue<Edge, std::vector<Edge>, std::greater<>> edges;
-  const auto reach = [&](std::uint32_t i) {
-    known[i] = 1;
-    for (const std::uint32_t j : neighbours[i]) {
-      if (known[j] || fits[j] == DVec3(0)) continue;
-      const DVec3 way = place(j) - place(i);
-      const double length = glm::length(way);
-      const double across =
-          length > 0 ? std::max(std::abs(glm::dot(way, fits[i])), std::abs(glm::dot(way, fits[j]))) / length : 1;
-      edges.push({1 - std::abs(glm::dot(fits[i], fits[j])) + across, i, j});
-    }
-  };
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (!sheet.rests[i] || fits[i] == DVec3(0)) continue;
-    if (glm::dot(fits[i], sheet.normals[i]) < 0) fits[i] = -fits[i];
-    known[i] = 1;
-  }
-  for (std::uint32_t i = 0; i < count; ++i)
-    if (known[i]) reach(i);
-  constexpr double kDearest = 0.8;  // beyond, a step leads to another sheet
-  while (!edges.empty()) {
-    const Edge edge = edges.top();
-    edges.pop();
-    if (known[edge.to] || edge.cost > kDearest) continue;
-    if (glm::dot(fits[edge.to], fits[edge.from]) < 0) fits[edge.to] = -fits[edge.to];
-    faults.turned += sheet.inRegion[edge.to] && glm::dot(fits[edge.to], sheet.normals[edge.to]) < 0;
-    reach(edge.to);
-  }
-  return faults;
+  return found;
 }
 
 bool exceeds(std::size_t after, std::size_t before, std::size_t region) {
@@ -146,16 +84,94 @@ double StrokeVerdict::badness() const {
          (needed > 0 ? std::min(static_cast<double>(region) / static_cast<double>(needed), 4.0) : 0);
 }
 
+std::uint32_t StrokeJudge::ancestorOf(std::span<const PointState> after, std::uint32_t i) const {
+  while (i >= before_.size() && after[i].parent != i && after[i].parent < after.size()) i = after[i].parent;
+  return std::min(i, static_cast<std::uint32_t>(before_.size()) - 1);
+}
+
+// Whether a straight way leads out of the surface before. Deep inside of a solid the nearest points, far away, do not
+// show on which side of the surface a point is.
+bool StrokeJudge::leadsOut(const DVec3& from, const DVec3& to) {
+  const double length = glm::distance(from, to);
+  if (length == 0) return false;
+  const DVec3 direction = (to - from) / length;
+  for (double gone = 0; gone < length;) {
+    const DVec3 place = from + gone * direction;
+    std::array<std::uint32_t, 1> nearest{};
+    std::array<double, 1> squared{};
+    tree_.nearest(Vec3(place), nearest, squared);
+    const DVec3 normal(before_.normals[nearest[0]]), offset = place - DVec3(before_.positions[nearest[0]]);
+    const double h = heights_.spacingAt(DVec3(before_.positions[nearest[0]]), normal);
+    if (squared[0] < kOnSurface * kOnSurface * h * h && glm::dot(direction, normal) > kOutwards &&
+        glm::dot(offset + h * direction, normal) > 0)
+      return true;
+    gone += std::max(0.5 * h, std::sqrt(squared[0]) - kOnSurface * h);
+  }
+  return false;
+}
+
+// The surface that carve leaves faces the tool, a ball with a shaft of any length. Along the walls of a deep cut the
+// motion of the points shows nothing: what faces the tool has not turned.
+DVec3 towardsTool(const PlayedStroke& stroke, const DVec3& place) {
+  const double radius = stroke.radius_mm / stroke.mm_per_unit;
+  const double deep = (stroke.depth_mm - stroke.yield_mm) / stroke.mm_per_unit;
+  DVec3 nearest(0);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < stroke.spots.size(); ++k) {
+    const DVec3 offset = stroke.spots[k] + (radius - deep) * stroke.normals[k] - place;
+    const DVec3 way = offset + std::max(0.0, -glm::dot(offset, stroke.normals[k])) * stroke.normals[k];
+    if (glm::length(way) < least) least = glm::length(way), nearest = way;
+  }
+  return nearest;
+}
+
+// A point of the cloud has turned if it faces against the side to which the motion of its neighbours has carried its
+// normal; a new point if most of the nearest old ones of its side say so. The wall that carve leaves faces the tool.
+std::size_t StrokeJudge::turnedIn(std::span<const PointState> after, std::span<const char> near,
+                                  const PlayedStroke& stroke) const {
+  const std::size_t old = before_.size();
+  const auto facesTool = [&](const PointState& point) {
+    return stroke.brush == BrushKind::carve &&
+           glm::dot(towardsTool(stroke, DVec3(point.position)), DVec3(point.normal)) >= 0;
+  };
+  std::vector<std::optional<DVec3>> carried(old);
+  std::vector<Vec3> places;
+  std::vector<std::uint32_t> numbers;
+  std::size_t turned = 0;
+  for (std::uint32_t i = 0; i < old; ++i) {
+    if (near[i] == 0 || after[i].gone() || !tellsItsSide(before_, tree_, i)) continue;
+    carried[i] = carriedNormal(before_, tree_, after, i);
+    if (!carried[i]) continue;
+    turned += near[i] == 2 && glm::dot(*carried[i], DVec3(after[i].normal)) < 0 && !facesTool(after[i]);
+    places.push_back(after[i].position);
+    numbers.push_back(i);
+  }
+  if (places.empty()) return turned;
+  const PointTree tree(places);
+  for (std::size_t i = old; i < after.size(); ++i) {
+    if (near[i] != 2 || after[i].gone()) continue;
+    const DVec3 place(after[i].position), normal(after[i].normal);
+    const std::uint32_t ancestor = ancestorOf(after, static_cast<std::uint32_t>(i));
+    const NearestPoints nearest = nearestTo(tree, place);
+    std::size_t count = 0, against = 0;
+    for (std::size_t k = 0; k < nearest.count && count < kNearestOld; ++k) {
+      const std::uint32_t other = numbers[nearest.points[k]];
+      if (glm::dot(DVec3(before_.normals[other]), DVec3(before_.normals[ancestor])) < kSame) continue;
+      ++count;
+      against += glm::dot(*carried[other], normal) < 0;
+    }
+    turned += 2 * against > count && !facesTool(after[i]);
+  }
+  return turned;
+}
+
 StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const PlayedStroke& stroke) {
   StrokeVerdict verdict;
   const std::size_t old = before_.size();
   const double mm = stroke.mm_per_unit;
   const auto was = [&](std::uint32_t i) { return DVec3(before_.positions[i]); };
   const auto faced = [&](std::uint32_t i) { return DVec3(before_.normals[i]); };
-  const auto ancestorOf = [&](std::uint32_t i) {
-    while (i >= old && after[i].parent != i && after[i].parent < after.size()) i = after[i].parent;
-    return std::min<std::uint32_t>(i, static_cast<std::uint32_t>(old) - 1);
-  };
+  const auto ancestorOf = [&](std::uint32_t i) { return this->ancestorOf(after, i); };
   std::vector<char> touched(after.size(), 0);
   std::vector<std::uint32_t> changed;
   for (std::uint32_t i = 0; i < after.size(); ++i) {
@@ -207,14 +223,6 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
     treeAfter.near(place, 2 * kNearby * h, found);
     for (const std::uint32_t j : found) mark(numbers[j], glm::distance(DVec3(places[j]), place));
   }
-  const auto isThin = [&](std::uint32_t i) {
-    const NearestPoints around = nearestTo(tree_, was(i));
-    for (std::size_t k = 0; k < around.count; ++k) {
-      if (around.squared[k] > kThin * kThin * spacing(i) * spacing(i)) break;
-      if (glm::dot(faced(i), faced(around.points[k])) < kOtherSide) return true;
-    }
-    return false;
-  };
   Sheet then, now;
   for (std::uint32_t i = 0; i < after.size(); ++i) {
     if (near[i] == 0) continue;
@@ -224,17 +232,15 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
       sheet.normals.emplace_back(normal);
       sheet.spacings.push_back(h);
       sheet.inRegion.push_back(near[i] == 2);
-      sheet.rests.push_back(!touched[i]);
-      sheet.isThin.push_back(isThin(ancestorOf(i)));
     };
     if (i < old) add(then, before_.positions[i], before_.normals[i]);
     if (!after[i].gone()) add(now, after[i].position, after[i].normal);
   }
-  const Faults faultsThen = faultsOf(then), faultsNow = faultsOf(now);
-  verdict.region = faultsNow.region, verdict.regionBefore = faultsThen.region;
-  verdict.turned = faultsNow.turned, verdict.turnedBefore = faultsThen.turned;
-  verdict.shreds = faultsNow.shreds, verdict.shredsBefore = faultsThen.shreds;
-  verdict.turns = exceeds(verdict.turned, verdict.turnedBefore, verdict.region);
+  const Shreds shredsThen = shredsOf(then), shredsNow = shredsOf(now);
+  verdict.region = shredsNow.region, verdict.regionBefore = shredsThen.region;
+  verdict.shreds = shredsNow.shreds, verdict.shredsBefore = shredsThen.shreds;
+  verdict.turned = turnedIn(after, near, stroke);
+  verdict.turns = exceeds(verdict.turned, 0, verdict.region);
   verdict.tears = exceeds(verdict.shreds, verdict.shredsBefore, verdict.region);
 
   // Points that the walls of the deepest allowed dent or bump may need beside those that were there.
@@ -268,8 +274,10 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
     const DVec3 place(after[i].position);
     const std::uint32_t ancestor = ancestorOf(i);
     const double height = mm * heights_.heightAt(place);
-    verdict.raised_mm = std::max(verdict.raised_mm, height);
-    if (height > highest + carried) {
+    const bool isOver = height > highest + carried;
+    const bool isOut = isOver && (!presses || leadsOut(was(ancestor), place));
+    if (!isOver || isOut) verdict.raised_mm = std::max(verdict.raised_mm, height);
+    if (isOut) {
       ++verdict.raisedPoints;
       std::array<std::uint32_t, 1> nearest{};
       std::array<double, 1> squared{};
