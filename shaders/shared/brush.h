@@ -252,7 +252,9 @@ PALPATE_FORMULA PALPATE_VEC3 pushWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTo
   const Real depth = height + chord;
   if (height > max(tool.shaft, chord) || !(depth > Real(0.0))) return none;
   const PALPATE_VEC3 gone = found.position - position;
-  const PALPATE_VEC3 way = -restOfShare(share, depth, dot(gone, tool.outward)) * tool.outward;
+  PALPATE_VEC3 way = -restOfShare(share, depth, dot(gone, tool.outward)) * tool.outward;
+  // What faces away slides along itself: straight down it would leave the solid, as under a rim.
+  way -= max(Real(0.0), dot(way, found.normal)) * found.normal;
   const Real wall = clampedShare((Real(kSlope) - dot(found.normal, tool.outward)) / Real(kSlope - kWall));
   if (!(wall > Real(0.0))) return way;
   const PALPATE_VEC3 fromAxis = offset - max(Real(0.0), min(tool.shaft, height)) * tool.outward;

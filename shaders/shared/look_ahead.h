@@ -14,6 +14,8 @@ const float kFreeAhead = 0.5f;
 const float kLags = 0.5f;
 // Cosine between a path and the normal of a surface above which the path meets the surface.
 const float kMeets = 0.2f;
+// Cosine between a path and the normal of its own point, negated, below which the point slides along its surface.
+const float kSlides = 0.01f;
 // Cosine between the normals of the two sides of a thin part, at most.
 const float kOpposite = -0.5f;
 // A point goes no further ahead of a blocked one beside it than this share of their distance, as the stroke found them,
@@ -122,7 +124,7 @@ PALPATE_FORMULA Real freeUntil(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) to
   // The far side of a thin part stays: isFarSide(), as seen from there.
   if (path.pressed && dot(seen.normal, path.foundNormal) < Real(kOpposite)) lag = Real(1.0);
   if (lag < Real(kLags)) return free;
-  const bool enters = dot(path.foundNormal, path.direction) < Real(0.0);
+  const bool enters = dot(path.foundNormal, path.direction) < -Real(kSlides);
   const Real slope = dot(seen.normal, path.direction), margin = Real(kStopMargin) * path.spacing;
   if (enters ? slope > Real(kMeets) : slope < -Real(kMeets))
     return min(free, max(Real(0.0), dot(seen.offset, seen.normal) / slope - margin) / lag);
