@@ -32,14 +32,14 @@ Subject makeSubject(Context& context, std::size_t count) {
   return subject;
 }
 
+}  // namespace
+
 SessionConfig configOn(const Model& model, const BenchBackend& options) {
   SessionConfig config;
   setBackend(config, options);
   if (options.grid > 0) config.index.cell_mm = model.scale.toMm(boundsOf(model.cloud).longestSide() / options.grid);
   return config;
 }
-
-}  // namespace
 
 bool BenchOptions::wants(std::string_view name) const { return std::ranges::find(backends, name) != backends.end(); }
 

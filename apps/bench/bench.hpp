@@ -68,6 +68,8 @@ struct BenchSession {
 /// A session on a model, which must outlive it: a hundred million points are not copied. Ticks are in virtual time
 /// unless the options say otherwise.
 Session startSession(Context& context, const Model& model, const BenchBackend& options, const BenchSession& more = {});
+/// A session's configuration with these options.
+SessionConfig configOn(const Model& model, const BenchBackend& options);
 /// Throws UsageError for options that the back end does not support; before anything is loaded.
 void checkBackend(const Context& context, const BenchBackend& options);
 /// The surface and its support radius, and the grid, according to the options.

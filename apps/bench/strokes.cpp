@@ -2,139 +2,24 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <map>
-#include <numbers>
 
-#include "apps/bench/bench.hpp"
-#include "engine/study/stroke_judge.hpp"
-#include "engine/cloud/counter_random.hpp"
+#include "apps/bench/stroke_plan.hpp"
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/cloud/spacing.hpp"
 #include "engine/io/cloud_formats.hpp"
-#include "engine/study/edit_aftermath.hpp"
-#include "haptics/session/sculpting_hand.hpp"
-#include "haptics/surface_walk.hpp"
 
 namespace palpate {
 
 namespace {
 
-constexpr double kHandRate_Hz = 1000;
-constexpr double kLifted_mm = 4, kWalkStep_mm = 0.5;
-constexpr double kUsualDepth_mm = 2, kUsualSpeed_mm_per_s = 50;
-constexpr std::size_t kMaxHandTicks = 2500, kMaxAirTicks = 400, kQuietTicks = 24;
-constexpr std::size_t kMaxPoints = 100'000, kPlaceTries = 300, kSavedWorst = 20;
-constexpr std::size_t kNumbersPerStroke = 4096;  // random numbers that a stroke may use
-constexpr double kNoSide = std::numeric_limits<double>::infinity();
+constexpr std::size_t kMaxAirTicks = 400, kQuietTicks = 24, kSavedWorst = 20;
 
 struct StrokesOptions : BenchOptions {
   std::int64_t strokes = 500, only = -1;
-  std::string seed = "1", saveWorst;
+  std::string seed = "1", saveWorst, hand = "path";
   std::vector<std::string> brushes{"push", "carve", "inflate", "smooth", "flatten", "grab"};
-};
-
-struct StrokeResult {
-  std::size_t number = 0;
-  std::string subject, brush, place;
-  BrushConfig config;
-  double depth_mm = 0, speed_mm_per_s = 0, drag_mm = 0, thickness_mm = 0, wall_s = 0;
-  std::size_t ticks = 0;
-  DVec3 start{0};
-  StrokeVerdict verdict;
-};
-
-// A model, and the kinds of place on it.
-class StrokeModel {
- public:
-  StrokeModel(Context& context, const std::string& file, EstimateOn where)
-      : name_(std::filesystem::path(file).stem().string()),
-        model_(capped(context, loadModel(context, {.file = file}, where))),
-        surface_(model_.cloud, kWalkedPoints),
-        judge_(model_.cloud) {}
-
-  const std::string& name() const { return name_; }
-  const Model& model() const { return model_; }
-  const ThinnedCloud& surface() const { return surface_; }
-  StrokeJudge& judge() { return judge_; }
-
-  struct Place {
-    std::string_view kind;
-    SurfaceSpot spot;
-    double thickness_mm = kNoSide;
-  };
-  /// A place around a point, for a ball of this radius, mm.
-  Place placeAt(std::uint32_t point, double radius_mm) {
-    const DVec3 p(model_.cloud.positions[point]), n(model_.cloud.normals[point]);
-    const double radius = model_.scale.toUnits(radius_mm), h = judge_.spacingAt(p, n);
-    found_.clear();
-    judge_.tree().near(p, 2 * radius, found_);
-    Place place{.kind = "flat", .spot = {.position = p, .normal = n}};
-    double thickness = kNoSide, gap = kNoSide;
-    std::size_t turned = 0, near = 0;
-    double over = 0;
-    std::vector<double> angles;
-    const Frame3 frame = frameAround(n);
-    for (const std::uint32_t i : found_) {
-      const DVec3 offset = DVec3(model_.cloud.positions[i]) - p;
-      const double up = glm::dot(offset, n), side = glm::length(offset - up * n);
-      const double facing = glm::dot(DVec3(model_.cloud.normals[i]), n);
-      if (facing < -0.5 && side < std::max(1.5 * h, 0.2 * radius)) {
-        if (up < 0) thickness = std::min(thickness, -up);
-        if (up > 0.5 * h) gap = std::min(gap, up);
-      }
-      const double distance = glm::length(offset);
-      if (distance < 4 * h && facing > 0.3 && side > 0)
-        angles.push_back(std::atan2(glm::dot(offset, frame.u), glm::dot(offset, frame.v)));
-      if (distance > radius || facing < -0.5) continue;
-      ++near;
-      if (facing < 0.4) {
-        ++turned;
-        over += up > 0 ? 1 : -1;
-      }
-    }
-    std::ranges::sort(angles);
-    double widest = angles.empty() ? 2 * std::numbers::pi : angles.front() + 2 * std::numbers::pi - angles.back();
-    for (std::size_t k = 1; k < angles.size(); ++k) widest = std::max(widest, angles[k] - angles[k - 1]);
-    place.thickness_mm = model_.scale.toMm(thickness);
-    const bool turns = turned > 4 && 10 * turned > near;
-    if (widest > 2.4)
-      place.kind = "border";
-    else if (thickness < 2 * radius)
-      place.kind = "thin";
-    else if (gap < 2 * radius || (turns && over > 0))
-      place.kind = "fold";
-    else if (turns)
-      place.kind = "edge";
-    return place;
-  }
-
- private:
-  static Model capped(Context& context, Model model) {
-    const PointCloud& all = model.cloud;
-    if (all.size() <= kMaxPoints) return model;
-    PointCloud some;
-    some.origin = all.origin;
-    const std::size_t every = (all.size() + kMaxPoints - 1) / kMaxPoints;
-    for (std::size_t run = 0; run < all.size(); run += every) {
-      const std::size_t i = std::min(run + randomBits(1, run) % every, all.size() - 1);
-      some.positions.push_back(all.positions[i]);
-      some.normals.push_back(all.normals[i]);
-    }
-    model.cloud = std::move(some);
-    const SpacingRange spacing = spacingRange(model.cloud, context.threads());
-    model.spacing = spacing.mean, model.wideSpacing = spacing.wide, model.noise = spacing.noise;
-    return model;
-  }
-
-  std::string name_;
-  Model model_;
-  ThinnedCloud surface_;
-  StrokeJudge judge_;
-  std::vector<std::uint32_t> found_;
 };
 
 std::uint64_t numberIn(const std::string& hex) {
@@ -144,93 +29,6 @@ std::uint64_t numberIn(const std::string& hex) {
   const auto [at, fault] = std::from_chars(begin, end, number, 16);
   if (fault != std::errc() || at != end) throw UsageError("--seed: {} is not a hexadecimal number", hex);
   return number;
-}
-
-// A stroke as the seed and its number say.
-struct PlannedStroke {
-  StrokeResult result;
-  PlayedStroke played;
-  std::vector<DVec3> hips;  // one for each tick, from the cloud's origin
-};
-
-PlannedStroke planStroke(StrokeModel& subject, const StrokesOptions& options, std::uint64_t seed, std::size_t number) {
-  const ModelScale& scale = subject.model().scale;
-  std::uint64_t next = number * kNumbersPerStroke;
-  const auto random = [&] { return randomUnit(seed, next++); };
-  const auto between = [&](double least, double most) { return least * std::pow(most / least, random()); };
-  PlannedStroke plan;
-  StrokeResult& result = plan.result;
-  result.number = number;
-  result.subject = subject.name();
-  result.brush = options.brushes[static_cast<std::size_t>(random() * static_cast<double>(options.brushes.size()))];
-  result.config.kind = *valueNamed(kBrushKinds, result.brush);
-  result.depth_mm = kUsualDepth_mm, result.speed_mm_per_s = kUsualSpeed_mm_per_s;
-  if (random() < 0.5) {
-    result.config.radius_mm *= between(0.5, 2);
-    result.depth_mm = between(1, 3 * result.config.radius_mm);
-    result.speed_mm_per_s = between(5, 500);
-  }
-  result.drag_mm = std::max(0.0, random() * 1.2 - 0.2) * 3 * 2 * result.config.radius_mm;
-  const bool odd = random() < 0.5;
-  StrokeModel::Place place;
-  for (std::size_t tries = 0; tries < kPlaceTries; ++tries) {
-    const auto point = static_cast<std::uint32_t>(random() * static_cast<double>(subject.model().cloud.size()));
-    place = subject.placeAt(point, result.config.radius_mm);
-    if (!odd || place.kind == "thin" || place.kind == "fold" || place.kind == "border") break;
-  }
-  result.place = place.kind;
-  result.thickness_mm = place.thickness_mm;
-  result.start = place.spot.position;
-  const SurfaceSpot start = settle(subject.surface(), place.spot.position, place.spot.normal);
-  const double angle = 2 * std::numbers::pi * random();
-  const Frame3 frame = frameAround(start.normal);
-  // A slow stroke is not longer than the bench can wait for.
-  const double longest = result.speed_mm_per_s * kMaxHandTicks / kHandRate_Hz;
-  result.speed_mm_per_s =
-      std::max(result.speed_mm_per_s, 2 * (result.depth_mm + kLifted_mm) * kHandRate_Hz / kMaxHandTicks);
-  result.drag_mm = std::min(result.drag_mm, longest);
-  std::vector<SurfaceSpot> way{start};
-  const auto spots = walk(subject.surface(), start, std::cos(angle) * frame.u + std::sin(angle) * frame.v,
-                          scale.toUnits(kWalkStep_mm), static_cast<std::size_t>(result.drag_mm / kWalkStep_mm));
-  double beyond_mm = 0;  // over a border the hand goes on by a radius
-  for (const SurfaceSpot& spot : spots) {
-    beyond_mm = spot.supported ? 0 : beyond_mm + kWalkStep_mm;
-    if (beyond_mm > result.config.radius_mm) break;
-    way.push_back(spot);
-  }
-  result.drag_mm = static_cast<double>(way.size() - 1) * kWalkStep_mm;
-
-  const auto at = [&](const SurfaceSpot& spot, double height_mm) {
-    return spot.position + scale.toUnits(height_mm) * spot.normal;
-  };
-  plan.hips.push_back(at(way.front(), kLifted_mm));
-  const auto moveTo = [&](const DVec3& hip, double speed_mm_per_s) {
-    const DVec3 from = plan.hips.back();
-    const auto ticks =
-        static_cast<int>(std::ceil(scale.toMm(glm::distance(from, hip)) / speed_mm_per_s * kHandRate_Hz - 1e-6));
-    for (int k = 1; k <= ticks; ++k) plan.hips.push_back(glm::mix(from, hip, static_cast<double>(k) / ticks));
-  };
-  for (const SurfaceSpot& spot : way) moveTo(at(spot, -result.depth_mm), result.speed_mm_per_s);
-  plan.hips.insert(plan.hips.end(), 100, plan.hips.back());
-  moveTo(at(way.back(), kLifted_mm), std::max(result.speed_mm_per_s, 100.0));
-  plan.hips.insert(plan.hips.end(), 100, plan.hips.back());
-  result.ticks = plan.hips.size();
-
-  plan.played = {.brush = result.config.kind,
-                 .radius_mm = result.config.radius_mm,
-                 .depth_mm = result.depth_mm,
-                 .yield_mm = result.config.yieldDepth_mm,
-                 .drag_mm = result.drag_mm,
-                 .lift_mm = kLifted_mm,
-                 .isOpen = result.place == "border" || result.place == "thin",
-                 .mm_per_unit = scale.mm_per_unit,
-                 .spots = {},
-                 .normals = {}};
-  for (const SurfaceSpot& spot : way) {
-    plan.played.spots.push_back(spot.position);
-    plan.played.normals.push_back(spot.normal);
-  }
-  return plan;
 }
 
 void save(const std::filesystem::path& folder, const StrokeModel& subject, std::span<const PointState> after,
@@ -254,14 +52,11 @@ void save(const std::filesystem::path& folder, const StrokeModel& subject, std::
                                                    plan.result.drag_mm, fmt::join(plan.result.verdict.broken(), ","));
 }
 
-// Plays a stroke in virtual time, as the hand of a session, and judges it.
-void play(Context& context, StrokeModel& subject, const StrokesOptions& options, PlannedStroke& plan,
-          const std::string& saveTo) {
-  BenchBackend way = options.backend;
-  way.backend = options.backends.front();
+// Plays a path in virtual time, as the hand of a session.
+std::vector<PointState> playPath(Context& context, const StrokeModel& subject, const BenchBackend& way,
+                                 const PlannedStroke& plan) {
   Session session = startSession(context, subject.model(), way,
                                  {.brush = plan.result.config, .rate_Hz = kHandRate_Hz, .journal = true});
-  const Stopwatch watch;
   session.pull({});
   const DVec3 origin = subject.model().cloud.origin;
   std::uint64_t ticks = 0;
@@ -277,8 +72,28 @@ void play(Context& context, StrokeModel& subject, const StrokesOptions& options,
   }
   session.endPulling();
   session.finish();
-  plan.result.wall_s = watch.elapsed_s();
   const auto after = session.journal()->points();
+  return {after.begin(), after.end()};
+}
+
+void play(Context& context, StrokeModel& subject, const StrokesOptions& options, PlannedStroke& plan,
+          const std::string& saveTo) {
+  BenchBackend way = options.backend;
+  way.backend = options.backends.front();
+  const Stopwatch watch;
+  std::vector<PointState> after;
+  if (plan.drag) {
+    SessionConfig config = configOn(subject.model(), way);
+    config.model.file = subject.name();
+    config.brush = plan.result.config;
+    after = playDrag(config, subject.model(),
+                     {.backend = context.backends().named(way.backend), .threads = context.threads()}, *plan.drag,
+                     plan.hips);
+    plan.result.ticks = plan.hips.size();
+  } else {
+    after = playPath(context, subject, way, plan);
+  }
+  plan.result.wall_s = watch.elapsed_s();
   plan.result.verdict = subject.judge().judge(after, plan.played);
   if (!saveTo.empty()) save(saveTo, subject, after, plan);
 }
@@ -372,13 +187,12 @@ void printTable(std::FILE* out, const std::vector<StrokeResult>& strokes) {
 
 void printStroke(std::FILE* out, const StrokeResult& r) {
   const StrokeVerdict& v = r.verdict;
-  fmt::print(
-      out,
-      "{:>5} {:<16}{:<8}{:<7} r {:>4.1f} depth {:>4.1f} drag {:>4.0f} {:>4.0f} mm/s  thick {:>5.1f}  points "
-      "{:>6} to {:>6} high {:>5.2f} deep {:>5.2f} turned {} shreds {}-{} far {:.2f} fold {}/{} {:.1f} s  {}\n",
-      r.number, r.subject, r.brush, r.place, r.config.radius_mm, r.depth_mm, r.drag_mm, r.speed_mm_per_s,
-      r.thickness_mm, v.regionBefore, v.region, v.raised_mm, v.deepest_mm, v.turned, v.shreds,
-      v.shredsBefore, v.farMoved_mm, v.folded, v.pairs, r.wall_s, fmt::join(v.broken(), ", "));
+  fmt::print(out,
+             "{:>5} {:<16}{:<8}{:<7} r {:>4.1f} depth {:>4.1f} drag {:>4.0f} {:>4.0f} mm/s  thick {:>5.1f}  points "
+             "{:>6} to {:>6} high {:>5.2f} deep {:>5.2f} turned {} shreds {}-{} far {:.2f} fold {}/{} {:.1f} s  {}\n",
+             r.number, r.subject, r.brush, r.place, r.config.radius_mm, r.depth_mm, r.drag_mm, r.speed_mm_per_s,
+             r.thickness_mm, v.regionBefore, v.region, v.raised_mm, v.deepest_mm, v.turned, v.shreds, v.shredsBefore,
+             v.farMoved_mm, v.folded, v.pairs, r.wall_s, fmt::join(v.broken(), ", "));
   std::fflush(out);
 }
 
@@ -402,7 +216,7 @@ Json benchStrokes(Context& context, const StrokesOptions& options) {
     if (numbers.empty()) continue;
     StrokeModel subject(context, options.models[m], where);
     for (const std::size_t k : numbers) {
-      PlannedStroke plan = planStroke(subject, options, seed, k);
+      PlannedStroke plan = planStroke(subject, options.brushes, seed, k, options.hand == "mouse");
       play(context, subject, options, plan, options.only >= 0 ? options.saveWorst : "");
       results.strokes.push_back(plan.result);
       if (options.only >= 0 || !plan.result.verdict.broken().empty()) printStroke(context.tables(), plan.result);
@@ -423,7 +237,7 @@ Json benchStrokes(Context& context, const StrokesOptions& options) {
       for (const StrokeResult* stroke : worst) {
         if (stroke->number % models != m) continue;
         if (!subject) subject.emplace(context, options.models[m], where);
-        PlannedStroke plan = planStroke(*subject, options, seed, stroke->number);
+        PlannedStroke plan = planStroke(*subject, options.brushes, seed, stroke->number, options.hand == "mouse");
         play(context, *subject, options, plan, options.saveWorst);
       }
     }
@@ -457,6 +271,10 @@ void addStrokesBench(Options& bench, Context& context, Command& command) {
          "folder for the points before and after, and the hand's path, of the worst strokes (with --only: of that one)")
       .typeName("FOLDER");
   addListOption(sub, "--brushes", options->brushes, "brushes to test");
+  sub.add("--hand", options->hand,
+          "path: walks over the surface; mouse: a drag over a picture, as in the window, with a press of 2.5 mm")
+      .check(oneOf({"path", "mouse"}))
+      .showDefault();
   options->backends = {"cpu"};
   sub.add("--backend", options->backends, "cpu or vulkan").check(oneOf({"cpu", "vulkan"})).showDefault();
   addRadiusOption(sub, options->backend);

@@ -40,10 +40,11 @@ struct StrokeVerdict {
   std::size_t region = 0;   ///< points near changed ones, after the stroke
   std::size_t changed = 0;  ///< points that moved, are new, or were removed
   std::size_t regionBefore = 0, inserted = 0, removed = 0;
-  double raised_mm = 0;                      ///< largest height of a changed point above the surface before
-  std::size_t raisedPoints = 0;              ///< points that are higher than they may be
-  std::size_t through = 0;                   ///< of these, points above a surface that faced away from theirs
-  std::size_t turned = 0;  ///< normals against the side to which the surface has carried them; carve: and away from the tool
+  double raised_mm = 0;          ///< largest height of a changed point above the surface before
+  std::size_t raisedPoints = 0;  ///< points that are higher than they may be
+  std::size_t through = 0;       ///< of these, points above a surface that faced away from theirs
+  std::size_t turned =
+      0;  ///< normals against the side to which the surface has carried them; carve: and away from the tool
   std::size_t shreds = 0, shredsBefore = 0;  ///< points with hardly a neighbour, or off the plane of their neighbours
   std::size_t needed = 0;                    ///< points that the region may need at the spacing before
   double deepest_mm = 0;   ///< largest motion inwards along the stroke's axis; carve: depth under the surface before

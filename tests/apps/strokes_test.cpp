@@ -35,6 +35,28 @@ TEST_CASE("bench strokes repeats a stroke by its number, and a gentle one on a b
   CHECK(std::filesystem::exists(folder / "saved" / "0003_model_push_flat_path.csv"));
 }
 
+TEST_CASE("bench strokes drags the mouse over a picture, as deep as it presses, twice alike") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "model.ply").string();
+  works("make sphere -n 4000 -o " + model);
+  const std::string bench =
+      "bench strokes --hand mouse --brushes push --seed 5 --strokes 4 --models " + model + " --json ";
+  works(bench + (folder / "one.json").string());
+  works(bench + (folder / "two.json").string());
+  const auto one = jsonOf(folder / "one.json")["strokes"]["strokes"];
+  const auto two = jsonOf(folder / "two.json")["strokes"]["strokes"];
+  REQUIRE(one.size() == 4);
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    CAPTURE(one[k].dump());
+    CHECK(one[k]["broken"].empty());
+    CHECK(one[k]["depth_mm"] == 3);
+    CHECK(one[k]["expected_mm"] == 2.5);
+    CHECK(one[k]["deepest_mm"] > 2);
+    CHECK(one[k]["deepest_mm"] < 2.9);
+    for (const char* key : {"changed", "inserted", "deepest_mm", "drag_mm", "ticks"}) CHECK(one[k][key] == two[k][key]);
+  }
+}
+
 TEST_CASE("bench strokes refuses a seed that is no number, and no models") {
   CHECK(palpate("bench strokes --models x.ply --seed cheese").code == 2);
   CHECK(palpate("bench strokes --strokes 1").code == 2);
