@@ -79,10 +79,15 @@ double CpuSculpture::neighbourhoodOf(std::uint32_t point) const {
       shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius))};
 }
 
-// No neighbourhood of a point is wider, also after rounding.
-double CpuSculpture::widestNeighbourhood() const {
-  return std::max(options_.radius, double{static_cast<float>(options_.radius)});
+// Radius within which the neighbours of a point are searched, at least that of its neighbourhood, also after rounding.
+double CpuSculpture::searchRadius(std::uint32_t point) const {
+  const auto support = double{static_cast<float>(options_.radius)};
+  const double own = options_.resample ? neighbourhoodOf(point) : support;
+  return own < support ? own : std::max(options_.radius, support);
 }
+
+// Radius of the neighbours that determine a point's normal, and the surface to which it is smoothed.
+double CpuSculpture::fitRadius(std::uint32_t point) const { return std::min(options_.radius, searchRadius(point)); }
 
 ResampleRequest CpuSculpture::requestOf(std::uint32_t point, std::span<const std::uint32_t> near,
                                         ResampleNeighbours& neighbours) const {
@@ -196,7 +201,7 @@ void CpuSculpture::request(const Part& part, const CellGroups::Group& group, con
     const bool isClear = !carves_ && around.near[member] <= kMaxNeighbours;
     const bool asksNothing = !resamples_ || (isClear && requestsNothing(point, around, around.closest[member]));
     near.truncate(0);
-    if (!asksNothing || !isFree) around.points.near(DVec3(points_.positions[point]), widestNeighbourhood(), near);
+    if (!asksNothing || !isFree) around.points.near(DVec3(points_.positions[point]), searchRadius(point), near);
     request = {};
     if (!asksNothing) {
       if (!std::exchange(gathered, true))

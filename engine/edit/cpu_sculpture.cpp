@@ -33,6 +33,8 @@ constexpr std::uint32_t kCrowd = 2048;
 constexpr double kCrowdedTickWork = 2 * kTickWork, kCrowdedWork = 2'000'000;
 // Work for which another thread is woken, and that of looking at a point under the brush.
 constexpr double kThreadWork = 4000, kLookWork = 11;
+// The same of moving a point, with its place in the index.
+constexpr double kMoveWork = 64;
 // Priority, in support radii, that a waiting point gains with each edit, so that every point has its turn.
 constexpr float kWaitStrain = 1.0f / 512;
 // The same of a point that a stroke moves for the first time.
@@ -136,6 +138,7 @@ void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
     return !stays;
   });
   measure_ = {};
+  work_ = 0;
   takeSwallowed();
   carves_ = brush.kind() == BrushKind::carve;
   fills_ = brush.fills();
@@ -149,6 +152,7 @@ void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   findUnsettled(size);
   engaged_.unsettled = engage(burst, workOfPoint_ * static_cast<double>(unsettled_.size()));
   refit();
+  work_ += refitWork_;
   settled_ = !someWait_;
   if (resamples_ || moves_)
     examine();
@@ -230,6 +234,8 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
     to.insert(to.end(), more.begin(), more.end());
   };
   for (const Slice& slice : std::span(slices_).first(slices)) {
+    work_ += kLookWork * static_cast<double>(slice.reached.size() + slice.measured.size()) +
+             kMoveWork * static_cast<double>(slice.strayed.size()) + static_cast<double>(slice.smoothed);
     if (!slice.measured.empty()) measure_.add(slice.measure);
     measure_.blocked += slice.blockedMoves;
     for (const std::uint32_t point : slice.blocked)
@@ -288,6 +294,7 @@ void CpuSculpture::brush(const PlacedBrush& brush, std::size_t number, Slice& sl
     list->clear();
   slice.measured.clear();
   slice.blockedMoves = 0;
+  slice.smoothed = 0;
   grid_.forEachNear(brush.center(), brush.radius(), number, [&](const SortedGrid::Placed& near) {
     if (brush.measures(near.number)) {
       points_.prefetchNormal(near.number);
@@ -314,12 +321,12 @@ void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
   for (const std::uint32_t point : slice.reached) {
     const DVec3 place(points_.positions[point]);
     const PlacedBrush::Found as = found(brush, point);
-    const PlacedBrush::Point to = brushed(brush, point, as);
+    const PlacedBrush::Point to = brushed(brush, point, as, slice);
     // One that has moved since it looked ahead is about to look again, and so is an unsettled one.
     if (brush.mayBlock(as) && !(strains_[point] > 0)) {
       slice.blocked.push_back(point);
       if (points_.unsettled[point] == 0) {
-        const DVec3 free = brushed(brush, point, {as.position, as.normal, double{shared::kUnseen}}).position;
+        const DVec3 free = brushed(brush, point, {as.position, as.normal, double{shared::kUnseen}}, slice).position;
         slice.blockedMoves += brush.isBlocked(place, as, free);
       }
     }
@@ -333,14 +340,16 @@ void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
   }
 }
 
-PlacedBrush::Point CpuSculpture::brushed(const PlacedBrush& brush, std::uint32_t point,
-                                         const PlacedBrush::Found& as) const {
+PlacedBrush::Point CpuSculpture::brushed(const PlacedBrush& brush, std::uint32_t point, const PlacedBrush::Found& as,
+                                         Slice& slice) const {
   const DVec3 place(points_.positions[point]);
   if (brush.kind() != BrushKind::smooth) return brush.brushed(place, DVec3(points_.normals[point]), as);
-  const SurfaceOptions options{.radius = options_.radius, .kind = SurfaceKind::sphere};
+  if (!brush.smooths(place, as)) return {place};
+  const SurfaceOptions options{.radius = fitRadius(point), .kind = SurfaceKind::sphere};
   return {brush.smoothed(place, as, surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {
                            grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
                              visit(DVec3(near.position) - place, points_.normals[near.number]);
+                             ++slice.smoothed;
                            });
                          }))};
 }
@@ -433,9 +442,9 @@ void CpuSculpture::refit(Part& part) {
   thread_local NearPoints near;
   const std::span<const std::uint32_t> points = std::span(unsettled_).subspan(part.first, part.count);
   for (const std::uint32_t point : points) points_.prefetch(point);
-  const double radius = widestNeighbourhood();
-  part.groups.assign(grid_.grid(), points.size(),
-                     [&](std::size_t i) { return std::pair(DVec3(points_.positions[points[i]]), radius); });
+  part.groups.assign(grid_.grid(), points.size(), [&](std::size_t i) {
+    return std::pair(DVec3(points_.positions[points[i]]), searchRadius(points[i]));
+  });
   part.surroundings.resize(std::max(part.surroundings.size(), part.groups.groups().size()));
   part.work = 0;
   for (const std::uint32_t point : points) points_.prefetchSpacing(point);
@@ -449,8 +458,9 @@ void CpuSculpture::refit(Part& part) {
     for (const std::uint32_t i : part.groups.members(group)) {
       const std::uint32_t point = points[i];
       strains_[point] = 0;
+      const double radius = searchRadius(point);
       around.points.near(DVec3(points_.positions[point]), radius, near, std::min(radius, closestOf(point)));
-      refit.add(i, near, points_.normals[point], options_.radius);
+      refit.add(i, near, points_.normals[point], fitRadius(point));
       around.near.push_back(static_cast<std::uint32_t>(near.size()));
       part.work += kOwnWork + static_cast<double>(near.size());
       around.closest.add(near.closest());

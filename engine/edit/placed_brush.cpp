@@ -48,6 +48,10 @@ void PlacedBrush::measure(const DVec3& place, const Found& found, SurfaceMeasure
   measure.enter(shared::entered(brush_, tool_, place, found));
 }
 
+bool PlacedBrush::smooths(const DVec3& place, const Found& found) const {
+  return shared::brushShare(brush_, tool_, place, found.normal) > 0 && actsOn(found);
+}
+
 DVec3 PlacedBrush::smoothed(const DVec3& place, const Found& found, const SurfaceSample& surface) const {
   if (!surface.defined || !actsOn(found)) return place;
   return shared::smoothed(brush_, tool_, place, found, surface.distance, surface.normal);

@@ -65,6 +65,8 @@ class PlacedBrush {
   /// nothing. `normal`: the current one, unit. Outside the tool's reach, if the brush does not act, and,
   /// except for carve, if it is not connected with the surface under the hand, the point stays.
   Point brushed(const DVec3& place, const DVec3& normal, const Found& found) const;
+  /// Whether smooth moves a point, if its neighbours define a surface.
+  bool smooths(const DVec3& place, const Found& found) const;
   /// Smooth: new position of a point. `surface`: the algebraic sphere fitted to its neighbours (SurfaceKind::sphere).
   DVec3 smoothed(const DVec3& place, const Found& found, const SurfaceSample& surface) const;
   /// The colour of a point, RGBA8 or 0 for none, after one edit of paint.

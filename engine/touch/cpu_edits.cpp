@@ -49,6 +49,12 @@ bool CpuEdits::editIfYielding(double time_s, bool realtime) {
     ++statistics_.shortfalls.editsTooSlow;
     return false;
   }
+  if (!realtime && !workPace_.mayEdit(time_s)) return false;
+  begin(time_s, realtime);
+  return true;
+}
+
+void CpuEdits::begin(double time_s, bool realtime) {
   work_.brush.emplace(*brush_, setting_.radius, stroke_.next(time_s, sculpture_.backlog()));
   work_.size = setting_.size.value_or(realtime ? EditSize::tick : EditSize::whole);
   if (work_.brush->acts() && std::exchange(strokeMarked_, stroke_.number()) != stroke_.number()) markStroke();
@@ -57,7 +63,6 @@ bool CpuEdits::editIfYielding(double time_s, bool realtime) {
   isUnderWay_ = inStroke_ = true;
   work_.isOffer = false;
   task_->start();
-  return true;
 }
 
 bool CpuEdits::takeUpOffer(double time_s, bool realtime) {
@@ -115,6 +120,7 @@ bool CpuEdits::finishedWithin(double budget_us) {
   collect();
   pace_.took(time_s_, work_.time_us * 1e-6);
   if (work_.isOffer) return true;
+  workPace_.took(time_s_, sculpture_.work());
   stroke_.note(sculpture_.measure());
   collected_.touched = static_cast<std::uint32_t>(sculpture_.changed().size());
   blocked_.note(stroke_.tool().stroke, sculpture_.measure().blocked, collected_.touched);
@@ -134,9 +140,14 @@ void CpuEdits::wait() const {
 
 void CpuEdits::finish() {
   finishedWithin(0);
-  while (stroke_.hasWay() && editIfYielding(time_s_ + 1e-3, false)) finishedWithin(0);
+  const auto edit = [this] {
+    begin(time_s_ + 1e-3, false);
+    finishedWithin(0);
+  };
+  while (stroke_.hasWay()) edit();
   stroke_.end();
-  while (!sculpture_.settled() && editIfYielding(time_s_ + 1e-3, false)) finishedWithin(0);
+  while (brush_ && !sculpture_.settled()) edit();
+  workPace_ = {};
   markStroke();
 }
 

@@ -76,6 +76,7 @@ class CpuEdits {
     double time_us = 0;                      // of the last edit
     std::uint64_t states = 0;                // appended to the queue so far
   };
+  void begin(double time_s, bool realtime);
   void edit();
   void carryOut();
   void collect();
@@ -95,6 +96,7 @@ class CpuEdits {
   BlockedCount blocked_;
   std::uint64_t changes_ = 0;  // calls of change() reported so far
   EditPace pace_;
+  WorkPace workPace_;
   TouchStatistics statistics_;
   EditQueue queue_;
   OfferedChanges offered_;

@@ -32,4 +32,19 @@ class EditPace {
   double rest_s_ = 0, restUntil_s_ = 0;
 };
 
+/// Limits how often a session in virtual time may edit, by the work of its edits, so that its result does not depend on
+/// the machine. An edit begins when those before it would be completed on two cores, or kAhead_s before: a stroke with
+/// more work than that is edited as on a machine that completes a share of the ticks.
+class WorkPace {
+ public:
+  bool mayEdit(double time_s) const { return completed_s_ <= time_s + kAhead_s; }
+  /// The edit that began at `time_s` took `work`: CpuSculpture::work().
+  void took(double time_s, double work) { completed_s_ = std::max(completed_s_, time_s) + work / kWorkPerSecond; }
+
+ private:
+  static constexpr double kAhead_s = 1, kWorkPerSecond = 140e6;
+
+  double completed_s_ = 0;
+};
+
 }  // namespace palpate
