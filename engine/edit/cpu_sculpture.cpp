@@ -83,6 +83,7 @@ CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const 
   isChanged_.reserve(points_.positions.capacity());
   isBlocked_.reserve(points_.positions.capacity());
   strains_.reserve(points_.positions.capacity());
+  displacements_.reserve(points_.positions.capacity());
   makeRoom();
   if (options.measures) setSpacings(std::vector<float>(cloud.size()));
 }
@@ -187,7 +188,7 @@ void CpuSculpture::receive(std::span<const PointChange> changes) {
 
 void CpuSculpture::set(std::span<const PointChange> changes) {
   for (const std::uint32_t point : waiting_) points_.unsettled[point] = 0;
-  for (const std::uint32_t point : waiting_) strains_[point] = 0;
+  for (const std::uint32_t point : waiting_) strains_[point] = displacements_[point] = 0;
   waiting_.clear();
   swallowed_.clear();
   settled_ = true;
@@ -218,6 +219,7 @@ void CpuSculpture::makeRoom() {
   isChanged_.resize(points_.size());
   isBlocked_.resize(points_.size());
   strains_.resize(points_.size());
+  displacements_.resize(points_.size());
 }
 
 void CpuSculpture::tellOf(std::uint32_t point) {
@@ -260,7 +262,9 @@ void CpuSculpture::apply(const PlacedBrush& brush, std::uint32_t point, const Pl
   slice.strayed.push_back(point);
   if (to.taken) points_.there[point] = 0;
   if (!moved) return;
-  strains_[point] += glm::distance(place, points_.positions[point]);
+  const float displacement = glm::distance(place, points_.positions[point]);
+  displacements_[point] += displacement;
+  strains_[point] += displacement;
   if (points_.strokes[point] != brush.stroke()) {
     SculptedPoints::Found found = points_.found(point, brush.stroke());
     if (moves_) {
@@ -270,7 +274,7 @@ void CpuSculpture::apply(const PlacedBrush& brush, std::uint32_t point, const Pl
     }
     points_.setFound(point, found);
   }
-  if (moves_) points_.founds[point].room -= glm::distance(place, points_.positions[point]);
+  if (moves_) points_.founds[point].room -= displacement;
   points_.positions[point] = place;
   if (std::exchange(points_.unsettled[point], 1) == 0) slice.waiting.push_back(point);
   if (point >= points_.fromFile) points_.reaches[point - points_.fromFile] = mostReach();
@@ -361,10 +365,11 @@ std::size_t CpuSculpture::mostAtOnce(EditSize size) const {
 
 double CpuSculpture::mostWorkOf(std::uint32_t point) const {
   const DVec3 place(points_.positions[point]);
-  const CellBox box = cellsAround(grid_.grid(), place, options_.radius);
+  const double radius = searchRadius(point);
+  const CellBox box = cellsAround(grid_.grid(), place, radius);
   std::size_t points = 0;
   if (box.cells() > SortedGrid::kFewCells)
-    grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed&) { ++points; });
+    grid_.forEachNear(place, radius, [&](const SortedGrid::Placed&) { ++points; });
   else
     grid_.forEachBucket(box, [&](std::span<const SortedGrid::Placed> bucket) { points += bucket.size(); });
   return kOwnWork + static_cast<double>(points);
@@ -396,9 +401,12 @@ void CpuSculpture::findUnsettled(EditSize size) {
   backlog_ = {};
   if (someWait_) {
     const auto end = unsettled_.begin() + static_cast<std::ptrdiff_t>(most);
-    backlog_ = {.strain = double{strains_[*end]} / options_.radius, .waits = true};
-    for (auto waiting = end; waiting != unsettled_.end(); ++waiting)
+    float furthest = 0;
+    for (auto waiting = end; waiting != unsettled_.end(); ++waiting) {
+      furthest = std::max(furthest, displacements_[*waiting]);
       strains_[*waiting] += kWaitStrain * static_cast<float>(options_.radius);
+    }
+    backlog_ = {.strain = double{furthest} / options_.radius, .waits = true};
     unsettled_.erase(end, unsettled_.end());
   }
 }
@@ -457,7 +465,7 @@ void CpuSculpture::refit(Part& part) {
     refit.gather(around.points, points_.normals);
     for (const std::uint32_t i : part.groups.members(group)) {
       const std::uint32_t point = points[i];
-      strains_[point] = 0;
+      strains_[point] = displacements_[point] = 0;
       const double radius = searchRadius(point);
       around.points.near(DVec3(points_.positions[point]), radius, near, std::min(radius, closestOf(point)));
       refit.add(i, near, points_.normals[point], fitRadius(point));

@@ -141,8 +141,8 @@ class CpuSculpture {
   std::optional<PlacedBrush> moves_, cuts_;  // the brush of this tick, if its points look ahead, or if it carves
   SurfaceMeasure measure_;
   std::vector<std::uint32_t> waiting_;  // numbers of all points that may be unsettled, each once
-  // By point: displacement since it was last resampled, model units, and the priority that it has gained by waiting.
-  std::vector<float> strains_;
+  // By point: displacement since it was last resampled, model units; and the same with the priority that it has gained.
+  std::vector<float> displacements_, strains_;
   std::vector<std::uint32_t> strayed_;  // numbers of points that the index has still to follow
   // Working data of one tick.
   struct Request : ResampleRequest {

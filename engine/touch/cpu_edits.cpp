@@ -144,7 +144,8 @@ void CpuEdits::finish() {
     begin(time_s_ + 1e-3, false);
     finishedWithin(0);
   };
-  while (stroke_.hasWay()) edit();
+  while (stroke_.hasWay() && workPace_.mayComplete(time_s_)) edit();
+  statistics_.shortfalls.pathsDropped += stroke_.hasWay();
   stroke_.end();
   while (brush_ && !sculpture_.settled()) edit();
   workPace_ = {};

@@ -38,11 +38,13 @@ class EditPace {
 class WorkPace {
  public:
   bool mayEdit(double time_s) const { return completed_s_ <= time_s + kAhead_s; }
+  /// The same at the end of a stroke, whose remaining path is then dropped.
+  bool mayComplete(double time_s) const { return completed_s_ <= time_s + kCompletes_s; }
   /// The edit that began at `time_s` took `work`: CpuSculpture::work().
   void took(double time_s, double work) { completed_s_ = std::max(completed_s_, time_s) + work / kWorkPerSecond; }
 
  private:
-  static constexpr double kAhead_s = 1, kWorkPerSecond = 140e6;
+  static constexpr double kAhead_s = 1, kCompletes_s = 3, kWorkPerSecond = 140e6;
 
   double completed_s_ = 0;
 };

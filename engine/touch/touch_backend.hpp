@@ -32,6 +32,7 @@ struct TouchShortfalls {
   std::uint64_t editsTooSlow = 0;  ///< edits dropped in real time because an edit takes longer than a force can be held
   std::uint64_t offersTooSlow = 0;   ///< answers that postponed offered changes, for the same reason
   std::uint64_t editsHeldUp = 0;     ///< edits dropped in real time because the index was being compacted
+  std::uint64_t pathsDropped = 0;    ///< strokes in virtual time that ended before the end of their path: too much work
   std::uint64_t editsRebuilt = 0;    ///< edits for which the index had to be rebuilt
   std::uint64_t truncatedTicks = 0;  ///< the proxy had not converged when the work budget was spent
   std::uint64_t thinnedTicks = 0;    ///< more points were in reach than a tick visits

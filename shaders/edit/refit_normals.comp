@@ -12,7 +12,8 @@ layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
 #include "shaders/lib/log_points.glsl"
 #include "shaders/lib/neighbours.glsl"
 
-vec3 facing;  // the normal before
+vec3 facing;   // the normal before
+float radius;  // of the neighbourhood
 // Of this invocation's neighbours.
 Moments moments;
 vec3 sides;  // sum of w n, with the normals before
@@ -20,7 +21,7 @@ vec3 sides;  // sum of w n, with the normals before
 void visitNeighbour(uint id, vec3 normal, vec3 d) {
   const float share = fitShare(dot(normal, facing));
   if (share <= 0.0) return;
-  const float w = share * wendland(length(d) / args.radius);
+  const float w = share * wendland(length(d) / radius);
   addNeighbour(moments, d, w);
   sides += w * normal;
 }
@@ -28,7 +29,7 @@ void visitNeighbour(uint id, vec3 normal, vec3 d) {
 Moments momentsAbout(vec3 center, out vec3 side) {
   moments = Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0));
   sides = vec3(0.0);
-  visitNeighbours(center, args.radius, kNeighbourWorkBudget);
+  visitNeighbours(center, radius, kNeighbourWorkBudget);
   const vec4 mean = subgroupSum(vec4(moments.mean, moments.weight));
   side = subgroupSum(vec4(sides, 0.0)).xyz;
   const vec4 diagonal = subgroupSum(vec4(moments.diagonal, float(moments.neighbours)));
@@ -64,6 +65,7 @@ void main() {
     const uint parent = parentOf(args.tables, id);
     float spacing = kNotExamined;
     if (isExamined) spacing = args.tables.at[0].spacings.at[parent];
+    radius = isExamined ? neighbourhoodRadius(spacing, args.radius) : args.radius;
     vec3 normal = before.xyz;
     if (refits) normal = fittedNormal(position.xyz, normal);
     if (subgroupElect()) {

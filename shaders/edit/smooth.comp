@@ -11,10 +11,11 @@ layout(push_constant, scalar) uniform Push { SmoothArgs args; };
 #include "shaders/lib/neighbours.glsl"
 
 vec3 facing;       // the side of the sheet that is smoothed
+float radius;      // of the neighbourhood
 SurfaceSums sums;  // of this invocation's neighbours
 
 void visitNeighbour(uint id, vec3 n, vec3 d) {
-  const vec3 offset = d / brush.support;
+  const vec3 offset = d / radius;
   const float squared = dot(offset, offset);
   const float w = wendland(sqrt(squared)) * facingWeight(dot(n, facing));
   if (w <= 0.0) return;
@@ -25,10 +26,10 @@ void visitNeighbour(uint id, vec3 n, vec3 d) {
 
 Surface surfaceAbout(vec3 place) {
   sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
-  visitNeighbours(place, brush.support, kNeighbourWorkBudget);
+  visitNeighbours(place, radius, kNeighbourWorkBudget);
   const SurfaceSums all =
       SurfaceSums(subgroupAdd(sums.offsets), subgroupAdd(sums.normals), subgroupAdd(sums.products));
-  return surfaceFrom(all, brush.support, kSurfaceSphere);
+  return surfaceFrom(all, radius, kSurfaceSphere);
 }
 
 void main() {
@@ -41,6 +42,11 @@ void main() {
   for (uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; i < moves; i += stride) {
     const vec3 place = list.at[i].position;
     facing = list.at[i].normal;
+    radius = brush.support;
+    if (resamples(args.tables.at[0].lists)) {
+      const uint parent = parentOf(args.tables, list.at[i].id);
+      radius = neighbourhoodRadius(args.tables.at[0].spacings.at[parent], radius);
+    }
     const Surface surface = surfaceAbout(place);
     const FoundPoint found = foundPoint(list.at[i].id, place, facing);
     const bool goes = list.at[i].toBucket == kNoBucket;
