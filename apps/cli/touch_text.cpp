@@ -234,6 +234,9 @@ void printShortfalls(const Rows& rows, const TouchReport& report) {
   if (shortfalls.editsTooSlow)
     rows.print("dropped edits",
                fmt::format("{} (an edit takes longer than a force can be held)", shortfalls.editsTooSlow));
+  if (shortfalls.pathsDropped)
+    rows.print("unfinished strokes",
+               fmt::format("{} (the hand was too far ahead of the points under the brush)", shortfalls.pathsDropped));
   if (shortfalls.editsLogFull)
     rows.print("dropped edits", fmt::format("{} (edit log full, a reader fell behind)", shortfalls.editsLogFull));
   if (shortfalls.editsHeldUp)

@@ -37,6 +37,8 @@ constexpr double kThreadWork = 4000, kLookWork = 11;
 constexpr double kMoveWork = 64;
 // Priority, in support radii, that a waiting point gains with each edit, so that every point has its turn.
 constexpr float kWaitStrain = 1.0f / 512;
+// Less than the tool waits for: points that wait for long slow it down, and only those that have moved far stop it.
+constexpr float kMaxWaitStrain = 15.0f / 32;
 // The same of a point that a stroke moves for the first time.
 constexpr float kFirstStrain = 1.0f / 8;
 
@@ -401,12 +403,14 @@ void CpuSculpture::findUnsettled(EditSize size) {
   backlog_ = {};
   if (someWait_) {
     const auto end = unsettled_.begin() + static_cast<std::ptrdiff_t>(most);
+    const float nextStrain = strains_[*end];
     float furthest = 0;
     for (auto waiting = end; waiting != unsettled_.end(); ++waiting) {
       furthest = std::max(furthest, displacements_[*waiting]);
       strains_[*waiting] += kWaitStrain * static_cast<float>(options_.radius);
     }
-    backlog_ = {.strain = double{furthest} / options_.radius, .waits = true};
+    const float waited = std::min(nextStrain, kMaxWaitStrain * static_cast<float>(options_.radius));
+    backlog_ = {.strain = double{std::max(furthest, waited)} / options_.radius, .waits = true};
     unsettled_.erase(end, unsettled_.end());
   }
 }

@@ -292,6 +292,25 @@ TEST_CASE("thousands of coincident points under a brush cost no edit more than i
   }
 }
 
+// A ball with a support radius of sixteen spacings, as dense parts of an uneven scan have: the normal fits of 804
+// neighbours each, where a neighbourhood of half a support radius has 201.
+TEST_CASE("points of a dense part see as many neighbours as eight spacings hold, also to be smoothed") {
+  const PointCloud cloud = ballOf(40'000);
+  const double radius = 4 * supportFor(cloud.size());
+  for (const BrushKind kind : {BrushKind::push, BrushKind::smooth}) {
+    CAPTURE(kind);
+    CpuSculpture sculpture(cloud, makeHashGrid(Vec3(-kShapeRadius), radius, cloud.size()),
+                           {.radius = radius, .threads = 1});
+    const BrushOptions brush{.kind = kind, .yieldDepth = 0.5, .pushRate = 0.3, .radius = 6};
+    sculpture.edit(brushAt(brush, radius, DVec3(0, 0, 48), DVec3(0, 0, 2)));
+    const auto changed = static_cast<double>(sculpture.changed().size());
+    CHECK(changed > 50);
+    const double looks = kind == BrushKind::smooth ? 2 : 1;
+    CHECK(sculpture.work() > 192 * changed);
+    CHECK(sculpture.work() < (512 + looks * 300) * changed);
+  }
+}
+
 TEST_CASE("a new point copies no array of a sculpture, and no edit of a few points builds the index") {
   const PointCloud cloud = ballOf(60'000);
   CpuSculpture sculpture = sculptureOf(cloud, 1);

@@ -55,4 +55,19 @@ TEST_CASE("an edit in time never makes the next one wait, also when it began aft
   CHECK_FALSE(pace.mayEdit(0.003));
 }
 
+TEST_CASE("in virtual time work may be a second ahead of the hand, then edits wait; at the end of a stroke three") {
+  WorkPace pace;
+  for (int tick = 0; tick < 1000; ++tick) {
+    CHECK(pace.mayEdit(1e-3 * tick));
+    pace.took(1e-3 * tick, 140e3);  // as much as fits into a tick
+  }
+  pace.took(1, 1.01 * 140e6);
+  CHECK_FALSE(pace.mayEdit(1));
+  CHECK(pace.mayEdit(1.02));
+  CHECK(pace.mayComplete(1));
+  pace.took(1.02, 2 * 140e6);
+  CHECK_FALSE(pace.mayComplete(1));
+  CHECK(pace.mayComplete(1.05));
+}
+
 }  // namespace palpate::edit_pace_test
