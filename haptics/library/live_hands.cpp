@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <typeinfo>
 
 #include "haptics/devices/path_device.hpp"
 #include "haptics/library/failures.hpp"
@@ -30,7 +31,12 @@ HandSource opened(const pp_live_options& options, const LiveHands::Surroundings&
   if (config.path.empty() && (config.device == "path" || config.device == "sim"))
     throw UsageError("device: {} requires the path of the hand: give builtin=press, slide, scan or orbit{}",
                      config.device, config.device == "path" ? ", or a path" : "");
-  return openHand(config, {.model = with.session.model(), .rate_Hz = rate_Hz, .log = with.log});
+  try {
+    return openHand(config, {.model = with.session.model(), .rate_Hz = rate_Hz, .log = with.log});
+  } catch (const Error& error) {  // of a device or its driver, unless it is of a kind of its own
+    if (typeid(error) != typeid(Error) || config.device == "path" || config.device == "sim") throw;
+    throw DeviceError("{}", error.what());
+  }
 }
 
 std::vector<HandSource> openedAll(const pp_live_options& options, const LiveHands::Surroundings& with, double rate_Hz) {

@@ -170,6 +170,9 @@ TEST_CASE("a missing device and incompatible options are refused with an error")
   CHECK(pp_live_start(ball.session, nullptr) == PP_ERROR_ARGUMENT);  // the default device, path, without a path
   options.device = "mouse-of-glass";
   PP_CHECK_FAILS(pp_live_start(ball.session, &options), PP_ERROR_ARGUMENT, "mouse-of-glass");
+  // No driver of this vendor is installed where tests run.
+  options.device = "dhd";
+  CHECK(pp_live_start(ball.session, &options) == PP_ERROR_DEVICE);
   options.device = "sim";
   CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
   options.builtin = "nothing";

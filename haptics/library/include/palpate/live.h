@@ -33,7 +33,7 @@ PP_OPTIONS(live_options)
 /** Starts ticks against the wall clock, on a thread of palpate. Until pp_live_stop() the session accepts only calls
  * that look at it. A contact is never stiffer than what the user of a hand-held device agreed to after its guided test.
  * Options may be null. PP_ERROR_ARGUMENT for an unknown device, or axes that are not a permutation or of a device that
- * is not in a hand; PP_ERROR_FAILED if a device or its driver cannot be opened. */
+ * is not in a hand; PP_ERROR_DEVICE if a device or its driver cannot be opened, as while another program uses it. */
 PP_API pp_status pp_live_start(pp_session session, const pp_live_options* options);
 /** Copies the ticks since the last call, up to `capacity`, and takes in the edits. With several hands `capacity` and
  * `count` are numbers of rows, as for pp_session_touch_hands(), of whole ticks. Ticks not read for half a minute at 1

@@ -82,7 +82,7 @@ typedef enum pp_status {
   PP_ERROR_FILE = 5,        /**< a file cannot be read or written; see pp_last_error_file() */
   PP_ERROR_GPU = 6,         /**< no GPU, a required feature is missing, or the GPU is lost */
   PP_ERROR_MEMORY = 7,      /**< the host is out of memory */
-  PP_ERROR_DEVICE = 8,      /**< the haptic device failed */
+  PP_ERROR_DEVICE = 8,      /**< the haptic device failed, or cannot be opened */
   PP_ERROR_UNSUPPORTED = 9, /**< this build of palpate does not include it */
   PP_ERROR_FAILED = 10,     /**< any other failure; pp_last_error() says what failed and what to do */
   PP_ERROR_BUG = 11, /**< a bug of palpate: close the handles in question, and report the text of pp_last_error() */
