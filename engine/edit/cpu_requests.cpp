@@ -82,7 +82,7 @@ double CpuSculpture::neighbourhoodOf(std::uint32_t point) const {
 // Radius within which the neighbours of a point are searched, at least that of its neighbourhood, also after rounding.
 double CpuSculpture::searchRadius(std::uint32_t point) const {
   const auto support = double{static_cast<float>(options_.radius)};
-  const double own = options_.resample ? neighbourhoodOf(point) : support;
+  const double own = neighbourhoodOf(point);
   return own < support ? own : std::max(options_.radius, support);
 }
 

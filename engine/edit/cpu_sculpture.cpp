@@ -98,6 +98,7 @@ void CpuSculpture::setSpacings(std::vector<float> known) {
 CpuSculpture::Kept CpuSculpture::kept(std::uint32_t point) const {
   return {.found = points_.lastFound(point),
           .strain = strains_[point],
+          .displacement = displacements_[point],
           .unsettled = points_.unsettled[point] != 0,
           .blocked = isBlocked_[point] != Blocked::no};
 }
@@ -105,6 +106,7 @@ CpuSculpture::Kept CpuSculpture::kept(std::uint32_t point) const {
 void CpuSculpture::keep(std::uint32_t point, const Kept& kept) {
   points_.setFound(point, kept.found);
   strains_[point] = kept.strain;
+  displacements_[point] = kept.displacement;
   if (kept.unsettled && std::exchange(points_.unsettled[point], 1) == 0) waiting_.push_back(point);
   if (kept.blocked && std::exchange(isBlocked_[point], Blocked::before) == Blocked::no) blocked_.push_back(point);
   blockedBy_ = kept.found.stroke;
@@ -181,7 +183,7 @@ void CpuSculpture::receive(std::span<const PointChange> changes) {
   strayed_.erase(again.begin(), again.end());
   makeRoom();
   for (const std::uint32_t point : strayed_) {
-    strains_[point] = 0;
+    strains_[point] = displacements_[point] = 0;
     isBlocked_[point] = Blocked::no;
   }
   std::erase_if(waiting_, [&](std::uint32_t point) { return !points_.unsettled[point]; });

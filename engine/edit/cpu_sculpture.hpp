@@ -66,7 +66,7 @@ class CpuSculpture {
   /// What a stroke keeps of a point that it has moved, from one edit to the next.
   struct Kept {
     SculptedPoints::Found found;
-    float strain = 0;
+    float strain = 0, displacement = 0;
     bool unsettled = false, blocked = false;
   };
   Kept kept(std::uint32_t point) const;

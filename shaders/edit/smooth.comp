@@ -42,11 +42,8 @@ void main() {
   for (uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; i < moves; i += stride) {
     const vec3 place = list.at[i].position;
     facing = list.at[i].normal;
-    radius = brush.support;
-    if (resamples(args.tables.at[0].lists)) {
-      const uint parent = parentOf(args.tables, list.at[i].id);
-      radius = neighbourhoodRadius(args.tables.at[0].spacings.at[parent], radius);
-    }
+    const uint parent = parentOf(args.tables, list.at[i].id);
+    radius = neighbourhoodRadius(args.tables.at[0].spacings.at[parent], brush.support);
     const Surface surface = surfaceAbout(place);
     const FoundPoint found = foundPoint(list.at[i].id, place, facing);
     const bool goes = list.at[i].toBucket == kNoBucket;
