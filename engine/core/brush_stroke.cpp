@@ -21,7 +21,10 @@ constexpr double kWithdrawing = 0.5;  // cosine between motion and direction to 
 // of its path. Lower values cost edits, higher ones leave ripples.
 constexpr double kLongestStep = 0.25, kShortestStep = 1.0 / 256, kWayStep = 1.0 / 16;
 // Number of e-foldings by which a point's remaining distance shrinks while the tool passes over it.
-constexpr double kDecays = 1.5;
+constexpr double kDecays = 1.5, kPushDecays = 3;
+// The share of its path that an edit moves a point under a hand so quick that it would pass before the point has
+// yielded.
+constexpr double kQuickShare = 0.6;
 // In brush radii: if the hand moves further than this without the surface yielding, the tool skips the path in between.
 constexpr double kJump = 0.5;
 constexpr double kShaftMargin = 0.25;  // in brush radii, over the surface as the stroke found it
@@ -258,14 +261,34 @@ void BrushStroke::goOnTo(const Place& place) {
   at(wayCount_++).jumps = jumps;
 }
 
+// Of the tool where it is in the surface.
+double BrushStroke::halfWidth() const {
+  const double radius = brush_.radius, depth = std::max(found() - brush_.yieldDepth, 0.1 * radius);
+  const double low = std::min(depth, radius);
+  return std::sqrt(radius * radius - (radius - low) * (radius - low));
+}
+
 // A tool that passes over a point must leave it the time to yield: each edit moves the point a share of its path.
 double BrushStroke::longestStep(double share) const {
   const double radius = brush_.radius, depth = std::max(found() - brush_.yieldDepth, 0.1 * radius);
-  const double low = std::min(depth, radius), halfWidth = std::sqrt(radius * radius - (radius - low) * (radius - low));
   const double yield = static_cast<double>(shared::kLongestMove) * support_;
+  const double decays = brush_.kind == BrushKind::push ? kPushDecays : kDecays;
   const double most = std::min({kLongestStep * radius, yield * std::clamp(radius / depth, 0.25, 2.0),
-                                share > 0 ? share * halfWidth / kDecays : kLongestStep * radius});
+                                share > 0 ? share * halfWidth() / decays : kLongestStep * radius});
   return std::max(most, kShortestStep * radius);
+}
+
+// A quick hand pushes as deep as a slow one: points yield the faster the less time it leaves them.
+double BrushStroke::pushShare(double share) const {
+  double ahead = 0;
+  DVec3 from = place_;
+  for (std::size_t k = 0; k < wayCount_ && !way_[(wayFirst_ + k) % kMaxWay].jumps; ++k) {
+    const DVec3& to = way_[(wayFirst_ + k) % kMaxWay].hip;
+    ahead += glm::distance(from, to);
+    from = to;
+  }
+  const double step = std::min(ahead, longestStep(kQuickShare));
+  return std::max(share, std::min(kPushDecays * step / halfWidth(), kQuickShare));
 }
 
 void BrushStroke::advance(double most) {
@@ -324,6 +347,7 @@ const BrushStroke::Tool& BrushStroke::next(double time_s, const Backlog& backlog
   const bool inflates = brush_.kind == BrushKind::inflate;
   const double strength = brush_.kind == BrushKind::push ? brush_.pushRate : brush_.strength;
   tool_.share = inflates ? strength * ticks : 1 - std::pow(1 - strength, ticks);
+  if (brush_.kind == BrushKind::push) tool_.share = pushShare(tool_.share);
   const double step = brush_.kind == BrushKind::grab ? std::numeric_limits<double>::infinity()
                                                      : longestStep(inflates ? 1 : tool_.share);
   advance(backlog.waits ? std::min(step, std::max(0.0, kMaxStrain - backlog.strain) * support_) : step);

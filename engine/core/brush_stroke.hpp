@@ -93,7 +93,9 @@ class BrushStroke {
   void noteSide(const Place& place);
   void goOnTo(const Place& place);
   void advance(double most);
+  double halfWidth() const;
   double longestStep(double share) const;
+  double pushShare(double share) const;
   double found() const { return glm::dot(foundAt_ - place_, outward_); }
   std::uint32_t sampling() const;
   DVec3 sheetCorner() const;

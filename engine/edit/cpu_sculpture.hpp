@@ -78,6 +78,13 @@ class CpuSculpture {
   void receive(std::span<const PointChange> changes);
 
  private:
+  // Work that fits into a tick, and points that it is enough for.
+  static constexpr double kTickWork = 60'000;
+  static constexpr std::size_t kFewestAtOnce = 32;
+  static constexpr double kMaxWorkOfPoint = kTickWork / kFewestAtOnce;
+  // With so many points in a bucket, or so much work for a point, a cloud is crowded: points coincide.
+  static constexpr std::uint32_t kCrowd = 2048;
+
   double reachOf(std::uint32_t point) const;
   float firstStep() const { return shared::kFirstStep * static_cast<float>(options_.radius); }
   float mostReach() const;

@@ -131,7 +131,7 @@ DVec3 EditAftermath::facingOf(std::uint32_t i) {
     if (const std::optional<DVec3> wall = wallFacing(i, ancestor)) return *wall;
     if (!tellsItsSide(ancestor)) return normal(i);
   }
-  if (!way_.carves && !way_.pushes && moved(ancestor)) 
+  if (!way_.carves && !way_.pushes && moved(ancestor))
     return carriedNormal(before_, treeBefore_, after_, ancestor).value_or(normal(i));
   if (!isNew(i) || glm::distance(placeBefore(ancestor), position(i)) < kKin * way_.support)
     return normalBefore(ancestor);

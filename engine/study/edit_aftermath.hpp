@@ -29,9 +29,9 @@ inline constexpr double kKin = 2;
 /// there is no plane. `tree`: of the points.
 bool tellsItsSide(const PointCloud& cloud, const PointTree& tree, std::uint32_t point);
 
-/// The normal of a point of the cloud before, rotated as its sheet was bent: the cross product of the transformed tangent
-/// directions, from the displacements of its neighbours on the same side. Empty if they were crushed so that they show
-/// no direction. `tree`: of the points before. `after[i]` has the number i.
+/// The normal of a point of the cloud before, rotated as its sheet was bent: the cross product of the transformed
+/// tangent directions, from the displacements of its neighbours on the same side. Empty if they were crushed so that
+/// they show no direction. `tree`: of the points before. `after[i]` has the number i.
 std::optional<DVec3> carriedNormal(const PointCloud& before, const PointTree& tree, std::span<const PointState> after,
                                    std::uint32_t point);
 

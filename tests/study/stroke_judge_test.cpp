@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test::stroke_judge_test {
 namespace {
@@ -74,7 +75,7 @@ TEST_CASE("a dent is whole, also where it leaves less of a plate than the points
     const StrokeVerdict verdict = stroke.verdict();
     CHECK(verdict.broken() == Words{});
     CHECK(verdict.turned == 0);
-    CHECK(verdict.deepest_mm == doctest::Approx(1.5));
+    CHECK(verdict.deepest_mm == near(1.5, 1e-6));
   }
 }
 
@@ -128,7 +129,7 @@ TEST_CASE("a push that raises the surface, one that leaves flakes, and a far sid
   for (std::size_t i = kSide * kSide; i < far.states.size(); ++i)
     if (std::hypot(far.states[i].position.x, far.states[i].position.y) < 3) far.states[i].position.z -= 1;
   CHECK(far.verdict().movesFar);
-  CHECK(far.verdict().farMoved_mm == doctest::Approx(1));
+  CHECK(far.verdict().farMoved_mm == near(1, 1e-6));
 }
 
 TEST_CASE("the wall that carve leaves faces the tool, however its points came there") {

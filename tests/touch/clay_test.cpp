@@ -118,6 +118,14 @@ TEST_CASE("inflate raises the surface by the depth of the hand, smoothly, and st
   CHECK(hold(1000).positions == raised.positions);
 }
 
+// The depth asked for less the yield depth, to 5 % at up to 100 mm/s and 10 % beyond; nothing is raised.
+void checkDepth(const ClayResult& r, double depth, double speed) {
+  const double expected = depth - 0.5;
+  CHECK(r.deepest >= (speed <= 100 ? 0.95 : 0.9) * expected);
+  CHECK(r.deepest <= 1.01 * expected);
+  CHECK(r.highest <= 0.1);
+}
+
 TEST_CASE("all brushes keep their bounds of depth, height and folds at all depths, speeds and shares of the ticks" *
           kFull) {
   const Scene scene = makeScene("plane", 20'000);
@@ -132,7 +140,18 @@ TEST_CASE("all brushes keep their bounds of depth, height and folds at all depth
                        << r.trenchMost << ", " << r.added << " new, " << r.changed << " changed, second layer "
                        << 100 * r.secondLayer << " %");
           if (kind != BrushKind::grab) CHECK(r.secondLayer <= 0.01);
+          if (kind == BrushKind::push || kind == BrushKind::carve) checkDepth(r, depth, speed);
         }
+}
+
+TEST_CASE("a quick hand pushes as deep as a slow one") {
+  const Scene scene = makeScene("plane", 20'000);
+  for (const double speed : {100.0, 500.0})
+    for (const int every : {1, 3}) {
+      CAPTURE(speed);
+      CAPTURE(every);
+      checkDepth(mouldOnCpu(scene, clayBrush(BrushKind::push), clayDrag(scene, 3, speed), every), 3, speed);
+    }
 }
 
 }  // namespace palpate::clay_test
