@@ -22,9 +22,9 @@ constexpr double kWithdrawing = 0.5;  // cosine between motion and direction to 
 constexpr double kLongestStep = 0.25, kShortestStep = 1.0 / 256, kWayStep = 1.0 / 16;
 // Number of e-foldings by which a point's remaining distance shrinks while the tool passes over it.
 constexpr double kDecays = 1.5, kPushDecays = 3;
-// The share of its path that an edit moves a point under a hand so quick that it would pass before the point has
+// Times that an edit may move a point by its share, under a hand so quick that it would pass before the point has
 // yielded.
-constexpr double kQuickShare = 0.6;
+constexpr double kQuickTimes = 5;
 // In brush radii: if the hand moves further than this without the surface yielding, the tool skips the path in between.
 constexpr double kJump = 0.5;
 constexpr double kShaftMargin = 0.25;  // in brush radii, over the surface as the stroke found it
@@ -287,8 +287,8 @@ double BrushStroke::pushShare(double share) const {
     ahead += glm::distance(from, to);
     from = to;
   }
-  const double step = std::min(ahead, longestStep(kQuickShare));
-  return std::max(share, std::min(kPushDecays * step / halfWidth(), kQuickShare));
+  const double most = 1 - std::pow(1 - share, kQuickTimes), step = std::min(ahead, longestStep(most));
+  return std::max(share, std::min(kPushDecays * step / halfWidth(), most));
 }
 
 void BrushStroke::advance(double most) {

@@ -127,16 +127,21 @@ TEST_CASE("more hands than balls, and hands that jump about, do not end served w
 }
 
 TEST_CASE("water that fails restarts, and each restart is counted and reported with its reason") {
-  // So fine and weightless that its speed of sound is below the speed of the hand. On a slow machine a frame covers
-  // less time, so that the hand stays longer on each side, the longer it takes.
+  // So fine and weightless that its speed of sound is below the speed of the hands, which beat against each other.
   MatterScene scene{.box_mm = DVec3(16), .fill_mm = DVec3(16), .spacing_mm = 2, .gravity_m_s2 = DVec3(0)};
   scene.tool = usualTool(scene);
   Served served(scene);
   CHECK(served.restarts().count == 0);
+  // On a slow machine a frame covers less time, so that the hands stay longer on each side, the longer it takes.
   int frames = 0;
   for (int beats = 0; frames < 4000 && served.said().size() < 2; ++beats)
-    for (int stay = 0; stay <= beats / 100; ++stay, ++frames)
-      served.until(10, {handAt(1, {8, beats % 2 ? 18 : -2, 8})}, [](const CloudFrame&) { return true; });
+    for (int stay = 0; stay <= beats % 40 / 5; ++stay, ++frames) {
+      const auto over = [&](std::uint32_t hand) { return (beats + hand) % 2 ? 18.0 : -2.0; };
+      served.until(10,
+                   {handAt(1, {over(1), 8, 8}), handAt(2, {8, over(2), 8}), handAt(3, {8, 8, over(3)}),
+                    handAt(4, {over(4), 4, 12}), handAt(5, {12, over(5), 4}), handAt(6, {4, 12, over(6)})},
+                   [](const CloudFrame&) { return true; });
+    }
   MESSAGE(fmt::format("after {} frames: {}", frames, fmt::join(served.said(), "; ")));
   REQUIRE(served.said().size() == 2);
   CHECK(served.restarts().count == 2);
