@@ -65,108 +65,11 @@ DVec3 outwardOf(const Contact& contact, const DVec3& spring) {
   return glm::dot(normal, springs) < 0 ? springs : normal;
 }
 
-static_assert(static_cast<shared::uint>(BrushKind::push) == shared::kBrushPush);
-static_assert(static_cast<shared::uint>(BrushKind::carve) == shared::kBrushCarve);
-static_assert(static_cast<shared::uint>(BrushKind::inflate) == shared::kBrushInflate);
-static_assert(static_cast<shared::uint>(BrushKind::smooth) == shared::kBrushSmooth);
-static_assert(static_cast<shared::uint>(BrushKind::grab) == shared::kBrushGrab);
-static_assert(static_cast<shared::uint>(BrushKind::paint) == shared::kBrushPaint);
-static_assert(static_cast<shared::uint>(BrushKind::flatten) == shared::kBrushFlatten);
-
-static_assert(packedColor(kUnpainted) == shared::kUnpainted);
-
 double asSigned(std::uint32_t sum) { return static_cast<double>(static_cast<std::int32_t>(sum)); }
 
 double normalSteps() { return static_cast<double>(shared::kNormalSteps); }
 
 }  // namespace
-
-shared::BrushOf<double> brushOf(const BrushOptions& options, double support) {
-  PALPATE_CHECK_LE(0.0, options.yieldDepth);
-  PALPATE_CHECK_LE(0.0, options.pushRate);
-  PALPATE_CHECK_LE(options.pushRate, 1.0);
-  PALPATE_CHECK_LT(0.0, options.radius);
-  PALPATE_CHECK_LE(0.0, options.strength);
-  PALPATE_CHECK_LE(options.strength, 1.0);
-  PALPATE_CHECK_LE(options.falloff, kMaxFalloff);
-  PALPATE_CHECK_LT(0.0, support);
-  return {.kind = static_cast<shared::uint>(options.kind),
-          .falloff = options.falloff,
-          .radius = options.radius,
-          .longestMove = static_cast<double>(shared::kLongestMove) * support,
-          .support = support,
-          .color = packedColor(options.color)};
-}
-
-shared::Brush sharedBrush(const BrushOptions& options, double support) {
-  const auto brush = brushOf(options, support);
-  return {.kind = brush.kind,
-          .falloff = brush.falloff,
-          .radius = static_cast<float>(brush.radius),
-          .longestMove = static_cast<float>(brush.longestMove),
-          .support = static_cast<float>(brush.support),
-          .color = brush.color};
-}
-
-shared::BrushTool sharedTool(const BrushStroke::Tool& tool) {
-  return {.center = Vec3(tool.center),
-          .acts = tool.acts,
-          .outward = Vec3(tool.outward),
-          .shaft = static_cast<float>(tool.shaft),
-          .motion = Vec3(tool.motion),
-          .share = static_cast<float>(tool.share),
-          .middle = Vec3(tool.middle),
-          .reach = static_cast<float>(tool.reach),
-          .hand = Vec3(tool.hand),
-          .hearing = static_cast<float>(tool.hearing),
-          .height = static_cast<float>(tool.height),
-          .stroke = tool.stroke,
-          .sampling = tool.sampling,
-          .closes = tool.closes,
-          .cell = static_cast<float>(tool.cell),
-          .touched = Vec3(tool.touched),
-          .entersFrom = Vec3(tool.entersFrom),
-          .connectedFrom = Vec3(tool.connectedFrom)};
-}
-
-shared::PlacedTool placedTool(const BrushStroke::Tool& tool) {
-  shared::PlacedTool placed{.tool = sharedTool(tool), .connected = {}};
-  std::ranges::copy(tool.connected, std::begin(placed.connected));
-  return placed;
-}
-
-void SurfaceMeasure::add(const shared::MeasuredPoint& point) {
-  weights += static_cast<std::uint32_t>(point.weight);
-  for (int k = 0; k < 3; ++k) normals[static_cast<std::size_t>(k)] += static_cast<std::uint32_t>(point.normal[k]);
-  heights += static_cast<std::uint32_t>(point.height);
-}
-
-void SurfaceMeasure::add(const SurfaceMeasure& other) {
-  weights += other.weights;
-  for (std::size_t k = 0; k < normals.size(); ++k) normals[k] += other.normals[k];
-  heights += other.heights;
-  blocked += other.blocked;
-  for (std::size_t k = 0; k < seen.size(); ++k) seen[k] |= other.seen[k];
-  nearest = std::min(nearest, other.nearest);
-}
-
-void SurfaceMeasure::enter(shared::uint entered) {
-  if (entered == shared::kOutsideSheet) return;
-  const shared::uint cell = entered % shared::kSheetCells;
-  seen[cell / 32] |= 1u << cell % 32;
-  nearest = std::min(nearest, entered);
-}
-
-SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b) {
-  SurfaceMeasure gap{.weights = a.weights - b.weights,
-                     .normals = {},
-                     .heights = a.heights - b.heights,
-                     .blocked = a.blocked - b.blocked,
-                     .seen = a.seen,
-                     .nearest = a.nearest};
-  for (std::size_t k = 0; k < 3; ++k) gap.normals[k] = a.normals[k] - b.normals[k];
-  return gap;
-}
 
 void BrushStroke::setBrush(const BrushOptions& brush) {
   end();
