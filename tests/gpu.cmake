@@ -43,7 +43,7 @@ add_dependencies(all_tests palpate_lost_gpu)
 
 if(PALPATE_HAS_CUDA)
   set(room_label cuda)
-  palpate_tests(cuda LINKS palpate::cuda palpate::edit palpate::contact)
+  palpate_tests(cuda LINKS palpate::cuda palpate::edit palpate::contact palpate::io)
 endif()
 if(NOT TARGET palpate)
   message(STATUS "Without the program (PALPATE_APPS=OFF): its tests are not built")

@@ -8,6 +8,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/held_contact.hpp"
 #include "engine/cuda/cuda_error.hpp"
+#include "engine/edit/spacing_measure.hpp"
 #include "shaders/shared/edit.h"
 
 namespace palpate {
@@ -17,6 +18,13 @@ namespace {
 constexpr std::size_t kEditTimesReserved = 1 << 16;  // a minute at 1 kHz without an allocation on the servo thread
 constexpr double kLongestWait_us = 20e6;             // timeout of any answer
 constexpr unsigned kSpinsPerCheck = 256;             // polls of the word in host memory per check of the stream
+
+// Target spacings, measured on the host.
+std::vector<float> spacingsOf(const PointCloud& cloud, const CudaTouchOptions& options) {
+  SortedGrid grid(options.grid, 0);
+  grid.build(cloud.positions);
+  return measuredSpacings(grid, cloud.positions, cloud.normals, options.radius, std::vector<float>(cloud.size()));
+}
 
 }  // namespace
 
@@ -38,7 +46,7 @@ CudaTouch::State::State(const PointCloud& cloud, const CudaTouchOptions& options
   buildTime_us = end.since_us(start);
   live_.flip();
   if (options.push) {
-    push_.emplace(sharedBrush(*options.push, options.radius), options.radius, stream_, live_.count());
+    push_.emplace(sharedBrush(*options.push, options.radius), options.radius, spacingsOf(cloud, options), stream_);
     stroke_.setBrush(*options.push);
     editTimes_us.reserve(kEditTimesReserved);
     for (const unsigned parity : {0u, 1u}) recordEdit(parity);
@@ -62,7 +70,7 @@ void CudaTouch::State::recordEdit(unsigned parity) {
     cu::CloudHalf &from = live_.half(parity), &to = live_.half(1 - parity);
     push_->recordPush(stream_, from, live_.count());
     build_.record(stream_, from, to, live_.count());
-    push_->recordRefit(stream_, build_.view(to, live_.count()));
+    push_->recordSequel(stream_, build_.view(to, live_.count()));
   });
 }
 
