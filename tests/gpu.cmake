@@ -20,7 +20,8 @@ palpate_tests(mesh_gpu LINKS palpate::mesh WITH mesh_gpu/mesh_reference.cpp)
 palpate_tests(touch_gpu LINKS palpate::touch palpate::render palpate::haptics WITH touch_gpu/gpu_back_end.cpp
               ALSO ${both_back_ends})
 if(PALPATE_SIMULATION)
-  palpate_tests(matter_gpu LINKS palpate::touch palpate::matter_gpu WITH ${matter_truths})
+  palpate_tests(matter_gpu LINKS palpate::touch palpate::matter_gpu WITH matter_gpu/matter_on_gpu.cpp
+                ALSO ${matter_truths})
 endif()
 palpate_tests(render LINKS palpate::render third_party::stb WITH render/splat_radius_reference.cpp)
 if(TARGET palpate_library)

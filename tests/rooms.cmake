@@ -47,8 +47,9 @@ palpate_system_sources(tests_haptics fake_devices/mapped_note)
 add_dependencies(tests_haptics fake_drivers)
 palpate_tests(session LINKS palpate::session)
 if(PALPATE_SIMULATION)
-  file(GLOB matter_truths matter/*_truths.cpp)
-  palpate_tests(matter LINKS palpate::matter WITH ${matter_truths})
+  # These run on the CPU here and on the GPU in tests_matter_gpu (matter/on_matter.hpp).
+  file(GLOB matter_truths RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} matter/*_truths_test.cpp)
+  palpate_tests(matter LINKS palpate::matter WITH matter/matter_on_cpu.cpp)
   # Lanes of eight floats are passed between its functions alone.
   set_source_files_properties(matter/neighbours_test.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi")
   palpate_tests(simulation LINKS palpate::session)

@@ -10,7 +10,8 @@ Prints a line per program and kind of place:
   jumps      tracks with a tick that changes the force by more than 60 N/s and the hand's motion
   knocks     tracks in which that exceeds the hand's motion by more than 0.3 N
   fall       the largest change in a tick beyond the hand's motion, N
-  lost       tracks in which contact ends in a tick although the hand is more than 0.3 mm deep below the surface there
+  lost       tracks in which contact ends in a tick although the hand is more than 0.3 mm deep below the surface there,
+             as where the surface ends, or where the hand comes out on the other side of a thin part
   turned     tracks in which the normal of a contact turns by more than a right angle in a tick
 """
 
@@ -79,7 +80,7 @@ def read_ply(file):
                 for corner in (a, b, c):
                     normals[corner] = along(normals[corner], 1, area)
         return points, [unit(normal) for normal in normals]
-    code = {"float": "f", "float32": "f", "double": "d", "uchar": "B", "int": "i"}
+    code = {"float": "f", "float32": "f", "double": "d", "uchar": "B", "int": "i", "uint": "I"}
     row = struct.Struct("<" + "".join(code[kind] for _, kind in names))
     at = {name: i for i, (name, _) in enumerate(names)}
     points, normals = [], []
@@ -219,18 +220,21 @@ def main():
     parser.add_argument("--count", type=int, default=200, help="slides and presses, over all models")
     parser.add_argument("--backend", default="cpu")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", help="one model")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="these models of the folder")
     parser.add_argument("--list", action="store_true", help="name each track with a fault")
     args = parser.parse_args()
     if not args.models.is_dir():
         sys.exit(f"{args.models}: no such folder; name that of the models with --models")
-    names = [args.only] if args.only else MODELS
+    names = args.only or MODELS
     totals = {program: {kind: collections.Counter() for kind in KINDS} for program in args.programs}
     falls = collections.defaultdict(float)
     for name in names:
         file = args.models / f"{name}.ply"
         cloud = Cloud(file)
         where = places(cloud, args.count // len(names), random.Random(f"{args.seed} {name}"))
+        if not where:
+            print(f"{name}: no place that a hand reaches along the normal")
+            continue
         keys, spans = path_over(cloud, where)
         for program in args.programs:
             rows = played(program, file, cloud, keys, args.backend)

@@ -52,8 +52,7 @@ TakenRosPoints takeMessage(const RosPointCloud2& message, Log* log) {
                         .isBigEndian = message.is_bigendian,
                         .pointStep = message.point_step,
                         .rowStep = message.row_step,
-                        .data = {message.data._buffer, message.data._length},
-                        .isDense = message.is_dense},
+                        .data = {message.data._buffer, message.data._length}},
                        log);
 }
 

@@ -31,7 +31,6 @@ struct RosPoints {
   bool isBigEndian = false;
   std::uint32_t pointStep = 0, rowStep = 0;  ///< bytes
   std::span<const std::uint8_t> data;
-  bool isDense = false;
 };
 
 /// Fields of a message of a cloud: position and normal as float32, and the colour, whose bytes are stored as a float32,

@@ -1,18 +1,10 @@
 // Damaged copies of files, the same in each run.
 #pragma once
 
-#include <doctest/doctest.h>
-
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <string>
-
-#include "engine/core/error.hpp"
-#include "engine/io/cloud_formats.hpp"
-#include "tests/scratch_folder.hpp"
 
 namespace palpate::test {
 
@@ -52,34 +44,5 @@ class Damage {
   }
   std::uint32_t state_;
 };
-
-/// Number of `tries` damaged files that are read; all others must be refused. Each is also queried for its contents,
-/// and a file that is read is written again.
-inline int readOfDamaged(const std::string& good, const std::string& ending, std::size_t head, int tries,
-                         const CloudReadOptions& options = {}) {
-  const ScratchFolder folder;
-  Damage damage;
-  int read = 0;
-  for (int k = 0; k < tries; ++k) {
-    const std::filesystem::path file = folder / ("a" + ending);
-    std::ofstream(file, std::ios::binary) << damage.of(good, head);
-    try {
-      contentsOf(file);
-      const StoredCloud stored = readCloud(file, nullptr, options);
-      ++read;
-      writeCloud(folder / ("b" + ending), stored.cloud);
-    } catch (const FileError&) {
-    }
-  }
-  return read;
-}
-
-/// `between`: bounds of the number of damaged files that are read.
-inline void checkDamaged(const std::string& good, const std::string& ending, std::size_t head, int tries,
-                         const std::array<int, 2>& between, const CloudReadOptions& options = {}) {
-  const int read = readOfDamaged(good, ending, head, tries, options);
-  CHECK(read > between[0]);
-  CHECK(read < between[1]);
-}
 
 }  // namespace palpate::test

@@ -50,6 +50,16 @@ inline void addWritten(std::vector<Specimen>& all) {
   }
 }
 
+inline void addLas(std::vector<Specimen>& all) {
+  LasBytes las = variedFile(8, 40, 3);
+  las.records = lasRecord("LASF_Spec", 4, lasDescriptor("a", 1) + lasDescriptor("b", 3, 24, 0.1, 1)) +
+                lasRecord("palpate", 1, "comment units: m\n");
+  las.recordCount = 2;
+  las.tail = lasLongRecord("x", 1, "yz");
+  las.longRecords = 1;
+  all.push_back({"las", "a.las", las.text(), 375 + 500});
+}
+
 inline void addLaz(std::vector<Specimen>& all) {
   for (const unsigned format : {1u, 3u, 6u, 8u})
     all.push_back({"laz", "a.laz", packedFile(variedFile(format, 200, 2), {.chunks = {50, 150}}), 700});
@@ -98,10 +108,18 @@ inline void addPackedPcd(std::vector<Specimen>& all) {
   all.push_back({"packed-pcd", "a.pcd", text, text.size()});
 }
 
+inline void addText(std::vector<Specimen>& all) {
+  std::string rows;
+  for (int k = 0; k < 60; ++k) rows += fmt::format("{} 2.5 -3 {} 1 2 {}\n", 0.25 * k, k - 30, 4 * k);
+  all.push_back({"pts", "a.pts", "60\n" + rows, 300});
+  all.push_back({"csv", "a.csv", "x,y,z,i,r,g,b\n" + rows, 300});
+}
+
 inline void addNpz(std::vector<Specimen>& all) {
   std::string rows;
   for (int i = 0; i < 60; ++i) rows += npy::bytes({0.5f * static_cast<float>(i), 1.f, -2.f});
   const std::string places = npy::array("'<f4'", "(60, 3)", rows);
+  all.push_back({"npy", "a.npy", npy::array("[('xyz', '<f4', (3,))]", "(60,)", rows), 90});
   const std::string normals = npy::array("'<f4'", "(60, 3)", rows);
   const auto archive = [normals](const std::string& text) {
     return npy::zip({{"xyz.npy", text, ""}, {"normals.npy", normals, npy::plainBlock(normals)}});
@@ -210,6 +228,8 @@ inline void addPacked(std::vector<Specimen>& all) {
 inline std::vector<Specimen> specimens() {
   std::vector<Specimen> all;
   addWritten(all);
+  addLas(all);
+  addText(all);
   addLaz(all);
   addE57(all);
   addPackedPcd(all);

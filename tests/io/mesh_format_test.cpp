@@ -12,7 +12,6 @@
 #include "engine/io/saving.hpp"
 #include "engine/io/triangle_soup.hpp"
 #include "tests/content_of.hpp"
-#include "tests/io/damage.hpp"
 #include "tests/io/file_cases.hpp"
 #include "tests/io/gltf_bytes.hpp"
 #include "tests/scratch_folder.hpp"
@@ -254,18 +253,6 @@ TEST_CASE("a mesh read as triangles keeps its corners, from any mesh format into
     std::ofstream(folder / "none.off") << "OFF\n3 1 0\n" << nowhere << " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     CHECK_THROWS_WITH_AS(readCloud(folder / "none.off", nullptr, {.asTriangles = true}),
                          doctest::Contains("none.off: none of its corners has a finite position"), FileError);
-  }
-}
-
-TEST_CASE("a damaged mesh is read or refused, without a crash") {
-  const ScratchFolder folder;
-  const Box box;
-  for (const char* ending : {".obj", ".stl", ".off"}) {
-    CAPTURE(std::string(ending));
-    const std::filesystem::path file = folder / (std::string("a") + ending);
-    writeCloud(file, box.corners, {.triangles = &box.triangles});
-    const std::string good = contentOf(file);
-    CHECK(readOfDamaged(good, ending, good.size(), 300, {.samples = 50}) > 20);
   }
 }
 

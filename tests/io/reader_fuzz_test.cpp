@@ -1,4 +1,4 @@
-// Fuzzes every reader of untrusted bytes with damaged files, for 25 rounds or for a given time: PALPATE_FUZZ_S=3600
+// Fuzzes every reader of untrusted bytes with damaged files, for some rounds or for a given time: PALPATE_FUZZ_S=3600
 // build/asan/tests_io --source-file='*reader_fuzz*' sets the seconds, PALPATE_FUZZ_FROM the first round, so that
 // several can run at once, and PALPATE_FUZZ_ONLY=laz,e57 the formats. A file that crashes the program remains where it
 // was read.
@@ -14,6 +14,7 @@
 #include "tests/io/damage.hpp"
 #include "tests/io/fuzz_specimens.hpp"
 #include "tests/io/memory_use.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate::test::reader_fuzz_test {
 
@@ -80,11 +81,11 @@ std::vector<Specimen> wantedSpecimens() {
 
 }  // namespace
 
-TEST_CASE("no reader crashes or exceeds its memory on damaged files") {
+TEST_CASE("no reader crashes or exceeds its memory on damaged files" * kMoreInFull) {
   const char *given = std::getenv("PALPATE_FUZZ_S"), *first = std::getenv("PALPATE_FUZZ_FROM");
   const double wanted_s = given ? std::atof(given) : 0;
   const std::uint32_t from = first ? static_cast<std::uint32_t>(std::strtoul(first, nullptr, 10)) : 0;
-  constexpr std::uint32_t kRounds = 25;  // without PALPATE_FUZZ_S
+  const std::uint32_t rounds = byTier(40u, 200u);  // without PALPATE_FUZZ_S
   const std::vector<Specimen> all = wantedSpecimens();
   const ScratchFolder scratch;
   for (std::size_t k = 0; k < all.size(); ++k)
@@ -92,7 +93,7 @@ TEST_CASE("no reader crashes or exceeds its memory on damaged files") {
   if (given) std::printf("the files are in %s\n", scratch.path().string().c_str());
   std::map<std::string, Tally> tallies;
   const Stopwatch watch;
-  for (std::uint32_t round = from; wanted_s > 0 ? watch.elapsed_s() < wanted_s : round - from < kRounds; ++round)
+  for (std::uint32_t round = from; wanted_s > 0 ? watch.elapsed_s() < wanted_s : round - from < rounds; ++round)
     for (std::size_t k = 0; k < all.size(); ++k) {
       CAPTURE(all[k].name);
       CAPTURE(k);

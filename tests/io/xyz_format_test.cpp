@@ -9,7 +9,6 @@
 
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
-#include "tests/io/damage.hpp"
 #include "tests/io/file_cases.hpp"
 
 namespace palpate::test::xyz_format_test {
@@ -233,16 +232,6 @@ TEST_CASE("given column names override those of the file") {
   CHECK(reading("x y z a b c d\n3 2 1 9 8 7 5\n", "a.asc", options).cloud.fileCoordinates(0) == DVec3(1, 2, 3));
   CHECK_THROWS_WITH_AS(reading("1 2 3\n", "a.xyz", options),
                        doctest::Contains(":1: a point of 3 columns, of which 7 have names"), FileError);
-}
-
-TEST_CASE("flipped, cut or extreme bytes in a text file are read or refused, without a crash") {
-  std::string text = "60\n";
-  for (int k = 0; k < 60; ++k) text += fmt::format("{} 2.5 -3 {} 1 2 {}\n", 0.25 * k, k - 30, 4 * k);
-  for (const auto& [good, ending] :
-       {std::pair{text, ".pts"}, {text.substr(3), ".xyz"}, {"x,y,z,i,r,g,b\n" + text.substr(3), ".csv"}}) {
-    CAPTURE(std::string(ending));
-    checkDamaged(good, ending, 300, 800, {40, 760});
-  }
 }
 
 TEST_CASE("properties that text cannot hold are listed") {

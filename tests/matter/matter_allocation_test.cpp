@@ -2,9 +2,8 @@
 
 #include "engine/matter/matter_touch.hpp"
 #include "engine/matter/matter_world.hpp"
-#include "engine/touch/cpu_touch.hpp"
 #include "tests/allocation_count.hpp"
-#include "tests/matter/soft_scene.hpp"
+#include "tests/matter/soft_on_cpu.hpp"
 
 namespace palpate::matter_allocation_test {
 
@@ -31,12 +30,7 @@ TEST_CASE("in real time no tick in matter allocates memory on the querying threa
 TEST_CASE("in real time no tick on a soft body allocates memory on the querying thread") {
   SoftTouching options;
   options.realtime = true;
-  SoftScene block(bareBlock(), options,
-                  [](const PointCloud& cloud, CloudSource& source, double radius, const SoftTouchOptions& touch) {
-                    return std::make_unique<CpuTouch>(
-                        cloud,
-                        CpuTouchOptions{.radius = radius, .tools = touch.tools, .threads = 1, .source = &source});
-                  });
+  SoftScene block(bareBlock(), options, feltOnCpu);
   std::size_t touched = 0;
   const auto ask = [&](int i) {
     touched += block.touch().query({.time_s = 1e-3 * i, .hip = {50, 42 - 0.04 * i, 50}}, 500).touching;

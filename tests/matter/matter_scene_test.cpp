@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "engine/core/processor.hpp"
-#include "tests/matter/matter_truths.hpp"
+#include "tests/matter/matter_scenes.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 

@@ -4,10 +4,12 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -84,6 +86,80 @@ inline bool sameBytes(const MatterSimulation& a, const MatterSimulation& b) {
 /// The error that rejects a scene; "taken" if it is valid.
 inline std::string refusal(const MatterScene& scene, std::uint64_t memory_bytes = std::uint64_t{2} << 30) {
   return errorOf([&] { planOf(scene, memory_bytes); });
+}
+
+inline std::unique_ptr<MatterSimulation> atRest(const MatterMaker& make, const MatterScene& scene,
+                                                std::size_t tools = 0) {
+  return make(scene, tools, placesAtRest(scene));
+}
+
+/// Grains on a tilted floor, in a box that is periodic along z.
+inline MatterScene sandbox(const DVec3& box_mm, const DVec3& fill_mm, double friction, double tilt_deg) {
+  const double tilt = tilt_deg * std::numbers::pi / 180;
+  return {.matter = Matter::sand,
+          .box_mm = box_mm,
+          .fill_mm = fill_mm,
+          .spacing_mm = 10,
+          .density_kg_m3 = 1600,
+          .friction = friction,
+          .gravity_m_s2 = kGravity_m_s2 * DVec3(std::sin(tilt), -std::cos(tilt), 0),
+          .periodic = {false, false, true}};
+}
+
+/// A long block of water in the air, 1 mm apart, with cohesion.
+inline MatterScene floatingBlock(double cohesion_N_m) {
+  return {.box_mm = {36, 30, 30},
+          .fill_mm = {16, 8, 8},
+          .fill_at_mm = {10, 11, 11},
+          .spacing_mm = 1,
+          .viscosity_Pa_s = 5e-3,
+          .cohesion_N_m = cohesion_N_m,
+          .gravity_m_s2 = {0, 0, 0}};
+}
+
+/// A tank of water or sand with an analytic shape in its centre.
+inline MatterScene modelInTank(std::string_view shape, double size_mm, Matter matter = Matter::water) {
+  MatterScene scene = tank({14, 18, 14}, 14);
+  scene.matter = matter;
+  scene.model = "builtin:" + std::string(shape);
+  scene.model_mm = DVec3(size_mm);
+  scene.model_at_mm = DVec3(70, 60 - size_mm / 2, 70);
+  return scene;
+}
+
+inline std::size_t withinBall(const MatterSimulation& world, const DVec3& middle_m, double radius_m) {
+  const std::vector<Vec3> places = world.positionsById();
+  return static_cast<std::size_t>(std::ranges::count_if(
+      places, [&](const Vec3& place) { return glm::length(DVec3(place) - middle_m) < radius_m; }));
+}
+
+/// Largest distance of a particle outside of the box, m.
+inline double farthestOut(const MatterSimulation& world) {
+  double out = 0;
+  for (const Vec3& place : world.positionsById())
+    for (int axis = 0; axis < 3; ++axis)
+      out = std::max({out, -static_cast<double>(place[axis]),
+                      static_cast<double>(place[axis]) - world.scene().box_mm[axis] * 1e-3});
+  return out;
+}
+
+/// Matter that falls onto the scene's model.
+inline void checkModelKeepsOut(const MatterMaker& make, const MatterScene& scene, int steps) {
+  // Water that falls onto the model in an otherwise empty tank.
+  std::vector<Vec3> places;
+  for (int z = 0; z < 12; ++z)
+    for (int y = 0; y < 7; ++y)
+      for (int x = 0; x < 12; ++x) places.emplace_back(Vec3(x, y, z) * 0.01f + Vec3(0.015f, 0.106f, 0.015f));
+  const auto world = make(scene, 0, places);
+  REQUIRE(world->leftOut() < places.size() / 4);
+  for (int k = 0; k < steps; ++k) {
+    run(*world, 1);
+    REQUIRE(missingMomentum(*world) <= 1e-5);
+    if (k % 10 != 9) continue;
+    REQUIRE(world->insideModel() == 0);
+    REQUIRE(farthestOut(*world) == 0);
+  }
+  CHECK(glm::length(world->impulses().onModel) > 0.01);
 }
 
 }  // namespace palpate

@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include "tests/matter/matter_truths.hpp"
-#include "tests/matter/soft_truths.hpp"
+#include "tests/matter/matter_scenes.hpp"
 #include "tests/says.hpp"
 
 namespace palpate::parameters_test {
@@ -53,12 +52,6 @@ TEST_CASE("an unknown parameter, or a value outside its bounds, is refused with 
   CHECK(says(refused("viscosity_Pa_s", -1), "viscosity_Pa_s: is -1; it must be from 0 to 50"));
   CHECK(says(refused("gravity_y_m_s2", std::nan("")), "gravity_y_m_s2: is nan"));
   CHECK(scene == before);
-}
-
-TEST_CASE("a simulation with a changed parameter continues like one that started with it") {
-  checkParametersAreTaken(onCpu(), 20);
-  checkParametersKeepMotion(onCpu(), 60);
-  checkSoftParameters(softOnCpu(), 40);
 }
 
 }  // namespace palpate::parameters_test

@@ -2,21 +2,13 @@
 #include <optional>
 #include <string>
 
-#include "engine/touch/cpu_touch.hpp"
 #include "tests/labels.hpp"
-#include "tests/matter/soft_scene.hpp"
+#include "tests/matter/soft_on_cpu.hpp"
 #include "tests/near.hpp"
 
 namespace palpate::soft_hold_test {
 
 namespace {
-
-std::unique_ptr<TouchBackend> feltOnCpu(const PointCloud& cloud, CloudSource& source, double radius,
-                                        const SoftTouchOptions& touch) {
-  return std::make_unique<CpuTouch>(
-      cloud, CpuTouchOptions{
-                 .radius = radius, .friction = touch.friction, .tools = touch.tools, .threads = 1, .source = &source});
-}
 
 // A cube of 40 mm into which a hand descends vertically from above.
 struct Press {

@@ -8,7 +8,7 @@
 #include "engine/matter/soft_world.hpp"
 #include "tests/edit/tool_at.hpp"
 #include "tests/matter/soft_bodies.hpp"
-#include "tests/matter/soft_truths.hpp"
+#include "tests/matter/soft_maker.hpp"
 
 namespace palpate::soft_sculpt_test {
 

@@ -5,7 +5,7 @@
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_world.hpp"
 #include "tests/labels.hpp"
-#include "tests/matter/press_truths.hpp"
+#include "tests/matter/soft_maker.hpp"
 
 namespace palpate::soft_world_test {
 
@@ -50,35 +50,6 @@ TEST_CASE("a block on a slope sticks or slides by Coulomb's law") {
   }
 }
 
-TEST_CASE("a soft body that is pushed and released returns to its shape") { checkReturn(softOnCpu(), 150, 850); }
-
-TEST_CASE("a falling body bounces, and its momentum balances gravity, walls, pins and tools") {
-  checkSoftMomentum(softOnCpu(), 500);
-}
-
-TEST_CASE("a ball receives the momentum that the body loses, and the hand feels it") {
-  checkSoftReactions(softOnCpu(), 200, 400);
-}
-
-TEST_CASE("random hands gain no energy from a soft body" * kMoreInFull) {
-  checkSoftPortEnergy(softOnCpu(), byTier(2, 3), byTier(350, 1200));
-}
-
-TEST_CASE("pinned nodes stay at rest") { checkPinsHold(softOnCpu(), 20); }
-
-TEST_CASE("a bar hangs, bends and vibrates as theory predicts") {
-  checkHangingBar(softOnCpu(), {16, 3, 3}, 0.3);
-  checkCantilever(softOnCpu(), {12, 2, 2});
-  checkStretchFrequency(softOnCpu(), {16, 2, 2}, 3);
-}
-
-TEST_CASE("a ball pressed by a hand pushes back as Hertz predicts" * kMoreInFull) {
-  if (inFullTier()) checkHertz(softOnCpu(), {.width = 32, .height = 24, .ball = 8, .poisson = 0.3, .within = 0.08});
-  checkHertz(softOnCpu(), {.width = 16, .height = 12, .ball = 5, .poisson = 0.45, .within = 0.09});
-}
-
-TEST_CASE("a rotation causes no stress") { checkTurned(softOnCpu(), bendOnCpu()); }
-
 TEST_CASE("a body keeps its stiffness with more substeps" * kMoreInFull) {
   // Force over the depth to the power of Hertz: the spring that holds the ball yields per substep (tool_body.cpp).
   MatterScene block = softBlock();
@@ -103,20 +74,6 @@ TEST_CASE("a body keeps its stiffness with more substeps" * kMoreInFull) {
   for (const std::uint32_t times : byTier<std::vector<std::uint32_t>>({2}, {2, 5}))
     checkTruth(fmt::format("force of a ball over d^1.5 with {} times the substeps", times),
                stiffnessOf(times * planOf(block).substeps), needed, 2e-3);
-}
-
-TEST_CASE("a surface yields like a half-space, and like its mass if nothing holds it") { checkCompliance(softOnCpu()); }
-
-TEST_CASE("a soft world gives the same results bit by bit with one thread and with three, also after a reset") {
-  checkSameSoftBytes(softOnCpu(1), softOnCpu(3), 150);
-}
-
-TEST_CASE("a diverging soft body reports it, has no force from then on, and can be reset") {
-  checkSoftDivergence(softOnCpu());
-}
-
-TEST_CASE("a hand that jumps across the box of a soft body gets a bounded, finite force or ends the simulation") {
-  checkSoftJump(softOnCpu(), 200);
 }
 
 TEST_CASE("a soft scene that cannot be simulated is refused with the field's name") {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "tests/labels.hpp"
-#include "tests/matter/matter_truths.hpp"
+#include "tests/matter/matter_scenes.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
 extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // not every compiler provides its header

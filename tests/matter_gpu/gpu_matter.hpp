@@ -3,7 +3,7 @@
 
 #include "engine/matter/gpu_matter_world.hpp"
 #include "tests/gpu_fixture.hpp"
-#include "tests/matter/matter_truths.hpp"
+#include "tests/matter/matter_scenes.hpp"
 
 namespace palpate {
 

@@ -3,7 +3,7 @@
 
 #include "engine/matter/gpu_soft_world.hpp"
 #include "tests/gpu_fixture.hpp"
-#include "tests/matter/soft_truths.hpp"
+#include "tests/matter/soft_maker.hpp"
 
 namespace palpate {
 

@@ -32,14 +32,6 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a model in water and sand has the same effect
   }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water carries a model by the weight that it displaces" * kFull) {
-  checkModelDisplaces(onGpu(device), 200, 80);
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no falling water enters a model" * kMoreInFull) {
-  checkModelKeepsOut(onGpu(device), modelInTank("torus", 80), byTier(90, 250));
-}
-
 TEST_CASE_FIXTURE(CoreGpuFixture, "a ball that starts in water grows there, on the GPU as on the CPU" * kMoreInFull) {
   MatterScene scene = tank({12, 14, 12}, 10);
   scene.tool = {.radius_mm = 20, .mass_kg = 0.03};
@@ -57,11 +49,6 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a ball that starts in water grows there, on t
   REQUIRE(gpu->state() == MatterState::running);
   CHECK(withinBall(*gpu, gpu->answers()[0].place_m, 0.02) == 0);
   CHECK(missingMomentum(*gpu) <= 1e-5);
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "on the GPU a ball is stopped by a model in the matter, and slides along it" * kFull) {
-  checkBallStopsAtModel(onGpu(device));
 }
 
 }  // namespace palpate::model_test

@@ -4,17 +4,6 @@
 
 namespace palpate::sand_test {
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a grain on a slope sticks or slides by Coulomb's law" * kMoreInFull) {
-  for (const double friction : byTier<std::vector<double>>({0.4}, {0.0, 0.4, 0.9})) {
-    CAPTURE(friction);
-    checkSlope(onGpu(device), friction);
-  }
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a heap of sand does not creep" * kFull) {
-  checkHeap(onGpu(device), {60, 50, 80}, 500, 100);
-}
-
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a column of sand collapses as far as on the CPU" * kMoreInFull) {
   const MatterScene scene = sandbox({400, 160, 80}, {80, 120, 80}, 0.4, 0);
   const auto gpu = onGpu(device)(scene, 0, placesAtRest(scene)), cpu = onCpu()(scene, 0, placesAtRest(scene));
@@ -26,14 +15,6 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a column of sand collapses as far 
   run(*cpu, steps);
   CHECK(isWithin(0.1, gpu->observe().front_m, cpu->observe().front_m));
   CHECK(isWithin(0.03, gpu->observe().potential_J, cpu->observe().potential_J));
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a sliding bed of sand comes to rest at its angle of friction" * kFull) {
-  checkAngleOfRepose(onGpu(device), 0.3, 70, 5);
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU sand pushes back a ball that is pushed into it" * kFull) {
-  checkBallInSand(onGpu(device));
 }
 
 }  // namespace palpate::sand_test

@@ -4,7 +4,7 @@
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/matter/soft_scan.hpp"
 #include "tests/labels.hpp"
-#include "tests/matter/press_truths.hpp"
+#include "tests/matter/pressing_hand.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
@@ -107,22 +107,6 @@ TEST_CASE_FIXTURE(GpuFixture, "a scan is pressed on the GPU as on the CPU, also 
   hands.emplace_back(DVec3(points[600].rest) + 0.02 * DVec3(points[600].normal), 0.0072, 9);
   hands.back().press().normal = DVec3(points[600].normal);
   checkPressedAlike(device, scene, hands, 5, &solid, points);
-}
-
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU a press moves only the nodes within its reach") {
-  checkPressLocality(softOnGpu(device));
-}
-
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU only the side of a sheet that faces the hand is pressed") {
-  checkPressedSide(softOnGpu(device));
-}
-
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU presses that are not finite, or that pull, have no effect") {
-  checkHostilePresses(softOnGpu(device));
-}
-
-TEST_CASE_FIXTURE(GpuFixture, "presses on the same GPU give the same results bit by bit") {
-  checkSamePressedBytes(softOnGpu(device), softOnGpu(device), 15);
 }
 
 TEST_SUITE_END();

@@ -3,7 +3,7 @@
 #include "engine/matter/soft_sculpture.hpp"
 #include "engine/matter/soft_world.hpp"
 #include "tests/labels.hpp"
-#include "tests/matter/press_truths.hpp"
+#include "tests/matter/pressing_hand.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 

@@ -16,28 +16,6 @@ std::int64_t listPasses(const GpuMatterWorld& world) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "on the GPU water at rest has the pressure and weight that it has on the CPU" * kFull) {
-  checkWaterAtRest(onGpu(device), 200, 80);
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU the momentum of water balances gravity and walls" * kMoreInFull) {
-  checkMomentumIsAccountedFor(onGpu(device), byTier(50, 150));
-  checkMomentumStays(onGpu(device), byTier(10, 30));
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU the flow between plates matches the viscosity" * kFull) {
-  checkPoiseuille(onGpu(device), 0.3, 300);
-  checkCouette(onGpu(device), 0.3);
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle passes a wall") { checkWallsHold(onGpu(device), 100); }
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "water and sand on the same GPU give the same results bit by bit" * kMoreInFull) {
-  for (const Matter matter : {Matter::water, Matter::sand})
-    checkSameBytes(onGpu(device), onGpu(device), matter, byTier(15, 60));
-}
-
 TEST_CASE_FIXTURE(CoreGpuFixture, "thousands of particles have the same positions on the GPU as on the CPU") {
   const MatterScene still;
   const auto gpu = onGpu(device)(still, 0, placesAtRest(still)), cpu = onCpu()(still, 0, placesAtRest(still));
@@ -105,10 +83,6 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU the cohesion of water agrees with 
   run(*gpu, 10);
   run(*cpu, 10);
   CHECK(farthestApart(*gpu, *cpu) < 1e-6);
-}
-
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a block of water becomes round by cohesion" * kFull) {
-  checkCohesion(onGpu(device), 60, 1.95);
 }
 
 }  // namespace palpate::water_test

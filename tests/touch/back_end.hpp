@@ -14,6 +14,7 @@
 #include "engine/core/tool_shape.hpp"
 #include "engine/motion/cloud_source.hpp"
 #include "engine/touch/touch_backend.hpp"
+#include "tests/on_gpu.hpp"
 
 namespace palpate {
 
@@ -31,12 +32,6 @@ struct TouchWanted {
 /// How a GPU is validated: as requested, without the search for every access of a shader, or not at all, because other
 /// cases run the same code under validation.
 enum class Validated { fully, core, none };
-
-extern const bool kOnGpu;
-template <class T>
-T onCpuOrGpu(T cpu, T gpu) {
-  return kOnGpu ? gpu : cpu;
-}
 
 /// Fixture of a case that runs on each back end, which a failure names. On a GPU a validation message fails the case.
 class OnBackEnd : private doctest::detail::ContextScopeBase {

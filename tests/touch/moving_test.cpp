@@ -245,4 +245,103 @@ TEST_CASE_FIXTURE(OnMoving, "a frame with holes is felt with the points that it 
   CHECK(end.colors.at(1)[2] == 7);
 }
 
+TEST_CASE_FIXTURE(OnMovingInCore, "a rotating or drifting sphere is felt at its present depth") {
+  const Scene scene = makeScene("bumpy-sphere", 20'000);
+  const DVec3 start(0, 0, 60);
+  for (const RigidMotion& motion : {RigidMotion{.kind = MotionKind::turn, .axis = {0.6, 0, 0.8}, .frequency_Hz = 0.3},
+                                    RigidMotion{.kind = MotionKind::drift, .axis = {1, 0, 0}, .speed = 100}}) {
+    MovingCloud source(scene.cloud, motion);
+    const auto touch = make(scene, source);
+    const MovingShape truth(*scene.shape, motion);
+    const DVec3 hip = scene.shape->closest(start).position - DVec3(0, 0, 1);
+    // Enters from outside first, since a HIP that starts inside is not caught.
+    for (int i = 0; i < 20; ++i) touch->query({.time_s = 0, .hip = glm::mix(start, hip, 0.05 * i)}, 0);
+    const auto contacts = feelAtRest(*touch, hip, 60);
+    const DepthError error = depthError(contacts, hip, truth, 0.3);
+    CHECK(error.inside > 40);
+    CHECK(error.wronglyFree == 0);
+    CHECK(error.rms < 0.12);  // the average rounds off its bumps slightly
+  }
+}
+
+TEST_CASE_FIXTURE(OnMoving, "a source at rest gives the same answers as no source, bit by bit") {
+  const Scene scene = makeScene("torus", 5'000, DVec3(100, 7, -3));
+  for (const RigidMotion& still : {RigidMotion{}, RigidMotion{.kind = MotionKind::turn, .centre = {3, 2, 1}}}) {
+    MovingCloud source(scene.cloud, still);
+    const auto moving = make(scene, source);
+    const auto alone = OnBackEnd::make(scene.cloud, {.radius = scene.radius});
+    std::size_t touched = 0, other = 0;
+    for (const DVec3& hip : wanderingPath(scene, onCpuOrGpu(150, 80), 0.5 * scene.radius, 3)) {
+      const Contact a = moving->query({.hip = hip}, 0), b = alone->query({.hip = hip}, 0);
+      touched += a.touching;
+      other += !sameAnswer(a, b);
+    }
+    CHECK(touched > onCpuOrGpu<std::size_t>(15, 5));
+    CHECK(other == 0);
+  }
+}
+
+TEST_CASE_FIXTURE(OnMoving, "clouds of one or no point can move, without a surface") {
+  for (const std::size_t count : onCpuOrGpu<std::vector<std::size_t>>({0, 1}, {1})) {
+    PointCloud cloud;
+    cloud.positions.assign(count, Vec3(0));
+    cloud.normals.assign(count, Vec3(0, 0, 1));
+    MovingCloud source(cloud, oscillation());
+    const auto touch = OnBackEnd::make(cloud, {.radius = 1, .source = &source});
+    for (const Contact& contact : feelAtRest(*touch, DVec3(0, 0, 0.5), 50)) CHECK(contact.valid);
+  }
+}
+
+TEST_CASE_FIXTURE(OnMoving, "an inconsistent frame ends the session: no answer is valid from then on") {
+  const Scene scene = makeScene("sphere", 1'000);
+  for (const auto fault :
+       {BrokenSource::Fault::notANumber, BrokenSource::Fault::infiniteNormal, BrokenSource::Fault::tooFew})
+    for (const double budget_us : {0.0, 20'000.0}) {
+      BrokenSource source(scene.cloud, fault, 0.02);
+      const auto touch = make(scene, source);
+      int lost = 0, early = 0;
+      // In real time the frame arrives beside the ticks, whenever a loaded machine has made it.
+      const Stopwatch since;
+      for (int i = 0; lost < 5 && (i < 100 || (budget_us > 0 && since.elapsed_s() < 60)); ++i) {
+        const Contact contact = touch->query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, budget_us);
+        touch->prepare();
+        if (contact.lost) ++lost;
+        CHECK(contact.valid == !contact.lost);
+        early += contact.lost && i < 20;
+        if (budget_us > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      CHECK(lost == 5);
+      CHECK(early == 0);
+      CHECK_THROWS_AS(touch->finish(), Error);
+    }
+}
+
+TEST_CASE_FIXTURE(OnMoving, "in real time frames are applied between ticks, in order") {
+  const Scene scene = makeScene("sphere", 2'000);
+  MovingCloud source(scene.cloud, oscillation());
+  const auto touch = make(scene, source);
+  CloudFrame frame;
+  double last_s = -1;
+  int frames = 0, fresh = 0;
+  const Stopwatch since;
+  for (int i = 0; i < 100 || ((frames <= 5 || fresh <= 3) && since.elapsed_s() < 30); ++i) {
+    const Contact contact = touch->query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, 20'000);
+    CHECK(contact.valid);
+    fresh += contact.fresh;
+    touch->prepare();
+    if (!touch->frames()->take(frame)) continue;
+    CHECK(frame.time_s >= last_s);
+    last_s = frame.time_s;
+    ++frames;
+  }
+  CHECK(frames > 5);
+  CHECK(fresh > 3);
+  touch->finish();
+  CHECK(touch->report().index.built >= static_cast<std::uint64_t>(frames - 1));
+  touch->frames()->take(frame);
+  CloudFrame truth;
+  source.makeFrame(frame.time_s, truth);
+  CHECK(frame.positions == truth.positions);
+}
+
 }  // namespace palpate::moving_test

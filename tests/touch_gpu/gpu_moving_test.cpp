@@ -127,56 +127,6 @@ TEST_CASE_FIXTURE(GpuFixture, "points that crowd into one bucket and leave it ag
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "an inconsistent frame ends the session: no answer is valid from then on") {
-  const Scene scene = makeScene("sphere", 1'000);
-  for (const auto fault : {BrokenSource::Fault::notANumber, BrokenSource::Fault::tooFew})
-    for (const double budget_us : {0.0, 20'000.0}) {
-      BrokenSource source(scene.cloud, fault, 0.02);
-      TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
-      int lost = 0, early = 0;
-      // In real time the frame arrives beside the ticks, whenever a loaded machine has made it.
-      const Stopwatch since;
-      for (int i = 0; lost < 5 && (i < 100 || (budget_us > 0 && since.elapsed_s() < 60)); ++i) {
-        const Contact contact = touch.query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, budget_us);
-        touch.prepare();
-        if (contact.lost) ++lost;
-        CHECK(contact.valid == !contact.lost);
-        early += contact.lost && i < 20;
-        if (budget_us > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      }
-      CHECK(lost == 5);
-      CHECK(early == 0);
-      CHECK_THROWS_AS(touch.finish(), Error);
-    }
-}
-
-TEST_CASE_FIXTURE(GpuFixture, "in real time frames are applied between ticks, in order") {
-  const Scene scene = makeScene("sphere", 2'000);
-  MovingCloud source(scene.cloud, oscillation());
-  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
-  CloudFrame frame;
-  double last_s = -1;
-  int frames = 0, fresh = 0;
-  const Stopwatch since;
-  for (int i = 0; i < 100 || ((frames <= 5 || fresh <= 3) && since.elapsed_s() < 30); ++i) {
-    const Contact contact = touch.query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, 20'000);
-    CHECK(contact.valid);
-    fresh += contact.fresh;
-    touch.prepare();
-    if (!touch.frames()->take(frame)) continue;
-    CHECK(frame.time_s >= last_s);
-    last_s = frame.time_s;
-    ++frames;
-  }
-  CHECK(frames > 5);
-  CHECK(fresh > 3);
-  touch.finish();
-  touch.frames()->take(frame);
-  CloudFrame truth;
-  source.makeFrame(frame.time_s, truth);
-  CHECK(frame.positions == truth.positions);
-}
-
 TEST_CASE_FIXTURE(CoreGpuFixture, "with more frames than ticks, no frame is felt after a newer one") {
   const Scene scene = makeScene("sphere", 20'000);
   MovingCloud source(scene.cloud, oscillation());

@@ -1,43 +1,21 @@
-// Required accuracy of a model in matter, and of a ball that starts inside matter.
+// A model in water, on each back end.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "tests/matter/matter_truths.hpp"
+#include "tests/labels.hpp"
+#include "tests/matter/on_matter.hpp"
 
-namespace palpate {
+namespace palpate::model_truths_test {
 
 namespace {
 
 constexpr DVec3 kMiddle_m{0.07, 0.06, 0.07};  // centre of the model
 
-double farthestOut(const MatterSimulation& world) {
-  double out = 0;
-  for (const Vec3& place : world.positionsById())
-    for (int axis = 0; axis < 3; ++axis)
-      out = std::max({out, -static_cast<double>(place[axis]),
-                      static_cast<double>(place[axis]) - world.scene().box_mm[axis] * 1e-3});
-  return out;
-}
-
 }  // namespace
 
-MatterScene modelInTank(std::string_view shape, double size_mm, Matter matter) {
-  MatterScene scene = tank({14, 18, 14}, 14);
-  scene.matter = matter;
-  scene.model = "builtin:" + std::string(shape);
-  scene.model_mm = DVec3(size_mm);
-  scene.model_at_mm = kMiddle_m * 1e3 - DVec3(0, size_mm / 2, 0);
-  return scene;
-}
-
-std::size_t withinBall(const MatterSimulation& world, const DVec3& middle_m, double radius_m) {
-  const std::vector<Vec3> places = world.positionsById();
-  return static_cast<std::size_t>(std::ranges::count_if(
-      places, [&](const Vec3& place) { return glm::length(DVec3(place) - middle_m) < radius_m; }));
-}
-
-void checkModelDisplaces(const MatterMaker& make, int settling, int steps) {
+TEST_CASE_FIXTURE(OnMatter, "a model in water has the buoyancy of the displaced water" * kFullOnGpu) {
+  const int settling = onCpuOrGpu(400, 200), steps = onCpuOrGpu(300, 80);
   const MatterScene scene = modelInTank("sphere", 70);
   const auto world = atRest(make, scene);
   const double volume_m3 = 4 * std::numbers::pi / 3 * std::pow(0.035, 3);
@@ -60,54 +38,17 @@ void checkModelDisplaces(const MatterMaker& make, int settling, int steps) {
   CHECK(glm::length(world->impulses().onModel - before) > 0.9 * expected * steps * kMatterStep_s);
 }
 
-void checkModelKeepsOut(const MatterMaker& make, const MatterScene& scene, int steps) {
-  // Water that falls onto the model in an otherwise empty tank.
-  std::vector<Vec3> places;
-  for (int z = 0; z < 12; ++z)
-    for (int y = 0; y < 7; ++y)
-      for (int x = 0; x < 12; ++x) places.emplace_back(Vec3(x, y, z) * 0.01f + Vec3(0.015f, 0.106f, 0.015f));
-  const auto world = make(scene, 0, places);
-  REQUIRE(world->leftOut() < places.size() / 4);
-  for (int k = 0; k < steps; ++k) {
-    run(*world, 1);
-    REQUIRE(missingMomentum(*world) <= 1e-5);
-    if (k % 10 != 9) continue;
-    REQUIRE(world->insideModel() == 0);
-    REQUIRE(farthestOut(*world) == 0);
+TEST_CASE_FIXTURE(OnMatter, "no falling water enters a model, or passes the walls beside it" * kMoreInFull) {
+  using Shapes = std::vector<const char*>;
+  for (const char* shape :
+       onCpuOrGpu(byTier<Shapes>({"cube"}, {"sphere", "cube", "torus", "sculpture"}), Shapes{"torus"})) {
+    CAPTURE(std::string(shape));
+    checkModelKeepsOut(make, modelInTank(shape, 80), onCpuOrGpu(400, byTier(90, 250)));
   }
-  CHECK(glm::length(world->impulses().onModel) > 0.01);
 }
 
-void checkBallBeginsInside(const MatterMaker& make, Matter matter, int steps) {
-  MatterScene scene = tank({12, 18, 12}, 12);
-  scene.matter = matter;
-  const double radius_m = 0.03;
-  scene.tool = {.radius_mm = radius_m * 1e3, .mass_kg = 4 * std::numbers::pi / 3 * 1000 * std::pow(radius_m, 3)};
-  const HandPose hand{.place_m = {0.055, 0.055, 0.065}};  // a particle starts at its centre
-  const auto world = atRest(make, scene, 1);
-  const std::size_t within = withinBall(*world, hand.place_m, radius_m + 0.25 * 0.01);
-  REQUIRE(within > 100);
-  double most_J = 0, mostForce_N = 0;
-  for (int k = 0; k < steps; ++k) {
-    world->step({&hand, 1});
-    REQUIRE(world->state() == MatterState::running);
-    most_J = std::max(most_J, world->totals().kinetic_J);
-    mostForce_N = std::max(mostForce_N, glm::length(world->answers()[0].force_N));
-  }
-  CHECK(world->pushedOut(0) == within);
-  CHECK(world->particles() == 12 * 12 * 12);
-  // No water is left inside; grains, which hold each other, may be inside by up to half of their size.
-  CHECK(withinBall(*world, world->answers()[0].place_m, radius_m - (matter == Matter::sand ? 0.005 : 0)) == 0);
-  CHECK(missingMomentum(*world) <= 1e-5);
-  CHECK(world->portEnergy_J(0) >= -1e-3);
-  if (matter == Matter::sand) return;
-  CHECK(most_J < 0.1);  // of the 17 J of the ball at the speed of sound
-  const double expected = scene.tool.mass_kg * kGravity_m_s2;
-  CHECK(mostForce_N < 3 * expected);
-  CHECK(isWithin(0.1, world->answers()[0].reaction_N.y, expected));
-}
-
-void checkBallStopsAtModel(const MatterMaker& make) {
+TEST_CASE_FIXTURE(OnMatter,
+                  "a ball is stopped by a model in the matter, slides along it, and releases no energy" * kFullOnGpu) {
   constexpr double kSphere_m = 0.03, kBall_m = 0.015;
   MatterScene scene{.box_mm = {120, 150, 120},
                     .fill_mm = {0, 0, 0},
@@ -159,4 +100,4 @@ void checkBallStopsAtModel(const MatterMaker& make) {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::model_truths_test

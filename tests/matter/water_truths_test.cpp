@@ -1,10 +1,12 @@
-#include "tests/matter/matter_truths.hpp"
-
+// Water, and extreme states of matter, on each back end.
 #include <algorithm>
 #include <array>
 #include <limits>
 
-namespace palpate {
+#include "tests/labels.hpp"
+#include "tests/matter/on_matter.hpp"
+
+namespace palpate::water_truths_test {
 
 namespace {
 
@@ -18,7 +20,10 @@ MatterScene tippingTank() {
 
 }  // namespace
 
-void checkWaterAtRest(const MatterMaker& make, int settling, int steps) {
+TEST_CASE_FIXTURE(OnMatter,
+                  "water at rest has the pressure of its depth, its weight on the floor, and at most 1 % compression" *
+                      kFullOnGpu) {
+  const int settling = onCpuOrGpu(600, 200), steps = onCpuOrGpu(200, 80);
   const MatterScene scene = tank({10, 20, 10}, 16);
   const auto world = atRest(make, scene);
   double mostCompression = 0;
@@ -46,7 +51,8 @@ void checkWaterAtRest(const MatterMaker& make, int settling, int steps) {
   checkTruth("weight on the floor, N", onFloor_N, massOf(*world) * kGravity_m_s2, 0.01);
 }
 
-void checkMomentumIsAccountedFor(const MatterMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnMatter, "momentum balances gravity and walls" * kMoreInFull) {
+  const int steps = onCpuOrGpu(400, byTier(50, 150));
   const auto world = atRest(make, tippingTank());
   double missing = 0;
   for (int k = 0; k < steps; ++k) {
@@ -57,7 +63,8 @@ void checkMomentumIsAccountedFor(const MatterMaker& make, int steps) {
   CHECK(std::abs(world->impulses().onWalls.y) > 0.1);
 }
 
-void checkMomentumStays(const MatterMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnMatter, "momentum is conserved without gravity and walls" * kMoreInFull) {
+  const int steps = onCpuOrGpu(300, byTier(10, 30));
   MatterScene scene = tank({12, 12, 12}, 12);
   scene.gravity_m_s2 = DVec3(0);
   scene.periodic = {true, true, true};
@@ -75,7 +82,8 @@ void checkMomentumStays(const MatterMaker& make, int steps) {
               glm::length(world->totals().momentum - before) / glm::length(before), 1e-5);
 }
 
-void checkWallsHold(const MatterMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnMatter, "no particle passes a wall") {
+  const int steps = onCpuOrGpu(300, 100);
   const MatterScene scene = tippingTank();
   const auto world = atRest(make, scene);
   for (int k = 0; k < steps; ++k) {
@@ -88,35 +96,39 @@ void checkWallsHold(const MatterMaker& make, int steps) {
   }
 }
 
-void checkSameBytes(const MatterMaker& one, const MatterMaker& other, Matter matter, int steps) {
-  MatterScene scene = tippingTank();
-  scene.matter = matter;
-  scene.tool = {.radius_mm = 20, .mass_kg = 0.1};
-  const auto a = atRest(one, scene, 1), b = atRest(other, scene, 1);
-  const auto runBoth = [&](MatterSimulation& world) {
-    HandPose hand{.place_m = {0.08, 0.14, 0.04}};
-    for (int k = 0; k < steps; ++k) {
-      hand.place_m.y -= 4e-4;
-      world.step({&hand, 1});
-    }
-    REQUIRE(world.state() == MatterState::running);
-  };
-  const auto checkAlike = [&] {
-    CHECK(sameBytes(*a, *b));
-    CHECK(a->totals().kinetic_J == b->totals().kinetic_J);
-    CHECK(a->impulses().onWalls == b->impulses().onWalls);
-    CHECK(a->answers()[0].force_N == b->answers()[0].force_N);
-    CHECK(a->answers()[0].torque_Nm == b->answers()[0].torque_Nm);
-  };
-  runBoth(*a);
-  runBoth(*b);
-  checkAlike();
-  a->reset();
-  runBoth(*a);
-  checkAlike();
+TEST_CASE_FIXTURE(OnMatter,
+                  "water and sand give the same results bit by bit again, and with other threads" * kMoreInFull) {
+  const int steps = onCpuOrGpu(150, byTier(15, 60));
+  for (const Matter matter : {Matter::water, Matter::sand}) {
+    MatterScene scene = tippingTank();
+    scene.matter = matter;
+    scene.tool = {.radius_mm = 20, .mass_kg = 0.1};
+    const auto a = atRest(maker(1), scene, 1), b = atRest(maker(3), scene, 1);
+    const auto runBoth = [&](MatterSimulation& world) {
+      HandPose hand{.place_m = {0.08, 0.14, 0.04}};
+      for (int k = 0; k < steps; ++k) {
+        hand.place_m.y -= 4e-4;
+        world.step({&hand, 1});
+      }
+      REQUIRE(world.state() == MatterState::running);
+    };
+    const auto checkAlike = [&] {
+      CHECK(sameBytes(*a, *b));
+      CHECK(a->totals().kinetic_J == b->totals().kinetic_J);
+      CHECK(a->impulses().onWalls == b->impulses().onWalls);
+      CHECK(a->answers()[0].force_N == b->answers()[0].force_N);
+      CHECK(a->answers()[0].torque_Nm == b->answers()[0].torque_Nm);
+    };
+    runBoth(*a);
+    runBoth(*b);
+    checkAlike();
+    a->reset();
+    runBoth(*a);
+    checkAlike();
+  }
 }
 
-void checkFewParticles(const MatterMaker& make) {
+TEST_CASE_FIXTURE(OnMatter, "no particle and a single particle are simulated" * kFullOnGpu * kPortable) {
   for (const Matter matter : {Matter::water, Matter::sand}) {
     const MatterScene scene{.matter = matter, .fill_mm = DVec3(0)};
     const auto empty = make(scene, 0, {});
@@ -134,7 +146,18 @@ void checkFewParticles(const MatterMaker& make) {
   }
 }
 
-void checkDivergence(const MatterMaker& make) {
+TEST_CASE_FIXTURE(OnMatter, "coincident particles are simulated, or give the state crowded" * kPortable) {
+  for (const Matter matter : {Matter::water, Matter::sand})
+    for (const std::size_t count : onCpuOrGpu<std::vector<std::size_t>>({300, 3000}, {60, 1000, 5000})) {
+      const auto world = make({.matter = matter}, 0, std::vector<Vec3>(count, Vec3(0.05f)));
+      for (int k = 0; k < onCpuOrGpu(20, 5); ++k) world->step();
+      CHECK((world->state() == MatterState::crowded) == (count > onCpuOrGpu<std::size_t>(kMaxNeighbours, 129)));
+      for (const Vec3& place : world->positionsById()) REQUIRE(isFinite(place));
+    }
+}
+
+TEST_CASE_FIXTURE(OnMatter,
+                  "a diverging simulation reports it, has no force from then on, and can be reset" * kPortable) {
   const MatterScene scene{.tool = {.radius_mm = 20, .mass_kg = 0.1}};
   for (const float velocity : {1e6f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     CAPTURE(velocity);
@@ -162,7 +185,9 @@ void checkDivergence(const MatterMaker& make) {
   }
 }
 
-void checkJumpingHand(const MatterMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnMatter,
+                  "a hand that jumps across the box gets a bounded, finite force or ends the simulation" * kPortable) {
+  const int steps = onCpuOrGpu(200, 60);
   const MatterScene scene{.tool = {.radius_mm = 20, .mass_kg = 0.1}};
   const auto world = atRest(make, scene, 1);
   for (int k = 0; k < steps; ++k) {
@@ -172,16 +197,6 @@ void checkJumpingHand(const MatterMaker& make, int steps) {
     REQUIRE(isFinite(world->answers()[0].force_N));
     REQUIRE(isFinite(world->answers()[0].reaction_N));
   }
-}
-
-MatterScene floatingBlock(double cohesion_N_m) {
-  return {.box_mm = {36, 30, 30},
-          .fill_mm = {16, 8, 8},
-          .fill_at_mm = {10, 11, 11},
-          .spacing_mm = 1,
-          .viscosity_Pa_s = 5e-3,
-          .cohesion_N_m = cohesion_N_m,
-          .gravity_m_s2 = {0, 0, 0}};
 }
 
 namespace {
@@ -206,7 +221,10 @@ Spread spreadOf(const MatterSimulation& world) {
 
 }  // namespace
 
-void checkCohesion(const MatterMaker& make, int steps, double ratio) {
+TEST_CASE_FIXTURE(OnMatter,
+                  "cohesion makes a floating block rounder, without linear or angular momentum" * kFullOnGpu) {
+  const int steps = onCpuOrGpu(300, 60);
+  const double ratio = onCpuOrGpu(1.6, 1.95);  // of length to width at the end, from 2
   MatterScene slippery = floatingBlock(0.0728);
   slippery.viscosity_Pa_s = 0;  // without viscosity, which reduces spin because it damps all relative velocities
   const auto block = atRest(make, floatingBlock(0.0728)), without = atRest(make, floatingBlock(0)),
@@ -233,4 +251,4 @@ void checkCohesion(const MatterMaker& make, int steps, double ratio) {
   for (int axis = 0; axis < 3; ++axis) CHECK(isWithin(1e-3, spreadOf(*without).width[axis], begin.width[axis]));
 }
 
-}  // namespace palpate
+}  // namespace palpate::water_truths_test

@@ -1,10 +1,13 @@
-#include "tests/matter/press_truths.hpp"
-
+// Hands that press on the surface of a soft body, on each back end.
 #include <array>
 #include <limits>
 #include <random>
 
-namespace palpate {
+#include "tests/labels.hpp"
+#include "tests/matter/on_matter.hpp"
+#include "tests/matter/pressing_hand.hpp"
+
+namespace palpate::press_truths_test {
 
 namespace {
 
@@ -39,25 +42,8 @@ double missingShare(const MatterSimulation& world) {
 
 }  // namespace
 
-PressingHand::PressingHand(const DVec3& place_m, double radius_m, std::uint32_t hand)
-    : press_{.place_m = place_m,
-             .normal = {0, 1, 0},
-             .handFrom_m = place_m,
-             .handTo_m = place_m,
-             .radius_m = radius_m,
-             .stiffness_N_m = 500,
-             .damping_N_s_m = 1,
-             .friction = 0.4,
-             .most_N = 5,
-             .hand = hand} {}
-
-SurfacePress PressingHand::goTo(const DVec3& place_m) {
-  press_.handFrom_m = press_.handTo_m;
-  press_.handTo_m = place_m;
-  return press_;
-}
-
-void checkPressMomentum(const SoftMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnSoft, "pressing hands receive the momentum that the body loses") {
+  const int steps = onCpuOrGpu(200, 60);
   for (const bool pinned : {false, true}) {
     CAPTURE(pinned);
     MatterScene scene = smallBlock();
@@ -91,7 +77,8 @@ void checkPressMomentum(const SoftMaker& make, int steps) {
   }
 }
 
-void checkPressEnergy(const SoftMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnSoft, "random pressing hands gain no energy from a soft body" * kFullOnGpu) {
+  const int steps = onCpuOrGpu(600, 250);
   std::mt19937 random(5);
   std::normal_distribution<double> push;
   for (const double friction : {0.0, 0.6}) {
@@ -122,7 +109,7 @@ void checkPressEnergy(const SoftMaker& make, int steps) {
   }
 }
 
-void checkPressedSide(const SoftMaker& make) {
+TEST_CASE_FIXTURE(OnSoft, "only the side of a sheet that faces the hand is pressed" * kPortable) {
   const MatterScene scene = slowScene({40, 5, 40});
   REQUIRE(planOf(scene).substeps == 1);
   const auto world = make(scene, 0, nullptr, {});
@@ -139,7 +126,7 @@ void checkPressedSide(const SoftMaker& make) {
   CHECK(below <= 1e-6 * above);
 }
 
-void checkPressLocality(const SoftMaker& make) {
+TEST_CASE_FIXTURE(OnSoft, "a press moves only the nodes within its reach" * kPortable) {
   const MatterScene scene = slowScene({85, 15, 70});
   const auto world = make(scene, 0, nullptr, {}), alone = make(scene, 0, nullptr, {});
   const std::vector<Vec3> rest = world->positionsById();
@@ -168,7 +155,8 @@ void checkPressLocality(const SoftMaker& make) {
   CHECK(moved < 150);
 }
 
-void checkMostOfHand(const SoftMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnSoft, "the presses of one hand together stay below the hand's maximum force") {
+  const int steps = onCpuOrGpu(120, 80);
   MatterScene scene = smallBlock();
   scene.pinned_mm = {DVec3(0), DVec3(60, 0.1, 60)};
   const auto world = make(scene, 0, nullptr, {});
@@ -199,7 +187,7 @@ void checkMostOfHand(const SoftMaker& make, int steps) {
   CHECK(other_N <= 0.9 * (1 + 1e-6));
 }
 
-void checkHostilePresses(const SoftMaker& make) {
+TEST_CASE_FIXTURE(OnSoft, "presses that are not finite, or that pull, have no effect" * kPortable) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
   const MatterScene scene = smallBlock();
   const auto world = make(scene, 0, nullptr, {}), alone = make(scene, 0, nullptr, {});
@@ -250,7 +238,7 @@ void checkHostilePresses(const SoftMaker& make) {
   CHECK(world->pressed().empty());
 }
 
-void checkCompliance(const SoftMaker& make) {
+TEST_CASE_FIXTURE(OnSoft, "a surface yields like a half-space, and like its mass if nothing holds it" * kFullOnGpu) {
   MatterScene scene = softBlock();
   scene.box_mm = {200, 200, 200};
   scene.fill_mm = {130, 100, 130};
@@ -292,9 +280,11 @@ void checkCompliance(const SoftMaker& make) {
   }
 }
 
-void checkSamePressedBytes(const SoftMaker& one, const SoftMaker& other, int steps) {
+TEST_CASE_FIXTURE(OnSoft,
+                  "presses give the same results bit by bit again, with other threads and after a reset" * kPortable) {
+  const int steps = onCpuOrGpu(30, 15);
   const MatterScene scene = smallBlock();
-  const auto a = one(scene, 0, nullptr, {}), b = other(scene, 0, nullptr, {});
+  const auto a = maker(1)(scene, 0, nullptr, {}), b = maker(3)(scene, 0, nullptr, {});
   const auto press = [&](MatterSimulation& world) {
     std::array hands{PressingHand(topOf(scene), 0.006), PressingHand(topOf(scene) + DVec3(0.005, 0, 0), 0.008)};
     for (int k = 0; k < steps; ++k) {
@@ -315,4 +305,4 @@ void checkSamePressedBytes(const SoftMaker& one, const SoftMaker& other, int ste
   CHECK(sameBytes(*a, *b));
 }
 
-}  // namespace palpate
+}  // namespace palpate::press_truths_test

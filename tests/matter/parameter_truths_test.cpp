@@ -1,9 +1,9 @@
-// Required behaviour of parameters that change during a simulation.
+// Parameters that change during a simulation, on each back end.
 #include "engine/matter/matter_parameters.hpp"
-#include "tests/matter/matter_truths.hpp"
-#include "tests/matter/soft_truths.hpp"
+#include "tests/labels.hpp"
+#include "tests/matter/on_matter.hpp"
 
-namespace palpate {
+namespace palpate::parameter_truths_test {
 
 namespace {
 
@@ -29,7 +29,9 @@ void checkTaken(const MatterMaker& make, const MatterScene& scene, std::string_v
 
 }  // namespace
 
-void checkParametersAreTaken(const MatterMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnMatter,
+                  "a simulation with a changed parameter continues like one that started with it" * kMoreInFull) {
+  const int steps = onCpuOrGpu(20, byTier(3, 8));
   const MatterScene water{.box_mm = DVec3(80), .fill_mm = {40, 60, 80}, .spacing_mm = 10};
   checkTaken(make, water, "viscosity_Pa_s", 50, steps);  // with more substeps
   CHECK(planOf(with(water, "viscosity_Pa_s", 50)).substeps > planOf(water).substeps);
@@ -41,7 +43,8 @@ void checkParametersAreTaken(const MatterMaker& make, int steps) {
   checkTaken(make, sand, "gravity_y_m_s2", -5, steps);  // with fewer
 }
 
-void checkParametersKeepMotion(const MatterMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnMatter, "a parameter change alone moves nothing, and a refused one changes nothing" * kMoreInFull) {
+  const int steps = onCpuOrGpu(60, byTier(8, 20));
   const MatterScene scene{.box_mm = DVec3(80), .fill_mm = {40, 60, 80}, .spacing_mm = 10};
   const auto world = atRest(make, scene);
   run(*world, steps);
@@ -68,7 +71,9 @@ void checkParametersKeepMotion(const MatterMaker& make, int steps) {
   CHECK(world->impulses().gravity == DVec3(0));
 }
 
-void checkSoftParameters(const SoftMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnSoft,
+                  "a soft body with a changed parameter continues like one that started with it" * kMoreInFull) {
+  const int steps = onCpuOrGpu(40, byTier(12, 40));
   const MatterScene soft{.matter = Matter::soft,
                          .box_mm = DVec3(60),
                          .fill_mm = {20, 24, 20},
@@ -101,4 +106,4 @@ void checkSoftParameters(const SoftMaker& make, int steps) {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::parameter_truths_test

@@ -1,13 +1,13 @@
-#include "tests/matter/soft_truths.hpp"
-
+// A soft body in its box, with hands, on each back end.
 #include <array>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <random>
 
-#include "engine/matter/soft_world.hpp"
+#include "tests/labels.hpp"
+#include "tests/matter/on_matter.hpp"
 
-namespace palpate {
+namespace palpate::soft_truths_test {
 
 namespace {
 
@@ -51,33 +51,7 @@ DVec3 meanMove(const MatterSimulation& world, const std::vector<Vec3>& rest) {
   return sum / static_cast<double>(end.size());
 }
 
-}  // namespace
-
-SoftMaker softOnCpu(unsigned threads) {
-  return [threads](const MatterScene& scene, std::size_t tools, const SoftSolid* solid,
-                   std::span<const SurfacePlace> points) -> std::unique_ptr<MatterSimulation> {
-    const MatterOptions options{.threads = threads, .tools = tools};
-    if (solid == nullptr) return std::make_unique<SoftWorld>(scene, options);
-    return std::make_unique<SoftWorld>(scene, options, *solid, points);
-  };
-}
-
-SoftBend bendOnCpu() {
-  return [](MatterSimulation& world, std::span<const Vec3> displacements) {
-    std::ranges::copy(displacements, dynamic_cast<SoftWorld&>(world).body().displacements().begin());
-  };
-}
-
-MatterScene softBlock() {
-  return {.matter = Matter::soft,
-          .box_mm = {100, 120, 100},
-          .fill_mm = {50, 40, 50},
-          .spacing_mm = 5,
-          .viscosity_Pa_s = 3,
-          .young_Pa = 3e4,
-          .tool = {.radius_mm = 12, .mass_kg = 0.02}};
-}
-
+// Sized in spacings of 5 mm, far from all walls, held at its low end along x, without gravity.
 MatterScene softBar(const DVec3& spacings) {
   // It stands in the centre of its box on the floor, which acts only on what penetrates it.
   const DVec3 fill_mm = spacings * kSpacing_m * 1e3;
@@ -92,7 +66,19 @@ MatterScene softBar(const DVec3& spacings) {
           .gravity_m_s2 = DVec3(0)};
 }
 
-void checkHangingBar(const SoftMaker& make, const DVec3& spacings, double poisson) {
+// A ball in a hand, pressed into a block by a tenth of its radius.
+struct HertzCase {
+  int width, height;  ///< of the block, cells
+  int ball;           ///< radius, spacings
+  double poisson;
+  double within;
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(OnSoft, "a bar is extended by its own weight by rho g L^2 / 2 E") {
+  const DVec3 spacings = onCpuOrGpu(DVec3(16, 3, 3), DVec3(10, 2, 2));
+  constexpr double poisson = 0.3;
   MatterScene scene = softBar(spacings);
   scene.poisson = poisson;
   const double length = spacings.x * kSpacing_m, strain = 0.004;
@@ -105,7 +91,8 @@ void checkHangingBar(const SoftMaker& make, const DVec3& spacings, double poisso
              1e3 * meanMove(*world, rest).x, 1e3 * strain * length, 0.02);
 }
 
-void checkCantilever(const SoftMaker& make, const DVec3& spacings) {
+TEST_CASE_FIXTURE(OnSoft, "a beam is bent by its own weight by w L^4 / 8 E I and shear (Timoshenko)") {
+  const DVec3 spacings = onCpuOrGpu(DVec3(12, 2, 2), DVec3(8, 1, 1));
   MatterScene scene = softBar(spacings);
   const double length = spacings.x * kSpacing_m, height = spacings.y * kSpacing_m, width = spacings.z * kSpacing_m;
   const double inertia = width * std::pow(height, 3) / 12, area = width * height;
@@ -122,7 +109,9 @@ void checkCantilever(const SoftMaker& make, const DVec3& spacings) {
              1e3 * meanMove(*world, rest).y, 1e3 * load_N_m * perLoad, 0.04);
 }
 
-void checkStretchFrequency(const SoftMaker& make, const DVec3& spacings, int rounds) {
+TEST_CASE_FIXTURE(OnSoft, "a bar vibrates along itself at the frequency of its wave") {
+  const DVec3 spacings = onCpuOrGpu(DVec3(16, 2, 2), DVec3(10, 1, 1));
+  const int rounds = onCpuOrGpu(3, 2);
   const double length = spacings.x * kSpacing_m;
   const auto world = make(softBar(spacings), 0, nullptr, {});
   const std::vector<Vec3> rest = world->positionsById();
@@ -150,42 +139,46 @@ void checkStretchFrequency(const SoftMaker& make, const DVec3& spacings, int rou
              0.01);
 }
 
-void checkHertz(const SoftMaker& make, const HertzCase& one) {
-  const double ball_m = one.ball * kSpacing_m, height_m = one.height * kSpacing_m, width_m = one.width * kSpacing_m;
-  MatterScene scene{.matter = Matter::soft,
-                    .box_mm = 1e3 * DVec3(width_m + 0.04, height_m + 3 * ball_m, width_m + 0.04),
-                    .fill_mm = 1e3 * DVec3(width_m, height_m, width_m),
-                    .spacing_mm = 1e3 * kSpacing_m,
-                    .viscosity_Pa_s = 0,
-                    .young_Pa = kYoung_Pa,
-                    .poisson = one.poisson,
-                    .pinned_mm = std::array{DVec3(0), DVec3(1e3, 0.001, 1e3)},
-                    .gravity_m_s2 = DVec3(0),
-                    .tool = {.radius_mm = 1e3 * ball_m, .mass_kg = 0.5}};
-  const auto world = make(scene, 1, nullptr, {});
-  const double shear_Pa = kYoung_Pa / (2 * (1 + one.poisson));
-  const double perStep = 1.571 * std::sqrt(shear_Pa / 1000) / height_m * kMatterStep_s;
-  const auto kept = static_cast<float>(std::exp(-2 * perStep));
-  const double middle_m = scene.box_mm.x * 1e-3 / 2, above_m = height_m + ball_m;
-  HandPose hand{.place_m = {middle_m, above_m, middle_m}};
-  for (int k = 0; k < 8 / perStep; ++k) {
-    hand.place_m.y = above_m - 0.1 * ball_m * std::min(1.0, perStep * k);
-    world->step({&hand, 1});
-    std::vector<Vec3> velocities = world->velocitiesById();
-    for (Vec3& velocity : velocities) velocity *= kept;
-    world->setVelocities(velocities);
+TEST_CASE_FIXTURE(OnSoft, "a ball pressed by a hand pushes back as Hertz predicts" * kMoreInFull * kFullOnGpu) {
+  const HertzCase small{.width = 16, .height = 12, .ball = 5, .poisson = 0.45, .within = 0.09},
+      large{.width = 32, .height = 24, .ball = 8, .poisson = 0.3, .within = 0.08};
+  for (const HertzCase& one : onCpuOrGpu(byTier<std::vector<HertzCase>>({small}, {small, large}), {small})) {
+    const double ball_m = one.ball * kSpacing_m, height_m = one.height * kSpacing_m, width_m = one.width * kSpacing_m;
+    MatterScene scene{.matter = Matter::soft,
+                      .box_mm = 1e3 * DVec3(width_m + 0.04, height_m + 3 * ball_m, width_m + 0.04),
+                      .fill_mm = 1e3 * DVec3(width_m, height_m, width_m),
+                      .spacing_mm = 1e3 * kSpacing_m,
+                      .viscosity_Pa_s = 0,
+                      .young_Pa = kYoung_Pa,
+                      .poisson = one.poisson,
+                      .pinned_mm = std::array{DVec3(0), DVec3(1e3, 0.001, 1e3)},
+                      .gravity_m_s2 = DVec3(0),
+                      .tool = {.radius_mm = 1e3 * ball_m, .mass_kg = 0.5}};
+    const auto world = make(scene, 1, nullptr, {});
+    const double shear_Pa = kYoung_Pa / (2 * (1 + one.poisson));
+    const double perStep = 1.571 * std::sqrt(shear_Pa / 1000) / height_m * kMatterStep_s;
+    const auto kept = static_cast<float>(std::exp(-2 * perStep));
+    const double middle_m = scene.box_mm.x * 1e-3 / 2, above_m = height_m + ball_m;
+    HandPose hand{.place_m = {middle_m, above_m, middle_m}};
+    for (int k = 0; k < 8 / perStep; ++k) {
+      hand.place_m.y = above_m - 0.1 * ball_m * std::min(1.0, perStep * k);
+      world->step({&hand, 1});
+      std::vector<Vec3> velocities = world->velocitiesById();
+      for (Vec3& velocity : velocities) velocity *= kept;
+      world->setVelocities(velocities);
+    }
+    REQUIRE(world->state() == MatterState::running);
+    // The spring that holds the ball yields, too.
+    const double deep_m = above_m - world->answers()[0].place_m.y;
+    CHECK(deep_m > 0.07 * ball_m);
+    const double stiffness = 4.0 / 3 * kYoung_Pa / (1 - one.poisson * one.poisson) * std::sqrt(ball_m);
+    checkTruth(fmt::format("Hertz, ball of {} spacings, Poisson's ratio {:g}, d = {:.2f} R, N", one.ball, one.poisson,
+                           deep_m / ball_m),
+               world->answers()[0].reaction_N.y, stiffness * std::pow(deep_m, 1.5), one.within);
   }
-  REQUIRE(world->state() == MatterState::running);
-  // The spring that holds the ball yields, too.
-  const double deep_m = above_m - world->answers()[0].place_m.y;
-  CHECK(deep_m > 0.07 * ball_m);
-  const double stiffness = 4.0 / 3 * kYoung_Pa / (1 - one.poisson * one.poisson) * std::sqrt(ball_m);
-  checkTruth(fmt::format("Hertz, ball of {} spacings, Poisson's ratio {:g}, d = {:.2f} R, N", one.ball, one.poisson,
-                         deep_m / ball_m),
-             world->answers()[0].reaction_N.y, stiffness * std::pow(deep_m, 1.5), one.within);
 }
 
-void checkTurned(const SoftMaker& make, const SoftBend& bend) {
+TEST_CASE_FIXTURE(OnSoft, "a rotation causes no stress") {
   MatterScene scene = softBlock();
   scene.box_mm = {1000, 1000, 1000};
   scene.fill_mm = {30, 25, 20};
@@ -210,7 +203,9 @@ void checkTurned(const SoftMaker& make, const SoftBend& bend) {
   checkAtMost("stress of a body that is turned by up to 3.1 rad, of that of a strain of 1", most, 1e-5);
 }
 
-void checkSoftMomentum(const SoftMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnSoft,
+                  "a falling body bounces, and its momentum balances gravity, walls, pins and tools" * kMoreInFull) {
+  const int steps = onCpuOrGpu(500, byTier(30, 120));
   MatterScene scene = softBlock();
   scene.shape = SoftShape::ball;
   scene.viscosity_Pa_s = 0.5;
@@ -240,7 +235,8 @@ void checkSoftMomentum(const SoftMaker& make, int steps) {
   CHECK(std::abs(pinned->impulses().onWalls.y) > 0.001);
 }
 
-void checkSoftReactions(const SoftMaker& make, int down, int staying) {
+TEST_CASE_FIXTURE(OnSoft, "a ball receives the momentum that the body loses, and the hand feels it" * kFullOnGpu) {
+  const int down = 200, staying = onCpuOrGpu(400, 250);
   const auto world = make(softBlock(), 2, nullptr, {});
   std::array<HandPose, 2> hands{HandPose{.place_m = {0.035, 0.055, 0.05}}, HandPose{.place_m = {0.07, 0.055, 0.05}}};
   DVec3 reactions(0);
@@ -260,7 +256,8 @@ void checkSoftReactions(const SoftMaker& make, int down, int staying) {
   }
 }
 
-void checkReturn(const SoftMaker& make, int pressed, int free) {
+TEST_CASE_FIXTURE(OnSoft, "a soft body that is pushed and released returns to its shape" * kFullOnGpu) {
+  constexpr int pressed = 150, free = 850;
   MatterScene scene = softBlock();
   scene.gravity_m_s2 = DVec3(0);
   scene.pinned_mm = {DVec3(0), DVec3(100, 0.1, 100)};
@@ -284,7 +281,8 @@ void checkReturn(const SoftMaker& make, int pressed, int free) {
   checkAtMost("where nodes are after a press, from where they were, um", 1e6 * away_m, 1);
 }
 
-void checkSoftPortEnergy(const SoftMaker& make, int hands, int steps) {
+TEST_CASE_FIXTURE(OnSoft, "random hands gain no energy from a soft body" * kMoreInFull * kFullOnGpu) {
+  const int hands = onCpuOrGpu(byTier(2, 3), 2), steps = onCpuOrGpu(byTier(350, 1200), 400);
   std::mt19937 random(7);
   std::normal_distribution<double> push;
   double leastOfAll_J = 0;
@@ -310,8 +308,10 @@ void checkSoftPortEnergy(const SoftMaker& make, int hands, int steps) {
   checkAtMost("energy that random hands get out of a soft body by a ball, mJ", 1e3 * std::abs(leastOfAll_J), 1);
 }
 
-void checkSameSoftBytes(const SoftMaker& one, const SoftMaker& other, int steps) {
-  const auto a = one(softBlock(), 1, nullptr, {}), b = other(softBlock(), 1, nullptr, {});
+TEST_CASE_FIXTURE(OnSoft, "a soft body gives the same results bit by bit again, with other threads and after a reset" *
+                              kMoreInFull) {
+  const int steps = onCpuOrGpu(150, byTier(15, 60));
+  const auto a = maker(1)(softBlock(), 1, nullptr, {}), b = maker(3)(softBlock(), 1, nullptr, {});
   const auto press = [&](MatterSimulation& world) {
     HandPose hand{.place_m = {0.05, 0.053, 0.05}};
     for (int k = 0; k < steps; ++k) {
@@ -337,7 +337,7 @@ void checkSameSoftBytes(const SoftMaker& one, const SoftMaker& other, int steps)
   CHECK(sameBytes(*a, *b));
 }
 
-void checkSoftDivergence(const SoftMaker& make) {
+TEST_CASE_FIXTURE(OnSoft, "a diverging soft body reports it, has no force from then on, and can be reset") {
   for (const float velocity : {1e6f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     const auto world = make(softBlock(), 1, nullptr, {});
     const HandPose hand{.place_m = {0.05, 0.045, 0.05}};
@@ -361,7 +361,9 @@ void checkSoftDivergence(const SoftMaker& make) {
   }
 }
 
-void checkSoftJump(const SoftMaker& make, int steps) {
+TEST_CASE_FIXTURE(
+    OnSoft, "a hand that jumps across the box of a soft body gets a bounded, finite force or ends the simulation") {
+  const int steps = onCpuOrGpu(200, 60);
   const auto world = make(softBlock(), 1, nullptr, {});
   for (int k = 0; k < steps; ++k) {
     const HandPose hand{.place_m = {0.05, k % 20 == 10 ? 1e3 : 0.05, 0.05}};
@@ -371,7 +373,8 @@ void checkSoftJump(const SoftMaker& make, int steps) {
   }
 }
 
-void checkPinsHold(const SoftMaker& make, int steps) {
+TEST_CASE_FIXTURE(OnSoft, "pinned nodes stay at rest") {
+  const int steps = onCpuOrGpu(20, 10);
   MatterScene scene = softBlock();
   scene.pinned_mm = {DVec3(0), DVec3(51, 100, 100)};
   const auto world = make(scene, 0, nullptr, {});
@@ -389,4 +392,4 @@ void checkPinsHold(const SoftMaker& make, int steps) {
   CHECK(held == 6 * 9 * 11);
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_truths_test
