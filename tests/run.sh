@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_RESULTS=$PWD/build/tests/cases
 
-legs=(plain windows searched one_thread fuzz lint links thread swiftshader layer mutations truths address arm64
+legs=(plain windows searched one_thread fuzz lint links thread swiftshader layer mutations recipes truths address arm64
       packages)
 build() { cmake --preset "$1" > /dev/null && cmake --build --preset "$1" --target "${@:2}"; }  # PRESET TARGETS...
 tests() {  # PRESET [CTEST OPTIONS...]: two slots per core, since some entries sleep (tests/CMakeLists.txt)
@@ -38,6 +38,7 @@ mutations() {  # in place if nothing is uncommitted, otherwise in a worktree bui
   ! git diff --quiet HEAD || here=--here
   build release palpate all_tests && bash tests/mutations.sh $here
 }
+recipes() { bash tests/recipes.sh; }                                       # a dummy by the files that a recipe names
 fuzz() { build asan tests_io && PALPATE_FUZZ_S=600 build/asan/tests_io --source-file='*reader_fuzz*'; }
 windows() {
   local missing

@@ -216,7 +216,7 @@ class Play {
     backend.prepare();
     // As in engine/core/brush.hpp: a ball whose tip is the yield depth before the HIP, or a ball about the surface
     // position over the hand.
-    const bool tip = brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve;
+    const bool tip = brushHas(brush_.kind, shared::kHasShaft);
     if (contact.touching && glm::distance(contact.proxy, origin_ + place.hip) > brush_.yieldDepth)
       centers_.push_back(tip ? place.hip + (brush_.yieldDepth + brush_.radius) * axes_.axisAt(place) : place.on);
     return ticks_ % kDrain == 0 ? drain() : 0;
@@ -269,7 +269,7 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   record.spacing_mm = model.scale.toMm(model.spacing);
   record.radius_mm = model.scale.toMm(support);
   record.brushRadius_mm = options.brushRadius_mm;
-  record.carves = kind == BrushKind::carve;
+  record.carves = brushHas(kind, shared::kRemovesPoints);
   FoundAxes axes(model.cloud, model.scale.toUnits(options.brushRadius_mm));
   Play play(session, axes);
   record.before = pressIdly(play, subject, idle, options.depth_mm);
@@ -286,7 +286,7 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   play.begin(idle);  // the lifted hand may be inside another part of the model
   std::tie(record.settling, record.settled) =
       play.settle(end.position + model.scale.toUnits(2 * kAbove_mm) * end.normal);
-  const bool presses = kind == BrushKind::push || kind == BrushKind::carve;
+  const bool presses = brushHas(kind, shared::kHasShaft);
   record.verdict =
       judge.judge(play.points(),
                   {.centers = centers,
@@ -294,7 +294,7 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
                    .support = support,
                    .reachSlack = kWaySlack,
                    .carves = record.carves,
-                   .pushes = kind == BrushKind::push,
+                   .pushes = presses && !record.carves,
                    .depth = presses && subject.isDeep ? std::optional(model.scale.toUnits(options.depth_mm - kTau_mm))
                                                       : std::nullopt,
                    .depthSlack = model.scale.toUnits(kDepthSlack_mm),

@@ -9,8 +9,6 @@
 #include "apps/view/copied_presentation.hpp"
 #include "apps/view/presentation.hpp"
 #include "engine/core/counted.hpp"
-#include "haptics/devices/driver_survey.hpp"
-#include "haptics/devices/hid_choice.hpp"
 #include "haptics/pace_check.hpp"
 #include "haptics/realtime_priority.hpp"
 #include "haptics/session/devices.hpp"
@@ -103,8 +101,9 @@ Json gpus(std::FILE* out) {
 
 Json toJson(const DVec3& v) { return {v.x, v.y, v.z}; }
 
-Json describe(std::FILE* out, const DriverFinding& driver) {
-  fmt::print(out, "--device {}: {}\n", driver.option, driver.product);
+// Prints what was found of a kind, and adds it to the result.
+void describe(std::FILE* out, const std::string& kind, const DriverFinding& driver, Json& json, Mending& mending) {
+  fmt::print(out, "--device {}: {}\n", kind, driver.product);
   Json attempts = Json::array();
   for (const VendorLibrary::Attempt& attempt : driver.attempts) {
     // Some errors of the loader begin with the name already.
@@ -113,13 +112,13 @@ Json describe(std::FILE* out, const DriverFinding& driver) {
     attempts.push_back({{"name", attempt.name}, {"error", attempt.error}});
   }
   if (!driver.file.empty()) fmt::print(out, "  loaded {}\n", driver.file);
-  Json json{{"option", driver.option},
-            {"library", driver.file},
-            {"attempts", attempts},
-            {"missing", driver.missing},
-            {"usable", driver.device.has_value()},
-            {"reason", driver.problem},
-            {"device", nullptr}};
+  Json found{{"option", kind},
+             {"library", driver.file},
+             {"attempts", attempts},
+             {"missing", driver.missing},
+             {"usable", driver.device.has_value()},
+             {"reason", driver.problem},
+             {"device", nullptr}};
   if (driver.device) {
     const HapticDeviceFacts& facts = *driver.device;
     const DVec3 size_mm = facts.workspaceMax_mm - facts.workspaceMin_mm;
@@ -127,38 +126,34 @@ Json describe(std::FILE* out, const DriverFinding& driver) {
                facts.driver.empty() ? "unknown" : facts.driver);
     fmt::print(out, "  workspace {:.0f} x {:.0f} x {:.0f} mm, peak force {:.3g} N, {:.3g} N continuous, ready\n",
                size_mm.x, size_mm.y, size_mm.z, driver.limits.peakForce_N, driver.limits.continuousForce_N);
-    json["device"] = {{"model", facts.model},
-                      {"serial", facts.serial},
-                      {"driver", facts.driver},
-                      {"workspace_min_mm", toJson(facts.workspaceMin_mm)},
-                      {"workspace_max_mm", toJson(facts.workspaceMax_mm)},
-                      {"peak_force_N", driver.limits.peakForce_N},
-                      {"continuous_force_N", driver.limits.continuousForce_N}};
+    found["device"] = {{"model", facts.model},
+                       {"serial", facts.serial},
+                       {"driver", facts.driver},
+                       {"workspace_min_mm", toJson(facts.workspaceMin_mm)},
+                       {"workspace_max_mm", toJson(facts.workspaceMax_mm)},
+                       {"peak_force_N", driver.limits.peakForce_N},
+                       {"continuous_force_N", driver.limits.continuousForce_N}};
   } else {
     fmt::print(out, "  not usable: {}\n", driver.problem);
   }
-  return json;
-}
-
-Json hapticDevices(std::FILE* out) {
-  Mending mending;
-  Json json{{"drivers", Json::array()}, {"nodes", Json::array()}};
-  for (const DriverFinding& driver : {surveyOpenHaptics(), surveyForceDimension()})
-    json["drivers"].push_back(describe(out, driver));
-  json["haply"] = haplyService(out);
-  const std::vector<NodeFinding> nodes = surveySerialPorts();
-  for (const NodeFinding& node : nodes) {
+  json["drivers"].push_back(found);
+  for (const NodeFinding& node : driver.nodes) {
     fmt::print(out, "{}: {}, {}\n", node.path, node.what, node.usable ? "usable" : "no permission for this user");
     json["nodes"].push_back({{"path", node.path}, {"what", node.what}, {"usable", node.usable}, {"fix", node.mend}});
     mending.add(node.mend);
   }
-  const auto transport = hidapiTransport();
-  const auto candidates = hidCandidates(*transport);
+}
+
+void describe(std::FILE* out, const std::string&, const HaplyFinding& haply, Json& json, Mending&) {
+  json["haply"] = haplyService(out, haply);
+}
+
+void describe(std::FILE* out, const std::string& kind, const std::vector<HidCandidate>& candidates, Json& json,
+              Mending& mending) {
   if (std::ranges::all_of(candidates, isStylus))
-    fmt::print(out, "--device hid: no 3D mouse and no DualSense is plugged in\n");
-  json["hid"] = Json::array();
+    fmt::print(out, "--device {}: no 3D mouse and no DualSense is plugged in\n", kind);
   for (const HidCandidate& hid : candidates) {
-    fmt::print(out, "--device {}: {} at {}, {}\n", isStylus(hid) ? "openhaptics" : "hid", hid.name, hid.info.path,
+    fmt::print(out, "--device {}: {} at {}, {}\n", isStylus(hid) ? "openhaptics" : kind, hid.name, hid.info.path,
                hid.usable ? "ready" : hid.whyNot);
     json["hid"].push_back({{"name", hid.name},
                            {"path", hid.info.path},
@@ -169,6 +164,13 @@ Json hapticDevices(std::FILE* out) {
                            {"fix", hid.mend}});
     mending.add(hid.mend);
   }
+}
+
+Json hapticDevices(std::FILE* out) {
+  Mending mending;
+  Json json{{"drivers", Json::array()}, {"nodes", Json::array()}, {"hid", Json::array()}};
+  for (const DeviceSurvey& kind : surveyDevices())
+    std::visit([&](const auto& finding) { describe(out, kind.kind, finding, json, mending); }, kind.finding);
   json["problems"] = surveySurroundings();
   for (const auto& problem : json["problems"]) fmt::print(out, "{}\n", problem.get<std::string>());
   const bool priority = RealtimePriority().granted();
@@ -347,7 +349,7 @@ void addDoctor(Options& app, Context& context, Command& command) {
                                                : "'" + device + "' is not a device; devices are " + heldDevicesHelp();
                                   },
                                   "DEVICE"})
-                     .offers({"openhaptics", "dhd", "haply", "hid"})
+                     .offers(heldDeviceNames())
                      .excludes(servo);
   Option test = sub.addFlag(
       "--test", options->test,

@@ -5,7 +5,6 @@
 #include <thread>
 
 #include "engine/core/error.hpp"
-#include "haptics/devices/driver_survey.hpp"
 #include "haptics/session/devices.hpp"
 
 namespace palpate {
@@ -19,14 +18,7 @@ const char* yesNo(bool yes) { return yes ? "yes" : "no"; }
 /// Permissions that concern the devices of `spec`.
 Json permissionsFor(std::FILE* out, const std::string& spec) {
   Mending mending;
-  const bool isTouch = spec.starts_with("openhaptics");
-  if (isTouch)
-    for (const NodeFinding& node : surveySerialPorts()) mending.add(node.mend);
-  if (isTouch || spec.starts_with("hid")) {
-    const auto transport = hidapiTransport();
-    for (const HidCandidate& hid : hidCandidates(*transport))
-      if (isStylus(hid) == isTouch) mending.add(hid.mend);
-  }
+  for (const DeviceOffer& offer : surveyKindOf(spec).offers) mending.add(offer.mend);
   return mending.print(out);
 }
 
@@ -58,10 +50,7 @@ Json Mending::print(std::FILE* out) const {
   return commands_;
 }
 
-bool isStylus(const HidCandidate& hid) { return hid.kind == HidKind::hapticStylus; }
-
-Json haplyService(std::FILE* out) {
-  const HaplyFinding found = surveyHaply();
+Json haplyService(std::FILE* out, const HaplyFinding& found) {
   const bool answers = found.problem.empty();
   fmt::print(out, "--device haply: Haply service\n");
   Json json{{"answers", answers},      {"port", found.port},       {"version", found.version},

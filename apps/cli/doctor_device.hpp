@@ -9,7 +9,7 @@
 #include "apps/cli/json.hpp"
 #include "engine/core/log.hpp"
 #include "haptics/device_check.hpp"
-#include "haptics/devices/hid_choice.hpp"
+#include "haptics/devices/driver_survey.hpp"
 
 namespace palpate {
 
@@ -24,11 +24,8 @@ class Mending {
   std::vector<std::string> commands_;
 };
 
-/// A stylus over HID steers nothing by itself: the driver of 3D Systems opens it.
-bool isStylus(const HidCandidate& hid);
-
 /// The service of Haply devices, its devices and grips.
-Json haplyService(std::FILE* out);
+Json haplyService(std::FILE* out, const HaplyFinding& found);
 
 /// Opens a held device, without a force, and describes it. If that fails, prints the missing permissions and throws.
 Json examineDevice(std::FILE* out, const std::string& spec, Log& log);

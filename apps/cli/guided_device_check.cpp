@@ -139,7 +139,7 @@ std::vector<std::pair<std::string, std::string>> deviceCheckRows(const DeviceChe
 }
 
 Json guideDeviceCheck(std::FILE* out, const std::string& spec, Log& log) {
-  if (spec == "hid" || spec.starts_with("hid:"))
+  if (isSteering(spec))
     throw UsageError("--test: {} steers a simulated hand; the test requires a device with force feedback", spec);
   OpenedDevice opened;
   DeviceCheckResult result;

@@ -27,7 +27,7 @@ void addHandOptions(Options& sub, HandChoices& options) {
       .describe(fmt::format("{}: {}. Button 1 of a stylus sculpts, button 2 is a clutch",
                             settingNamed<HandConfig>("device").help, heldDevicesHelp()))
       .check(deviceValidator())
-      .offers({"path", "sim", "replay:", "openhaptics", "dhd", "haply", "hid"})
+      .offers(heldDeviceNames({"path", "sim", "replay:"}))
       .showDefault();
   addSettingFor<HandConfig>(sub, options.scheduler, "own_scheduler").check(oneOf({"device", "own"})).showDefault();
   addSetting(sub, options.hand, "fit").showDefault();

@@ -8,7 +8,7 @@ void addMotionOptions(Options& command, MotionOptions& options) {
   addSettingFor<MotionConfig>(command, options.kind, "kind")
       .check(oneOf(choicesOf<MotionConfig>("kind", {"none"})))
       .showDefault();
-  addSettings(command, options.motion, {"axis", "amplitude_mm", "frequency_Hz", "speed_mm_per_s"});
+  addSettings(command, options.motion, "kind");
 }
 
 std::optional<MotionConfig> motionConfig(const MotionOptions& options) {

@@ -10,7 +10,7 @@ constexpr double kBallRadius_mm = 1.2, kDiscRadius_mm = 2.5, kArrow_mm_per_N = 1
 /// Position of a brush's tool in contact (BrushOptions).
 Overlays::Ball ballOf(const BrushOptions& brush, const DVec3& hip, const DVec3& proxy) {
   const DVec3 spring = proxy - hip;
-  const bool standsBefore = brush.kind == BrushKind::push || brush.kind == BrushKind::carve;
+  const bool standsBefore = brushHas(brush.kind, shared::kHasShaft);
   const DVec3 outward = glm::length(spring) > 0 ? glm::normalize(spring) : DVec3(0);
   return {standsBefore ? hip + (brush.yieldDepth + brush.radius) * outward : proxy, brush.radius};
 }

@@ -189,7 +189,7 @@ std::string referencePage(const Options& program) {
   listWindowResults(state);
   for (const ResultFacts& result : state) page += resultRow(result);
   page += "\n## Keys of the window\n\n" + head({"key", "effect"});
-  for (const auto& [key, effect] : kKeyHelp) page += row({key, effect});
+  for (const auto& [key, effect] : keyHelp()) page += row({key, effect});
   const CloudFormats& formats = cloudFormats();
   page += fmt::format("\n## Files\n\nRead: {}.\n\nWritten: {}.\n\nMeshes are written as {}.\n", formats.endingsRead(),
                       formats.endingsWritten(), formats.endingsWritten(Written::mesh));

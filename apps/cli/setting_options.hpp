@@ -58,10 +58,11 @@ Option addSetting(Options& command, Section& section, std::string_view name) {
   });
 }
 
-/// Adds the options of several settings, with their defaults.
+/// Adds the options of all settings of a section but one, with their defaults.
 template <class Section>
-void addSettings(Options& command, Section& section, std::initializer_list<std::string_view> names) {
-  for (const std::string_view name : names) addSetting(command, section, name).showDefault();
+void addSettings(Options& command, Section& section, std::string_view except) {
+  for (const Setting<Section>& setting : settingsOf<Section>())
+    if (!setting.flag.empty() && setting.name != except) addSetting(command, section, setting.name).showDefault();
 }
 
 /// Adds the option of a setting that sets a variable of the caller, whose type may differ from the member's. Numbers

@@ -16,9 +16,7 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
   addSettingFor<BrushConfig>(sub, options.edit, "kind")
       .check(oneOf(choicesOf<BrushConfig>("kind", {"none"})))
       .showDefault();
-  addSettings(sub, options.brush, {"yield_depth_mm", "push_rate", "strength"});
-  addSetting(sub, options.brush, "falloff").typeName("F").showDefault();
-  addSettings(sub, options.brush, {"color", "resample", "radius_mm"});
+  addSettings(sub, options.brush, "kind");
   addSetting(sub, options.undo, "undo").typeName("N");
   addSetting(sub, options.undo, "redo").typeName("M");
   addSetting(sub, options.undo, "memory_MiB").showDefault();
@@ -77,7 +75,7 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
                           .describe(fmt::format("{} (default: as remembered for a device, else {})",
                                                 settingNamed<ForceOptions>("stiffness_N_per_mm").help,
                                                 ForceOptions{}.stiffness_N_per_mm));
-  addSettings(command, options.force, {"damping_N_s_per_mm", "max_N", "max_surface_power_W"});
+  addSettings(command, options.force, "stiffness_N_per_mm");
   addSurfaceOptions(command, options.backend);
   heading("Sculpting");
   addEditOptions(command, options);

@@ -33,7 +33,7 @@ void bindTouch(py::class_<PySession>& session) {
            "the scene diverges.")
       .def("stroke", &PySession::stroke, py::arg("path"), py::arg("kind"),
            "stroke(path, kind, **brush) -> structured array\n\n"
-           "As touch(), with a brush for this path. kind: push, carve, inflate, smooth, grab, paint or flatten.\n"
+           "As touch(), with a brush for this path. kind: a brush, as in palpate touch --edit.\n"
            "Settings of the brush: radius_mm and yield_depth_mm (depth of the hand from which the surface yields),\n"
            "mm in the hand, or radius and yield_depth, in model units; push_rate (push: share of the distance to its\n"
            "target that a point moves in one tick, 0 to 1), strength (share of the full effect in one tick,\n"

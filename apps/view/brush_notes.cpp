@@ -13,7 +13,7 @@ void BrushNotes::noteSize(const WindowSession& session, const ViewSettings& view
   const Model& model = session.model();
   if (std::exchange(presses_, presses) != presses) tooSmall_.clear();
   const std::string tooSmall =
-      brush.kind && !session.config().moves()
+      brush.sculpts && !session.config().moves()
           ? remarkOnSmallBrush(brush.radius_mm, model.scale.toMm(model.spacing), "its radius (key ])",
                                [&](double mm) { return view.lengthText(mm, model); })
           : std::string();
@@ -23,7 +23,7 @@ void BrushNotes::noteSize(const WindowSession& session, const ViewSettings& view
 void BrushNotes::notePaint(const WindowSession& session, ViewSettings& view, Messages& messages) {
   const bool begins = session.journal().inStroke() && !inStroke_;
   inStroke_ = session.journal().inStroke();
-  if (!begins || session.brushSettings().kind != BrushKind::paint || view.color == ColorBy::rgb) return;
+  if (!begins || !brushHas(session.brushSettings().kind, shared::kPaintsPoints) || view.color == ColorBy::rgb) return;
   view.color = ColorBy::rgb;
   messages.say("colours: the points' own, so that the paint is visible");
 }
@@ -32,9 +32,8 @@ void BrushNotes::noteBlocked(const WindowSession& session, double now_s) {
   constexpr double kShown_s = 0.25;  // bridges frames without an edit
   const std::uint64_t edits = session.blocked().edits;
   if (std::exchange(blockedEdits_, edits) != edits) blockedUntil_s_ = now_s + kShown_s;
-  const std::optional<BrushKind> kind = session.brushSettings().kind;
-  // Inflate and grab meet another surface; the others the far side of a thin part.
-  const bool meets = kind == BrushKind::inflate || kind == BrushKind::grab;
+  // What is raised or held meets another surface; what is moved inwards the far side of a thin part.
+  const bool meets = brushHas(session.brushSettings().kind, shared::kRaisesSurface | shared::kHoldsPoints);
   blocked_ = now_s < blockedUntil_s_ ? meets ? "no room here" : "too thin here" : "";
 }
 

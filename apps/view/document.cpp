@@ -375,7 +375,8 @@ void Document::pause() {
 }
 
 void Document::sculptHeld() {
-  if (!session_->holdsFrames() || !parts_.settings.brush.kind || !session_->isTouching() || loader_.isLoading()) return;
+  if (!session_->holdsFrames() || !parts_.settings.brush.sculpts || !session_->isTouching() || loader_.isLoading())
+    return;
   WindowOptions options = opened_;
   options.config.model.stream.reset();
   handedOn_ = HandedOn::held;

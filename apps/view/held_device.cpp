@@ -100,13 +100,12 @@ void HeldDevice::lose() {
 
 void HeldDevice::lookAround() {
   if (looking_.valid()) return;
-  looking_ =
-      std::async(std::launch::async, [held = device_ ? name_ : std::string()] { return devicesPluggedIn(held); });
+  looking_ = std::async(std::launch::async, [held = device_ ? name_ : std::string()] { return surveyDevices(held); });
 }
 
 void HeldDevice::beginTest() {
   if (stage_ != Stage::held) throw Error("hold a device first: choose it under Device");
-  if (!opened_.limits.handHeld || name_.starts_with("hid"))
+  if (!opened_.limits.handHeld || isSteering(name_))
     throw Error("{} steers a simulated hand; the test requires a device with force feedback", name_);
   stopTest_ = false;
   found_.reset();

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/view/device_offers.hpp"
 #include "engine/core/log.hpp"
 #include "haptics/device_check.hpp"
 #include "haptics/devices/turned_device.hpp"
@@ -81,7 +80,7 @@ class HeldDevice final : private LogListener {
   const std::string& said() const { return said_; }
   bool isLooking() const { return looking_.valid(); }
   /// Empty: not looked yet.
-  const std::optional<DevicesFound>& around() const { return around_; }
+  const std::optional<std::vector<DeviceSurvey>>& around() const { return around_; }
   /// The running test; null if none runs.
   const DeviceCheckQuery* test() const { return stage_ == Stage::tested ? query_.get() : nullptr; }
   const std::optional<DeviceCheckResult>& found() const { return found_; }
@@ -111,7 +110,7 @@ class HeldDevice final : private LogListener {
   bool hasChanged_ = false;    // device(), since the last follow()
   OpenedDevice opened_;        // without its device
   std::shared_ptr<TurnedDevice> device_;
-  std::optional<DevicesFound> around_;
+  std::optional<std::vector<DeviceSurvey>> around_;
   std::unique_ptr<DeviceCheckQuery> query_;
   std::optional<DeviceCheckResult> found_;
   std::atomic<bool> stopOpening_ = false, stopTest_ = false;
@@ -119,7 +118,7 @@ class HeldDevice final : private LogListener {
   // Destroyed first.
   std::future<OpenedDevice> opens_;
   std::future<DeviceCheckResult> tests_;
-  std::future<DevicesFound> looking_;
+  std::future<std::vector<DeviceSurvey>> looking_;
 };
 
 }  // namespace palpate

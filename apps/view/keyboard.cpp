@@ -107,9 +107,10 @@ void Keyboard::change(int key, WindowSettings& settings) {
       resize(settings.brush.radius_mm, kRadiusStep);
       break;
     default:
-      if (key == GLFW_KEY_1) settings.brush.kind.reset();
-      if (key > GLFW_KEY_1 && key <= GLFW_KEY_1 + static_cast<int>(kBrushKinds.size()))
-        settings.brush.kind = kBrushKinds[static_cast<std::size_t>(key - GLFW_KEY_1 - 1)].second;
+      const int number = key - GLFW_KEY_1;  // 0: feel
+      if (number < 0 || number > static_cast<int>(kBrushes.size())) break;
+      settings.brush.sculpts = number > 0;
+      if (number > 0) settings.brush.kind = kBrushes[static_cast<std::size_t>(number - 1)].kind;
   }
 }
 

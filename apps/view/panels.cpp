@@ -227,27 +227,31 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   if (!header("Tool", true)) return;
   int number = 0;
   const float width = 0.25f * (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x);
-  const auto choice = [&](const char* name, std::optional<BrushKind> kind) {
+  const auto chosen = [&](std::string_view name, const char* does, bool isOn) {
     if (number % 4 != 0) ImGui::SameLine();
-    const bool chosen = brush.kind == kind;
-    if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-    if (button(name, width)) brush.kind = kind;
-    if (chosen) ImGui::PopStyleColor();
-    help(fmt::format("key {}", ++number));
+    if (isOn) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+    const bool isPressed = button(name.data(), width);
+    if (isOn) ImGui::PopStyleColor();
+    help(fmt::format("{} ({})", does, ++number));
+    return isPressed;
   };
-  choice("feel", std::nullopt);
-  for (const auto& [name, kind] : kBrushKinds) choice(name.data(), kind);
-  if (brush.kind) {
+  if (chosen("feel", "touches the surface and leaves it as it is", !brush.sculpts)) brush.sculpts = false;
+  for (const BrushTraits& each : kBrushes)
+    if (chosen(each.name, each.does, brush.sculpts && brush.kind == each.kind)) {
+      brush.kind = each.kind;
+      brush.sculpts = true;
+    }
+  if (brush.sculpts) {
     dragLength("radius", brush.radius_mm, 0.1, sliderOf<BrushConfig>("radius_mm"), status);
     help("[ and ]; of the brush, in the model's unit");
-    if (brush.kind == BrushKind::push)
+    if (brushHas(brush.kind, shared::kUsesPushRate))
       drag("push rate", brush.pushRate, 0.005f, sliderOf<BrushConfig>("push_rate"), "%.2f");
     else
       drag("strength", brush.strength, 0.01f, sliderOf<BrushConfig>("strength"), "%.2f");
     help("fraction of the effect per tick; 0: none, 1: all");
     dragLength("yield depth", brush.yieldDepth_mm, 0.02, sliderOf<BrushConfig>("yield_depth_mm"), status);
     help("depth of the stylus below the surface from which the surface yields");
-    if (brush.kind == BrushKind::paint) {
+    if (brushHas(brush.kind, shared::kPaintsPoints)) {
       float color[3];
       for (std::size_t k = 0; k < 3; ++k) color[k] = static_cast<float>(brush.color[k]) / 255;
       if (ImGui::ColorEdit3("colour to paint", color, ImGuiColorEditFlags_NoInputs))

@@ -21,7 +21,6 @@ namespace palpate {
 class DeviceCheckQuery;
 class HeldDevice;
 struct DeviceCheckResult;
-struct DevicesFound;
 struct OpenedDevice;
 
 /// State of the window, as the panels show it.
@@ -128,7 +127,6 @@ class Panels {
   void drawDeviceFindings(const DeviceCheckResult& found, const OpenedDevice& opened);
   void drawDeviceSettings(const OpenedDevice& opened);
   void drawDeviceOffers(const HeldDevice& held);
-  void drawMissingDevices(const DevicesFound& around);
   void drawOthers(const ViewStatus& status);
   void drawMatter(const ViewStatus& status);
   void drawLook(const ViewStatus& status, ViewSettings& view);

@@ -146,7 +146,13 @@ void Panels::drawDeviceOffers(const HeldDevice& held) {
   ImGui::EndDisabled();
   help("lists the devices that are plugged in");
   if (!held.around()) return;
-  for (const DeviceOffer& offer : held.around()->offers) {
+  std::vector<DeviceOffer> offers;
+  std::vector<std::string> missing;
+  for (const DeviceSurvey& kind : *held.around()) {
+    offers.insert(offers.end(), kind.offers.begin(), kind.offers.end());
+    if (!kind.missing.empty()) missing.push_back(kind.missing);
+  }
+  for (const DeviceOffer& offer : offers) {
     ImGui::PushID(offer.name.c_str());
     const bool isHeld = held.stage() == HeldDevice::Stage::held && held.name() == offer.device;
     post(noted(offer.device, ImGui::Button(offer.name.c_str())) && !isHeld, ChooseDevice{offer.device});
@@ -159,14 +165,10 @@ void Panels::drawDeviceOffers(const HeldDevice& held) {
     }
     ImGui::PopID();
   }
-  drawMissingDevices(*held.around());
-}
-
-void Panels::drawMissingDevices(const DevicesFound& around) {
-  const bool isAnswer = around.offers.empty();
+  const bool isAnswer = offers.empty();
   if (isAnswer) line("No device was found.");
-  if (around.missing.empty() || (!isAnswer && !noted("not found", ImGui::TreeNode("not found")))) return;
-  for (const MissingKind& each : around.missing) faintLine(each.reason);
+  if (missing.empty() || (!isAnswer && !noted("not found", ImGui::TreeNode("not found")))) return;
+  for (const std::string& reason : missing) faintLine(reason);
   if (!isAnswer) ImGui::TreePop();
 }
 

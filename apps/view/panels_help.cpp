@@ -42,12 +42,12 @@ void Panels::drawHelp(ViewSettings& view) {
   if (ImGui::BeginTable("keys", 2)) {
     ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
     ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
-    for (const auto& [keys, what] : kKeyHelp) {
+    for (const auto& [keys, what] : keyHelp()) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(keys);
+      ImGui::TextUnformatted(keys.c_str());
       ImGui::TableNextColumn();
-      ImGui::TextWrapped("%s", what);
+      ImGui::TextWrapped("%s", what.c_str());
     }
     ImGui::EndTable();
   }

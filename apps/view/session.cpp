@@ -11,15 +11,10 @@ namespace {
 
 // In a shared session no points are added or removed.
 std::optional<BrushConfig> brushOf(const BrushSettings& brush, const SessionConfig& config) {
-  if (!brush.kind) return std::nullopt;
-  return BrushConfig{.kind = *brush.kind,
-                     .yieldDepth_mm = brush.yieldDepth_mm,
-                     .pushRate = brush.pushRate,
-                     .radius_mm = brush.radius_mm,
-                     .strength = brush.strength,
-                     .falloff = brush.falloff,
-                     .color = brush.color,
-                     .resample = !config.model.join};
+  if (!brush.sculpts) return std::nullopt;
+  BrushConfig used = brush;
+  used.resample = !config.model.join;
+  return used;
 }
 
 SurfaceConfig surfaceOf(SurfaceConfig surface, const FeelSettings& feel) {
@@ -42,7 +37,8 @@ std::string methodOf(const std::string& backend, const FeelSettings& feel) {
 SessionConfig configOf(const WindowOptions& options, const BrushSettings& brush, const FeelSettings& feel) {
   SessionConfig config = options.config;
   // A model that refuses the brush is felt without it; setBrushSettings() gives the reason.
-  if (brush.kind && Abilities(modelKindOf(config)).allow(actionOf(*brush.kind))) config.brush = brushOf(brush, config);
+  if (brush.sculpts && Abilities(modelKindOf(config)).allow(actionOf(brush.kind)))
+    config.brush = brushOf(brush, config);
   config.surface = surfaceOf(config.surface, feel);
   config.force = forceOf(feel);
   config.backend.method = methodOf(config.backend.name, feel);
@@ -79,8 +75,7 @@ HeldTool WindowSession::heldTool() const {
 }
 
 double WindowSession::givenWay_mm() const {
-  const auto kind = brush_.kind;
-  if (kind != BrushKind::push && kind != BrushKind::carve && kind != BrushKind::inflate) return 0;
+  if (!brush_.sculpts || !brushHas(brush_.kind, shared::kHasShaft | shared::kRaisesSurface)) return 0;
   return brush_.yieldDepth_mm * (1 + feel_.stiffness_N_per_mm / guidedHand(DVec3(1)).handStiffness_N_per_mm);
 }
 
@@ -88,10 +83,10 @@ void WindowSession::setBrushSettings(const BrushSettings& brush) {
   if (brush == brush_ || !isTouching()) return;
   brush_ = brush;
   const Abilities can(modelKindOf(config()));
-  if (brush.kind && config().model.stream && holdsFrames()) return;  // another session sculpts a paused frame
-  if (!brush.kind || can.allow(actionOf(*brush.kind))) return setBrush(brushOf(brush, config()));
+  if (brush.sculpts && config().model.stream && holdsFrames()) return;  // another session sculpts a paused frame
+  if (!brush.sculpts || can.allow(actionOf(brush.kind))) return setBrush(brushOf(brush, config()));
   if (can.allow(Action::sculpt)) setBrush(std::nullopt);
-  throw Error("{}", can.refusal(actionOf(*brush.kind)));
+  throw Error("{}", can.refusal(actionOf(brush.kind)));
 }
 
 void WindowSession::setContact(const FeelSettings& feel) {

@@ -1,9 +1,7 @@
 // The session of the window, configured by the window's settings.
 #pragma once
 
-#include <array>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "apps/cli/context.hpp"
@@ -15,13 +13,12 @@
 
 namespace palpate {
 
-/// Settings that can change while touching.
-struct BrushSettings {
-  std::optional<BrushKind> kind;  ///< nothing: feel only
-  double radius_mm = BrushConfig{}.radius_mm, strength = BrushConfig{}.strength,
-         yieldDepth_mm = BrushConfig{}.yieldDepth_mm, pushRate = BrushConfig{}.pushRate;
-  std::uint32_t falloff = BrushConfig{}.falloff;
-  std::array<std::uint8_t, 3> color{220, 40, 40};
+// Settings that can change while touching.
+
+/// The brush, which keeps its options while the stylus only feels.
+struct BrushSettings : BrushConfig {
+  BrushSettings() { color = {220, 40, 40}; }
+  bool sculpts = false;
 
   bool operator==(const BrushSettings&) const = default;
 };

@@ -106,8 +106,10 @@ void view(Context& context, const ViewCommandOptions& options) {
   view.session.undo_bytes = static_cast<std::uint64_t>(options.undoMemory_MiB * kMiB);
   for (const auto& [name, kind] : kSurfaceKinds)
     if (options.surface == name) view.feel.surface = kind;
-  for (const auto& [name, kind] : kBrushKinds)
-    if (options.edit == name) view.brush.kind = kind;
+  if (const auto kind = valueNamed(kBrushKinds, options.edit)) {
+    view.brush.kind = *kind;
+    view.brush.sculpts = true;
+  }
 
   hold(options, held);
   if (!realtime) view.session.live.clock = std::make_shared<SteppedClock>();
@@ -180,7 +182,7 @@ void addView(Options& app, Context& context, Command& command) {
                                 : "'" + device + "' is not a device; devices are auto, mouse, " + heldDevicesHelp();
                    },
                    "DEVICE"})
-      .offers({"auto", "mouse", "openhaptics", "dhd", "haply", "hid"})
+      .offers(heldDeviceNames({"auto", HeldDevice::kMouse}))
       .showDefault();
   addSettingFor<HandConfig>(sub, options->axes, "axes").check(Check{axesComplaint, "RIGHT,UP,TOWARDS"});
   sub.add("--scheduler", options->scheduler, "thread that runs the ticks of an OpenHaptics device, as in palpate touch")

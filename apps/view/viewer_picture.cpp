@@ -16,7 +16,7 @@ void Viewer::applySettings() {
     const bool recorded = session->isRecording();
     // A held device cannot be put away: behind a question it feels, but does not sculpt.
     BrushSettings brush = settings_.brush;
-    if (document_.asks() && pointing_.isTouching()) brush.kind.reset();
+    if (document_.asks() && pointing_.isTouching()) brush.sculpts = false;
     session->setBrushSettings(brush);
     session->setContact(settings_.feel);
     if (recorded && !session->isRecording())

@@ -17,7 +17,7 @@ std::string_view nameIn(const auto& names, auto value) {
   return {};
 }
 
-std::string_view toolOf(const BrushSettings& brush) { return brush.kind ? nameIn(kBrushKinds, *brush.kind) : "feel"; }
+std::string_view toolOf(const BrushSettings& brush) { return brush.sculpts ? traitsOf(brush.kind).name : "feel"; }
 
 constexpr Reported<PlaceInfo> kPicked[]{
     {"place", "model units", "picked position", [](const PlaceInfo& p) -> Value { return vectorJson(p.place); }},
@@ -39,16 +39,17 @@ constexpr Reported<PlaceInfo> kPicked[]{
 Json offersOf(const HeldDevice& held) {
   Json offers = Json::array();
   if (held.around())
-    for (const DeviceOffer& offer : held.around()->offers)
-      offers.push_back({{"device", offer.device}, {"name", offer.name}, {"state", offer.state}, {"fix", offer.mend}});
+    for (const DeviceSurvey& kind : *held.around())
+      for (const DeviceOffer& offer : kind.offers)
+        offers.push_back({{"device", offer.device}, {"name", offer.name}, {"state", offer.state}, {"fix", offer.mend}});
   return offers;
 }
 
 Json missingOf(const HeldDevice& held) {
   Json missing = Json::array();
   if (held.around())
-    for (const MissingKind& each : held.around()->missing)
-      missing.push_back({{"device", each.kind}, {"reason", each.reason}});
+    for (const DeviceSurvey& kind : *held.around())
+      if (!kind.missing.empty()) missing.push_back({{"device", kind.kind}, {"reason", kind.missing}});
   return missing;
 }
 

@@ -2,32 +2,10 @@
 
 #include <array>
 #include <cstdint>
-#include <string_view>
-#include <utility>
+
+#include "shaders/shared/brush_traits.h"
 
 namespace palpate {
-
-/// The effect of a brush on the points within its reach.
-enum class BrushKind {
-  push,     ///< moves points down to the underside of a ball (thesis section 5.2)
-  carve,    ///< removes the points inside the brush and closes the surface behind them
-  inflate,  ///< moves points along their normals, outwards
-  smooth,   ///< moves points towards the surface that their neighbours define
-  grab,     ///< moves points along with the hand, on both sides of a thin part
-  paint,    ///< changes the colour of points
-  flatten   ///< moves points towards the plane of the surface as the stroke found it
-};
-constexpr std::array<std::pair<std::string_view, BrushKind>, 7> kBrushKinds = {{{"push", BrushKind::push},
-                                                                                {"carve", BrushKind::carve},
-                                                                                {"inflate", BrushKind::inflate},
-                                                                                {"smooth", BrushKind::smooth},
-                                                                                {"grab", BrushKind::grab},
-                                                                                {"paint", BrushKind::paint},
-                                                                                {"flatten", BrushKind::flatten}}};
-
-/// Whether a brush only moves existing points. Such a brush can change the rest shape of a soft body, whose cells stay
-/// the same: they cannot be carved away, and they have no colours of their own.
-constexpr bool changesShape(BrushKind kind) { return kind != BrushKind::carve && kind != BrushKind::paint; }
 
 /// A brush and its settings. Every brush acts only while the HIP is deeper than `yieldDepth` behind the proxy and does
 /// not withdraw. Its tool is fixed to the hand and perpendicular to the surface as the stroke found it (BrushStroke).

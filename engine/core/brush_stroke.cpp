@@ -94,19 +94,19 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   const bool yields = touches && glm::length(spring) > brush_.yieldDepth;
   // A contact that ends while the hand is still behind the surface has not been lifted from its side.
   const bool fellThrough = yielded_ && !touches && glm::dot(hip - side_.found, side_.outward) < 0;
-  const bool keepsSide = shared::looksAhead(static_cast<shared::uint>(brush_.kind));  // carve may go through
+  const bool keepsSide = has(shared::kLooksAhead);  // carve may go through
   brokeThrough_ = sculpts && keepsSide && (brokeThrough_ || fellThrough);
   yielded_ = yields;
   const bool wasLifted = !touched_ && time_s - lastTouch_s_ > kGap_s;
   if (touches) lastTouch_s_ = time_s;
   touched_ = touches;
-  const bool holds = brush_.kind == BrushKind::grab && open_ && sculpts;
+  const bool holds = has(shared::kHoldsPoints) && open_ && sculpts;
   if (!sculpts || (press == Press::contact && !holds && wasLifted)) open_ = false;
   const Place place{.hip = hip, .jumps = !acts_, .outward = outwardOf(contact, spring), .found = hip + spring};
   if (touches && keepsSide && (open_ || brokeThrough_)) noteSide(place);
   if (yields && !isGoingOn() && !brokeThrough_) begin(place);
   // Withdraws: moves towards the proxy. A hand that moves sideways does not, although the proxy trails behind it.
-  const bool withdraws = brush_.kind != BrushKind::grab && motion != DVec3(0) &&
+  const bool withdraws = !has(shared::kHoldsPoints) && motion != DVec3(0) &&
                          glm::dot(motion, spring) > kWithdrawing * glm::length(motion) * glm::length(spring);
   acts_ = open_ && (holds || (yields && !brokeThrough_)) && !withdraws;
   if (acts_) goOnTo(place);
@@ -147,7 +147,7 @@ void BrushStroke::goOnTo(const Place& place) {
   const auto at = [&](std::size_t k) -> Place& { return way_[(wayFirst_ + k) % kMaxWay]; };
   const auto hipAt = [&](std::size_t back) { return wayCount_ < back ? place_ : at(wayCount_ - back).hip; };
   const bool isFar = std::exchange(isLifted_, false) || glm::distance(hipAt(1), place.hip) > kJump * brush_.radius;
-  const bool jumps = place.jumps && brush_.kind != BrushKind::grab && isFar;
+  const bool jumps = place.jumps && !has(shared::kHoldsPoints) && isFar;
   // The last position follows the hand as long as it is near the position before it.
   if (!jumps && wayCount_ > 0 && glm::distance(hipAt(2), place.hip) < kWayStep * brush_.radius) {
     at(wayCount_ - 1).hip = place.hip;
@@ -175,7 +175,7 @@ double BrushStroke::halfWidth() const {
 double BrushStroke::longestStep(double share) const {
   const double radius = brush_.radius, depth = std::max(found() - brush_.yieldDepth, 0.1 * radius);
   const double yield = static_cast<double>(shared::kLongestMove) * support_;
-  const double decays = brush_.kind == BrushKind::push ? kPushDecays : kDecays;
+  const double decays = has(shared::kUsesPushRate) ? kPushDecays : kDecays;
   const double most = std::min({kLongestStep * radius, yield * std::clamp(radius / depth, 0.25, 2.0),
                                 share > 0 ? share * halfWidth() / decays : kLongestStep * radius});
   return std::max(most, kShortestStep * radius);
@@ -226,7 +226,7 @@ double BrushStroke::sheetCell() const { return std::max(kCellOfSupport * support
 
 // The grid is around the surface under the hand.
 DVec3 BrushStroke::sheetCorner() const {
-  const DVec3& middle = brush_.kind == BrushKind::grab ? heldAt_ : foundAt_;
+  const DVec3& middle = has(shared::kHoldsPoints) ? heldAt_ : foundAt_;
   return middle - 0.5 * shared::kSheetSide * sheetCell();
 }
 
@@ -247,12 +247,12 @@ const BrushStroke::Tool& BrushStroke::next(double time_s, const Backlog& backlog
   lastEdit_s_ = time_s;
   edited_ = true;
   const double ticks = std::clamp(std::round(since_s / kTick_s), 1.0, kMaxTicks);
-  const bool inflates = brush_.kind == BrushKind::inflate;
-  const double strength = brush_.kind == BrushKind::push ? brush_.pushRate : brush_.strength;
-  tool_.share = inflates ? strength * ticks : 1 - std::pow(1 - strength, ticks);
-  if (brush_.kind == BrushKind::push) tool_.share = pushShare(tool_.share);
-  const double step = brush_.kind == BrushKind::grab ? std::numeric_limits<double>::infinity()
-                                                     : longestStep(inflates ? 1 : tool_.share);
+  const bool raises = has(shared::kRaisesSurface), pushes = has(shared::kUsesPushRate);
+  const double strength = pushes ? brush_.pushRate : brush_.strength;
+  tool_.share = raises ? strength * ticks : 1 - std::pow(1 - strength, ticks);
+  if (pushes) tool_.share = pushShare(tool_.share);
+  const double step =
+      has(shared::kHoldsPoints) ? std::numeric_limits<double>::infinity() : longestStep(raises ? 1 : tool_.share);
   advance(backlog.waits ? std::min(step, std::max(0.0, kMaxStrain - backlog.strain) * support_) : step);
   placeTool();
   return tool_;
@@ -293,19 +293,19 @@ double BrushStroke::steepestAhead(const DVec3& motion) const {
 
 void BrushStroke::placeTool() {
   const double radius = brush_.radius, height = found();
+  const bool holds = has(shared::kHoldsPoints), raises = has(shared::kRaisesSurface);
   tool_.acts = 1;
   tool_.outward = outward_;
   tool_.sampling = sampling();
   tool_.hand = place_;
   tool_.cell = sheetCell();
-  tool_.touched = brush_.kind == BrushKind::grab ? heldAt_ : touchedAt_;
+  tool_.touched = holds ? heldAt_ : touchedAt_;
   tool_.entersFrom = sheetCorner();
   tool_.connectedFrom = connectedFrom_;
   tool_.connected = connected_;
-  const double hears =
-      brush_.kind == BrushKind::inflate ? std::clamp(support_, kInflateHears * radius, radius) : radius;
+  const double hears = raises ? std::clamp(support_, kInflateHears * radius, radius) : radius;
   tool_.hearing = std::clamp(kHearing * height, hears, static_cast<double>(shared::kMaxHeight) * radius);
-  if (brush_.kind == BrushKind::grab) {
+  if (holds) {
     tool_.center = heldAt_;
     tool_.motion = held();
     tool_.middle = heldAt_ + 0.5 * tool_.motion;
@@ -315,11 +315,11 @@ void BrushStroke::placeTool() {
   // The tool's reach lies along its axis, over the hand.
   const double heard = kHeardOver * radius;
   double first = height;
-  if (brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve) {
+  if (has(shared::kHasShaft)) {
     first = brush_.yieldDepth + radius;
     tool_.height = std::max(0.0, height - brush_.yieldDepth);
     if (height > first) tool_.shaft = std::min(height - first + kShaftMargin * radius, kMaxShaft * radius);
-  } else if (brush_.kind == BrushKind::inflate) {
+  } else if (raises) {
     tool_.height = std::clamp(height - brush_.yieldDepth, 0.0, kMaxRaised * radius);
   }
   const double longest = kMaxLength * radius;
@@ -350,7 +350,7 @@ void BrushStroke::takeIn(const SurfaceMeasure& measure) {
   const double length = glm::length(mean);
   if (!(length > kMinLength && length < 1.01 && std::abs(height) <= static_cast<double>(shared::kMaxHeight))) return;
   foundAt_ = tool_.hand + height * brush_.radius * tool_.outward;
-  if (brush_.kind != BrushKind::grab) outward_ = mean / length;
+  if (!has(shared::kHoldsPoints)) outward_ = mean / length;
 }
 
 }  // namespace palpate

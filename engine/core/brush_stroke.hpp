@@ -96,6 +96,7 @@ class BrushStroke {
   double halfWidth() const;
   double longestStep(double share) const;
   double pushShare(double share) const;
+  bool has(shared::uint trait) const { return brushHas(brush_.kind, trait); }
   double found() const { return glm::dot(foundAt_ - place_, outward_); }
   std::uint32_t sampling() const;
   DVec3 sheetCorner() const;

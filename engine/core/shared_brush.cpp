@@ -8,19 +8,7 @@
 
 namespace palpate {
 
-namespace {
-
-static_assert(static_cast<shared::uint>(BrushKind::push) == shared::kBrushPush);
-static_assert(static_cast<shared::uint>(BrushKind::carve) == shared::kBrushCarve);
-static_assert(static_cast<shared::uint>(BrushKind::inflate) == shared::kBrushInflate);
-static_assert(static_cast<shared::uint>(BrushKind::smooth) == shared::kBrushSmooth);
-static_assert(static_cast<shared::uint>(BrushKind::grab) == shared::kBrushGrab);
-static_assert(static_cast<shared::uint>(BrushKind::paint) == shared::kBrushPaint);
-static_assert(static_cast<shared::uint>(BrushKind::flatten) == shared::kBrushFlatten);
-
 static_assert(packedColor(kUnpainted) == shared::kUnpainted);
-
-}  // namespace
 
 shared::BrushOf<double> brushOf(const BrushOptions& options, double support) {
   PALPATE_CHECK_LE(0.0, options.yieldDepth);
@@ -32,6 +20,7 @@ shared::BrushOf<double> brushOf(const BrushOptions& options, double support) {
   PALPATE_CHECK_LE(options.falloff, kMaxFalloff);
   PALPATE_CHECK_LT(0.0, support);
   return {.kind = static_cast<shared::uint>(options.kind),
+          .traits = traitsOf(options.kind).traits,
           .falloff = options.falloff,
           .radius = options.radius,
           .longestMove = static_cast<double>(shared::kLongestMove) * support,
@@ -42,6 +31,7 @@ shared::BrushOf<double> brushOf(const BrushOptions& options, double support) {
 shared::Brush sharedBrush(const BrushOptions& options, double support) {
   const auto brush = brushOf(options, support);
   return {.kind = brush.kind,
+          .traits = brush.traits,
           .falloff = brush.falloff,
           .radius = static_cast<float>(brush.radius),
           .longestMove = static_cast<float>(brush.longestMove),

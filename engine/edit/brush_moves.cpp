@@ -56,7 +56,7 @@ BrushMoves::Selection BrushMoves::select(Box box, std::uint32_t slots) const {
 }
 
 void BrushMoves::record(CommandList& list, const Io& io, const Selection& selection, std::uint32_t recalls) const {
-  if (options_.kind != BrushKind::smooth) return recordCollect(list, io, selection, recalls);
+  if (!brushHas(options_.kind, shared::kUsesNeighbours)) return recordCollect(list, io, selection, recalls);
   // All neighbours must still be at their old positions.
   recordCollect(list, io, selection, shared::kRecallsNothing);
   recordSmooth(list, io);

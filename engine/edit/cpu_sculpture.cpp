@@ -127,14 +127,14 @@ void CpuSculpture::edit(const PlacedBrush& brush, EditSize size) {
   measure_ = {};
   work_ = 0;
   takeSwallowed();
-  carves_ = brush.kind() == BrushKind::carve;
+  carves_ = brush.has(shared::kRemovesPoints);
   fills_ = brush.fills();
   claims_.begin(brush.stroke());
   moves_.reset();
   cuts_.reset();
   resamples_ = brush.resamples();
   if (carves_ && brush.acts() && resamples_) cuts_ = brush;
-  if (brush.looksAhead() && brush.acts()) moves_ = brush;
+  if (brush.has(shared::kLooksAhead) && brush.acts()) moves_ = brush;
   if (brush.acts()) applyBrush(brush);
   findUnsettled(size);
   engaged_.unsettled = engage(burst, workOfPoint_ * static_cast<double>(unsettled_.size()));
@@ -306,7 +306,7 @@ void CpuSculpture::measure(const PlacedBrush& brush, Slice& slice) const {
 }
 
 void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
-  const bool paints = brush.kind() == BrushKind::paint;
+  const bool paints = brush.has(shared::kPaintsPoints);
   for (const std::uint32_t point : slice.reached) points_.prefetch(point);
   for (const std::uint32_t point : slice.reached) {
     const DVec3 place(points_.positions[point]);
@@ -333,7 +333,7 @@ void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
 PlacedBrush::Point CpuSculpture::brushed(const PlacedBrush& brush, std::uint32_t point, const PlacedBrush::Found& as,
                                          Slice& slice) const {
   const DVec3 place(points_.positions[point]);
-  if (brush.kind() != BrushKind::smooth) return brush.brushed(place, DVec3(points_.normals[point]), as);
+  if (!brush.has(shared::kUsesNeighbours)) return brush.brushed(place, DVec3(points_.normals[point]), as);
   if (!brush.smooths(place, as)) return {place};
   const SurfaceOptions options{.radius = fitRadius(point), .kind = SurfaceKind::sphere};
   return {brush.smoothed(place, as, surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {

@@ -78,10 +78,9 @@ class EditPass {
  private:
   using Scratch = EditSequel::Scratch;
 
-  // Paint moves nothing, so it inserts and removes no points.
-  bool resamples() const { return brush().resample && brush().kind != BrushKind::paint; }
+  bool resamples() const { return brush().resample && brushHas(brush().kind, shared::kMayResample); }
   // Whether points that have moved are examined: for requests, or to look ahead.
-  bool examines() const { return resamples() || shared::looksAhead(static_cast<std::uint32_t>(brush().kind)); }
+  bool examines() const { return resamples() || brushHas(brush().kind, shared::kLooksAhead); }
   std::uint32_t recalls() const { return resamples() ? shared::kRecallsRequests : shared::kRecallsNothing; }
   // Lists for the passes that follow an update.
   Scratch scratch() const { return {.changed = update_.changed(), .fitted = update_.fitted()}; }

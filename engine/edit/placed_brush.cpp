@@ -6,7 +6,7 @@ PlacedBrush::PlacedBrush(const BrushOptions& options, double support, const Brus
     : brush_(brushOf(options, support)), tool_(tool), resamples_(options.resample) {}
 
 bool PlacedBrush::actsOn(const Found& found) const {
-  return shared::actsOnAll(brush_.kind) || hasCell(tool_.connected, shared::connectedCell(tool_, found));
+  return has(shared::kRemovesPoints) || hasCell(tool_.connected, shared::connectedCell(tool_, found));
 }
 
 PlacedBrush::Point PlacedBrush::brushed(const DVec3& place, const DVec3& normal, const Found& found) const {

@@ -21,7 +21,7 @@ class PlacedBrush {
   /// `support`: support radius, model units.
   PlacedBrush(const BrushOptions& options, double support, const BrushStroke::Tool& tool);
 
-  BrushKind kind() const { return static_cast<BrushKind>(brush_.kind); }
+  bool has(shared::uint trait) const { return shared::brushHas(brush_, trait); }
   /// Whether points are inserted and removed with it, if the sculpture can.
   bool resamples() const { return resamples_; }
   /// False: the brush has no effect.
@@ -32,8 +32,6 @@ class PlacedBrush {
   std::uint32_t stroke() const { return tool_.stroke; }
   /// Whether points may be inserted in this edit.
   bool fills() const { return tool_.closes == 0; }
-  /// Whether a point may be moved further than the first step only after it has looked at what lies ahead.
-  bool looksAhead() const { return shared::looksAhead(brush_.kind); }
   /// Whether the room of a point may block a step, and whether it blocks that to `free`, its position with any room.
   bool mayBlock(const Found& found) const { return shared::mayBlock(brush_, found); }
   bool isBlocked(const DVec3& place, const Found& found, const DVec3& free) const {
@@ -87,14 +85,12 @@ class PlacedBrush {
   bool resamples_;
 };
 
-// Whether it is in the ball or the shaft, with a margin for rounding. Inflate, grab and flatten reach points where the
-// stroke found them.
+// Whether it is in the ball or the shaft, with a margin for rounding.
 inline bool PlacedBrush::mayAffect(const DVec3& place) const {
-  if (kind() == BrushKind::inflate || kind() == BrushKind::grab || kind() == BrushKind::flatten) return true;
+  if (has(shared::kMeasuresFound)) return true;
   constexpr double kMargin = 1e-6;
-  const bool hasShaft = kind() == BrushKind::push || kind() == BrushKind::carve;
   const DVec3 offset = place - tool_.center;
-  const double along = hasShaft ? std::clamp(glm::dot(offset, tool_.outward), 0.0, tool_.shaft) : 0.0;
+  const double along = has(shared::kHasShaft) ? std::clamp(glm::dot(offset, tool_.outward), 0.0, tool_.shaft) : 0.0;
   const DVec3 fromAxis = offset - along * tool_.outward;
   return glm::dot(fromAxis, fromAxis) <= (1 + kMargin) * brush_.radius * brush_.radius;
 }

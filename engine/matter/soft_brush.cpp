@@ -19,12 +19,12 @@ struct NowPlace {
 }  // namespace
 
 SurfaceMeasure sculpt(SoftSculpture& sculpture, const PlacedBrush& brush, double unit_m) {
-  PALPATE_CHECK(changesShape(brush.kind()));
+  PALPATE_CHECK(brush.has(shared::kShapesBodies));
   SurfaceMeasure measure;
   if (!brush.acts()) return measure;
   const SoftBody& body = sculpture.body();
   const SoftSurface& surface = sculpture.surface();
-  const bool smooths = brush.kind() == BrushKind::smooth;
+  const bool smooths = brush.has(shared::kUsesNeighbours);
   const double support = kSupport_cells * body.lattice().spacing_m() / unit_m;
   const double reach = brush.radius() + (smooths ? support : 0);
   std::vector<NowPlace> near;

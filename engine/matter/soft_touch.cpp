@@ -222,7 +222,7 @@ void SoftTouch::finish() {
 }
 
 void SoftTouch::setBrush(const std::optional<BrushOptions>& brush) {
-  if (brush && !changesShape(brush->kind))
+  if (brush && !brushHas(brush->kind, shared::kShapesBodies))
     throw UsageError("{} cannot change the shape of a soft body", nameOf(kBrushKinds, brush->kind));
   question_.brush.brush = brush;
 }

@@ -131,8 +131,7 @@ std::size_t StrokeJudge::turnedIn(std::span<const PointState> after, std::span<c
                                   const PlayedStroke& stroke) const {
   const std::size_t old = before_.size();
   const auto facesTool = [&](const PointState& point) {
-    return stroke.brush == BrushKind::carve &&
-           glm::dot(towardsTool(stroke, DVec3(point.position)), DVec3(point.normal)) >= 0;
+    return stroke.removes() && glm::dot(towardsTool(stroke, DVec3(point.position)), DVec3(point.normal)) >= 0;
   };
   std::vector<std::optional<DVec3>> carried(old);
   std::vector<Vec3> places;
@@ -185,7 +184,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
   verdict.changed = changed.size();
   verdict.expected_mm = std::max(0.0, stroke.depth_mm - stroke.yield_mm);
   if (changed.empty()) {
-    verdict.goesShallow = stroke.brush == BrushKind::push && !stroke.isOpen && verdict.expected_mm > 0;
+    verdict.goesShallow = stroke.presses() && !stroke.removes() && !stroke.isOpen && verdict.expected_mm > 0;
     return verdict;
   }
 
@@ -247,7 +246,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
   double h = 0;
   for (const double each : then.spacings) h += each / static_cast<double>(then.spacings.size());
   const double along = (2 * stroke.drag_mm + 2 * 3.1416 * stroke.radius_mm) / mm;
-  const bool grabs = stroke.brush == BrushKind::grab;
+  const bool grabs = brushHas(stroke.brush, shared::kHoldsPoints);
   const double carried = grabs ? std::min(stroke.drag_mm, 2 * stroke.radius_mm) + stroke.lift_mm : 0;
   const double high = (stroke.depth_mm + carried) / mm;
   verdict.needed = verdict.regionBefore + static_cast<std::size_t>(along * high / (h * h));
@@ -267,7 +266,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
       if (glm::distance(place, stroke.spots[k]) < reach) most = std::max(most, glm::dot(normal, stroke.normals[k]));
     return most < kAway;
   };
-  const bool presses = stroke.brush == BrushKind::push || stroke.brush == BrushKind::carve;
+  const bool presses = stroke.presses();
   const double highest = presses ? StrokeTolerance::kRaised_mm : stroke.depth_mm + StrokeTolerance::kOverDepth_mm;
   for (const std::uint32_t i : changed) {
     if (after[i].gone()) continue;
@@ -284,15 +283,15 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
       tree_.nearest(Vec3(place), nearest, squared);
       verdict.through += glm::dot(faced(nearest[0]), faced(ancestor)) < kThrough;
     }
-    if (stroke.brush == BrushKind::carve) verdict.deepest_mm = std::max(verdict.deepest_mm, -height);
+    if (stroke.removes()) verdict.deepest_mm = std::max(verdict.deepest_mm, -height);
     if (i >= old) continue;
     const DVec3 axis = axisAt(was(i)), motion = place - was(i);
-    if (stroke.brush != BrushKind::carve) {
+    if (!stroke.removes()) {
       // A bump of a rough surface moves further than it ends below that surface; a thin part has no depth of its own.
       const double inwards = -mm * glm::dot(motion, axis);
       verdict.deepest_mm = std::max(verdict.deepest_mm, stroke.isOpen ? inwards : std::min(inwards, -height));
     }
-    if (stroke.brush != BrushKind::carve && !grabs && facesAway(was(i), faced(i)))
+    if (!stroke.removes() && !grabs && facesAway(was(i), faced(i)))
       verdict.farMoved_mm = std::max(verdict.farMoved_mm, mm * glm::length(motion));
     // Neighbours that have passed each other.
     const double reach = spacing(i);
@@ -314,7 +313,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
   const double deepest = (presses ? verdict.expected_mm : stroke.depth_mm) * (1 + StrokeTolerance::kDeeper) + slack;
   verdict.goesDeep = verdict.deepest_mm > deepest + carried;
   verdict.goesShallow =
-      stroke.brush == BrushKind::push && !stroke.isOpen &&
+      stroke.presses() && !stroke.removes() && !stroke.isOpen &&
       verdict.deepest_mm + StrokeTolerance::kDepthSlack_mm < StrokeTolerance::kShallow * verdict.expected_mm;
   verdict.movesFar = verdict.farMoved_mm > StrokeTolerance::kFar_mm;
   verdict.folds = exceeds(verdict.folded, 0, verdict.pairs);

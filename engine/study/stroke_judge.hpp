@@ -20,6 +20,9 @@ struct PlayedStroke {
   bool isOpen = false;  ///< it starts at a border, or somewhere so thin that the depth cannot be demanded
   double mm_per_unit = 1;
   std::vector<DVec3> spots, normals;  ///< of the surface before under the hand, and the outward axis there
+
+  bool presses() const { return brushHas(brush, shared::kHasShaft); }
+  bool removes() const { return brushHas(brush, shared::kRemovesPoints); }
 };
 
 /// Limits of a stroke that is not broken.

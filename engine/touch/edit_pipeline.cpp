@@ -238,7 +238,8 @@ void EditPipeline::takeReport() {
   stroke_.note(measured);
   const std::uint32_t changed = report.changed + report.gone;
   // Smoothing lists all points in its reach. An edit that failed is repeated.
-  const std::uint32_t listed = pass_.brush().kind == BrushKind::smooth ? std::min(changed, measured.blocked) : 0;
+  const std::uint32_t listed =
+      brushHas(pass_.brush().kind, shared::kUsesNeighbours) ? std::min(changed, measured.blocked) : 0;
   if (report.failed == 0) blocked_.note(stroke_.tool().stroke, measured.blocked, changed - listed);
   index_.readReport();
   // If a running compaction is about to free slots, the edit waits: it is retried, and so is the next one.

@@ -12,7 +12,7 @@ namespace palpate {
 
 std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const TouchOptions& options) {
   std::vector<std::uint32_t> colors;
-  if (!cloud.hasColors() && !options.paintable && options.brush->kind != BrushKind::paint) return colors;
+  if (!cloud.hasColors() && !options.paintable && !brushHas(options.brush->kind, shared::kPaintsPoints)) return colors;
   for (std::size_t i = 0; i < cloud.size(); ++i) colors.push_back(packedColor(cloud, i));
   return colors;
 }

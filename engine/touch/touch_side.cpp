@@ -378,7 +378,7 @@ BackendReport TouchSide::report() const {
 
 EditScope TouchSide::scope() const {
   return {.edits = edits_ || frames_.move(),
-          .paints = edits_ && (options_.paintable || edits_->pass().brush().kind == BrushKind::paint),
+          .paints = edits_ && (options_.paintable || brushHas(edits_->pass().brush().kind, shared::kPaintsPoints)),
           .newPoints = live().slots() - live().count()};
 }
 

@@ -17,8 +17,8 @@ namespace {
 
 /// `open` sets the facts and limits of the first device.
 template <typename Api, typename Open>
-DriverFinding survey(const char* option, const LibrarySearch& search, Open&& open) {
-  DriverFinding finding{.option = option, .product = std::string(search.product)};
+DriverFinding survey(const LibrarySearch& search, Open&& open) {
+  DriverFinding finding{.product = std::string(search.product)};
   const VendorLibrary library(search);
   finding.file = library.file();
   finding.attempts = library.attempts();
@@ -38,15 +38,17 @@ DriverFinding survey(const char* option, const LibrarySearch& search, Open&& ope
 }  // namespace
 
 DriverFinding surveyOpenHaptics() {
-  return survey<hdapi::Api>("openhaptics", hdapi::librarySearch(), [](DriverFinding& finding) {
+  DriverFinding found = survey<hdapi::Api>(hdapi::librarySearch(), [](DriverFinding& finding) {
     const OpenHapticsDevice device({.calibrationPatience_s = 0});
     finding.device = device.facts();
     finding.limits = device.limits();
   });
+  found.nodes = surveySerialPorts();
+  return found;
 }
 
 DriverFinding surveyForceDimension() {
-  return survey<dhd::Api>("dhd", dhd::librarySearch(), [](DriverFinding& finding) {
+  return survey<dhd::Api>(dhd::librarySearch(), [](DriverFinding& finding) {
     const ForceDimensionDevice device;
     finding.device = device.facts();
     finding.limits = device.limits();

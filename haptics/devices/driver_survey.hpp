@@ -11,9 +11,15 @@
 
 namespace palpate {
 
+/// A device node that a driver needs.
+struct NodeFinding {
+  std::string path, what;
+  bool usable = false;
+  std::string mend;  ///< a command that makes it usable; empty if it is
+};
+
 /// Result for a vendor's driver.
 struct DriverFinding {
-  std::string option;                            ///< value of --device
   std::string product;                           ///< name of its library
   std::string file;                              ///< loaded library; empty if there is none
   std::vector<VendorLibrary::Attempt> attempts;  ///< failed ones before it
@@ -21,6 +27,7 @@ struct DriverFinding {
   std::optional<HapticDeviceFacts> device;       ///< first one, if it could be opened
   DeviceLimits limits;                           ///< of the device
   std::string problem;                           ///< what is wrong and what to do; empty if there is a device
+  std::vector<NodeFinding> nodes;                ///< ports at which its devices appear
 };
 
 /// Loads the libraries and opens their first device briefly, without waiting for a manual calibration.
@@ -40,12 +47,6 @@ HaplyFinding surveyHaply();
 /// As a sentence without a subject: why a device gives no force, or that it is ready.
 std::string readinessOf(const haply::Inverse& inverse);
 
-/// A device node that a driver needs.
-struct NodeFinding {
-  std::string path, what;
-  bool usable = false;
-  std::string mend;  ///< a command that makes it usable; empty if it is
-};
 /// The USB serial ports, as which a Touch appears.
 std::vector<NodeFinding> surveySerialPorts();
 

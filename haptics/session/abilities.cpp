@@ -64,8 +64,8 @@ constexpr Refusal kRefusals[] = {
 }  // namespace
 
 Action actionOf(BrushKind kind) {
-  if (kind == BrushKind::carve) return Action::carve;
-  return kind == BrushKind::paint ? Action::paint : Action::sculpt;
+  if (brushHas(kind, shared::kRemovesPoints)) return Action::carve;
+  return brushHas(kind, shared::kMovesPoints) ? Action::sculpt : Action::paint;
 }
 
 ModelKind modelKindOf(const SessionConfig& config) {

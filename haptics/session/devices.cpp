@@ -90,19 +90,29 @@ OpenedDevice openHaply(const std::string& which, const DeviceOpening& opening) {
   return withFacts(std::make_unique<HaplyDevice>(options));
 }
 
-/// A kind of held device: its name, and the function that opens the device named after the colon.
+/// A kind of held device.
 struct HeldDevice {
   std::string_view name, help;
-  OpenedDevice (*open)(const std::string& which, const DeviceOpening& opening);
+  OpenedDevice (*open)(const std::string& which, const DeviceOpening& opening);  ///< the one named after the colon
+  DeviceSurvey (*survey)(const std::string& kind, const std::optional<std::string>& held);
+  bool steers = false;
 };
-constexpr std::array<HeldDevice, 4> kHeldDevices{{
-    {"openhaptics", "[:NAME] (Geomagic Touch and compatible, with the driver of the vendor)", openOpenHaptics},
-    {"dhd", "[:NUMBER] (Force Dimension)", openForceDimension},
+constexpr auto kHeldDevices = std::to_array<HeldDevice>({
+    {"openhaptics", "[:NAME] (Geomagic Touch and compatible, with the driver of the vendor)", openOpenHaptics,
+     driverDevices<surveyOpenHaptics, visibleStyluses>},
+    {"dhd", "[:NUMBER] (Force Dimension)", openForceDimension, driverDevices<surveyForceDimension>},
     {"haply", "[:SERIAL][:shared] (Haply Inverse3 and VerseGrip, with Haply's service; shared: beside another program)",
-     openHaply},
+     openHaply, haplyDevices},
     {"hid", "[:WHICH] (3D mouse or DualSense that steers a hand; WHICH: /dev/hidraw*, serial number or VID:PID)",
-     openHid},
-}};
+     openHid, hidDevices, true},
+});
+
+/// Null if `spec` names no held device.
+const HeldDevice* kindOf(const std::string& spec) {
+  const auto found = std::ranges::find_if(
+      kHeldDevices, [&](const HeldDevice& kind) { return argumentOf(spec, kind.name).has_value(); });
+  return found == kHeldDevices.end() ? nullptr : &*found;
+}
 
 /// What is remembered for the device. A memory that cannot be read is no reason to leave the device alone.
 RememberedDevice recall(const OpenedDevice& opened, const DeviceOpening& opening) {
@@ -139,9 +149,28 @@ void personalize(OpenedDevice& opened, const DeviceOpening& opening) {
 
 }  // namespace
 
-bool isHeldDevice(const std::string& spec) {
-  return std::ranges::any_of(kHeldDevices,
-                             [&](const HeldDevice& kind) { return argumentOf(spec, kind.name).has_value(); });
+bool isHeldDevice(const std::string& spec) { return kindOf(spec) != nullptr; }
+
+bool isSteering(const std::string& spec) {
+  const HeldDevice* kind = kindOf(spec);
+  return kind && kind->steers;
+}
+
+std::vector<std::string> heldDeviceNames(std::vector<std::string> before) {
+  for (const HeldDevice& kind : kHeldDevices) before.emplace_back(kind.name);
+  return before;
+}
+
+std::vector<DeviceSurvey> surveyDevices(const std::string& held) {
+  std::vector<DeviceSurvey> found;
+  for (const HeldDevice& kind : kHeldDevices)
+    found.push_back(kind.survey(std::string(kind.name), argumentOf(held, kind.name)));
+  return found;
+}
+
+DeviceSurvey surveyKindOf(const std::string& held) {
+  const HeldDevice* kind = kindOf(held);
+  return kind ? kind->survey(std::string(kind->name), argumentOf(held, kind->name)) : DeviceSurvey();
 }
 
 std::string heldDevicesHelp() {
@@ -152,15 +181,14 @@ std::string heldDevicesHelp() {
 }
 
 OpenedDevice openDevice(const std::string& spec, const DeviceOpening& opening) {
-  for (const HeldDevice& kind : kHeldDevices)
-    if (const auto which = argumentOf(spec, kind.name)) {
-      OpenedDevice opened = kind.open(*which, opening);
-      opened.key = deviceKey(kind.name, opened.facts.serial);
-      opened.limits = opened.device->limits();
-      personalize(opened, opening);
-      return opened;
-    }
-  throw ConfigError("hands.device", "'{}' is not a device for a hand; devices are {}", spec, heldDevicesHelp());
+  const HeldDevice* kind = kindOf(spec);
+  if (!kind)
+    throw ConfigError("hands.device", "'{}' is not a device for a hand; devices are {}", spec, heldDevicesHelp());
+  OpenedDevice opened = kind->open(*argumentOf(spec, kind->name), opening);
+  opened.key = deviceKey(kind->name, opened.facts.serial);
+  opened.limits = opened.device->limits();
+  personalize(opened, opening);
+  return opened;
 }
 
 std::unique_ptr<HapticDevice> withRumble(std::unique_ptr<HapticDevice> device, Log& log) {

@@ -10,6 +10,7 @@
 #include "haptics/devices/device_axes.hpp"
 #include "haptics/devices/haptic_device.hpp"
 #include "haptics/session/device_memory.hpp"
+#include "haptics/session/device_survey.hpp"
 #include "haptics/session/model.hpp"
 
 namespace palpate {
@@ -29,6 +30,15 @@ struct OpenedDevice {
 bool isHeldDevice(const std::string& spec);
 /// List of the held devices, for a help text and for the error about an unknown one.
 std::string heldDevicesHelp();
+/// Their names, after those in `before`: what completion offers.
+std::vector<std::string> heldDeviceNames(std::vector<std::string> before = {});
+/// Whether it only steers a simulated hand, without a force of its own.
+bool isSteering(const std::string& spec);
+
+/// Surveys each kind, which may take seconds. `held`: the device that this program uses, whose driver is left alone.
+std::vector<DeviceSurvey> surveyDevices(const std::string& held = {});
+/// The same for the kind of `held` alone.
+DeviceSurvey surveyKindOf(const std::string& held);
 
 struct DeviceOpening {
   Log& log;

@@ -83,8 +83,7 @@ InteractiveSession::InteractiveSession(const SessionConfig& config, Model model,
                .catchesUp = !options.clock}),
       map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model())) {
   if (player()) held_ = player()->isPaused();
-  if (!config.model.matter && canBeSculpted(config, this->model()) &&
-      (!config.brush || config.brush->kind != BrushKind::push))
+  if (!config.model.matter && canBeSculpted(config, this->model()) && config.brush != this->config().brush)
     Session::setBrush(config.brush);
   if (!options.unsavedIn.empty()) keepUnsaved(config);
   if (options.left) goOnWith(*options.left);
@@ -177,7 +176,7 @@ StrokeOptions InteractiveSession::strokeOptions(double press_mm) const {
                         .inward = model().scale.toUnits(press_mm)};
   if (const auto& brush = config().brush) {
     options.inward += model().scale.toUnits(brush->yieldDepth_mm);
-    options.holds = brush->kind == BrushKind::grab;
+    options.holds = brushHas(brush->kind, shared::kHoldsPoints);
   }
   return options;
 }

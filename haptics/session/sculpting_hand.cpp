@@ -29,12 +29,11 @@ constexpr std::uint32_t kPatience = 20;  // ticks without a surface before the h
 
 constexpr double kGoldenAngle = 2.399963229728653;
 
-bool presses(BrushKind kind) { return kind == BrushKind::push || kind == BrushKind::carve; }
-
 // Depth of a brush below the resistance of the surface (the yield depth), model units.
 double depthOf(BrushKind kind, double radius, double spacing) {
-  if (presses(kind)) return kSink * radius;
-  return kind == BrushKind::inflate ? std::max(kShallow * spacing, kInflateDepth * radius) : kShallow * spacing;
+  if (brushHas(kind, shared::kHasShaft)) return kSink * radius;
+  return brushHas(kind, shared::kRaisesSurface) ? std::max(kShallow * spacing, kInflateDepth * radius)
+                                                : kShallow * spacing;
 }
 
 // Radius of the brush that reaches `count` points of the cloud at `place`, sunk into the surface by a fraction of its
@@ -91,17 +90,18 @@ Stroke strokeWith(const BrushConfig& brush, const Model& model) {
 
 Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model, const SurfaceSpot& place,
                          double rate_Hz) {
-  const double sunk = presses(kind) ? kSink : 1;
+  const double sunk = brushHas(kind, shared::kHasShaft) ? kSink : 1;
   const double radius = radiusThatReaches(touched, model.cloud, place, sunk);
   const double footprint = radius * std::sqrt(sunk * (2 - sunk));  // the brush's radius on flat ground
   const double speed = model.scale.toUnits(kSpeed_mm_per_s);
   const double ticksOnPlace = std::max(1.0, 2 * footprint / speed * rate_Hz);
-  return strokeWith({.kind = kind,
-                     .yieldDepth_mm = model.scale.toMm(kTau * model.spacing),
-                     .pushRate = 1 / ticksOnPlace,
-                     .radius_mm = model.scale.toMm(radius),
-                     .strength = presses(kind) || kind == BrushKind::paint ? 1 / ticksOnPlace : kStrokeStrength},
-                    model);
+  return strokeWith(
+      {.kind = kind,
+       .yieldDepth_mm = model.scale.toMm(kTau * model.spacing),
+       .pushRate = 1 / ticksOnPlace,
+       .radius_mm = model.scale.toMm(radius),
+       .strength = brushHas(kind, shared::kHasShaft | shared::kPaintsPoints) ? 1 / ticksOnPlace : kStrokeStrength},
+      model);
 }
 
 SculptingHand::SculptingHand(const Model& model, std::vector<SurfaceSpot> places, const Stroke& stroke, double reach)

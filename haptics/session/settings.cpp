@@ -122,8 +122,7 @@ constexpr Setting<BrushConfig> kBrush[]{
     {"falloff",
      &BrushConfig::falloff,
      "--falloff",
-     "inflate, smooth, flatten, grab, paint: exponent F of the falloff (1 - r^2)^F, where r is 1 "
-     "at the rim",
+     "all brushes but push and carve: exponent F of the falloff (1 - r^2)^F, where r is 1 at the rim",
      "",
      {0, kMaxFalloff}},
     {"color", &BrushConfig::color, "--paint-color", "paint: R,G,B, 0 to 255 each"},

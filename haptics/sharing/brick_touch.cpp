@@ -142,7 +142,7 @@ std::size_t BrickTouch::readBack(PointCloud& cloud) const {
 
 void BrickTouch::setBrush(const std::optional<BrushOptions>& brush) {
   if (brush && !options_.fixed.empty()) throw UsageError("{}", options_.fixed);
-  if (brush && brush->kind == BrushKind::paint && !source_.isColored())
+  if (brush && brushHas(brush->kind, shared::kPaintsPoints) && !source_.isColored())
     throw UsageError(
         "paint: the points have no colours, and none can be added with only the points around the hands; join all of "
         "them");

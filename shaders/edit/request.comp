@@ -361,9 +361,8 @@ void requestForAll() {
   parentsOf = args.tables.at[0].parents;
   spacings = args.tables.at[0].spacings;
   rests = args.tables.at[0].rests;
-  const uint kind = args.tables.at[0].brush.at[0].kind;
-  carves = kind == kBrushCarve;
   brush = args.tables.at[0].brush.at[0];
+  carves = brushHas(brush, kRemovesPoints);
   tool = args.tables.at[0].tool.at[0].tool;
   anyBlocked = args.lists.now.blocked == tool.stroke;
   cuts = carves && tool.acts != 0;
@@ -380,7 +379,7 @@ void requestForAll() {
     const float mostReach = kReach * args.radius;
     reach = id < firstNew ? mostReach : args.tables.at[0].reaches.at[id - firstNew];
     const bool isNoted = args.tables.at[0].founds.at[id].stroke == tool.stroke;
-    looks = isNoted && tool.acts != 0 && looksAhead(kind);
+    looks = isNoted && tool.acts != 0 && brushHas(brush, kLooksAhead);
     if (!requests && !looks) continue;
     moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
     swallowed = cuts && carved(brush, tool, center, self.normal).taken != 0;

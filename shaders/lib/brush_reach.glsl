@@ -15,7 +15,7 @@ void takeUpBrush(Brushes brushes, BrushTools tools) {
 // A point as the stroke found it.
 FoundPoint foundPoint(uint id, vec3 position, vec3 normal) {
   if (args.tables.at[0].founds.at[id].stroke != tool.stroke)
-    return FoundPoint(position, normal, looksAhead(brush.kind) ? kFirstStep * brush.support : kUnseen);
+    return FoundPoint(position, normal, brushHas(brush, kLooksAhead) ? kFirstStep * brush.support : kUnseen);
   return FoundPoint(args.tables.at[0].founds.at[id].position, args.tables.at[0].founds.at[id].normal,
                     args.tables.at[0].founds.at[id].room);
 }
@@ -50,7 +50,7 @@ bool isInReach(uint id, vec3 position) {
 
 // Whether the brush acts on a point in reach.
 bool isActedOn(FoundPoint found) {
-  if (actsOnAll(brush.kind)) return true;
+  if (brushHas(brush, kRemovesPoints)) return true;
   const uint cell = connectedCell(tool, found);
   return (args.tool.at[0].connected[cell / 32] >> (cell % 32) & 1) != 0;
 }
@@ -73,9 +73,9 @@ bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out Po
     move.toBucket = kNoBucket;
     return true;
   }
-  if (brush.kind == kBrushSmooth)
+  if (brushHas(brush, kUsesNeighbours))
     return brushShare(brush, tool, position.xyz, found.normal) > 0.0 && isActedOn(found);
-  if (brush.kind == kBrushPaint) {
+  if (brushHas(brush, kPaintsPoints)) {
     const uint color = colorOf(args.tables, id);
     move.mark = kMarkGiven;
     return painted(brush, tool, position.xyz, found.normal, color) != color && isActedOn(found);

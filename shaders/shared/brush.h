@@ -2,19 +2,10 @@
 // square roots are used.
 #ifndef PALPATE_SHARED_BRUSH_H
 #define PALPATE_SHARED_BRUSH_H
+#include "shaders/shared/brush_traits.h"
 #include "shaders/shared/sheet_grid.h"
-#include "shaders/shared/types.h"
 
 PALPATE_SHARED_BEGIN
-
-// BrushKind of engine/core/brush.hpp.
-const uint kBrushPush = 0;
-const uint kBrushCarve = 1;
-const uint kBrushInflate = 2;
-const uint kBrushSmooth = 3;
-const uint kBrushGrab = 4;
-const uint kBrushPaint = 5;
-const uint kBrushFlatten = 6;
 
 // In support radii: maximum displacement of a point in one edit, so that a resting proxy keeps its surface.
 const float kLongestMove = 0.25f;
@@ -52,6 +43,7 @@ const uint kUnpainted = 0xff93aac8u;
 
 PALPATE_STRUCT(Brush) {
   uint kind;         // kBrush...
+  uint traits;       // of that kind: kBrushes
   uint falloff;      // exponent of the weight, 0 to kMaxFalloff
   Real radius;       // model units
   Real longestMove;  // of one point in one edit, model units (kLongestMove)
@@ -59,7 +51,9 @@ PALPATE_STRUCT(Brush) {
   uint color;        // RGBA8
 };
 PALPATE_SINGLE(Brush);
-PALPATE_SIZE(Brush, 24);
+PALPATE_SIZE(Brush, 28);
+
+PALPATE_FORMULA bool brushHas(PALPATE_OF(Brush) brush, uint trait) { return (brush.traits & trait) != 0u; }
 
 // Pose of the tool in one edit, relative to the cloud's origin, model units. The tool is fixed to the hand, and its
 // axis is the normal of the surface there as the stroke found it: engine/core/brush_stroke.hpp.
@@ -170,9 +164,9 @@ PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) t
   return tool.share * facingShare(tool, foundNormal) * brushWeight(brush, length(position - tool.center));
 }
 
-// Whether a brush acts on a side of the model: grab carries both sides of a thin part along.
+// Whether a brush acts on a side of the model: one that holds points carries both sides of a thin part along.
 PALPATE_FORMULA bool isActedSide(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 foundNormal) {
-  return brush.kind == kBrushGrab || facingShare(tool, foundNormal) > Real(0.0);
+  return brushHas(brush, kHoldsPoints) || facingShare(tool, foundNormal) > Real(0.0);
 }
 
 // The cell in which a point is entered, in the lower bits, and over them its distance from the surface that the hand
@@ -183,7 +177,7 @@ PALPATE_FORMULA uint entered(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool
   const PALPATE_VEC3 place = sheetPlace(tool.entersFrom, tool.cell, found.position, found.normal);
   if (!isActedSide(brush, tool, found.normal) || !isInSheet(place)) return kOutsideSheet;
   PALPATE_VEC3 offset = position - tool.touched;
-  if (brush.kind == kBrushGrab) offset = found.position - tool.touched;
+  if (brushHas(brush, kHoldsPoints)) offset = found.position - tool.touched;
   const Real share = min(Real(1.0), length(offset) / (Real(2.0) * tool.reach));
   return uint(Real(kSheetSteps) * share) * kSheetCells + sheetCellAt(place);
 }
@@ -192,12 +186,6 @@ PALPATE_FORMULA uint entered(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool
 PALPATE_FORMULA uint connectedCell(PALPATE_OF(BrushTool) tool, PALPATE_OF(FoundPoint) found) {
   return sheetCellAt(sheetPlace(tool.connectedFrom, tool.cell, found.position, found.normal));
 }
-
-// Whether a brush acts on everything within its tool, connected or not.
-PALPATE_FUNCTION bool actsOnAll(uint kind) { return kind == kBrushCarve; }
-
-// Whether a point must look at what lies ahead before the brush moves it further than the first step.
-PALPATE_FUNCTION bool looksAhead(uint kind) { return kind != kBrushPaint && kind != kBrushCarve; }
 
 // Position of a point after a step in one edit, no longer than a point may move in one: a point moves only as far as
 // it has seen.
@@ -209,7 +197,7 @@ PALPATE_FORMULA PALPATE_VEC3 afterStep(PALPATE_OF(Brush) brush, PALPATE_VEC3 pos
 
 // Whether the room of a point may block a step.
 PALPATE_FORMULA bool mayBlock(PALPATE_OF(Brush) brush, PALPATE_OF(FoundPoint) found) {
-  return looksAhead(brush.kind) && found.room < Real(kBlocks) * brush.longestMove;
+  return brushHas(brush, kLooksAhead) && found.room < Real(kBlocks) * brush.longestMove;
 }
 
 // Whether it blocks the step of one edit. `free`: position after the step with any room.
@@ -253,7 +241,7 @@ PALPATE_FORMULA PALPATE_VEC3 pushWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTo
   if (height > max(tool.shaft, chord) || !(depth > Real(0.0))) return none;
   const PALPATE_VEC3 gone = found.position - position;
   PALPATE_VEC3 way = -restOfShare(share, depth, dot(gone, tool.outward)) * tool.outward;
-  // What faces away slides along itself: straight down it would leave the solid, as under a rim.
+  // What faces away slides along its own plane: straight down it would leave the solid, as under a rim.
   way -= max(Real(0.0), dot(way, found.normal)) * found.normal;
   const Real wall = clampedShare((Real(kSlope) - dot(found.normal, tool.outward)) / Real(kSlope - kWall));
   if (!(wall > Real(0.0))) return way;
@@ -289,6 +277,32 @@ PALPATE_FORMULA PALPATE_OF(Brushed)
   return result;
 }
 
+// Flatten: moves a point towards the plane of the surface. A share that decreases with the distance from the centre
+// never brings a point past another one along the axis: the flanks of a limb are lowered or raised, and not laid into
+// one plane.
+PALPATE_FORMULA PALPATE_VEC3 flattenWay(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_OF(FoundPoint) found,
+                                        Real weight) {
+  const Real height = dot(found.position - tool.center, tool.outward);
+  const Real side = height < Real(0.0) ? Real(-1.0) : Real(1.0);
+  const Real gone = side * dot(found.position - position, tool.outward);
+  const Real left = max(Real(0.0), side * weight * height - gone);
+  return -tool.share * left * side * tool.outward;
+}
+
+// Inflate: moves a point along its normal.
+PALPATE_FORMULA PALPATE_VEC3 inflateWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                                        PALPATE_OF(FoundPoint) found, Real weight) {
+  const Real left = weight * tool.height - dot(position - found.position, found.normal);
+  const Real step = tool.share * weight * Real(kInflateStep) * brush.radius;
+  return max(Real(0.0), min(left, step)) * found.normal;
+}
+
+// Grab: moves a point along with the hand.
+PALPATE_FORMULA PALPATE_VEC3 grabWay(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_OF(FoundPoint) found,
+                                     Real weight) {
+  return tool.share * ((found.position + weight * tool.motion) - position);
+}
+
 // Position of a point after the brush, as far as it follows from the point alone; smooth also needs its neighbours
 // (smoothed()), and paint does not move points.
 PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
@@ -297,31 +311,20 @@ PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(
   PALPATE_OF(Brushed) result;
   result.position = position;
   result.taken = 0u;
-  if (brush.kind == kBrushPush)
-    result.position = afterStep(brush, position, found, tool.share * pushWay(brush, tool, position, found));
   if (tool.acts == 0u) return result;
-  // These use the position as found, so that a point gets no more than its share in a stroke of any length.
-  Real weight = brushWeight(brush, length(found.position - tool.center));
-  if (brush.kind != kBrushGrab) weight *= facingShare(tool, found.normal);
-  if (!(weight > Real(0.0))) return result;
-  if (brush.kind == kBrushFlatten) {
-    // A share that decreases with the distance from the centre never brings a point past another one along the axis:
-    // the flanks of a limb are lowered or raised, and not laid into one plane.
-    const Real height = dot(found.position - tool.center, tool.outward);
-    const Real side = height < Real(0.0) ? Real(-1.0) : Real(1.0);
-    const Real gone = side * dot(found.position - position, tool.outward);
-    const Real left = max(Real(0.0), side * weight * height - gone);
-    result.position = afterStep(brush, position, found, -tool.share * left * side * tool.outward);
+  PALPATE_VEC3 way = Real(0.0) * tool.outward;
+  if (brush.kind == kBrushPush) {
+    way = tool.share * pushWay(brush, tool, position, found);
+  } else {
+    // The position as found is used, so that a point gets no more than its share in a stroke of any length.
+    Real weight = brushWeight(brush, length(found.position - tool.center));
+    if (!brushHas(brush, kHoldsPoints)) weight *= facingShare(tool, found.normal);
+    if (!(weight > Real(0.0))) return result;
+    if (brush.kind == kBrushFlatten) way = flattenWay(tool, position, found, weight);
+    if (brush.kind == kBrushInflate) way = inflateWay(brush, tool, position, found, weight);
+    if (brush.kind == kBrushGrab) way = grabWay(tool, position, found, weight);
   }
-  if (brush.kind == kBrushInflate) {
-    const Real left = weight * tool.height - dot(position - found.position, found.normal);
-    const Real step = tool.share * weight * Real(kInflateStep) * brush.radius;
-    result.position = afterStep(brush, position, found, max(Real(0.0), min(left, step)) * found.normal);
-  }
-  if (brush.kind == kBrushGrab) {
-    const PALPATE_VEC3 way = (found.position + weight * tool.motion) - position;
-    result.position = afterStep(brush, position, found, tool.share * way);
-  }
+  result.position = afterStep(brush, position, found, way);
   return result;
 }
 
@@ -346,7 +349,7 @@ PALPATE_FORMULA uint blendedChannel(uint from, uint to, Real share) {
 PALPATE_FORMULA uint painted(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                              PALPATE_VEC3 foundNormal, uint color) {
   const Real share = brushShare(brush, tool, position, foundNormal);
-  if (brush.kind != kBrushPaint || !(share > Real(0.0))) return color;
+  if (!brushHas(brush, kPaintsPoints) || !(share > Real(0.0))) return color;
   const uint from = color == 0u ? kUnpainted : color;
   uint blended = 0u;
   for (uint bit = 0u; bit < 32u; bit += 8u)

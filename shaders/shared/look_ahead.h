@@ -32,12 +32,11 @@ PALPATE_FORMULA PALPATE_VEC3 directionOf(PALPATE_OF(Brush) brush, PALPATE_OF(Bru
     const Real far = length(way);
     return far > Real(kAtCenter) * brush.radius ? way / far : -tool.outward;
   }
-  if (brush.kind == kBrushInflate) return found.normal;
-  if (brush.kind == kBrushSmooth) return -found.normal;
+  if (brushHas(brush, kFollowsNormals)) return brushHas(brush, kRaisesSurface) ? found.normal : -found.normal;
   if (brush.kind == kBrushFlatten)
     return (dot(found.position - tool.center, tool.outward) > Real(0.0) ? Real(-1.0) : Real(1.0)) * tool.outward;
   const Real size = length(tool.motion);
-  return brush.kind == kBrushGrab && size > Real(0.0) ? tool.motion / size : Real(0.0) * tool.motion;
+  return brushHas(brush, kHoldsPoints) && size > Real(0.0) ? tool.motion / size : Real(0.0) * tool.motion;
 }
 
 // What a point sees of another one: `offset` away, with this unit normal. `moves`: the brush acts on the other one, or
@@ -52,10 +51,9 @@ PALPATE_SINGLE(SeenPoint);
 // How much less than a point the brush moves the other one: 0 if both move alike, 2 if they move towards each other.
 PALPATE_FORMULA Real lagOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_OF(SeenPoint) seen) {
   if (!seen.moves) return Real(1.0);
-  if (brush.kind == kBrushInflate) return Real(2.0);
-  if (brush.kind == kBrushSmooth) return Real(1.0);
-  // What grab holds moves by weights that cannot fold it: BrushStroke::held().
-  if (brush.kind == kBrushGrab) return Real(0.0);
+  if (brushHas(brush, kFollowsNormals)) return Real(brushHas(brush, kRaisesSurface) ? 2.0 : 1.0);
+  // What the hand holds moves by weights that cannot fold it: BrushStroke::held().
+  if (brushHas(brush, kHoldsPoints)) return Real(0.0);
   return Real(1.0) - facingShare(tool, seen.normal);
 }
 
@@ -63,7 +61,7 @@ PALPATE_FORMULA Real lagOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, 
 PALPATE_FORMULA Real inFrontOf(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                PALPATE_VEC3 normal) {
   const PALPATE_VEC3 offset = tool.center - position;
-  if (brush.kind == kBrushFlatten) return dot(normal, offset + brush.radius * tool.outward);
+  if (!brushHas(brush, kHasShaft)) return dot(normal, offset + brush.radius * tool.outward);
   const Real along = max(Real(0.0), min(tool.shaft, -dot(offset, tool.outward)));
   return dot(normal, offset + along * tool.outward);
 }
@@ -88,7 +86,7 @@ PALPATE_FORMULA PALPATE_OF(Path) pathOf(PALPATE_OF(Brush) brush, PALPATE_OF(Brus
   path.back = found.position - position;
   path.foundNormal = found.normal;
   path.spacing = spacing;
-  const bool presses = brush.kind == kBrushPush || brush.kind == kBrushFlatten;
+  const bool presses = brushHas(brush, kPressesFaces);
   path.pressed = presses && inFrontOf(brush, tool, found.position, found.normal) > Real(0.0);
   path.isBehind = presses && !path.pressed;
   return path;
@@ -129,8 +127,7 @@ PALPATE_FORMULA Real freeUntil(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) to
   if (enters ? slope > Real(kMeets) : slope < -Real(kMeets))
     return min(free, max(Real(0.0), dot(seen.offset, seen.normal) / slope - margin) / lag);
   // A rim does not pass a side that stays.
-  if (!enters && slope > Real(kMeets) && (brush.kind == kBrushPush || brush.kind == kBrushFlatten))
-    return min(free, along / lag);
+  if (!enters && slope > Real(kMeets) && brushHas(brush, kPressesFaces)) return min(free, along / lag);
   if (seen.moves || !(slope < -Real(kMeets))) return free;
   // A surface that faces the same way is the point's own, unless it was well ahead where the stroke found the point.
   const Real before = dot(seen.offset - path.back, seen.normal) / slope;
@@ -141,8 +138,8 @@ PALPATE_FORMULA Real freeUntil(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) to
 // the stroke `back` from there, with this normal. So a side that stays holds up what has nothing below it, as at a rim.
 PALPATE_FORMULA Real freeBeside(PALPATE_OF(Brush) brush, PALPATE_OF(Path) path, PALPATE_VEC3 offset, PALPATE_VEC3 back,
                                 PALPATE_VEC3 foundNormal, Real free) {
-  // What grab holds keeps its shape by its weights.
-  if (brush.kind == kBrushGrab || !(dot(foundNormal, path.foundNormal) > Real(kOneSide))) return free;
+  // What the hand holds keeps its shape by its weights.
+  if (brushHas(brush, kHoldsPoints) || !(dot(foundNormal, path.foundNormal) > Real(kOneSide))) return free;
   const PALPATE_VEC3 apart = offset + back - path.back;  // as found
   const Real most = Real(kBlockedSlope) * length(apart) + Real(kBlockedMargin) * path.spacing;
   return min(free, max(Real(0.0), most - dot(back - path.back, path.direction)));
@@ -150,8 +147,8 @@ PALPATE_FORMULA Real freeBeside(PALPATE_OF(Brush) brush, PALPATE_OF(Path) path, 
 
 // Whether freeUntil() changes nothing between points with normals for which this holds, if the brush moves them all.
 PALPATE_FORMULA bool isInNoWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 normal) {
-  if (brush.kind == kBrushInflate || brush.kind == kBrushSmooth) return dot(normal, tool.outward) > Real(0.7072);
-  return brush.kind == kBrushGrab || dot(normal, tool.outward) > Real(0.5);
+  if (brushHas(brush, kFollowsNormals)) return dot(normal, tool.outward) > Real(0.7072);
+  return brushHas(brush, kHoldsPoints) || dot(normal, tool.outward) > Real(0.5);
 }
 
 PALPATE_SHARED_END

@@ -7,8 +7,6 @@
 #include <set>
 #include <sstream>
 
-#include "apps/view/key_help.hpp"
-#include "engine/core/brush.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/result.hpp"
 #include "tests/apps/window_play.hpp"
@@ -144,14 +142,6 @@ TEST_CASE("each key that a command writes with --json is in the reference, with 
   for (const auto& [command, owners] : written)
     for (const std::string& key : described[command])
       CHECK_MESSAGE((owners.contains(ownerOf(key)) || described[command].contains(ownerOf(key))), key);
-}
-
-TEST_CASE("the help of the window's keys names every brush in the order of the keys") {
-  std::string names = "feel";
-  for (const auto& [name, kind] : kBrushKinds) names += ", " + std::string(name);
-  const std::string keys = fmt::format("1 to {}", kBrushKinds.size() + 1);
-  CHECK(std::ranges::count_if(kKeyHelp, [&](const auto& row) { return row.first == keys && row.second == names; }) ==
-        1);
 }
 
 TEST_CASE("the reference lists exactly the keys of the window's state") {

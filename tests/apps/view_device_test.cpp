@@ -106,7 +106,7 @@ TEST_CASE("a small window says why each kind of device cannot be used, and its t
   CHECK(device["offers"].empty());
   REQUIRE(missing.size() == 3);
   const std::array<std::array<const char*, 2>, 3> expected{
-      {{"haply", "does not answer"}, {"openhaptics", "/no/libHD.so"}, {"dhd", "/no/libdhd.so"}}};
+      {{"openhaptics", "/no/libHD.so"}, {"dhd", "/no/libdhd.so"}, {"haply", "does not answer"}}};
   for (std::size_t i = 0; i < expected.size(); ++i) {
     CHECK(missing[i]["device"] == expected[i][0]);
     CHECK(says(missing[i]["reason"].get<std::string>(), expected[i][1]));

@@ -52,6 +52,12 @@ void add(shared::SurfaceSumsOf<Real>& sums, const DVec3& offset, const DVec3& no
   sums.products += w * glm::vec<2, Real>(glm::dot(d, d), glm::dot(d, n));
 }
 
+template <class Real>
+void become(shared::BrushOf<Real>& brush, BrushKind kind) {
+  brush.kind = static_cast<shared::uint>(kind);
+  brush.traits = traitsOf(kind).traits;
+}
+
 }  // namespace
 
 TEST_CASE_TEMPLATE("surface weights fall from one to zero, and are reduced for points of the other face", Real, float,
@@ -227,8 +233,8 @@ TEST_CASE_TEMPLATE("a proxy slides as far as friction allows, and a step that re
 
 TEST_CASE_TEMPLATE("a point stops a spacing before what stays behind, and goes on along what moves with it", Real,
                    float, double) {
-  shared::BrushOf<Real> brush{
-      .kind = shared::kBrushPush, .falloff = 3, .radius = 4, .longestMove = 1, .support = 4, .color = 0};
+  shared::BrushOf<Real> brush{.falloff = 3, .radius = 4, .longestMove = 1, .support = 4};
+  become(brush, BrushKind::push);
   const V3<Real> up(0, 0, 1), aside(1, 0, 0), origin(0, 0, 0);
   shared::BrushToolOf<Real> tool{.center = V3<Real>(0, 0, 3), .acts = 1, .outward = up, .share = 1, .height = 1};
   // From the origin, found there with `found`, until a point at `offset`; 2 if nothing is in the way.
@@ -256,18 +262,18 @@ TEST_CASE_TEMPLATE("a point stops a spacing before what stays behind, and goes o
   tool.center = V3<Real>(3, 0, 2);
   CHECK(free(aside, V3<Real>(Real(-0.3), 0, Real(-0.1)), -aside) < Real(0.2));  // the tool is in front: it is pressed
   // Two sides that are inflated meet half way; what is smoothed comes alone.
-  brush.kind = shared::kBrushInflate;
+  become(brush, BrushKind::inflate);
   CHECK(is(free(up, V3<Real>(0, 0, 1), -up), 0.375));
-  brush.kind = shared::kBrushSmooth;
+  become(brush, BrushKind::smooth);
   CHECK(is(free(up, below, -up), 0.75));
   // Grab carries along what it holds.
-  brush.kind = shared::kBrushGrab;
+  become(brush, BrushKind::grab);
   tool.motion = V3<Real>(0, 0, -3);
   CHECK(is(free(up, below, -up), 2));
   CHECK(is(free(up, below, -up, false), 0.75));
   // Beside a blocked point that lies a unit aside, and was found there: a quarter of their distance and of a spacing.
   const auto besideBlocked = [&](const V3<Real>& itsBack, const V3<Real>& itsNormal, double gone = 0) {
-    brush.kind = shared::kBrushPush;
+    become(brush, BrushKind::push);
     const V3<Real> place(0, 0, Real(-gone)), offset = V3<Real>(1, 0, 0) - itsBack - place;
     const auto path = shared::pathOf(brush, tool, place, {origin, up, Real(shared::kUnseen)}, Real(0.25));
     return shared::freeBeside(brush, path, offset, itsBack, itsNormal, Real(2));
@@ -280,7 +286,7 @@ TEST_CASE_TEMPLATE("a point stops a spacing before what stays behind, and goes o
   CHECK(is(besideBlocked(origin, -up), 2));                 // another side
   // What overhangs the hand is not pressed; what rises to it is.
   const auto presses = [&](const V3<Real>& normal, double height) {
-    brush.kind = shared::kBrushPush;
+    become(brush, BrushKind::push);
     const V3<Real> place(1, 0, Real(height));
     return shared::brushed(brush, tool, place, normal, {place, normal, Real(shared::kUnseen)}).position != place;
   };
@@ -308,8 +314,8 @@ TEST_CASE_TEMPLATE("a point stops a spacing before what stays behind, and goes o
 }
 
 TEST_CASE_TEMPLATE("each brush moves or removes points by its tool, also at the tool's centre", Real, float, double) {
-  shared::BrushOf<Real> brush{
-      .kind = shared::kBrushPush, .falloff = 3, .radius = 4, .longestMove = 100, .support = 1, .color = 0};
+  shared::BrushOf<Real> brush{.falloff = 3, .radius = 4, .longestMove = 100, .support = 1};
+  become(brush, BrushKind::push);
   const V3<Real> up(0, 0, 1);
   shared::BrushToolOf<Real> tool{.center = V3<Real>(1, 2, 7.5), .acts = 1, .outward = up, .share = 1};
   const auto positionOf = [&](const V3<Real>& place) {
@@ -334,7 +340,7 @@ TEST_CASE_TEMPLATE("each brush moves or removes points by its tool, also at the 
     CHECK(std::abs(static_cast<double>(shared::brushWeight(brush, static_cast<Real>(distance))) - truth) <
           kRounding<Real>);
   }
-  brush.kind = shared::kBrushCarve;
+  become(brush, BrushKind::carve);
   const auto taken = [&](const V3<Real>& place, const V3<Real>& normal) {
     return shared::brushed(brush, tool, place, normal, {place, normal, Real(shared::kUnseen)}).taken == 1;
   };

@@ -59,10 +59,8 @@ class RandomSculpting {
 
   std::size_t removed() const { return removed_; }
   void one() {
-    constexpr std::array kBrushes{BrushKind::push, BrushKind::carve,   BrushKind::inflate, BrushKind::smooth,
-                                  BrushKind::grab, BrushKind::flatten, BrushKind::paint};
     const BrushOptions brush{
-        .kind = kBrushes[pick(kBrushes.size())], .yieldDepth = 0.5, .pushRate = 0.5, .radius = 4.0 + pick(20)};
+        .kind = kBrushes[pick(kBrushes.size())].kind, .yieldDepth = 0.5, .pushRate = 0.5, .radius = 4.0 + pick(20)};
     const std::uint32_t under = pick(2000);
     if (pick(4) == 0) crowd(under);  // so that points merge
     const DVec3 outward = glm::normalize(DVec3(sculpture_.points().positions[under]));
