@@ -3,6 +3,7 @@
 #include <array>
 
 #include "engine/cuda/gather_plan.cuh"
+#include "shaders/shared/carried_normal.h"
 #include "shaders/shared/look_ahead.h"
 #include "shaders/shared/plane_fit.h"
 
@@ -122,6 +123,25 @@ __device__ vec3 fittedNormal(const CloudView& cloud, const vec3& center, const v
   return glm::dot(normal, side) < 0.0f ? -normal : normal;
 }
 
+// The fitted normal of a point on the side to which the stroke has carried the surface.
+__device__ vec3 sidedNormal(const CloudView& cloud, const Tables& tables, const vec3& center, uint id,
+                            const vec3& fitted, float radius) {
+  const Found& own = tables.founds[id];
+  if (own.stroke == 0 || glm::dot(fitted, own.normal) > kCarriedFar) return fitted;
+  const CarriedFrom from = carriedFrom(own.position, own.normal);
+  CarriedTangents tangents{vec3(0.0f), vec3(0.0f)};
+  forEachNear(cloud, center, radius, [&](uint slot, const vec3& offset) {
+    const Found& found = tables.founds[__float_as_uint(loadPoint(cloud.positions, slot).w)];
+    if (found.stroke > own.stroke) return;  // moved since by a later one
+    if (found.stroke == own.stroke)
+      addCarried(tangents, from, offset, found.position, found.normal, radius);
+    else
+      addCarried(tangents, from, offset, center + offset, xyz(loadPoint(cloud.normals, slot)), radius);
+  });
+  const vec3 carried = carriedNormal(CarriedTangents{warpSum(tangents.u), warpSum(tangents.v)});
+  return isAgainst(carried, fitted) ? -fitted : fitted;
+}
+
 // Whether the brush moves a neighbour, or does not reach it.
 __device__ bool movesAlong(const Tables& tables, uint id, const vec3& position, const vec3& normal) {
   const BrushTool& tool = tables.tool->tool;
@@ -166,15 +186,16 @@ __device__ void forEachMoved(const uint* movedCount, Body&& body) {
 
 __global__ void __launch_bounds__(kBlock)
     fitNormals(const __grid_constant__ CloudView cloud, const __grid_constant__ Tables tables, const uint* moved,
-               const uint* movedCount, float4* fitted) {
+               const uint* movedCount, float4* fittedNormals) {
   forEachMoved(movedCount, [&](uint which) {
     const uint slot = moved[which];
     const float4 point = loadPoint(cloud.positions, slot);
     const uint id = __float_as_uint(point.w);
     const float radius = neighbourhoodRadius(tables.spacings[id], tables.radius);
-    const vec3 normal = fittedNormal(cloud, xyz(point), xyz(loadPoint(cloud.normals, slot)), radius);
+    const vec3 fitted = fittedNormal(cloud, xyz(point), xyz(loadPoint(cloud.normals, slot)), radius);
+    const vec3 normal = sidedNormal(cloud, tables, xyz(point), id, fitted, radius);
     if (threadIdx.x % kWarp != 0) return;
-    fitted[which] = make_float4(normal.x, normal.y, normal.z, 0.0f);
+    fittedNormals[which] = make_float4(normal.x, normal.y, normal.z, 0.0f);
     // It looks ahead again: only if this edit has found no room does it hold up others.
     if (tables.blockedIn[id] != tables.sums->edits) tables.blockedIn[id] = 0;
   });

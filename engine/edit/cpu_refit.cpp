@@ -4,6 +4,7 @@
 
 #include "engine/edit/cpu_sculpture.hpp"
 #include "engine/edit/normal_refit.hpp"
+#include "shaders/shared/carried_normal.h"
 
 namespace palpate {
 
@@ -146,6 +147,35 @@ void CpuSculpture::refit(Part& part) {
     }
   }
   refit.solve(std::span(normals_).subspan(part.first, part.count));
+  at = part.surroundings.begin();
+  for (const CellGroups::Group& group : part.groups.groups()) {
+    const Surroundings& around = *at++;
+    for (const std::uint32_t i : part.groups.members(group)) {
+      Vec3& normal = normals_[part.first + i];
+      normal = onCarriedSide(normal, points[i], around);
+    }
+  }
+}
+
+// A fitted normal on the side to which the stroke has carried the surface.
+Vec3 CpuSculpture::onCarriedSide(const Vec3& fitted, std::uint32_t point, const Surroundings& around) const {
+  const std::uint32_t stroke = points_.strokes[point];
+  const SculptedPoints::FoundState& own = points_.founds[point];
+  if (stroke == 0 || glm::dot(fitted, own.normal) > shared::kCarriedFar) return fitted;
+  const DVec3 place(points_.positions[point]);
+  const double radius = fitRadius(point);
+  const auto from = shared::carriedFrom(DVec3(own.position), DVec3(own.normal));
+  shared::CarriedTangentsOf<double> tangents{DVec3(0), DVec3(0)};
+  thread_local NearPoints near;
+  around.points.near(place, radius, near);
+  for (const std::uint32_t i : near.indices()) {
+    const std::uint32_t number = around.points.numbers()[i];
+    if (points_.strokes[number] > stroke) continue;  // moved since by a later one
+    const SculptedPoints::Found found = points_.found(number, stroke);
+    shared::addCarried(tangents, from, around.points.position(i) - place, DVec3(found.position), DVec3(found.normal),
+                       radius);
+  }
+  return shared::isAgainst(shared::carriedNormal(tangents), DVec3(fitted)) ? -fitted : fitted;
 }
 
 }  // namespace palpate

@@ -67,6 +67,9 @@ PlacedBrush::Seen CpuSculpture::seenBy(const PlacedBrush& brush, std::uint32_t p
 ResampleNeighbour CpuSculpture::seen(std::uint32_t number) const {
   return {.normal = DVec3(points_.normals[number]),
           .rest = DVec3(points_.rests[number]),
+          .stroke = points_.strokes[number],
+          .found = DVec3(points_.founds[number].position),
+          .foundNormal = DVec3(points_.founds[number].normal),
           .spacing = points_.spacing(number),
           .isNew = number >= points_.fromFile,
           .atRest = carves_ && isAtRest(number),
@@ -234,7 +237,11 @@ void CpuSculpture::examine() {
     if (requests_[i].inserts) inserting_.push_back(static_cast<std::uint32_t>(i));
   }
   std::ranges::sort(inserting_, {}, [&](std::uint32_t i) { return unsettled_[i]; });
+  const std::size_t sizeBefore = points_.size();
   insertClaimed();
+  if (getenv("DBG4"))
+    fprintf(stderr, "E unsettled %zu waiting %zu asking %zu inserted %zu new %zu\n", unsettled_.size(), waiting_.size(),
+            inserting_.size(), points_.size() - sizeBefore, points_.size() - points_.fromFile);
   followInIndex();
 }
 

@@ -320,6 +320,13 @@ void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
         slice.blockedMoves += brush.isBlocked(place, as, free);
       }
     }
+    // Its turn has not come, and it may go no further until then: the tool has to wait for it as for one that goes on.
+    if (moves_ && points_.unsettled[point] != 0 && as.room < shared::kLongestMove * options_.radius) {
+      const DVec3 free = brushed(brush, point, {as.position, as.normal, double{shared::kUnseen}}, slice).position;
+      const auto held = static_cast<float>(glm::distance(free, to.position));
+      displacements_[point] += held;
+      strains_[point] += held;
+    }
     bool painted = false;
     if (paints) {
       const std::uint32_t before =

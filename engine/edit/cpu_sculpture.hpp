@@ -107,10 +107,11 @@ class CpuSculpture {
   std::size_t affordable(std::span<const std::uint32_t> points, EditSize size) const;
   void findUnsettled(EditSize size);
   struct Part;
+  struct Surroundings;
   void refit();
   void refit(Part& part);
+  Vec3 onCarriedSide(const Vec3& fitted, std::uint32_t point, const Surroundings& around) const;
   void setNormals(Part& part);
-  struct Surroundings;
   double roomOf(std::uint32_t point, const Surroundings& around, std::span<const std::uint32_t> near) const;
   PlacedBrush::Seen seenBy(const PlacedBrush& brush, std::uint32_t point) const;
   ResampleNeighbour seen(std::uint32_t number) const;

@@ -51,6 +51,7 @@ void EditPass::uploadTables() {
                                            .brush = moves_.address(),
                                            .tool = moves_.tool(),
                                            .examined = resample_.examined(),
+                                           .carried = resample_.carried(),
                                            .lists = resample_.lists(),
                                            .moves = update_.moves(),
                                            .marks = update_.marks(),

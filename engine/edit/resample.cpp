@@ -44,6 +44,7 @@ Resample::Resample(Device& device, const LiveCloud& live, const HashUpdate& upda
       lists_(device, listBytes(mostRequests_), Memory::device, "resample lists"),
       spacings_(Buffer::of<float>(device, live.count(), Memory::device, "target spacings")),
       examined_(Buffer::of<std::uint32_t>(device, live.slots(), Memory::device, "examined")),
+      carried_(Buffer::of<std::uint32_t>(device, live.slots(), Memory::device, "carried")),
       // One more than is used: GPU-assisted validation overestimates accesses to the last three words of a buffer.
       rests_(Buffer::of<Vec3>(device, live.slots() + 1, Memory::device, "rests")),
       reaches_(Buffer::of<float>(device, live.slots() - live.count(), Memory::device, "reaches")),
@@ -67,7 +68,7 @@ void Resample::measure(const shared::CloudView& cloud, DeviceAddress tables) {
   list.dispatch(measure_, threads, args);
   args.counts = 0;
   list.dispatch(measure_, threads, args);
-  list.fill(examined_, 0, examined_.bytes());
+  for (const Buffer* each : {&examined_, &carried_}) list.fill(*each, 0, each->bytes());
   list.end();
   device_.latencyQueue().run(list);
 }
@@ -89,7 +90,7 @@ void Resample::recordRequests(CommandList& list, const Io& io, DeviceAddress cha
 }
 
 std::uint64_t Resample::predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostRequests) {
-  return listBytes(mostRequests) + kWord * (points + slots) + sizeof(Vec3) * (slots + 1) +
+  return listBytes(mostRequests) + kWord * (points + 2 * slots) + sizeof(Vec3) * (slots + 1) +
          sizeof(float) * (slots - points);
 }
 

@@ -34,10 +34,12 @@ class Resample {
   DeviceAddress lists() const { return lists_.address(); }
   DeviceAddress spacings() const { return spacings_.address(); }
   DeviceAddress examined() const { return examined_.address(); }
+  DeviceAddress carried() const { return carried_.address(); }
   DeviceAddress rests() const { return rests_.address(); }
   DeviceAddress reaches() const { return reaches_.address(); }
   std::uint64_t bytes() const {
-    return lists_.bytes() + spacings_.bytes() + examined_.bytes() + rests_.bytes() + reaches_.bytes() + report_.bytes();
+    return lists_.bytes() + spacings_.bytes() + examined_.bytes() + carried_.bytes() + rests_.bytes() +
+           reaches_.bytes() + report_.bytes();
   }
   static std::uint64_t predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostRequests);
 
@@ -46,7 +48,7 @@ class Resample {
   double radius_;
   std::uint32_t mostRequests_;
   ComputePipeline measure_, request_, grant_;
-  Buffer lists_, spacings_, examined_, rests_, reaches_, report_;
+  Buffer lists_, spacings_, examined_, carried_, rests_, reaches_, report_;
 };
 
 }  // namespace palpate

@@ -16,14 +16,16 @@ namespace palpate {
 
 /// A neighbour of the deciding point.
 struct ResampleNeighbour {
-  DVec3 offset{0};           ///< from the deciding point, model units
-  DVec3 normal{0};           ///< unit, in single precision
-  DVec3 rest{0};             ///< position in the cloud as loaded; of a new point, between its ends'; model units
-  double spacing = 0;        ///< target, model units
-  bool isNew = false;        ///< not in the cloud as loaded
-  bool atRest = false;       ///< still at its position as loaded; matters while a ball carves
-  std::uint32_t number = 0;  ///< of the point; in the order of ids
-  bool unsettled = false;    ///< moved, new, or with a pending request
+  DVec3 offset{0};                 ///< from the deciding point, model units
+  DVec3 normal{0};                 ///< unit, in single precision
+  DVec3 rest{0};                   ///< position in the cloud as loaded; of a new point, between its ends'; model units
+  std::uint32_t stroke = 0;        ///< number of the stroke that moved it last; 0: none
+  DVec3 found{0}, foundNormal{0};  ///< position, model units, and normal as that stroke found it
+  double spacing = 0;              ///< target, model units
+  bool isNew = false;              ///< not in the cloud as loaded
+  bool atRest = false;             ///< still at its position as loaded; matters while a ball carves
+  std::uint32_t number = 0;        ///< of the point; in the order of ids
+  bool unsettled = false;          ///< moved, new, or with a pending request
 };
 
 /// The neighbours of one point after another of a group. Keeps its memory. Used by one thread.

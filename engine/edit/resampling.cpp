@@ -35,6 +35,18 @@ bool torn(const ResampleNeighbour& a, const ResampleNeighbour& b) {
   return glm::length(moved) > static_cast<double>(shared::kTorn) * std::max(a.spacing, b.spacing);
 }
 
+// Whether two points were on different sides of the surface before the last stroke that moved any of them.
+bool wereTwoSides(const ResampleNeighbour& self, const ResampleNeighbour& other, const DVec3& place) {
+  const std::uint32_t last = std::max({self.stroke, other.stroke, 1u});
+  const auto at = [&](const ResampleNeighbour& point) {
+    return point.stroke == last ? point.found : place + point.offset;
+  };
+  const auto facing = [&](const ResampleNeighbour& point) {
+    return point.stroke == last ? point.foundNormal : point.normal;
+  };
+  return shared::areTwoSides(facing(self), at(other) - at(self), facing(other));
+}
+
 // Of two crowding points, the one of the smaller rank stays.
 auto rank(const ResampleNeighbour& point) { return std::tuple(point.unsettled, point.number); }
 
@@ -157,6 +169,7 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
     const ResampleNeighbour other = neighbours[neighbours.atGap(sector, gap)];
     const double spacing = std::max(self.spacing, other.spacing);
     if (gap <= static_cast<double>(shared::kWidestGap) * spacing || !torn(self, other)) continue;
+    if (wereTwoSides(self, other, view.place)) continue;
     const DVec3 place = shared::halfWay(other.offset, self.normal, other.normal);
     if (glm::length(place) > view.reach) continue;
     if (view.claims && view.claims->wasGranted(Vec3(view.place + place))) continue;

@@ -6,6 +6,7 @@
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_buffers.glsl"
 #include "shaders/lib/subgroup_sum.glsl"
+#include "shaders/shared/carried_normal.h"
 #include "shaders/shared/plane_fit.h"
 
 layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
@@ -38,14 +39,16 @@ Moments momentsAbout(vec3 center, out vec3 side) {
 }
 
 // Its sign follows most of the normals around it: at a fresh edge a normal may rotate by a right angle in one tick, so
-// that its own old side means nothing. The far sheet of a plate does not count.
-vec3 fittedNormal(vec3 center, vec3 old) {
+// that its own old side means nothing. The far sheet of a plate does not count. Where a stroke has bent the surface by
+// more, the pass that requests new points has found its side in the edit before.
+vec3 fittedNormal(vec3 center, vec3 old, uint carried) {
   facing = old;
   vec3 side;
   const vec3 fitted = planeNormal(momentsAbout(center, side));
   vec3 normal = old;
   if (dot(fitted, fitted) > 0.5) normal = dot(fitted, old) < 0.0 ? -fitted : fitted;
-  return dot(normal, side) < 0.0 ? -normal : normal;
+  if (dot(normal, side) < 0.0) normal = -normal;
+  return carried != 0 && isAgainst(unpackedCarried(carried), normal) ? -normal : normal;
 }
 
 void main() {
@@ -66,12 +69,17 @@ void main() {
     float spacing = kNotExamined;
     if (isExamined) spacing = args.tables.at[0].spacings.at[parent];
     radius = isExamined ? neighbourhoodRadius(spacing, args.radius) : args.radius;
+    uint noted = 0, carried = 0;
+    if (isExamined) {
+      noted = args.tables.at[0].examined.at[id];
+      if ((noted & (kIsExamined | kTickBits)) == (kIsExamined | tick - 1 & kTickBits))
+        carried = args.tables.at[0].carried.at[id];
+    }
     vec3 normal = before.xyz;
-    if (refits) normal = fittedNormal(position.xyz, normal);
+    if (refits) normal = fittedNormal(position.xyz, normal, carried);
     if (subgroupElect()) {
       args.fitted.at[which] = vec4(normal, spacing);
       if (isExamined) {
-        const uint noted = args.tables.at[0].examined.at[id];
         const uint blocked = (noted & kTickBits) == tick ? noted & kIsBlocked : 0;
         args.tables.at[0].examined.at[id] = kIsExamined | blocked | tick;
       }

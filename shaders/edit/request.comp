@@ -8,6 +8,8 @@
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/claims.glsl"
 #include "shaders/lib/edit_end.glsl"
+#include "shaders/lib/subgroup_sum.glsl"
+#include "shaders/shared/carried_normal.h"
 #include "shaders/shared/frame.h"
 #include "shaders/shared/look_ahead.h"
 
@@ -41,7 +43,7 @@ const uint kWalkNoMore = 6;
 uint walk;
 vec3 center;
 Seen self;
-uint selfSlot;
+uint selfSlot, selfId;
 // Data of points, by their ids.
 uint tick, firstNew;
 bool requests;  // points may request anything
@@ -53,6 +55,7 @@ float reach;  // of the point that decides: how far from it a new one may be cre
 vec3 axisU, axisV;
 // Of this invocation's neighbours.
 uint firstRank, firstSlot;  // of those that crowd the point
+CarriedTangents tangents;
 bool through;               // the point has passed through the sheet of one of them
 vec2 votes;                 // weights of the points at rest: of those that it has risen over, and of all
 Seen first;
@@ -63,6 +66,7 @@ bool crowded, leaves;
 bool carves, moved;  // a brush has moved the point since it was created
 bool anyBlocked;     // by this stroke
 bool looks;          // the stroke has moved the point, and it looks at what lies ahead
+bool bends;          // the stroke has bent the surface so far that the side of its normal is to be found
 bool cuts, swallowed;       // a ball cuts; it removes the point
 vec3 foundAt, foundNormal;  // of these two: as the stroke found the point, from its present position
 Path path;                  // along which the brush moves it
@@ -140,6 +144,23 @@ void noteAhead(uint at, vec3 normal, vec3 d) {
   free = along == staying || movesAlong(id, center + d, normal) ? along : staying;
 }
 
+void noteCarried(uint at, vec3 normal, vec3 d) {
+  const Found own = args.tables.at[0].founds.at[selfId];
+  const Found found = args.tables.at[0].founds.at[keptIds[at]];
+  if (found.stroke > own.stroke) return;  // moved since by a later one
+  const bool both = found.stroke == own.stroke;
+  addCarried(tangents, carriedFrom(own.position, own.normal), d, both ? found.position : center + d,
+             both ? found.normal : normal, neighbourhoodRadius(self.spacing, args.radius));
+}
+
+// Notes the carried normal, by which the next edit corrects the side of the point's. True if it has to.
+bool noteSide() {
+  const vec3 carried = carriedNormal(CarriedTangents(subgroupSum(vec4(tangents.u, 0.0)).xyz,
+                                                     subgroupSum(vec4(tangents.v, 0.0)).xyz));
+  if (subgroupElect()) args.tables.at[0].carried.at[selfId] = carried == vec3(0.0) ? 0 : packedCarried(carried);
+  return isAgainst(carried, self.normal);
+}
+
 // Blocks new points that would crowd a neighbour with a wider target, or one of another sheet that may turn out to be
 // their own, so that they would be removed again.
 void noteCrowded(uint at, uint slot, vec3 d) {
@@ -173,6 +194,7 @@ void visitNeighbour(uint at) {
     if (carves && walk == kWalkAround) noteOutside(at, normal, d);
     if (cuts && walk == kWalkAround) noteFarSheet(normal, d);
     if (looks && walk == kWalkAround) noteAhead(at, normal, d);
+    if (bends && walk == kWalkAround) noteCarried(at, normal, d);
     if (!requests) return;
     if (!sameSheet(self.normal, normal)) slot |= kOtherSheet;
     if (carves && walk == kWalkBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
@@ -211,6 +233,7 @@ void begin() {
   through = false;
   free = looks ? kFreeAhead * neighbourhoodRadius(self.spacing, args.radius) : kUnseen;
   votes = vec2(0.0);
+  tangents = CarriedTangents(vec3(0.0), vec3(0.0));
   crowded = false;
   leaves = false;
   for (uint s = gl_SubgroupInvocationID; s < kGapSectors; s += gl_SubgroupSize) {
@@ -247,6 +270,37 @@ bool torn(Sector gap) {
   return distance(gap.offset, rests.at[gap.id] - self.rest) > kTorn * max(self.spacing, targetOf(gap.id));
 }
 
+// The ends of a gap as the last stroke that moved any of them found them.
+struct FoundEnds {
+  vec3 position, normal;
+  vec3 otherPosition, otherNormal;
+};
+FoundEnds foundEnds(uint otherId, uint otherSlot) {
+  FoundEnds ends = FoundEnds(center, self.normal, args.cloud.positions.at[otherSlot].xyz,
+                             args.cloud.normals.at[otherSlot].xyz);
+  const Found own = args.tables.at[0].founds.at[selfId], other = args.tables.at[0].founds.at[otherId];
+  if (own.stroke > 0 && own.stroke >= other.stroke) {
+    ends.position = own.position;
+    ends.normal = own.normal;
+  }
+  if (other.stroke > 0 && other.stroke >= own.stroke) {
+    ends.otherPosition = other.position;
+    ends.otherNormal = other.normal;
+  }
+  return ends;
+}
+
+// Whether they were on two sides of the surface.
+bool wereTwoSides(FoundEnds ends) {
+  return areTwoSides(ends.normal, ends.otherPosition - ends.position, ends.otherNormal);
+}
+
+vec3 middleNormal(vec3 normal, vec3 other) {
+  const vec3 sum = normal + other;
+  const float size = length(sum);
+  return size > 1e-3 ? sum / size : normal;
+}
+
 // Whether this stroke has inserted a point at exactly this position before: it did not stay.
 bool wasGranted(vec3 place) {
   const uint at = claimAt(claimsFor(args.radius), place);
@@ -264,7 +318,8 @@ bool placeInGaps() {
       sectors[at].spacing = spacing;
       if (uintBitsToFloat(sectors[at].distance) > kWidestGap * spacing && torn(sectors[at])) {
         const vec3 middle = halfWay(sectors[at].offset, self.normal, args.cloud.normals.at[sectors[at].slot].xyz);
-        if (!nearer(middle, kMinClearance * spacing) && nearer(middle, reach) && !wasGranted(center + middle))
+        if (!nearer(middle, kMinClearance * spacing) && nearer(middle, reach) && !wasGranted(center + middle) &&
+            !wereTwoSides(foundEnds(sectors[at].id, sectors[at].slot)))
           place = middle;
       }
     }
@@ -341,10 +396,11 @@ void requestFor(uint id, vec3 center, uint sector) {
   if (!inserts) return;
   const Sector gap = sectors[sectorAt(sector)];
   const vec3 place = center + gap.offset;
-  const vec3 sum = self.normal + args.cloud.normals.at[gap.slot].xyz;
-  const float size = length(sum);
+  const FoundEnds ends = foundEnds(gap.id, gap.slot);
   args.lists.requests[at].place = place;
-  args.lists.requests[at].normal = size > 1e-3 ? sum / size : self.normal;
+  args.lists.requests[at].normal = middleNormal(self.normal, args.cloud.normals.at[gap.slot].xyz);
+  args.lists.requests[at].found = 0.5 * (ends.position + ends.otherPosition);
+  args.lists.requests[at].foundNormal = middleNormal(ends.normal, ends.otherNormal);
   args.lists.requests[at].color = middleColor(colorOf(args.tables, id), colorOf(args.tables, gap.id));
   args.lists.requests[at].parent = parentOf(args.tables, targetOf(gap.id) > self.spacing ? gap.id : id);
   args.lists.requests[at].other = gap.id;
@@ -374,13 +430,17 @@ void requestForAll() {
     if (fitted.w == kNotExamined) continue;
     const vec4 position = args.cloud.positions.at[selfSlot];
     const uint id = floatBitsToUint(position.w);
+    selfId = id;
     self = Seen(vec3(0.0), fitted.xyz, rests.at[id], fitted.w, kExamined | id);
     center = position.xyz;
     const float mostReach = kReach * args.radius;
     reach = id < firstNew ? mostReach : args.tables.at[0].reaches.at[id - firstNew];
-    const bool isNoted = args.tables.at[0].founds.at[id].stroke == tool.stroke;
+    const uint stroke = args.tables.at[0].founds.at[id].stroke;
+    const bool isNoted = stroke == tool.stroke;
+    bends = stroke != 0 && dot(fitted.xyz, args.tables.at[0].founds.at[id].normal) <= kCarriedFar;
     looks = isNoted && tool.acts != 0 && brushHas(brush, kLooksAhead);
-    if (!requests && !looks) continue;
+    if (!bends && subgroupElect()) args.tables.at[0].carried.at[id] = 0;
+    if (!requests && !looks && !bends) continue;
     moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
     swallowed = cuts && carved(brush, tool, center, self.normal).taken != 0;
     foundAt = foundNormal = vec3(0.0);
@@ -399,7 +459,9 @@ void requestForAll() {
       free = subgroupMin(free);
       if (subgroupElect()) args.tables.at[0].founds.at[id].room = free;
     }
-    if (subgroupElect() && (leaves || crowded || requested < kGapSectors)) requestFor(id, center, requested);
+    const bool isTurned = bends && noteSide() && requests && tool.closes == 0;
+    if (subgroupElect() && (leaves || crowded || isTurned || requested < kGapSectors))
+      requestFor(id, center, requested);
     subgroupShares();
   }
 }

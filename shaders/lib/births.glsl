@@ -6,20 +6,14 @@
 
 uint birthsOf(ResampleLists lists) { return lists.now.births; }
 
-// The found state of a new point: half way between those of its ends if one stroke has found both, else that of the
-// later stroke.
-void noteBirth(uint id, uint one, uint other) {
-  const Found a = args.tables.at[0].founds.at[one], b = args.tables.at[0].founds.at[other];
-  Found found = a;
-  if (a.stroke < b.stroke) found = b;
-  if (a.stroke == b.stroke) {
-    const vec3 sum = a.normal + b.normal;
-    const float size = length(sum);
-    found.position = 0.5 * (a.position + b.position);
-    if (size > 1e-3) found.normal = sum / size;
-    found.room = middleRoom(a.room, b.room);
-  }
-  args.tables.at[0].founds.at[id] = found;
+// The state in which the last stroke that moved any of its ends would have found a new point.
+void noteBirth(ResampleLists lists, uint request, uint id) {
+  const Found a = args.tables.at[0].founds.at[lists.requests[request].id];
+  const Found b = args.tables.at[0].founds.at[lists.requests[request].other];
+  const uint last = max(a.stroke, b.stroke);
+  const float room = middleRoom(a.stroke == last ? a.room : kUnseen, b.stroke == last ? b.room : kUnseen);
+  args.tables.at[0].founds.at[id] =
+      Found(lists.requests[request].found, last, lists.requests[request].foundNormal, room);
 }
 
 // The granted requests become moves; the first gets the next unused id. False if the i-th request does not exist, or no
@@ -35,7 +29,7 @@ bool isBorn(ResampleLists lists, uint i, out PointMove move) {
   args.tables.at[0].reaches.at[id - firstNew] = lists.requests[request].reach;
   args.tables.at[0].rests.at[id] = 0.5 * (args.tables.at[0].rests.at[lists.requests[request].id] +
                                           args.tables.at[0].rests.at[lists.requests[request].other]);
-  noteBirth(id, lists.requests[request].id, lists.requests[request].other);
+  noteBirth(lists, request, id);
   move = PointMove(place, id, lists.requests[request].normal, kMarkRefit, kEmptySlot, kNoBucket, bucketAt(place), 0,
                    kEmptySlot);
   return true;

@@ -56,6 +56,7 @@ struct PointTables {
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(BrushTools) tool;
   PALPATE_ADDRESS(Uints) examined;  // tick in which a point was last examined, or had no room, with bits of which
+  PALPATE_ADDRESS(Uints) carried;   // packedCarried() of a point when it was last examined; 0: not determined
   PALPATE_ADDRESS(ResampleLists) lists;
   PALPATE_ADDRESS(PointMoves) moves;
   PALPATE_ADDRESS(Uints) marks;
@@ -66,7 +67,7 @@ struct PointTables {
   uint mostMoves;  // capacity of the list; the same for requests
   uint resamples;  // 0: points look ahead, but none is inserted or merged
 };
-PALPATE_SIZE(PointTables, 128);
+PALPATE_SIZE(PointTables, 136);
 
 // Request of an examined point for the next tick: at least to be examined again.
 struct PointRequest {
@@ -79,8 +80,11 @@ struct PointRequest {
   uint parent;
   uint other;   // id of the point on the other side of the gap
   float reach;  // how far from it other new points may be created
+  // The new point as the last stroke that moved any of the two ends found it.
+  vec3 found;
+  vec3 foundNormal;
 };
-PALPATE_SIZE(PointRequest, 60);
+PALPATE_SIZE(PointRequest, 84);
 
 struct Resampling {
   uint requests;

@@ -51,6 +51,18 @@ const float kSameSheet = 0.0f;
 // Maximum cosine between the normals of two points on the opposite sheets of a plate.
 const float kFarSheet = -0.5f;
 
+// Maximum cosine between the normals, as a stroke found them, of two points on different sides of a surface: of a rim,
+// and of an inner corner, which a stroke may round.
+const float kTwoSides = 0.3f, kTwoSidesInCorner = -0.3f;
+
+// Whether two points were on different sides of the surface when a stroke found them. No point is inserted between
+// them: what a stroke stretches is one side, and a new point between both has a normal of neither. `offset`: from the
+// one to the other.
+PALPATE_FORMULA bool areTwoSides(PALPATE_VEC3 normal, PALPATE_VEC3 offset, PALPATE_VEC3 otherNormal) {
+  const bool isCorner = dot(offset, normal) > dot(offset, otherNormal);
+  return dot(normal, otherNormal) < Real(isCorner ? kTwoSidesInCorner : kTwoSides);
+}
+
 // Weight of a neighbour in the fit of a point's normal, 0 to 1, by the cosine between the two normals before: full
 // along a bent sheet, small across a right angle, by which a normal may rotate at a fresh edge, and zero for the far
 // sheet of a plate.

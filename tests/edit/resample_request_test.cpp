@@ -90,6 +90,30 @@ TEST_CASE("no point is requested beyond a border, near an existing one, or on th
   CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), back).inserts);
 }
 
+TEST_CASE(
+    "no point is requested between two sides of the surface as the stroke found it, but in the corner of a fold") {
+  const auto requested = [](double rise, double cosine, std::uint32_t stroke) {
+    auto gap = ring(1.8);
+    ResampleNeighbour self = pointAt(DVec3(0), 1);
+    const DVec3 aside = glm::normalize(gap[0].offset);
+    for (ResampleNeighbour* each : {&self, &gap[0]}) {
+      each->stroke = stroke;
+      each->foundNormal = kUp;
+    }
+    // Over a rim the other side falls off, from a corner it rises, and faces back.
+    gap[0].found = aside + rise * kUp;
+    gap[0].foundNormal = cosine * kUp - (rise < 0 ? -1.0 : 1.0) * std::sqrt(1 - cosine * cosine) * aside;
+    return requestOf(self, gap).inserts;
+  };
+  CHECK(requested(0, 1, 1));
+  CHECK(requested(-0.5, 0.4, 1));
+  CHECK_FALSE(requested(-0.5, 0.2, 1));
+  CHECK_FALSE(requested(-0.5, -1, 1));
+  CHECK(requested(-0.5, 0.2, 0));  // no stroke has moved any of them
+  CHECK(requested(0.5, 0, 1));
+  CHECK_FALSE(requested(0.5, -0.5, 1));
+}
+
 TEST_CASE("of two crowded points one is removed, the unsettled or the later one, never both") {
   const auto goes = [](const ResampleNeighbour& self, ResampleNeighbour other) {
     other.offset = {0.3, 0, 0};

@@ -208,6 +208,16 @@ TEST_CASE_FIXTURE(OnBackEndInCore, "a press into the crease of two limbs that ha
   CHECK(changedOf(limbs.cloud(), after, first, limbs.size()) > 30);
 }
 
+// Points of a dent's walls that do not face its middle.
+std::size_t turnedAwayFrom(const DVec3& ball, const PointCloud& cloud) {
+  std::size_t turned = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const DVec3 offset = DVec3(cloud.positions[i]) - ball, fromAxis(offset.x, offset.y, std::min(0.0, offset.z));
+    turned += glm::length(fromAxis) < 1.05 * kLimbBrush && glm::dot(fromAxis, DVec3(cloud.normals[i])) > 0;
+  }
+  return turned;
+}
+
 // The walls of a dent belong to the next stroke, which deepens and widens it.
 TEST_CASE_FIXTURE(OnBackEndInCore, "repeated presses widen and deepen a dent: its walls belong to the stroke") {
   Limbs limbs(false);
@@ -223,6 +233,7 @@ TEST_CASE_FIXTURE(OnBackEndInCore, "repeated presses widen and deepen a dent: it
   const PointCloud deeper = press(middle, 9);
   CHECK(depthUnder(deeper, middle) == near(8.5, 0.05));
   CHECK(deepestInBall(deeper, middle, 9) < 0.1);
+  CHECK(turnedAwayFrom(ballAt(middle, 9), deeper) == 0);
   CHECK(depthUnder(press(first, 3), first) == near(2.5, 0.05));
   const PointCloud wider = press(beside, 3);
   CHECK(depthUnder(wider, first) == near(2.5, 0.1));

@@ -1,12 +1,15 @@
 // What a push does to thin and folded parts, judged point by point: the side that it does not touch stays in its place,
 // and the pressed one stops before it.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include "engine/cloud/point_tree.hpp"
 #include "engine/touch/blocked_count.hpp"
+#include "engine/touch/cpu_touch.hpp"
 #include "tests/touch/back_end.hpp"
 
 namespace palpate::thin_parts_test {
@@ -303,6 +306,39 @@ TEST_CASE("an edit is blocked if nearly all points are that would move, and not 
   count.note(2, 0, 0);
   CHECK(count.sum().edits == 2);
   CHECK(count.sum().moves == 205);
+}
+
+// A point that waits for its turn goes no further than it has seen. If the hand went on, a gap would open beside it, be
+// filled, and the new points would have to wait, too.
+TEST_CASE("a quick grab of more points than an edit takes waits for them, and fills nothing that lags behind") {
+  // A blade with its points at random.
+  constexpr double kThickness = 0.4, kFine = 0.2;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> along(-18, 12), across(-4, 4);
+  PointCloud blade;
+  for (int i = 0; i < 12'000; ++i) {
+    const float side = i % 2 == 0 ? 1 : -1;
+    const float x = along(random);
+    const float y = across(random);
+    blade.positions.emplace_back(x, y, 0.5f * side * static_cast<float>(kThickness));
+    blade.normals.emplace_back(0, 0, side);
+  }
+  CpuTouch touch(blade, {.radius = 4.7 * kFine,
+                         .brush = BrushOptions{.kind = BrushKind::grab, .yieldDepth = kTau, .radius = 8.6},
+                         .threads = 1});
+  double time_s = 0;
+  const auto go = [&](const DVec3& from, const DVec3& to) {
+    const int ticks = static_cast<int>(glm::distance(from, to) / 0.4);  // at 400 mm/s
+    for (int k = 0; k < ticks; ++k, time_s += 1e-3)
+      touch.query({.time_s = time_s, .hip = glm::mix(from, to, double(k) / ticks)}, 0);
+  };
+  const std::array<DVec3, 4> path{DVec3(-8, 0, 6), DVec3(-8, 0, -5), DVec3(4, 0, -5), DVec3(4, 0, 5)};
+  for (std::size_t leg = 1; leg < path.size(); ++leg) go(path[leg - 1], path[leg]);
+  touch.finish();
+  PointCloud after = blade;
+  const std::size_t changed = touch.readBack(after);
+  CHECK(changed > 1000);
+  CHECK(after.size() < blade.size() + changed / 2);
 }
 
 }  // namespace palpate::thin_parts_test
