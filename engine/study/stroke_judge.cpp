@@ -126,7 +126,9 @@ DVec3 towardsTool(const PlayedStroke& stroke, const DVec3& place) {
 }
 
 // A point of the cloud has turned if it faces against the side to which the motion of its neighbours has carried its
-// normal; a new point if most of the nearest old ones of its side say so. The wall that carve leaves faces the tool.
+// normal; a new point if both most of the nearest old ones of its side and the one from which it stems are against it:
+// where the surface is stretched or bent over a rim, the nearest ones alone may be beyond the rim. The wall that carve
+// leaves faces the tool.
 std::size_t StrokeJudge::turnedIn(std::span<const PointState> after, std::span<const char> near,
                                   const PlayedStroke& stroke) const {
   const std::size_t old = before_.size();
@@ -159,7 +161,8 @@ std::size_t StrokeJudge::turnedIn(std::span<const PointState> after, std::span<c
       ++count;
       against += glm::dot(*carried[other], normal) < 0;
     }
-    turned += 2 * against > count && !facesTool(after[i]);
+    const std::optional<DVec3> origin = ancestor < old ? carried[ancestor] : std::nullopt;
+    turned += 2 * against > count && !(origin && glm::dot(*origin, normal) >= 0) && !facesTool(after[i]);
   }
   return turned;
 }

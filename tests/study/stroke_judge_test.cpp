@@ -107,6 +107,21 @@ TEST_CASE("a new point takes its side from the old ones around it") {
   }
 }
 
+TEST_CASE("a new point has its side also where another part of the surface is folded under it, nearer than its own") {
+  Stroke stroke(10);
+  for (std::size_t i = 0; i < kSide * kSide; ++i) {
+    PointState& state = stroke.states[i];
+    if (state.position.x < 9) continue;
+    state.position = {16.5f - state.position.x, state.position.y, -0.3f};
+    state.normal = -state.normal;
+  }
+  stroke.states.push_back({.position = Vec3(5.5f, 0.5f, 0),
+                           .id = static_cast<std::uint32_t>(stroke.states.size()),
+                           .normal = Vec3(0, 0, 1),
+                           .parent = kSide * kSide / 2 + kSide / 2 + 5});
+  CHECK(stroke.verdict().turned == 0);
+}
+
 TEST_CASE("a push through the far side of a plate is over the surface, one deep inside of a solid is not") {
   for (const double thickness : {2.0, 30.0}) {
     CAPTURE(thickness);
