@@ -21,6 +21,10 @@ class Clutch {
     return drawn ? hip_ : map_.toModel(device);
   }
   bool isDrawn() const noexcept { return drawn_; }
+  template <class Visit>
+  void visitState(Visit& visit) noexcept {
+    visit(map_.scale, map_.offset, drawn_, hip_);
+  }
 
  private:
   WorkspaceMap map_;

@@ -50,6 +50,11 @@ class ForceGate {
   /// Share of the wanted force that passes now, 0 to 1, before the limit of heat.
   double share() const noexcept { return share_; }
   const GateCounts& counts() const noexcept { return counts_; }
+  template <class Visit>
+  void visitState(Visit& visit) noexcept {
+    motors_.visitState(visit);
+    visit(share_, waiting_, errorFor_s_, staleFor_s_);
+  }
 
  private:
   bool isError(const DVec3& wanted_N, const TickSigns& signs, double dt_s) const noexcept;

@@ -27,12 +27,16 @@ DVec3 towards(const DVec3& from, const DVec3& to, double longest) {
 
 }  // namespace
 
-ForceLaw::ForceLaw(const ForceOptions& options, const ModelScale& scale) : options_(options), scale_(scale) {
+void validate(const ForceOptions& options) {
   checkForceOption(options.stiffness_N_per_mm, "stiffness (N/mm)", false);
   checkForceOption(options.damping_N_s_per_mm, "damping (N s/mm)", false);
   checkForceOption(options.maxForce_N, "the maximum force (N)", true);
   checkForceOption(options.maxRise_N_per_s, "the maximum rise of force (N/s)", true);
   checkForceOption(options.maxSurfacePower_W, "the maximum power of the surface (W)", true);
+}
+
+ForceLaw::ForceLaw(const ForceOptions& options, const ModelScale& scale) : options_(options), scale_(scale) {
+  validate(options);
 }
 
 void ForceLaw::limitTo(double peakForce_N, double stiffness_N_per_mm) noexcept {

@@ -34,10 +34,13 @@ struct CustomForce {
   explicit operator bool() const { return function != nullptr; }
 };
 
+/// Throws UsageError for an option that is negative or not finite (those that begin with max may be infinite).
+void validate(const ForceOptions& options);
+
 /// Keeps the state of the last tick; one per session.
 class ForceLaw {
  public:
-  /// Throws UsageError for an option that is negative or not finite (those that begin with max may be infinite).
+  /// Throws as validate() does.
   ForceLaw(const ForceOptions& options, const ModelScale& scale);
 
   const ForceOptions& options() const { return options_; }
@@ -46,6 +49,10 @@ class ForceLaw {
   /// From now on `custom` gives the force of a contact, in place of spring and damper; every limit stays, except that
   /// it may also pull. It does not apply to a tool of many points.
   void setCustom(const CustomForce& custom) { custom_ = custom; }
+
+  /// Replaces the options, before limitTo(). What this changes about the force counts as the surface's: it follows at a
+  /// tenth of maxRise_N_per_s.
+  void setOptions(const ForceOptions& options) noexcept { options_ = options; }
 
   /// Lowers maxForce_N and the stiffness to what a device bears.
   void limitTo(double peakForce_N, double stiffness_N_per_mm = std::numeric_limits<double>::infinity()) noexcept;
@@ -75,6 +82,17 @@ class ForceLaw {
 
   /// Resets the contact, as if nothing had been touched yet.
   void reset() noexcept;
+
+  template <class Visit>
+  void visitState(Visit& visit) noexcept {
+    const auto visitPoint = [&](Point& point) {
+      point.stretch.visitState(visit), point.hand.visitState(visit);
+      visit(point.hip_mm, point.hand_mm_per_s);
+    };
+    visitPoint(point_);
+    for (Point& point : toolPoints_) visitPoint(point);
+    visit(asked_N_, followed_N_, force_N_, torque_mNm_, demand_N_, isMoveKnown_);
+  }
 
  private:
   /// A point that touches, as the last tick left it.

@@ -29,7 +29,7 @@ Hand::Hand(HapticDevice& device, ForceLaw law, const HandOptions& options, doubl
       passivity_(passivityMode_, limits_, springOfDevice_N_per_mm()),
       gate_(limits_, 1 / rate_Hz),
       clutch_(options.map) {
-  law_.limitTo(limits_.peakForce_N, limits_.mostStiffness_N_per_mm);
+  setForce(law_.options());
   law_.feelWith(toolPoints);
   if (passivityMode_ == PassivityMode::on && !limits_.handHeld)
     throw UsageError("passivity on: the device '{}' does not yield to forces; use observe", device.name());
@@ -44,6 +44,12 @@ HandCounts Hand::counts() const {
   HandCounts counts{.withheld = gate_.counts()};
   if (passivityMode_ != PassivityMode::off) counts.leastEnergy_mJ = passivity_.leastEnergy_mJ();
   return counts;
+}
+
+void Hand::setForce(const ForceOptions& options) noexcept {
+  law_.setOptions(options);
+  law_.limitTo(limits_.peakForce_N, limits_.mostStiffness_N_per_mm);
+  passivity_.setStiffness(springOfDevice_N_per_mm());
 }
 
 void Hand::begin() {

@@ -70,6 +70,17 @@ class Hand {
   /// Records this tick.
   void note(TraceRow& row) const noexcept;
 
+  /// Replaces the options of its force law, within the limits of its device. Between ticks.
+  void setForce(const ForceOptions& options) noexcept;
+  template <class Visit>
+  void visitState(Visit& visit) noexcept {
+    law_.visitState(visit);
+    passivity_.visitState(visit);
+    gate_.visitState(visit);
+    clutch_.visitState(visit);
+    visit(lastPosition_, lastProxy_, felt_.asked_N, felt_.got_N);
+  }
+
  private:
   /// The force to write. A tool's torque is reduced in the same proportion as the force.
   DVec3 forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s,

@@ -23,9 +23,14 @@ constexpr double kFaster = 1.25, kAhead_ticks = 2;
 
 Passivity::Passivity(PassivityMode mode, const DeviceLimits& limits, double stiffness_N_per_mm) noexcept
     : mode_(mode),
-      stiffness_N_per_mm_(std::max(stiffness_N_per_mm, kSoftest_N_per_mm)),
       mostDamping_N_s_per_mm_(limits.mostDamping_N_s_per_mm),
-      delay_(static_cast<std::size_t>(std::clamp(limits.forceDelay_ticks, 0, static_cast<int>(kMaxDelay)))) {}
+      delay_(static_cast<std::size_t>(std::clamp(limits.forceDelay_ticks, 0, static_cast<int>(kMaxDelay)))) {
+  setStiffness(stiffness_N_per_mm);
+}
+
+void Passivity::setStiffness(double stiffness_N_per_mm) noexcept {
+  stiffness_N_per_mm_ = std::max(stiffness_N_per_mm, kSoftest_N_per_mm);
+}
 
 // Under a zero-order hold the energy between two reads is exactly the held force times the displacement between them,
 // whatever the velocity in between (Stramigioli et al. 2005), so the observer needs no estimate of a velocity.
@@ -87,13 +92,27 @@ DVec3 Passivity::lent(const DVec3& force_N, const DVec3& way_mm, double dt_s) no
   const bool mayBegin = sunk_mm_ >= kSinks_mm && left_mJ > -kBeginning_mJ;
   double most_N = std::max(std::sqrt(2 * stiffness_N_per_mm_ * std::max(0.0, left_mJ)), mayBegin ? kBeginning_N : 0);
   if (held_N_) most_N = std::min(most_N, *held_N_ + kReturn_N_per_s * dt_s);
+  most_N = std::max(most_N, fallingTo(most_N, size_N, inwards_mm, dt_s));
   held_N_ = size_N > most_N ? std::optional(most_N) : std::nullopt;
   return held_N_ ? *held_N_ / size_N * force_N : force_N;
+}
+
+// A force above that limit, as where others begin to change the surface, falls to it by 60 N/s, and as a spring relaxes
+// where the hand moves out. At rest that costs nothing. What it gives a hand that moves out is energy that this side
+// has not put in: once kFall_mJ of it are given in a contact, or for a hand that withdraws fast, the force is cut.
+double Passivity::fallingTo(double most_N, double size_N, double inwards_mm, double dt_s) noexcept {
+  const double outwards_mm = std::max(0.0, -inwards_mm);
+  if (last_N_ <= most_N || outwards_mm > kFast_mm_per_s * dt_s) return most_N;
+  const double next_N = last_N_ - kReturn_N_per_s * dt_s - stiffness_N_per_mm_ * outwards_mm;
+  // It acts until the next tick at least, and the hand may be faster then.
+  gift_mJ_ += std::max(0.0, std::min(next_N, size_N) - most_N) * kFaster * outwards_mm;
+  return gift_mJ_ > kFall_mJ ? most_N : next_N;
 }
 
 void Passivity::acted(const DVec3& force_N) noexcept {
   std::shift_right(forces_N_.begin(), forces_N_.end(), 1);
   forces_N_[0] = force_N;
+  last_N_ = glm::length(force_N);
   const auto isGone = [](const DVec3& force) { return force == DVec3(0); };
   // A limited force still acts: its contact has not ended.
   if (isLending_ && isWanted_) return;
@@ -103,7 +122,7 @@ void Passivity::acted(const DVec3& force_N) noexcept {
 void Passivity::end() noexcept {
   energy_mJ_ = 0;
   isLending_ = false;
-  sunk_mm_ = 0;
+  sunk_mm_ = gift_mJ_ = 0;
   held_N_.reset();
 }
 

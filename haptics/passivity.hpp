@@ -36,6 +36,8 @@ inline constexpr std::array<std::pair<std::string_view, PassivityMode>, 3> kPass
 class Passivity {
  public:
   static constexpr double kLent_mJ = 0.5, kBeginning_mJ = 0.2;
+  /// Given beyond that while a force falls to its limit.
+  static constexpr double kFall_mJ = 0.1;
 
   /// `stiffness_N_per_mm`: of the spring between hand and surface; a force that would give too much is limited by it.
   Passivity(PassivityMode mode, const DeviceLimits& limits, double stiffness_N_per_mm) noexcept;
@@ -59,8 +61,16 @@ class Passivity {
   /// Forgets the hand's position, so that a jump does not count as work.
   void lift() noexcept;
 
+  /// The spring between hand and surface has another stiffness from now on.
+  void setStiffness(double stiffness_N_per_mm) noexcept;
+
   double energy_mJ() const noexcept { return energy_mJ_; }
   double leastEnergy_mJ() const noexcept { return leastEnergy_mJ_; }
+  template <class Visit>
+  void visitState(Visit& visit) noexcept {
+    for (DVec3& force_N : forces_N_) visit(force_N);
+    visit(position_mm_, lastWay_mm_, known_, energy_mJ_, isWanted_, isLending_, held_N_, sunk_mm_, last_N_, gift_mJ_);
+  }
 
  private:
   static constexpr std::size_t kMaxDelay = 3;
@@ -69,6 +79,7 @@ class Passivity {
   DVec3 withinMeans(const DVec3& force_N, const DVec3& way_mm, const DVec3& change_mm, double dt_s) const noexcept;
   double leftAlong_mJ(const DVec3& way_mm) const noexcept;
   void end() noexcept;
+  double fallingTo(double most_N, double size_N, double inwards_mm, double dt_s) noexcept;
   DVec3 lent(const DVec3& force_N, const DVec3& way_mm, double dt_s) noexcept;
 
   PassivityMode mode_;
@@ -83,6 +94,8 @@ class Passivity {
   bool isWanted_ = false;         ///< there is a force to pass in this tick
   bool isLending_ = false;        ///< others have changed the surface of this contact
   std::optional<double> held_N_;  ///< the limited force of the last tick, if one was limited
+  double last_N_ = 0;             ///< size of the force of the last tick
+  double gift_mJ_ = 0;            ///< given in this contact beyond the limit of the energy, while the force fell to it
   double sunk_mm_ = 0;            ///< how far the hand has moved in since it last moved out
 };
 

@@ -16,6 +16,11 @@ class RateEstimate {
   DVec3 add(const DVec3& value, double dt_s) noexcept;
 
   void reset() noexcept { count_ = 0; }
+  template <class Visit>
+  void visitState(Visit& visit) noexcept {
+    for (Sample& sample : samples_) visit(sample.value, sample.dt_s);
+    visit(newest_, count_);
+  }
 
  private:
   static constexpr std::size_t kMax = 16;  // ticks in a difference: a millisecond up to 16 kHz

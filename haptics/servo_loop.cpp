@@ -26,6 +26,22 @@ class ZeroForceAtExit {
   std::span<const Hand> hands_;
 };
 
+/// While a held clock lets the loop wait for a tick, it takes commands.
+class ServedWhileWaiting {
+ public:
+  explicit ServedWhileWaiting(const ServoOptions& options) : clock_(options.mailbox ? options.clock : nullptr) {
+    if (clock_) clock_->serve([mailbox = options.mailbox] { mailbox->serve(); });
+  }
+  ~ServedWhileWaiting() {
+    if (clock_) clock_->serve({});
+  }
+  ServedWhileWaiting(const ServedWhileWaiting&) = delete;
+  ServedWhileWaiting& operator=(const ServedWhileWaiting&) = delete;
+
+ private:
+  SteppedClock* clock_;
+};
+
 std::uint64_t ticksFor(const ServoOptions& options) {
   const std::uint64_t planned = plannedTicks(options.rate_Hz, options.endless ? 0 : options.duration_s);
   if (!options.endless) return planned;
@@ -52,7 +68,7 @@ ServoLoop::ServoLoop(HapticDevice& device, ContactQuery& query, ForceLaw law, co
                      const HandOptions& hand)
     : ServoLoop(query, {SessionHand{.device = device, .law = std::move(law), .options = hand}}, options) {}
 
-ServoResult ServoLoop::run(const TickObserver& observer) {
+ServoResult ServoLoop::run(const TickObserver& observer, const TickHook& before) {
   ServoResult result;
   result.hands.resize(hands_.size());
   for (std::size_t i = 0; i < hands_.size(); ++i) {
@@ -63,7 +79,11 @@ ServoResult ServoLoop::run(const TickObserver& observer) {
     hands_[i].begin();
   }
   failed_ = nullptr;
-  const std::size_t done = play(observer, result);
+  progress_ = {};
+  begin_s_ = options_.begin_s;
+  first_ = 0;
+  if (StateNumbers numbers = StateNumbers::from(options_.resume); numbers.reads()) visitState(numbers);
+  const std::size_t done = play(observer, before, result);
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     result.hands[i].trace.rows.resize(options_.endless ? 0 : done);
     result.hands[i].trace.missedTicks = result.trace().missedTicks;
@@ -73,11 +93,11 @@ ServoResult ServoLoop::run(const TickObserver& observer) {
   return result;
 }
 
-std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
+std::size_t ServoLoop::play(const TickObserver& observer, const TickHook& before, ServoResult& result) {
   std::list<CrashStop> crashes;
   for (const Hand& hand : hands_)  // a script needs no protection, and leaves the program's signals alone
     if (hand.device().limits().handHeld) crashes.emplace_back(hand.device());
-  if (!options_.realtime) return playAtOnce(observer, result);
+  if (!options_.realtime) return playAtOnce(observer, before, result);
   return hands_.front().device().paces() ? playByDevice(result) : playByClock(result);
 }
 
@@ -85,11 +105,13 @@ bool ServoLoop::isOver(std::uint64_t index) const noexcept {
   return index >= plannedTicks_ || (options_.stop && options_.stop->load(std::memory_order_relaxed));
 }
 
-bool ServoLoop::next(std::uint64_t due, double budget_us, Progress& progress, ServoResult& result) noexcept {
+bool ServoLoop::next(std::uint64_t due, double budget_us, ServoResult& result) noexcept {
+  Progress& progress = progress_;
   progress.missed += due - progress.next;
+  progress.next = due;
+  if (options_.mailbox) options_.mailbox->serve();
+  const std::uint64_t index = next();
   progress.next = due + 1;
-  const std::uint64_t index = countsTicks_ ? progress.done : due;
-  const double time_s = options_.begin_s + static_cast<double>(index) / options_.rate_Hz;
   const std::size_t place = options_.endless ? 0 : progress.done;
   if (place > 0)  // last positions of the hands, in case a device fails now
     for (HandResult& hand : result.hands) hand.trace.rows[place].hip = hand.trace.rows[place - 1].hip;
@@ -98,7 +120,7 @@ bool ServoLoop::next(std::uint64_t due, double budget_us, Progress& progress, Se
   const auto sinceBegin_s = [&](std::uint64_t tick) { return static_cast<double>(tick) / options_.rate_Hz; };
   const double dt_s =
       progress.lastIndex ? sinceBegin_s(index) - sinceBegin_s(*progress.lastIndex) : 1 / options_.rate_Hz;
-  const Tick how = tick(time_s, dt_s, budget_us, place, progress.missed, result);
+  const Tick how = tick(time_s(index), dt_s, budget_us, place, progress.missed, result);
   if (how == Tick::waits) return true;
   ++progress.done;
   progress.missed = 0;
@@ -110,15 +132,44 @@ bool ServoLoop::next(std::uint64_t due, double budget_us, Progress& progress, Se
   return true;
 }
 
-std::size_t ServoLoop::playAtOnce(const TickObserver& observer, ServoResult& result) {
+std::size_t ServoLoop::playAtOnce(const TickObserver& observer, const TickHook& before, ServoResult& result) {
   const ZeroForceAtExit zero(hands_);
-  Progress progress;
   for (std::uint64_t index = 0; !isOver(index); ++index) {
-    const std::size_t before = progress.done;
-    if (!next(index, 0, progress, result)) break;
-    if (observer && progress.done > before) observer(result.trace().rows[progress.done - 1]);
+    const std::size_t done = progress_.done;
+    if (before) before(done);
+    if (!next(index, 0, result)) break;
+    if (observer && progress_.done > done) observer(result.trace().rows[progress_.done - 1]);
   }
-  return progress.done;
+  return progress_.done;
+}
+
+void ServoLoop::setForce(const ForceOptions& options) noexcept {
+  for (Hand& hand : hands_) hand.setForce(options);
+}
+
+void ServoLoop::visitState(StateNumbers& visit) noexcept {
+  std::uint64_t number = next();
+  double begin_s = begin_s_;
+  std::optional<double> last;
+  if (progress_.lastIndex) last = static_cast<double>(*progress_.lastIndex);
+  visit(begin_s, number, last);
+  if (visit.reads()) {
+    begin_s_ = begin_s;
+    first_ = number;
+    if (last) progress_.lastIndex = static_cast<std::uint64_t>(*last);
+  }
+  for (Hand& hand : hands_) hand.visitState(visit);
+}
+
+std::size_t ServoLoop::stateSize() noexcept {
+  StateNumbers numbers;
+  visitState(numbers);
+  return numbers.count();
+}
+
+void ServoLoop::saveState(std::span<double> numbers) noexcept {
+  StateNumbers to = StateNumbers::to(numbers);
+  visitState(to);
 }
 
 double ServoLoop::budgetOf(const TickPacer& pacer, std::uint64_t index) const noexcept {
@@ -132,22 +183,21 @@ std::size_t ServoLoop::playByClock(ServoResult& result) {
   const TickPacer pacer(options_.rate_Hz, result.realtimePriority, options_.clock);
   const SchedulingStatistics before = schedulingOfThisThread();
   const ZeroForceAtExit zero(hands_);  // destroyed first, still under the raised priority
-  Progress progress;
+  const ServedWhileWaiting served(options_);
   for (std::uint64_t index = 0; !isOver(index); ++index) {
     const std::uint64_t due = std::min(pacer.waitFor(index), plannedTicks_);
     result.hands.front().trace.missedTicks += due - index;
     index = due;
     if (index == plannedTicks_) break;
     result.late_us.add(-pacer.remaining_us(index));
-    if (!next(index, budgetOf(pacer, index), progress, result)) break;
+    if (!next(index, budgetOf(pacer, index), result)) break;
   }
   result.scheduling = schedulingOfThisThread() - before;
-  return progress.done;
+  return progress_.done;
 }
 
 std::size_t ServoLoop::playByDevice(ServoResult& result) {
   const ZeroForceAtExit zero(hands_);
-  Progress progress;
   result.pacedByDevice = true;
   std::optional<TickPacer> pacer;  // starts with the device's first tick
   std::uint64_t index = 0;
@@ -159,10 +209,10 @@ std::size_t ServoLoop::playByDevice(ServoResult& result) {
     result.hands.front().trace.missedTicks += due - index;
     result.late_us.add(std::max(0.0, -pacer->remaining_us(due)));
     index = due + 1;
-    return next(due, budgetOf(*pacer, due), progress, result);
+    return next(due, budgetOf(*pacer, due), result);
   });
   result.deviceFailed = result.deviceFailed || !cameToEnd;
-  return progress.done;
+  return progress_.done;
 }
 
 ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, std::size_t place, std::uint64_t missed,

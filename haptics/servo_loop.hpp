@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "haptics/hand.hpp"
 #include "haptics/information_age.hpp"
 #include "haptics/scheduling_statistics.hpp"
+#include "haptics/servo_mailbox.hpp"
+#include "haptics/state_numbers.hpp"
 #include "haptics/tick_histogram.hpp"
 #include "haptics/tick_pacer.hpp"
 #include "haptics/trace.hpp"
@@ -47,6 +50,9 @@ struct ServoOptions {
   /// Age of the information about the surface, if others change it: reduces the force. Null: always current.
   const InformationAge* known = nullptr;
   TickRecorder* recorder = nullptr;  ///< notified of each tick, in virtual and in real time; must outlive the loop
+  ServoMailbox* mailbox = nullptr;   ///< commands, in real time; open, and closed by the caller afterwards
+  /// Continues as the loop whose saveState() this is: with the numbers of its ticks and the state of its hands.
+  std::span<const double> resume;
 };
 
 /// A hand at the start of a session: its device, which must outlive the session, and how its force is computed.
@@ -79,6 +85,8 @@ struct ServoResult {
 
 /// Called after each tick in virtual time only, outside the tick: it may take long, allocate and throw.
 using TickObserver = std::function<void(const TraceRow&)>;
+/// The same before each tick, with the number of ticks before it.
+using TickHook = std::function<void(std::uint64_t)>;
 
 /// The last force that a device gets is always zero, also when a signal ends the program. A fault of a device ends the
 /// session, with zero force from that tick on. A fault of the query means zero force at that tick, a row that says so,
@@ -97,12 +105,23 @@ class ServoLoop {
 
   /// In virtual time tick i is at exactly i / rate, and the same input gives the same trace. In real time no tick
   /// allocates or locks, and ticks that are late by more than a period are skipped and counted.
-  ServoResult run(const TickObserver& observer = {});
+  ServoResult run(const TickObserver& observer = {}, const TickHook& before = {});
+
+  // For commands: on the thread that ticks, between two ticks.
+
+  /// Replaces the options of the force law of all hands.
+  void setForce(const ForceOptions& options) noexcept;
+  /// Time of the next tick, if none is missed.
+  double next_s() const noexcept { return time_s(next()); }
+  /// Numbers of saveState().
+  std::size_t stateSize() noexcept;
+  /// What the next tick needs from the ticks before it, for ServoOptions::resume. Allocates nothing.
+  void saveState(std::span<double> numbers) noexcept;
 
  private:
   /// Fills the rows from the front and returns the number of ticks done.
-  std::size_t play(const TickObserver& observer, ServoResult& result);
-  std::size_t playAtOnce(const TickObserver& observer, ServoResult& result);
+  std::size_t play(const TickObserver& observer, const TickHook& before, ServoResult& result);
+  std::size_t playAtOnce(const TickObserver& observer, const TickHook& before, ServoResult& result);
   std::size_t playByClock(ServoResult& result);
   std::size_t playByDevice(ServoResult& result);
   bool isOver(std::uint64_t index) const noexcept;
@@ -112,8 +131,12 @@ class ServoLoop {
     std::optional<std::uint64_t> lastIndex;  // of the ticks that count
     std::uint64_t next = 0, missed = 0;      // index after the last tick, and ticks left out since the last row
   };
-  /// Runs the tick that is due; false if it was the last.
-  bool next(std::uint64_t due, double budget_us, Progress& progress, ServoResult& result) noexcept;
+  /// Runs the tick that is due, after the commands that wait; false if it was the last.
+  bool next(std::uint64_t due, double budget_us, ServoResult& result) noexcept;
+  std::uint64_t next() const noexcept { return first_ + (countsTicks_ ? progress_.done : progress_.next); }
+  double time_s(std::uint64_t index) const noexcept { return begin_s_ + static_cast<double>(index) / options_.rate_Hz; }
+  /// Sets or reads begin_s_ and the number of the next tick, and the state of the hands.
+  void visitState(StateNumbers& visit) noexcept;
   enum class Tick { done, waits, deviceFailed, queryLost };
   /// `place`: index of the rows to fill.
   Tick tick(double time_s, double dt_s, double budget_us, std::size_t place, std::uint64_t missed,
@@ -131,6 +154,9 @@ class ServoLoop {
   bool countsTicks_ = false;      ///< DeviceLimits::countsTicks
   std::vector<Pose> poses_;       ///< of the current tick, one for each hand
   const Hand* failed_ = nullptr;  ///< the first one whose device failed
+  Progress progress_;
+  double begin_s_ = 0;       ///< the time of tick 0
+  std::uint64_t first_ = 0;  ///< the number of the first tick
 };
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <new>
+#include <utility>
 
 #include "haptics/machine_time.hpp"
 
@@ -34,7 +35,14 @@ void SteppedClock::waitUntil_ns(std::int64_t time_ns) noexcept {
   std::unique_lock lock(guard_);
   awaited_ns_ = time_ns;
   arrived_.notify_all();
-  go_.wait(lock, [&] { return !held_ || time_ns <= limit_ns_; });
+  const auto isDue = [&] { return !held_ || time_ns <= limit_ns_; };
+  while (!isDue()) {
+    go_.wait(lock, [&] { return woken_ || isDue(); });
+    if (!std::exchange(woken_, false) || !between_) continue;
+    lock.unlock();
+    between_();  // set by this thread
+    lock.lock();
+  }
   awaited_ns_ = kNotWaiting;
   now_ns_ = std::max(now_ns_, time_ns);
 }
@@ -62,6 +70,17 @@ void SteppedClock::goOnTo(double time_s) noexcept {
   limit_ns_ = std::llround(time_s * 1e9);
   go_.notify_all();
   arrived_.wait(lock, [&] { return !ticks_ || awaited_ns_ > limit_ns_; });
+}
+
+void SteppedClock::serve(std::function<void()> between) {
+  const std::scoped_lock lock(guard_);
+  between_ = std::move(between);
+}
+
+void SteppedClock::wake() noexcept {
+  const std::scoped_lock lock(guard_);
+  woken_ = true;
+  go_.notify_all();
 }
 
 void SteppedClock::passTo(double time_s) noexcept {

@@ -3,6 +3,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 
 namespace palpate {
@@ -33,6 +34,9 @@ class SteppedClock final : public SessionClock {
   void letGo() noexcept;
   /// Lets the session advance to `time_s`; returns when it has done all ticks until then, or has left.
   void goOnTo(double time_s) noexcept;
+  /// What the session's thread does at each wake() while it waits for a tick; empty: nothing.
+  void serve(std::function<void()> between);
+  void wake() noexcept;
   /// The session comes too late for the ticks until `time_s`.
   void passTo(double time_s) noexcept;
 
@@ -42,7 +46,8 @@ class SteppedClock final : public SessionClock {
   mutable std::mutex guard_;
   std::condition_variable go_, arrived_;
   std::int64_t now_ns_ = 0, limit_ns_ = 0, awaited_ns_ = kNotWaiting;
-  bool held_ = false, ticks_ = false;
+  bool held_ = false, ticks_ = false, woken_ = false;
+  std::function<void()> between_;
 };
 
 }  // namespace palpate

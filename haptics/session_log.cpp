@@ -1,9 +1,13 @@
 #include "haptics/session_log.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include "engine/core/checksum.hpp"
@@ -18,6 +22,40 @@ using session_file::Before;
 using session_file::Block;
 using session_file::Header;
 using session_file::Mark;
+
+/// The layout of the version before, whose unsaved strokes are still read.
+namespace version4 {
+
+constexpr std::uint32_t kVersion = 4;
+
+struct Header {
+  std::array<char, 8> magic{};
+  std::uint32_t version = 0, textBytes = 0;
+  std::uint64_t checksum = 0;
+};
+struct Block {
+  std::uint32_t magic = 0, number = 0, ticks = 0, states = 0, marks = 0, last = 0;
+  std::uint64_t merged = 0;
+  SessionEnd end;
+  std::uint64_t checksum = 0;
+};
+struct Before {
+  std::uint64_t ticks = 0, states = 0;
+};
+static_assert(sizeof(Header) == 24 && sizeof(Block) == 56 && sizeof(Before) == 16 && sizeof(PointState) == 36);
+
+}  // namespace version4
+
+// Nothing for a point that this version cannot have.
+std::optional<PointState> stateOf(const session_file::State& state) {
+  constexpr std::uint64_t kEnd = PointState::kGone;
+  if (state.number >= kEnd || state.parent >= kEnd || state.layer != 0 || state.gone > 1) return std::nullopt;
+  return PointState{.position = state.position,
+                    .id = static_cast<std::uint32_t>(state.number) | (state.gone ? PointState::kGone : 0),
+                    .normal = state.normal,
+                    .color = state.color,
+                    .parent = static_cast<std::uint32_t>(state.parent)};
+}
 
 /// Reads pieces of a file of known size; an incomplete piece appends nothing.
 class Source {
@@ -83,15 +121,11 @@ std::string_view bytesOf(const T& value) {
   return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
-template <class T>
-void addFrom(Checksum& sum, const std::vector<T>& values, std::size_t first) {
-  sum.add(std::as_bytes(std::span(values).subspan(first)));
-}
-
 /// Reads a log front to back; after an unreadable part it continues with the next complete block.
 class LogReader {
  public:
-  explicit LogReader(const std::filesystem::path& file) : file_(file), source_(file) {}
+  /// `readsOlder`: also the version before.
+  LogReader(const std::filesystem::path& file, bool readsOlder) : file_(file), source_(file), readsOlder_(readsOlder) {}
 
   SessionRecord read() {
     readHeader();
@@ -114,20 +148,36 @@ class LogReader {
  private:
   void readHeader();
   bool isWholeHeader(Header& header);
+  template <class SomeHeader>
+  bool isWhole(SomeHeader& header);
   bool readBlock();
-  bool isWholeBlock(Block& block, std::vector<Mark>& marks);
+  /// What a block contains.
+  struct Content {
+    std::vector<LoggedTick> ticks;
+    std::vector<PointState> states;
+    std::vector<Mark> marks;
+    std::vector<LoggedCommand> commands;
+  };
+  bool isWholeBlock(Block& block, Content& content);
+  template <class SomeBlock, class SomeBefore, class SomeState>
+  bool isWholeBlock(SomeBlock& block, SomeBefore& before, Content& content);
+  template <class T>
+  bool take(std::vector<T>& values, std::uint64_t count, Checksum& sum);
+  bool takeCommands(const Block& block, Content& content, Checksum& sum);
   void noteGap(std::uint64_t begin, const Block& block);
 
   std::filesystem::path file_;
   Source source_;
+  bool readsOlder_;
+  std::uint32_t version_ = session_file::kVersion;  // of the file
   SessionRecord record_;
   std::uint32_t next_ = 0;  // number of the next block
   Before before_, sofar_;   // counts before the current block, and counts of the complete ones
 };
 
-bool LogReader::isWholeHeader(Header& header) {
-  if (!source_.take(header) || header.magic != session_file::kMagic) return false;
-  if (header.version != session_file::kVersion) return false;
+template <class SomeHeader>
+bool LogReader::isWhole(SomeHeader& header) {
+  if (!source_.take(header)) return false;
   record_.text.clear();
   if (header.textBytes <= source_.left()) record_.text.resize(header.textBytes);
   const std::uint64_t checksum = std::exchange(header.checksum, 0);
@@ -138,11 +188,25 @@ bool LogReader::isWholeHeader(Header& header) {
   return whole && record_.text.size() == header.textBytes && sum.value() == checksum;
 }
 
+bool LogReader::isWholeHeader(Header& header) {
+  const std::uint64_t at = source_.at();
+  version4::Header older;  // begins with the same members
+  if (!source_.take(older) || older.magic != session_file::kMagic) return false;
+  source_.go(at);
+  version_ = older.version;
+  if (readsOlder_ && version_ == version4::kVersion) return isWhole(older);
+  return version_ == session_file::kVersion && isWhole(header) && header.law == session_file::kForceLaw;
+}
+
 // If the first header is damaged, the second one is used.
 void LogReader::readHeader() {
   const std::string_view magic(session_file::kMagic.data(), session_file::kMagic.size());
-  Header first, header;
+  Header header;
+  version4::Header first;  // its members are those of all versions
+  std::uint32_t law = session_file::kForceLaw;
   const bool isThere = source_.take(first) && first.magic == session_file::kMagic;
+  source_.go(offsetof(Header, law));
+  if (first.version == session_file::kVersion) source_.take(law);
   source_.go(0);
   bool whole = isWholeHeader(header);
   if (whole) source_.go(2 * source_.at());
@@ -153,38 +217,88 @@ void LogReader::readHeader() {
   }
   if (whole) return;
   if (!isThere) throw FileError(file_, "is not a session log; record a session to get one");
-  if (first.version == session_file::kOtherForceLaw)
-    throw FileError(file_,
-                    fmt::format("is a session log of version {}; the force law has changed since, so that its forces "
-                                "would not be found again; use the palpate that wrote it",
-                                first.version));
   if (first.version != session_file::kVersion)
     throw FileError(
         file_, fmt::format("is a session log of version {}, and this palpate reads version {}; use the palpate that "
                            "wrote it",
                            first.version, session_file::kVersion));
+  if (law != session_file::kForceLaw)
+    throw FileError(file_,
+                    fmt::format("is a session log with the force law {}, and this palpate has the law {}, under which "
+                                "its forces would not be found again; use the palpate that wrote it",
+                                law, session_file::kForceLaw));
   throw FileError::atByte(file_, sizeof(Header), "the header of the session log is damaged; nothing can be read");
 }
 
-bool LogReader::isWholeBlock(Block& block, std::vector<Mark>& marks) {
-  const std::size_t ticks = record_.ticks.size(), states = record_.edits.points.size();
-  if (!source_.take(block) || block.magic != Block().magic || block.number < next_) return false;
-  before_ = sofar_;
-  if (!source_.take(before_)) return false;
-  if (before_.ticks < sofar_.ticks || before_.states < sofar_.states) return false;
-  if (!source_.append(record_.ticks, block.ticks) || !source_.append(record_.edits.points, block.states) ||
-      !source_.append(marks, block.marks))
+template <class T>
+bool LogReader::take(std::vector<T>& values, std::uint64_t count, Checksum& sum) {
+  if (!source_.append(values, count)) return false;
+  sum.add(std::as_bytes(std::span(values)));
+  return true;
+}
+
+bool LogReader::takeCommands(const Block& block, Content& content, Checksum& sum) {
+  std::vector<char> bytes;
+  if (!take(bytes, block.commandBytes, sum)) return false;
+  std::span<const char> left = bytes;
+  while (!left.empty()) {
+    session_file::Command command;
+    if (left.size() < sizeof command) return false;
+    std::memcpy(&command, left.data(), sizeof command);
+    left = left.subspan(sizeof command);
+    const std::uint64_t padded = (std::uint64_t{command.bytes} + 7) / 8 * 8;
+    if (padded > left.size() || command.kind > static_cast<std::uint32_t>(LoggedCommand::Kind::frames)) return false;
+    content.commands.push_back({.tick = command.tick,
+                                .kind = static_cast<LoggedCommand::Kind>(command.kind),
+                                .content = std::string(left.data(), command.bytes)});
+    left = left.subspan(padded);
+  }
+  return content.commands.size() == block.commands;
+}
+
+template <class SomeBlock, class SomeBefore, class SomeState>
+bool LogReader::isWholeBlock(SomeBlock& block, SomeBefore& before, Content& content) {
+  if (!source_.take(block) || block.magic != Block().magic || block.number < next_ || !source_.take(before))
     return false;
   const std::uint64_t checksum = std::exchange(block.checksum, 0);
   Checksum sum;
   sum.addValue(block);
-  sum.addValue(before_);
-  addFrom(sum, record_.ticks, ticks);
-  addFrom(sum, record_.edits.points, states);
-  addFrom(sum, marks, 0);
-  if (sum.value() != checksum) return false;
+  sum.addValue(before);
+  std::vector<SomeState> states;
+  if (!take(content.ticks, block.ticks, sum) || !take(states, block.states, sum) ||
+      !take(content.marks, block.marks, sum))
+    return false;
+  if constexpr (std::is_same_v<SomeBlock, Block>)
+    if (!takeCommands(block, content, sum)) return false;
+  if constexpr (std::is_same_v<SomeState, PointState>)
+    content.states = std::move(states);
+  else
+    for (const SomeState& state : states)
+      if (const auto known = stateOf(state)) content.states.push_back(*known);
+  return sum.value() == checksum && content.states.size() == block.states;
+}
+
+bool LogReader::isWholeBlock(Block& block, Content& content) {
+  before_ = sofar_;
+  if (version_ == version4::kVersion) {
+    version4::Block older;
+    version4::Before before;
+    if (!isWholeBlock<version4::Block, version4::Before, PointState>(older, before, content)) return false;
+    block = {.number = older.number,
+             .ticks = older.ticks,
+             .states = older.states,
+             .marks = older.marks,
+             .last = older.last,
+             .merged = older.merged,
+             .end = older.end};
+    before_ = {.ticks = before.ticks, .states = before.states};
+  } else if (!isWholeBlock<Block, Before, session_file::State>(block, before_, content)) {
+    return false;
+  }
+  if (before_.ticks < sofar_.ticks || before_.states < sofar_.states || before_.commands < sofar_.commands)
+    return false;
   std::uint64_t last = 0;
-  for (const Mark& mark : marks) {
+  for (const Mark& mark : content.marks) {
     if (mark.at < last || mark.at > block.states || mark.kind > static_cast<std::uint64_t>(EditMark::Kind::change))
       return false;
     last = mark.at;
@@ -196,28 +310,27 @@ void LogReader::noteGap(std::uint64_t begin, const Block& block) {
   if (begin == record_.wholeBytes && block.number == next_) return;
   record_.gaps.push_back({.begin = record_.wholeBytes,
                           .end = begin,
-                          .tick = record_.ticks.size() - block.ticks,
+                          .tick = record_.ticks.size(),
                           .ticks = before_.ticks - sofar_.ticks,
-                          .states = before_.states - sofar_.states});
+                          .states = before_.states - sofar_.states,
+                          .commands = before_.commands - sofar_.commands});
 }
 
 /// False, with the record unchanged, for a block that is torn or damaged.
 bool LogReader::readBlock() {
   const std::uint64_t begin = source_.at();
-  const std::size_t ticks = record_.ticks.size(), states = record_.edits.points.size();
   Block block;
-  std::vector<Mark> marks;
-  if (!isWholeBlock(block, marks)) {
-    record_.ticks.resize(ticks);
-    record_.edits.points.resize(states);
-    return false;
-  }
+  Content content;
+  if (!isWholeBlock(block, content)) return false;
   noteGap(begin, block);
   next_ = block.number + 1;
-  sofar_ = {before_.ticks + block.ticks, before_.states + block.states};
+  sofar_ = {before_.ticks + block.ticks, before_.states + block.states, before_.commands + block.commands};
   record_.wholeBytes = source_.at();
-  for (const Mark& mark : marks)
-    record_.edits.marks.push_back({states + mark.at, static_cast<EditMark::Kind>(mark.kind)});
+  for (const Mark& mark : content.marks)
+    record_.edits.marks.push_back({record_.edits.points.size() + mark.at, static_cast<EditMark::Kind>(mark.kind)});
+  std::ranges::copy(content.ticks, std::back_inserter(record_.ticks));
+  std::ranges::copy(content.states, std::back_inserter(record_.edits.points));
+  std::ranges::move(content.commands, std::back_inserter(record_.commands));
   record_.mergedEdits += block.merged;
   if (record_.mergedEdits == 0 && record_.gaps.empty()) record_.countedEdits = record_.edits.points.size();
   if (block.last) record_.end = block.end;
@@ -235,7 +348,8 @@ std::string sentenceOf(const SessionRecord& record, const LogGap& gap) {
   const std::string when = gap.tick < record.ticks.size()
                                ? fmt::format("between {} and {:.3f} s", from, record.ticks[gap.tick].time_s)
                                : "after " + from;
-  const std::string what = gap.ticks ? fmt::format("{} and {} of points, {},", counted(*gap.ticks, "tick"),
+  const std::string commands = gap.commands.value_or(0) > 0 ? ", " + counted(*gap.commands, "command") : "";
+  const std::string what = gap.ticks ? fmt::format("{}{} and {} of points, {},", counted(*gap.ticks, "tick"), commands,
                                                    counted(*gap.states, "edit"), when)
                                      : fmt::format("ticks and edits {}", when);
   if (gap.begin == gap.end) return fmt::format("at byte {} {} are missing: they were not written", gap.begin, what);
@@ -250,7 +364,9 @@ bool isSessionLog(const std::filesystem::path& file) {
   return begin == session_file::kMagic;
 }
 
-SessionRecord readSessionLog(const std::filesystem::path& file) { return LogReader(file).read(); }
+SessionRecord readSessionLog(const std::filesystem::path& file) { return LogReader(file, false).read(); }
+
+SessionRecord readLoggedEdits(const std::filesystem::path& file) { return LogReader(file, true).read(); }
 
 std::vector<std::string> whatIsMissing(const SessionRecord& record) {
   std::vector<std::string> sentences;

@@ -2,9 +2,9 @@
 // and so that a crash loses little.
 //
 // The file: a header (magic, version, a text that says how to run the session again), a copy of the header, then
-// blocks. A block has some of the ticks or edits since the previous one, its number, the counts of those before it, and
-// a checksum; the last block of a complete session also says how it ended. Blocks are small, and each is found by its
-// marker and its checksum, so that damage or a failed write costs little more than itself. All numbers are
+// blocks. A block has some of the ticks, edits or commands since the previous one, its number, the counts of those
+// before it, and a checksum; the last block of a complete session also says how it ended. Blocks are small, and each is
+// found by its marker and its checksum, so that damage or a failed write costs little more than itself. All numbers are
 // little-endian; all parts are multiples of four bytes.
 #pragma once
 
@@ -29,7 +29,8 @@ struct LoggedTick {
     kValid = 4,
     kEditLeftOut = 8,  ///< an edit that the answer requested was not done
     kPutDown = 16,     ///< the stylus was lifted before it, and put down elsewhere
-    kForceless = 32    ///< the device rendered no force
+    kForceless = 32,   ///< the device rendered no force
+    kCommand = 64      ///< commands took effect before it
   };
   static constexpr int kButtonShift = 24;  ///< the first eight buttons, in the highest bits of the flags
   static constexpr std::uint32_t flagsOf(std::uint32_t buttons) { return buttons << kButtonShift; }
@@ -48,6 +49,24 @@ struct LoggedTick {
 };
 static_assert(sizeof(LoggedTick) == 128);
 
+/// What took effect between two ticks.
+struct LoggedCommand {
+  enum class Kind : std::uint32_t {
+    begin,      ///< the log begins in a session that goes on: numbers of the loop and of the contacts
+    lend,       ///< from the next tick on the planes felt last answer, until the command after this
+    back,       ///< the answers come from the surface again, and nothing else has changed
+    brush,      ///< another brush, or none; content: the configuration from now on
+    contact,    ///< another surface, force or method; content as of brush
+    undo,       ///< content: number of strokes
+    redo,       ///< content: number of strokes
+    parameter,  ///< of a simulation; content: name and value
+    frames      ///< of a depth camera; content: play, pause or step
+  };
+  std::uint64_t tick = 0;  ///< number of ticks of the log before it
+  Kind kind = Kind::back;
+  std::string content;
+};
+
 /// How a session ended.
 struct SessionEnd {
   std::uint64_t points = 0;     ///< checksumOf() the final points
@@ -60,17 +79,33 @@ namespace session_file {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> kMagic{'p', 'a', 'l', 'p', 'l', 'o', 'g', '\n'};
-constexpr std::uint32_t kVersion = 4;
-/// The last version with the same layout and another force law, under which its forces were recorded.
-constexpr std::uint32_t kOtherForceLaw = 3;
+constexpr std::uint32_t kVersion = 5;
+/// The force law under which forces are recorded: another one does not find them again.
+constexpr std::uint32_t kForceLaw = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
   std::uint32_t version = kVersion;
   std::uint32_t textBytes = 0;  // padded with blanks to a multiple of eight
-  std::uint64_t checksum = 0;   // of this with checksum 0, and of the text
+  std::uint32_t law = kForceLaw, none = 0;
+  std::uint64_t checksum = 0;  // of this with checksum 0, and of the text
 };
-static_assert(sizeof(Header) == 24);
+static_assert(sizeof(Header) == 32);
+
+/// The state of a point.
+struct State {
+  std::uint64_t number = 0, parent = 0;
+  std::uint32_t layer = 0, gone = 0;  // layer: 0, as there is one
+  Vec3 position{0}, normal{0};
+  std::uint32_t color = 0, none = 0;
+};
+static_assert(sizeof(State) == 56);
+
+/// A command without its content, which follows, padded with zeros to a multiple of eight.
+struct Command {
+  std::uint64_t tick = 0;
+  std::uint32_t kind = 0, bytes = 0;
+};
 
 /// A mark; `at` counts states from the beginning of its block.
 struct Mark {
@@ -81,19 +116,20 @@ struct Block {
   std::uint32_t magic = 0x6b636c62;  // "blck"
   std::uint32_t number = 0;          // 0, 1, 2, …
   std::uint32_t ticks = 0, states = 0, marks = 0;
-  std::uint32_t last = 0;    // 1: last block of the session
+  std::uint32_t last = 0;  // 1: last block of the session
+  std::uint64_t commands = 0, commandBytes = 0;
   std::uint64_t merged = 0;  // states superseded by later ones of the same point
   SessionEnd end;
   std::uint64_t checksum = 0;  // of this with checksum 0, and of all that follows up to the next block
 };
-static_assert(sizeof(Block) == 56);
+static_assert(sizeof(Block) == 72);
 
-/// Follows the Block, and is followed by its ticks, states and marks: how many of them the session had
+/// Follows the Block, and is followed by its ticks, states, marks and commands: how many of them the session had
 /// handed over before, whether or not they could be written.
 struct Before {
-  std::uint64_t ticks = 0, states = 0;
+  std::uint64_t ticks = 0, states = 0, commands = 0;
 };
-static_assert(sizeof(Before) == 16);
+static_assert(sizeof(Before) == 24);
 
 }  // namespace session_file
 
@@ -101,8 +137,8 @@ static_assert(sizeof(Before) == 16);
 struct LogGap {
   std::uint64_t begin = 0, end = 0;  ///< bytes of the file that cannot be read; equal if none were written
   std::size_t tick = 0;              ///< number of ticks of the record before it
-  /// Missing ticks and states; nothing if the log does not say: at its end.
-  std::optional<std::uint64_t> ticks, states;
+  /// Missing ticks, states and commands; nothing if the log does not say: at its end.
+  std::optional<std::uint64_t> ticks, states, commands;
 };
 
 /// A log as far as it can be read: all its complete blocks.
@@ -110,7 +146,8 @@ struct SessionRecord {
   std::string text;  ///< of the header
   std::vector<LoggedTick> ticks;
   EditBatch edits;
-  std::vector<LogGap> gaps;  ///< in order
+  std::vector<LoggedCommand> commands;  ///< in order
+  std::vector<LogGap> gaps;             ///< in order
   /// States superseded by a later one of the same point, because the log had fallen behind.
   std::uint64_t mergedEdits = 0;
   /// Number of states before the first gap or merge: up to there the ticks' `edits` count the states that are here.
@@ -123,9 +160,11 @@ struct SessionRecord {
 /// Whether a file begins like a session log; false if it cannot be read.
 bool isSessionLog(const std::filesystem::path& file);
 
-/// Throws FileError for a file that cannot be read, is not a session log, is of another version, or has lost both its
-/// headers. Other damage is skipped and recorded.
+/// Throws FileError for a file that cannot be read, is not a session log, is of another version or force law, or has
+/// lost both its headers. Other damage is skipped and recorded.
 SessionRecord readSessionLog(const std::filesystem::path& file);
+/// The same for the edits of a log of this version or of the one before.
+SessionRecord readLoggedEdits(const std::filesystem::path& file);
 
 /// What is missing, and where: a sentence for each gap, and one if the session's end is missing.
 std::vector<std::string> whatIsMissing(const SessionRecord& record);

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cerrno>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/core/checksum.hpp"
 #include "engine/core/counted.hpp"
@@ -15,6 +17,32 @@ namespace {
 using session_file::Before;
 using session_file::Block;
 using session_file::Header;
+
+std::vector<session_file::State> statesOf(std::span<const PointState> points) {
+  std::vector<session_file::State> states;
+  states.reserve(points.size());
+  for (const PointState& point : points)
+    states.push_back({.number = point.number(),
+                      .parent = point.parent,
+                      .gone = point.gone(),
+                      .position = point.position,
+                      .normal = point.normal,
+                      .color = point.color});
+  return states;
+}
+
+std::string bytesOf(std::span<const LoggedCommand> commands) {
+  std::string bytes;
+  for (const LoggedCommand& command : commands) {
+    const session_file::Command head{.tick = command.tick,
+                                     .kind = static_cast<std::uint32_t>(command.kind),
+                                     .bytes = static_cast<std::uint32_t>(command.content.size())};
+    bytes.append(reinterpret_cast<const char*>(&head), sizeof head);
+    bytes += command.content;
+    bytes.resize((bytes.size() + 7) / 8 * 8, '\0');
+  }
+  return bytes;
+}
 
 }  // namespace
 
@@ -43,16 +71,21 @@ SessionLogFile::SessionLogFile(std::filesystem::path file, std::string text,
 }
 
 void SessionLogFile::append(const Content& content) {
+  const std::vector<session_file::State> states = statesOf(content.states);
+  const std::string commands = bytesOf(content.commands);
   Block block{.number = blocks_++,
               .ticks = static_cast<std::uint32_t>(content.ticks.size()),
               .states = static_cast<std::uint32_t>(content.states.size()),
               .marks = static_cast<std::uint32_t>(content.marks.size()),
               .last = content.end != nullptr,
+              .commands = content.commands.size(),
+              .commandBytes = commands.size(),
               .merged = content.merged};
   if (content.end) block.end = *content.end;
   const Before before = before_;
-  before_ = {before.ticks + block.ticks, before.states + block.states};
-  const std::array body{std::as_bytes(content.ticks), std::as_bytes(content.states), std::as_bytes(content.marks)};
+  before_ = {before.ticks + block.ticks, before.states + block.states, before.commands + block.commands};
+  const std::array body{std::as_bytes(content.ticks), std::as_bytes(std::span(states)), std::as_bytes(content.marks),
+                        std::as_bytes(std::span(commands))};
   Checksum sum;
   sum.addValue(block);
   sum.addValue(before);
@@ -68,7 +101,7 @@ void SessionLogFile::append(const Content& content) {
     }
     if (error == 0) {
       bytes_ += size;
-      last_ = {.bytes = size, .ticks = block.ticks, .states = block.states};
+      last_ = {.bytes = size, .ticks = block.ticks, .states = block.states, .commands = block.commands};
       return true;
     }
     takeBackTorn();
@@ -79,6 +112,7 @@ void SessionLogFile::append(const Content& content) {
   if (content.end && takeBackLast() && write()) return;
   unwrittenTicks_ += block.ticks;
   unwrittenEdits_ += block.states;
+  unwrittenCommands_ += block.commands;
 }
 
 bool SessionLogFile::takeBackLast() {
@@ -86,6 +120,7 @@ bool SessionLogFile::takeBackLast() {
   bytes_ -= last_.bytes;
   unwrittenTicks_ += last_.ticks;
   unwrittenEdits_ += last_.states;
+  unwrittenCommands_ += last_.commands;
   last_ = {};
   return true;
 }
@@ -98,10 +133,12 @@ void SessionLogFile::close() {
   sync();
   if (const int error = output_.close(); error != 0) fail(error);
   if (failure_.empty()) return;
-  const std::string missing = unwrittenTicks_ + unwrittenEdits_ > 0
-                                  ? fmt::format("{} and {} of points are missing in it",
-                                                counted(unwrittenTicks_, "tick"), counted(unwrittenEdits_, "edit"))
-                                  : "its content may not be on the disk";
+  const std::string missing =
+      unwrittenTicks_ + unwrittenEdits_ + unwrittenCommands_ > 0
+          ? fmt::format("{}{} and {} of points are missing in it", counted(unwrittenTicks_, "tick"),
+                        unwrittenCommands_ ? ", " + counted(unwrittenCommands_, "command") : "",
+                        counted(unwrittenEdits_, "edit"))
+          : "its content may not be on the disk";
   throw FileError(file_, fmt::format("{} ({}; the session continued)", failure_, missing));
 }
 

@@ -20,6 +20,7 @@ class SessionLogFile {
     std::span<const LoggedTick> ticks;
     std::span<const PointState> states;
     std::span<const session_file::Mark> marks;
+    std::span<const LoggedCommand> commands;
     std::uint64_t merged = 0;
     const SessionEnd* end = nullptr;
   };
@@ -47,9 +48,9 @@ class SessionLogFile {
   session_file::Before before_;  // of the next block
   std::uint64_t bytes_ = 0;
   struct {
-    std::uint64_t bytes = 0, ticks = 0, states = 0;
+    std::uint64_t bytes = 0, ticks = 0, states = 0, commands = 0;
   } last_;  // the last block that was written
-  std::uint64_t unwrittenTicks_ = 0, unwrittenEdits_ = 0;
+  std::uint64_t unwrittenTicks_ = 0, unwrittenEdits_ = 0, unwrittenCommands_ = 0;
   std::string failure_;  // the first one
   bool isTorn_ = false;  // permanently: nothing can be appended
 };

@@ -31,6 +31,11 @@ SessionWriter::~SessionWriter() {
   }
 }
 
+void SessionWriter::add(LoggedCommand command) {
+  const std::scoped_lock hold(lock_);
+  commands_.push_back(std::move(command));
+}
+
 void SessionWriter::flush() {
   std::unique_lock hold(lock_);
   const std::uint64_t mine = ++asked_;
@@ -71,6 +76,7 @@ void SessionWriter::writePending() {
   mergedEdits_ += merged;
   takenTicks_.clear();
   ticks_.take(takenTicks_);
+  writeCommands();
   writeEdits(merged);
   constexpr std::size_t kTicks = kBlock_bytes / sizeof(LoggedTick);
   for (std::span<const LoggedTick> left = takenTicks_; !left.empty();
@@ -78,8 +84,17 @@ void SessionWriter::writePending() {
     file_.append({.ticks = left.first(std::min(kTicks, left.size()))});
 }
 
+void SessionWriter::writeCommands() {
+  std::vector<LoggedCommand> commands;
+  {
+    const std::scoped_lock hold(lock_);
+    commands.swap(commands_);
+  }
+  for (const LoggedCommand& command : commands) file_.append({.commands = {&command, 1}});
+}
+
 void SessionWriter::writeEdits(std::uint64_t merged) {
-  constexpr std::size_t kStates = kBlock_bytes / sizeof(PointState);
+  constexpr std::size_t kStates = kBlock_bytes / sizeof(session_file::State);
   const std::span<const PointState> states = takenEdits_.points;
   std::vector<session_file::Mark> marks;
   for (std::size_t begin = 0, mark = 0; begin < states.size() || mark < takenEdits_.marks.size();) {

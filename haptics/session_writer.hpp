@@ -29,6 +29,8 @@ class SessionWriter {
   /// For one thread, not the servo's: edits since the last call. If too much waits for the disk, only the last state of
   /// each point in each stroke is kept, and the others are counted as merged.
   void add(const EditBatch& edits) { edits_.add(edits); }
+  /// For one thread, not the servo's.
+  void add(LoggedCommand command);
   /// States that wait for the disk.
   std::size_t waitingEdits() const { return edits_.size(); }
   /// Waits until all that was added is written, or has failed. Not for the servo thread in real time.
@@ -43,9 +45,10 @@ class SessionWriter {
 
  private:
   void serve(const std::stop_token& stop);
-  // Both on the log's own thread, or after it has ended.
+  // These on the log's own thread, or after it has ended.
   void writePending();
   void writeEdits(std::uint64_t merged);
+  void writeCommands();
 
   SessionLogFile file_;
   TickRing ticks_;
@@ -56,6 +59,7 @@ class SessionWriter {
   std::condition_variable_any wake_;
   std::condition_variable written_;
   std::uint64_t asked_ = 0, done_ = 0;  // flushes
+  std::vector<LoggedCommand> commands_;
 
   // Being written by the log's thread.
   std::vector<LoggedTick> takenTicks_;

@@ -20,6 +20,10 @@ class ThermalBudget {
 
   /// True while heat limits the force to less than the peak.
   bool isWarm() const noexcept { return allowed_N() < peak_N_; }
+  template <class Visit>
+  void visitState(Visit& visit) noexcept {
+    visit(heat_);
+  }
 
  private:
   double peak_N_ = 0, continuous_N_ = 0;

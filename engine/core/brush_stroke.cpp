@@ -81,6 +81,13 @@ void BrushStroke::end() {
   wayCount_ = 0;
 }
 
+void BrushStroke::restart() {
+  BrushStroke fresh(support_);
+  fresh.brush_ = brush_;
+  fresh.number_ = number_;
+  *this = fresh;
+}
+
 void BrushStroke::lift() {
   acts_ = knowsLast_ = false;
   isLifted_ = true;

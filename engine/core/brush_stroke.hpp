@@ -62,6 +62,8 @@ class BrushStroke {
   bool hasWay() const { return wayCount_ > 0; }
   /// Ends the stroke: the remaining path is dropped.
   void end();
+  /// Forgets the hand and all strokes, except for their number.
+  void restart();
   /// The hand is put down elsewhere: the tool skips the path in between. The remaining path before it is still
   /// followed.
   void lift();

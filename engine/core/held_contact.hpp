@@ -23,23 +23,35 @@ inline Contact softened(Contact contact, const Pose& pose, double share) {
   return contact;
 }
 
-/// Answer to a pose without an answer of its own, from the last answer: the tangent plane at the last proxy, softened
-/// by its age. Not fresh.
-inline Contact heldContact(const Contact& last, const Pose& lastPose, const Pose& pose) {
+/// Answer to a pose without an answer of its own, from the last answer: the tangent plane at the last proxy. Not fresh.
+inline Contact heldPlane(const Contact& last, const Pose& lastPose, const Pose& pose) {
   const Contact free{.proxy = pose.hip, .valid = true, .dataTime_s = last.valid ? lastPose.time_s : -1};
   if (!last.valid || !last.touching) return free;
   const DVec3 proxy = last.proxy + (pose.time_s - lastPose.time_s) * last.velocity;  // the plane keeps its velocity
   const double depth = glm::dot(proxy - pose.hip, last.normal);
   if (depth <= 0) return free;
-  const Contact held{.proxy = pose.hip + depth * last.normal,
-                     .normal = last.normal,
-                     .touching = true,
-                     .valid = true,
-                     .neighbours = last.neighbours,
-                     .velocity = last.velocity,
-                     .dataTime_s = lastPose.time_s};
-  const Contact contact = softened(held, pose, shareLeft(pose.time_s - lastPose.time_s, kStale_s, kStalest_s));
-  return contact.touching ? contact : free;
+  return {.proxy = pose.hip + depth * last.normal,
+          .normal = last.normal,
+          .touching = true,
+          .valid = true,
+          .neighbours = last.neighbours,
+          .velocity = last.velocity,
+          .dataTime_s = lastPose.time_s};
 }
+
+/// That plane with a share of its stiffness; with a share of zero nothing is there.
+inline Contact heldPlane(const Contact& last, const Pose& lastPose, const Pose& pose, double share) {
+  const Contact contact = softened(heldPlane(last, lastPose, pose), pose, share);
+  if (contact.touching) return contact;
+  return {.proxy = pose.hip, .valid = true, .dataTime_s = contact.dataTime_s};
+}
+
+/// The same, softened by its age.
+inline Contact heldContact(const Contact& last, const Pose& lastPose, const Pose& pose) {
+  return heldPlane(last, lastPose, pose, shareLeft(pose.time_s - lastPose.time_s, kStale_s, kStalest_s));
+}
+
+/// The answer to a hand with these points of a tool (ContactQuery::points()): `whole` is the answer to its HIP.
+Contact combined(Contact whole, std::span<const PointContact> points, const DVec3& hip);
 
 }  // namespace palpate

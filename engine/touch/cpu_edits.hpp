@@ -37,6 +37,8 @@ class CpuEdits {
   void feel(const Contact& contact, const Pose& pose);
   /// The hand was repositioned.
   void lift() { stroke_.lift(); }
+  /// As if the hand had not sculpted before. After finish().
+  void restart() { stroke_.restart(); }
   /// Starts an edit if the stroke acts or the last edit left work. True: it has started.
   bool editIfYielding(double time_s, bool realtime);
   /// Starts to apply the offered changes (EditStream::offer()), if any, for a pose of this time.

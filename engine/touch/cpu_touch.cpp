@@ -177,10 +177,29 @@ void CpuTouch::setContact(SurfaceKind surface, double friction, std::string_view
   finish();
   surface_.kind = surface;
   for (CpuHand& hand : hands_) {
-    hand.trackers.assign(hand.trackers.size(), ProxyTracker(options_.radius, friction));
-    forget(hand);
+    for (ProxyTracker& tracker : hand.trackers) {
+      const ProxyTracker::State state = tracker.state();
+      tracker = ProxyTracker(options_.radius, friction);
+      tracker.goOnFrom(state);
+    }
   }
-  edits_.lift();
+}
+
+std::vector<ProxyTracker::State> CpuTouch::contacts() const {
+  std::vector<ProxyTracker::State> states;
+  for (const CpuHand& hand : hands_)
+    for (const ProxyTracker& tracker : hand.trackers) states.push_back(tracker.state());
+  return states;
+}
+
+void CpuTouch::restoreContacts(std::span<const ProxyTracker::State> states) {
+  requireStates(states.size(), contacts().size());
+  for (CpuHand& hand : hands_)
+    for (ProxyTracker& tracker : hand.trackers) {
+      tracker.goOnFrom(states.front());
+      states = states.subspan(1);
+    }
+  edits_.restart();
 }
 
 Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip, double now_s) {

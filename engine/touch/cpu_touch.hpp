@@ -58,6 +58,8 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   /// Density is kept if the first brush kept it.
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
+  std::vector<ProxyTracker::State> contacts() const override;
+  void restoreContacts(std::span<const ProxyTracker::State> states) override;
   /// Its machine: the processor, and the number of threads that build and edit; one thread answers. The index follows
   /// the edits, and is rebuilt for each frame.
   BackendReport report() const override;

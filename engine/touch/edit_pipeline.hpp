@@ -51,6 +51,8 @@ class EditPipeline {
   void feel(const Contact& contact, const Pose& pose, const DVec3& origin);
   /// The hand was repositioned.
   void lift() { stroke_.lift(); }
+  /// As if the hand had not sculpted before. After finish().
+  void restart() { stroke_.restart(); }
   /// Submits an edit if the stroke acts or the last edit left work, and nothing prevents it. In virtual time the edit
   /// is complete on return. True: points have moved, or will.
   bool editIfYielding(double time_s, bool realtime);

@@ -53,7 +53,7 @@ class ProbeGroup {
         points_[i].contact = softened(heldPoint(i, at), at, trust);
       }
     }
-    answer_ = sum(own, pose.hip);
+    answer_ = combined(own, points_, pose.hip);
   }
   /// The stylus was lifted, or all answers are invalid.
   void forget();
@@ -67,7 +67,6 @@ class ProbeGroup {
 
  private:
   Contact heldPoint(std::uint32_t i, const Pose& at) const;
-  Contact sum(Contact whole, const DVec3& hip) const;
 
   std::vector<DVec3> places_;         // positions of the tool's points
   std::vector<PointContact> points_;  // as the hand receives them

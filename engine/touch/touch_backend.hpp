@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/contact/proxy_tracker.hpp"
 #include "engine/core/brush.hpp"
 #include "engine/core/cloud_frame.hpp"
 #include "engine/core/contact_query.hpp"
@@ -110,6 +111,9 @@ class FrameStream {
   virtual std::optional<PointsTime> time() const noexcept = 0;
 };
 
+/// Throws Error unless as many states are given as a back end has probes.
+void requireStates(std::size_t given, std::size_t probes);
+
 /// A cloud that can be touched. Unless stated otherwise, its functions are for the thread that queries, between
 /// queries.
 class TouchBackend : public ContactQuery {
@@ -122,12 +126,18 @@ class TouchBackend : public ContactQuery {
   /// Updates `cloud`, which must be the one this was made from, to the present state (editedCloud() of engine/cloud).
   /// Returns the number of edited points: moved, recoloured, removed or new.
   virtual std::size_t readBack(PointCloud& cloud) const = 0;
-  /// Changes the surface, coefficient of friction or method, by its name; contacts restart with the next pose. Throws
-  /// UsageError if unsupported.
+  /// Changes the surface, coefficient of friction or method, by its name; contacts continue, the stroke in progress
+  /// ends. Throws UsageError if unsupported.
   virtual void setContact(SurfaceKind surface, double friction, std::string_view method);
   /// Replaces the brush of the first hand, or removes it; ends the stroke in progress. Throws UsageError if
   /// unsupported.
   virtual void setBrush(const std::optional<BrushOptions>& brush);
+
+  /// State of the contact of each probe, hand by hand, the HIP first; empty where contacts cannot be restored.
+  virtual std::vector<ProxyTracker::State> contacts() const { return {}; }
+  /// The contacts continue from such states of a back end with the same tools, and the hand has not sculpted before.
+  /// After finish(). Throws Error for another number of them.
+  virtual void restoreContacts(std::span<const ProxyTracker::State>) {}
 
   // Null where there are none.
   virtual EditStream* edits() noexcept { return nullptr; }
@@ -164,6 +174,8 @@ class TouchDecorator : public TouchBackend {
     inner_->setContact(surface, friction, method);
   }
   void setBrush(const std::optional<BrushOptions>& brush) override { inner_->setBrush(brush); }
+  std::vector<ProxyTracker::State> contacts() const override { return inner_->contacts(); }
+  void restoreContacts(std::span<const ProxyTracker::State> states) override { inner_->restoreContacts(states); }
   EditStream* edits() noexcept override { return inner_->edits(); }
   FrameStream* frames() noexcept override { return inner_->frames(); }
   SimulationControl* simulation() noexcept override { return inner_->simulation(); }

@@ -17,6 +17,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       origin_(cloud.origin),
       hands_(makeHands()),
       answers_(hands_.size()),
+      states_(hands_.back().firstProbe + hands_.back().probes.probes()),
       index_(device, fitting(device, cloud, options), indexOptions(device, cloud, options)),
       record_{.log = EditLog(device, options.brush ? index_.cloud().count() : 0)},
       questions_(device, contactOptions(), index_.hash().grid(), index_.cloud().slots(),
@@ -100,16 +101,46 @@ void TouchSide::setContact(SurfaceKind surface, double friction, std::string_vie
   requireFused(options_, method);
   finish();
   device_.waitIdle();
+  const std::vector<ProxyTracker::State> states = contacts();
   options_.surface = surface;
   options_.friction = friction;
   options_.method = method;
-  for (GpuHand& hand : hands_) {
+  for (GpuHand& hand : hands_)
     hand.points.assign(hand.points.size(), {.tracker = ProxyTracker(options_.radius, friction)});
-    forget(hand);
-  }
   questions_.setContact(contactOptions(), index_.hash().grid(), index_.cloud().slots());
   makeBridge();
   recordAll();
+  goOnFrom(states);
+}
+
+std::vector<ProxyTracker::State> TouchSide::contacts() const {
+  std::vector<ProxyTracker::State> states;
+  for (const ProbeState& probe : states_) states.push_back(probe.state);
+  // What the patch has answered since then.
+  if (const auto newer = bridge_->newerState()) states.front() = *newer;
+  for (const GpuHand& hand : hands_)
+    for (std::size_t k = 0; k < hand.points.size(); ++k)
+      if (hand.points[k].ahead) states[hand.firstProbe + 1 + k] = hand.points[k].tracker.state();
+  return states;
+}
+
+void TouchSide::restoreContacts(std::span<const ProxyTracker::State> states) {
+  requireStates(states.size(), states_.size());
+  settle();
+  goOnFrom(states);
+  if (edits_) edits_->restart();
+}
+
+// Also while the GPU is late: the bridge continues from the same states.
+void TouchSide::goOnFrom(std::span<const ProxyTracker::State> states) {
+  for (std::size_t i = 0; i < states.size(); ++i) states_[i] = {.state = states[i], .restored = true};
+  const ProbeGroup& first = hands_.front().probes;
+  bridge_->answered(first.own(), first.ownPose(), states_.front().state, first.ownPose().time_s);
+  for (GpuHand& hand : hands_)
+    for (std::size_t k = 0; k < hand.points.size(); ++k) {
+      hand.points[k].tracker.goOnFrom(states[hand.firstProbe + 1 + k]);
+      hand.points[k].ahead = false;
+    }
 }
 
 void TouchSide::setBrush(const std::optional<BrushOptions>& brush) {
@@ -166,7 +197,9 @@ void TouchSide::submitQuestion(std::span<const Pose> poses, bool realtime) {
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     GpuHand& hand = hands_[i];
     hand.probes.ask(poses[i]);
-    const auto put = [&](std::uint32_t probe, const std::optional<ProxyTracker::State>& newer) {
+    const auto put = [&](std::uint32_t probe, std::optional<ProxyTracker::State> newer) {
+      ProbeState& last = states_[hand.firstProbe + probe];
+      if (std::exchange(last.restored, false) && !newer) newer = last.state;
       questions_.put(hand.firstProbe + probe, Vec3(hand.probes.place(probe, poses[i]) - origin_), stateOf(newer),
                      frames_.motionSince(newer ? newer->time_s : last_s, poses[i].time_s));
     };
@@ -241,6 +274,7 @@ std::uint32_t TouchSide::takeAnswers(GpuHand& hand) {
     BridgedPoint* const point = i > 0 ? &hand.points[i - 1] : nullptr;
     // If the patch has continued since the question, the answer is outdated.
     if (point && point->ahead) continue;
+    states_[hand.firstProbe + i].state = proxyStateOf(sample, hip - origin_, questions_.question().time_s);
     const Contact contact = contactOf(sample, hip, questions_);
     hand.probes.answered(i, contact);
     if (point && contact.valid)
@@ -286,6 +320,7 @@ void TouchSide::resetHand(std::size_t hand) noexcept {
 
 void TouchSide::forget(GpuHand& hand) {
   hand.probes.forget();
+  for (std::uint32_t i = 0; i < hand.probes.probes(); ++i) states_[hand.firstProbe + i] = {};
   for (BridgedPoint& point : hand.points) {
     point.tracker.goOnFrom({});
     point.ahead = false;

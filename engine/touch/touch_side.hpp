@@ -58,6 +58,8 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   GpuPoints* gpuPoints() noexcept override { return this; }
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
+  std::vector<ProxyTracker::State> contacts() const override;
+  void restoreContacts(std::span<const ProxyTracker::State> states) override;
   BackendReport report() const override;
   std::vector<PassRecord> passes() const override;
 
@@ -78,6 +80,11 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   struct BridgedPoint {
     ProxyTracker tracker;
     bool ahead = false;  // newer than the GPU's state
+  };
+  // State of a probe after the GPU's last answer.
+  struct ProbeState {
+    ProxyTracker::State state;
+    bool restored = false;  // to be passed to the GPU, which has another one
   };
   struct GpuHand {
     ProbeGroup probes;
@@ -114,6 +121,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   std::vector<GpuHand> makeHands() const;
   ContactOptions contactOptions() const;
   void makeBridge();
+  void goOnFrom(std::span<const ProxyTracker::State> states);
   // Records all lists, for both halves of the cloud.
   void recordAll();
   // Starts what follows an answer: in virtual time with the answer, in real time once its force is out.
@@ -140,7 +148,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   void fail(std::span<const Pose> poses);
   // Current answer of each hand.
   std::span<const Contact> given();
-  static void forget(GpuHand& hand);
+  void forget(GpuHand& hand);
   void editIfYielding(bool realtime);
 
   Device& device_;
@@ -148,6 +156,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   DVec3 origin_;
   std::vector<GpuHand> hands_;
   std::vector<Contact> answers_;  // one per hand
+  std::vector<ProbeState> states_;
   TouchStatistics statistics_;
   LiveIndex index_;
   EditRecord record_;

@@ -20,6 +20,7 @@ class HandPublisher final : public TickRecorder {
     hands_.hands[0].sculpts = sculpts_;
     publish(hands_);
   }
+  void setSculpts(bool sculpts) noexcept { sculpts_ = sculpts; }
   void publish(const HandPlaces& hands) noexcept {
     if (shared_) shared_->moved(hands);
     if (presence_) presence_->moved(hands);

@@ -211,20 +211,19 @@ void InteractiveSession::setDevice(std::shared_ptr<TurnedDevice> device, const H
   };
   if (!failed_) {
     endRecording();
-    return between(change);
+    return restarted(change);
   }
   backend().finish();
   catchUp();
   endRecording();
   change();
   failed_ = false;
-  live()->goOn();
+  resume();
 }
 
 void InteractiveSession::setBrush(const std::optional<BrushConfig>& brush) {
   if (brush == config().brush || failed_) return;
   if (config().model.join) require(Action::sculpt, file());
-  endRecording();
   Session::setBrush(brush);
 }
 
@@ -232,20 +231,17 @@ void InteractiveSession::setContact(const SurfaceConfig& surface, const ForceOpt
                                     const std::string& method) {
   if (failed_) return;
   if (surface == config().surface && force == config().force && method == config().backend.method) return;
-  endRecording();
   Session::setContact(surface, force, method);
 }
 
 void InteractiveSession::setParameter(std::string_view name, double value) {
   if (failed_) return;
-  endRecording();
   Session::setParameter(name, value);
 }
 
 bool InteractiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
   if (failed_) return false;
   require(Action::undo, "undo");
-  endRecording();
   const UndoneStrokes strokes = Session::undo(undo, redo);
   return strokes.undone + strokes.redone > 0;
 }
@@ -253,20 +249,18 @@ bool InteractiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
 std::optional<bool> InteractiveSession::holdFrames() {
   DepthPlayer* const frames = player();
   if (!frames) return std::nullopt;
-  between([&] { frames->isPaused() ? frames->play(live()->next_s()) : frames->pause(live()->next_s()); });
+  setFrames(frames->isPaused() ? Frames::play : Frames::pause);
   return held_ = frames->isPaused();
 }
 
-void InteractiveSession::stepFrame() {
-  if (DepthPlayer* const frames = player()) between([&] { frames->step(); });
-}
+void InteractiveSession::stepFrame() { setFrames(Frames::step); }
 
 Model InteractiveSession::handOn() {
   if (failed_) throw Error("{}: the session has ended; its points can be saved", file());
   endRecording();
   return between([&] {
     const Model& had = model();
-    std::shared_ptr<PlayedStream> stream = Session::releaseStream(live()->next_s());
+    std::shared_ptr<PlayedStream> stream = Session::releaseStream(next_s());
     if (!stream && isHeldStill()) stream = std::make_shared<PlayedStream>(std::exchange(*had.stream(), {}));
     // Scale and spacing stay, so that the surface feels the same.
     Model next{.cloud = sculpted().cloud,
@@ -285,7 +279,7 @@ Model InteractiveSession::handOn() {
 
 std::shared_ptr<PlayedStream> InteractiveSession::releaseStream() {
   if (!player()) return nullptr;
-  return between([&] { return Session::releaseStream(live()->next_s()); });
+  return between([&] { return Session::releaseStream(next_s()); });
 }
 
 void InteractiveSession::save(const std::string& file) {
@@ -336,12 +330,7 @@ void InteractiveSession::record(const std::string& log) {
   if (edits() > 0)
     throw Error("{}: a recording begins with the model as its file has it; save it and open the saved file first", log);
   endRecording();
-  between([&] {
-    Session::record(log, hand());
-    // A replay begins with a stylus that has had no contact yet.
-    backend().resetHand(0);
-    recording()->beginAt(live()->next_s());
-  });
+  Session::record(log, hand());
 }
 
 std::optional<std::string> InteractiveSession::takeRecordingFault() {
@@ -354,7 +343,7 @@ std::vector<std::string> InteractiveSession::play(const std::string& log) {
   if (record.ticks.empty()) throw FileError(log, "contains no complete tick; there is nothing to play");
   std::vector<std::string> lacks = whatIsMissing(record);
   endRecording();
-  between([&] {
+  restarted([&] {
     backend().resetHand(0);
     for (LoggedTick& tick : record.ticks) tick.time_s += live()->next_s();
     const double end_s = record.ticks.back().time_s;
@@ -369,7 +358,7 @@ std::vector<std::string> InteractiveSession::play(const std::string& log) {
 
 void InteractiveSession::endPlaying() {
   if (!playing_) return;
-  between([&] {
+  restarted([&] {
     backend().resetHand(0);
     playing_.reset();
     live()->setHands({hand()});

@@ -84,8 +84,7 @@ class InteractiveSession : public Session {
   void setForces(bool on) { forcesOn_ = on; }
   bool forcesOn() const { return forcesOn_; }
 
-  // As in Session. They end a recording, which has one brush, one surface and one force law, and do nothing after a
-  // failure.
+  // As in Session; they do nothing after a failure.
   void setBrush(const std::optional<BrushConfig>& brush);
   void setContact(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
   void setParameter(std::string_view name, double value);
@@ -128,8 +127,8 @@ class InteractiveSession : public Session {
   /// Why unsaved strokes cannot be kept; returned once.
   std::optional<std::string> takeUnsavedFault();
 
-  /// Records a session log. A log starts from the model's file and has one brush: it begins before the first edit and
-  /// ends with the next change of a setting. Throws Error.
+  /// Records a session log. A log starts from the model's file: it begins before the first edit. It may begin while the
+  /// hand touches, and has all commands from then on. Throws Error.
   void record(const std::string& log);
   bool isRecording() const { return recording() != nullptr; }
   /// Why the recording cannot be written; returned once.

@@ -52,7 +52,7 @@ LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
   for (const unsigned number : folder->logs()) {
     SessionRecord record;
     try {
-      record = readSessionLog(folder->log(number));
+      record = readLoggedEdits(folder->log(number));
     } catch (const FileError& error) {
       if (!failure) failure = error;
       continue;

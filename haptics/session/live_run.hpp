@@ -42,6 +42,10 @@ class LiveRun {
   void goOn();
   /// Sets the hands of the next thread.
   void setHands(std::vector<OpenHand> hands) { hands_ = std::move(hands); }
+  const std::vector<OpenHand>& hands() const { return hands_; }
+  const std::shared_ptr<SteppedClock>& clock() const { return options_.clock; }
+  /// A thread was started and not paused since; it may have ended.
+  bool isStarted() const { return thread_.joinable(); }
   /// The time of the next thread's first tick.
   double next_s() const { return options_.begin_s; }
   /// Appends the ticks since the last call, as TickFeed does: a row for each hand. Ticks not taken for half a minute at

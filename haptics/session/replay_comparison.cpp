@@ -43,6 +43,8 @@ ComparableTicks comparableTicks(const SessionRecord& record, double rate_Hz, boo
     };
     if (!record.gaps.empty() && i == record.gaps.front().tick)
       return stops("a part of the log is missing before the tick");
+    if (tick.has(LoggedTick::kCommand) && !std::ranges::count(record.commands, i, &LoggedCommand::tick))
+      return stops("a command is missing in the log");
     if (tick.time_s != static_cast<double>(i) / rate_Hz) return stops("a tick was missed");
     if (realtime && !tick.has(LoggedTick::kFresh)) return stops("an answer was late");
     if (tick.has(LoggedTick::kEditLeftOut)) return {i + 1, stops("an edit was dropped").because};

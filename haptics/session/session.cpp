@@ -13,25 +13,32 @@ namespace palpate {
 
 namespace {
 
-constexpr double kRelay_Hz = 30;         // of taking edits against the clock
-constexpr double kSharedRelay_Hz = 400;  // and if others wait for them
-
-/// Notifies all recorders in this order; any may be null.
-class Recorders final : public TickRecorder {
+/// Once the loop has ended, commands run on the threads that give them.
+class ClosedAtEnd {
  public:
-  explicit Recorders(const std::array<TickRecorder*, 3>& all) : all_(all) {}
-  void ticked(const TraceRow& row, const DeviceState& device) noexcept override {
-    for (TickRecorder* each : all_)
-      if (each) each->ticked(row, device);
-  }
-  void tickedToo(std::size_t hand, const TraceRow& row) noexcept override {
-    for (TickRecorder* each : all_)
-      if (each) each->tickedToo(hand, row);
-  }
+  explicit ClosedAtEnd(ServoMailbox& mailbox) : mailbox_(mailbox) {}
+  ~ClosedAtEnd() { mailbox_.close(); }
+  ClosedAtEnd(const ClosedAtEnd&) = delete;
+  ClosedAtEnd& operator=(const ClosedAtEnd&) = delete;
 
  private:
-  std::array<TickRecorder*, 3> all_;
+  ServoMailbox& mailbox_;
 };
+
+/// Sets a pointer for its lifetime.
+class RunningScope {
+ public:
+  RunningScope(RunningLoop*& place, RunningLoop& loop) : place_(place) { place_ = &loop; }
+  ~RunningScope() { place_ = nullptr; }
+  RunningScope(const RunningScope&) = delete;
+  RunningScope& operator=(const RunningScope&) = delete;
+
+ private:
+  RunningLoop*& place_;
+};
+
+constexpr double kRelay_Hz = 30;         // of taking edits against the clock
+constexpr double kSharedRelay_Hz = 400;  // and if others wait for them
 
 }  // namespace
 
@@ -54,9 +61,11 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
              {.followers = followers(),
               .rate_Hz = shared_ ? kSharedRelay_Hz : kRelay_Hz,
               .journal = (parts.journal || shared_) && kind_.capabilities().keepsEdits,
-              .undo_bytes = parts.undo_bytes}) {
+              .undo_bytes = parts.undo_bytes}),
+      isPaintable_(parts.paintable) {
   // No file tells a replay the scale, so the configuration must.
   if (config_.model.join) config_.model.mm_per_unit = model_->scale.mm_per_unit;
+  built_ = config_;
 }
 
 Session::Session(SessionConfig config, Model model, const SessionParts& parts)
@@ -119,76 +128,6 @@ std::optional<PlayedView> Session::playedView() const {
   return stream_->player->view();
 }
 
-std::shared_ptr<PlayedStream> Session::releaseStream(double time_s) {
-  if (!player()) return nullptr;
-  backend_->finish();
-  player()->hold(time_s);
-  return std::make_shared<PlayedStream>(std::exchange(*stream_, {}));
-}
-
-void Session::setBrush(const std::optional<BrushConfig>& brush) {
-  SessionConfig next = config_;
-  next.brush = brush;
-  next = checked(std::move(next), kind_);
-  std::optional<BrushOptions> options;
-  if (brush) options = brushOptions(*brush, model_->scale);
-  between([&] {
-    backend_->setBrush(options);
-    config_ = std::move(next);
-  });
-}
-
-void Session::setContact(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method) {
-  SessionConfig next = config_;
-  next.surface = surface;
-  next.force = force;
-  next.backend.method = method;
-  next = checked(std::move(next), kind_);
-  between([&] {
-    if (next.surface != config_.surface || next.backend != config_.backend)
-      backend_->setContact(next.surface.kind, next.surface.friction, kind_.methodOf(next.backend));
-    config_ = std::move(next);
-  });
-}
-
-void Session::setParameter(std::string_view name, double value) {
-  if (!simulation()) throw Error("{}: the model is not simulated", name);
-  simulation()->set(name, value);
-  config_.model.matter = config_.model.matter->with(name, value);
-}
-
-void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault, const RunOptions& run) {
-  require(Action::record, file);
-  if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
-  SessionConfig config = config_;
-  config.realtime = config.realtime || run.realtime;
-  if (run.rate_Hz > 0) config.rate_Hz = run.rate_Hz;
-  recording_ = std::make_unique<SessionRecording>(file,
-                                                  RecordedSession{.config = config,
-                                                                  .points = model_->cloud.size(),
-                                                                  .checksum = checksumOf(*model_),
-                                                                  .machine = machine_,
-                                                                  .palpate = PALPATE_VERSION,
-                                                                  .limits = hand.device->limits(),
-                                                                  .map = hand.map,
-                                                                  .passivity = hand.passivity},
-                                                  backend_->edits(), std::move(onFault));
-  relay_.setLog(&recording_->writer());
-}
-
-std::unique_ptr<SessionRecording> Session::releaseRecording() {
-  if (!recording_) return nullptr;
-  return between([&] {
-    relay_.setLog(nullptr);
-    return std::exchange(recording_, nullptr);
-  });
-}
-
-void Session::endRecording() {
-  const std::unique_ptr<SessionRecording> ended = releaseRecording();
-  if (ended) ended->finish(checksumOf(model_->cloud.origin, journal()->points()));
-}
-
 double Session::durationOf(std::span<const OpenHand> hands) const {
   if (config_.duration_s > 0) return config_.duration_s;
   double longest_s = 0;
@@ -238,11 +177,14 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
   if (!touching.empty()) touching.front().law.setCustom(options.law);
   const double rate_Hz = options.rate_Hz > 0 ? options.rate_Hz : config_.rate_Hz;
   HandPublisher publisher(shared_.get(), presence(), touching.size(), config_.brush.has_value());
-  Recorders recorders({recording_.get(), options.recorder, &publisher});
+  Recorders recorders(recording_.get(), {options.recorder, &publisher});
   if (!options.endless) settleShared(sharedPatience_s_);  // takes in the edits made before this hand joined
   if (farTouch_) awaitPoints(hands, options);
   const JobStopScope whole(JobStopScope::whole());  // no tick is cut short
-  ServoLoop loop(options.query ? *options.query : *backend_, touching,
+  LendableQuery query(options.query ? *options.query : *backend_);
+  std::vector<double> state;
+  if (!options.resume.empty()) restore(options.resume, state);
+  ServoLoop loop(query, touching,
                  {.rate_Hz = rate_Hz,
                   .duration_s = durationOf(hands) + 1 / rate_Hz,  // the path's end is a tick too
                   .begin_s = options.begin_s,
@@ -252,15 +194,25 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                   .stop = options.stop ? options.stop : jobStop.flag,
                   .forcesOn = options.forcesOn,
                   .known = known(),
-                  .recorder = &recorders});
+                  .recorder = &recorders,
+                  .mailbox = options.endless ? &mailbox_ : nullptr,
+                  .resume = state});
+  if (!state.empty()) {
+    StateNumbers numbers = StateNumbers::from(std::span(state).subspan(std::min(loop.stateSize(), state.size())));
+    if (numbers.reads()) query.visitState(numbers);
+  }
+  RunningLoop running(loop, query, recorders, publisher);
+  const RunningScope scope(running_, running);
   if (options.endless) return loop.run();  // the thread that displays the session takes the edits
   const TickObserver relays = relay_.begin(rate_Hz, realtime);
   const auto run = [&] {
-    if (!options.observer) return loop.run(relays);
-    return loop.run([&](const TraceRow& row) {
-      if (relays) relays(row);
-      options.observer(row);
-    });
+    if (!options.observer) return loop.run(relays, options.before);
+    return loop.run(
+        [&](const TraceRow& row) {
+          if (relays) relays(row);
+          options.observer(row);
+        },
+        options.before);
   };
   ServoResult result = run();
   if (!result.trace().rows.empty()) last_s_ = result.trace().rows.back().time_s;
@@ -271,9 +223,11 @@ void Session::start(std::vector<OpenHand> hands, const LiveRunOptions& options) 
   LiveRunOptions live = options;
   if (live.rate_Hz <= 0) live.rate_Hz = config_.rate_Hz;
   live_.reset();
+  mailbox_.open(live.clock.get());
   live_ = std::make_shared<LiveRun>(std::move(hands), live,
                                     [this](std::span<const OpenHand> touching, const LiveRunOptions& how,
                                            const std::atomic<bool>& stop, TickRecorder& recorder) {
+                                      const ClosedAtEnd closed(mailbox_);
                                       ServoResult result = run(touching, {.begin_s = how.begin_s,
                                                                           .rate_Hz = how.rate_Hz,
                                                                           .endless = true,
@@ -291,20 +245,6 @@ void Session::start(std::vector<OpenHand> hands, const LiveRunOptions& options) 
 
 void Session::stop() {
   if (live_) live_->pause();
-}
-
-void Session::park() {
-  if (live_ && live_->pause()) takeAfterPause();
-}
-
-// After a fault of a device the back end is sound.
-void Session::takeAfterPause() {
-  if (live_->fault().empty() || live_->deviceFailed()) backend_->finish();
-  relay_.catchUp();
-}
-
-void Session::goOn() {
-  if (live_ && live_->fault().empty()) live_->goOn();
 }
 
 void Session::pull(const PullOptions& options) {
@@ -338,16 +278,6 @@ Abilities Session::abilities() const {
 void Session::require(Action action, std::string_view what) const {
   const Abilities can = abilities();
   if (!can.allow(action)) throw Error("{}: {}", what, can.refusal(action));
-}
-
-UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
-  require(Action::undo, "undo");
-  return between([&] {
-    if (ShapeStrokes* const shape = backend_->shapeStrokes()) return undoStrokes(*shape, strokes, redo);
-    if (!journal()) throw Error("a session without a journal has no strokes to undo");
-    return undoStrokes(
-        *backend_->edits(), *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);
-  });
 }
 
 StrokeCounts Session::strokes() const {

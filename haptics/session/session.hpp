@@ -18,6 +18,7 @@
 #include "haptics/session/live_run.hpp"
 #include "haptics/session/moving_model.hpp"
 #include "haptics/session/pulled_hands.hpp"
+#include "haptics/session/running_loop.hpp"
 #include "haptics/session/session_recording.hpp"
 
 namespace palpate {
@@ -60,7 +61,10 @@ struct RunOptions {
   TickObserver observer;                        ///< after each tick in virtual time
   ContactQuery* query = nullptr;                ///< asked in place of the back end, to which it forwards
   bool realtime = false;                        ///< against the wall clock, regardless of the configuration
-  CustomForce law;                              ///< of the first hand, in place of spring and damper (ForceLaw)
+  TickHook before;                              ///< before each tick in virtual time; may give commands
+  /// Continues as the recorded session: the content of LoggedCommand::Kind::begin.
+  std::string resume;
+  CustomForce law;  ///< of the first hand, in place of spring and damper (ForceLaw)
 };
 
 /// The present points, edits included.
@@ -71,8 +75,8 @@ struct SculptedCloud {
 
 /// A model that hands touch: *run* along paths, in virtual time or against the clock; *live*, on a servo thread of its
 /// own without end; or *pulled*, tick by tick, by the host program. Commands (brush, surface, undo, frames, recording)
-/// take effect between two ticks: a live session is paused for them, its hands are without force for a moment, and it
-/// continues one tick later.
+/// take effect between two ticks. The loop of a live session goes on: while a command works on the points, each hand
+/// keeps the planes that it felt last (LendableQuery). Other devices, and a pause, end its thread.
 ///
 /// For one thread at a time, which also takes the edits, unless stated otherwise.
 class Session {
@@ -127,6 +131,20 @@ class Session {
 
   // Live: on a servo thread of its own.
 
+ private:
+  /// The query of a loop in progress is lent while this lives.
+  class Loan {
+   public:
+    explicit Loan(Session& session, bool endsRecording = false) : session_(session) { session.borrow(endsRecording); }
+    ~Loan() { session_.giveBack(); }
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+
+   private:
+    Session& session_;
+  };
+
+ public:
   /// Begins. All hands must outlive the live session. Ticks of an earlier one that were not taken are dropped.
   void start(std::vector<OpenHand> hands, const LiveRunOptions& options);
   /// Ends: waits for the tick in progress; the devices have no force then. Its ticks can still be taken.
@@ -141,9 +159,20 @@ class Session {
   void park();
   /// After park(): continues, unless it has ended by a fault.
   void goOn();
-  /// Calls `act` between two ticks, with all edits taken.
+  /// Starts the servo thread again, one tick after the last, unless one is running.
+  void resume();
+  /// Calls `act` between two ticks, with all edits taken and the stroke ended; a loop in progress goes on meanwhile
+  /// (LendableQuery). May be nested. Throws CommandTimeout, and what taking the edits throws; then nothing has changed.
   template <class Act>
   auto between(Act&& act) {
+    const Loan loan(*this);
+    return act();
+  }
+  /// From the next tick on the planes felt last answer, until the next command.
+  void lend();
+  /// Calls `act` while the session is paused: its loop begins again, with other hands or another time.
+  template <class Act>
+  void restarted(Act&& act) {
     struct GoingOn {
       Session& session;
       bool wasPaused;
@@ -151,9 +180,11 @@ class Session {
         if (wasPaused) session.goOn();
       }
     } const goingOn{*this, live_ && live_->pause()};
-    if (goingOn.wasPaused) takeAfterPause();
-    return act();
+    if (goingOn.wasPaused) takeEdits();
+    act();
   }
+  /// The time of a live session's next tick. In between(), or while it is paused.
+  double next_s() const { return isLent_ ? lent_.next_s : live_->next_s(); }
 
   // Pulled: tick by tick.
 
@@ -183,6 +214,12 @@ class Session {
   void setContact(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
   /// Sets a parameter of the simulation, as SimulationControl::set() does. Throws Error also if nothing is simulated.
   void setParameter(std::string_view name, double value);
+  /// What the session does with a depth camera's frames.
+  enum class Frames { play, pause, step };
+  /// Between ticks. No effect where no frames are played.
+  void setFrames(Frames frames);
+  /// Repeats a command of a session log.
+  void repeat(const LoggedCommand& command);
   /// After finish(), or live: undoes and redoes strokes of the points, or of the rest shape of a soft body. Throws if
   /// the back end fails; the journal then matches the points.
   UndoneStrokes undo(std::size_t strokes, std::size_t redo);
@@ -191,9 +228,10 @@ class Session {
   /// The present points: from the journal, if there is one and nothing moves, else from the back end, between ticks.
   SculptedCloud sculpted() const;
 
-  /// Begins a session log, with the rate and the clock of `run`, before that run. `hand`: the first one. `onFault` is
-  /// called at once, on the log's thread, with what cannot be written; without it SessionRecording::takeFault() returns
-  /// that. Throws FileError, and Error if no journal is kept.
+  /// Begins a session log: before a run, with its rate and clock as in `run`; or in a live session, in contact or not,
+  /// whose points have not been edited. `hand`: the first one. `onFault` is called at once, on the log's thread, with
+  /// what cannot be written; without it SessionRecording::takeFault() returns that. Throws FileError, and Error if no
+  /// journal is kept.
   void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {}, const RunOptions& run = {});
   SessionRecording* recording() const { return recording_.get(); }
   /// Ends the log and records how the session ended. Throws FileError if not everything could be written, unless
@@ -246,7 +284,19 @@ class Session {
   std::vector<HandSpring> springs(std::span<const OpenHand> hands) const;
   std::unique_ptr<SharedFollower> takePart();
   std::unique_ptr<SessionRecording> releaseRecording();
-  void takeAfterPause();
+  void takeEdits();
+  // Runs `act` on the thread of the servo loop between two ticks, or here where this thread runs it. False: no loop.
+  template <class Act>
+  bool onLoop(Act act);
+  // The loop hands over the query; its recording ends with `endsRecording`.
+  void borrow(bool endsRecording);
+  void giveBack() noexcept;
+  // Records a command, by giveBack() or now.
+  void note(LoggedCommand::Kind kind, std::string content);
+  void addToRecording(std::uint64_t tick, LoggedCommand command);
+  void beginBetween(SessionRecording& recording);
+  // Restores the contacts of LoggedCommand::Kind::begin; the rest is for the loop and its query.
+  void restore(std::string_view content, std::vector<double>& loopState);
   bool settleFar(double timeout_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
 
@@ -267,7 +317,16 @@ class Session {
   Log* log_;
   EditRelay relay_;
   std::unique_ptr<SessionRecording> recording_;
-  double last_s_ = 0;  // time of the last tick of a run
+  SessionConfig built_;  // with which the back end was made
+  bool isPaintable_;
+  double last_s_ = 0;               // time of the last tick of a run
+  RunningLoop* running_ = nullptr;  // for the thread of that loop, between ticks
+  ServoMailbox mailbox_;            // of a live loop
+  int loans_ = 0;
+  bool isLent_ = false;
+  RunningLoop::Lent lent_;
+  std::vector<LoggedCommand> notes_;      // of the loan
+  std::vector<double> contacts_, state_;  // of a recording that begins in a live session: of back end and loop
   std::optional<PulledHands> pulled_;
   std::shared_ptr<LiveRun> live_;  // destroyed first
 };

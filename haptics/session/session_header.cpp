@@ -76,6 +76,8 @@ std::string headerText(const RecordedSession& session) {
             {"points", session.points},
             {"checksum", hex(session.checksum)},
             {"config", Json::parse(configText(config))},
+            {"built", Json::parse(configText(session.built))},
+            {"paintable", session.paintable},
             {"device", deviceOf(session)}};
   if (!session.document.empty()) json["document"] = std::filesystem::absolute(session.document).string();
   return json.dump(1);
@@ -88,6 +90,8 @@ RecordedSession parseHeader(const std::filesystem::path& log, const std::string&
       throw Error("it was written by an older palpate, {}, without a configuration; replay it with that version",
                   json.value("palpate", "of unknown version"));
     RecordedSession session{.config = parseConfig(json.at("config").dump()),
+                            .built = parseConfig(json.value("built", json.at("config")).dump()),
+                            .paintable = json.value("paintable", false),
                             .points = json.at("points").get<std::uint64_t>(),
                             .checksum = fromHex(json.at("checksum").get<std::string>()),
                             .document = json.value("document", ""),
@@ -111,8 +115,8 @@ void requireEditsOf(const std::filesystem::path& log, std::size_t points, const 
 }
 
 void TickTap::ticked(const TraceRow& row, const DeviceState& device) noexcept {
-  const EditProgress edits = edits_ ? edits_->progress() : EditProgress{};
-  const bool drops = std::exchange(dropped_, edits.dropped) != edits.dropped;
+  const EditProgress edits = edits_ && !isHeld_ ? edits_->progress() : progress_;
+  const bool drops = std::exchange(progress_, edits).dropped != edits.dropped;
   sink_({.time_s = row.time_s,
          .device = device.position,
          .turn = device.turn,
@@ -123,6 +127,7 @@ void TickTap::ticked(const TraceRow& row, const DeviceState& device) noexcept {
          .flags = (row.contact ? LoggedTick::kContact : 0u) | (row.fresh ? LoggedTick::kFresh : 0u) |
                   (row.valid ? LoggedTick::kValid : 0u) | (row.putDown ? LoggedTick::kPutDown : 0u) |
                   (device.rendersForce ? 0u : LoggedTick::kForceless) | (drops ? LoggedTick::kEditLeftOut : 0u) |
+                  (std::exchange(isCommanded_, false) ? LoggedTick::kCommand : 0u) |
                   LoggedTick::flagsOf(device.buttons)});
 }
 

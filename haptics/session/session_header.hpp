@@ -18,6 +18,8 @@ namespace palpate {
 /// A session as its log describes it.
 struct RecordedSession {
   SessionConfig config;        ///< with the path of the model's file at that time
+  SessionConfig built;         ///< with which the back end was made
+  bool paintable = false;      ///< and kept colours for a later brush
   std::uint64_t points = 0;    ///< of the model
   std::uint64_t checksum = 0;  ///< of the model as it was loaded, normals included
   std::string document;        ///< the file that the user opened, if the model is another one; empty: the model's
@@ -43,10 +45,17 @@ class TickTap final : public TickRecorder {
       : edits_(edits), sink_(std::move(sink)) {}
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
 
+  // For the thread that ticks, between two ticks.
+  /// While the points are lent to another thread, their progress stays as at the last tick.
+  void hold(bool on) noexcept { isHeld_ = on; }
+  /// The next tick comes after a command.
+  void noteCommand() noexcept { isCommanded_ = true; }
+
  private:
   const EditStream* edits_;
   std::function<void(const LoggedTick&)> sink_;
-  std::uint64_t dropped_ = 0;
+  EditProgress progress_;
+  bool isHeld_ = false, isCommanded_ = false;
 };
 
 }  // namespace palpate

@@ -17,6 +17,7 @@ SessionRecording::SessionRecording(const std::string& file, const RecordedSessio
       tap_(edits, [this](const LoggedTick& tick) { add(tick); }) {}
 
 void SessionRecording::add(const LoggedTick& tick) {
+  ++ticks_;
   if (!begin_s_) return writer_.add(tick);
   LoggedTick counted = tick;
   counted.time_s = std::round((tick.time_s - *begin_s_) * rate_Hz_) / rate_Hz_;

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "haptics/session/session_header.hpp"
 #include "haptics/session_writer.hpp"
@@ -25,6 +26,18 @@ class SessionRecording final : public TickRecorder {
   void beginAt(double time_s) { begin_s_ = time_s; }
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override { tap_.ticked(row, device); }
 
+  // On the servo thread, between two ticks.
+  /// TickTap::hold().
+  void hold(bool on) noexcept { tap_.hold(on); }
+  /// A command takes effect before the next tick, whose number is returned.
+  std::uint64_t noteCommand() noexcept {
+    tap_.noteCommand();
+    return ticks_;
+  }
+
+  /// Records a command that has taken effect. For the session's thread.
+  void add(LoggedCommand command) { writer_.add(std::move(command)); }
+
   SessionWriter& writer() { return writer_; }
   /// Returns once what could not be written. Thread-safe.
   std::optional<std::string> takeFault();
@@ -37,6 +50,7 @@ class SessionRecording final : public TickRecorder {
 
   double rate_Hz_;
   std::optional<double> begin_s_;
+  std::uint64_t ticks_ = 0;
   std::mutex lock_;  // protects fault_
   std::optional<std::string> fault_;
   bool isFaultTaken_ = false;

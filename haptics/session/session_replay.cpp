@@ -1,6 +1,8 @@
 #include "haptics/session/session_replay.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
 
 #include "engine/cloud/edited_cloud.hpp"
@@ -32,6 +34,40 @@ class EditCollector final : public EditFollower {
  private:
   EditBatch& all_;
 };
+
+/// Where the session was when its recording began.
+class Beginning {
+ public:
+  explicit Beginning(const SessionRecord& record) {
+    for (const LoggedCommand& command : record.commands)
+      if (command.kind == LoggedCommand::Kind::begin) state_ = command.content;
+  }
+  const std::string& state() const { return state_; }
+  // The ticks at their times in that session.
+  std::vector<LoggedTick> inSession(std::vector<LoggedTick> ticks, double rate_Hz) const {
+    struct {
+      double begin_s, number;
+    } first;  // ServoLoop::saveState() begins with these
+    if (state_.size() < sizeof first) return ticks;
+    std::memcpy(&first, state_.data(), sizeof first);
+    for (LoggedTick& tick : ticks)
+      tick.time_s = first.begin_s + (first.number + std::round(tick.time_s * rate_Hz)) / rate_Hz;
+    return ticks;
+  }
+
+ private:
+  std::string state_;
+};
+
+// Memory for strokes that a command undoes.
+std::uint64_t undoOf(const SessionRecord& record) {
+  const bool undoes = std::ranges::any_of(record.commands, [](const LoggedCommand& command) {
+    return command.kind == LoggedCommand::Kind::undo || command.kind == LoggedCommand::Kind::redo;
+  });
+  UndoConfig undo;
+  undo.undo = undoes;
+  return undoBytes(undo);
+}
 
 }  // namespace
 
@@ -77,26 +113,38 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
 SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
   const SessionRecord& record = recorded.record;
   if (record.ticks.empty()) throw FileError(recorded.file, "contains no complete tick, so it cannot be replayed");
-  SessionConfig config = recorded.session.config;
+  const SessionConfig& present = recorded.session.config;
+  SessionConfig config = recorded.session.built;
+  config.model = present.model;
   config.realtime = false;
   config.hands = {HandConfig{}};
   config.duration_s = 0;  // that of the recording
+  config.rate_Hz = present.rate_Hz;
   SessionAgain again;
   Session session(
       config, std::move(recorded.model),
       {.backend = parts.backends.named(config.backend.name),
        .threads = parts.threads,
        .journal = true,
-       .undo_bytes = undoBytes(config.undo),
+       .undo_bytes = std::max(undoBytes(config.undo), undoOf(record)),
+       .paintable = recorded.session.paintable,
        .log = &parts.log,
        .followers = {[&](const Model&, TouchBackend&) { return std::make_unique<EditCollector>(again.edits); }}});
-  ReplayDevice device(record.ticks, recorded.session.limits);
+  if (present.brush != config.brush) session.setBrush(present.brush);
+  if (present.surface != config.surface || present.force != config.force || present.backend != config.backend)
+    session.setContact(present.surface, present.force, present.backend.method);
+  const Beginning beginning(record);
+  ReplayDevice device(beginning.inSession(record.ticks, config.rate_Hz), recorded.session.limits);
   TickTap tap(session.backend().edits(), [&](const LoggedTick& tick) { again.ticks.push_back(tick); });
   const OpenHand hand{.device = &device,
                       .map = recorded.session.map,
                       .duration_s = record.ticks.back().time_s,
                       .passivity = recorded.session.passivity};
-  again.result = session.run({&hand, 1}, {.recorder = &tap});
+  auto next = record.commands.begin();
+  const auto repeat = [&](std::uint64_t tick) {
+    for (; next != record.commands.end() && next->tick <= tick; ++next) session.repeat(*next);
+  };
+  again.result = session.run({&hand, 1}, {.recorder = &tap, .before = repeat, .resume = beginning.state()});
   throwIfStopWanted();
   session.finish();
   if (record.end) session.undo(config.undo.undo, config.undo.redo);

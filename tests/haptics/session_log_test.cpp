@@ -45,15 +45,19 @@ TEST_CASE("a missing log, another file and another version are refused with a re
   }
   writeSession(folder / "log", 10);
   std::string newer = contentOf(folder / "log");
-  for (const std::size_t header : {0u, 32u}) newer[header + 8] = 9;
+  for (const std::size_t header : {0u, 40u}) newer[header + 8] = 9;
   write(folder / "bad", newer);
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("version 9"), FileError);
-  for (const std::size_t header : {0u, 32u}) newer[header + 8] = 3;
+  for (const std::size_t header : {0u, 40u}) newer[header + 8] = 4;
   write(folder / "bad", newer);
-  CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("version 3; the force law has changed"),
+  CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"),
+                       doctest::Contains("bad: is a session log of version 4, and this palpate reads version 5"),
                        FileError);
+  for (const std::size_t header : {0u, 40u}) newer[header + 8] = 5, newer[header + 16] = 1;
+  write(folder / "bad", newer);
+  CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("with the force law 1"), FileError);
   std::string huge = contentOf(folder / "log");
-  for (const std::size_t header : {0u, 32u}) std::memset(huge.data() + header + 12, 0xFF, 4);
+  for (const std::size_t header : {0u, 40u}) std::memset(huge.data() + header + 12, 0xFF, 4);
   write(folder / "bad", huge);
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("damaged"), FileError);
   CHECK_THROWS_AS(SessionWriter(folder / "no" / "where", ""), FileError);

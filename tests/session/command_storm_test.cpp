@@ -1,0 +1,119 @@
+// Commands reach a hand in contact: no knock, no tick without force, one thread, and a log that repeats them.
+#include <doctest/doctest.h>
+
+#include "engine/core/log.hpp"
+#include "haptics/session/session_replay.hpp"
+#include "tests/near.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/session/command_storm.hpp"
+
+namespace palpate::command_storm_test {
+
+namespace {
+
+constexpr double kSurface_N = 0.06;  // in a tick
+
+/// A live session whose ticks this thread lets pass.
+struct Stepped {
+  explicit Stepped(Session& live) : session(live) { session.start({hand.hand()}, {.clock = clock}); }
+  void goOn(double duration_s) {
+    clock->goOnTo(clock_s += duration_s);
+    session.live()->take(rows);
+    session.catchUp();
+  }
+
+  Session& session;
+  PressingHand hand;
+  std::shared_ptr<SteppedClock> clock = std::make_shared<SteppedClock>();
+  double clock_s = 0;
+  std::vector<TraceRow> rows;
+};
+
+// Largest difference of a log's forces from those of its replay, N, and ticks between which the edits differ.
+Differences replayed(const std::string& log, const PointCloud& cloud) {
+  const Backends backends = theBackends();
+  Log silent(true);
+  const ReplayParts parts{.backends = backends, .log = silent, .threads = 1, .cloud = &cloud};
+  Recorded recorded = loadRecorded(log, parts);
+  const SessionAgain again = runAgain(recorded, parts);
+  const ReplayOutcome outcome = compareRuns(recorded, again, 0);
+  CHECK(outcome.comparable.because == "");
+  CHECK(outcome.comparable.count == recorded.record.ticks.size());
+  CHECK(outcome.differences.ends);
+  return outcome.differences;
+}
+
+void checkSame(const Differences& differences) {
+  CHECK(differences.ticks > 0);
+  CHECK(differences.forceTicks == 0);
+  CHECK(differences.editTicks == 0);
+  CHECK(differences.points == 0);
+  CHECK(differences.largestForce_N == 0);
+}
+
+}  // namespace
+
+TEST_CASE("a thousand commands in contact change the force by 60 N/s at most, and a replay repeats them bit by bit") {
+  const ScratchFolder folder;
+  const double duration_s = onCpuOrGpu(10.0, 2.0);
+  const auto kind = backendKind();
+  SessionConfig config = stormy(*kind, (folder / "sphere.ply").string());
+  config.model.mm_per_unit = 1;
+  Session session(config, sphereModel(),
+                  {.backend = *kind, .threads = 1, .journal = true, .undo_bytes = 1 << 28, .paintable = true});
+  session.setBrush(std::nullopt);
+  const PointCloud cloud = session.model().cloud;
+  Stepped steps(session);
+  steps.goOn(1.5);
+  REQUIRE(steps.rows.back().contact);
+  const double from_s = 1.4;
+
+  // Recordings that begin and end in contact, before the first edit.
+  std::size_t commands = 0;
+  for (int i = 0; i < 10; ++i) {
+    session.record((folder / ("felt" + std::to_string(i))).string(), steps.hand.hand());
+    steps.goOn(0.02);
+    session.endRecording();
+    steps.goOn(0.005);
+    commands += 2;
+  }
+  session.record((folder / "log").string(), steps.hand.hand());
+  RandomCommands random(session, 7);
+  while (steps.clock_s < 1.75 + duration_s) {
+    random.one();
+    steps.goOn(0.01);
+  }
+  session.endRecording();
+  steps.goOn(0.02);
+  session.stop();
+
+  CHECK(random.count + commands > (kOnGpu ? 200 : 1000));
+  const Felt felt = feltIn(steps.rows, from_s);
+  CHECK(felt.without == 0);
+  CHECK(felt.most_N < kSurface_N + 1e-9);
+  CHECK(felt.most_N > 0.5 * kSurface_N);  // the commands were felt
+  CHECK(steps.hand.threads() == 1);
+  CHECK(session.journal()->strokes() > 3);
+  for (const char* log : {"felt0", "felt9", "log"}) {
+    CAPTURE(log);
+    checkSame(replayed((folder / log).string(), cloud));
+  }
+}
+
+TEST_CASE("a command has its effect at the hand within two ticks") {
+  const auto kind = backendKind();
+  Session session(stormy(*kind, "sphere"), sphereModel(), {.backend = *kind, .threads = 1, .journal = true});
+  session.setBrush(std::nullopt);
+  Stepped steps(session);
+  steps.goOn(1.5);
+  const double before_N = glm::length(steps.rows.back().force_N);
+  ForceOptions force;
+  force.stiffness_N_per_mm = 2;
+  session.setContact({}, force, "");
+  const std::size_t at = steps.rows.size();
+  steps.goOn(0.002);
+  REQUIRE(steps.rows.size() == at + 2);
+  CHECK(glm::length(steps.rows.back().force_N) > before_N + 0.5 * kSurface_N);
+}
+
+}  // namespace palpate::command_storm_test
