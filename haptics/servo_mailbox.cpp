@@ -36,8 +36,8 @@ void ServoMailbox::close() noexcept {
 void ServoMailbox::serve() noexcept {
   for (std::size_t count = 0; count < kMaxPerTick;) {
     Slot& slot = slots_[served_ % kSlots];
-    State state = State::ready;
-    if (slot.state.compare_exchange_strong(state, State::running)) {
+    State state = slot.state;
+    if (state == State::ready && slot.state.compare_exchange_strong(state, State::running)) {
       slot.run(slot.room.data());
       ++count;
       ++served_;

@@ -26,8 +26,8 @@ one_thread() { LP_NUM_THREADS=1 LP_NATIVE_VECTOR_WIDTH=128 validate=0 release -L
 plain() { build plain palpate all_tests && PALPATE_TESTS_VALIDATE=core tests plain; }  # the core, without the annexes
 links() { release -L '^links$'; }                                          # links that delay, lose and reorder
 thread() {
-  build tsan tests_haptics tests_core &&
-    tests tsan -R '^(haptics\.|core\.(latest_value|worker_team|parallel.*|background_task)$)'
+  build tsan tests_haptics tests_session tests_core &&
+    tests tsan -R '^(haptics\.|session\.command_storm$|core\.(latest_value|worker_team|parallel.*|background_task)$)'
 }
 portable() { PALPATE_TESTS_ONLY=portable release -L '^gpu$'; }
 swiftshader() { drivers && VK_DRIVER_FILES=$drivers/swiftshader.json PALPATE_GPU=SwiftShader validate=0 portable; }

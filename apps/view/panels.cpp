@@ -331,7 +331,7 @@ void Panels::drawMatter(const ViewStatus& status) {
     if (drag(parameter.label.c_str(), value, speed, {parameter.low, parameter.high},
              ("%.4g " + parameter.unit).c_str()))
       commands_.emplace_back(SetParameter{parameter.name, value});
-    help("takes effect at the next step; ends a recording");
+    help("takes effect at the next step");
   }
 }
 

@@ -216,6 +216,35 @@ TEST_CASE(
       }
 }
 
+TEST_CASE("a force that the energy no longer allows falls by 60 N/s where the hand rests, and is cut where it costs") {
+  // Pushed in by half a millimetre, with a force that the surface alone has raised to 3 N.
+  const auto pressed = [](double way_mm, double& least_mJ) {
+    Passivity passivity(PassivityMode::on, {}, 0.8);
+    DVec3 position(0);
+    double last_N = 3, steepest_N = 0;
+    for (int i = 0; i < 160; ++i) {
+      const bool isChanging = i >= 50;
+      if (isChanging) passivity.changed();
+      position.z += isChanging ? way_mm : -0.01;
+      const DVec3 force_N = passivity.damped({0, 0, 3}, position, kTick_s);
+      passivity.acted(force_N);
+      if (isChanging) steepest_N = std::max(steepest_N, last_N - force_N.z - 0.8 * way_mm);
+      last_N = force_N.z;
+    }
+    CHECK(last_N < 2.2);
+    least_mJ = passivity.leastEnergy_mJ();
+    return steepest_N;
+  };
+  double least_mJ = 0;
+  CHECK(pressed(0, least_mJ) < 0.0601);
+  CHECK(least_mJ == 0);
+  for (const double way_mm : {0.005, 0.02, 0.1, 0.3}) {
+    CAPTURE(way_mm);
+    pressed(way_mm, least_mJ);
+    CHECK(least_mJ > -1.2 * Passivity::kLent_mJ - Passivity::kFall_mJ);
+  }
+}
+
 TEST_CASE("a hand that sinks in after all energy is spent meets a force again") {
   Passivity passivity(PassivityMode::on, {}, 0.8);
   DVec3 position(0);

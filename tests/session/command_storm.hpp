@@ -46,10 +46,11 @@ class PressingHand {
   ScriptedDevice device_;
 };
 
-/// Random commands of a person, each with a limit of the force that it permits.
+/// Random commands of a person.
 class RandomCommands {
  public:
-  RandomCommands(Session& session, std::uint32_t seed) : session_(session), random_(seed) {}
+  RandomCommands(Session& session, std::uint32_t seed, double stiffest_N_per_mm = kStiffest_N_per_mm)
+      : session_(session), random_(seed), stiffest_N_per_mm_(stiffest_N_per_mm) {}
 
   void one() {
     ++count;
@@ -73,7 +74,7 @@ class RandomCommands {
         surface.kind = random_() % 2 ? SurfaceKind::average : SurfaceKind::sphere;
         return session_.setContact(surface, force, session_.config().backend.method);
       case 5:
-        force.stiffness_N_per_mm = between(0.4, kStiffest_N_per_mm);
+        force.stiffness_N_per_mm = between(0.4 * stiffest_N_per_mm_, stiffest_N_per_mm_);
         return session_.setContact(surface, force, session_.config().backend.method);
       case 6:
         session_.undo(1, 0);
@@ -95,6 +96,7 @@ class RandomCommands {
 
   Session& session_;
   std::mt19937 random_;
+  double stiffest_N_per_mm_;
 };
 
 /// Largest change of the force between two ticks beyond what the hand's motion explains, N, and ticks without force.

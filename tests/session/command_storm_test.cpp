@@ -3,7 +3,7 @@
 
 #include "engine/core/log.hpp"
 #include "haptics/session/session_replay.hpp"
-#include "tests/near.hpp"
+#include "tests/labels.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/command_storm.hpp"
 
@@ -16,6 +16,9 @@ constexpr double kSurface_N = 0.06;  // in a tick
 /// A live session whose ticks this thread lets pass.
 struct Stepped {
   explicit Stepped(Session& live) : session(live) { session.start({hand.hand()}, {.clock = clock}); }
+  ~Stepped() { session.stop(); }
+  Stepped(const Stepped&) = delete;
+  Stepped& operator=(const Stepped&) = delete;
   void goOn(double duration_s) {
     clock->goOnTo(clock_s += duration_s);
     session.live()->take(rows);
@@ -53,9 +56,10 @@ void checkSame(const Differences& differences) {
 
 }  // namespace
 
-TEST_CASE("a thousand commands in contact change the force by 60 N/s at most, and a replay repeats them bit by bit") {
+TEST_CASE("a thousand commands in contact change the force by 60 N/s at most, and a replay repeats them bit by bit" *
+          kMoreInFull) {
   const ScratchFolder folder;
-  const double duration_s = onCpuOrGpu(10.0, 2.0);
+  const double duration_s = onCpuOrGpu(10.0, byTier(0.3, 2.0));
   const auto kind = backendKind();
   SessionConfig config = stormy(*kind, (folder / "sphere.ply").string());
   config.model.mm_per_unit = 1;
@@ -69,13 +73,11 @@ TEST_CASE("a thousand commands in contact change the force by 60 N/s at most, an
   const double from_s = 1.4;
 
   // Recordings that begin and end in contact, before the first edit.
-  std::size_t commands = 0;
   for (int i = 0; i < 10; ++i) {
     session.record((folder / ("felt" + std::to_string(i))).string(), steps.hand.hand());
     steps.goOn(0.02);
     session.endRecording();
     steps.goOn(0.005);
-    commands += 2;
   }
   session.record((folder / "log").string(), steps.hand.hand());
   RandomCommands random(session, 7);
@@ -87,13 +89,13 @@ TEST_CASE("a thousand commands in contact change the force by 60 N/s at most, an
   steps.goOn(0.02);
   session.stop();
 
-  CHECK(random.count + commands > (kOnGpu ? 200 : 1000));
+  CHECK(static_cast<double>(random.count) > 99 * duration_s);
   const Felt felt = feltIn(steps.rows, from_s);
   CHECK(felt.without == 0);
   CHECK(felt.most_N < kSurface_N + 1e-9);
   CHECK(felt.most_N > 0.5 * kSurface_N);  // the commands were felt
   CHECK(steps.hand.threads() == 1);
-  CHECK(session.journal()->strokes() > 3);
+  CHECK(session.journal()->strokes() > (kOnGpu ? 0 : 3));
   for (const char* log : {"felt0", "felt9", "log"}) {
     CAPTURE(log);
     checkSame(replayed((folder / log).string(), cloud));

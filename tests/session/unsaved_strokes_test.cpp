@@ -4,9 +4,11 @@
 #include <fstream>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/checksum.hpp"
 #include "engine/edit/journal.hpp"
 #include "haptics/session/model.hpp"
 #include "haptics/session/unsaved_strokes.hpp"
+#include "tests/content_of.hpp"
 #include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -77,6 +79,82 @@ TEST_CASE("unsaved strokes are recovered unchanged, including undone and redone 
   checkSame(again, before);
   again.redo();
   CHECK(again.points()[2].position == Vec3(4));
+}
+
+namespace {
+
+// A log of version 4, with its 32-bit numbers.
+void writeVersion4(const std::filesystem::path& file, std::string text, const EditBatch& edits) {
+  struct {
+    std::array<char, 8> magic = session_file::kMagic;
+    std::uint32_t version = 4, textBytes = 0;
+    std::uint64_t checksum = 0;
+  } header;
+  struct {
+    std::uint32_t magic = 0x6b636c62, number = 0, ticks = 0, states = 0, marks = 0, last = 0;
+    std::uint64_t merged = 0;
+    SessionEnd end;
+    std::uint64_t checksum = 0, ticksBefore = 0, statesBefore = 0;
+  } block;
+  static_assert(sizeof header == 24 && sizeof block == 72);
+  std::string bytes;
+  const auto add = [&](const auto& values) {
+    const auto all = std::as_bytes(std::span(values));
+    bytes.append(reinterpret_cast<const char*>(all.data()), all.size());
+  };
+  text.resize((text.size() + 7) / 8 * 8, ' ');
+  header.textBytes = static_cast<std::uint32_t>(text.size());
+  Checksum ofHeader;
+  ofHeader.add(std::as_bytes(std::span(&header, 1)));
+  ofHeader.add(std::as_bytes(std::span(text)));
+  header.checksum = ofHeader.value();
+  for (int copy = 0; copy < 2; ++copy) add(std::span(&header, 1)), add(text);
+  std::vector<session_file::Mark> marks;
+  for (const EditMark& mark : edits.marks) marks.push_back({mark.at, static_cast<std::uint64_t>(mark.kind)});
+  block.states = static_cast<std::uint32_t>(edits.points.size());
+  block.marks = static_cast<std::uint32_t>(marks.size());
+  Checksum ofBlock;
+  ofBlock.add(std::as_bytes(std::span(&block, 1)));
+  ofBlock.add(std::as_bytes(std::span(edits.points)));
+  ofBlock.add(std::as_bytes(std::span(marks)));
+  block.checksum = ofBlock.value();
+  add(std::span(&block, 1)), add(edits.points), add(marks);
+  std::ofstream(file, std::ios::binary) << bytes;
+}
+
+}  // namespace
+
+TEST_CASE("unsaved strokes of the version before are offered, and those of other versions are kept") {
+  const ScratchFolder folder;
+  std::optional<Sculpted> sculpted(std::in_place, folder.path());
+  sculpted->stroke({0}, 3);
+  sculpted->stroke({1, 2}, 4);
+  const Journal before = sculpted->journal;
+  Journal again(sculpted->model.cloud, kUndo_bytes);
+  sculpted.reset();
+  std::filesystem::path log;
+  {
+    const auto left = leftIn(folder.path());
+    REQUIRE(left.size() == 1);
+    log = left[0].folder->log(left[0].folder->logs().back());
+  }
+  const SessionRecord record = readSessionLog(log);
+  writeVersion4(log, record.text, record.edits);
+  CHECK_THROWS_WITH_AS(readSessionLog(log), doctest::Contains("version 4"), FileError);
+  {
+    const auto left = leftIn(folder.path());
+    REQUIRE(left.size() == 1);
+    CHECK(left[0].strokes == 2);
+    followAgain(again, left[0].edits);
+    checkSame(again, before);
+  }
+  std::string older = contentOf(log);
+  older[8] = older[24 + static_cast<std::size_t>(record.text.size()) + 8] = 3;
+  std::ofstream(log, std::ios::binary) << older;
+  std::string reported;
+  CHECK(leftStrokes(folder.path(), [&](const std::string& what) { reported = what; }).empty());
+  CHECK(reported.find("version 3") != std::string::npos);
+  CHECK(contentOf(std::filesystem::path(log.parent_path().string() + ".damaged") / log.filename()) == older);
 }
 
 TEST_CASE("a stroke in progress is counted among the unsaved strokes") {
