@@ -2,10 +2,14 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <thread>
 
+#include "engine/core/clock.hpp"
 #include "engine/core/system_file.hpp"
 #include "haptics/library/callbacks.hpp"
 #include "haptics/library/failures.hpp"
+#include "haptics/servo_mailbox.hpp"
 
 namespace palpate::library {
 
@@ -39,6 +43,11 @@ class Claims {
   class Held {
    public:
     Held(Claims& claims, Claim claim) : claims_(claims), bits_(static_cast<unsigned>(claim)) { claims_.take(bits_); }
+    /// While `waits` is true, waits for the calls of other threads. Throws CommandTimeout, too.
+    Held(Claims& claims, Claim claim, const std::atomic<bool>& waits)
+        : claims_(claims), bits_(static_cast<unsigned>(claim)) {
+      claims_.takeInTurn(bits_, waits);
+    }
     ~Held() { claims_.taken_.fetch_and(~bits_, std::memory_order_release); }
     Held(const Held&) = delete;
     Held& operator=(const Held&) = delete;
@@ -52,10 +61,26 @@ class Claims {
   void take(unsigned bits) {
     refuseInCallback();
     home_.require();
+    if (!isTaken(bits)) throw ThreadError("another thread is in a call on this session that conflicts with this one");
+  }
+  void takeInTurn(unsigned bits, const std::atomic<bool>& waits) {
+    refuseInCallback();
+    home_.require();
+    for (const Stopwatch since; !isTaken(bits);) {
+      if (!waits) return take(bits);
+      if (since.elapsed_s() > ServoMailbox::kTimeout_s)
+        throw CommandTimeout("another thread has been in a call on this live session for {:.3g} s",
+                             ServoMailbox::kTimeout_s);
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+  }
+  // False if another thread holds one of them.
+  bool isTaken(unsigned bits) {
     unsigned before = taken_.load(std::memory_order_relaxed);
     do {
-      if (before & bits) throw ThreadError("another thread is in a call on this session that conflicts with this one");
+      if (before & bits) return false;
     } while (!taken_.compare_exchange_weak(before, before | bits, std::memory_order_acquire));
+    return true;
   }
 
   HomeProcess home_;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "engine/core/job_stop.hpp"
+#include "haptics/servo_mailbox.hpp"
 #include "haptics/sharing/network.hpp"
 
 namespace palpate::library {
@@ -40,6 +41,8 @@ pp_status noteHandled() {
     return note(PP_ERROR_DEVICE, error.what());
   } catch (const SimulationError& error) {
     return note(PP_ERROR_SIMULATION, error.what());
+  } catch (const CommandTimeout& error) {
+    return note(PP_ERROR_TIMEOUT, error.what());
   } catch (const Stopped& error) {
     return note(PP_ERROR_STOPPED, error.what());
   } catch (const UnsupportedError& error) {
@@ -123,6 +126,8 @@ const char* pp_status_name(int status) {
       return "network";
     case PP_ERROR_STOPPED:
       return "stopped";
+    case PP_ERROR_TIMEOUT:
+      return "timeout";
   }
   return "unknown";
 }

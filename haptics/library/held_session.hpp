@@ -23,6 +23,17 @@ pp_status lasting(pp_session session, Do&& act) {
   return with(session, Claim::all, [&](OpenSession& open) { open.watch().run([&] { act(open); }); });
 }
 
+/// For commands, which a live session takes while it runs: they wait for the calls of other threads then.
+template <class Do>
+pp_status commanding(pp_session session, Do&& act) {
+  return guarded([&] {
+    const auto found = objectOf<OpenSession>(session.id);
+    const Claims::Held held(found->claims(), Claim::all, found->goesOn());
+    found->ensureBuilt();
+    found->watch().run([&] { act(*found); });
+  });
+}
+
 /// Opens a session of the subject that `modelKindOf` returns, watched by the program.
 template <class Give>
 void openSession(const pp_session_options* options, pp_session* session, Give&& modelKindOf) {
@@ -38,7 +49,7 @@ template <class Do>
 pp_status looking(pp_session session, Do&& act) {
   return guarded([&] {
     const auto found = objectOf<OpenSession>(session.id);
-    const Claims::Held held(found->claims(), found->looking());
+    const Claims::Held held(found->claims(), found->looking(), found->goesOn());
     found->ensureBuilt();
     act(*found);
   });

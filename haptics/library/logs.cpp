@@ -128,7 +128,7 @@ using namespace palpate;
 using namespace palpate::library;
 
 pp_status pp_session_record(pp_session session, const char* file) {
-  return with(session, Claim::all, [&](OpenSession& open) { open.record(&required(file, "file")); });
+  return commanding(session, [&](OpenSession& open) { open.record(&required(file, "file")); });
 }
 
 pp_status pp_recording_read(const char* file, pp_recording* log) {

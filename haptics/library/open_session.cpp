@@ -141,8 +141,11 @@ void OpenSession::settle() {
   endRecording();
 }
 
-void OpenSession::record(const std::string& file) {
-  settle();
+void OpenSession::settleForCommand() {
+  if (!isLive()) settle();
+}
+
+void OpenSession::requireRecordable() {
   if (hands() > 1) throw StateError("a session log holds one hand, and this session has {}", hands());
   if (law_.custom()) throw StateError("a session with its own force law cannot be replayed, and so cannot be recorded");
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
@@ -152,6 +155,22 @@ void OpenSession::record(const std::string& file) {
     throw StateError(
         "a log begins with the points as they were opened, but these have been edited; save them, and open the "
         "saved file");
+}
+
+void OpenSession::record(const std::string& file) {
+  if (isLive()) {
+    if (live_->hasLaw())
+      throw StateError("a session with its own force law cannot be replayed, and so cannot be recorded");
+    if (!session_->journal())
+      throw StateError("this session was built for feeling; set a brush or record before it is live");
+    endRecording();
+    takeIn();
+    requireRecordable();
+    nextLog_.set(file);
+    return nextLog_.begin(*session_, live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true}, messages_.sink());
+  }
+  settle();
+  requireRecordable();
   if (!session_->journal()) session_.build(true, false);
   nextLog_.set(file);
 }
@@ -213,7 +232,7 @@ ServoResult OpenSession::follow(const std::vector<Path>& paths) {
 }
 
 void OpenSession::setBrush(const std::optional<BrushConfig>& brush) {
-  settle();
+  settleForCommand();
   setBrushBetween(brush);
 }
 
@@ -225,15 +244,17 @@ void OpenSession::setBrushBetween(const std::optional<BrushConfig>& asked) {
   wanted.brush = brush;
   validate(wanted);
   backend_->check(wanted);
-  if (brush && !session_.isEditable() && !moves())
-    session_.build(true, true);  // a soft body takes a brush without a rebuild
+  const bool isFirst = brush && !session_.isEditable() && !moves();
+  if (isFirst && isLive())
+    throw StateError("the first brush of a session builds it for sculpting; set one before the session is live");
+  if (isFirst) session_.build(true, true);  // a soft body takes a brush without a rebuild
   session_->setBrush(brush);
   brush_ = brush;
-  session_->finish();
+  if (!isLive()) session_->finish();
 }
 
 void OpenSession::setContact(const SurfaceConfig& surface, const ForceOptions& force) {
-  settle();
+  settleForCommand();
   SurfaceConfig there = surface;
   there.radius_mm = session_->config().surface.radius_mm;
   if (surface.radius_mm && surface.radius_mm != there.radius_mm)
@@ -242,11 +263,11 @@ void OpenSession::setContact(const SurfaceConfig& surface, const ForceOptions& f
 }
 
 std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
-  settle();
+  settleForCommand();
   session_->require(Action::undo, "undo");
   if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
-  if (joined_) {
+  if (joined_ && !isLive()) {
     session_->settleShared(joined_->timeout_s());
     if (session_->shared() && !session_->shared()->counts().delivered)
       messages_.sink().warn(
@@ -257,6 +278,7 @@ std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
 }
 
 PointCloud OpenSession::points() {
+  if (isLive()) return session_->between([&] { return views_.points(*session_, frameIfMoving().get()); });
   const auto hasFailed = [&] {
     try {
       session_->backend().finish();
@@ -289,8 +311,10 @@ void OpenSession::startLive(const pp_live_options& options) {
     if (nextLog_ && live_->hasLaw())
       throw StateError("a session with its own force law cannot be replayed, and so cannot be recorded");
     nextLog_.begin(*session_, live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true}, messages_.sink());
+    goesOn_ = true;
     live_->start();
   } catch (...) {
+    goesOn_ = false;
     live_.reset();  // closes its devices
     throw;
   }
@@ -298,6 +322,7 @@ void OpenSession::startLive(const pp_live_options& options) {
 }
 
 void OpenSession::stopLive() {
+  goesOn_ = false;
   if (live_) live_->stop();
   frames_.endLive(*session_);
   if (!session_->recording()) return takeIn();

@@ -39,6 +39,8 @@ class OpenSession {
   void end() noexcept;
 
   Claims& claims() { return claims_; }
+  /// True between startLive() and stopLive(). For any thread.
+  const std::atomic<bool>& goesOn() const { return goesOn_; }
   Watch& watch() { return *watch_; }
   /// Rebuilds the index after a call that was stopped while it did so.
   void ensureBuilt() { session_.ensure(); }
@@ -58,8 +60,8 @@ class OpenSession {
   std::size_t undo(std::size_t strokes) { return goBack(strokes, 0); }
   std::size_t redo(std::size_t strokes) { return goBack(0, strokes); }
   PointCloud points();
-  /// Records the next path, or the next live session, to this log. Throws StateError; the recorded call throws
-  /// FileError.
+  /// Records the next path, or the next live session, or from now on a live session, to this log. Throws StateError;
+  /// the recorded call throws FileError.
   void record(const std::string& file);
   /// Session::settleShared(). Throws StateError while the session is live, and as joined() does.
   bool settleShared(double seconds);
@@ -120,6 +122,9 @@ class OpenSession {
   void endAsking();
   /// endAsking(), then takes in all edits and ends a recording.
   void settle();
+  /// settle(), except while the session is live.
+  void settleForCommand();
+  void requireRecordable();
   void endRecording();
   std::size_t goBack(std::size_t undo, std::size_t redo);
   // True if the points move.
@@ -135,7 +140,7 @@ class OpenSession {
   Messages messages_;
   Claims claims_;
   double budget_us_;
-  std::atomic<bool> forcesOn_ = true;
+  std::atomic<bool> forcesOn_ = true, goesOn_ = false;
   std::optional<BrushConfig> brush_;
   NextLog nextLog_;
   PathTime time_;

@@ -173,11 +173,11 @@ pp_status pp_session_on_contact(pp_session session, pp_contact_function function
 }
 
 pp_status pp_session_set_brush(pp_session session, const pp_brush* brush) {
-  return lasting(session, [&](OpenSession& open) { open.setBrush(brushOr(brush)); });
+  return commanding(session, [&](OpenSession& open) { open.setBrush(brushOr(brush)); });
 }
 
 pp_status pp_session_set_contact(pp_session session, const pp_contact_options* contact) {
-  return with(session, Claim::all, [&](OpenSession& open) {
+  return commanding(session, [&](OpenSession& open) {
     const pp_contact_options given = optionsFrom(&required(contact, "contact"), "contact");
     open.setContact(surfaceFrom(given), forceFrom(given));
   });
@@ -185,7 +185,7 @@ pp_status pp_session_set_contact(pp_session session, const pp_contact_options* c
 
 pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done) {
   clear(done);
-  return lasting(session, [&](OpenSession& open) {
+  return commanding(session, [&](OpenSession& open) {
     const std::uint64_t undone = open.undo(strokes);
     if (done) *done = undone;
   });
@@ -193,7 +193,7 @@ pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done) 
 
 pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done) {
   clear(done);
-  return lasting(session, [&](OpenSession& open) {
+  return commanding(session, [&](OpenSession& open) {
     const std::uint64_t redone = open.redo(strokes);
     if (done) *done = redone;
   });
@@ -208,7 +208,7 @@ pp_status pp_session_apply_edits(pp_session session) {
 
 pp_status pp_session_cloud(pp_session session, pp_cloud* cloud) {
   clear(cloud);
-  return lasting(session, [&](OpenSession& open) {
+  return commanding(session, [&](OpenSession& open) {
     required(cloud, "cloud") = opened<pp_cloud>(std::make_shared<CloudObject>(open.points()));
   });
 }
@@ -309,5 +309,5 @@ pp_status pp_live_set_forces(pp_session session, uint32_t on) {
 }
 
 pp_status pp_live_stop(pp_session session) {
-  return with(session, Claim::all, [](OpenSession& open) { open.stopLive(); });
+  return commanding(session, [](OpenSession& open) { open.stopLive(); });
 }

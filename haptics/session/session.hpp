@@ -294,6 +294,7 @@ class Session {
   // Records a command, by giveBack() or now.
   void note(LoggedCommand::Kind kind, std::string content);
   void addToRecording(std::uint64_t tick, LoggedCommand command);
+  std::string textFor(const SessionConfig& config) const;
   void beginBetween(SessionRecording& recording);
   // Restores the contacts of LoggedCommand::Kind::begin; the rest is for the loop and its query.
   void restore(std::string_view content, std::vector<double>& loopState);

@@ -116,6 +116,11 @@ void Session::resume() {
   live_->goOn();
 }
 
+// For a recording alone: JSON takes memory.
+std::string Session::textFor(const SessionConfig& config) const {
+  return recording_ ? configText(config) : std::string();
+}
+
 void Session::setBrush(const std::optional<BrushConfig>& brush) {
   SessionConfig next = config_;
   next.brush = brush;
@@ -123,7 +128,7 @@ void Session::setBrush(const std::optional<BrushConfig>& brush) {
   std::optional<BrushOptions> options;
   if (brush) options = brushOptions(*brush, model_->scale);
   between([&] {
-    std::string text = configText(next);
+    std::string text = textFor(next);
     backend_->setBrush(options);
     config_ = std::move(next);
     note(LoggedCommand::Kind::brush, std::move(text));
@@ -137,7 +142,7 @@ void Session::setContact(const SurfaceConfig& surface, const ForceOptions& force
   next.backend.method = method;
   next = checked(std::move(next), kind_);
   validate(force);
-  std::string text = configText(next);
+  std::string text = textFor(next);
   const bool isSame = next.surface == config_.surface && next.backend == config_.backend;
   if (isSame && !simulation() && loans_ == 0 && !isLent_) {
     std::uint64_t tick = 0;

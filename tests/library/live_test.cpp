@@ -1,11 +1,14 @@
 // The library's own servo thread: ticks in blocks, its force law, its edits, and its end.
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <functional>
 #include <thread>
 
 #include "tests/library/ball.hpp"
 #include "tests/library/own_law.hpp"
 #include "tests/near.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace palpate::live_test {
 
@@ -83,8 +86,9 @@ TEST_CASE("a live session refuses conflicting calls, and works again after it is
   std::vector<pp_tick> ticks(200);
   PP_CHECK_FAILS(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count), PP_ERROR_STATE,
                  "the session is live; stop it first");
-  CHECK(pp_session_undo(ball.session, 1, nullptr) == PP_ERROR_STATE);
-  CHECK(pp_session_set_brush(ball.session, nullptr) == PP_ERROR_STATE);
+  const pp_brush first = pp_default_brush();
+  PP_CHECK_FAILS(pp_session_set_brush(ball.session, &first), PP_ERROR_STATE, "before the session is live");
+  PP_CHECK_FAILS(pp_session_record(ball.session, "log"), PP_ERROR_STATE, "before it is live");
   const pp_pose pose{.t_s = 0, .hip = {0, 0, 49}};
   pp_contact contact{};
   CHECK(pp_touch(ball.session, &pose, &contact) == PP_ERROR_STATE);
@@ -109,6 +113,76 @@ TEST_CASE("a live hand sculpts with the brush of its session, and all strokes ca
   CHECK(placesOf(ball.session) != before);
   PP_REQUIRE_OK(pp_session_undo(ball.session, 100, nullptr));
   CHECK(placesOf(ball.session) == before);
+}
+
+TEST_CASE("a live session takes commands of several threads while it is read, and its force goes on") {
+  const ScratchFolder folder;
+  const OpenBall ball;
+  const auto before = placesOf(ball.session);
+  pp_brush brush = pp_default_brush();
+  brush.radius_mm = 5;
+  PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));
+  PP_REQUIRE_OK(pp_session_set_brush(ball.session, nullptr));
+  const std::string log = (folder / "log").string();
+  PP_REQUIRE_OK(pp_session_record(ball.session, log.c_str()));
+  const std::vector<double> rows{0, 0, 0, 52, 0.1, 0, 0, 48.5};
+  const pp_path path = pathOf(rows, 4);
+  const pp_live_options options = along(path);
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));
+  readTicks(ball.session, 100);
+
+  std::atomic<bool> isOver = false;
+  std::atomic<int> failures = 0;
+  const auto repeat = [&](const std::function<pp_status(int)>& command) {
+    return std::jthread([&, command] {
+      for (int i = 0; i < 20; ++i) failures += command(i) != PP_OK;
+    });
+  };
+  std::vector<pp_tick> ticks;
+  {
+    std::jthread reader([&] {
+      while (!isOver) {
+        const auto more = readTicks(ball.session, 1);
+        ticks.insert(ticks.end(), more.begin(), more.end());
+      }
+    });
+    {
+      const std::jthread sculpts = repeat([&](int i) {
+        pp_brush next = brush;
+        next.radius_mm = 4 + 0.1 * i;
+        return pp_session_set_brush(ball.session, i % 3 ? &next : nullptr);
+      });
+      const std::jthread feels = repeat([&](int i) {
+        pp_contact_options contact = pp_default_contact_options();
+        contact.stiffness_N_per_mm = 0.5 + 0.02 * i;
+        return pp_session_set_contact(ball.session, &contact);
+      });
+      const std::jthread goesBack = repeat([&](int i) {
+        return i % 2 ? pp_session_undo(ball.session, 1, nullptr) : pp_session_redo(ball.session, 1, nullptr);
+      });
+      const std::jthread looks = repeat([&](int) {
+        pp_cloud cloud{};
+        const pp_status status = pp_session_cloud(ball.session, &cloud);
+        pp_cloud_close(cloud);
+        return status;
+      });
+    }
+    isOver = true;
+  }
+  CHECK(failures == 0);
+  REQUIRE(ticks.size() > 10);
+  const auto isFree = [](const pp_tick& tick) { return lengthOf(tick.force_N) == 0; };
+  // A stall of the machine takes the force away, too.
+  bool hasStalled = false;
+  for (std::size_t i = 1; i < ticks.size(); ++i) hasStalled = hasStalled || ticks[i].t_s - ticks[i - 1].t_s > 0.04;
+  if (!hasStalled) CHECK(std::ranges::none_of(ticks, isFree));
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+  PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));  // after the end, as before
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 1000, nullptr));
+  CHECK(placesOf(ball.session) == before);
+  pp_recording recording{};
+  PP_REQUIRE_OK(pp_recording_read(log.c_str(), &recording));
+  pp_recording_close(recording);
 }
 
 TEST_CASE("a first brush after a live session builds the session again, and its ticks can still be taken") {

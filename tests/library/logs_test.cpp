@@ -173,25 +173,34 @@ TEST_CASE("a live session is recorded until it stops, and replayed as far as its
   live.rate_Hz = 250;
   PP_REQUIRE_OK(pp_session_record(ball.session, file.string().c_str()));
   PP_REQUIRE_OK(pp_live_start(ball.session, &live));
-  CHECK(pp_session_record(ball.session, file.string().c_str()) == PP_ERROR_STATE);
-  std::uint64_t taken = 0;
-  for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-       taken < 100 && std::chrono::steady_clock::now() < end;) {
-    std::vector<pp_tick> ticks(256);
-    std::uint64_t count = 0;
-    PP_REQUIRE_OK(pp_live_read_ticks(ball.session, ticks.data(), ticks.size(), &count));
-    taken += count;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
+  const auto take = [&](std::uint64_t wanted) {
+    std::uint64_t taken = 0;
+    for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+         taken < wanted && std::chrono::steady_clock::now() < end;) {
+      std::vector<pp_tick> ticks(256);
+      std::uint64_t count = 0;
+      PP_REQUIRE_OK(pp_live_read_ticks(ball.session, ticks.data(), ticks.size(), &count));
+      taken += count;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  };
+  take(100);
+  // Another log ends the first one, and begins in contact.
+  const auto later = folder.path() / "later.session";
+  PP_REQUIRE_OK(pp_session_record(ball.session, later.string().c_str()));
+  take(50);
   PP_REQUIRE_OK(pp_live_stop(ball.session));
-  const ReadLog log(file);
-  CHECK(log.content.ended == 1);
-  CHECK(log.content.ticks > 30);
-  const pp_replay_result result = replay(file, ball.cloud.cloud);
-  CHECK(result.ticks == log.content.ticks);
-  CHECK(result.compared <= result.ticks);
-  CHECK(result.force_ticks == 0);
-  CHECK((result.compared == result.ticks) == std::string(result.reason).empty());
+  for (const auto& each : {file, later}) {
+    CAPTURE(each.string());
+    const ReadLog log(each);
+    CHECK(log.content.ended == 1);
+    CHECK(log.content.ticks > 30);
+    const pp_replay_result result = replay(each, ball.cloud.cloud);
+    CHECK(result.ticks == log.content.ticks);
+    CHECK(result.compared <= result.ticks);
+    CHECK(result.force_ticks == 0);
+    CHECK((result.compared == result.ticks) == std::string(result.reason).empty());
+  }
 }
 
 TEST_CASE("sessions that cannot be recorded, and files that are not logs, are refused with an error") {

@@ -28,6 +28,7 @@ class PressingHand {
 
   OpenHand hand() { return {.device = &device_}; }
   std::size_t threads() const { return threads_.size(); }
+  const DVec3& last_N() const { return device_.last_N; }
 
  private:
   DeviceState at(double time_s) {

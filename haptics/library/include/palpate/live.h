@@ -30,10 +30,13 @@ typedef struct pp_live_options {
   const char* axes;
 } pp_live_options;
 PP_OPTIONS(live_options)
-/** Starts ticks against the wall clock, on a thread of palpate. Until pp_live_stop() the session accepts only calls
- * that look at it. A contact is never stiffer than what the user of a hand-held device agreed to after its guided test.
- * Options may be null. PP_ERROR_ARGUMENT for an unknown device, or axes that are not a permutation or of a device that
- * is not in a hand; PP_ERROR_DEVICE if a device or its driver cannot be opened, as while another program uses it. */
+/** Starts ticks against the wall clock, on a thread of palpate. Until pp_live_stop() the session accepts calls that
+ * look at it, and commands: pp_session_set_brush(), pp_session_set_contact(), undo and redo, pp_session_record() and
+ * pp_session_cloud(). A command takes effect between two ticks; meanwhile the hand keeps the planes that it felt last.
+ * These calls wait for those of other threads, and for a tick, 15 s at most: then PP_ERROR_TIMEOUT. A contact is never
+ * stiffer than what the user of a hand-held device agreed to after its guided test. Options may be null.
+ * PP_ERROR_ARGUMENT for an unknown device, or axes that are not a permutation or of a device that is not in a hand;
+ * PP_ERROR_DEVICE if a device or its driver cannot be opened, as while another program uses it. */
 PP_API pp_status pp_live_start(pp_session session, const pp_live_options* options);
 /** Copies the ticks since the last call, up to `capacity`, and takes in the edits. With several hands `capacity` and
  * `count` are numbers of rows, as for pp_session_touch_hands(), of whole ticks. Ticks not read for half a minute at 1

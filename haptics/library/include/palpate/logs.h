@@ -10,7 +10,8 @@
 /** @defgroup logs Session logs
  * @{ */
 
-/** Writes the next path of the session, or its next live session, to `file`, up to its end. A log begins with the
+/** Writes the next path of the session, or its next live session, to `file`, up to its end; while the session is live,
+ * the rest of it, with all commands. A log begins with the
  * points as they were opened and names the file from which they can be loaded. It holds one hand, without a force law
  * of the program. Errors while writing are reported to the session's log function, and the call that ends the log gives
  * PP_ERROR_FILE. PP_ERROR_STATE for a session of several hands, with a force law of the program, whose points have been

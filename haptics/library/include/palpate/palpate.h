@@ -88,7 +88,8 @@ typedef enum pp_status {
   PP_ERROR_BUG = 11, /**< a bug of palpate: close the handles in question, and report the text of pp_last_error() */
   PP_ERROR_SIMULATION = 12, /**< matter has diverged, or is too dense to be simulated; reset it to continue */
   PP_ERROR_NETWORK = 13,    /**< no such session is served, its server is gone, or the network cannot be used */
-  PP_ERROR_STOPPED = 14     /**< a pp_watch function stopped the call; what was done until then is complete */
+  PP_ERROR_STOPPED = 14,    /**< a pp_watch function stopped the call; what was done until then is complete */
+  PP_ERROR_TIMEOUT = 15     /**< a live session has not taken a command for 15 s; nothing has changed; stop it */
 } pp_status;
 
 /** Version of the library at run time, such as "0.1.0". */

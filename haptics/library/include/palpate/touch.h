@@ -67,9 +67,10 @@ typedef struct pp_brush {
   uint32_t resample;     /**< 1: points are inserted where the surface is stretched, and merged where it is crowded */
 } pp_brush;
 PP_OPTIONS(brush)
-/** Sets the brush of pp_touch() and of the next live hand; null: they only feel. PP_ERROR_STATE while the session is
- * live. The first brush of a session rebuilds the index, so that points can be inserted and removed. PP_ERROR_ARGUMENT,
- * with the reason, if the model does not allow that brush, or if a setting is out of bounds. */
+/** Sets the brush of pp_touch(), and of the present or next live hand; null: they only feel. The first brush of a
+ * session rebuilds the index, so that points can be inserted and removed: PP_ERROR_STATE for that one while the session
+ * is live. PP_ERROR_ARGUMENT, with the reason, if the model does not allow that brush, or if a setting is out of
+ * bounds. */
 PP_API pp_status pp_session_set_brush(pp_session session, const pp_brush* brush);
 /** Changes surface and force. `radius_mm` must be 0 or as the session was opened, or else the call returns
  * PP_ERROR_ARGUMENT. */
