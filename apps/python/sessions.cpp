@@ -49,8 +49,8 @@ void bindTouch(py::class_<PySession>& session) {
           },
           py::arg("kind"),
           "set_brush(kind, **brush)\n\n"
-          "Sets the brush of touch() and of the next live hand, as for stroke(); kind None: they only feel. Not while "
-          "the session is live.")
+          "Sets the brush of touch(), and of the present or next live hand, as for stroke(); kind None: they only "
+          "feel. The first brush of a session is set before it is live.")
       .def(
           "undo",
           [](PySession& self, std::uint64_t strokes) {
@@ -95,9 +95,9 @@ void bindLive(py::class_<PySession>& session) {
           },
           py::arg("file"),
           "record(file)\n\n"
-          "Records the next path, or the next live session, up to its end, to this file, a session log\n"
-          "(read_recording(), replay()). A log begins with the points as they were opened, and holds one hand\n"
-          "without its own force law.")
+          "Records the next path, or the next live session, up to its end, or from now on a live session, to this\n"
+          "file, a session log (read_recording(), replay()). A log begins with the points as they were opened, and\n"
+          "holds one hand without its own force law.")
       .def("_live_start", &PySession::startLive, py::arg("device"), py::arg("rate"), py::arg("builtin"),
            py::arg("path"), py::arg("law"), py::arg("allow_python_law"), py::arg("others"), py::arg("axes"))
       .def("_live_raise", &PySession::raiseOfLaw)

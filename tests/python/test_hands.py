@@ -93,6 +93,37 @@ def test_a_law_in_python_is_refused_unless_it_is_allowed(ball):
             pp.Session(ball, gpu="cpu", law=wrong, allow_python_law=True)
 
 
+def test_a_live_hand_takes_commands_of_several_threads(ball):
+    blocks, raised = [], []
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s:
+        s.set_brush("push", radius_mm=5)
+        s.set_brush(None)
+        with s.live(path=np.array([[0, 0, 0, 52], [0.1, 0, 0, 48.5]]), rate=500, on_ticks=blocks.append) as live:
+            live.wait(0.3)
+            begun = len(blocks)
+
+            def repeat(command):
+                try:
+                    for i in range(10):
+                        command(i)
+                except pp.Error as error:
+                    raised.append(error)
+
+            commands = [lambda i: s.set_brush("push" if i % 2 else None, **({"radius_mm": 4 + 0.1 * i} if i % 2 else {})),
+                        lambda i: s.undo() if i % 2 else s.redo(), lambda i: s.cloud()]
+            threads = [threading.Thread(target=repeat, args=(command,)) for command in commands]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            live.wait(0.1)
+        assert not raised
+        ticks = np.concatenate(blocks[begun:])
+        if (np.diff(ticks["t_s"]) < 0.04).all():  # the machine did not stall
+            assert (np.linalg.norm(ticks["force_N"], axis=1) > 0).all()
+        s.undo(1000)
+
+
 def test_a_short_name_of_a_live_law_is_not_lost(ball):
     with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s:
         with pytest.raises(pp.Error, match="no.so"):
