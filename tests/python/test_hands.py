@@ -109,8 +109,10 @@ def test_a_live_hand_takes_commands_of_several_threads(ball):
                 except pp.Error as error:
                     raised.append(error)
 
-            commands = [lambda i: s.set_brush("push" if i % 2 else None, **({"radius_mm": 4 + 0.1 * i} if i % 2 else {})),
-                        lambda i: s.undo() if i % 2 else s.redo(), lambda i: s.cloud()]
+            def other_brush(i):
+                s.set_brush("push", radius_mm=4 + 0.1 * i) if i % 2 else s.set_brush(None)
+
+            commands = [other_brush, lambda i: s.undo() if i % 2 else s.redo(), lambda i: s.cloud()]
             threads = [threading.Thread(target=repeat, args=(command,)) for command in commands]
             for thread in threads:
                 thread.start()
