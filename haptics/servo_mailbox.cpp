@@ -17,6 +17,7 @@ constexpr auto kPoll = std::chrono::microseconds(100);  // of a poster: a tenth 
 void ServoMailbox::open(SteppedClock* clock) {
   const std::scoped_lock hold(posting_);
   served_ = next_;
+  server_ = std::thread::id();
   clock_ = clock;
   open_ = true;
 }
@@ -34,6 +35,7 @@ void ServoMailbox::close() noexcept {
 }
 
 void ServoMailbox::serve() noexcept {
+  server_.store(std::this_thread::get_id(), std::memory_order_relaxed);
   for (std::size_t count = 0; count < kMaxPerTick;) {
     Slot& slot = slots_[served_ % kSlots];
     State state = slot.state;
@@ -57,6 +59,8 @@ void ServoMailbox::wakeLoop() const {
 }
 
 ServoMailbox::Slot* ServoMailbox::claim() {
+  if (open_ && server_ == std::this_thread::get_id())
+    throw Error("a command was given on the servo thread, which would wait for itself; give it on another thread");
   std::unique_lock hold(posting_);
   const Stopwatch since;
   while (open_) {

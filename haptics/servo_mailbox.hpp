@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <mutex>
 #include <new>
+#include <thread>
 #include <type_traits>
 
 #include "engine/core/error.hpp"
@@ -41,7 +42,7 @@ class ServoMailbox {
   bool isOpen() const noexcept { return open_.load(); }
 
   /// Runs `act` on the thread of the loop, and returns once it has run. False, without running it, where no loop runs
-  /// or the loop ends first. Throws CommandTimeout. Not for the thread of the loop.
+  /// or the loop ends first. Throws CommandTimeout, and Error on the thread of the loop, as in a force law.
   template <class Act>
   bool post(Act act) {
     static_assert(sizeof(Act) <= kBytes && alignof(Act) <= alignof(std::max_align_t));
@@ -82,6 +83,7 @@ class ServoMailbox {
   std::uint64_t next_ = 0;    // number of the next command; guarded by posting_
   std::uint64_t served_ = 0;  // number of commands that the loop has taken
   std::atomic<bool> open_ = false;
+  std::atomic<std::thread::id> server_;  // the thread of the loop
   std::atomic<SteppedClock*> clock_ = nullptr;
 };
 

@@ -222,25 +222,29 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
 void Session::start(std::vector<OpenHand> hands, const LiveRunOptions& options) {
   LiveRunOptions live = options;
   if (live.rate_Hz <= 0) live.rate_Hz = config_.rate_Hz;
+  const LiveRun::Play play = [this](std::span<const OpenHand> touching, const LiveRunOptions& how,
+                                    const std::atomic<bool>& stop, TickRecorder& recorder) {
+    const ClosedAtEnd closed(mailbox_);
+    ServoResult result = run(touching, {.begin_s = how.begin_s,
+                                        .rate_Hz = how.rate_Hz,
+                                        .endless = true,
+                                        .clock = how.clock.get(),
+                                        .stop = &stop,
+                                        .forcesOn = how.forcesOn,
+                                        .recorder = &recorder,
+                                        .realtime = true,
+                                        .law = how.law});
+    if (result.queryLost) result.fault = machine_ + " was lost; earlier results are kept";
+    return result;
+  };
   live_.reset();
   mailbox_.open(live.clock.get());
-  live_ = std::make_shared<LiveRun>(std::move(hands), live,
-                                    [this](std::span<const OpenHand> touching, const LiveRunOptions& how,
-                                           const std::atomic<bool>& stop, TickRecorder& recorder) {
-                                      const ClosedAtEnd closed(mailbox_);
-                                      ServoResult result = run(touching, {.begin_s = how.begin_s,
-                                                                          .rate_Hz = how.rate_Hz,
-                                                                          .endless = true,
-                                                                          .clock = how.clock.get(),
-                                                                          .stop = &stop,
-                                                                          .forcesOn = how.forcesOn,
-                                                                          .recorder = &recorder,
-                                                                          .realtime = true,
-                                                                          .law = how.law});
-                                      if (result.queryLost)
-                                        result.fault = machine_ + " was lost; earlier results are kept";
-                                      return result;
-                                    });
+  try {
+    live_ = std::make_shared<LiveRun>(std::move(hands), live, play);
+  } catch (...) {
+    mailbox_.close();
+    throw;
+  }
 }
 
 void Session::stop() {

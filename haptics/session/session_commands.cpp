@@ -113,7 +113,12 @@ void Session::goOn() {
 void Session::resume() {
   if (live_->isStarted()) return;
   mailbox_.open(live_->clock().get());
-  live_->goOn();
+  try {
+    live_->goOn();
+  } catch (...) {
+    mailbox_.close();
+    throw;
+  }
 }
 
 // For a recording alone: JSON takes memory.

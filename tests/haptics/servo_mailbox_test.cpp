@@ -134,6 +134,21 @@ TEST_CASE("a loop that hangs gives its posters a timeout, and never runs a withd
   CHECK(ran == 20);
 }
 
+TEST_CASE("a command on the loop's own thread is refused at once") {
+  ServoMailbox mailbox;
+  Running loop(mailbox);
+  bool isRefused = false;
+  CHECK(mailbox.post([&mailbox, &isRefused]() noexcept {
+    try {
+      mailbox.post([]() noexcept {});
+    } catch (const CommandTimeout&) {
+    } catch (const Error&) {
+      isRefused = true;
+    }
+  }));
+  CHECK(isRefused);
+}
+
 TEST_CASE("a tick runs a few commands at most, and serving them allocates nothing") {
   ServoMailbox mailbox;
   mailbox.open();
