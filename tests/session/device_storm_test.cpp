@@ -2,12 +2,14 @@
 // ctest: waits
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <chrono>
-#include <functional>
+#include <memory>
 
 #include "haptics/devices/haply_device.hpp"
 #include "haptics/devices/openhaptics_device.hpp"
 #include "haptics/devices/simulated_touch.hpp"
+#include "haptics/devices/wrapped_device.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/fake_devices/fake_haply.hpp"
 #include "tests/labels.hpp"
@@ -48,7 +50,22 @@ double excess_N(const std::vector<TraceRow>& rows, double from_s) {
   return most_N;
 }
 
-void checkStorm(HapticDevice& device, const DVec3& offset) {
+/// Notes when the device takes its force away by itself, as where a service is silent for 20 ms.
+class Watched final : public WrappedDevice {
+ public:
+  using WrappedDevice::WrappedDevice;
+  DeviceState read(double time_s) noexcept override {
+    const DeviceState state = WrappedDevice::read(time_s);
+    if (!state.rendersForce && time_s > kSettled_s && time_s < forceless_s) forceless_s = time_s;
+    return state;
+  }
+
+  static constexpr double kSettled_s = 0.5;
+  std::atomic<double> forceless_s = 1e9;
+};
+
+void checkStorm(std::unique_ptr<HapticDevice> held, const DVec3& offset) {
+  Watched device(std::move(held));
   const auto kind = backendKind();
   SessionConfig config = stormy(*kind, "sphere");
   config.force.stiffness_N_per_mm = kStiffest_N_per_mm;
@@ -59,18 +76,24 @@ void checkStorm(HapticDevice& device, const DVec3& offset) {
   std::vector<TraceRow> rows;
   RandomCommands random(session, 11, kStiffest_N_per_mm);
   const double begin_s = 1.5, end_s = begin_s + byTier(3.0, 60.0);
+  double judged_s = 1e9;
   for (const Stopwatch since; session.isLive() && since.elapsed_s() < end_s;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    if (since.elapsed_s() > begin_s) random.one();
     session.catchUp();
     session.live()->take(rows);
+    const Stopwatch command;
+    if (since.elapsed_s() > begin_s) random.one();
+    // The planes of a loan fade from then on, as they must.
+    if (command.elapsed_s() > kStall_s && !rows.empty()) judged_s = std::min(judged_s, rows.back().time_s);
   }
   CHECK(session.isLive());
   session.stop();
   session.live()->take(rows);
   rows = steady(std::move(rows));
+  judged_s = std::min(judged_s, device.forceless_s.load());
+  std::erase_if(rows, [&](const TraceRow& row) { return row.time_s >= judged_s; });
   if (rows.empty() || rows.back().time_s < begin_s) {
-    MESSAGE("not judged: the machine stalled before the first command");
+    MESSAGE("not judged: the machine, or the service of the device, stalled before the first command");
     return;
   }
   const auto isFree = [&](const TraceRow& row) { return row.time_s >= begin_s && row.force_N == DVec3(0); };
@@ -83,18 +106,15 @@ void checkStorm(HapticDevice& device, const DVec3& offset) {
 TEST_CASE("commands reach a pressing stylus without a knock, on palpate's thread and on a driver's" * kMoreInFull) {
   const DVec3 offset(0, 30, 0);  // the sphere's pole is at y = 20 of the device
   SUBCASE("a simulated Touch") {
-    SimulatedTouch device(Path(kPressing), {});
-    checkStorm(device, offset);
+    checkStorm(std::make_unique<SimulatedTouch>(Path(kPressing), WorkspaceMap{}), offset);
   }
   SUBCASE("OpenHaptics, on the driver's thread") {
     const FakeDriver driver("fake_hd", "", "0,0,26,0\n0.1,0,26,0\n0.5,0,17,0\n");
-    OpenHapticsDevice device({});
-    checkStorm(device, offset);
+    checkStorm(std::make_unique<OpenHapticsDevice>(OpenHapticsOptions{}), offset);
   }
   SUBCASE("a Haply, on palpate's thread") {
     const FakeHaply service({.hand = kPressing});
-    HaplyDevice device({});
-    checkStorm(device, offset - FakeHaply::kMiddle_mm);
+    checkStorm(std::make_unique<HaplyDevice>(HaplyOptions{}), offset - FakeHaply::kMiddle_mm);
   }
 }
 
