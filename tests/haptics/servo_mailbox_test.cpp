@@ -123,7 +123,9 @@ TEST_CASE("a loop that hangs gives its posters a timeout, and never runs a withd
       });
   }
   CHECK(timeouts == ServoMailbox::kSlots + 3);
-  for (int tick = 0; tick < 5; ++tick) mailbox.serve();
+  std::jthread([&] {
+    for (int tick = 0; tick < 5; ++tick) mailbox.serve();
+  }).join();
   CHECK(ran == 0);
   const std::jthread loop([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
