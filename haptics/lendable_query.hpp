@@ -1,4 +1,4 @@
-// A query that the servo loop hands over between two ticks, so that another thread may work on what answers it.
+// Lends the back end of a running servo loop to another thread, and answers the loop meanwhile.
 #pragma once
 
 #include <array>

@@ -161,8 +161,7 @@ void CpuSculpture::receive(std::span<const PointChange> changes) {
     strayed_.push_back(change.to.number());
   }
   std::ranges::sort(strayed_);
-  const auto again = std::ranges::unique(strayed_);
-  strayed_.erase(again.begin(), again.end());
+  strayed_.erase(std::unique(strayed_.begin(), strayed_.end()), strayed_.end());
   makeRoom();
   for (const std::uint32_t point : strayed_) {
     strains_[point] = displacements_[point] = 0;

@@ -120,6 +120,7 @@ void noteYielding(uint at, uint slot) {
 }
 
 #include "shaders/lib/carved_solid.glsl"
+#include "shaders/lib/found_sides.glsl"
 
 // Whether the brush moves a neighbour, or does not reach it.
 bool movesAlong(uint id, vec3 position, vec3 normal) {
@@ -142,23 +143,6 @@ void noteAhead(uint at, vec3 normal, vec3 d) {
   const float along = freeUntil(brush, tool, path, SeenPoint(d, normal, true), free);
   const float staying = freeUntil(brush, tool, path, SeenPoint(d, normal, false), free);
   free = along == staying || movesAlong(id, center + d, normal) ? along : staying;
-}
-
-void noteCarried(uint at, vec3 normal, vec3 d) {
-  const Found own = args.tables.at[0].founds.at[selfId];
-  const Found found = args.tables.at[0].founds.at[keptIds[at]];
-  if (found.stroke > own.stroke) return;  // moved since by a later one
-  const bool both = found.stroke == own.stroke;
-  addCarried(tangents, carriedFrom(own.position, own.normal), d, both ? found.position : center + d,
-             both ? found.normal : normal, neighbourhoodRadius(self.spacing, args.radius));
-}
-
-// Notes the carried normal, by which the next edit corrects the side of the point's. True if it has to.
-bool noteSide() {
-  const vec3 carried = carriedNormal(CarriedTangents(subgroupSum(vec4(tangents.u, 0.0)).xyz,
-                                                     subgroupSum(vec4(tangents.v, 0.0)).xyz));
-  if (subgroupElect()) args.tables.at[0].carried.at[selfId] = carried == vec3(0.0) ? 0 : packedCarried(carried);
-  return isAgainst(carried, self.normal);
 }
 
 // Blocks new points that would crowd a neighbour with a wider target, or one of another sheet that may turn out to be
@@ -268,31 +252,6 @@ bool anyWide() {
 // Whether an edit has moved the ends of a gap relative to each other.
 bool torn(Sector gap) {
   return distance(gap.offset, rests.at[gap.id] - self.rest) > kTorn * max(self.spacing, targetOf(gap.id));
-}
-
-// The ends of a gap as the last stroke that moved any of them found them.
-struct FoundEnds {
-  vec3 position, normal;
-  vec3 otherPosition, otherNormal;
-};
-FoundEnds foundEnds(uint otherId, uint otherSlot) {
-  FoundEnds ends = FoundEnds(center, self.normal, args.cloud.positions.at[otherSlot].xyz,
-                             args.cloud.normals.at[otherSlot].xyz);
-  const Found own = args.tables.at[0].founds.at[selfId], other = args.tables.at[0].founds.at[otherId];
-  if (own.stroke > 0 && own.stroke >= other.stroke) {
-    ends.position = own.position;
-    ends.normal = own.normal;
-  }
-  if (other.stroke > 0 && other.stroke >= own.stroke) {
-    ends.otherPosition = other.position;
-    ends.otherNormal = other.normal;
-  }
-  return ends;
-}
-
-// Whether they were on two sides of the surface.
-bool wereTwoSides(FoundEnds ends) {
-  return areTwoSides(ends.normal, ends.otherPosition - ends.position, ends.otherNormal);
 }
 
 vec3 middleNormal(vec3 normal, vec3 other) {

@@ -1,6 +1,6 @@
-// To which side of the surface a stroke has carried a normal, by the motion of the points around it. A normal that is
-// fitted to the present points has no side of its own, and at a rim, in a fold or on a thin part those of its
-// neighbours are no majority.
+// The side of the surface to which a stroke has carried a normal, from the motion of the points around it. A normal
+// fitted to the present points has no side of its own, and at a rim, in a fold or on a thin part most neighbours may
+// face the other way.
 #ifndef PALPATE_SHARED_CARRIED_NORMAL_H
 #define PALPATE_SHARED_CARRIED_NORMAL_H
 #include "shaders/shared/frame.h"

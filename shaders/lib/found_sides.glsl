@@ -1,0 +1,49 @@
+// Sides of the surface as strokes found it: the one to which a stroke has carried a normal, and whether the ends of a
+// gap were on two. Part of request.comp, with its globals. In double precision: onCarriedSide() of
+// engine/edit/cpu_refit.cpp, and wereTwoSides() of resampling.cpp.
+#ifndef PALPATE_LIB_FOUND_SIDES_GLSL
+#define PALPATE_LIB_FOUND_SIDES_GLSL
+
+void noteCarried(uint at, vec3 normal, vec3 d) {
+  const Found own = args.tables.at[0].founds.at[selfId];
+  const Found found = args.tables.at[0].founds.at[keptIds[at]];
+  if (found.stroke > own.stroke) return;  // moved since by a later one
+  const bool both = found.stroke == own.stroke;
+  addCarried(tangents, carriedFrom(own.position, own.normal), d, both ? found.position : center + d,
+             both ? found.normal : normal, neighbourhoodRadius(self.spacing, args.radius));
+}
+
+// Notes the carried normal, by which the next edit corrects the side of the point's. True if it has to.
+bool noteSide() {
+  const vec3 carried = carriedNormal(CarriedTangents(subgroupSum(vec4(tangents.u, 0.0)).xyz,
+                                                     subgroupSum(vec4(tangents.v, 0.0)).xyz));
+  if (subgroupElect()) args.tables.at[0].carried.at[selfId] = carried == vec3(0.0) ? 0 : packedCarried(carried);
+  return isAgainst(carried, self.normal);
+}
+
+// The ends of a gap as the last stroke that moved any of them found them.
+struct FoundEnds {
+  vec3 position, normal;
+  vec3 otherPosition, otherNormal;
+};
+FoundEnds foundEnds(uint otherId, uint otherSlot) {
+  FoundEnds ends = FoundEnds(center, self.normal, args.cloud.positions.at[otherSlot].xyz,
+                             args.cloud.normals.at[otherSlot].xyz);
+  const Found own = args.tables.at[0].founds.at[selfId], other = args.tables.at[0].founds.at[otherId];
+  if (own.stroke > 0 && own.stroke >= other.stroke) {
+    ends.position = own.position;
+    ends.normal = own.normal;
+  }
+  if (other.stroke > 0 && other.stroke >= own.stroke) {
+    ends.otherPosition = other.position;
+    ends.otherNormal = other.normal;
+  }
+  return ends;
+}
+
+// Whether they were on two sides of the surface.
+bool wereTwoSides(FoundEnds ends) {
+  return areTwoSides(ends.normal, ends.otherPosition - ends.position, ends.otherNormal);
+}
+
+#endif
