@@ -237,11 +237,7 @@ void CpuSculpture::examine() {
     if (requests_[i].inserts) inserting_.push_back(static_cast<std::uint32_t>(i));
   }
   std::ranges::sort(inserting_, {}, [&](std::uint32_t i) { return unsettled_[i]; });
-  const std::size_t sizeBefore = points_.size();
   insertClaimed();
-  if (getenv("DBG4"))
-    fprintf(stderr, "E unsettled %zu waiting %zu asking %zu inserted %zu new %zu\n", unsettled_.size(), waiting_.size(),
-            inserting_.size(), points_.size() - sizeBefore, points_.size() - points_.fromFile);
   followInIndex();
 }
 

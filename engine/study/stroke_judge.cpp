@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, 8> kCriteria{"raised", "turned",  "points
 constexpr double kNearby = 2.5;  // local spacings: neighbours of a point
 constexpr std::size_t kMinNeighbours = 3, kOfAFlake = 6, kNearestOld = 3;
 constexpr double kFlake = 1;  // local spacings off the plane of the neighbours
-constexpr double kSame = 0.3, kAway = -0.8, kThrough = -0.3;
+constexpr double kSame = 0.3, kAway = -0.8, kThrough = -0.3, kAgainst = -0.2;
 constexpr double kOnSurface = 1.5;  // local spacings from a point
 constexpr double kOutwards = 0.2;   // cosine
 constexpr double kPair = 1.6, kMinPair = 0.5, kFlip = -0.1;
@@ -126,9 +126,10 @@ DVec3 towardsTool(const PlayedStroke& stroke, const DVec3& place) {
 }
 
 // A point of the cloud has turned if it faces against the side to which the motion of its neighbours has carried its
-// normal; a new point if both most of the nearest old ones of its side and the one from which it stems are against it:
-// where the surface is stretched or bent over a rim, the nearest ones alone may be beyond the rim. The wall that carve
-// leaves faces the tool.
+// normal, not if the two are nearly at a right angle, as at the rim of a dent: its neighbours are those that it had
+// before, and where some of them have moved the side is known no better. A new point has turned if both most of the
+// nearest old ones of its side and the one from which it stems are against it: where the surface is stretched or bent
+// over a rim, the nearest ones alone may be beyond the rim. The wall that carve leaves faces the tool.
 std::size_t StrokeJudge::turnedIn(std::span<const PointState> after, std::span<const char> near,
                                   const PlayedStroke& stroke) const {
   const std::size_t old = before_.size();
@@ -143,7 +144,7 @@ std::size_t StrokeJudge::turnedIn(std::span<const PointState> after, std::span<c
     if (near[i] == 0 || after[i].gone() || !tellsItsSide(before_, tree_, i)) continue;
     carried[i] = carriedNormal(before_, tree_, after, i);
     if (!carried[i]) continue;
-    turned += near[i] == 2 && glm::dot(*carried[i], DVec3(after[i].normal)) < 0 && !facesTool(after[i]);
+    turned += near[i] == 2 && glm::dot(*carried[i], DVec3(after[i].normal)) < kAgainst && !facesTool(after[i]);
     places.push_back(after[i].position);
     numbers.push_back(i);
   }
@@ -159,10 +160,10 @@ std::size_t StrokeJudge::turnedIn(std::span<const PointState> after, std::span<c
       const std::uint32_t other = numbers[nearest.points[k]];
       if (glm::dot(DVec3(before_.normals[other]), DVec3(before_.normals[ancestor])) < kSame) continue;
       ++count;
-      against += glm::dot(*carried[other], normal) < 0;
+      against += glm::dot(*carried[other], normal) < kAgainst;
     }
     const std::optional<DVec3> origin = ancestor < old ? carried[ancestor] : std::nullopt;
-    turned += 2 * against > count && !(origin && glm::dot(*origin, normal) >= 0) && !facesTool(after[i]);
+    turned += 2 * against > count && !(origin && glm::dot(*origin, normal) >= kAgainst) && !facesTool(after[i]);
   }
   return turned;
 }

@@ -1,6 +1,6 @@
-// Sides of the surface as strokes found it: the one to which a stroke has carried a normal, and whether the ends of a
-// gap were on two. Part of request.comp, with its globals. In double precision: onCarriedSide() of
-// engine/edit/cpu_refit.cpp, and wereTwoSides() of resampling.cpp.
+// Sides of the surface as strokes found it: the one to which a stroke has carried a normal, and whether a gap has
+// opened in one since. Part of request.comp, with its globals. In double precision: onCarriedSide() of
+// engine/edit/cpu_refit.cpp, and hasOpened() of resampling.cpp.
 #ifndef PALPATE_LIB_FOUND_SIDES_GLSL
 #define PALPATE_LIB_FOUND_SIDES_GLSL
 
@@ -25,11 +25,13 @@ bool noteSide() {
 struct FoundEnds {
   vec3 position, normal;
   vec3 otherPosition, otherNormal;
+  bool areFound;  // false: as they are, since no stroke has moved them
 };
 FoundEnds foundEnds(uint otherId, uint otherSlot) {
   FoundEnds ends = FoundEnds(center, self.normal, args.cloud.positions.at[otherSlot].xyz,
-                             args.cloud.normals.at[otherSlot].xyz);
+                             args.cloud.normals.at[otherSlot].xyz, false);
   const Found own = args.tables.at[0].founds.at[selfId], other = args.tables.at[0].founds.at[otherId];
+  ends.areFound = max(own.stroke, other.stroke) > 0;
   if (own.stroke > 0 && own.stroke >= other.stroke) {
     ends.position = own.position;
     ends.normal = own.normal;
@@ -41,9 +43,11 @@ FoundEnds foundEnds(uint otherId, uint otherSlot) {
   return ends;
 }
 
-// Whether they were on two sides of the surface.
-bool wereTwoSides(FoundEnds ends) {
-  return areTwoSides(ends.normal, ends.otherPosition - ends.position, ends.otherNormal);
+// Whether the gap has opened in one side of the surface since, if a stroke has moved any of them.
+bool hasOpened(FoundEnds ends, Sector gap) {
+  const GapAsFound found = GapAsFound(rests.at[gap.id] - self.rest, ends.otherPosition - ends.position, ends.normal,
+                                      ends.otherNormal);
+  return !ends.areFound || hasOpened(found, gap.offset, gap.spacing);
 }
 
 #endif

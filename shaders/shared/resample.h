@@ -55,12 +55,30 @@ const float kFarSheet = -0.5f;
 // and of an inner corner, which a stroke may round.
 const float kTwoSides = 0.3f, kTwoSidesInCorner = -0.3f;
 
-// Whether two points were on different sides of the surface when a stroke found them. No point is inserted between
-// them: what a stroke stretches is one side, and a new point between both has a normal of neither. `offset`: from the
-// one to the other.
-PALPATE_FORMULA bool areTwoSides(PALPATE_VEC3 normal, PALPATE_VEC3 offset, PALPATE_VEC3 otherNormal) {
-  const bool isCorner = dot(offset, normal) > dot(offset, otherNormal);
-  return dot(normal, otherNormal) < Real(isCorner ? kTwoSidesInCorner : kTwoSides);
+// Maximum distance, in target spacings, of two neighbours as a stroke found them, or in the cloud as loaded: in a cloud
+// of random points one in a hundred is further away.
+const float kNeighboursApart = 3.0f;
+// Factor on the width of a gap for rounding.
+const float kAsWide = 1.001f;
+
+// The ends of a gap as a stroke found them.
+PALPATE_STRUCT(GapAsFound) {
+  PALPATE_VEC3 rest;    // offset from the one to the other as loaded
+  PALPATE_VEC3 offset;  // the same as found
+  PALPATE_VEC3 normal;
+  PALPATE_VEC3 otherNormal;
+};
+PALPATE_SINGLE(GapAsFound);
+
+// Whether a gap has opened between neighbours on one side of the surface since. Only such a gap is filled: between
+// parts that the stroke has brought nearer to each other, as in a fold, or on two sides, a new point would join what
+// does not belong together, with a normal of neither. `offset`: at present; `spacing`: the wider target, model units.
+PALPATE_FORMULA bool hasOpened(PALPATE_OF(GapAsFound) found, PALPATE_VEC3 offset, Real spacing) {
+  const Real apart = length(found.offset);
+  if (min(apart, length(found.rest)) > Real(kNeighboursApart) * spacing) return false;
+  if (apart > Real(kAsWide) * length(offset)) return false;
+  const bool isCorner = dot(found.offset, found.normal) > dot(found.offset, found.otherNormal);
+  return dot(found.normal, found.otherNormal) >= Real(isCorner ? kTwoSidesInCorner : kTwoSides);
 }
 
 // Weight of a neighbour in the fit of a point's normal, 0 to 1, by the cosine between the two normals before: full

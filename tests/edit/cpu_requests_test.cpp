@@ -19,6 +19,9 @@ ResampleNeighbour neighbourAt(const SculptedPoints& points, std::uint32_t number
   return {.offset = DVec3(points.positions[number]) - from,
           .normal = DVec3(points.normals[number]),
           .rest = DVec3(points.rests[number]),
+          .stroke = points.strokes[number],
+          .found = DVec3(points.founds[number].position),
+          .foundNormal = DVec3(points.founds[number].normal),
           .spacing = points.spacing(number),
           .isNew = number >= points.fromFile,
           .number = number,
@@ -37,8 +40,8 @@ bool requestsAnything(const CpuSculpture& sculpture, std::uint32_t point, double
   ResampleNeighbours neighbours(around);
   const double mostReach = static_cast<double>(shared::kReach) * radius;
   const double reachOfNew = point < points.fromFile ? mostReach : double{points.reaches[point - points.fromFile]};
-  const ResampleRequest request =
-      resampleRequest(neighbourAt(points, point, place), {.neighbours = neighbours, .reach = reachOfNew});
+  const ResampleRequest request = resampleRequest(neighbourAt(points, point, place),
+                                                  {.neighbours = neighbours, .reach = reachOfNew, .place = place});
   return request.goes || request.inserts;
 }
 

@@ -114,6 +114,31 @@ TEST_CASE(
   CHECK_FALSE(requested(0.5, -0.5, 1));
 }
 
+TEST_CASE("no point is requested in a gap that is not wider than the stroke found it, nor between distant parts") {
+  struct Apart {
+    double rest, found, now;
+  };
+  const auto requested = [](const Apart& apart, std::uint32_t stroke) {
+    auto gap = ring(apart.now);
+    const DVec3 aside = glm::normalize(gap[0].offset);
+    ResampleNeighbour self = pointAt(DVec3(0), 1);
+    for (ResampleNeighbour* each : {&self, &gap[0]}) {
+      each->stroke = stroke;
+      each->foundNormal = kUp;
+    }
+    gap[0].rest = apart.rest * aside;
+    gap[0].found = apart.found * aside;
+    return requestOf(self, gap).inserts;
+  };
+  CHECK(requested({1, 1, 1.8}, 1));
+  CHECK(requested({1, 1.75, 1.8}, 1));
+  CHECK_FALSE(requested({1, 1.85, 1.8}, 1));
+  CHECK(requested({9, 2.9, 3.5}, 1));
+  CHECK(requested({2.9, 3.2, 3.5}, 1));  // others have torn it apart
+  CHECK_FALSE(requested({3.1, 3.2, 3.5}, 1));
+  CHECK(requested({3.1, 3.2, 3.5}, 0));  // no stroke has moved any of them
+}
+
 TEST_CASE("of two crowded points one is removed, the unsettled or the later one, never both") {
   const auto goes = [](const ResampleNeighbour& self, ResampleNeighbour other) {
     other.offset = {0.3, 0, 0};

@@ -91,6 +91,17 @@ TEST_CASE("normals that face against their own side are counted, whatever side i
   }
 }
 
+TEST_CASE("a normal that is nearly at a right angle to the carried one has not turned") {
+  for (const float cosine : {-0.15f, -0.25f}) {
+    CAPTURE(cosine);
+    Stroke stroke(10);
+    stroke.press(0.01);
+    const std::size_t leaning =
+        stroke.within(3.5, [&](PointState& state) { state.normal = Vec3(std::sqrt(1 - cosine * cosine), 0, cosine); });
+    CHECK(stroke.verdict().turned == (cosine < -0.2f ? leaning : 0));
+  }
+}
+
 TEST_CASE("a new point takes its side from the old ones around it") {
   for (const float facing : {1.0f, -1.0f}) {
     CAPTURE(facing);

@@ -163,6 +163,20 @@ TEST_CASE_FIXTURE(OnBackEndInCore, "a push along a wall leaves no hole in the fl
   }
 }
 
+// Two sheets, 4 mm apart, one of which is dragged towards the other: they stay two.
+TEST_CASE_FIXTURE(OnBackEndInCore, "two sheets that a grab has brought together are not joined") {
+  Limbs limbs(false);
+  limbs.addSheet({3, -25, 0}, {25, 0, 0}, {0, 50, 0});
+  const std::size_t dragged = limbs.size();
+  limbs.addSheet({-26, -25, 0}, {25, 0, 0}, {0, 50, 0});
+  const PointCloud after = stroked(*this, limbs, BrushKind::grab, {{5, 0.2, 1}, {5, 0.2, -1}, {-1.2, 0.2, -1}});
+  double edge = 3;
+  for (std::size_t i = 0; i < dragged; ++i) edge = std::min(edge, double{after.positions[i].x});
+  CHECK(edge < 1);
+  CHECK(edge > 0);
+  for (const Vec3& position : after.positions) CHECK((position.x < -1 || position.x > edge - 0.25 * kLimbSpacing));
+}
+
 // The side of a plate, held 2 mm under its edge and dragged into it by far more than its upper face, which is in the
 // brush with it, can be compressed: the edge goes with the side, and nothing is drawn through below the upper face.
 TEST_CASE_FIXTURE(OnBackEndInCore, "an edge is dragged with the side that is held under it, without holes") {
