@@ -129,17 +129,20 @@ __device__ vec3 sidedNormal(const CloudView& cloud, const Tables& tables, const 
   const Found& own = tables.founds[id];
   if (own.stroke == 0 || glm::dot(fitted, own.normal) > kCarriedFar) return fitted;
   const CarriedFrom from = carriedFrom(own.position, own.normal);
-  CarriedTangents tangents{vec3(0.0f), vec3(0.0f)};
+  vec3 u, v;
+  frameAround(fitted, u, v);
+  CarriedSums sums{};
   forEachNear(cloud, center, radius, [&](uint slot, const vec3& offset) {
     const Found& found = tables.founds[__float_as_uint(loadPoint(cloud.positions, slot).w)];
     if (found.stroke > own.stroke) return;  // moved since by a later one
     if (found.stroke == own.stroke)
-      addCarried(tangents, from, offset, found.position, found.normal, radius);
+      addCarried(sums, from, offset, u, v, found.position, found.normal, radius);
     else
-      addCarried(tangents, from, offset, center + offset, xyz(loadPoint(cloud.normals, slot)), radius);
+      addCarried(sums, from, offset, u, v, center + offset, xyz(loadPoint(cloud.normals, slot)), radius);
   });
-  const vec3 carried = carriedNormal(CarriedTangents{warpSum(tangents.u), warpSum(tangents.v)});
-  return isAgainst(carried, fitted) ? -fitted : fitted;
+  const float side = carriedSide(CarriedSums{warpSum(sums.means), warpSum(sums.products), warpSum(sums.found),
+                                             warpSum(sums.present), warpSum(sums.weight)});
+  return side < kTurnedOver ? -fitted : fitted;
 }
 
 // Whether the brush moves a neighbour, or does not reach it.

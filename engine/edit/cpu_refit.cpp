@@ -165,17 +165,19 @@ Vec3 CpuSculpture::onCarriedSide(const Vec3& fitted, std::uint32_t point, const 
   const DVec3 place(points_.positions[point]);
   const double radius = fitRadius(point);
   const auto from = shared::carriedFrom(DVec3(own.position), DVec3(own.normal));
-  shared::CarriedTangentsOf<double> tangents{DVec3(0), DVec3(0)};
+  DVec3 u, v;
+  shared::frameAround(DVec3(fitted), u, v);
+  shared::CarriedSumsOf<double> sums{};
   thread_local NearPoints near;
   around.points.near(place, radius, near);
   for (const std::uint32_t i : near.indices()) {
     const std::uint32_t number = around.points.numbers()[i];
     if (points_.strokes[number] > stroke) continue;  // moved since by a later one
     const SculptedPoints::Found found = points_.found(number, stroke);
-    shared::addCarried(tangents, from, around.points.position(i) - place, DVec3(found.position), DVec3(found.normal),
+    shared::addCarried(sums, from, around.points.position(i) - place, u, v, DVec3(found.position), DVec3(found.normal),
                        radius);
   }
-  return shared::isAgainst(shared::carriedNormal(tangents), DVec3(fitted)) ? -fitted : fitted;
+  return shared::carriedSide(sums) < static_cast<double>(shared::kTurnedOver) ? -fitted : fitted;
 }
 
 }  // namespace palpate

@@ -11,8 +11,9 @@ namespace {
 
 constexpr std::size_t kFewestOfAFit = 6;
 constexpr double kWallFrom = 0.85, kWallTo = 1.02;  // brush radii from the path: the wall that the tool leaves
-constexpr double kEdgeOn = 0.5;   // cosine of a normal and a direction up to which the normal shows no side
-constexpr double kCrushed = 0.1;  // share of the original area below which a crushed piece shows no side
+constexpr double kEdgeOn = 0.5;      // cosine of a normal and a direction up to which the normal shows no side
+constexpr double kCrushed = 0.1;     // share of the original area below which a crushed piece shows no side
+constexpr double kDetermined = 0.5;  // product of correlations below which the motion shows none
 
 // Normal of the plane through `places`, of either sign; empty if there are too few, or if they do not span a plane.
 std::optional<DVec3> planeThrough(std::span<const DVec3> places) {
@@ -50,22 +51,37 @@ std::optional<DVec3> carriedNormal(const PointCloud& before, const PointTree& tr
   const DVec3 facing(before.normals[point]), place(before.positions[point]), moved(after[point].position);
   const Frame3 frame = frameAround(facing);
   const NearestPoints near = nearestTo(tree, place);
-  double uu = 0, uv = 0, vv = 0;
-  DVec3 alongU(0), alongV(0);
-  for (std::size_t k = 0, count = 0; k < near.count && count < kOfAFit; ++k) {
+  std::vector<DVec2> were;
+  std::vector<DVec3> are;
+  DVec2 wereMean(0);
+  DVec3 areMean(0);
+  for (std::size_t k = 0; k < near.count && were.size() < kOfAFit; ++k) {
     const std::uint32_t other = near.points[k];
     if (after[other].gone() || glm::dot(DVec3(before.normals[other]), facing) <= 0) continue;
-    const DVec3 was = DVec3(before.positions[other]) - place, is = DVec3(after[other].position) - moved;
-    const double u = glm::dot(was, frame.u), v = glm::dot(was, frame.v);
-    uu += u * u, uv += u * v, vv += v * v;
-    alongU += u * is, alongV += v * is;
-    ++count;
+    const DVec3 was = DVec3(before.positions[other]) - place;
+    wereMean += were.emplace_back(glm::dot(was, frame.u), glm::dot(was, frame.v));
+    areMean += are.emplace_back(DVec3(after[other].position) - moved);
+  }
+  const auto count = static_cast<double>(were.size());
+  double uu = 0, uv = 0, vv = 0;
+  DVec3 alongU(0), alongV(0);
+  SymmetricMatrix3 spread;
+  for (std::size_t k = 0; k < were.size(); ++k) {
+    const DVec2 was = were[k] - wereMean / count;
+    const DVec3 is = are[k] - areMean / count;
+    uu += was.x * was.x, uv += was.x * was.y, vv += was.y * was.y;
+    alongU += was.x * is, alongV += was.y * is;
+    spread.addSquare(is);
   }
   const double det = uu * vv - uv * uv;
   if (det <= 0) return std::nullopt;
   const DVec3 across = glm::cross(vv * alongU - uv * alongV, uu * alongV - uv * alongU) / (det * det);
   const double area = glm::length(across);
   if (area < kCrushed) return std::nullopt;
+  // Of the two canonical correlations: how well the positions before determine those along the surface after.
+  const Eigen3 axes = eigenSymmetric(spread);
+  const double correlated = glm::length(glm::cross(alongU, alongV)) / std::sqrt(det * axes.values[1] * axes.values[2]);
+  if (correlated < kDetermined) return std::nullopt;
   return across / area;
 }
 

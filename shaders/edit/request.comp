@@ -55,7 +55,7 @@ float reach;  // of the point that decides: how far from it a new one may be cre
 vec3 axisU, axisV;
 // Of this invocation's neighbours.
 uint firstRank, firstSlot;  // of those that crowd the point
-CarriedTangents tangents;
+CarriedSums carriedSums;
 bool through;               // the point has passed through the sheet of one of them
 vec2 votes;                 // weights of the points at rest: of those that it has risen over, and of all
 Seen first;
@@ -217,7 +217,7 @@ void begin() {
   through = false;
   free = looks ? kFreeAhead * neighbourhoodRadius(self.spacing, args.radius) : kUnseen;
   votes = vec2(0.0);
-  tangents = CarriedTangents(vec3(0.0), vec3(0.0));
+  carriedSums = CarriedSums(vec4(0.0), vec4(0.0), vec3(0.0), vec3(0.0), 0.0);
   crowded = false;
   leaves = false;
   for (uint s = gl_SubgroupInvocationID; s < kGapSectors; s += gl_SubgroupSize) {

@@ -9,16 +9,21 @@ void noteCarried(uint at, vec3 normal, vec3 d) {
   const Found found = args.tables.at[0].founds.at[keptIds[at]];
   if (found.stroke > own.stroke) return;  // moved since by a later one
   const bool both = found.stroke == own.stroke;
-  addCarried(tangents, carriedFrom(own.position, own.normal), d, both ? found.position : center + d,
+  addCarried(carriedSums, carriedFrom(own.position, own.normal), d, axisU, axisV, both ? found.position : center + d,
              both ? found.normal : normal, neighbourhoodRadius(self.spacing, args.radius));
 }
 
 // Notes the carried normal, by which the next edit corrects the side of the point's. True if it has to.
 bool noteSide() {
-  const vec3 carried = carriedNormal(CarriedTangents(subgroupSum(vec4(tangents.u, 0.0)).xyz,
-                                                     subgroupSum(vec4(tangents.v, 0.0)).xyz));
-  if (subgroupElect()) args.tables.at[0].carried.at[selfId] = carried == vec3(0.0) ? 0 : packedCarried(carried);
-  return isAgainst(carried, self.normal);
+  const vec4 found = subgroupSum(vec4(carriedSums.found, carriedSums.weight));
+  const float side = carriedSide(CarriedSums(subgroupSum(carriedSums.means), subgroupSum(carriedSums.products), found.xyz,
+                                             subgroupSum(vec4(carriedSums.present, 0.0)).xyz, 1.0 + found.w));
+  const bool isTurned = side < kTurnedOver;
+  if (subgroupElect()) {
+    const vec3 carried = isTurned ? -self.normal : self.normal;
+    args.tables.at[0].carried.at[selfId] = isTurned || side > -kTurnedOver ? packedCarried(carried) : 0;
+  }
+  return isTurned;
 }
 
 // The ends of a gap as the last stroke that moved any of them found them.
