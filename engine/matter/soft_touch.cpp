@@ -229,8 +229,10 @@ void SoftTouch::setBrush(const std::optional<BrushOptions>& brush) {
 
 // Updates the felt surface to the new shape, for readers before the next tick.
 bool SoftTouch::turned(bool done) {
-  if (done && !poses_.empty()) inner().ask(poses_, 0);
-  return done;
+  if (!done || poses_.empty()) return done;
+  inner().ask(poses_, 0);
+  inner().endTick();
+  return true;
 }
 
 BackendReport SoftTouch::report() const {

@@ -51,6 +51,7 @@ bool Session::settleShared(double timeout_s, Settling until) {
   do {
     for (; goesOn(); counts = shared_->counts()) {
       backend_->ask(far, 0);
+      backend_->endTick();
       hasAsked = true;
       relay_.catchUp();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -67,6 +67,7 @@ bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double time
   }
   if (!source_.await(asked_, first, timeout_s)) return false;
   inner().ask(poses, 0);  // brings the frame with these points
+  inner().endTick();
   for (std::size_t i = 0; i < hips.size(); ++i) resetHand(i);
   return true;
 }

@@ -296,7 +296,6 @@ TEST_CASE("in real time no tick waits for a step, late steps are dropped, and th
   for (; ticks < 500 || (simulated_s() < 0.4 && ticks < 20'000); ++ticks) {
     const Pose pose = press(1e-3 * ticks, 4, 0.2);
     const Contact contact = block.touch().query(pose, 500);
-    block.touch().prepare();
     CHECK(contact.valid);
     if (contact.touching) most = std::max(most, contact.proxy.y - pose.hip.y);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

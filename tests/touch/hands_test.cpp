@@ -87,7 +87,7 @@ TEST_CASE_FIXTURE(OnHands, "each of several hands is answered as if alone, bit b
           touched[i] += own.touching;
           different[i] += !equal(answers[i], own) || !equal(together->points(i), alone[i]->points(0));
         }
-        together->prepare();
+        together->endTick();
       }
       for (std::size_t i = 0; i < hands; ++i) {
         CAPTURE(i);

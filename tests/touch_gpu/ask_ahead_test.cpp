@@ -45,7 +45,6 @@ TEST_CASE("questions asked ahead give the same answers and the same sculpted clo
     std::uint64_t touching = 0, questions = 0;
     for (int tick = 0; tick < kTicks; tick += kStride, ++questions) {
       const Contact expected = a.query(poseAt(tick), 0);
-      b.prepare();
       checkEqual(b.query(poseAt(tick), 0), expected);
       touching += expected.touching;
     }
@@ -79,7 +78,6 @@ TEST_CASE("questions of a tool's points and of two hands are asked ahead togethe
       const std::array poses{poseAt(tick), Pose{.time_s = poseAt(tick).time_s, .hip = -poseAt(kTicks - tick).hip}};
       if (tick == 120) a.resetHand(1);
       const auto expected = a.ask(poses, 0);
-      if (questions % 25 != 24) b.prepare();
       if (questions % 30 == 29) std::this_thread::sleep_for(std::chrono::milliseconds(device.isCpu() ? 60 : 0));
       if (questions % 20 == 19) b.finish();  // withdraws them
       if (tick == 120) b.resetHand(1);
@@ -89,6 +87,8 @@ TEST_CASE("questions of a tool's points and of two hands are asked ahead togethe
       REQUIRE(a.points(0).size() == b.points(0).size());
       for (std::size_t i = 0; i < a.points(0).size(); ++i) checkEqual(b.points(0)[i].contact, a.points(0)[i].contact);
       touching += expected[0].touching && expected[1].touching;
+      a.endTick();
+      b.endTick();
     }
     CHECK(touching > questions / 10);
     CHECK(b.answeredAhead() > (device.isCpu() ? 0 : questions / 2));
@@ -100,7 +100,7 @@ TEST_CASE("a question ahead that times out is asked again") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
   for (int tick = 58; tick < 70; ++tick) {
-    ahead.prepare();
+    ahead.endTick();
     std::this_thread::sleep_for(std::chrono::milliseconds(60));
     checkEqual(ahead.query(poseAt(tick), 0), plain.query(poseAt(tick), 0));
   }
@@ -113,7 +113,7 @@ TEST_CASE("a withdrawn question does not affect later contacts") {
   TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
   int touching = 0;
   for (int tick = 40; tick < 90; ++tick) {
-    ahead.prepare();
+    ahead.endTick();
     ahead.finish();
     const Contact expected = plain.query(poseAt(tick), 0);
     checkEqual(ahead.query(poseAt(tick), 0), expected);
@@ -128,23 +128,23 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a question pending ahead does not block finis
   options.brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8};
   TouchSide touch(device, scene.cloud, options);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false));
-  touch.prepare();
-  touch.prepare();
+  touch.endTick();
+  touch.endTick();
   checkEqual(touch.query(poseAt(0), 0), plain.query(poseAt(0), 0));
-  touch.prepare();
+  touch.endTick();
   touch.finish();
-  touch.prepare();
+  touch.endTick();
   PointState to = touch.live().points().front();
   const PointState from = to;
   to.position += Vec3(0, 0, 1);
   touch.edits()->change(std::vector<PointChange>{{from, to}});
-  touch.prepare();
+  touch.endTick();
   CHECK(touch.query(poseAt(1), 0).valid);
   PointCloud cloud = scene.cloud;
-  touch.prepare();
+  touch.endTick();
   touch.finish();
   CHECK(touch.readBack(cloud) == 1);
-  touch.prepare();  // pending when the touch side is destroyed
+  touch.endTick();  // pending when the touch side is destroyed
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "by default a device asks ahead only if the driver is known to let a question wait") {

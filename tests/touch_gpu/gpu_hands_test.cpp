@@ -19,7 +19,10 @@ const BrushOptions kPush{.yieldDepth = 0.3, .pushRate = 0.5, .radius = 8};
 /// One tick of two hands.
 std::span<const Contact> ask(TouchBackend& touch, double time_s, const DVec3& first, const DVec3& second,
                              double budget_us = 0) {
-  return touch.ask(std::array{Pose{.time_s = time_s, .hip = first}, Pose{.time_s = time_s, .hip = second}}, budget_us);
+  const auto answers =
+      touch.ask(std::array{Pose{.time_s = time_s, .hip = first}, Pose{.time_s = time_s, .hip = second}}, budget_us);
+  touch.endTick();
+  return answers;
 }
 
 /// Without validation, except for tests of the shader's memory accesses.
@@ -39,7 +42,6 @@ TEST_CASE_FIXTURE(GpuFixture, "two hands run under validation, with edits and a 
     answers = ask(touch, kTick_s * i, {0, 0, r}, {r, 0, 0});
     REQUIRE(answers[0].valid);
     REQUIRE(answers[1].valid);
-    touch.prepare();
   }
   CHECK(answers[1].touching);
   CHECK(answers[1].proxy.x == near(50, 3e-3));
@@ -63,7 +65,7 @@ TEST_CASE_FIXTURE(GpuFixture, "four hands with tools run under validation, with 
     const std::array poses{Pose{.time_s = time_s, .hip = {0, 0, r}}, Pose{.time_s = time_s, .hip = {0, 0, -r}},
                            Pose{.time_s = time_s, .hip = {r, 0, 0}}, Pose{.time_s = time_s, .hip = {0, r, 0}}};
     for (const Contact& contact : touch.ask(poses, 0)) REQUIRE(contact.valid);
-    touch.prepare();
+    touch.endTick();
     if (i == 20)
       for (std::size_t hand = 1; hand < poses.size(); ++hand) touch.resetHand(hand);
   }

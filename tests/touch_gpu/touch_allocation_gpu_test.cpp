@@ -24,7 +24,7 @@ TEST_CASE(
                            Pose{.time_s = time_s, .hip = {0, r, 0}}};
     const auto answers = touch.ask(poses, budget_us);
     touched += answers[0].touching && answers[1].valid && answers[2].valid;
-    touch.prepare();
+    touch.endTick();
   };
   query(0);  // a software driver compiles here
   countedThread = std::this_thread::get_id();
