@@ -222,6 +222,7 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, st
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     row(i).time_s = time_s;
     row(i).missed = static_cast<std::uint32_t>(missed);
+    row(i).forcesOn = true;
     row(i).proxy = row(i).hip;
   }
   if (!readAll(time_s)) return Tick::deviceFailed;
@@ -254,6 +255,7 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, st
                                  });
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     row(i).step_us = step_us;
+    row(i).forcesOn = forcesOn;
     hands_[i].note(row(i));
   }
   if (options_.recorder) {

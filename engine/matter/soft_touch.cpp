@@ -229,10 +229,8 @@ void SoftTouch::setBrush(const std::optional<BrushOptions>& brush) {
 
 // Updates the felt surface to the new shape, for readers before the next tick.
 bool SoftTouch::turned(bool done) {
-  if (!done || poses_.empty()) return done;
-  inner().ask(poses_, 0);
-  inner().endTick();
-  return true;
+  if (done && !poses_.empty()) inner().query(poses_, 0);
+  return done;
 }
 
 BackendReport SoftTouch::report() const {

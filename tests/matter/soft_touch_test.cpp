@@ -190,11 +190,11 @@ TEST_CASE("two hands press one body: each feels the other, and the body receives
     std::array<Pose, 2> poses{press(time_s, 4), press(time_s, 8)};
     poses[0].hip.x = 40;
     poses[1].hip.x = 60;
-    const auto answers = both.touch().ask(poses, 0);
+    const auto answers = both.touch().query(poses, 0);
     const DVec3 first = springs[0].add(answers[0], poses[0].hip, 1e-3);
     felt += 1e-3 * (first + springs[1].add(answers[1], poses[1].hip, 1e-3));
     poses[1].hip.y = 60;
-    const Contact single = alone.touch().ask(poses, 0)[0];
+    const Contact single = alone.touch().query(poses, 0)[0];
     if (single.touching) apart_N = std::max(apart_N, glm::distance(first, 0.5 * (single.proxy - poses[0].hip)));
   }
   CHECK(std::abs(both.world().impulses().onTools.y - felt.y) < 0.01 * felt.y);

@@ -1,6 +1,9 @@
 // Commands reach a hand in contact: no knock, no tick without force, one thread, and a log that repeats them.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <atomic>
+
 #include "engine/core/log.hpp"
 #include "haptics/session/session_replay.hpp"
 #include "tests/labels.hpp"
@@ -15,7 +18,9 @@ constexpr double kSurface_N = 0.06;  // in a tick
 
 /// A live session whose ticks this thread lets pass.
 struct Stepped {
-  explicit Stepped(Session& live) : session(live) { session.start({hand.hand()}, {.clock = clock}); }
+  explicit Stepped(Session& live, const std::atomic<bool>* forcesOn = nullptr) : session(live) {
+    session.start({hand.hand()}, {.clock = clock, .forcesOn = forcesOn});
+  }
   ~Stepped() { session.stop(); }
   Stepped(const Stepped&) = delete;
   Stepped& operator=(const Stepped&) = delete;
@@ -110,6 +115,34 @@ TEST_CASE("a thousand commands in contact change the force by 60 N/s at most, an
     CAPTURE(log);
     checkSame(replayed((folder / log).string(), cloud));
   }
+}
+
+TEST_CASE("a replay switches the forces off and on at the same ticks as the user did") {
+  const ScratchFolder folder;
+  const auto kind = backendKind();
+  SessionConfig config = stormy(*kind, (folder / "sphere.ply").string());
+  config.model.mm_per_unit = 1;
+  Session session(config, sphereModel(), {.backend = *kind, .threads = 1, .journal = true});
+  session.setBrush(std::nullopt);
+  std::atomic<bool> on = false;
+  Stepped steps(session, &on);
+  steps.goOn(0.01);
+  const std::string log = (folder / "log").string();
+  session.record(log, steps.hand.hand());
+  steps.goOn(0.02);
+  on = true;  // the hand is outside: a ramp begins
+  steps.goOn(0.4);
+  REQUIRE(glm::length(steps.rows.back().force_N) > 0.1);
+  on = false;
+  steps.goOn(0.01);
+  CHECK(steps.rows.back().force_N == DVec3(0));
+  session.endRecording();
+  steps.goOn(0.01);  // none of these ticks is in the log
+  session.stop();
+
+  const std::vector<LoggedTick> ticks = readSessionLog(log).ticks;
+  CHECK(std::ranges::count_if(ticks, [](const LoggedTick& tick) { return tick.has(LoggedTick::kForcesOff); }) == 30);
+  checkSame(replayed(log, session.model().cloud));
 }
 
 TEST_CASE("a command has its effect at the hand within two ticks") {
