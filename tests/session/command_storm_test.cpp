@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <random>
 
 #include "engine/core/log.hpp"
 #include "haptics/session/session_replay.hpp"
 #include "tests/labels.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/command_storm.hpp"
+#include "tests/session/wall_stream.hpp"
 
 namespace palpate::command_storm_test {
 
@@ -159,6 +161,48 @@ TEST_CASE("a command has its effect at the hand within two ticks") {
   steps.goOn(0.002);
   REQUIRE(steps.rows.size() == at + 2);
   CHECK(glm::length(steps.rows.back().force_N) > before_N + 0.5 * kSurface_N);
+}
+
+TEST_CASE("frames of a depth camera that commands pause, resume and step change the force by 60 N/s at most") {
+  const ScratchFolder folder;
+  writeWall(folder.path());
+  SessionConfig config = playing(folder.path());
+  config.model.stream->loop = true;
+  config.realtime = true;
+  const auto cpu = cpuBackend();
+  Session session(config, load(config), {.backend = *cpu, .threads = 1});
+  const PathHand hand(atRest(60));
+  const auto clock = std::make_shared<SteppedClock>();
+  session.start({hand.hand()}, {.clock = clock});
+  std::vector<TraceRow> rows;
+  double clock_s = 0;
+  const auto goOn = [&](double duration_s) {
+    clock->goOnTo(clock_s += duration_s);
+    session.live()->take(rows);
+  };
+  std::mt19937 random(5);
+  std::size_t pauses = 0;
+  for (int i = 0; i < byTier(300, 3000); ++i) {
+    const auto frames = static_cast<Session::Frames>(random() % 3);
+    session.between([&] {
+      if (i % 5 == 0) goOn(0.01);  // it takes its time
+      session.setFrames(frames);
+    });
+    pauses += session.player()->isPaused();
+    for (int tick = 0; tick < 10; ++tick) goOn(0.001);
+  }
+  session.stop();
+  REQUIRE(rows.size() > 3000);
+  double most_N = 0, peak_N = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    most_N = std::max(most_N, glm::distance(rows[i].force_N, rows[i - 1].force_N));
+    peak_N = std::max(peak_N, glm::length(rows[i].force_N));
+  }
+  CHECK(most_N < kSurface_N + 1e-9);
+  CHECK(most_N > 0.5 * kSurface_N);  // the frames were felt
+  CHECK(peak_N > 0.3);
+  CHECK(pauses > 50);
+  CHECK(session.playCounts()->played > 20);
 }
 
 }  // namespace palpate::command_storm_test
