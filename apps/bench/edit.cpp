@@ -54,6 +54,7 @@ class EditObserver final : public OneHandQuery {
     const Contact contact = backend_.ask({&pose, 1}, budget_us).front();
     hand_.felt(contact);
     isTouching_ = contact.touching;
+    if (budget_us <= 0) backend_.endTick();  // the step of a tick in virtual time contains its edit
     return contact;
   }
   // Notes the tick here, so that no report delays its force.

@@ -19,6 +19,7 @@ struct StepTimes {
 // Moves along `approach`, then queries at its end repeatedly, at most `rate_Hz` times a second: a busy GPU answers
 // sooner than an idle one.
 StepTimes measureAt(TouchBackend& backend, const std::vector<DVec3>& approach, const BenchOptions& options) {
+  const bool isEdited = backend.report().scope.edits;
   double time_s = 0;
   const auto ask = [&](const DVec3& hip) {
     const Pose pose{.time_s = time_s += 1e-3, .hip = hip};
@@ -36,6 +37,7 @@ StepTimes measureAt(TouchBackend& backend, const std::vector<DVec3>& approach, c
     while (session.elapsed_s() < static_cast<double>(i) / options.rate_Hz) std::this_thread::yield();
     const Stopwatch watch;
     const Contact contact = ask(approach.back());
+    if (isEdited) backend.endTick();  // starts the edit
     wall.push_back(watch.elapsed_us());
     backend.endTick();
     if (contact.gpu_us > 0) gpu.push_back(contact.gpu_us);

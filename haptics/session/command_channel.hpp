@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptics/servo_mailbox.hpp"
@@ -13,6 +14,8 @@
 #include "haptics/session/session_config.hpp"
 
 namespace palpate {
+
+class Log;
 
 /// A command either runs on the loop's thread between two ticks (post()), or works on the points while the loop lends
 /// its query (Loan): each hand then keeps the planes that it felt last. Each stands in the recording at its tick.
