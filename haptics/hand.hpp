@@ -1,4 +1,4 @@
-// One hand in a session: its device, and all stages between the surface's answer and its force.
+// One hand in a session: its device and its force.
 #pragma once
 
 #include <atomic>
@@ -10,9 +10,7 @@
 #include "engine/core/contact_query.hpp"
 #include "haptics/clutch.hpp"
 #include "haptics/devices/haptic_device.hpp"
-#include "haptics/force_gate.hpp"
-#include "haptics/force_law.hpp"
-#include "haptics/passivity.hpp"
+#include "haptics/hand_force.hpp"
 #include "haptics/trace.hpp"
 
 namespace palpate {
@@ -20,13 +18,6 @@ namespace palpate {
 struct HandOptions {
   WorkspaceMap map;                        ///< initial; the device's clutch moves it
   std::optional<PassivityMode> passivity;  ///< default: on for a device in a hand, off for a script
-};
-
-/// Conditions of a tick that the answer does not contain.
-struct TickConditions {
-  bool forcesOn = true;     ///< the user wants forces
-  double known = 1;         ///< TickSigns::known
-  bool isChanging = false;  ///< others change the surface here: its motion is then their work
 };
 
 /// Results of a hand's session beside its rows.
@@ -71,44 +62,31 @@ class Hand {
   void note(TraceRow& row) const noexcept;
 
   /// Replaces the options of its force law, within the limits of its device. Between ticks.
-  void setForce(const ForceOptions& options) noexcept;
+  void setForce(const ForceOptions& options) noexcept { force_.setOptions(options); }
   template <class Visit>
   void visitState(Visit& visit) noexcept {
-    law_.visitState(visit);
-    passivity_.visitState(visit);
-    gate_.visitState(visit);
+    force_.visitState(visit);
     clutch_.visitState(visit);
-    visit(lastPosition_, lastProxy_, felt_.asked_N, felt_.got_N);
+    visit(lastPosition_);
+    force_.visitProxy(visit);
+    visit(felt_.asked_N, felt_.got_N);
   }
 
  private:
-  /// The force to write. A tool's torque is reduced in the same proportion as the force.
-  DVec3 forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s,
-                 const TickConditions& conditions) noexcept;
-  /// Velocity of the surface, model units per second, of its own motion or of changes by others.
-  DVec3 surfaceVelocity(bool isChanging, double dt_s) noexcept;
-  /// Stiffness of the spring between hand and surface, per displacement of the device.
-  double springOfDevice_N_per_mm() const noexcept;
   /// Whether the device moved faster than a hand can since the last tick.
   bool hasJumped(const DVec3& position, double dt_s) noexcept;
 
   HapticDevice* device_;
-  ForceLaw law_;
-  HandOptions options_;
-  double rate_Hz_;
+  WorkspaceMap map_;
   DeviceLimits limits_;
   PassivityMode passivityMode_;
-  Passivity passivity_;
-  ForceGate gate_;
+  HandForce force_;
   Clutch clutch_;
   std::optional<DVec3> lastPosition_;  ///< of the device, in its own unit
-  std::optional<DVec3> lastProxy_;     ///< of the last fresh answer, if it touched
 
   // State of this tick.
   DeviceState state_;
   DVec3 hip_{0};
-  Contact contact_;
-  DVec3 force_N_{0}, torque_mNm_{0};
   bool written_ = false;
   FeltForce felt_;
 };

@@ -21,8 +21,8 @@ class LendableQuery final : public ContactQuery {
 
   std::size_t hands() const noexcept override { return query_.hands(); }
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
-  void prepare() noexcept override {
-    if (!isLent_) query_.prepare();
+  void endTick() noexcept override {
+    if (!isLent_) query_.endTick();
   }
   std::span<const PointContact> points(std::size_t hand) const noexcept override {
     return isLent_ ? std::span<const PointContact>(held_[hand].points) : query_.points(hand);

@@ -222,6 +222,7 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, st
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     row(i).time_s = time_s;
     row(i).missed = static_cast<std::uint32_t>(missed);
+    row(i).forcesOn = true;
     row(i).proxy = row(i).hip;
   }
   if (!readAll(time_s)) return Tick::deviceFailed;
@@ -239,17 +240,22 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, st
                  .turn = hand.state().turn,
                  .felt = hand.felt()};
   }
-  const std::span<const Contact> answers = query_.ask(poses_, budget_us);
-  const TickConditions conditions = conditionsNow();
-  const bool lost = answers.front().lost;
-  for (std::size_t i = 0; i < hands_.size(); ++i)
-    hands_[i].feel(answers[i], query_.points(i), poses_[i], dt_s, conditions);
-  const double step_us = watch.elapsed_us();
-  const bool written = writeAll();
-  query_.prepare();
-
+  double step_us = 0;
+  bool written = false;
+  const bool forcesOn = !options_.forcesOn || options_.forcesOn->load(std::memory_order_relaxed);
+  const bool canAnswer = runTick({.query = query_,
+                                  .poses = poses_,
+                                  .budget_us = budget_us,
+                                  .dt_s = dt_s,
+                                  .forcesOn = forcesOn,
+                                  .known = options_.known},
+                                 hands_, [&] {
+                                   step_us = watch.elapsed_us();
+                                   written = writeAll();
+                                 });
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     row(i).step_us = step_us;
+    row(i).forcesOn = forcesOn;
     hands_[i].note(row(i));
   }
   if (options_.recorder) {
@@ -257,17 +263,7 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, st
     options_.recorder->ticked(row(0), hands_.front().state());
   }
   if (!written) return Tick::deviceFailed;
-  return lost ? Tick::queryLost : Tick::done;
-}
-
-TickConditions ServoLoop::conditionsNow() const noexcept {
-  TickConditions conditions{.forcesOn = !options_.forcesOn || options_.forcesOn->load(std::memory_order_relaxed)};
-  if (!options_.known) return conditions;
-  const auto now = InformationAge::Clock::now();
-  conditions.forcesOn = conditions.forcesOn && options_.known->isTrue();
-  conditions.known = options_.known->share(now);
-  conditions.isChanging = options_.known->isChanging(now);
-  return conditions;
+  return canAnswer ? Tick::done : Tick::queryLost;
 }
 
 bool ServoLoop::readAll(double time_s) noexcept {

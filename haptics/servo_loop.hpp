@@ -141,7 +141,6 @@ class ServoLoop {
   /// `place`: index of the rows to fill.
   Tick tick(double time_s, double dt_s, double budget_us, std::size_t place, std::uint64_t missed,
             ServoResult& result) noexcept;
-  TickConditions conditionsNow() const noexcept;
   /// False if a device failed; then no device has a force.
   bool readAll(double time_s) noexcept;
   bool writeAll() noexcept;

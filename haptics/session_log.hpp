@@ -30,7 +30,8 @@ struct LoggedTick {
     kEditLeftOut = 8,  ///< an edit that the answer requested was not done
     kPutDown = 16,     ///< the stylus was lifted before it, and put down elsewhere
     kForceless = 32,   ///< the device rendered no force
-    kCommand = 64      ///< commands took effect before it
+    kCommand = 64,     ///< commands took effect before it
+    kForcesOff = 128   ///< the user had switched the forces off
   };
   static constexpr int kButtonShift = 24;  ///< the first eight buttons, in the highest bits of the flags
   static constexpr std::uint32_t flagsOf(std::uint32_t buttons) { return buttons << kButtonShift; }

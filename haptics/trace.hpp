@@ -27,8 +27,9 @@ struct TraceRow {
   bool putDown = false;      ///< the stylus was lifted before this tick, and put down elsewhere
   std::uint32_t missed = 0;  ///< ticks before it that came too late
   std::uint32_t neighbours = 0;
-  double gpu_us = 0;   ///< 0 if it was not measured
-  double step_us = 0;  ///< from pose read to force computed
+  bool forcesOn = true;  ///< the user wanted forces (ServoOptions::forcesOn)
+  double gpu_us = 0;     ///< 0 if it was not measured
+  double step_us = 0;    ///< from pose read to force computed
 };
 
 struct Trace {

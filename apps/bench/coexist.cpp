@@ -48,11 +48,11 @@ class FeelingHand final : public OneHandQuery {
   FeelingHand(TouchBackend& backend, SculptingHand& hand) : backend_(backend), hand_(hand) {}
 
   Contact answerTo(const Pose& pose, double budget_us) noexcept override {
-    const Contact contact = backend_.query(pose, budget_us);
+    const Contact contact = backend_.ask({&pose, 1}, budget_us).front();
     hand_.felt(contact);
     return contact;
   }
-  void prepare() noexcept override { backend_.prepare(); }
+  void endTick() noexcept override { backend_.endTick(); }
 
  private:
   TouchBackend& backend_;

@@ -51,16 +51,17 @@ class EditObserver final : public OneHandQuery {
 
   Contact answerTo(const Pose& pose, double budget_us) noexcept override {
     isReady_ = hand_.sculpts();
-    const Contact contact = backend_.query(pose, budget_us);
+    const Contact contact = backend_.ask({&pose, 1}, budget_us).front();
     hand_.felt(contact);
     isTouching_ = contact.touching;
+    if (budget_us <= 0) backend_.endTick();  // the step of a tick in virtual time contains its edit
     return contact;
   }
   // Notes the tick here, so that no report delays its force.
-  void prepare() noexcept override {
+  void endTick() noexcept override {
     const BackendReport after = backend_.report();
     note(after);
-    backend_.prepare();
+    backend_.endTick();
     const BackendReport next = backend_.report();
     wasCompacting_ = next.isCompacting;
     compactions_ = next.compactions;

@@ -213,7 +213,6 @@ class Play {
     const Contact contact =
         backend.query({.time_s = static_cast<double>(ticks_++) / kQueryRate_Hz, .hip = origin_ + place.hip}, 0);
     if (!contact.valid) backend.finish();  // throws the back end's failure
-    backend.prepare();
     // As in engine/core/brush.hpp: a ball whose tip is the yield depth before the HIP, or a ball about the surface
     // position over the hand.
     const bool tip = brushHas(brush_.kind, shared::kHasShaft);

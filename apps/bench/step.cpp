@@ -19,21 +19,27 @@ struct StepTimes {
 // Moves along `approach`, then queries at its end repeatedly, at most `rate_Hz` times a second: a busy GPU answers
 // sooner than an idle one.
 StepTimes measureAt(TouchBackend& backend, const std::vector<DVec3>& approach, const BenchOptions& options) {
+  const bool isEdited = backend.report().scope.edits;
   double time_s = 0;
   const auto ask = [&](const DVec3& hip) {
-    const Contact contact = backend.query({.time_s = time_s += 1e-3, .hip = hip}, 0);
+    const Pose pose{.time_s = time_s += 1e-3, .hip = hip};
+    const Contact contact = backend.ask({&pose, 1}, 0).front();
     if (!contact.valid) backend.finish();  // throws the back end's failure
     return contact;
   };
-  for (const DVec3& hip : approach) ask(hip);
+  for (const DVec3& hip : approach) {
+    ask(hip);
+    backend.endTick();
+  }
   std::vector<double> gpu, wall;
   const Stopwatch session;
   repeatMeasurement(options, [&](std::int64_t i) {
     while (session.elapsed_s() < static_cast<double>(i) / options.rate_Hz) std::this_thread::yield();
     const Stopwatch watch;
     const Contact contact = ask(approach.back());
+    if (isEdited) backend.endTick();  // starts the edit
     wall.push_back(watch.elapsed_us());
-    backend.prepare();
+    backend.endTick();
     if (contact.gpu_us > 0) gpu.push_back(contact.gpu_us);
   });
   backend.finish();

@@ -30,7 +30,7 @@ void BrushNotes::notePaint(const WindowSession& session, ViewSettings& view, Mes
 
 void BrushNotes::noteBlocked(const WindowSession& session, double now_s) {
   constexpr double kShown_s = 0.25;  // bridges frames without an edit
-  const std::uint64_t edits = session.blocked().edits;
+  const std::uint64_t edits = session.session().blocked().edits;
   if (std::exchange(blockedEdits_, edits) != edits) blockedUntil_s_ = now_s + kShown_s;
   // What is raised or held meets another surface; what is moved inwards the far side of a thin part.
   const bool meets = brushHas(session.brushSettings().kind, shared::kRaisesSurface | shared::kHoldsPoints);

@@ -190,14 +190,14 @@ bool Document::makeRoom() {
 
 void Document::park(const std::function<void()>& letGo) {
   letGo();
-  messages_.tryTo([&] { session_->park(); });
+  messages_.tryTo([&] { session_->pause(); });
   parked_ = std::move(session_);
 }
 
 void Document::unpark() {
   if (!parked_) return;
   session_ = std::move(parked_);
-  session_->goOn();
+  session_->resume();
 }
 
 void Document::install(std::unique_ptr<WindowSession> session, const std::string& file) {
@@ -236,9 +236,9 @@ void Document::follow() {
   if (const auto fault = session_->takeRecordingFault()) messages_.sayError(*fault);
   if (const auto fault = session_->takeUnsavedFault()) messages_.sayError(*fault);
   if (const auto saved = session_->takeSaved()) finishSaving(*saved);
-  if (SharedFollower* const shared = session_->shared())
+  if (SharedFollower* const shared = session_->session().shared())
     for (const std::string& said : shared->takeSaid()) messages_.add(said);
-  if (FarCloud* const far = session_->far())
+  if (FarCloud* const far = session_->session().far())
     for (const std::string& said : far->takeSaid()) messages_.add(said);
   sayWhatFramesLack();
   sayWhatSimulationLacks();
@@ -246,7 +246,7 @@ void Document::follow() {
 }
 
 void Document::sayWhatFramesLack() {
-  const auto counts = session_->playCounts();
+  const auto counts = session_->session().playCounts();
   if (!counts) return;
   const bool hasLost = counts->lost > 0, isSilent = counts->silentSince_s.has_value();
   if (hasLost && !saidOfFrames_.lost) messages_.say("a frame was lost: " + counts->lastLoss);
@@ -349,7 +349,7 @@ void Document::step() {
 }
 
 void Document::restart() {
-  SimulationControl* const simulation = session_->simulation();
+  SimulationControl* const simulation = session_->session().simulation();
   if (!simulation) return;
   simulation->reset();
   saidOfSimulation_.clear();
@@ -357,7 +357,7 @@ void Document::restart() {
 }
 
 void Document::sayWhatSimulationLacks() {
-  SimulationControl* const simulation = session_->simulation();
+  SimulationControl* const simulation = session_->session().simulation();
   if (!simulation) return;
   const std::string failure = simulation->failure();
   if (failure == saidOfSimulation_) return;
@@ -366,7 +366,7 @@ void Document::sayWhatSimulationLacks() {
 }
 
 void Document::pause() {
-  if (SimulationControl* const simulation = session_->simulation()) {
+  if (SimulationControl* const simulation = session_->session().simulation()) {
     simulation->pause(!simulation->isPaused());
     return messages_.say(simulation->isPaused() ? "the scene is paused" : "the scene continues");
   }

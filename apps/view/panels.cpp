@@ -262,7 +262,7 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   help("target depth while the button is down; the wheel changes it");
   checkbox("follow the surface", view.followsSurface);
   help("off: the stylus moves in a plane parallel to the screen, and the wheel changes its depth");
-  const StrokeCounts counts = status.session->strokes();
+  const StrokeCounts counts = status.session->session().strokes();
   ImGui::BeginDisabled(counts.undoCount == 0);
   post(button("Undo", em(4)), ModelCommand::undo);
   ImGui::EndDisabled();
@@ -289,7 +289,7 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
   drag("friction", feel.friction, 0.01f, sliderOf<SurfaceConfig>("friction"), "%.2f");
   help("0: no friction; from 1 on the stylus hardly slides");
   drag("maximum force", feel.maxForce_N, 0.02f, sliderOf<ForceOptions>("max_N"), "%.2f N");
-  ImGui::TextDisabled("%s", status.session->machine().c_str());
+  ImGui::TextDisabled("%s", status.session->session().machine().c_str());
 }
 
 void Panels::drawOthers(const ViewStatus& status) {

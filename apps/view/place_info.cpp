@@ -47,7 +47,8 @@ void findStiffness(const WindowSession& session, PlaceInfo& info) {
     info.stiffnessOf = "the hand's spring; the model is rigid";
     return;
   }
-  const BodyStiffness body = config.model.matter->stiffness(0.5 * session.model().scale.toMm(session.surface().radius));
+  const BodyStiffness body =
+      config.model.matter->stiffness(0.5 * session.model().scale.toMm(session.session().surface().radius));
   info.stiffnessOf = body.why;
   if (!body.why.empty()) return;
   info.stiffness_N_mm = 1 / (1 / hand + 1 / body.N_per_mm);

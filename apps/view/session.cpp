@@ -63,7 +63,7 @@ WindowSession::WindowSession(Context& context, Device& sight, Model model, const
       feel_(feel) {}
 
 DrawnCloud& WindowSession::drawn() {
-  checkFollower();
+  session().checkFollower();
   return follower->drawn();
 }
 
@@ -89,10 +89,10 @@ void WindowSession::setBrushSettings(const BrushSettings& brush) {
   throw Error("{}", can.refusal(actionOf(brush.kind)));
 }
 
-void WindowSession::setContact(const FeelSettings& feel) {
+void WindowSession::setFeel(const FeelSettings& feel) {
   if (feel == feel_ || !isTouching()) return;
   feel_ = feel;
-  InteractiveSession::setContact(surfaceOf(config().surface, feel), forceOf(feel), methodOf(backendName(), feel));
+  setContact(surfaceOf(config().surface, feel), forceOf(feel), methodOf(backendName(), feel));
 }
 
 }  // namespace palpate

@@ -70,7 +70,7 @@ class WindowSession final : private DrawnSlot, public InteractiveSession {
   /// yield depth on, where the spring pulls the hand back. 0 where the hand only feels.
   double givenWay_mm() const;
   void setBrushSettings(const BrushSettings& brush);
-  void setContact(const FeelSettings& feel);
+  void setFeel(const FeelSettings& feel);
 
  private:
   BrushSettings brush_;

@@ -61,7 +61,7 @@ std::array<std::uint8_t, 3> colorOfHand(std::uint32_t number) {
 }
 
 void ShownLines::followCamera(const WindowSession& session) {
-  const auto view = session.playedView();
+  const auto view = session.session().playedView();
   if (!view || (played_ && played_->number == view->number)) return;
   if (played_ && view->number < played_->number) way_.clear();  // the recording restarted
   if (way_.size() >= kLongestWay) way_.erase(way_.begin(), way_.begin() + kLongestWay / 2);
@@ -82,7 +82,7 @@ void ShownLines::addCameras(const WindowSession& session, std::vector<SpaceLine>
 
 void ShownLines::follow(const WindowSession& session, const ViewSettings& view, const Measure& measure) {
   followCamera(session);
-  const SharedPresence* const presence = session.presence();
+  const SharedPresence* const presence = session.session().presence();
   const std::vector<SeenHand> others = presence ? presence->hands() : std::vector<SeenHand>();
   const std::vector<SeenCamera> onlookers = presence ? presence->cameras() : std::vector<SeenCamera>();
   MadeOf madeOf{.cameras = view.cameras,

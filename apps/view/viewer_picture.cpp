@@ -18,7 +18,7 @@ void Viewer::applySettings() {
     BrushSettings brush = settings_.brush;
     if (document_.asks() && pointing_.isTouching()) brush.sculpts = false;
     session->setBrushSettings(brush);
-    session->setContact(settings_.feel);
+    session->setFeel(settings_.feel);
     if (recorded && !session->isRecording())
       messages_.say("the recording has ended: a log cannot contain a change of settings");
   });
@@ -60,7 +60,7 @@ void Viewer::draw(double dt_s) {
     if (pace_.count() > 0) shown_.takePick();
     session->drawn().closeSurface();
     shown_.fit(screen_.size_px(), settings_.view);
-    layers.servoCore = session->live()->core();
+    layers.servoCore = session->session().live()->core();
     layers.model = &shown_.picture();
     layers.drawModel = [&](CommandList& list) {
       viewpoint_.setDepthRange(session->bounds(), session->longestSide());

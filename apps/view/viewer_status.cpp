@@ -50,13 +50,13 @@ ViewStatus Viewer::status() {
   status.picked = picked_.info;
   if (session) {
     status.model = document_.file();
-    if (const SimulationControl* const simulation = session->simulation()) {
+    if (const SimulationControl* const simulation = session->session().simulation()) {
       status.parameters = simulation->parameters();
       status.simulationPaused = simulation->isPaused();
     }
-    if (const SharedPresence* const presence = session->presence())
+    if (const SharedPresence* const presence = session->session().presence())
       status.others = {.counts = {}, .hands = presence->hands(), .cameras = presence->cameras()};
-    if (const SharedFollower* const shared = session->shared()) status.others->counts = shared->counts();
+    if (const SharedFollower* const shared = session->session().shared()) status.others->counts = shared->counts();
     status.upright = session->model().upright;
     status.up = view.upOf(session->model());
     status.isUpTurned = view.up.has_value();

@@ -179,7 +179,7 @@ constexpr Reported<OpenModel> kModel[]{
      [](const OpenModel& m) -> Value { return m.session.brushSettings().radius_mm; }},
     {"parameters", "", "parameters of a simulation, by name",
      [](const OpenModel& m) -> Value {
-       const SimulationControl* const simulation = m.session.simulation();
+       const SimulationControl* const simulation = m.session.session().simulation();
        if (!simulation) return std::nullopt;
        Json all;
        for (const SimulationParameter& parameter : simulation->parameters()) all[parameter.name] = parameter.value;
@@ -187,28 +187,29 @@ constexpr Reported<OpenModel> kModel[]{
      }},
     {"shared", "", "exchange with the other participants of a joined session",
      [](const OpenModel& m) -> Value {
-       return m.session.shared() ? Value(toJson(m.session.shared()->counts())) : std::nullopt;
+       return m.session.session().shared() ? Value(toJson(m.session.session().shared()->counts())) : std::nullopt;
      }},
     {"shared.silent_s", "s", "time since the last message",
      [](const OpenModel& m) -> Value {
-       return m.session.shared() ? Value(m.session.shared()->counts().silent_s) : std::nullopt;
+       return m.session.session().shared() ? Value(m.session.session().shared()->counts().silent_s) : std::nullopt;
      }},
     {"partial", "", "points streamed around the hand (--partial)",
      [](const OpenModel& m) -> Value {
-       if (!m.session.far()) return std::nullopt;
-       return toJson(FarReport{.counts = m.session.far()->counts(), .ticks = m.session.unknownTicks()});
+       if (!m.session.session().far()) return std::nullopt;
+       return toJson(
+           FarReport{.counts = m.session.session().far()->counts(), .ticks = m.session.session().unknownTicks()});
      }},
     {"other_hands", "", "hands of the other participants of a joined session",
      [](const OpenModel& m) -> Value {
-       return m.session.presence() ? Value(toJson(m.session.presence()->hands())) : std::nullopt;
+       return m.session.session().presence() ? Value(toJson(m.session.session().presence()->hands())) : std::nullopt;
      }},
     {"other_cameras", "", "their cameras",
      [](const OpenModel& m) -> Value {
-       return m.session.presence() ? Value(toJson(m.session.presence()->cameras())) : std::nullopt;
+       return m.session.session().presence() ? Value(toJson(m.session.session().presence()->cameras())) : std::nullopt;
      }},
-    {"strokes", "", "strokes made", [](const OpenModel& m) -> Value { return m.session.strokes().strokes; }},
+    {"strokes", "", "strokes made", [](const OpenModel& m) -> Value { return m.session.session().strokes().strokes; }},
     {"undo_count", "", "strokes that can be undone",
-     [](const OpenModel& m) -> Value { return m.session.strokes().undoCount; }},
+     [](const OpenModel& m) -> Value { return m.session.session().strokes().undoCount; }},
     {"edits", "", "changes of points so far", [](const OpenModel& m) -> Value { return m.session.edits(); }},
     {"changed", "", "whether the model differs from what was loaded or saved last",
      [](const OpenModel& m) -> Value { return m.session.isChanged(); }},

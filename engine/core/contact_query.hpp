@@ -84,13 +84,19 @@ class ContactQuery {
   /// Number of hands; constant.
   virtual std::size_t hands() const noexcept { return 1; }
   /// Takes one pose for each hand, all of the same time. The answers are valid until the next call. Never blocks past
-  /// `budget_us` (0: no limit, for virtual time), throws nothing, and sets valid = false on any fault.
+  /// `budget_us` (0: no limit, for virtual time), throws nothing, and sets valid = false on any fault. Begins a tick.
   virtual std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept = 0;
+  /// Ends the tick, once the force of its answer has been sent and before any other call: the answer takes effect on
+  /// the surface, and the next one is prepared. Never blocks for long. No effect between ticks.
+  virtual void endTick() noexcept {}
+  /// A whole tick.
+  std::span<const Contact> query(std::span<const Pose> poses, double budget_us) noexcept {
+    const std::span<const Contact> answers = ask(poses, budget_us);
+    endTick();
+    return answers;
+  }
   /// The same for a single hand.
-  Contact query(const Pose& pose, double budget_us) noexcept { return ask({&pose, 1}, budget_us).front(); }
-  /// Called after the force of the last answer has been sent. Does deferred work and prepares the next answer. Never
-  /// blocks for long.
-  virtual void prepare() noexcept {}
+  Contact query(const Pose& pose, double budget_us) noexcept { return query({&pose, 1}, budget_us).front(); }
   /// The last answer to a hand for each point of its tool, if it has several; their number is constant. The combined
   /// answer: its proxy is the HIP plus the sum of the displacements from the points to their proxies, each times its
   /// share, so that a spring from the HIP to it has the force of all their springs. Its normal is their mean weighted

@@ -229,7 +229,7 @@ void SoftTouch::setBrush(const std::optional<BrushOptions>& brush) {
 
 // Updates the felt surface to the new shape, for readers before the next tick.
 bool SoftTouch::turned(bool done) {
-  if (done && !poses_.empty()) inner().ask(poses_, 0);
+  if (done && !poses_.empty()) inner().query(poses_, 0);
   return done;
 }
 

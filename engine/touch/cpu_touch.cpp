@@ -126,7 +126,7 @@ std::span<const Contact> CpuTouch::given() {
   return answers_;
 }
 
-void CpuTouch::prepare() noexcept {
+void CpuTouch::endTick() noexcept {
   if (failure_ || !frames_ || !realtime_) return;
   try {
     frames_->goOn(hands_.front().probes.question().time_s);

@@ -45,7 +45,7 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   /// While an edit exceeds the budget, the last answer is held (heldContact) and `fresh` is false. The query itself is
   /// not interrupted: on an even cloud it takes some ten microseconds.
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
-  void prepare() noexcept override;
+  void endTick() noexcept override;
   std::size_t hands() const noexcept override { return hands_.size(); }
   std::span<const PointContact> points(std::size_t hand) const noexcept override {
     return hands_[hand].probes.points();

@@ -164,7 +164,7 @@ class TouchDecorator : public TouchBackend {
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override {
     return inner_->ask(poses, budget_us);
   }
-  void prepare() noexcept override { inner_->prepare(); }
+  void endTick() noexcept override { inner_->endTick(); }
   std::span<const PointContact> points(std::size_t hand) const noexcept override { return inner_->points(hand); }
   void resetHand(std::size_t hand) noexcept override { inner_->resetHand(hand); }
   void begin(bool realtime, std::span<const HandSpring> springs) override { inner_->begin(realtime, springs); }

@@ -91,7 +91,6 @@ void TouchSide::recordAll() {
 
 void TouchSide::settle() {
   if (failure_) std::rethrow_exception(failure_);
-  closeTick();
   questions_.withdraw();
   if (questions_.isOut()) answerWithin(0, hands_.front().probes.ownPose().time_s);
 }
@@ -156,12 +155,10 @@ std::span<const Contact> TouchSide::ask(std::span<const Pose> poses, double budg
     return given();
   }
   try {
-    if (!isAnsweredWithin(poses, budget_us)) {
+    if (isAnsweredWithin(poses, budget_us))
+      for (GpuHand& hand : hands_) hand.probes.give();
+    else
       bridge(poses);
-      return given();
-    }
-    for (GpuHand& hand : hands_) hand.probes.give();
-    if (budget_us <= 0) closeTick();
   } catch (...) {
     failure_ = std::current_exception();
     fail(poses);
@@ -173,7 +170,6 @@ bool TouchSide::isAnsweredWithin(std::span<const Pose> poses, double budget_us) 
   const Stopwatch watch;
   const bool realtime = budget_us > 0;
   const double now_s = poses.front().time_s;
-  closeTick();
   // No new question while one is in flight.
   if (questions_.isOut() && !lateAnswerIsIn(now_s, budget_us)) return false;
   if (realtime && !questions_.mayAskWithin(budget_us)) return false;
@@ -308,7 +304,6 @@ void TouchSide::fail(std::span<const Pose> poses) {
 void TouchSide::resetHand(std::size_t hand) noexcept {
   if (failure_) return;
   try {
-    closeTick();
     questions_.resetHand(hand);
     if (hand == 0) bridge_->reset();
     if (hand == 0 && edits_) edits_->lift();
@@ -327,10 +322,10 @@ void TouchSide::forget(GpuHand& hand) {
   }
 }
 
-void TouchSide::prepare() noexcept {
+void TouchSide::endTick() noexcept {
   if (failure_) return;
   try {
-    closeTick();
+    if (questions_.isInTick()) followAnswer();
     // In virtual time the frame of the next pose must be built first.
     if (!frames_.move() || questions_.question().realtime) questions_.askAhead(index_.parity());
   } catch (...) {
@@ -338,8 +333,7 @@ void TouchSide::prepare() noexcept {
   }
 }
 
-void TouchSide::closeTick() {
-  if (!questions_.isInTick()) return;
+void TouchSide::followAnswer() {
   const bool answered = questions_.state() == QuestionState::answered, realtime = questions_.question().realtime;
   questions_.closeTick();
   const double asked_s = questions_.question().time_s;

@@ -27,7 +27,7 @@ namespace palpate {
 /// the next tick's query waits for it. While a question exceeds its tick's budget, the CPU answers ticks from the last
 /// patch of points that the GPU returned.
 ///
-/// Submitting takes longer than answering, so prepare() can submit the next question ahead: it waits on the GPU until
+/// Submitting takes longer than answering, so endTick() can submit the next question ahead: it waits on the GPU until
 /// the host has written the pose into its memory, which also keeps the GPU awake between ticks. A question that
 /// receives no pose in time times out, and the next pose is submitted in the ordinary way.
 ///
@@ -45,7 +45,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   /// When the GPU is late, the last patch answers (PatchBridge) and `fresh` is false.
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
   std::size_t hands() const noexcept override { return hands_.size(); }
-  void prepare() noexcept override;
+  void endTick() noexcept override;
   std::span<const PointContact> points(std::size_t hand) const noexcept override {
     return hands_[hand].probes.points();
   }
@@ -124,8 +124,8 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   void goOnFrom(std::span<const ProxyTracker::State> states);
   // Records all lists, for both halves of the cloud.
   void recordAll();
-  // Starts what follows an answer: in virtual time with the answer, in real time once its force is out.
-  void closeTick();
+  // Starts what follows an answer: frames, the next patch, and the edit.
+  void followAnswer();
   // Continues the source's frames between ticks.
   void bringFrame(double time_s);
   // Waits for the question in flight.

@@ -17,6 +17,7 @@ DeviceState ReplayDevice::read(double time_s) noexcept {
   const auto after = std::ranges::upper_bound(ticks_, time_s, {}, &LoggedTick::time_s);
   const LoggedTick& tick = after == ticks_.begin() ? ticks_.front() : *(after - 1);
   const bool isNew = std::exchange(last_, &tick) != &tick;
+  forcesOn_.store(!tick.has(LoggedTick::kForcesOff), std::memory_order_relaxed);
   return {.position = tick.device,
           .turn = tick.turn,
           .buttons = tick.buttons(),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "haptics/devices/haptic_device.hpp"
@@ -18,6 +19,8 @@ class ReplayDevice final : public HapticDevice {
   DeviceLimits limits() const override { return limits_; }
   /// State of the last tick up to `time_s`; before the first tick, that of the first.
   DeviceState read(double time_s) noexcept override;
+  /// Whether forces were on at the tick that was read last, for ServoOptions::forcesOn.
+  const std::atomic<bool>& forcesOn() const { return forcesOn_; }
   bool write(const DVec3&) noexcept override { return true; }
   void emergencyStop() noexcept override {}  // it has no motors
   std::string faultText() const override { return {}; }
@@ -25,6 +28,7 @@ class ReplayDevice final : public HapticDevice {
  private:
   std::vector<LoggedTick> ticks_;
   const LoggedTick* last_ = nullptr;  // the last one that was read
+  std::atomic<bool> forcesOn_ = true;
   DeviceLimits limits_;
 };
 

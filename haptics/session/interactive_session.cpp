@@ -67,13 +67,13 @@ class InteractiveSession::Follower final : public EditFollower {
 
 InteractiveSession::InteractiveSession(const SessionConfig& config, Model model, SessionParts parts,
                                        const InteractiveOptions& options)
-    : Session{withBrush(config, model), withPoints(std::move(model), config.model.file),
-              [&] {
-                parts.journal = parts.paintable = true;
-                parts.followers.emplace_back(
-                    [this](const Model&, TouchBackend&) { return std::make_unique<Follower>(*this); });
-                return parts;
-              }()},
+    : session_{withBrush(config, model), withPoints(std::move(model), config.model.file),
+               [&] {
+                 parts.journal = parts.paintable = true;
+                 parts.followers.emplace_back(
+                     [this](const Model&, TouchBackend&) { return std::make_unique<Follower>(*this); });
+                 return parts;
+               }()},
       options_(options),
       bounds_(boundsOf(this->model().cloud)),
       longestSide_(this->model().shownBounds().longestSide()),
@@ -82,23 +82,23 @@ InteractiveSession::InteractiveSession(const SessionConfig& config, Model model,
                .countsTicks = !config.moves() && !config.model.join,
                .catchesUp = !options.clock}),
       map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model())) {
-  if (player()) held_ = player()->isPaused();
+  if (const DepthPlayer* const frames = session_.player()) held_ = frames->isPaused();
   if (!config.model.matter && canBeSculpted(config, this->model()) && config.brush != this->config().brush)
-    Session::setBrush(config.brush);
+    session_.setBrush(config.brush);
   if (!options.unsavedIn.empty()) keepUnsaved(config);
   if (options.left) goOnWith(*options.left);
-  start({hand()}, {.clock = options.clock, .forcesOn = &forcesOn_});
+  session_.start({hand()}, {.clock = options.clock, .forcesOn = &forcesOn_});
 }
 
 // Only for files: a model from another source cannot be read again.
 void InteractiveSession::keepUnsaved(const SessionConfig& config) {
   if (modelKindOf(config, model()) != ModelKind::cloud || isRosModel(file())) return;
   unsaved_.emplace(options_.unsavedIn, model());
-  unsaved_->describe({.config = config, .machine = machine(), .palpate = PALPATE_VERSION});
+  unsaved_->describe({.config = config, .machine = session_.machine(), .palpate = PALPATE_VERSION});
 }
 
 void InteractiveSession::goOnWith(const LeftStrokes& left) {
-  followAgain(*Session::journal(), left.edits);
+  followAgain(*session_.journal(), left.edits);
   if (unsaved_) unsaved_->adopt(left);
   const PointStates before(model().cloud);
   std::vector<PointChange> changes;
@@ -106,15 +106,15 @@ void InteractiveSession::goOnWith(const LeftStrokes& left) {
     const PointState from = before[state.number()];
     if (!(from == state)) changes.push_back({from, state});
   }
-  backend().edits()->change(changes);
-  catchUp();
+  session_.backend().edits()->change(changes);
+  session_.catchUp();
 }
 
 InteractiveSession::~InteractiveSession() {
-  stop();
+  session_.stop();
   if (saving_.running.valid()) saving_.running.wait();
   try {
-    if (!failed_) deliver();
+    if (!failed_) session_.deliver();
   } catch (const std::exception&) {  // nothing to report: the session is over
   }
 }
@@ -133,9 +133,9 @@ void InteractiveSession::take(const EditBatch& batch) {
 
 void InteractiveSession::takeIn() {
   rows_.clear();
-  if (live()) live()->take(rows_);
+  if (session_.live()) session_.live()->take(rows_);
   history_.add(rows_);
-  catchUp();
+  session_.catchUp();
   if (takeFailure_) std::rethrow_exception(std::exchange(takeFailure_, nullptr));
 }
 
@@ -143,17 +143,17 @@ std::optional<std::string> InteractiveSession::follow() {
   if (failed_) return std::nullopt;
   std::string failure;
   try {
-    const bool hasEnded = live()->hasEnded();
+    const bool hasEnded = session_.live()->hasEnded();
     takeIn();
     const auto& rows = history_.rows();
     if (playing_ && !rows.empty() && rows.back().time_s > playing_->end_s) endPlaying();
-    if (hasEnded) failure = live()->fault();
+    if (hasEnded) failure = session_.live()->fault();
   } catch (const std::exception& error) {
     failure = error.what();
   }
   if (failure.empty()) return std::nullopt;
   failed_ = true;
-  stop();
+  session_.stop();
   return failure;
 }
 
@@ -201,69 +201,68 @@ void InteractiveSession::dropStroke() {
 void InteractiveSession::setDevice(std::shared_ptr<TurnedDevice> device, const HapticDeviceFacts& facts) {
   if (failed_ && !hasLostDevice()) return;
   const auto change = [&] {
-    backend().resetHand(0);
+    session_.backend().resetHand(0);
     playing_.reset();
     dropStroke();
     options_.device = std::move(device);
     options_.deviceFacts = facts;
     map_ = options_.device ? mapInto(facts, model()) : mapFor(model());
-    live()->setHands({hand()});
+    session_.live()->setHands({hand()});
   };
   if (!failed_) {
     endRecording();
-    return restarted(change);
+    return session_.restarted(change);
   }
-  backend().finish();
-  catchUp();
+  session_.backend().finish();
+  session_.catchUp();
   endRecording();
   change();
   failed_ = false;
-  resume();
+  session_.restart();
 }
 
 void InteractiveSession::setBrush(const std::optional<BrushConfig>& brush) {
   if (brush == config().brush || failed_) return;
-  if (config().model.join) require(Action::sculpt, file());
-  Session::setBrush(brush);
+  if (config().model.join) session_.require(Action::sculpt, file());
+  session_.setBrush(brush);
 }
 
 void InteractiveSession::setContact(const SurfaceConfig& surface, const ForceOptions& force,
                                     const std::string& method) {
   if (failed_) return;
   if (surface == config().surface && force == config().force && method == config().backend.method) return;
-  Session::setContact(surface, force, method);
+  session_.setContact(surface, force, method);
 }
 
 void InteractiveSession::setParameter(std::string_view name, double value) {
-  if (failed_) return;
-  Session::setParameter(name, value);
+  if (!failed_) session_.setParameter(name, value);
 }
 
 bool InteractiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
   if (failed_) return false;
-  require(Action::undo, "undo");
-  const UndoneStrokes strokes = Session::undo(undo, redo);
+  session_.require(Action::undo, "undo");
+  const UndoneStrokes strokes = session_.undo(undo, redo);
   return strokes.undone + strokes.redone > 0;
 }
 
 std::optional<bool> InteractiveSession::holdFrames() {
-  DepthPlayer* const frames = player();
+  const DepthPlayer* const frames = session_.player();
   if (!frames) return std::nullopt;
-  setFrames(frames->isPaused() ? Frames::play : Frames::pause);
+  session_.setFrames(frames->isPaused() ? Session::Frames::play : Session::Frames::pause);
   return held_ = frames->isPaused();
 }
 
-void InteractiveSession::stepFrame() { setFrames(Frames::step); }
+void InteractiveSession::stepFrame() { session_.setFrames(Session::Frames::step); }
 
 Model InteractiveSession::handOn() {
   if (failed_) throw Error("{}: the session has ended; its points can be saved", file());
   endRecording();
-  return between([&] {
+  return session_.between([&] {
     const Model& had = model();
-    std::shared_ptr<PlayedStream> stream = Session::releaseStream(next_s());
+    std::shared_ptr<PlayedStream> stream = session_.releaseStream(session_.next_s());
     if (!stream && isHeldStill()) stream = std::make_shared<PlayedStream>(std::exchange(*had.stream(), {}));
     // Scale and spacing stay, so that the surface feels the same.
-    Model next{.cloud = sculpted().cloud,
+    Model next{.cloud = session_.sculpted().cloud,
                .scale = had.scale,
                .spacing = had.spacing,
                .wideSpacing = had.wideSpacing,
@@ -278,8 +277,8 @@ Model InteractiveSession::handOn() {
 }
 
 std::shared_ptr<PlayedStream> InteractiveSession::releaseStream() {
-  if (!player()) return nullptr;
-  return between([&] { return Session::releaseStream(next_s()); });
+  if (!session_.player()) return nullptr;
+  return session_.between([&] { return session_.releaseStream(session_.next_s()); });
 }
 
 void InteractiveSession::save(const std::string& file) {
@@ -287,10 +286,10 @@ void InteractiveSession::save(const std::string& file) {
   // The journal does not contain the points of a model that moves.
   std::optional<PointCloud> present;
   const auto look = [&] {
-    if (config().moves()) present = sculpted().cloud;
+    if (config().moves()) present = session_.sculpted().cloud;
   };
-  failed_ ? look() : between(look);
-  saving_.version = strokes().version;
+  failed_ ? look() : session_.between(look);
+  saving_.version = session_.strokes().version;
   std::vector<PointState> points(journal().points().begin(), journal().points().end());
   saving_.running =
       std::async(std::launch::async, [this, file, points = std::move(points), present = std::move(present)] {
@@ -330,11 +329,11 @@ void InteractiveSession::record(const std::string& log) {
   if (edits() > 0)
     throw Error("{}: a recording begins with the model as its file has it; save it and open the saved file first", log);
   endRecording();
-  Session::record(log, hand());
+  session_.record(log, hand());
 }
 
 std::optional<std::string> InteractiveSession::takeRecordingFault() {
-  return isRecording() ? recording()->takeFault() : std::nullopt;
+  return isRecording() ? session_.recording()->takeFault() : std::nullopt;
 }
 
 std::vector<std::string> InteractiveSession::play(const std::string& log) {
@@ -343,25 +342,25 @@ std::vector<std::string> InteractiveSession::play(const std::string& log) {
   if (record.ticks.empty()) throw FileError(log, "contains no complete tick; there is nothing to play");
   std::vector<std::string> lacks = whatIsMissing(record);
   endRecording();
-  restarted([&] {
-    backend().resetHand(0);
-    for (LoggedTick& tick : record.ticks) tick.time_s += live()->next_s();
+  session_.restarted([&] {
+    session_.backend().resetHand(0);
+    for (LoggedTick& tick : record.ticks) tick.time_s += session_.live()->next_s();
     const double end_s = record.ticks.back().time_s;
     dropStroke();
     playing_ = Playing{.device = std::make_unique<ReplayDevice>(std::move(record.ticks), recorded.limits),
                        .map = recorded.map,
                        .end_s = end_s};
-    live()->setHands({hand()});
+    session_.live()->setHands({hand()});
   });
   return lacks;
 }
 
 void InteractiveSession::endPlaying() {
   if (!playing_) return;
-  restarted([&] {
-    backend().resetHand(0);
+  session_.restarted([&] {
+    session_.backend().resetHand(0);
     playing_.reset();
-    live()->setHands({hand()});
+    session_.live()->setHands({hand()});
   });
 }
 

@@ -32,15 +32,21 @@ struct InteractiveOptions {
 /// Throws FileError where the model contains no points.
 void requirePoints(const Model& model, const std::string& file);
 
-/// A live Session that a person feels, sees and sculpts. All but the constructor is for one thread, the one that shows
-/// the model; the constructor may run on another thread.
-class InteractiveSession : public Session {
+/// Owns a live Session that a person feels, sees and sculpts. All but the constructor is for one thread, the one that
+/// shows the model; the constructor may run on another thread.
+class InteractiveSession {
  public:
   /// Builds everything and starts. Without a brush in the configuration the surface is only felt until setBrush().
   /// Throws Error.
   InteractiveSession(const SessionConfig& config, Model model, SessionParts parts, const InteractiveOptions& options);
   ~InteractiveSession();
+  InteractiveSession(const InteractiveSession&) = delete;
+  InteractiveSession& operator=(const InteractiveSession&) = delete;
 
+  /// To be read; commands pass through this class, which does nothing after a failure.
+  const Session& session() const { return session_; }
+  const SessionConfig& config() const { return session_.config(); }
+  const Model& model() const { return session_.model(); }
   const std::string& file() const { return config().model.file; }
   /// Bounds of the model as loaded, model units relative to its origin.
   const Bounds& bounds() const { return bounds_; }
@@ -58,15 +64,17 @@ class InteractiveSession : public Session {
   std::uint64_t edits() const { return edits_; }  ///< number of point states so far
   /// Has not failed.
   bool isTouching() const { return !failed_; }
-  void goOn() {
-    if (!failed_) Session::goOn();
+  /// Session::pause(), and resume() unless it has failed.
+  void pause() { session_.pause(); }
+  void resume() {
+    if (!failed_) session_.resume();
   }
 
   /// From now on another device is held, or with null the stylus is guided. Ends a recording and a playback. Goes on
   /// after the loss of the device before. Throws query failures.
   void setDevice(std::shared_ptr<TurnedDevice> device, const HapticDeviceFacts& facts);
   /// Whether the session has failed because its device did.
-  bool hasLostDevice() const { return failed_ && options_.device && live()->deviceFailed(); }
+  bool hasLostDevice() const { return failed_ && options_.device && session_.live()->deviceFailed(); }
 
   // The guided stylus; positions in file coordinates. No effect where a person holds a device.
   void aim(const DVec3& place, bool sculpts = true) { stylus_.aim(place, sculpts); }
@@ -90,11 +98,11 @@ class InteractiveSession : public Session {
   void setParameter(std::string_view name, double value);
   /// False where there is nothing to undo, or to redo.
   bool undo() { return undoStrokes(1, 0); }
-  bool redo() { return strokes().redoCount > 0 && undoStrokes(0, 1); }
+  bool redo() { return session_.strokes().redoCount > 0 && undoStrokes(0, 1); }
 
-  const Journal& journal() const { return *Session::journal(); }
+  const Journal& journal() const { return *session_.journal(); }
   /// Whether the points, or the rest shape of a soft body, differ from what was loaded or saved last.
-  bool isChanged() const { return strokes().version != saving_.saved; }
+  bool isChanged() const { return session_.strokes().version != saving_.saved; }
 
   /// Pauses or resumes the frames of a depth camera. Returns whether they are paused now; nothing where no frames are
   /// played.
@@ -130,7 +138,8 @@ class InteractiveSession : public Session {
   /// Records a session log. A log starts from the model's file: it begins before the first edit. It may begin while the
   /// hand touches, and has all commands from then on. Throws Error.
   void record(const std::string& log);
-  bool isRecording() const { return recording() != nullptr; }
+  void endRecording() { session_.endRecording(); }
+  bool isRecording() const { return session_.recording() != nullptr; }
   /// Why the recording cannot be written; returned once.
   std::optional<std::string> takeRecordingFault();
   /// Plays the hand of a recorded session; the guided stylus is ignored meanwhile. Returns the gaps of the log.
@@ -148,6 +157,7 @@ class InteractiveSession : public Session {
   void dropStroke();
   bool undoStrokes(std::size_t undo, std::size_t redo);
 
+  Session session_;
   InteractiveOptions options_;
   Bounds bounds_;
   double longestSide_;

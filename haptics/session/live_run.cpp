@@ -4,19 +4,29 @@
 
 namespace palpate {
 
-LiveRun::LiveRun(std::vector<OpenHand> hands, LiveRunOptions options, Play play)
-    : hands_(std::move(hands)), options_(std::move(options)), play_(std::move(play)), feed_(hands_.size()) {
-  goOn();
+LiveRun::LiveRun(std::vector<OpenHand> hands, LiveRunOptions options, ServoMailbox& mailbox, Play play)
+    : hands_(std::move(hands)),
+      options_(std::move(options)),
+      mailbox_(mailbox),
+      play_(std::move(play)),
+      feed_(hands_.size()) {
+  resume();
 }
 
-void LiveRun::goOn() {
+void LiveRun::resume() {
   if (thread_.joinable()) return;
   stop_ = false;
   ended_ = false;
   fault_.clear();
   deviceFailed_ = false;
   if (options_.clock) options_.clock->hold();
-  thread_ = std::jthread([this, options = options_] { run(options); });
+  mailbox_.open(options_.clock.get());
+  try {
+    thread_ = std::jthread([this, options = options_] { run(options); });
+  } catch (...) {
+    mailbox_.close();
+    throw;
+  }
 }
 
 void LiveRun::run(const LiveRunOptions& options) {
@@ -27,6 +37,7 @@ void LiveRun::run(const LiveRunOptions& options) {
   } catch (const std::exception& error) {
     fault_ = error.what();
   }
+  mailbox_.close();  // from now on commands run on the threads that give them
   if (fault_.empty() && !stop_) fault_ = "the servo thread has ended";
   ended_ = true;
   if (options.clock) options.clock->leave();

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "haptics/servo_mailbox.hpp"
 #include "haptics/session/hand_source.hpp"
 #include "haptics/session/tick_feed.hpp"
 
@@ -30,8 +31,8 @@ class LiveRun {
   /// device failed or the query was lost.
   using Play = std::function<ServoResult(std::span<const OpenHand> hands, const LiveRunOptions& options,
                                          const std::atomic<bool>& stop, TickRecorder& recorder)>;
-  /// Starts. All hands must outlive it.
-  LiveRun(std::vector<OpenHand> hands, LiveRunOptions options, Play play);
+  /// Starts. All hands must outlive it, and so must the mailbox of the loop, which is open while a thread runs.
+  LiveRun(std::vector<OpenHand> hands, LiveRunOptions options, ServoMailbox& mailbox, Play play);
   ~LiveRun() { pause(); }
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
@@ -39,7 +40,7 @@ class LiveRun {
   /// Waits for the tick in progress and ends the thread; the devices have no force then. False if there was none.
   bool pause();
   /// Starts a thread again, one tick after the last, unless one is running.
-  void goOn();
+  void resume();
   /// Sets the hands of the next thread.
   void setHands(std::vector<OpenHand> hands) { hands_ = std::move(hands); }
   const std::vector<OpenHand>& hands() const { return hands_; }
@@ -65,6 +66,7 @@ class LiveRun {
 
   std::vector<OpenHand> hands_;
   LiveRunOptions options_;
+  ServoMailbox& mailbox_;
   Play play_;
   TickFeed feed_;
   std::vector<TraceRow> before_;  // ticks of earlier threads that were not taken yet

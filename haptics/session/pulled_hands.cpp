@@ -1,19 +1,8 @@
 #include "haptics/session/pulled_hands.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace palpate {
-
-namespace {
-
-bool isSane(const Contact& contact) {
-  return contact.valid && isFinite(contact.proxy) && isFinite(contact.normal) && isFinite(contact.velocity) &&
-         isFinite(contact.force_N.value_or(DVec3(0)));
-}
-
-}  // namespace
 
 HandSpring springOf(const ForceLaw& law) {
   return {.stiffness_N_per_unit = law.options().stiffness_N_per_mm * law.scale().mm_per_unit,
@@ -22,28 +11,35 @@ HandSpring springOf(const ForceLaw& law) {
 }
 
 PulledHands::PulledHands(PulledParts parts, const PullOptions& options)
-    : parts_(std::move(parts)), budget_us_(options.budget_us) {
+    : parts_(std::move(parts)), budget_us_(options.budget_us), hands_(parts_.backend.hands()) {
   TouchBackend& backend = parts_.backend;
-  const ForceLaw law(parts_.config.force, parts_.scale);
-  laws_.assign(backend.hands(), law);
-  hands_.resize(backend.hands());
-  laws_.front().setCustom(options.law);
-  for (std::size_t i = 0; i < laws_.size(); ++i) laws_[i].feelWith(backend.points(i).size());
+  ForceLaw law(parts_.config.force, parts_.scale);
+  backend.begin(budget_us_ > 0, std::vector<HandSpring>(hands_.size(), springOf(law)));
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  const DeviceLimits limits{.peakForce_N = kNone, .continuousForce_N = kNone, .handHeld = false};
-  if (parts_.known) gates_.assign(laws_.size(), ForceGate(limits, 1 / parts_.config.rate_Hz));
-  backend.begin(budget_us_ > 0, std::vector<HandSpring>(laws_.size(), springOf(law)));
-  for (std::size_t i = 0; i < laws_.size(); ++i) backend.resetHand(i);
+  law.setCustom(options.law);
+  for (std::size_t i = 0; i < hands_.size(); ++i, law.setCustom({})) {
+    forces_.emplace_back(
+        law, HandForceOptions{.limits = {.peakForce_N = kNone, .continuousForce_N = kNone, .handHeld = false},
+                              .rate_Hz = parts_.config.rate_Hz,
+                              .toolPoints = backend.points(i).size(),
+                              .guardsTicks = false});
+    backend.resetHand(i);
+  }
 }
 
 std::span<const PulledTick> PulledHands::tick(std::span<const Pose> poses) noexcept {
   const double now_s = poses.front().time_s;
   const double dt_s = lastTime_s_ ? now_s - *lastTime_s_ : 1 / parts_.config.rate_Hz;
   lastTime_s_ = now_s;
-  const std::span<const Contact> answers = parts_.backend.ask(poses, budget_us_);
-  for (std::size_t i = 0; i < hands_.size(); ++i) feel(i, answers[i], poses[i], dt_s);
-  publish(poses);
-  parts_.backend.prepare();
+  runTick({.query = parts_.backend, .poses = poses, .budget_us = budget_us_, .dt_s = dt_s, .known = parts_.known},
+          forces_, [&] {
+            for (std::size_t i = 0; i < hands_.size(); ++i)
+              hands_[i] = {.contact = forces_[i].contact(),
+                           .force_N = forces_[i].force_N(),
+                           .torque_mNm = forces_[i].torque_mNm(),
+                           .penetration_mm = forces_[i].penetration_mm()};
+            publish(poses);
+          });
   if (!parts_.takesEdits || failure_) return hands_;
   try {
     parts_.takesEdits({.time_s = now_s});
@@ -63,32 +59,10 @@ void PulledHands::publish(std::span<const Pose> poses) noexcept {
   parts_.others.publish(places);
 }
 
-void PulledHands::feel(std::size_t hand, const Contact& answer, const Pose& pose, double dt_s) noexcept {
-  PulledTick& tick = hands_[hand];
-  tick = {.contact = answer};
-  if (!isSane(answer)) tick.contact = {.proxy = pose.hip, .lost = answer.lost};
-  ForceLaw& law = laws_[hand];
-  const std::span<const PointContact> points = parts_.backend.points(hand);
-  tick.force_N = points.empty() ? law.update(tick.contact, pose, dt_s) : law.update(tick.contact, points, pose, dt_s);
-  tick.torque_mNm = law.torque_mNm();
-  if (!gates_.empty()) holdBack(hand, dt_s);
-  if (tick.contact.touching) tick.penetration_mm = law.scale().toMm(glm::length(tick.contact.proxy - pose.hip));
-}
-
-// Reacts only to silence of the server: the timing of the ticks is the caller's task.
-void PulledHands::holdBack(std::size_t hand, double dt_s) noexcept {
-  PulledTick& tick = hands_[hand];
-  ForceGate& gate = gates_[hand];
-  const InformationAge& known = *parts_.known;
-  const TickSigns signs{.on = known.isTrue(), .known = known.share(), .demand_N = laws_[hand].demand_N()};
-  tick.force_N = gate.pass(tick.force_N, signs, std::clamp(dt_s, 0.0, 1 / parts_.config.rate_Hz));
-  tick.torque_mNm *= gate.share();
-}
-
 void PulledHands::lift() noexcept {
-  for (std::size_t i = 0; i < laws_.size(); ++i) {
+  for (std::size_t i = 0; i < forces_.size(); ++i) {
     parts_.backend.resetHand(i);
-    laws_[i].reset();
+    forces_[i].lift();
   }
   lastTime_s_.reset();
 }

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "engine/touch/touch_backend.hpp"
-#include "haptics/force_gate.hpp"
-#include "haptics/force_law.hpp"
+#include "haptics/hand_force.hpp"
 #include "haptics/session/hand_publisher.hpp"
 #include "haptics/session/session_config.hpp"
 
@@ -64,14 +63,11 @@ class PulledHands {
 
  private:
   void publish(std::span<const Pose> poses) noexcept;
-  void feel(std::size_t hand, const Contact& answer, const Pose& pose, double dt_s) noexcept;
-  void holdBack(std::size_t hand, double dt_s) noexcept;
 
   PulledParts parts_;
   double budget_us_;
-  std::vector<ForceLaw> laws_;  // one for each hand, as in the next two
-  std::vector<PulledTick> hands_;
-  std::vector<ForceGate> gates_;      // if the information about the surface may be old
+  std::vector<HandForce> forces_;     // one for each hand
+  std::vector<PulledTick> hands_;     // of the last tick
   std::optional<double> lastTime_s_;  // since the hands were put down
   std::exception_ptr failure_;
 };

@@ -6,36 +6,13 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/job_stop.hpp"
+#include "haptics/session/recorded_contacts.hpp"
 #include "haptics/session/session_setup.hpp"
 #include "haptics/session/stream_model.hpp"
 
 namespace palpate {
 
 namespace {
-
-/// Once the loop has ended, commands run on the threads that give them.
-class ClosedAtEnd {
- public:
-  explicit ClosedAtEnd(ServoMailbox& mailbox) : mailbox_(mailbox) {}
-  ~ClosedAtEnd() { mailbox_.close(); }
-  ClosedAtEnd(const ClosedAtEnd&) = delete;
-  ClosedAtEnd& operator=(const ClosedAtEnd&) = delete;
-
- private:
-  ServoMailbox& mailbox_;
-};
-
-/// Sets a pointer for its lifetime.
-class RunningScope {
- public:
-  RunningScope(RunningLoop*& place, RunningLoop& loop) : place_(place) { place_ = &loop; }
-  ~RunningScope() { place_ = nullptr; }
-  RunningScope(const RunningScope&) = delete;
-  RunningScope& operator=(const RunningScope&) = delete;
-
- private:
-  RunningLoop*& place_;
-};
 
 constexpr double kRelay_Hz = 30;         // of taking edits against the clock
 constexpr double kSharedRelay_Hz = 400;  // and if others wait for them
@@ -62,6 +39,12 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
               .rate_Hz = shared_ ? kSharedRelay_Hz : kRelay_Hz,
               .journal = (parts.journal || shared_) && kind_.capabilities().keepsEdits,
               .undo_bytes = parts.undo_bytes}),
+      channel_({.config = config_,
+                .settle =
+                    [this] {
+                      if (channel_.isLent() || (live_ && live_->isStarted())) takeEdits();
+                    },
+                .log = log_}),
       isPaintable_(parts.paintable) {
   // No file tells a replay the scale, so the configuration must.
   if (config_.model.join) config_.model.mm_per_unit = model_->scale.mm_per_unit;
@@ -177,13 +160,13 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
   if (!touching.empty()) touching.front().law.setCustom(options.law);
   const double rate_Hz = options.rate_Hz > 0 ? options.rate_Hz : config_.rate_Hz;
   HandPublisher publisher(shared_.get(), presence(), touching.size(), config_.brush.has_value());
-  Recorders recorders(recording_.get(), {options.recorder, &publisher});
+  Recorders recorders(recording(), {options.recorder, &publisher});
   if (!options.endless) settleShared(sharedPatience_s_);  // takes in the edits made before this hand joined
   if (farTouch_) awaitPoints(hands, options);
   const JobStopScope whole(JobStopScope::whole());  // no tick is cut short
   LendableQuery query(options.query ? *options.query : *backend_);
   std::vector<double> state;
-  if (!options.resume.empty()) restore(options.resume, state);
+  if (!options.resume.empty()) state = restoreContacts(options.resume, *backend_);
   ServoLoop loop(query, touching,
                  {.rate_Hz = rate_Hz,
                   .duration_s = durationOf(hands) + 1 / rate_Hz,  // the path's end is a tick too
@@ -195,14 +178,14 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                   .forcesOn = options.forcesOn,
                   .known = known(),
                   .recorder = &recorders,
-                  .mailbox = options.endless ? &mailbox_ : nullptr,
+                  .mailbox = options.endless ? &channel_.mailbox() : nullptr,
                   .resume = state});
   if (!state.empty()) {
     StateNumbers numbers = StateNumbers::from(std::span(state).subspan(std::min(loop.stateSize(), state.size())));
     if (numbers.reads()) query.visitState(numbers);
   }
   RunningLoop running(loop, query, recorders, publisher);
-  const RunningScope scope(running_, running);
+  const CommandChannel::Running scope(channel_, running);
   if (options.endless) return loop.run();  // the thread that displays the session takes the edits
   const TickObserver relays = relay_.begin(rate_Hz, realtime);
   const auto run = [&] {
@@ -224,7 +207,6 @@ void Session::start(std::vector<OpenHand> hands, const LiveRunOptions& options) 
   if (live.rate_Hz <= 0) live.rate_Hz = config_.rate_Hz;
   const LiveRun::Play play = [this](std::span<const OpenHand> touching, const LiveRunOptions& how,
                                     const std::atomic<bool>& stop, TickRecorder& recorder) {
-    const ClosedAtEnd closed(mailbox_);
     ServoResult result = run(touching, {.begin_s = how.begin_s,
                                         .rate_Hz = how.rate_Hz,
                                         .endless = true,
@@ -238,13 +220,7 @@ void Session::start(std::vector<OpenHand> hands, const LiveRunOptions& options) 
     return result;
   };
   live_.reset();
-  mailbox_.open(live.clock.get());
-  try {
-    live_ = std::make_shared<LiveRun>(std::move(hands), live, play);
-  } catch (...) {
-    mailbox_.close();
-    throw;
-  }
+  live_ = std::make_shared<LiveRun>(std::move(hands), live, channel_.mailbox(), play);
 }
 
 void Session::stop() {

@@ -12,14 +12,13 @@
 #include "haptics/servo_loop.hpp"
 #include "haptics/session/abilities.hpp"
 #include "haptics/session/backends.hpp"
+#include "haptics/session/command_channel.hpp"
 #include "haptics/session/edit_relay.hpp"
 #include "haptics/session/far_touch.hpp"
 #include "haptics/session/hand_source.hpp"
 #include "haptics/session/live_run.hpp"
 #include "haptics/session/moving_model.hpp"
 #include "haptics/session/pulled_hands.hpp"
-#include "haptics/session/running_loop.hpp"
-#include "haptics/session/session_recording.hpp"
 
 namespace palpate {
 
@@ -131,20 +130,6 @@ class Session {
 
   // Live: on a servo thread of its own.
 
- private:
-  /// The query of a loop in progress is lent while this lives.
-  class Loan {
-   public:
-    explicit Loan(Session& session, bool endsRecording = false) : session_(session) { session.borrow(endsRecording); }
-    ~Loan() { session_.giveBack(); }
-    Loan(const Loan&) = delete;
-    Loan& operator=(const Loan&) = delete;
-
-   private:
-    Session& session_;
-  };
-
- public:
   /// Begins. All hands must outlive the live session. Ticks of an earlier one that were not taken are dropped.
   void start(std::vector<OpenHand> hands, const LiveRunOptions& options);
   /// Ends: waits for the tick in progress; the devices have no force then. Its ticks can still be taken.
@@ -156,20 +141,18 @@ class Session {
   const std::shared_ptr<LiveRun>& live() const { return live_; }
   /// Pauses a live session between two ticks and takes its edits, so that another session may use the same GPU queues
   /// and devices. It stays paused if that throws.
-  void park();
-  /// After park(): continues, unless it has ended by a fault.
-  void goOn();
-  /// Starts the servo thread again, one tick after the last, unless one is running.
+  void pause();
+  /// After pause(): continues, unless it has ended by a fault.
   void resume();
+  /// Starts the servo thread again, one tick after the last, also after a fault.
+  void restart() { live_->resume(); }
   /// Calls `act` between two ticks, with all edits taken and the stroke ended; a loop in progress goes on meanwhile
-  /// (LendableQuery). May be nested. Throws CommandTimeout, and what taking the edits throws; then nothing has changed.
+  /// (CommandChannel::Loan).
   template <class Act>
   auto between(Act&& act) {
-    const Loan loan(*this);
+    const CommandChannel::Loan loan(channel_);
     return act();
   }
-  /// From the next tick on the planes felt last answer, until the next command.
-  void lend();
   /// Calls `act` while the session is paused: its loop begins again, with other hands or another time.
   template <class Act>
   void restarted(Act&& act) {
@@ -177,14 +160,14 @@ class Session {
       Session& session;
       bool wasPaused;
       ~GoingOn() {
-        if (wasPaused) session.goOn();
+        if (wasPaused) session.resume();
       }
     } const goingOn{*this, live_ && live_->pause()};
     if (goingOn.wasPaused) takeEdits();
     act();
   }
   /// The time of a live session's next tick. In between(), or while it is paused.
-  double next_s() const { return isLent_ ? lent_.next_s : live_->next_s(); }
+  double next_s() const { return channel_.isLent() ? channel_.next_s() : live_->next_s(); }
 
   // Pulled: tick by tick.
 
@@ -233,7 +216,7 @@ class Session {
   /// what cannot be written; without it SessionRecording::takeFault() returns that. Throws FileError, and Error if no
   /// journal is kept.
   void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {}, const RunOptions& run = {});
-  SessionRecording* recording() const { return recording_.get(); }
+  SessionRecording* recording() const { return channel_.recording(); }
   /// Ends the log and records how the session ended. Throws FileError if not everything could be written, unless
   /// SessionRecording::takeFault() has said so.
   void endRecording();
@@ -285,19 +268,7 @@ class Session {
   std::unique_ptr<SharedFollower> takePart();
   std::unique_ptr<SessionRecording> releaseRecording();
   void takeEdits();
-  // Runs `act` on the thread of the servo loop between two ticks, or here where this thread runs it. False: no loop.
-  template <class Act>
-  bool onLoop(Act act);
-  // The loop hands over the query; its recording ends with `endsRecording`.
-  void borrow(bool endsRecording);
-  void giveBack() noexcept;
-  // Records a command, by giveBack() or now.
-  void note(LoggedCommand::Kind kind, std::string content);
-  void addToRecording(std::uint64_t tick, LoggedCommand command);
   std::string textFor(const SessionConfig& config) const;
-  void beginBetween(SessionRecording& recording);
-  // Restores the contacts of LoggedCommand::Kind::begin; the rest is for the loop and its query.
-  void restore(std::string_view content, std::vector<double>& loopState);
   bool settleFar(double timeout_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
 
@@ -317,17 +288,10 @@ class Session {
   double sharedPatience_s_;
   Log* log_;
   EditRelay relay_;
-  std::unique_ptr<SessionRecording> recording_;
+  CommandChannel channel_;
   SessionConfig built_;  // with which the back end was made
   bool isPaintable_;
-  double last_s_ = 0;               // time of the last tick of a run
-  RunningLoop* running_ = nullptr;  // for the thread of that loop, between ticks
-  ServoMailbox mailbox_;            // of a live loop
-  int loans_ = 0;
-  bool isLent_ = false;
-  RunningLoop::Lent lent_;
-  std::vector<LoggedCommand> notes_;      // of the loan
-  std::vector<double> contacts_, state_;  // of a recording that begins in a live session: of back end and loop
+  double last_s_ = 0;  // time of the last tick of a run
   std::optional<PulledHands> pulled_;
   std::shared_ptr<LiveRun> live_;  // destroyed first
 };

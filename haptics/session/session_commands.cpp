@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstring>
 #include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/error.hpp"
 #include "engine/motion/depth_player.hpp"
+#include "haptics/session/recorded_contacts.hpp"
 #include "haptics/session/session.hpp"
 #include "haptics/session/session_setup.hpp"
 
@@ -21,79 +21,7 @@ std::size_t countIn(const std::string& content) {
   return count;
 }
 
-std::string bytesOf(std::span<const double> numbers) {
-  return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
-}
-
-constexpr std::size_t kContactNumbers = 17;
-
-void visitContact(StateNumbers& visit, ProxyTracker::State& state) {
-  visit(state.started, state.touching, state.sticks, state.face, state.facing, state.lastHip, state.proxy,
-        state.velocity, state.time_s);
-}
-
 }  // namespace
-
-template <class Act>
-bool Session::onLoop(Act act) {
-  if (mailbox_.isOpen()) return mailbox_.post(act);
-  if (running_) act();
-  return running_ != nullptr;
-}
-
-void Session::borrow(bool endsRecording) {
-  if (loans_ > 0) {
-    ++loans_;
-    return;
-  }
-  notes_.clear();
-  const bool had = isLent_;  // by lend()
-  isLent_ = onLoop([this, endsRecording]() noexcept { lent_ = running_->lend(endsRecording); });
-  ++loans_;
-  try {
-    if (isLent_ && !had && !endsRecording) addToRecording(lent_.tick, {.kind = LoggedCommand::Kind::lend});
-    if (isLent_ || (live_ && live_->isStarted())) takeEdits();
-  } catch (...) {
-    giveBack();
-    throw;
-  }
-}
-
-// If the loop does not take it back in time, the planes fade, and the next command takes it back.
-void Session::giveBack() noexcept {
-  if (--loans_ > 0 || !isLent_) return;
-  try {
-    const RunningLoop::Return with{
-        .force = config_.force, .sculpts = config_.brush.has_value(), .recording = recording_.get(), .state = state_};
-    std::uint64_t tick = 0;
-    isLent_ = false;
-    if (!onLoop([this, &with, &tick]() noexcept { tick = running_->takeBack(with); })) return;
-    if (!contacts_.empty()) {
-      state_.insert(state_.end(), contacts_.begin(), contacts_.end());
-      contacts_.clear();
-      recording_->add({.tick = tick, .kind = LoggedCommand::Kind::begin, .content = bytesOf(state_)});
-      return;
-    }
-    if (notes_.empty()) notes_.push_back({.kind = LoggedCommand::Kind::back});
-    for (LoggedCommand& each : notes_) addToRecording(tick, std::move(each));
-  } catch (const std::exception& error) {
-    if (log_) log_->warn("{}", error.what());
-  }
-}
-
-void Session::addToRecording(std::uint64_t tick, LoggedCommand command) {
-  if (!recording_) return;
-  command.tick = tick;
-  recording_->add(std::move(command));
-}
-
-void Session::note(LoggedCommand::Kind kind, std::string content) {
-  if (recording_) notes_.push_back({.kind = kind, .content = std::move(content)});
-}
-
-void Session::lend() {
-  isLent_ = onLoop([this]() noexcept { lent_ = running_->lend(false); });
-}
 
 // After a fault of a device the back end is sound.
 void Session::takeEdits() {
@@ -102,28 +30,17 @@ void Session::takeEdits() {
   relay_.catchUp();
 }
 
-void Session::park() {
+void Session::pause() {
   if (live_ && live_->pause()) takeEdits();
 }
 
-void Session::goOn() {
-  if (live_ && live_->fault().empty()) resume();
-}
-
 void Session::resume() {
-  if (live_->isStarted()) return;
-  mailbox_.open(live_->clock().get());
-  try {
-    live_->goOn();
-  } catch (...) {
-    mailbox_.close();
-    throw;
-  }
+  if (live_ && live_->fault().empty()) live_->resume();
 }
 
 // For a recording alone: JSON takes memory.
 std::string Session::textFor(const SessionConfig& config) const {
-  return recording_ ? configText(config) : std::string();
+  return recording() ? configText(config) : std::string();
 }
 
 void Session::setBrush(const std::optional<BrushConfig>& brush) {
@@ -136,7 +53,7 @@ void Session::setBrush(const std::optional<BrushConfig>& brush) {
     std::string text = textFor(next);
     backend_->setBrush(options);
     config_ = std::move(next);
-    note(LoggedCommand::Kind::brush, std::move(text));
+    channel_.note(LoggedCommand::Kind::brush, std::move(text));
   });
 }
 
@@ -149,18 +66,17 @@ void Session::setContact(const SurfaceConfig& surface, const ForceOptions& force
   validate(force);
   std::string text = textFor(next);
   const bool isSame = next.surface == config_.surface && next.backend == config_.backend;
-  if (isSame && !simulation() && loans_ == 0 && !isLent_) {
-    std::uint64_t tick = 0;
-    const bool isRunning = onLoop([this, &next, &tick]() noexcept { tick = running_->setForce(next.force); });
+  if (isSame && !simulation() && channel_.isFree()) {
+    const auto tick = channel_.post([&next](RunningLoop& loop) noexcept { return loop.setForce(next.force); });
     config_ = std::move(next);
-    if (isRunning) addToRecording(tick, {.kind = LoggedCommand::Kind::contact, .content = std::move(text)});
+    if (tick) channel_.add(*tick, {.kind = LoggedCommand::Kind::contact, .content = std::move(text)});
     return;
   }
   between([&] {
     if (!isSame) backend_->setContact(next.surface.kind, next.surface.friction, kind_.methodOf(next.backend));
     config_ = std::move(next);
     if (live_ && simulation()) backend_->begin(true, springs(live_->hands()));
-    note(LoggedCommand::Kind::contact, std::move(text));
+    channel_.note(LoggedCommand::Kind::contact, std::move(text));
   });
 }
 
@@ -168,9 +84,9 @@ void Session::setParameter(std::string_view name, double value) {
   if (!simulation()) throw Error("{}: the model is not simulated", name);
   simulation()->set(name, value);
   config_.model.matter = config_.model.matter->with(name, value);
-  std::uint64_t tick = 0;
-  if (recording_ && onLoop([this, &tick]() noexcept { tick = running_->noteCommand(); }))
-    addToRecording(tick, {.kind = LoggedCommand::Kind::parameter, .content = fmt::format("{} {}", name, value)});
+  if (!recording()) return;
+  if (const auto tick = channel_.post([](RunningLoop& loop) noexcept { return loop.noteCommand(); }))
+    channel_.add(*tick, {.kind = LoggedCommand::Kind::parameter, .content = fmt::format("{} {}", name, value)});
 }
 
 void Session::setFrames(Frames frames) {
@@ -180,7 +96,7 @@ void Session::setFrames(Frames frames) {
     if (frames == Frames::play) player()->play(next_s());
     if (frames == Frames::pause) player()->pause(next_s());
     if (frames == Frames::step) player()->step();
-    note(LoggedCommand::Kind::frames, kNames[static_cast<std::size_t>(frames)]);
+    channel_.note(LoggedCommand::Kind::frames, kNames[static_cast<std::size_t>(frames)]);
   });
 }
 
@@ -193,8 +109,8 @@ UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
         shape ? undoStrokes(*shape, strokes, redo)
               : undoStrokes(
                     *backend_->edits(), *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);
-    if (done.undone > 0) note(LoggedCommand::Kind::undo, std::to_string(done.undone));
-    if (done.redone > 0) note(LoggedCommand::Kind::redo, std::to_string(done.redone));
+    if (done.undone > 0) channel_.note(LoggedCommand::Kind::undo, std::to_string(done.undone));
+    if (done.redone > 0) channel_.note(LoggedCommand::Kind::redo, std::to_string(done.redone));
     return done;
   });
 }
@@ -212,7 +128,7 @@ void Session::record(const std::string& file, const OpenHand& hand, RecordingFau
   SessionConfig config = config_;
   config.realtime = config.realtime || run.realtime;
   if (run.rate_Hz > 0) config.rate_Hz = run.rate_Hz;
-  const Loan loan(*this);
+  const CommandChannel::Loan loan(channel_);
   auto begun = std::make_unique<SessionRecording>(file,
                                                   RecordedSession{.config = config,
                                                                   .built = built_,
@@ -225,41 +141,16 @@ void Session::record(const std::string& file, const OpenHand& hand, RecordingFau
                                                                   .map = hand.map,
                                                                   .passivity = hand.passivity},
                                                   backend_->edits(), std::move(onFault));
-  if (isLent_) beginBetween(*begun);
-  recording_ = std::move(begun);
-  relay_.setLog(&recording_->writer());
-}
-
-// The session and its replay continue from the same states.
-void Session::beginBetween(SessionRecording& recording) {
-  const std::vector<ProxyTracker::State> contacts = backend_->contacts();
-  std::vector<double> numbers(kContactNumbers * contacts.size());
-  StateNumbers to = StateNumbers::to(numbers);
-  for (ProxyTracker::State contact : contacts) visitContact(to, contact);
-  state_.assign(lent_.numbers, 0);
-  backend_->restoreContacts(contacts);
-  contacts_ = std::move(numbers);
-  recording.beginAt(next_s());
-}
-
-void Session::restore(std::string_view content, std::vector<double>& loopState) {
-  std::vector<double> numbers(content.size() / sizeof(double));
-  std::memcpy(numbers.data(), content.data(), numbers.size() * sizeof(double));
-  std::vector<ProxyTracker::State> contacts(backend_->contacts().size());
-  const std::size_t own = kContactNumbers * contacts.size();
-  if (numbers.size() <= own) throw Error("the beginning of the recording does not fit this session");
-  StateNumbers from = StateNumbers::from(std::span(numbers).last(own));
-  for (ProxyTracker::State& contact : contacts) visitContact(from, contact);
-  backend_->restoreContacts(contacts);
-  loopState.assign(numbers.begin(), numbers.end() - static_cast<std::ptrdiff_t>(own));
+  SessionWriter& writer = begun->writer();
+  channel_.begin(std::move(begun), channel_.isLent() ? recordContacts(*backend_) : std::vector<double>());
+  relay_.setLog(&writer);
 }
 
 std::unique_ptr<SessionRecording> Session::releaseRecording() {
-  if (!recording_) return nullptr;
-  const Loan loan(*this, true);
+  if (!recording()) return nullptr;
+  const CommandChannel::Loan loan(channel_, true);
   relay_.setLog(nullptr);
-  contacts_.clear();
-  return std::exchange(recording_, nullptr);
+  return channel_.release();
 }
 
 void Session::endRecording() {
@@ -273,7 +164,7 @@ void Session::repeat(const LoggedCommand& command) {
     case Kind::begin:
       return;
     case Kind::lend:
-      return lend();
+      return channel_.lend();
     case Kind::back:
       return between([] {});
     case Kind::undo:

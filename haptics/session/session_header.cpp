@@ -128,7 +128,7 @@ void TickTap::ticked(const TraceRow& row, const DeviceState& device) noexcept {
                   (row.valid ? LoggedTick::kValid : 0u) | (row.putDown ? LoggedTick::kPutDown : 0u) |
                   (device.rendersForce ? 0u : LoggedTick::kForceless) | (drops ? LoggedTick::kEditLeftOut : 0u) |
                   (std::exchange(isCommanded_, false) ? LoggedTick::kCommand : 0u) |
-                  LoggedTick::flagsOf(device.buttons)});
+                  (row.forcesOn ? 0u : LoggedTick::kForcesOff) | LoggedTick::flagsOf(device.buttons)});
 }
 
 }  // namespace palpate

@@ -144,7 +144,8 @@ SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
   const auto repeat = [&](std::uint64_t tick) {
     for (; next != record.commands.end() && next->tick <= tick; ++next) session.repeat(*next);
   };
-  again.result = session.run({&hand, 1}, {.recorder = &tap, .before = repeat, .resume = beginning.state()});
+  again.result = session.run(
+      {&hand, 1}, {.forcesOn = &device.forcesOn(), .recorder = &tap, .before = repeat, .resume = beginning.state()});
   throwIfStopWanted();
   session.finish();
   if (record.end) session.undo(config.undo.undo, config.undo.redo);

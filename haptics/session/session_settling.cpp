@@ -50,7 +50,7 @@ bool Session::settleShared(double timeout_s, Settling until) {
   const auto goesOn = [&] { return !isOver() && !isStopWanted() && since.elapsed_s() < timeout_s; };
   do {
     for (; goesOn(); counts = shared_->counts()) {
-      backend_->ask(far, 0);
+      backend_->query(far, 0);
       hasAsked = true;
       relay_.catchUp();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -31,13 +31,14 @@ Summary strokeTimes(TouchBackend& backend, SculptingHand hand, const TickTimeReq
     const bool counts = hand.sculpts();
     const Stopwatch tick;
     const double time_s = static_cast<double>(i) / request.config.rate_Hz;
-    const Contact contact = backend.query({.time_s = time_s, .hip = hand.read(time_s).position}, 0);
+    const Pose pose{.time_s = time_s, .hip = hand.read(time_s).position};
+    const Contact contact = backend.ask({&pose, 1}, 0).front();
     if (!contact.valid) {
       backend.finish();  // throws the reason, if it is known
       throw Error("{} gave no valid answer", request.kind.name());
     }
     hand.felt(contact);
-    backend.prepare();
+    backend.endTick();
     if (i == 0) all = Stopwatch();
     if (counts) times_us.push_back(tick.elapsed_us());
   }

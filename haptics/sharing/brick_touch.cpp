@@ -66,7 +66,7 @@ bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double time
     reach.high += (kAtFirst - kMayGo) * options_.radius;
   }
   if (!source_.await(asked_, first, timeout_s)) return false;
-  inner().ask(poses, 0);  // brings the frame with these points
+  inner().query(poses, 0);  // brings the frame with these points
   for (std::size_t i = 0; i < hips.size(); ++i) resetHand(i);
   return true;
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <thread>
 
+#include "tests/labels.hpp"
 #include "tests/library/ball.hpp"
 #include "tests/library/own_law.hpp"
 #include "tests/near.hpp"
@@ -236,6 +237,32 @@ TEST_CASE("forces can be switched off and on, with a force law, while the hand m
   CHECK(most_N == near(1.25, 1e-6));
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   CHECK(calls.count > 100);
+}
+
+TEST_CASE("a command to a live session whose tick hangs returns a timeout, changes nothing, and the next one works" *
+          kFull) {
+  const OpenBall ball;
+  const std::vector<double> rows{0, 0, 0, 52, 0.1, 0, 0, 49};
+  const pp_path path = pathOf(rows, 4);
+  pp_live_options options = along(path);
+  struct {
+    std::atomic<bool> hangs = true, isReached = false;
+  } tick;
+  options.law = [](void* user, const pp_pose*, const pp_contact*, double, double*) {
+    auto& its = *static_cast<decltype(tick)*>(user);
+    its.isReached = true;
+    while (its.hangs) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  options.law_user = &tick;
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));
+  while (!tick.isReached) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  pp_contact_options contact = pp_default_contact_options();
+  contact.stiffness_N_per_mm = 0.5;
+  CHECK(pp_session_set_contact(ball.session, &contact) == PP_ERROR_TIMEOUT);
+  CHECK(std::string(pp_last_error()).find("withdrawn") != std::string::npos);
+  tick.hangs = false;
+  PP_CHECK_OK(pp_session_set_contact(ball.session, &contact));
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
 }
 
 TEST_CASE("a missing device and incompatible options are refused with an error") {

@@ -257,7 +257,7 @@ TEST_CASE("hands share the matter: the second one feels the effects of the first
   for (int k = 0; k < 500; ++k) {
     const double time_s = 1e-3 * k;
     const std::array poses{Pose{.time_s = time_s, .hip = {40 + 20 * std::sin(20 * time_s), 40, 40}}, still(time_s)};
-    const DVec3 felt_N = two.ask(poses, 0)[1].force_N.value_or(DVec3(0));
+    const DVec3 felt_N = two.query(poses, 0)[1].force_N.value_or(DVec3(0));
     const DVec3 alone_N = alone.query(still(time_s), 0).force_N.value_or(DVec3(0));
     most_N = std::max(most_N, glm::distance(felt_N, alone_N));
   }

@@ -60,7 +60,7 @@ Pressed pressed(const Press& press) {
     const Pose pose{.time_s = 1e-3 * k, .hip = {50, 40 - depth, 50}};
     std::vector<Pose> poses(static_cast<std::size_t>(press.hands), pose);
     if (press.hands == 2) poses[0].hip.x -= 8, poses[1].hip.x += 8;
-    const auto answers = block.touch().ask(poses, 0);
+    const auto answers = block.touch().query(poses, 0);
     const double force_N = forceOf(block.touch(), answers, poses[0]);
     result.most_N = std::max(result.most_N, force_N);
     result.fell_N = std::max(result.fell_N, before_N - force_N);

@@ -190,11 +190,11 @@ TEST_CASE("two hands press one body: each feels the other, and the body receives
     std::array<Pose, 2> poses{press(time_s, 4), press(time_s, 8)};
     poses[0].hip.x = 40;
     poses[1].hip.x = 60;
-    const auto answers = both.touch().ask(poses, 0);
+    const auto answers = both.touch().query(poses, 0);
     const DVec3 first = springs[0].add(answers[0], poses[0].hip, 1e-3);
     felt += 1e-3 * (first + springs[1].add(answers[1], poses[1].hip, 1e-3));
     poses[1].hip.y = 60;
-    const Contact single = alone.touch().ask(poses, 0)[0];
+    const Contact single = alone.touch().query(poses, 0)[0];
     if (single.touching) apart_N = std::max(apart_N, glm::distance(first, 0.5 * (single.proxy - poses[0].hip)));
   }
   CHECK(std::abs(both.world().impulses().onTools.y - felt.y) < 0.01 * felt.y);
@@ -296,7 +296,6 @@ TEST_CASE("in real time no tick waits for a step, late steps are dropped, and th
   for (; ticks < 500 || (simulated_s() < 0.4 && ticks < 20'000); ++ticks) {
     const Pose pose = press(1e-3 * ticks, 4, 0.2);
     const Contact contact = block.touch().query(pose, 500);
-    block.touch().prepare();
     CHECK(contact.valid);
     if (contact.touching) most = std::max(most, contact.proxy.y - pose.hip.y);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -73,8 +73,8 @@ TEST_CASE_FIXTURE(SoftFixture, "a soft body is felt and pressed by two hands on 
       const double time_s = 1e-3 * k, y = 31 - 5 * std::min(1.0, k / 100.0);
       const std::array poses{Pose{.time_s = time_s, .hip = {44 + 0.02 * k, y, 50}},
                              Pose{.time_s = time_s, .hip = {57, y + 1, 50}}};
-      const auto a = gpu.touch().ask(poses, 0);
-      const auto b = cpu.touch().ask(poses, 0);
+      const auto a = gpu.touch().query(poses, 0);
+      const auto b = cpu.touch().query(poses, 0);
       for (std::size_t i = 0; i < 2; ++i) {
         CHECK(a[i].valid);
         CHECK(b[i].valid);
@@ -82,7 +82,6 @@ TEST_CASE_FIXTURE(SoftFixture, "a soft body is felt and pressed by two hands on 
         disagreed += a[i].touching != b[i].touching;
         CHECK(glm::distance(a[i].proxy, b[i].proxy) < 0.02);
       }
-      gpu.touch().prepare();
     }
     CHECK(touched > 150);
     CHECK(disagreed <= 4);
@@ -230,7 +229,6 @@ TEST_CASE_FIXTURE(SoftFixture, "a body on a GPU holds a hand that presses deep i
     const double depth = -4 + std::min(16.0, 0.2 * k), step_N = k <= 80 ? 0.5 * 0.2 : 0;
     const Pose pose{.time_s = 1e-3 * k, .hip = {50, 21 - depth, 50}};
     const Contact contact = block.touch().query(pose, 0);
-    block.touch().prepare();
     const double force_N = contact.touching ? 0.5 * glm::distance(contact.proxy, pose.hip) : 0;
     CAPTURE(depth);
     CHECK(contact.valid);
@@ -262,7 +260,6 @@ TEST_CASE_FIXTURE(SoftFixture, "in real time a body on a GPU is pressed beside q
     const double down = std::clamp(std::min(100 * (simulated_s - 0.03), answered_mm), 0.0, 5.0);
     const Pose pose{.time_s = time_s, .hip = {50, 22 - down, 50}};
     const Contact contact = block.touch().query(pose, 800);
-    block.touch().prepare();
     const double felt_s = block.touch().frames()->time().value_or(PointsTime{}).true_s;
     simulated_s = std::max(simulated_s, felt_s - control.dropped_s());
     CHECK(contact.valid);

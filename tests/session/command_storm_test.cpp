@@ -1,11 +1,16 @@
 // Commands reach a hand in contact: no knock, no tick without force, one thread, and a log that repeats them.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <atomic>
+#include <random>
+
 #include "engine/core/log.hpp"
 #include "haptics/session/session_replay.hpp"
 #include "tests/labels.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/command_storm.hpp"
+#include "tests/session/wall_stream.hpp"
 
 namespace palpate::command_storm_test {
 
@@ -15,7 +20,9 @@ constexpr double kSurface_N = 0.06;  // in a tick
 
 /// A live session whose ticks this thread lets pass.
 struct Stepped {
-  explicit Stepped(Session& live) : session(live) { session.start({hand.hand()}, {.clock = clock}); }
+  explicit Stepped(Session& live, const std::atomic<bool>* forcesOn = nullptr) : session(live) {
+    session.start({hand.hand()}, {.clock = clock, .forcesOn = forcesOn});
+  }
   ~Stepped() { session.stop(); }
   Stepped(const Stepped&) = delete;
   Stepped& operator=(const Stepped&) = delete;
@@ -112,6 +119,34 @@ TEST_CASE("a thousand commands in contact change the force by 60 N/s at most, an
   }
 }
 
+TEST_CASE("a replay switches the forces off and on at the same ticks as the user did") {
+  const ScratchFolder folder;
+  const auto kind = backendKind();
+  SessionConfig config = stormy(*kind, (folder / "sphere.ply").string());
+  config.model.mm_per_unit = 1;
+  Session session(config, sphereModel(), {.backend = *kind, .threads = 1, .journal = true});
+  session.setBrush(std::nullopt);
+  std::atomic<bool> on = false;
+  Stepped steps(session, &on);
+  steps.goOn(0.01);
+  const std::string log = (folder / "log").string();
+  session.record(log, steps.hand.hand());
+  steps.goOn(0.02);
+  on = true;  // the hand is outside: a ramp begins
+  steps.goOn(0.4);
+  REQUIRE(glm::length(steps.rows.back().force_N) > 0.1);
+  on = false;
+  steps.goOn(0.01);
+  CHECK(steps.rows.back().force_N == DVec3(0));
+  session.endRecording();
+  steps.goOn(0.01);  // none of these ticks is in the log
+  session.stop();
+
+  const std::vector<LoggedTick> ticks = readSessionLog(log).ticks;
+  CHECK(std::ranges::count_if(ticks, [](const LoggedTick& tick) { return tick.has(LoggedTick::kForcesOff); }) == 30);
+  checkSame(replayed(log, session.model().cloud));
+}
+
 TEST_CASE("a command has its effect at the hand within two ticks") {
   const auto kind = backendKind();
   Session session(stormy(*kind, "sphere"), sphereModel(), {.backend = *kind, .threads = 1, .journal = true});
@@ -126,6 +161,48 @@ TEST_CASE("a command has its effect at the hand within two ticks") {
   steps.goOn(0.002);
   REQUIRE(steps.rows.size() == at + 2);
   CHECK(glm::length(steps.rows.back().force_N) > before_N + 0.5 * kSurface_N);
+}
+
+TEST_CASE("frames of a depth camera that commands pause, resume and step change the force by 60 N/s at most") {
+  const ScratchFolder folder;
+  writeWall(folder.path());
+  SessionConfig config = playing(folder.path());
+  config.model.stream->loop = true;
+  config.realtime = true;
+  const auto cpu = cpuBackend();
+  Session session(config, load(config), {.backend = *cpu, .threads = 1});
+  const PathHand hand(atRest(60));
+  const auto clock = std::make_shared<SteppedClock>();
+  session.start({hand.hand()}, {.clock = clock});
+  std::vector<TraceRow> rows;
+  double clock_s = 0;
+  const auto goOn = [&](double duration_s) {
+    clock->goOnTo(clock_s += duration_s);
+    session.live()->take(rows);
+  };
+  std::mt19937 random(5);
+  std::size_t pauses = 0;
+  for (int i = 0; i < byTier(300, 3000); ++i) {
+    const auto frames = static_cast<Session::Frames>(random() % 3);
+    session.between([&] {
+      if (i % 5 == 0) goOn(0.01);  // it takes its time
+      session.setFrames(frames);
+    });
+    pauses += session.player()->isPaused();
+    for (int tick = 0; tick < 10; ++tick) goOn(0.001);
+  }
+  session.stop();
+  REQUIRE(rows.size() > 3000);
+  double most_N = 0, peak_N = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    most_N = std::max(most_N, glm::distance(rows[i].force_N, rows[i - 1].force_N));
+    peak_N = std::max(peak_N, glm::length(rows[i].force_N));
+  }
+  CHECK(most_N < kSurface_N + 1e-9);
+  CHECK(most_N > 0.5 * kSurface_N);  // the frames were felt
+  CHECK(peak_N > 0.3);
+  CHECK(pauses > 50);
+  CHECK(session.playCounts()->played > 20);
 }
 
 }  // namespace palpate::command_storm_test

@@ -4,7 +4,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include "haptics/devices/haply_device.hpp"
 #include "haptics/devices/openhaptics_device.hpp"
@@ -72,14 +74,15 @@ class Watched final : public WrappedDevice {
   std::atomic<double> forceless_s = 1e9;
 };
 
-void checkStorm(std::unique_ptr<HapticDevice> held, const DVec3& offset) {
-  Watched device(std::move(held));
+// `open` begins the motion of the hand, which must not press before the session is there.
+void checkStorm(const std::function<std::unique_ptr<HapticDevice>()>& open, const DVec3& offset) {
   const auto kind = backendKind();
   SessionConfig config = stormy(*kind, "sphere");
   config.force.stiffness_N_per_mm = kStiffest_N_per_mm;
   Session session(config, sphereModel(),
                   {.backend = *kind, .threads = 1, .journal = true, .undo_bytes = 1 << 26, .paintable = true});
   session.setBrush(std::nullopt);
+  Watched device(open());
   session.start({{.device = &device, .map = {.scale = 1, .offset = offset}}}, {});
   std::vector<TraceRow> rows;
   RandomCommands random(session, 11, kStiffest_N_per_mm);
@@ -115,15 +118,20 @@ TEST_CASE("commands reach a pressing stylus without a knock, on palpate's thread
           kClock) {
   const DVec3 offset(0, 30, 0);  // the sphere's pole is at y = 20 of the device
   SUBCASE("a simulated Touch") {
-    checkStorm(std::make_unique<SimulatedTouch>(Path(kPressing), WorkspaceMap{}), offset);
+    checkStorm([] { return std::make_unique<SimulatedTouch>(Path(kPressing), WorkspaceMap{}); }, offset);
   }
   SUBCASE("OpenHaptics, on the driver's thread") {
     const FakeDriver driver("fake_hd", "", "0,0,26,0\n0.1,0,26,0\n0.5,0,17,0\n");
-    checkStorm(std::make_unique<OpenHapticsDevice>(OpenHapticsOptions{}), offset);
+    checkStorm([] { return std::make_unique<OpenHapticsDevice>(OpenHapticsOptions{}); }, offset);
   }
   SUBCASE("a Haply, on palpate's thread") {
-    const FakeHaply service({.hand = kPressing});
-    checkStorm(std::make_unique<HaplyDevice>(HaplyOptions{}), offset - FakeHaply::kMiddle_mm);
+    std::optional<FakeHaply> service;
+    checkStorm(
+        [&] {
+          service.emplace(FakeHaplyOptions{.hand = kPressing});
+          return std::make_unique<HaplyDevice>(HaplyOptions{});
+        },
+        offset - FakeHaply::kMiddle_mm);
   }
 }
 

@@ -94,13 +94,15 @@ TEST_CASE("a held stream passes from one session to the next together with the e
   InteractiveSession window(config, live, {.backend = *cpu, .threads = 1}, {.clock = clock});
   double until_s = 0.1;
   window.tickUntil(until_s);
-  CHECK(window.playCounts()->played == 13);
+  CHECK(window.session().playCounts()->played == 13);
   window.stepFrame();
-  for (int guard = 0; guard < 20 && window.playCounts()->played < 14; ++guard) window.tickUntil(until_s += 0.05);
-  CHECK(window.playCounts()->played == 14);
+  for (int guard = 0; guard < 20 && window.session().playCounts()->played < 14; ++guard)
+    window.tickUntil(until_s += 0.05);
+  CHECK(window.session().playCounts()->played == 14);
   CHECK(window.holdFrames() == false);
-  for (int guard = 0; guard < 100 && window.playCounts()->played < 16; ++guard) window.tickUntil(until_s += 0.05);
-  CHECK(window.playCounts()->played == 16);
+  for (int guard = 0; guard < 100 && window.session().playCounts()->played < 16; ++guard)
+    window.tickUntil(until_s += 0.05);
+  CHECK(window.session().playCounts()->played == 16);
   CHECK(window.releaseStream() != nullptr);
   CHECK_FALSE(window.holdFrames().has_value());
   window.tickUntil(until_s + 0.1);
@@ -121,7 +123,8 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   CHECK_FALSE(playing->holdsFrames());
   CHECK_FALSE(playing->isHeldStill());
   double until_s = 0;
-  for (int guard = 0; guard < 100 && playing->playCounts()->played < 4; ++guard) playing->tickUntil(until_s += 0.02);
+  for (int guard = 0; guard < 100 && playing->session().playCounts()->played < 4; ++guard)
+    playing->tickUntil(until_s += 0.02);
   Model held = playing->handOn();
   playing.reset();
   REQUIRE(held.stream() != nullptr);
@@ -155,12 +158,12 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   InteractiveSession goingOn(config, carved, {.backend = *cpu, .threads = 1}, {.clock = third});
   CHECK(goingOn.holdsFrames());
   goingOn.tickUntil(0.05);
-  CHECK(goingOn.playCounts()->played == played);
+  CHECK(goingOn.session().playCounts()->played == played);
   CHECK(goingOn.holdFrames() == false);
   until_s = 0.05;
-  for (int guard = 0; guard < 100 && goingOn.playCounts()->played < played + 2; ++guard)
+  for (int guard = 0; guard < 100 && goingOn.session().playCounts()->played < played + 2; ++guard)
     goingOn.tickUntil(until_s += 0.02);
-  CHECK(goingOn.playCounts()->played >= played + 2);
+  CHECK(goingOn.session().playCounts()->played >= played + 2);
   CHECK(goingOn.isTouching());
 }
 
@@ -235,21 +238,22 @@ TEST_CASE("a live fused camera continues after the frame that was the model, unt
   InteractiveSession session(config, model, {.backend = *cpu, .threads = 1}, {.clock = clock});
   double until_s = 0.2;
   session.tickUntil(until_s);
-  CHECK(session.playCounts()->played == 1);
+  CHECK(session.session().playCounts()->played == 1);
   for (std::uint64_t k = 1; k <= 3; ++k) {
     stream->give({.time_s = 0.03 * static_cast<double>(k), .number = k, .depth_m = wall(kRest_m), .pose = pose});
-    for (int guard = 0; guard < 200 && session.playCounts()->played < 1 + k; ++guard)
+    for (int guard = 0; guard < 200 && session.session().playCounts()->played < 1 + k; ++guard)
       session.tickUntil(until_s += 0.05);
-    CHECK(session.playCounts()->played == 1 + k);
+    CHECK(session.session().playCounts()->played == 1 + k);
   }
   stream->give({.time_s = 0.2, .number = 4, .depth_m = wall(kRest_m)});  // a wall does not determine the camera's pose
-  for (int guard = 0; guard < 200 && session.playCounts()->lost == 0; ++guard) session.tickUntil(until_s += 0.05);
-  CHECK(session.playCounts()->lost == 1);
-  CHECK(session.playCounts()->played == 4);
+  for (int guard = 0; guard < 200 && session.session().playCounts()->lost == 0; ++guard)
+    session.tickUntil(until_s += 0.05);
+  CHECK(session.session().playCounts()->lost == 1);
+  CHECK(session.session().playCounts()->played == 4);
   stream->end();
   session.tickUntil(until_s + 2.5);
   CHECK(session.isTouching());
-  CHECK(session.playCounts()->silentSince_s.has_value());
+  CHECK(session.session().playCounts()->silentSince_s.has_value());
 }
 
 TEST_CASE("fused frames are felt as the map they form, and a session with them is replayed from its text") {

@@ -220,14 +220,14 @@ TEST_CASE("frames of a recording are held, stepped and resumed under a hand") {
   session.aim({0, 0, kRest_m - 1e-3 * kHand_mm});
   CHECK(session.holdFrames() == true);
   session.tickUntil(1);
-  CHECK(session.playCounts()->played == 1);
+  CHECK(session.session().playCounts()->played == 1);
   const auto isTouched = [&] { return session.history().rows().back().contact; };
   CHECK_FALSE(isTouched());
   double until_s = 1;
   for (int step = 1; step <= 6; ++step) {
     session.stepFrame();
     session.tickUntil(until_s += 0.3);
-    CHECK(session.playCounts()->played == static_cast<std::uint64_t>(1 + step));
+    CHECK(session.session().playCounts()->played == static_cast<std::uint64_t>(1 + step));
   }
   CHECK(isTouched());
   CHECK(session.holdFrames() == false);
@@ -267,7 +267,7 @@ TEST_CASE("a live camera is felt at its newest frame, from the model's frame on"
         {.time_s = 3 + 0.03 * k, .number = static_cast<std::uint64_t>(k), .depth_m = wall(kRest_m - 2e-4 * k)});
   double until_s = 0.3;
   const auto taken = [&] {
-    const auto counts = session.playCounts();
+    const auto counts = session.session().playCounts();
     return counts ? counts->played + counts->dropped : 0;
   };
   for (int guard = 0; guard < 200 && (touched() == 0 || taken() < 6); ++guard) session.tickUntil(until_s += 0.05);

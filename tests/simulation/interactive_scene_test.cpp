@@ -22,7 +22,7 @@ TEST_CASE("after a failure of the simulation a command throws, and a restart is 
   InteractiveSession session(config, loadModel(config.model, {.log = log, .threads = 1}),
                              {.backend = *cpu, .threads = 1}, {.clock = clock});
   double until_s = 0;
-  const auto hasFailed = [&] { return !session.simulation()->failure().empty(); };
+  const auto hasFailed = [&] { return !session.session().simulation()->failure().empty(); };
   for (int beat = 0; beat < 2'000 && !hasFailed(); ++beat) {
     session.aim({8, beat % 2 ? 30 : -14, 8});
     CHECK_FALSE(session.tickUntil(until_s += 0.02));
@@ -33,7 +33,7 @@ TEST_CASE("after a failure of the simulation a command throws, and a restart is 
   CHECK_THROWS_WITH_AS(session.setContact(config.surface, force, ""), doctest::Contains("the simulation"), Error);
   CHECK(session.isTouching());
   session.lift();
-  session.simulation()->reset();
+  session.session().simulation()->reset();
   const std::uint64_t before = session.history().ticks();
   CHECK_FALSE(session.tickUntil(until_s += 0.2));
   CHECK(session.history().ticks() > before + 50);

@@ -91,7 +91,6 @@ inline void checkFusedTouch(const MakeFusedTouch& make, double tick_s = 1e-3) {
     for (int i = 0; tick_s * i < duration_s; ++i) {
       const double time_s = tick_s * i, height = std::max(0.01 - 0.0005 * i, -kDepth);
       contact = touch.backend->query({.time_s = time_s, .hip = on + DVec3(0, 0, height)}, 0);
-      touch.backend->prepare();
       CHECK(contact.valid);
       if (height > -kDepth) continue;
       (contact.touching ? touched : free) += 1;

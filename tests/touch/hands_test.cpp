@@ -80,14 +80,13 @@ TEST_CASE_FIXTURE(OnHands, "each of several hands is answered as if alone, bit b
       for (std::size_t tick = 0; tick < row.ticks; ++tick) {
         std::vector<Pose> poses;
         for (const auto& way : ways) poses.push_back({.time_s = kTick_s * static_cast<double>(tick), .hip = way[tick]});
-        const auto answers = together->ask(poses, 0);
+        const auto answers = together->query(poses, 0);
         REQUIRE(answers.size() == hands);
         for (std::size_t i = 0; i < hands; ++i) {
           const Contact own = alone[i]->query(poses[i], 0);
           touched[i] += own.touching;
           different[i] += !equal(answers[i], own) || !equal(together->points(i), alone[i]->points(0));
         }
-        together->prepare();
       }
       for (std::size_t i = 0; i < hands; ++i) {
         CAPTURE(i);
@@ -110,7 +109,7 @@ TEST_CASE_FIXTURE(OnHands, "the second hand feels the edits of the first, with t
     const double time_s = kTick_s * i;
     const DVec3 hip(0, 0, 52 - 4.5 * std::clamp((i - 40) / 50.0, 0.0, 1.0));
     const auto answers =
-        touch->ask(std::array{Pose{.time_s = time_s, .hip = hip}, Pose{.time_s = time_s, .hip = restingAt(i)}}, 0);
+        touch->query(std::array{Pose{.time_s = time_s, .hip = hip}, Pose{.time_s = time_s, .hip = restingAt(i)}}, 0);
     same = same && equal(answers[0], alone->query({.time_s = time_s, .hip = hip}, 0));
     REQUIRE(answers[1].valid);
     REQUIRE(answers[1].touching == (i > 4));
@@ -139,7 +138,7 @@ TEST_CASE_FIXTURE(OnHands, "one of several hands is put down elsewhere, and the 
       CAPTURE(hands);
       CAPTURE(lifted);
       const auto touch = make(scene, std::vector<ToolShape>(hands));
-      const auto at = [&](double z) { return touch->ask(overPlane(hands, z), 0); };
+      const auto at = [&](double z) { return touch->query(overPlane(hands, z), 0); };
       std::span<const Contact> answers;
       for (double z = 4; z > -2; z -= 0.25) answers = at(z);
       for (const Contact& contact : answers) CHECK(contact.touching);
@@ -163,13 +162,13 @@ TEST_CASE_FIXTURE(OnHands, "a position of one hand that is not finite is a fault
       for (const double y : {std::nan(""), 1e300}) {
         std::vector<Pose> poses = overPlane(hands, 3);
         poses[bad].hip.y = y;
-        for (const Contact& contact : touch->ask(poses, 0)) {
+        for (const Contact& contact : touch->query(poses, 0)) {
           CHECK_FALSE(contact.valid);
           CHECK_FALSE(contact.lost);
         }
       }
       std::span<const Contact> answers;
-      for (double z = 3; z > -1; z -= 0.25) answers = touch->ask(overPlane(hands, z), 0);
+      for (double z = 3; z > -1; z -= 0.25) answers = touch->query(overPlane(hands, z), 0);
       for (const Contact& contact : answers) {
         CHECK(contact.touching);
         CHECK(contact.normal.z == near(1, 1e-5));

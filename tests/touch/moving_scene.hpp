@@ -122,7 +122,6 @@ inline std::vector<Contact> feelAtRest(TouchBackend& touch, const DVec3& hip, in
   std::vector<Contact> contacts;
   for (int i = 0; i < ticks; ++i) {
     contacts.push_back(touch.query({.time_s = kTick_s * i, .hip = hip}, 0));
-    touch.prepare();
   }
   return contacts;
 }

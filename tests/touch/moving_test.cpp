@@ -79,7 +79,6 @@ TEST_CASE_FIXTURE(OnMoving, "in real time no tick waits for the making of a fram
     const Contact contact = touch->query({.time_s = kTick_s * i, .hip = {0, 0, 50.5}}, 1e6);
     CHECK(contact.fresh);
     CHECK_FALSE(contact.touching);
-    touch->prepare();
     CHECK_FALSE(touch->frames()->take(frame));
     if (i == 1) source.waitUntilAsked();
   }
@@ -117,12 +116,10 @@ TEST_CASE_FIXTURE(OnMovingInCore, "the surface stops some time after the last fr
   SlowSource source(scene.cloud, motion, 1e6);
   const auto touch = make(scene, source);
   touch->query({.time_s = 0, .hip = {0, 0, 1}}, 0);
-  touch->prepare();
   const double until_s = kMaxPointsAge_s;
   for (int i = 1; i < 200; ++i) {
     const double time_s = kTick_s * i;
     const Contact contact = touch->query({.time_s = time_s, .hip = {0, 0, -2}}, 0);
-    touch->prepare();
     CHECK(contact.touching);
     if (i > 2) CHECK(std::abs(contact.proxy.z + 10 * std::min(time_s, until_s)) < 0.02);
   }
@@ -142,7 +139,6 @@ TEST_CASE_FIXTURE(OnMovingInCore, "a sliding surface carries the proxy along, an
     for (int i = 0; i < 60; ++i) {
       hip = {handSpeed * kTick_s * i, 0.3, std::max(1 - 0.1 * i, -kDepth)};
       contact = touch->query({.time_s = kTick_s * i, .hip = hip}, 0);
-      touch->prepare();
     }
     REQUIRE(contact.touching);
     const DVec3 drag = contact.proxy - hip;
@@ -171,7 +167,6 @@ TEST_CASE_FIXTURE(OnMovingInCore,
     for (int i = 0; i < 40; ++i) {
       const double surface = sign * kSpeed * kTick_s * i, hip = sign * start;  // the sheet has two faces
       const Contact contact = touch->query({.time_s = kTick_s * i, .hip = {0.2, 0.1, hip}}, 0);
-      touch->prepare();
       const double depth = sign * (surface - hip);
       if (depth > 0.02) {
         ++touched;
@@ -199,7 +194,6 @@ TEST_CASE_FIXTURE(OnMovingInCore, "an object that leaves is no longer felt from 
     for (int i = 0; i < 70; ++i) {
       const double time_s = kTick_s * i, z = i < 50 ? std::max(51 - 0.2 * i, 49.0) : 51 - 0.2 * (i - 50);
       const Contact contact = touch->query({.time_s = time_s, .hip = {0, 0, z}}, 0);
-      touch->prepare();
       CAPTURE(i);
       CHECK(contact.valid);
       if (time_s > gone_s && time_s < back_s) {
@@ -304,7 +298,6 @@ TEST_CASE_FIXTURE(OnMoving, "an inconsistent frame ends the session: no answer i
       const Stopwatch since;
       for (int i = 0; lost < 5 && (i < 100 || (budget_us > 0 && since.elapsed_s() < 60)); ++i) {
         const Contact contact = touch->query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, budget_us);
-        touch->prepare();
         if (contact.lost) ++lost;
         CHECK(contact.valid == !contact.lost);
         early += contact.lost && i < 20;
@@ -328,7 +321,6 @@ TEST_CASE_FIXTURE(OnMoving, "in real time frames are applied between ticks, in o
     const Contact contact = touch->query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, 20'000);
     CHECK(contact.valid);
     fresh += contact.fresh;
-    touch->prepare();
     if (!touch->frames()->take(frame)) continue;
     CHECK(frame.time_s >= last_s);
     last_s = frame.time_s;

@@ -61,7 +61,6 @@ std::vector<Contact> feelWall(const OnBackEnd& backEnd, const std::vector<double
     const double way = std::min(1.0, 0.05 * i);
     const DVec3 hip(0.001, -0.002, (1 - way) * (depths_m[0] - 0.005) + way * hip_m);
     contacts.push_back(touch->query({.time_s = kStreamTick_s * i, .hip = hip}, 0));
-    touch->prepare();
     CHECK(contacts.back().valid);
   }
   return contacts;
@@ -127,7 +126,6 @@ TEST_CASE_FIXTURE(OnBackEnd, "no frame of a tilted plane is felt as a step") {
     for (int i = 0; i < 250; ++i) {
       const DVec3 hip = PlaneStream::heldAt(kStreamTick_s * i, 0.003, at.seen.normal());
       const Contact contact = touch->query({.time_s = kStreamTick_s * i, .hip = hip}, 0);
-      touch->prepare();
       if (i > 120) CHECK(contact.touching);
       if (i > 120) most_mm = std::max(most_mm, 1000 * glm::distance(contact.proxy - hip, last));
       last = contact.proxy - hip;

@@ -25,7 +25,7 @@ TEST_CASE("no tick on the CPU allocates memory on the querying thread, with or w
   const auto ask = [&](double time_s, double z, double budget_us) {
     for (std::size_t i = 0; i < poses.size(); ++i)
       poses[i] = {.time_s = time_s, .hip = i == 0 ? DVec3(0, 0, z) : further[i - 1]};
-    touch.ask(poses, budget_us);
+    touch.query(poses, budget_us);
   };
   ask(0, 51, 0);
   countedThread = std::this_thread::get_id();  // an edit has its own thread, whose lists grow with the stroke

@@ -45,10 +45,12 @@ TEST_CASE("questions asked ahead give the same answers and the same sculpted clo
     std::uint64_t touching = 0, questions = 0;
     for (int tick = 0; tick < kTicks; tick += kStride, ++questions) {
       const Contact expected = a.query(poseAt(tick), 0);
-      b.prepare();
-      checkEqual(b.query(poseAt(tick), 0), expected);
+      b.endTick();  // right before the next pose, which a software driver then awaits in time
+      const Pose pose = poseAt(tick);
+      checkEqual(b.ask({&pose, 1}, 0).front(), expected);
       touching += expected.touching;
     }
+    b.endTick();
     a.finish();
     b.finish();
     CHECK(touching > questions / 3);
@@ -78,8 +80,9 @@ TEST_CASE("questions of a tool's points and of two hands are asked ahead togethe
       CAPTURE(tick);
       const std::array poses{poseAt(tick), Pose{.time_s = poseAt(tick).time_s, .hip = -poseAt(kTicks - tick).hip}};
       if (tick == 120) a.resetHand(1);
-      const auto expected = a.ask(poses, 0);
-      if (questions % 25 != 24) b.prepare();
+      const auto expected = a.query(poses, 0);
+      b.endTick();
+      if (questions % 25 == 24) b.finish();
       if (questions % 30 == 29) std::this_thread::sleep_for(std::chrono::milliseconds(device.isCpu() ? 60 : 0));
       if (questions % 20 == 19) b.finish();  // withdraws them
       if (tick == 120) b.resetHand(1);
@@ -100,7 +103,7 @@ TEST_CASE("a question ahead that times out is asked again") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
   for (int tick = 58; tick < 70; ++tick) {
-    ahead.prepare();
+    ahead.endTick();
     std::this_thread::sleep_for(std::chrono::milliseconds(60));
     checkEqual(ahead.query(poseAt(tick), 0), plain.query(poseAt(tick), 0));
   }
@@ -113,7 +116,7 @@ TEST_CASE("a withdrawn question does not affect later contacts") {
   TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
   int touching = 0;
   for (int tick = 40; tick < 90; ++tick) {
-    ahead.prepare();
+    ahead.endTick();
     ahead.finish();
     const Contact expected = plain.query(poseAt(tick), 0);
     checkEqual(ahead.query(poseAt(tick), 0), expected);
@@ -128,23 +131,23 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a question pending ahead does not block finis
   options.brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8};
   TouchSide touch(device, scene.cloud, options);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false));
-  touch.prepare();
-  touch.prepare();
+  touch.endTick();
+  touch.endTick();
   checkEqual(touch.query(poseAt(0), 0), plain.query(poseAt(0), 0));
-  touch.prepare();
+  touch.endTick();
   touch.finish();
-  touch.prepare();
+  touch.endTick();
   PointState to = touch.live().points().front();
   const PointState from = to;
   to.position += Vec3(0, 0, 1);
   touch.edits()->change(std::vector<PointChange>{{from, to}});
-  touch.prepare();
+  touch.endTick();
   CHECK(touch.query(poseAt(1), 0).valid);
   PointCloud cloud = scene.cloud;
-  touch.prepare();
+  touch.endTick();
   touch.finish();
   CHECK(touch.readBack(cloud) == 1);
-  touch.prepare();  // pending when the touch side is destroyed
+  touch.endTick();  // pending when the touch side is destroyed
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "by default a device asks ahead only if the driver is known to let a question wait") {

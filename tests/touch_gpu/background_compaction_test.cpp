@@ -141,10 +141,7 @@ TEST_CASE_FIXTURE(GpuFixture, "an index rebuild, by a change or an edit, replace
   options.compaction.bucketsPerSlice = 256;  // slow enough for the hand to get there
   TouchSide touch(device, scene.cloud, options);
   int tick = 0;
-  const auto play = [&](const Pose& pose) {
-    CHECK(touch.query(pose, kRealtime_us).valid);
-    touch.prepare();
-  };
+  const auto play = [&](const Pose& pose) { CHECK(touch.query(pose, kRealtime_us).valid); };
   const auto sculptUntil = [&](auto&& done) {
     while (tick < 3'000 && !done()) play(strokeAt(tick++));
     REQUIRE(done());

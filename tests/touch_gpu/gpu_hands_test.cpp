@@ -19,7 +19,8 @@ const BrushOptions kPush{.yieldDepth = 0.3, .pushRate = 0.5, .radius = 8};
 /// One tick of two hands.
 std::span<const Contact> ask(TouchBackend& touch, double time_s, const DVec3& first, const DVec3& second,
                              double budget_us = 0) {
-  return touch.ask(std::array{Pose{.time_s = time_s, .hip = first}, Pose{.time_s = time_s, .hip = second}}, budget_us);
+  return touch.query(std::array{Pose{.time_s = time_s, .hip = first}, Pose{.time_s = time_s, .hip = second}},
+                     budget_us);
 }
 
 /// Without validation, except for tests of the shader's memory accesses.
@@ -39,7 +40,6 @@ TEST_CASE_FIXTURE(GpuFixture, "two hands run under validation, with edits and a 
     answers = ask(touch, kTick_s * i, {0, 0, r}, {r, 0, 0});
     REQUIRE(answers[0].valid);
     REQUIRE(answers[1].valid);
-    touch.prepare();
   }
   CHECK(answers[1].touching);
   CHECK(answers[1].proxy.x == near(50, 3e-3));
@@ -62,8 +62,7 @@ TEST_CASE_FIXTURE(GpuFixture, "four hands with tools run under validation, with 
     const double r = 53 - 0.2 * i, time_s = kTick_s * i;
     const std::array poses{Pose{.time_s = time_s, .hip = {0, 0, r}}, Pose{.time_s = time_s, .hip = {0, 0, -r}},
                            Pose{.time_s = time_s, .hip = {r, 0, 0}}, Pose{.time_s = time_s, .hip = {0, r, 0}}};
-    for (const Contact& contact : touch.ask(poses, 0)) REQUIRE(contact.valid);
-    touch.prepare();
+    for (const Contact& contact : touch.query(poses, 0)) REQUIRE(contact.valid);
     if (i == 20)
       for (std::size_t hand = 1; hand < poses.size(); ++hand) touch.resetHand(hand);
   }

@@ -61,7 +61,6 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU offers from another thread are carried
       REQUIRE(i < 20'000);
       const double time_s = 1e-2 * i;
       touch.query({.time_s = time_s, .hip = {0, 0, 51 - 0.01 * (i % 200)}}, 10'000);
-      touch.prepare();
     }
   }
   touch.query({.time_s = 1e3, .hip = {0, 0, 200}}, 0);

@@ -55,9 +55,9 @@ class Meddled final : public OneHandQuery {
   Meddled(TouchSide& touch, std::function<void(double time_s)> before) : touch_(touch), before_(std::move(before)) {}
   Contact answerTo(const Pose& pose, double budget_us) noexcept override {
     before_(pose.time_s);
-    return touch_.query(pose, budget_us);
+    return touch_.ask({&pose, 1}, budget_us).front();
   }
-  void prepare() noexcept override { touch_.prepare(); }
+  void endTick() noexcept override { touch_.endTick(); }
 
  private:
   TouchSide& touch_;
