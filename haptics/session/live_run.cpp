@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "engine/core/start_thread.hpp"
+
 namespace palpate {
 
 LiveRun::LiveRun(std::vector<OpenHand> hands, LiveRunOptions options, Play play)
@@ -16,7 +18,14 @@ void LiveRun::goOn() {
   fault_.clear();
   deviceFailed_ = false;
   if (options_.clock) options_.clock->hold();
-  thread_ = std::jthread([this, options = options_] { run(options); });
+  try {
+    thread_ = startThread([this, options = options_] { run(options); });
+  } catch (const std::exception& error) {
+    fault_ = error.what();
+    ended_ = true;
+    if (options_.clock) options_.clock->leave();
+    throw;
+  }
 }
 
 void LiveRun::run(const LiveRunOptions& options) {
