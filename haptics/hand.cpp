@@ -121,7 +121,7 @@ void Hand::note(TraceRow& row) const noexcept {
 
 DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s,
                      const TickConditions& conditions) noexcept {
-  TickSigns signs{.on = conditions.forcesOn && !clutch_.isDrawn(),
+  TickSigns signs{.on = conditions.forcesOn && !clutch_.isDrawn() && !device().isStopped(),
                   .answered = contact_.valid && state_.rendersForce,
                   .fresh = contact_.fresh,
                   .jumped = hasJumped(state_.position, dt_s),
