@@ -7,8 +7,9 @@ namespace palpate {
 /// waits.
 void stopGuardedDevices() noexcept;
 
-/// Installs handlers that call stopGuardedDevices() and then continue as the former ones would; restores the former
-/// ones. Called alternately, by one thread at a time.
+/// Installs handlers that call stopGuardedDevices() and then continue as the former ones would, also over handlers that
+/// the program has installed since the last call; restores the former ones, except where the program has installed
+/// others since. Called by one thread at a time.
 void putCrashHandlersInPlace();
 void putCrashHandlersBack();
 

@@ -1,5 +1,6 @@
 #include <windows.h>
 
+#include <atomic>
 #include <csignal>
 
 #include "haptics/crash_handlers.hpp"
@@ -7,18 +8,27 @@
 namespace palpate {
 namespace {
 
-LPTOP_LEVEL_EXCEPTION_FILTER formerFilter = nullptr;  // written before a handler is in place
+// Written before a handler is in place.
+LPTOP_LEVEL_EXCEPTION_FILTER formerFilter = nullptr;
 void (*formerAbort)(int) = SIG_DFL;
+// The thread whose fault is being passed on: a filter that was put over ours, and is under it now, may call it.
+std::atomic<DWORD> handledBy = 0;
 
 LONG WINAPI stopAtFault(EXCEPTION_POINTERS* fault) {
   stopGuardedDevices();
-  return formerFilter ? formerFilter(fault) : EXCEPTION_CONTINUE_SEARCH;
+  const DWORD self = ::GetCurrentThreadId();
+  if (!formerFilter || handledBy == self) return EXCEPTION_CONTINUE_SEARCH;
+  handledBy = self;
+  const LONG decision = formerFilter(fault);
+  handledBy = 0;
+  return decision;
 }
 
 void stopAtAbort(int signal) {
   stopGuardedDevices();
-  std::signal(SIGABRT, formerAbort);
-  if (formerAbort != SIG_DFL && formerAbort != SIG_IGN) formerAbort(signal);
+  const auto former = formerAbort;
+  std::signal(SIGABRT, former);
+  if (former != SIG_DFL && former != SIG_IGN && former != SIG_ERR) former(signal);
 }
 
 // Ctrl+C, Ctrl+Break, a console that is closed, a user who logs off: on a thread that the system starts for it. FALSE
@@ -31,15 +41,18 @@ BOOL WINAPI stopAtEnd(DWORD) {
 }  // namespace
 
 void putCrashHandlersInPlace() {
-  formerFilter = ::SetUnhandledExceptionFilter(stopAtFault);
-  formerAbort = std::signal(SIGABRT, stopAtAbort);
+  if (const auto filter = ::SetUnhandledExceptionFilter(stopAtFault); filter != stopAtFault) formerFilter = filter;
+  if (const auto abort = std::signal(SIGABRT, stopAtAbort); abort != stopAtAbort) formerAbort = abort;
+  ::SetConsoleCtrlHandler(stopAtEnd, FALSE);  // the last one installed is called first
   ::SetConsoleCtrlHandler(stopAtEnd, TRUE);
 }
 
 void putCrashHandlersBack() {
   ::SetConsoleCtrlHandler(stopAtEnd, FALSE);
-  std::signal(SIGABRT, formerAbort);
-  ::SetUnhandledExceptionFilter(formerFilter);
+  // A handler that the program has put over ours stays.
+  if (const auto abort = std::signal(SIGABRT, formerAbort); abort != stopAtAbort) std::signal(SIGABRT, abort);
+  if (const auto filter = ::SetUnhandledExceptionFilter(formerFilter); filter != stopAtFault)
+    ::SetUnhandledExceptionFilter(filter);
 }
 
 }  // namespace palpate

@@ -52,6 +52,8 @@ class WithoutButtons final : public HapticDevice {
   }
   bool write(const DVec3& force_N) noexcept override { return device_.write(force_N); }
   void emergencyStop() noexcept override { device_.emergencyStop(); }
+  bool isStopped() const noexcept override { return device_.isStopped(); }
+  void resume() noexcept override { device_.resume(); }
   std::string faultText() const override { return device_.faultText(); }
 
  private:

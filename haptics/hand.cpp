@@ -69,7 +69,7 @@ void Hand::feel(const Contact& answer, std::span<const PointContact> points, con
   force_.feel(answer, points, pose, dt_s, conditions,
               {.position = state_.position,
                .rendersForce = state_.rendersForce,
-               .isDrawn = clutch_.isDrawn(),
+               .isOff = clutch_.isDrawn() || device().isStopped(),
                .jumped = hasJumped(state_.position, dt_s)});
   const Contact& felt = force_.contact();
   const DVec3 toProxy = (felt.proxy - hip_) / map_.scale;

@@ -72,7 +72,7 @@ void HandForce::feel(const Contact& answer, std::span<const PointContact> points
 
 TickSigns HandForce::signsOf(const Pose& pose, const TickConditions& conditions,
                              const DeviceSigns& device) const noexcept {
-  TickSigns signs{.on = conditions.forcesOn && !device.isDrawn, .known = conditions.known};
+  TickSigns signs{.on = conditions.forcesOn && !device.isOff, .known = conditions.known};
   if (!options_.guardsTicks) return signs;
   signs.answered = contact_.valid && device.rendersForce;
   signs.fresh = contact_.fresh;

@@ -26,7 +26,7 @@ struct TickConditions {
 struct DeviceSigns {
   DVec3 position{0};         ///< DeviceState::position
   bool rendersForce = true;  ///< DeviceState::rendersForce
-  bool isDrawn = false;      ///< the clutch is drawn: no force
+  bool isOff = false;        ///< no force: the clutch is drawn, or a signal has stopped the device
   bool jumped = false;       ///< TickSigns::jumped
 };
 

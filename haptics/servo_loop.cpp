@@ -96,7 +96,7 @@ ServoResult ServoLoop::run(const TickObserver& observer, const TickHook& before)
 std::size_t ServoLoop::play(const TickObserver& observer, const TickHook& before, ServoResult& result) {
   std::list<CrashStop> crashes;
   for (const Hand& hand : hands_)  // a script needs no protection, and leaves the program's signals alone
-    if (hand.device().limits().handHeld) crashes.emplace_back(hand.device());
+    if (hand.device().limits().handHeld) crashes.emplace_back(hand.device(), options_.forcesOn);
   if (!options_.realtime) return playAtOnce(observer, before, result);
   return hands_.front().device().paces() ? playByDevice(result) : playByClock(result);
 }

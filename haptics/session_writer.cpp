@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 #include "engine/core/clock.hpp"
+#include "engine/core/start_thread.hpp"
 
 namespace palpate {
 
 namespace {
 
 constexpr auto kBetweenBlocks = std::chrono::milliseconds(100);
-constexpr double kBetweenSyncs_s = 0.8;
+constexpr double kBetweenSyncs_s = 0.5;
 // Maximum of a block: the loss if one is torn.
 constexpr std::size_t kBlock_bytes = 1 << 14;
 
@@ -20,7 +22,7 @@ constexpr std::size_t kBlock_bytes = 1 << 14;
 SessionWriter::SessionWriter(std::filesystem::path file, std::string text,
                              std::function<void(const std::string&)> onFailure)
     : file_(std::move(file), std::move(text), std::move(onFailure)),
-      thread_([this](const std::stop_token& stop) { serve(stop); }) {}
+      thread_(startThread([this](const std::stop_token& stop) { serve(stop); })) {}
 
 SessionWriter::~SessionWriter() {
   thread_ = {};
@@ -60,28 +62,44 @@ void SessionWriter::serve(const std::stop_token& stop) {
       wake_.wait_for(hold, stop, kBetweenBlocks, [this] { return asked_ > done_; });
       asked = asked_;
     }
-    writePending();
-    if (sinceSync.elapsed_s() > kBetweenSyncs_s) {
-      file_.sync();
-      sinceSync = Stopwatch();
+    const bool endsStroke = writePending();
+    {
+      const std::scoped_lock hold(lock_);
+      done_ = asked;
+      written_.notify_all();
     }
-    const std::scoped_lock hold(lock_);
-    done_ = asked;
-    written_.notify_all();
+    if (!endsStroke && sinceSync.elapsed_s() < kBetweenSyncs_s) continue;
+    file_.sync();
+    sinceSync = Stopwatch();
   }
 }
 
-void SessionWriter::writePending() {
+bool SessionWriter::writePending() {
   const std::uint64_t merged = edits_.take(takenEdits_);
   mergedEdits_ += merged;
   takenTicks_.clear();
+  writtenTicks_ = 0;
   ticks_.take(takenTicks_);
+  const bool endsStroke = std::ranges::any_of(takenEdits_.marks, [](const EditMark& mark) {
+    return mark.kind == EditMark::Kind::stroke || mark.kind == EditMark::Kind::change;
+  });
+  const std::uint64_t states = takenEdits_.points.size() + merged;
   writeCommands();
   writeEdits(merged);
+  states_ += states;
+  writeTicks(std::numeric_limits<std::uint64_t>::max());
+  return endsStroke;
+}
+
+void SessionWriter::writeTicks(std::uint64_t states) {
   constexpr std::size_t kTicks = kBlock_bytes / sizeof(LoggedTick);
-  for (std::span<const LoggedTick> left = takenTicks_; !left.empty();
-       left = left.subspan(std::min(kTicks, left.size())))
-    file_.append({.ticks = left.first(std::min(kTicks, left.size()))});
+  const std::span<const LoggedTick> all = takenTicks_;
+  while (writtenTicks_ < all.size() && all[writtenTicks_].edits <= states) {
+    std::size_t end = writtenTicks_;
+    while (end < all.size() && end - writtenTicks_ < kTicks && all[end].edits <= states) ++end;
+    file_.append({.ticks = all.subspan(writtenTicks_, end - writtenTicks_)});
+    writtenTicks_ = end;
+  }
 }
 
 void SessionWriter::writeCommands() {
@@ -93,11 +111,14 @@ void SessionWriter::writeCommands() {
   for (const LoggedCommand& command : commands) file_.append({.commands = {&command, 1}});
 }
 
+// Each block of edits follows the ticks before its edits, so that an end that is lost, or damage, costs as much of
+// both.
 void SessionWriter::writeEdits(std::uint64_t merged) {
   constexpr std::size_t kStates = kBlock_bytes / sizeof(session_file::State);
   const std::span<const PointState> states = takenEdits_.points;
   std::vector<session_file::Mark> marks;
   for (std::size_t begin = 0, mark = 0; begin < states.size() || mark < takenEdits_.marks.size();) {
+    writeTicks(states_ + begin);
     const std::size_t end = std::min(begin + kStates, states.size());
     marks.clear();
     for (; mark < takenEdits_.marks.size() && takenEdits_.marks[mark].at <= end; ++mark)

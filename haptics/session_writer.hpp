@@ -12,8 +12,9 @@
 namespace palpate {
 
 /// Writes a session log on a thread of its own. The file has its name from the beginning, so that a crash leaves what
-/// was written: every tick is in it a fifth of a second after it was added, and on the disk a second after. Data that
-/// cannot be written are dropped and counted; later data are written again once that is possible.
+/// was written: every tick is in it a fifth of a second after it was added. The log's thread flushes the file to the
+/// disk at the end of each stroke, and twice a second: a power cut costs a second at most. Data that cannot be written
+/// are dropped and counted; later data are written again once that is possible.
 class SessionWriter {
  public:
   /// `text` says how to run the session again. `onFailure` is called once, on the log's thread, with a message for the
@@ -46,7 +47,10 @@ class SessionWriter {
  private:
   void serve(const std::stop_token& stop);
   // These on the log's own thread, or after it has ended.
-  void writePending();
+  /// Returns whether a stroke, or another change, is complete now.
+  bool writePending();
+  /// The ticks that have seen no more than so many states, and are not written yet.
+  void writeTicks(std::uint64_t states);
   void writeEdits(std::uint64_t merged);
   void writeCommands();
 
@@ -63,7 +67,9 @@ class SessionWriter {
 
   // Being written by the log's thread.
   std::vector<LoggedTick> takenTicks_;
+  std::size_t writtenTicks_ = 0;  // of these
   EditBatch takenEdits_;
+  std::uint64_t states_ = 0;  // taken before these
   std::jthread thread_;
 };
 

@@ -106,7 +106,9 @@ Json Json::object() {
 
 Json Json::parse(const std::string& text) { return Library::to(Library::Value::parse(text)); }
 
-std::string Json::dump(int indent) const { return Library::from(*this).dump(indent); }
+std::string Json::dump(int indent) const {
+  return Library::from(*this).dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);  // file names
+}
 
 Json& Json::operator[](std::string_view name) {
   if (is_null()) value_ = std::vector<Member>();

@@ -7,8 +7,20 @@ namespace palpate::python {
 
 namespace {
 
+// Truth values, texts and complex numbers can be cast to numbers, but are a mistake.
+void refuseOthers(const py::array& any, const char* name) {
+  const char kind = any.dtype().kind();
+  if (any.size() > 0 && std::string_view("bcSUV").find(kind) != std::string_view::npos)
+    refuse(std::string(name) + ": must be real numbers, not of the type " +
+           std::string(py::str(static_cast<const py::object&>(any.dtype()))));
+}
+
 Doubles pathRows(const py::object& given) {
   refuseMasked(given, "path");
+  if (const py::array any = py::array::ensure(given))
+    refuseOthers(any, "path");
+  else
+    PyErr_Clear();
   Doubles rows = Doubles::ensure(given);
   if (!rows) {
     PyErr_Clear();
@@ -53,6 +65,7 @@ py::array threeColumns(const py::object& given, const char* name, std::optional<
     PyErr_Clear();
     refuse(std::string(name) + ": must be an array of numbers, not " + described(given));
   }
+  refuseOthers(any, name);
   if (any.ndim() != 2 || any.shape(1) != 3 || (rows && any.shape(0) != *rows))
     refuse(std::string(name) + ": has shape " + shapeOf(any) + ", not (" + (rows ? std::to_string(*rows) : "N") +
            ", 3)");
@@ -112,7 +125,10 @@ PathArray::PathArray(const py::object& given) : rows(pathRows(given)), path(pp_d
 
 std::string fileOf(const py::object& path) {
   try {
-    return py::module_::import("os").attr("fspath")(path).cast<std::string>();
+    // As the system has it: a name that is not UTF-8 is bytes, or a text with surrogates.
+    const auto file = py::module_::import("os").attr("fsencode")(path).cast<std::string>();
+    if (file.find('\0') != std::string::npos) refuse("file: contains a NUL, which no file name can have");
+    return file;
   } catch (const py::error_already_set& error) {
     if (!error.matches(PyExc_TypeError)) throw;
     refuseType("file: must be a path, not " + described(path));

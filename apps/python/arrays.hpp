@@ -16,6 +16,8 @@
 
 #include <palpate/palpate.hpp>
 
+#include "apps/python/gil.hpp"
+
 namespace palpate::python {
 
 namespace py = pybind11;

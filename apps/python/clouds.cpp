@@ -25,6 +25,8 @@ pp_rows colorsOf(py::array& kept, const py::object& given, py::ssize_t count) {
   refuseMasked(given, "colors");
   py::array any = py::array::ensure(given);
   if (!any) PyErr_Clear();
+  if (any && any.ndim() == 2 && any.shape(1) == 4)  // with alpha, which points do not have
+    any = py::array(any.attr("T").attr("__getitem__")(py::slice(0, 3, 1)).attr("T"));
   const auto keep = [&]<class Number>(Number) {
     kept = py::array_t<Number, py::array::c_style>(any);
     return pp::rows(static_cast<const Number*>(kept.data()));
@@ -38,7 +40,7 @@ pp_rows colorsOf(py::array& kept, const py::object& given, py::ssize_t count) {
     if (!any.dtype().is(py::dtype::of<std::uint8_t>())) any = bytesOf(any);
     return keep(std::uint8_t{});
   }
-  kept = threeColumns(given, "colors", count);
+  kept = threeColumns(any ? py::object(any) : given, "colors", count);
   return rowsOf(kept);
 }
 
@@ -78,7 +80,7 @@ py::object placesOf(const py::object& self) {
   py::array_t<double> places(std::vector<py::ssize_t>{count, 3});
   double* const to = places.mutable_data();
   {
-    py::gil_scoped_release released;
+    const WithoutGil released;
     pp::check(pp_cloud_copy_positions(cloud->cloud().handle(), to, points.count));
   }
   places.attr("setflags")(py::arg("write") = false);
@@ -129,7 +131,7 @@ void bindMeshes(py::module_& module) {
             const std::string file = fileOf(path);
             pp_write_options options = pp_default_write_options();
             options.ascii = ascii ? 1 : 0;
-            py::gil_scoped_release released;
+            const WithoutGil released;
             mesh.mesh().write(file, options);
           },
           py::arg("file"), py::arg("ascii") = false,
@@ -157,7 +159,7 @@ std::shared_ptr<PyCloud> PyCloud::of(const py::object& xyz, const py::object& no
   }
   if (!colors.is_none()) arrays.colors = colorsOf(painted, colors, places.shape(0));
   const bool isSingle = places.dtype().is(py::dtype::of<float>());
-  py::gil_scoped_release released;
+  const WithoutGil released;
   return std::make_shared<PyCloud>(pp::Cloud(arrays), isSingle);
 }
 
@@ -168,8 +170,9 @@ void bindCloud(py::module_& module) {
       module, "Cloud",
       "Cloud(xyz, normals=None, colors=None)\n\n"
       "Points, immutable. xyz: (N, 3), model units; doubles keep their precision. normals: (N, 3), are\n"
-      "normalized. colors: (N, 3), integers of 0 to 255, uint16 of 0 to 65535, or floats of 0 to 1, or\n"
-      "of 0 to 255 if any is above 1. All are copied. Properties are read-only views of palpate's\n"
+      "normalized. colors: (N, 3), or (N, 4) whose alpha is dropped: integers of 0 to 255, uint16 of 0 to\n"
+      "65535, or floats of 0 to 1, or of 0 to 255 if any is above 1. All are copied. Properties are read-only views of "
+      "palpate's\n"
       "memory and keep the cloud alive.")
       .def(py::init(&PyCloud::of), py::arg("xyz"), py::arg("normals") = py::none(), py::arg("colors") = py::none())
       .def("__repr__",
@@ -246,7 +249,7 @@ void bindFiles(py::module_& module) {
         options.normals_from_faces = normals_from_faces ? 1 : 0;
         Interruption interruption;
         options.watch = interruption.watch();
-        py::gil_scoped_release released;
+        const WithoutGil released;
         return std::make_shared<PyCloud>(interruption.during([&] { return pp::Cloud::read(file, options); }));
       },
       py::arg("file"), py::arg("keep_unreliable") = false, py::arg("normals_from_faces") = false,
@@ -263,7 +266,7 @@ void bindFiles(py::module_& module) {
         options.backup = backup ? 1 : 0;
         Interruption interruption;
         options.watch = interruption.watch();
-        py::gil_scoped_release released;
+        const WithoutGil released;
         interruption.during([&] { cloud.cloud().write(file, options); });
       },
       py::arg("file"), py::arg("cloud"), py::arg("ascii") = false, py::arg("backup") = false,

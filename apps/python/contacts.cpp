@@ -29,7 +29,8 @@ ContactListener::ContactListener(py::object function) : function_(std::move(func
 void ContactListener::hear(void* user, const pp_contact_event* event) {
   auto& self = *static_cast<ContactListener*>(user);
   if (self.failed_) return;
-  const py::gil_scoped_acquire held;
+  const WithGil held;
+  if (!held || self.function_.is_none()) return;
   struct Within {
     Within() { isWithin_ = true; }
     ~Within() { isWithin_ = false; }

@@ -35,6 +35,9 @@ class ContactListener {
   bool hasFailed() const { return failed_; }
   /// Throws the exception that the function has raised, once.
   void raise();
+  /// For the garbage collector: the function, and to have none from now on.
+  PyObject* function() const { return function_.ptr(); }
+  void forget() { function_ = py::none(); }
   /// What happened, and what to do.
   const std::string& sentence() const { return sentence_; }
 

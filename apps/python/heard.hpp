@@ -47,6 +47,9 @@ class Heard {
       }
     }
   }
+  /// For the garbage collector: the function, and to have none from now on.
+  PyObject* function() const { return function_.ptr(); }
+  void forget() { function_ = py::none(); }
   /// Delivers at the end of a call, on its thread.
   class Delivery {
    public:

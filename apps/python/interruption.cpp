@@ -4,7 +4,8 @@ namespace palpate::python {
 
 std::int32_t Interruption::isAsked(void* self) {
   auto& interruption = *static_cast<Interruption*>(self);
-  const py::gil_scoped_acquire acquired;
+  const WithGil acquired;
+  if (!acquired) return 1;
   if (!interruption.raised_ && PyErr_CheckSignals() != 0)
     interruption.raised_ = std::make_shared<py::error_already_set>();
   return interruption.raised_ ? 1 : 0;
@@ -12,7 +13,8 @@ std::int32_t Interruption::isAsked(void* self) {
 
 void Interruption::throwRaised() {
   if (!raised_) return;
-  const py::gil_scoped_acquire acquired;
+  const WithGil acquired;
+  if (!acquired) return;
   const auto raised = std::exchange(raised_, nullptr);
   throw py::error_already_set(*raised);
 }

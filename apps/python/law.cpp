@@ -41,7 +41,7 @@ void PythonLaw::setLive(bool live) {
   if (process_ != ::getpid()) return thread_.detach();  // a forked process does not have the thread
   stop_ = true;
   asked_.release();
-  const py::gil_scoped_release released;  // the thread may be waiting for the lock
+  const WithoutGil released;  // the thread may be waiting for the lock
   thread_.join();
 }
 
@@ -58,7 +58,8 @@ void PythonLaw::raise() {
 PythonLaw::Answer PythonLaw::answerTo(const Question& question) {
   Answer answer{.t_s = question.pose.t_s};
   if (failed_) return answer;
-  const py::gil_scoped_acquire held;
+  const WithGil held;
+  if (!held) return answer;
   struct Under {
     explicit Under(const PythonLaw* law) : before(std::exchange(under_, law)) {}
     ~Under() { under_ = before; }

@@ -33,6 +33,9 @@ class PythonLaw {
   void begin();
   /// Throws the exception that the law has raised, once. May be called from any thread.
   void raise();
+  /// For the garbage collector: the function, and to have none from now on, which gives no force.
+  PyObject* function() const { return callable_.ptr(); }
+  void forget() { callable_ = py::none(); }
   /// Ticks of live sessions for which it was late. May be called from any thread.
   std::uint64_t late() const { return late_; }
 

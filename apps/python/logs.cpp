@@ -87,7 +87,7 @@ py::dict replayed(const py::object& log, const std::shared_ptr<PyCloud>& cloud, 
   {
     Interruption interruption;
     options.watch = interruption.watch();
-    py::gil_scoped_release released;
+    const WithoutGil released;
     result = interruption.during([&] { return pp::replay(file, options); });
   }
   return py::dict(
@@ -109,7 +109,7 @@ void bindLogs(py::module_& module) {
   py::class_<PyLog, LogPointer>(module, "_Log")
       .def(py::init([](const py::object& path) {
              const std::string file = fileOf(path);
-             py::gil_scoped_release released;
+             const WithoutGil released;
              return std::make_shared<PyLog>(pp::Recording::read(file));
            }),
            py::arg("file"))

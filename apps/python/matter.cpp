@@ -45,14 +45,14 @@ class PyMatter {
     options.backend = backend.c_str();
     options.threads = threads;
     options.watch = interruption_.watch();
-    py::gil_scoped_release released;
+    const WithoutGil released;
     matter_ = interruption_.during([&] { return pp::Matter(scene, options); });
   }
 
   template <class Do>
   auto with(Do&& act) {
     home_.require();
-    py::gil_scoped_release released;
+    const WithoutGil released;
     const std::scoped_lock lock(inUse_);
     return interruption_.during([&] { return act(matter_); });
   }

@@ -69,7 +69,8 @@ PYBIND11_MODULE(_palpate, module) {
   module.def("version", &pp::version,
              "version() -> str\n\n"
              "Version of the library at run time, such as \"0.1.0\".");
-  module.def("gpus", &gpuNames, py::call_guard<py::gil_scoped_release>(),
+  module.def("_end_gil", &endGil);
+  module.def("gpus", &gpuNames, py::call_guard<WithoutGil>(),
              "gpus() -> list of str\n\n"
              "Names of the GPUs that Vulkan finds here, including software drivers; empty without Vulkan. A\n"
              "session selects one by its index or by a part of its name.");

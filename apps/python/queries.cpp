@@ -51,7 +51,7 @@ std::vector<PyContact> PySession::touchPoses(std::vector<pp_pose> poses, const s
     if (law_.python()) law_.python()->refuseWithin();
     ContactListener::refuseWithin();
     const Heard::Delivery delivery(heard_);
-    const py::gil_scoped_release released;
+    const WithoutGil released;
     ask();
   } else {
     with([&](pp::Session&) { ask(); });
@@ -74,13 +74,15 @@ void PySession::onContact(const py::object& function) {
   listener_ = std::move(listener);
 }
 
-py::array PySession::nearest(const py::object& positions, double max_distance) {
+py::array PySession::nearest(const py::object& positions, double max_distance, bool surface) {
   const py::array from = threeColumns(positions, "positions");
   py::array found = surfacePoints(static_cast<std::uint64_t>(from.shape(0)));
   const pp_rows rows = rowsOf(from);
   auto* const to = static_cast<pp_surface_point*>(found.mutable_data());
   const auto count = static_cast<std::uint64_t>(from.shape(0));
-  with([&](pp::Session&) { pp::check(pp_session_nearest(handle_, &rows, count, max_distance, to)); });
+  with([&](pp::Session&) {
+    pp::check((surface ? pp_session_nearest : pp_session_nearest_points)(handle_, &rows, count, max_distance, to));
+  });
   return found;
 }
 
@@ -169,11 +171,13 @@ void bindSessionsQueries(py::class_<PySession>& session) {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   session
       .def("nearest", &PySession::nearest, py::arg("positions"), py::arg("max_distance") = kEndless,
-           "nearest(positions, max_distance=inf) -> structured array\n\n"
+           py::arg("surface") = true,
+           "nearest(positions, max_distance=inf, surface=True) -> structured array\n\n"
            "For each position, the nearest one on the surface that the hands feel, edits included. positions:\n"
            "(N, 3), model units. max_distance: model units. Returns N rows: position and normal (3, model\n"
            "units), distance (model units), row and cloud of a point next to it (as in rows()), found, and\n"
-           "behind, True if asked for from behind the surface. Where found is False all else is zero. The\n"
+           "behind, True if asked for from behind the surface. Where found is False all else is zero.\n"
+           "surface=False finds the nearest point itself, with its normal, which is much faster. The\n"
            "first call builds an index; with several threads (the session's) rows are shared among them.")
       .def("raycast", &PySession::raycast, py::arg("origins"), py::arg("directions"),
            py::arg("max_distance") = kEndless,

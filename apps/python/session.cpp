@@ -104,7 +104,7 @@ PySession::PySession(const Source& source, pp_session_options options, const pp_
   options.log_user = &heard_;
   options.watch = interruption_.watch();
   const Heard::Delivery delivery(heard_);
-  py::gil_scoped_release released;
+  const WithoutGil released;
   session_ = interruption_.during([&] { return opened(source, options); });
   handle_ = session_.handle();
 }
@@ -137,7 +137,7 @@ pp::Session PySession::opened(const Source& source, const pp_session_options& op
 }
 
 PySession::~PySession() {
-  py::gil_scoped_release released;  // a thread of palpate may be waiting for it
+  const WithoutGil released;  // a thread of palpate may be waiting for it
   session_ = pp::Session();
 }
 
@@ -154,6 +154,20 @@ py::array PySession::touch(const py::object& path, const std::optional<std::stri
     surface_ = *surface;
   }
   return along(path, nullptr);
+}
+
+void PySession::setContact(const std::optional<std::string>& surface, std::optional<double> friction,
+                           std::optional<double> stiffness, std::optional<double> damping,
+                           std::optional<double> max_force) {
+  const std::string name = surface.value_or(surface_);
+  pp_contact_options contact = contactWith(name);
+  contact.friction = friction.value_or(contact.friction);
+  contact.stiffness_N_per_mm = stiffness.value_or(contact.stiffness_N_per_mm);
+  contact.damping_N_s_per_mm = damping.value_or(contact.damping_N_s_per_mm);
+  contact.max_force_N = max_force.value_or(contact.max_force_N);
+  with([&](pp::Session& session) { session.setContact(contact); });
+  contact_ = contact;
+  surface_ = name;
 }
 
 py::array PySession::stroke(const py::object& path, const std::string& kind, const py::kwargs& settings) {
@@ -216,7 +230,7 @@ void PySession::addFrame(double t_s, const py::object& xyz, const py::object& no
     frame.velocities = rowsOf(speeds);
   }
   home_.require();
-  py::gil_scoped_release released;
+  const WithoutGil released;
   session_.pushFrame(frame);  // at the same time as any other call
 }
 
@@ -306,6 +320,21 @@ py::array PySession::readTicks() {
   return rowsOf({ticks.get(), count}, shape);
 }
 
+int PySession::visit(visitproc call, void* data) const {
+  for (PyObject* const function : {heard_.function(), listener_ ? listener_->function() : nullptr,
+                                   law_.python() ? law_.python()->function() : nullptr,
+                                   liveLaw_.python() ? liveLaw_.python()->function() : nullptr})
+    if (const int found = function ? call(function, data) : 0) return found;
+  return 0;
+}
+
+void PySession::forget() {
+  heard_.forget();
+  if (listener_) listener_->forget();
+  for (const Law* law : {&law_, &liveLaw_})
+    if (law->python()) law->python()->forget();
+}
+
 double PySession::mm_per_unit() {
   return with([](pp::Session& session) { return session.info().mm_per_unit; });
 }
@@ -313,7 +342,13 @@ double PySession::mm_per_unit() {
 void PySession::close() {
   if (!home_.isHere()) return;
   with([](pp::Session& session) {
-    if (session.isOpen()) pp::check(pp_session_close(session.handle()));
+    if (!session.isOpen()) return;
+    try {
+      pp::check(pp_session_close(session.handle()));
+    } catch (const pp::Error& error) {
+      if (error.status() == PP_ERROR_NETWORK) session = pp::Session();  // closed, though strokes may be lost
+      throw;
+    }
     session = pp::Session();
   });
   if (liveLaw_.python()) liveLaw_.python()->setLive(false);

@@ -60,7 +60,7 @@ class PySession {
       if (law->python()) law->python()->refuseWithin();
     ContactListener::refuseWithin();
     const Heard::Delivery delivery(heard_);
-    py::gil_scoped_release released;
+    const WithoutGil released;
     const std::scoped_lock lock(inUse_);
     return interruption_.during([&] { return act(session_); });
   }
@@ -71,7 +71,10 @@ class PySession {
   /// One tick, for all hands. `orientations`: four numbers for each hand, or none.
   std::vector<PyContact> touchPoses(std::vector<pp_pose> poses, const std::vector<double>& orientations);
   void onContact(const py::object& function);
-  py::array nearest(const py::object& positions, double max_distance);
+  py::array nearest(const py::object& positions, double max_distance, bool surface);
+  /// Sets those that are given.
+  void setContact(const std::optional<std::string>& surface, std::optional<double> friction,
+                  std::optional<double> stiffness, std::optional<double> damping, std::optional<double> max_force);
   py::array raycast(const py::object& origins, const py::object& directions, double max_distance);
   py::array rows();
   py::array render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options);
@@ -85,6 +88,10 @@ class PySession {
   /// Throws the exception that the force law has raised in a live session.
   void raiseOfLaw();
   std::uint64_t lateLaws() const { return liveLaw_.python() ? liveLaw_.python()->late() : 0; }
+
+  /// For the garbage collector, which finds cycles through functions that use the session.
+  int visit(visitproc call, void* data) const;
+  void forget();
 
   void close();
   py::list messages() const { return told(heard_); }

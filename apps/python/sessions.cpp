@@ -31,6 +31,14 @@ void bindTouch(py::class_<PySession>& session) {
            "determines the duration, and the result has the shape (ticks, hands). The time of a scene of\n"
            "matter continues from path to path, until reset(). Raises Error with the status \"simulation\" if\n"
            "the scene diverges.")
+      .def("set_contact", &PySession::setContact, py::arg("surface") = py::none(), py::arg("friction") = py::none(),
+           py::arg("stiffness_N_per_mm") = py::none(), py::arg("damping_N_s_per_mm") = py::none(),
+           py::arg("max_force_N") = py::none(),
+           "set_contact(surface=None, friction=None, stiffness_N_per_mm=None, damping_N_s_per_mm=None,\n"
+           "            max_force_N=None)\n\n"
+           "From now on the surface and the force of contacts; None: as before. surface, friction,\n"
+           "stiffness_N_per_mm, damping_N_s_per_mm and max_force_N are as for Session. A live session takes\n"
+           "them between two ticks.")
       .def("stroke", &PySession::stroke, py::arg("path"), py::arg("kind"),
            "stroke(path, kind, **brush) -> structured array\n\n"
            "As touch(), with a brush for this path. kind: a brush, as in palpate touch --edit.\n"
@@ -235,11 +243,31 @@ void bindPictures(py::class_<PySession>& session) {
           "the points.");
 }
 
+// Null while it is opened, and once that has failed.
+PySession* openedIn(PyObject* self) {
+  auto* const instance = reinterpret_cast<py::detail::instance*>(self);
+  return static_cast<PySession*>(instance->get_value_and_holder().value_ptr());
+}
+
+void collect(PyHeapTypeObject* heap) {
+  PyTypeObject& type = heap->ht_type;
+  type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+  type.tp_traverse = [](PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    const PySession* const session = openedIn(self);
+    return session ? session->visit(visit, arg) : 0;
+  };
+  type.tp_clear = [](PyObject* self) {
+    if (PySession* const session = openedIn(self)) session->forget();
+    return 0;
+  };
+}
+
 }  // namespace
 
 void bindSessions(py::module_& module) {
   bindSource(module);
-  py::class_<PySession> session(module, "_Session");
+  py::class_<PySession> session(module, "_Session", py::custom_type_setup(collect));
   bindOpening(session);
   bindPictures(session);
   bindTouch(session);

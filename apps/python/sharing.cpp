@@ -61,13 +61,13 @@ class PyServer {
     options.log_user = &heard_;
     Interruption interruption;
     options.watch = interruption.watch();
-    py::gil_scoped_release released;
+    const WithoutGil released;
     pp_server server{};
     interruption.during([&] { pp::check(pp_serve(cloud.cloud().handle(), name.c_str(), &options, &server)); });
     id_ = server.id;
   }
   ~PyServer() {
-    py::gil_scoped_release released;
+    const WithoutGil released;
     if (const std::uint64_t id = id_.exchange(0)) pp_server_close({id});
   }
   PyServer(const PyServer&) = delete;
@@ -75,19 +75,19 @@ class PyServer {
 
   void close() {
     if (!home_.isHere()) return;
-    py::gil_scoped_release released;
+    const WithoutGil released;
     if (const std::uint64_t id = id_.exchange(0)) pp::check(pp_server_close({id}));
   }
   pp_server_info info() const {
     home_.require();
-    py::gil_scoped_release released;
+    const WithoutGil released;
     pp_server_info info = pp_default_server_info();
     pp::check(pp_server_get_info({id_}, &info));
     return info;
   }
   std::shared_ptr<PyCloud> cloud() const {
     home_.require();
-    py::gil_scoped_release released;
+    const WithoutGil released;
     pp_cloud cloud{};
     pp::check(pp_server_cloud({id_}, &cloud));
     return std::make_shared<PyCloud>(pp::Cloud(cloud));
@@ -126,7 +126,7 @@ py::dict told(const pp_sharing& sharing) {
 py::list discover(const NetworkTuple& network, double seconds) {
   std::vector<pp_served_session> seen;
   {
-    py::gil_scoped_release released;
+    const WithoutGil released;
     Network on(network);
     seen = on.waiting([&] { return pp::discover(*on.get(), seconds); });
   }

@@ -89,8 +89,7 @@ void SurfaceIndex::follow(std::span<const PointState> states) {
   }
   // Several edits may have changed the same point.
   std::ranges::sort(changed);
-  const auto again = std::ranges::unique(changed);
-  changed.erase(again.begin(), again.end());
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
   if (!changed.empty()) grid_.update(positions_, there_, changed);
 }
 
@@ -118,6 +117,15 @@ std::optional<SurfaceIndex::Near> SurfaceIndex::nearestPoint(const DVec3& x, dou
   });
   if (best == none && within > options_.radius) searchBlocks(x, best, after);
   return best == none ? std::nullopt : std::optional(best);
+}
+
+std::optional<SurfaceHit> SurfaceIndex::nearestPoint(const DVec3& x, double within) const {
+  const std::optional<Near> near = nearestPoint(x, within, std::nullopt);
+  if (!near) return std::nullopt;
+  return SurfaceHit{.position = DVec3(positions_[near->number]),
+                    .normal = DVec3(normals_[near->number]),
+                    .distance = std::sqrt(near->squared),
+                    .point = near->number};
 }
 
 // The nearest block first: what it contains leaves few of the others.

@@ -72,6 +72,8 @@ class SurfaceIndex {
   /// nearest point whose neighbours define a surface. Beyond the rim of an open sheet it lies on the sheet's border.
   /// Empty if there is none, or if the kLongestSearch nearest points define no surface.
   std::optional<SurfaceHit> nearest(const DVec3& x, double within) const;
+  /// The nearest point, at most `within` away; empty if there is none.
+  std::optional<SurfaceHit> nearestPoint(const DVec3& x, double within) const;
   /// The first position of the surface on the ray, from either side. `along` is a unit vector. A ray that is less than
   /// a sixteenth of the support radius deep in the surface may pass it.
   std::optional<SurfaceHit> castRay(const DVec3& from, const DVec3& along, double longest) const;

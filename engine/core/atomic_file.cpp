@@ -22,6 +22,18 @@ void exchangeOnce(const Name* from, const Name* to) {
     if (const Name* expected = from; temporary.compare_exchange_strong(expected, to)) return;
 }
 
+// A name of the greatest length leaves no room for an ending.
+std::filesystem::path temporaryFor(const std::filesystem::path& target) {
+  constexpr std::size_t kLongest = 255;
+  const std::string ending = fmt::format(".{}.tmp", processNumber());
+  std::filesystem::path::string_type name = target.filename().native();
+  if (name.size() + ending.size() > kLongest) name.resize(kLongest - ending.size());
+  std::filesystem::path temporary = target;
+  temporary.replace_filename(name);
+  temporary += ending;
+  return temporary;
+}
+
 }  // namespace
 
 void removeTemporaryFiles() noexcept {
@@ -45,8 +57,7 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
     file_ = openFile(target_, "wb");
   } else {
     if (std::filesystem::exists(status)) target_ = std::filesystem::canonical(target_);
-    temporary_ = target_;
-    temporary_ += fmt::format(".{}.tmp", processNumber());
+    temporary_ = temporaryFor(target_);
     exchangeOnce(nullptr, temporary_.c_str());
     file_ = openFile(temporary_, "wb");
     if (!file_) forgetTemporary();

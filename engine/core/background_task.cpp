@@ -3,10 +3,12 @@
 #include <utility>
 
 #include "engine/core/check.hpp"
+#include "engine/core/start_thread.hpp"
 
 namespace palpate {
 
-BackgroundTask::BackgroundTask(std::function<void()> work) : work_(std::move(work)), thread_([this] { serve(); }) {}
+BackgroundTask::BackgroundTask(std::function<void()> work)
+    : work_(std::move(work)), thread_(startThread([this] { serve(); })) {}
 
 BackgroundTask::~BackgroundTask() {
   if (running_) end_.take();

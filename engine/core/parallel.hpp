@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/core/job_stop.hpp"
+#include "engine/core/start_thread.hpp"
 
 namespace palpate {
 
@@ -28,7 +29,7 @@ void parallelParts(std::size_t parts, Body&& body) {
   std::vector<std::jthread> workers;
   workers.reserve(parts);
   for (std::size_t part = 0; part < parts; ++part) {
-    workers.emplace_back([&, part, stop = jobStop] {
+    workers.push_back(startThread([&, part, stop = jobStop] {
       const JobStopScope scope(stop);
       try {
         body(part);
@@ -36,7 +37,7 @@ void parallelParts(std::size_t parts, Body&& body) {
         const std::scoped_lock hold(failureLock);
         if (!failure) failure = std::current_exception();
       }
-    });
+    }));
   }
   workers.clear();
   if (failure) std::rethrow_exception(failure);

@@ -1,9 +1,11 @@
 #include "engine/core/worker_team.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/core/clock.hpp"
 #include "engine/core/parallel.hpp"
+#include "engine/core/start_thread.hpp"
 #include "engine/core/thread_priority.hpp"
 
 namespace palpate {
@@ -38,10 +40,17 @@ bool spinUntil(double most_us, Done&& done) {
 WorkerTeam::WorkerTeam(unsigned threads) {
   const unsigned count = threadCount(threads);
   for (unsigned i = 1; i < count; ++i) workers_.push_back(std::make_unique<Worker>());
-  for (std::size_t i = 0; i < workers_.size(); ++i) workers_[i]->thread = std::jthread([this, i] { work(i); });
+  try {
+    for (std::size_t i = 0; i < workers_.size(); ++i) workers_[i]->thread = startThread([this, i] { work(i); });
+  } catch (...) {
+    end();  // those that have started wait for a job
+    throw;
+  }
 }
 
-WorkerTeam::~WorkerTeam() {
+WorkerTeam::~WorkerTeam() { end(); }
+
+void WorkerTeam::end() {
   stop_ = true;
   for (const std::unique_ptr<Worker>& worker : workers_)
     if (worker->asleep.exchange(false)) worker->bell.post();
@@ -91,6 +100,7 @@ void WorkerTeam::run(std::size_t parts, Call call, void* context) {
   state_ -= kOpen;
   if (!spinUntil(inBurst_ ? kBurstSpin_us : kSpin_us, [this] { return (state_ & kBusy) == 0; }))
     for (std::uint32_t state = state_; (state & kBusy) != 0; state = state_) state_.wait(state);
+  if (failed_.exchange(false)) std::rethrow_exception(std::exchange(failure_, nullptr));
   throwIfStopWanted();
 }
 
@@ -132,8 +142,13 @@ void WorkerTeam::takePartsAfter(std::uint32_t& seen) {
 }
 
 void WorkerTeam::takeParts() {
-  for (std::size_t part; (part = next_++) < parts_;)
-    if (!(stopsBy_.mayCut && isStopWanted(stopsBy_))) call_(context_, part);
+  try {
+    for (std::size_t part; (part = next_++) < parts_;)
+      if (!(stopsBy_.mayCut && isStopWanted(stopsBy_))) call_(context_, part);
+  } catch (...) {
+    if (!failed_.exchange(true)) failure_ = std::current_exception();
+    next_ = parts_;  // no thread begins another part
+  }
 }
 
 }  // namespace palpate

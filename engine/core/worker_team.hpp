@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <thread>
 #include <type_traits>
@@ -27,8 +28,8 @@ class WorkerTeam {
   /// Number of threads, including the caller.
   std::size_t size() const { return workers_.size() + 1; }
 
-  /// Calls body(part) once for every part in [0, parts), on any free thread, and returns when all are done. `body` must
-  /// not throw. Throws Stopped with parts left undone.
+  /// Calls body(part) once for every part in [0, parts), on any free thread, and returns when all are done. Throws
+  /// Stopped, and what `body` throws, with parts left undone.
   template <class Body>
   void forEach(std::size_t parts, Body&& body) {
     using Plain = std::remove_reference_t<Body>;
@@ -63,6 +64,7 @@ class WorkerTeam {
   // The number of the job, whether workers may still join it, and how many of them take parts.
   static constexpr std::uint32_t kBusy = 0xffff, kOpen = kBusy + 1, kJob = 2 * kOpen;
 
+  void end();
   void run(std::size_t parts, Call call, void* context);
   void work(std::size_t worker);
   void rest(std::size_t worker, std::uint32_t seen);
@@ -80,6 +82,8 @@ class WorkerTeam {
   Call call_ = nullptr;
   void* context_ = nullptr;
   JobStop stopsBy_;  // stop request of the caller
+  std::atomic<bool> failed_ = false;
+  std::exception_ptr failure_;  // the first one
   std::vector<std::unique_ptr<Worker>> workers_;
 };
 

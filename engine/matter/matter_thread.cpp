@@ -2,11 +2,12 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/processor.hpp"
+#include "engine/core/start_thread.hpp"
 
 namespace palpate {
 
 MatterThread::MatterThread(MatterSteps& steps)
-    : steps_(steps), spins_(coresToUse() >= kCoresToSpin), thread_([this] { serve(); }) {}
+    : steps_(steps), spins_(coresToUse() >= kCoresToSpin), thread_(startThread([this] { serve(); })) {}
 
 MatterThread::~MatterThread() {
   stop_.store(true);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/core/error.hpp"
+#include "engine/core/start_thread.hpp"
 
 namespace palpate {
 
@@ -93,7 +94,7 @@ void DepthReadAhead::endPass() {
 }
 
 bool DepthReadAhead::waitForFrame(Lock& lock, bool waits) {
-  if (!thread_.joinable()) thread_ = std::jthread([this] { serve(); });
+  if (!thread_.joinable()) thread_ = startThread([this] { serve(); });
   if (waits) changed_.wait(lock, [&] { return !queue_.empty() || (counts_.ended && !restarts_); });
   return !queue_.empty();
 }

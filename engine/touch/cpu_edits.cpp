@@ -1,8 +1,10 @@
 #include "engine/touch/cpu_edits.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "engine/core/clock.hpp"
+#include "engine/core/error.hpp"
 #include "engine/core/held_contact.hpp"
 #include "engine/core/thread_priority.hpp"
 
@@ -11,6 +13,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMaxOffered = 1 << 12;  // changes: they take less than the time of a tick
+constexpr std::uint64_t kEditRoom = 1 << 22;
 
 }  // namespace
 
@@ -20,6 +23,7 @@ CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& b
       setting_(setting),
       stroke_(setting.radius),
       pace_(kStalest_s),
+      queue_(setting.room ? setting.room : std::max<std::uint64_t>(kEditRoom, 4 * sculpture.points().size())),
       offered_(brush && !brush->resample ? kMaxOffered : 0) {
   collect();
   if (!brush) return;
@@ -49,6 +53,10 @@ bool CpuEdits::editIfYielding(double time_s, bool realtime) {
     ++statistics_.shortfalls.editsTooSlow;
     return false;
   }
+  if (realtime && queue_.room().free == 0) {
+    ++statistics_.shortfalls.editsLogFull;
+    return false;
+  }
   if (!realtime && !workPace_.mayEdit(time_s)) return false;
   begin(time_s, realtime);
   return true;
@@ -66,13 +74,9 @@ void CpuEdits::begin(double time_s, bool realtime) {
 }
 
 bool CpuEdits::takeUpOffer(double time_s, bool realtime) {
-  if (isUnderWay_ || !offered_.isThere()) return false;
+  if (isUnderWay_ || !offered_.isThere() || (realtime && queue_.room().free == 0)) return false;
   if (realtime && !pace_.mayEdit(time_s)) {
     ++statistics_.shortfalls.offersTooSlow;
-    return false;
-  }
-  if (offered_.changesFollowed() != changes_) {
-    report(0, inStroke_);
     return false;
   }
   time_s_ = time_s;
@@ -83,23 +87,21 @@ bool CpuEdits::takeUpOffer(double time_s, bool realtime) {
   return true;
 }
 
-// Points that the brush has changed since the offer keep the brush's state.
+// Points that the brush has changed since the offer keep the brush's state; after a change() that the offering thread
+// did not know of, all do.
 void CpuEdits::carryOut() {
   const Stopwatch watch;
   standing_.clear();
-  for (const PointChange& change : offered_.changes())
-    if (sculpture_.points().state(change.to.number()) == change.from) standing_.push_back(change);
+  if (offered_.changesFollowed() == changes_)
+    for (const PointChange& change : offered_.changes())
+      if (sculpture_.points().state(change.to.number()) == change.from) standing_.push_back(change);
   if (!standing_.empty()) sculpture_.receive(standing_);
   work_.states += standing_.size();
-  report(standing_.size(), work_.inStroke);
-  work_.time_us = watch.elapsed_us();
-}
-
-void CpuEdits::report(std::size_t count, bool inStroke) {
-  if (inStroke) queue_.mark(EditMark::Kind::part);
+  if (work_.inStroke) queue_.mark(EditMark::Kind::part);
   queue_.append(
-      count, [&](std::size_t i) { return standing_[i].to; }, EditMark::Kind::received);
+      standing_.size(), [&](std::size_t i) { return standing_[i].to; }, EditMark::Kind::received);
   offered_.done();
+  work_.time_us = watch.elapsed_us();
 }
 
 void CpuEdits::edit() {
@@ -158,6 +160,14 @@ void CpuEdits::markStroke() {
 
 void CpuEdits::change(std::span<const PointChange> changes, double time_s) {
   if (changes.empty()) return;
+  const auto isThere = [&](const PointChange& change) {
+    const std::uint32_t number = change.from.number();
+    if (number >= sculpture_.points().size()) return change.from.gone();
+    const PointState state = sculpture_.points().state(number);
+    return state.gone() == change.from.gone() && (state.gone() || state.position == change.from.position);
+  };
+  if (!std::ranges::all_of(changes, isThere))
+    throw Error("a change refers to a point that is not at the stated position; no point was changed");
   sculpture_.set(changes);
   collect();
   queue_.append(

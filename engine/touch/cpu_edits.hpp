@@ -26,6 +26,7 @@ class CpuEdits {
     double radius = 0;             ///< support radius, model units
     DVec3 origin{0};               ///< of the cloud, in the poses' coordinates
     std::optional<EditSize> size;  ///< default: whole in virtual time, a tick's in real time
+    std::uint64_t room = 0;        ///< states that the followers may be behind; 0: kEditRoom, or four times all points
   };
   /// Without a brush there is no thread. `sculpture` must outlive it.
   CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, const Setting& setting);
@@ -51,10 +52,11 @@ class CpuEdits {
   void wait() const;
   /// The hand has stopped: completes the remaining path of the stroke and ends it.
   void finish();
-  /// As EditStream::change(), at `time_s`, while nothing is in progress.
+  /// As EditStream::change(), at `time_s`, while nothing is in progress. Throws Error.
   void change(std::span<const PointChange> changes, double time_s);
 
   EditQueue& queue() { return queue_; }
+  const EditQueue& queue() const { return queue_; }
   OfferedChanges& offered() { return offered_; }
   const OfferedChanges& offered() const { return offered_; }
   /// EditStream::progress.
@@ -82,7 +84,6 @@ class CpuEdits {
   void edit();
   void carryOut();
   void collect();
-  void report(std::size_t count, bool inStroke);
   void markStroke();
 
   CpuSculpture& sculpture_;

@@ -36,7 +36,10 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
                .localRadius = options.localRadius,
                .widening = options.widening},
       edits_(sculpture_, options.brush,
-             {.radius = options.radius / options.widening, .origin = origin_, .size = options.editSize}) {
+             {.radius = options.radius / options.widening,
+              .origin = origin_,
+              .size = options.editSize,
+              .room = options.editRoom}) {
   if (options.source) frames_.emplace(*options.source, gridFor(cloud, options), options.threads);
   for (const ProbeGroup& group : makeProbeGroups(options.tools))
     hands_.push_back({.probes = group, .trackers = {group.probes(), ProxyTracker(options.radius, options.friction)}});

@@ -27,6 +27,7 @@ struct CpuTouchOptions {
   std::vector<ToolShape> tools = std::vector<ToolShape>(1);
   std::optional<BrushOptions> brush;  ///< edit while touching, at the HIP
   std::optional<EditSize> editSize;   ///< default: whole in virtual time, a tick's in real time
+  std::uint64_t editRoom = 0;         ///< CpuEdits::Setting::room
   unsigned threads = 0;               ///< threads that build the index and refit normals; 0: one per core
   CloudSource* source = nullptr;      ///< moves the points and excludes a brush; must outlive the touch side
   std::optional<PointExtent>
@@ -72,6 +73,7 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   // The stream of its edits.
   void keep() override { edits_.queue().keep(); }
   void take(EditBatch& batch) override { edits_.queue().take(batch); }
+  std::optional<EditRoom> room() const override { return edits_.queue().room(); }
   EditProgress progress() const noexcept override {
     return {.states = edits_.answered(), .dropped = edits_.statistics().shortfalls.droppedEdits()};
   }

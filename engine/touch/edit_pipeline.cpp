@@ -35,6 +35,8 @@ EditPipeline::EditPipeline(Device& device, const EditOptions& options, LiveIndex
       stroke_(options.radius),
       offered_(mostOffered(pass_)),
       pace_(kStalest_s) {
+  if (offered_.most() > 0)
+    offer_.list = std::make_unique<CommandList>(device, device.latencyQueue(), "offer", options.timing);
   stroke_.setBrush(options.brush);
   statistics_.editTimes_us.reserve(kEditTimesKept);
   statistics_.requestTimes_us.reserve(kEditTimesKept);
@@ -175,7 +177,6 @@ bool EditPipeline::takeUpOffer(double time_s, bool realtime) {
 void EditPipeline::submitOffer(double time_s) {
   const LiveCloud& cloud = index_.cloud();
   pass_.give(offered_.changes());
-  offer_.list = std::make_unique<CommandList>(device_, device_.latencyQueue(), "offer", options_.timing);
   CommandList& list = *offer_.list;
   list.begin();
   {

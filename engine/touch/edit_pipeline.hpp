@@ -97,7 +97,7 @@ class EditPipeline {
   };
   // An offer being applied.
   struct TakenOffer {
-    std::unique_ptr<CommandList> list;
+    std::unique_ptr<CommandList> list;  // recorded again for each; null: no offers are accepted
     Queue::Ticket ticket = 0;
     bool isUnderWay = false, rebuilds = false;
     bool isDone = false;     // done but not published yet

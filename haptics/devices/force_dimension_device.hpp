@@ -22,6 +22,8 @@ class ForceDimensionDevice final : public HapticDevice {
   DeviceState read(double time_s) noexcept override;
   bool write(const DVec3& force_N) noexcept override;
   void emergencyStop() noexcept override { stopped_.store(true); }
+  bool isStopped() const noexcept override { return stopped_.load(); }
+  void resume() noexcept override { stopped_.store(false); }
   std::string faultText() const override;
 
   const HapticDeviceFacts& facts() const { return facts_; }

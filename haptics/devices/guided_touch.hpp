@@ -52,6 +52,8 @@ class GuidedTouch final : public HapticDevice {
   void feel(const std::optional<DVec3>& toProxy) noexcept override { toProxy_ = toProxy; }
   bool write(const DVec3& force_N) noexcept override { return hand_.write(force_N); }
   void emergencyStop() noexcept override { hand_.emergencyStop(); }
+  bool isStopped() const noexcept override { return hand_.isStopped(); }
+  void resume() noexcept override { hand_.resume(); }
   std::string faultText() const override { return {}; }
 
  private:

@@ -6,6 +6,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/start_thread.hpp"
 #include "haptics/realtime_priority.hpp"
 
 namespace palpate {
@@ -30,7 +31,8 @@ constexpr double kReach_mm = 80, kReachOfMinverse_mm = 30;
 HaplyDevice::HaplyDevice(const HaplyOptions& options)
     : options_(options),
       clock_(options.clock ? *options.clock : machineClock()),
-      service_(std::make_unique<HaplyService>()) {
+      service_(std::make_unique<HaplyService>()),
+      reports_([this](Trouble trouble) { say(fmt::format("{} {}", facts_.model, haply::meaningOf(trouble))); }) {
   choose();
   values_ = haply::saysValues(service_->version);
   if (!service_->events) say("the Haply service has no event channel, so it does not report a stop by its safety");
@@ -38,7 +40,7 @@ HaplyDevice::HaplyDevice(const HaplyOptions& options)
   state_ = haply::stateIn(service_->first, choice_, state_);  // no jump from the origin
   accept(service_->first, good_ns_);
   publish(good_ns_);
-  exchange_ = std::jthread([this](const std::stop_token& stop) { exchange(stop); });
+  exchange_ = startThread([this](const std::stop_token& stop) { exchange(stop); });
 }
 
 HaplyDevice::~HaplyDevice() = default;
@@ -104,13 +106,12 @@ bool HaplyDevice::exchangeOnce(std::string& message) {
   if (isSilent) {
     const bool wasSilent = state_.trouble == Trouble::silent;
     state_.trouble = Trouble::silent;
+    unanswered_ = 0;  // a service that was busy may answer several commands at once
     enter(Trouble::silent, now);
     publish(now);
     if (!wasSilent && !send(DVec3(0))) return true;
   } else {
-    unanswered_ = std::max(unanswered_ - 1, 0);
-    accept(message, now);
-    publish(now);
+    take(message, now);
   }
   if (now - good_ns_ > kLost_ns) {
     fault_.store(state_.trouble);
@@ -118,10 +119,17 @@ bool HaplyDevice::exchangeOnce(std::string& message) {
   }
   if (isSilent || unanswered_ > 0) return true;
   if (!options_.clock) std::this_thread::sleep_for(std::chrono::nanoseconds(sent_ns_ + kShortestExchange_ns - now));
+  while (service_->link.hear(0, message) == HaplyLink::Heard::message) take(message, now_ns());
   const bool stops = stopped_.load();
   send(permitted_N(now_ns()));
   if (stops) zeroSent_.store(true);
   return true;
+}
+
+void HaplyDevice::take(const std::string& message, std::int64_t now_ns) {
+  unanswered_ = std::max(unanswered_ - 1, 0);
+  accept(message, now_ns);
+  publish(now_ns);
 }
 
 void HaplyDevice::hearEvents() {
@@ -159,7 +167,7 @@ void HaplyDevice::enter(Trouble trouble, std::int64_t now_ns) {
 }
 
 void HaplyDevice::tell(Trouble trouble) {
-  if (std::exchange(told_, trouble) != trouble) say(fmt::format("{} {}", facts_.model, haply::meaningOf(trouble)));
+  if (std::exchange(told_, trouble) != trouble) reports_.post(trouble);
 }
 
 void HaplyDevice::publish(std::int64_t now_ns) {
@@ -205,6 +213,11 @@ bool HaplyDevice::write(const DVec3& force_N) noexcept {
                                                            : force_N,
                  .time_ns = now_ns()});
   return sane && !failed;
+}
+
+void HaplyDevice::resume() noexcept {
+  stopped_.store(false);
+  zeroSent_.store(false);
 }
 
 void HaplyDevice::emergencyStop() noexcept {

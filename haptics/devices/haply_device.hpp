@@ -11,6 +11,7 @@
 #include "haptics/devices/haply_force_watch.hpp"
 #include "haptics/devices/haply_service.hpp"
 #include "haptics/devices/haptic_device.hpp"
+#include "haptics/devices/report_queue.hpp"
 #include "haptics/session_clock.hpp"
 
 namespace palpate {
@@ -18,7 +19,7 @@ namespace palpate {
 struct HaplyOptions {
   std::string serial;                           ///< empty: the only device
   bool shares = false;                          ///< takes a device that another program uses, whose forces add to these
-  std::function<void(const std::string&)> say;  ///< messages for the user, also from the thread of the exchange
+  std::function<void(const std::string&)> say;  ///< messages for the user, also from a thread of the device
   /// Replaces the machine's clock, and must outlive the device. The service paces the exchange then.
   SessionClock* clock = nullptr;
 };
@@ -27,7 +28,7 @@ struct HaplyOptions {
 /// and is answered with the newest state. read() and write() exchange both with that thread and never wait. The
 /// thread itself takes the force away as soon as a state shows a fault, several in a row show another program's force,
 /// none comes for 20 ms, or no force was written for 20 ms; it stays away for so long that ForceGate then waits for
-/// free space.
+/// free space. Another thread says why, so that no listener delays the zero.
 class HaplyDevice final : public HapticDevice {
  public:
   /// Throws Error that says what is missing and what to do.
@@ -41,6 +42,8 @@ class HaplyDevice final : public HapticDevice {
   bool write(const DVec3& force_N) noexcept override;
   /// Also gives the exchange a moment to send the zero.
   void emergencyStop() noexcept override;
+  bool isStopped() const noexcept override { return stopped_.load(); }
+  void resume() noexcept override;
   std::string faultText() const override;
 
   const HapticDeviceFacts& facts() const { return facts_; }
@@ -53,6 +56,7 @@ class HaplyDevice final : public HapticDevice {
   /// False at the end of the session.
   bool exchangeOnce(std::string& message);
   void hearEvents();
+  void take(const std::string& message, std::int64_t now_ns);
   void accept(const std::string& message, std::int64_t now_ns);
   void enter(haply::Trouble trouble, std::int64_t now_ns);
   void tell(haply::Trouble trouble);
@@ -95,6 +99,7 @@ class HaplyDevice final : public HapticDevice {
 
   std::atomic<haply::Trouble> fault_ = haply::Trouble::none;  ///< that ended the session
   std::atomic<bool> stopped_ = false, zeroSent_ = false;
+  ReportQueue<haply::Trouble> reports_;
   std::jthread exchange_;  // destroyed first
 };
 

@@ -44,8 +44,18 @@ bool runUntil(asio::io_context& io, double timeout_s, const Done& done) {
 }
 
 /// The Nagle algorithm would hold a force back until the state before it is acknowledged.
-void connect(tcp::socket& socket, std::uint16_t port, Failure& failure) {
-  socket.connect({asio::ip::address_v4::loopback(), port}, failure);
+void connect(asio::io_context& io, tcp::socket& socket, std::uint16_t port, double timeout_s, Failure& failure) {
+  bool done = false;
+  socket.async_connect({asio::ip::address_v4::loopback(), port}, [&](const Failure& problem) {
+    done = true;
+    failure = problem;
+  });
+  if (!runUntil(io, timeout_s, [&done] { return done; })) {
+    Failure ignored;
+    socket.close(ignored);  // its handler runs before the variables that it refers to are gone
+    runUntil(io, timeout_s, [&done] { return done; });
+    failure = asio::error::timed_out;
+  }
   if (!failure) socket.set_option(tcp::no_delay(true), failure);
 }
 
@@ -67,7 +77,7 @@ struct HaplyLink::System {
 HaplyLink::HaplyLink(std::uint16_t port) : system_(std::make_unique<System>()) {
   System& s = *system_;
   Failure failure;
-  connect(s.socket.next_layer(), port, failure);
+  connect(s.io, s.socket.next_layer(), port, kHandshake_s, failure);
   if (failure) throw Error("127.0.0.1:{}: {}", port, failure.message());
   s.socket.read_message_max(kLongestMessage);
   s.speaks = true;
@@ -125,7 +135,7 @@ std::optional<std::string> askHaplyService(std::uint16_t port, const std::string
   asio::io_context io{1};
   tcp::socket socket(io);
   Failure failure;
-  connect(socket, port, failure);
+  connect(io, socket, port, timeout_s, failure);
   if (failure) return std::nullopt;
   beast::http::request<beast::http::empty_body> request(beast::http::verb::get, path, 11);
   request.set(beast::http::field::host, "localhost");

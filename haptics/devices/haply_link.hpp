@@ -13,7 +13,7 @@ namespace palpate {
 /// Used by one thread at a time.
 class HaplyLink {
  public:
-  /// Connects to a port of this machine's loopback. Throws Error.
+  /// Connects to a port of this machine's loopback, within 2 s. Throws Error.
   explicit HaplyLink(std::uint16_t port);
   /// Says goodbye.
   ~HaplyLink();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
 #include "haptics/devices/system_devices.hpp"
 
@@ -27,10 +26,11 @@ HaplyLink connected(const haply::Ports& ports) try { return HaplyLink(ports.simu
 }  // namespace
 
 HaplyService::HaplyService() : ports(haply::servicePorts()), link(connected(ports)) {
-  const Stopwatch since;
-  while (link.hear(kFirst_s, first) != HaplyLink::Heard::message)
-    if (since.elapsed_s() >= kFirst_s)
-      throw Error("haply: the Haply service accepts connections but lists no devices; start it again");
+  const HaplyLink::Heard heard = link.hear(kFirst_s, first);
+  if (heard == HaplyLink::Heard::closed)
+    throw Error("haply: the Haply service closes the connection before it lists its devices; start it again");
+  if (heard == HaplyLink::Heard::nothing)
+    throw Error("haply: the Haply service accepts connections but lists no devices; start it again");
   auto found = haply::inventoryIn(first);
   if (!found) throw Error("haply: the Haply service's first message is not JSON; update the service");
   inventory = std::move(*found);

@@ -84,9 +84,13 @@ class HapticDevice {
   /// False if the force did not reach the device.
   virtual bool write(const DVec3& force_N) noexcept = 0;
 
-  /// Removes the force permanently: no later write() restores it. Called from signal handlers, on any thread and in the
-  /// middle of a write(), so it must be async-signal-safe: no locks, no allocations, no exceptions.
+  /// Removes the force: no later write() restores it, until resume(). Called from signal handlers, on any thread and in
+  /// the middle of a write(), so it must be async-signal-safe: no locks, no allocations, no exceptions.
   virtual void emergencyStop() noexcept = 0;
+  /// Whether it was stopped: the hand feels nothing, whatever is written. For any thread.
+  virtual bool isStopped() const noexcept { return false; }
+  /// After emergencyStop(), in a program that goes on: the next write() has a force again. For any thread.
+  virtual void resume() noexcept {}
 
   /// The first fault, and what to do about it; empty if there is none. Never called during a tick.
   virtual std::string faultText() const = 0;

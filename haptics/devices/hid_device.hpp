@@ -22,6 +22,8 @@ class HidDevice final : public HapticDevice {
   DeviceState read(double time_s) noexcept override;
   bool write(const DVec3& force_N) noexcept override { return adrift_ || hand_.write(force_N); }
   void emergencyStop() noexcept override { hand_.emergencyStop(); }
+  bool isStopped() const noexcept override { return hand_.isStopped(); }
+  void resume() noexcept override { hand_.resume(); }
   std::string faultText() const override { return {}; }
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/core/start_thread.hpp"
 #include "haptics/devices/hid_choice.hpp"
 
 namespace palpate {
@@ -29,7 +30,7 @@ HidListener::HidListener(std::shared_ptr<HidTransport> transport, const HidInfo&
     : take_(isPad(device) ? takeDualSenseReport : takeSpaceMouseReport),
       deadShare_(isPad(device) ? kDeadStick : kDeadCap),
       link_(std::move(transport), device, std::move(remark), std::move(whileGone)),
-      listener_([this](const std::stop_token& stop) { listen(stop); }) {}
+      listener_(startThread([this](const std::stop_token& stop) { listen(stop); })) {}
 
 const HidPush& HidListener::now() noexcept {
   if (const auto report = latest_.load()) last_ = *report;

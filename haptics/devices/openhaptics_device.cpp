@@ -149,6 +149,13 @@ void OpenHapticsDevice::open() {
   }
 }
 
+void OpenHapticsDevice::keepForDriver(std::shared_ptr<Calls> calls) {
+  static std::mutex guard;
+  static auto& kept = *new std::vector<std::shared_ptr<Calls>>;  // never destroyed
+  const std::scoped_lock hold(guard);
+  kept.push_back(std::move(calls));
+}
+
 void OpenHapticsDevice::demandSuccess(const std::string& doing) {
   const std::uint32_t code = newestError(hd_);
   const ErrorMeaning& meaning = meaningOf(code);
@@ -289,6 +296,7 @@ bool OpenHapticsDevice::pace(double /*rate_Hz*/, const std::function<bool()>& ti
       since = Stopwatch();
     if (since.elapsed_s() < kStall_s) continue;
     calls_->abandoned.store(true);
+    keepForDriver(calls_);
     while (calls_->busy.load()) std::this_thread::sleep_for(1ms);
     hd_.unschedule(handle);
     fail("the driver's servo loop has stopped calling", "check cable and power of the device, and start again");
@@ -390,6 +398,11 @@ void OpenHapticsDevice::fail(const char* what, const char* advice, std::uint32_t
   if (failed_.load()) return;
   first_ = {what, advice, code};
   failed_.store(true);
+}
+
+void OpenHapticsDevice::resume() noexcept {
+  stopped_.store(false);
+  zeroSent_.store(false);
 }
 
 void OpenHapticsDevice::emergencyStop() noexcept {

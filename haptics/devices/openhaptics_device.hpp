@@ -45,6 +45,8 @@ class OpenHapticsDevice final : public HapticDevice {
   bool write(const DVec3& force_N) noexcept override;
   /// Also gives the driver's thread a moment to send the zero, unless that thread is the one being stopped.
   void emergencyStop() noexcept override;
+  bool isStopped() const noexcept override { return stopped_.load(); }
+  void resume() noexcept override;
   std::string faultText() const override;
 
   const HapticDeviceFacts& facts() const { return facts_; }
@@ -100,13 +102,15 @@ class OpenHapticsDevice final : public HapticDevice {
   std::atomic<bool> stopped_ = false, zeroSent_ = false;
   std::atomic<std::thread::id> servoThread_{};
 
-  // Called by the driver's scheduler. Shared, because a driver that stalled may still call later.
+  // Called by the driver's scheduler.
   struct Calls {
     const std::function<bool()>* tick = nullptr;
     std::atomic<bool> abandoned = false, busy = false, ended = false;
     std::atomic<std::uint64_t> beats = 0;
   };
   std::shared_ptr<Calls> calls_;
+  /// Until the program ends: a driver that has stalled may still call later.
+  static void keepForDriver(std::shared_ptr<Calls> calls);
 };
 
 }  // namespace palpate

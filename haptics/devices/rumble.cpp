@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/start_thread.hpp"
+
 namespace palpate {
 namespace {
 
@@ -40,7 +42,7 @@ Rumble::Rumble(std::shared_ptr<HidTransport> transport, const HidInfo& device, H
       link_(std::move(transport), device, std::move(remark), "there is no rumble"),
       silence_(dualSenseRumble({}, device.productId)) {
   publish();
-  driver_ = std::jthread([this](const std::stop_token& stop) { drive(stop); });
+  driver_ = startThread([this](const std::stop_token& stop) { drive(stop); });
 }
 
 Rumble::~Rumble() {

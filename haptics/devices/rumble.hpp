@@ -23,7 +23,7 @@ class RumbleShape {
 };
 
 /// The motors of a DualSense, driven by a thread of its own. They stop at the end, when forces are no longer set, and
-/// for good after stop(). Only kill -9 leaves them as they were.
+/// after stop() until resume(). Only kill -9 leaves them as they were.
 class Rumble {
  public:
   /// `device`: from chooseDualSense(). A force of `full_N` or more is the strongest hum; if the device has no such
@@ -38,6 +38,7 @@ class Rumble {
   void setForce(const DVec3& force_N) noexcept;
   /// Async-signal-safe.
   void stop() noexcept;
+  void resume() noexcept { stopped_.store(false); }
 
  private:
   void drive(const std::stop_token& stop);

@@ -25,6 +25,10 @@ class RumblingDevice final : public WrappedDevice {
     WrappedDevice::emergencyStop();
     rumble_->stop();
   }
+  void resume() noexcept override {
+    rumble_->resume();
+    WrappedDevice::resume();
+  }
 
  private:
   std::unique_ptr<Rumble> rumble_;

@@ -44,6 +44,8 @@ class SimulatedTouch final : public HapticDevice {
   DeviceState read(double time_s) noexcept override;
   bool write(const DVec3& force_N) noexcept override;
   void emergencyStop() noexcept override { stopped_ = true; }
+  bool isStopped() const noexcept override { return stopped_; }
+  void resume() noexcept override { stopped_ = false; }
   std::string faultText() const override { return {}; }
 
   /// Time until the hand reaches the end of its path, `lead_s` included.

@@ -1,7 +1,9 @@
 #include "haptics/library/failures.hpp"
 
+#include <algorithm>
+#include <array>
 #include <new>
-#include <string>
+#include <string_view>
 
 #include "engine/core/job_stop.hpp"
 #include "haptics/servo_mailbox.hpp"
@@ -11,9 +13,28 @@ namespace palpate::library {
 
 namespace {
 
+/// A text that stays where it is, so that a pointer to it never leads to freed memory.
+template <std::size_t kSize>
+class FixedText {
+ public:
+  /// Cuts the text off between two characters of UTF-8 if it does not fit.
+  void set(std::string_view text) noexcept {
+    std::size_t size = std::min(text.size(), kSize - 1);
+    if (size < text.size())
+      while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xc0) == 0x80) --size;
+    text.copy(bytes_.data(), size);
+    bytes_[size] = '\0';
+  }
+  const char* c_str() const noexcept { return bytes_.data(); }
+
+ private:
+  std::array<char, kSize> bytes_{};
+};
+
 struct Failure {
   pp_status status = PP_OK;
-  std::string text, file;
+  FixedText<8192> text;
+  FixedText<4352> file;  // the longest path, and more
   std::uint64_t line = 0;
 };
 
@@ -21,13 +42,13 @@ thread_local Failure last;
 
 pp_status note(pp_status status, const char* text, const FileError* about = nullptr) {
   last.status = status;
-  last.text = text;
-  last.file = about ? about->file().string() : std::string();
+  last.text.set(text);
+  last.file.set(about ? about->file().string() : std::string());
   last.line = about ? about->line() : 0;
   return status;
 }
 
-// Stores the exception being handled; throws std::bad_alloc if its description cannot be allocated.
+// Stores the exception being handled; throws std::bad_alloc if its file cannot be named.
 pp_status noteHandled() {
   try {
     throw;
@@ -78,9 +99,10 @@ pp_status noteFailure() noexcept {
       return noteHandled();
     }
   } catch (...) {
-    // This string is short enough to need no allocation.
-    last = {.status = PP_ERROR_MEMORY, .text = "out of memory", .file = {}, .line = 0};
-    return PP_ERROR_MEMORY;
+    last.file.set({});
+    last.line = 0;
+    last.text.set("out of memory");
+    return last.status = PP_ERROR_MEMORY;
   }
 }
 

@@ -1,5 +1,9 @@
 #include "haptics/library/force_function.hpp"
 
+#include <cmath>
+#include <limits>
+
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "haptics/devices/shared_library.hpp"
 #include "haptics/library/options.hpp"
@@ -58,7 +62,17 @@ DVec3 ForceFunction::call(void* user, const Contact& contact, const Pose& pose, 
   const pp_contact answer = contactOf(contact, pose, usual_N, self.mm_per_unit_);
   double force_N[3]{};
   self.law_(self.user_, &told, &answer, dt_s, force_N);
-  return {force_N[0], force_N[1], force_N[2]};
+  const DVec3 given_N(force_N[0], force_N[1], force_N[2]);
+  if (std::isfinite(glm::length(given_N))) return given_N;
+  if (self.faults_->count.fetch_add(1) == 0) self.faults_->first_s = pose.time_s;
+  return DVec3(std::numeric_limits<double>::quiet_NaN());  // no force, as at any fault
+}
+
+std::optional<std::string> ForceFunction::takeFault() {
+  const std::uint64_t count = faults_->count.exchange(0);
+  if (count == 0) return std::nullopt;
+  return fmt::format("law: gave a force that is not finite at {}, first at {:.3f} s; there was no force then",
+                     counted(count, "tick"), faults_->first_s.load());
 }
 
 }  // namespace palpate::library

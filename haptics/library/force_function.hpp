@@ -3,6 +3,10 @@
 
 #include <palpate/palpate.h>
 
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "haptics/force_law.hpp"
@@ -16,6 +20,9 @@ class ForceFunction {
   /// message.
   ForceFunction(pp_force_law law, void* user, const std::string& library, double mm_per_unit);
 
+  /// How often the law has given a force that is not a finite number since the last call, in words.
+  std::optional<std::string> takeFault();
+
   /// Valid while this object is not moved; empty if the program has no law.
   CustomForce custom() { return law_ ? CustomForce{&call, this} : CustomForce{}; }
 
@@ -25,6 +32,11 @@ class ForceFunction {
   pp_force_law law_ = nullptr;
   void* user_ = nullptr;
   double mm_per_unit_ = 1;
+  struct Faults {
+    std::atomic<std::uint64_t> count = 0;
+    std::atomic<double> first_s = 0;  // of those since the last call
+  };
+  std::unique_ptr<Faults> faults_ = std::make_unique<Faults>();
 };
 
 /// The answer to a pose, as the program receives it.

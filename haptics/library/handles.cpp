@@ -1,6 +1,7 @@
 #include "haptics/library/handles.hpp"
 
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include "haptics/library/failures.hpp"
@@ -39,20 +40,13 @@ std::string_view nameOf(HandleKind kind) {
   return {};
 }
 
-/// Spin lock, held for a few instructions: waiting in the kernel would take longer.
-class Held {
- public:
-  explicit Held(std::atomic_flag& flag) : flag_(flag) {
-    while (flag_.test_and_set(std::memory_order_acquire)) {
-    }
-  }
-  ~Held() { flag_.clear(std::memory_order_release); }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
+/// A slot's claim: the generation, whether its handle is open, and how many threads look at the object.
+constexpr std::uint64_t kOpen = std::uint64_t{1} << 31, kLook = 1, kLooks = kOpen - 1;
+constexpr int kGenerationShift = 32;
 
- private:
-  std::atomic_flag& flag_;
-};
+bool isOpen(std::uint64_t claim, std::uint32_t generation) {
+  return (claim & kOpen) != 0 && claim >> kGenerationShift == generation;
+}
 
 }  // namespace
 
@@ -80,10 +74,10 @@ std::uint32_t HandleTable::freePlace() {
 std::uint64_t HandleTable::add(HandleKind kind, std::shared_ptr<void> object) {
   const std::uint32_t place = freePlace();
   Slot& slot = *slotAt(place);
-  const Held held(slot.lock);
   slot.object = std::move(object);
   slot.kind = kind;
-  return handleFor(kind, slot.generation, place);
+  const std::uint64_t before = slot.claim.fetch_or(kOpen);
+  return handleFor(kind, static_cast<std::uint32_t>(before >> kGenerationShift), place);
 }
 
 HandleTable::Slot& HandleTable::slotOf(HandleKind kind, std::uint64_t handle) {
@@ -95,28 +89,29 @@ HandleTable::Slot& HandleTable::slotOf(HandleKind kind, std::uint64_t handle) {
   return *slot;
 }
 
+// Never waits: a thread that is preempted here delays only the closing of the handle.
 std::shared_ptr<void> HandleTable::find(HandleKind kind, std::uint64_t handle) {
   Slot& slot = slotOf(kind, handle);
   std::shared_ptr<void> found;
-  {
-    const Held held(slot.lock);
-    if (slot.kind == kind && slot.generation == generationIn(handle)) found = slot.object;
-  }
+  if (isOpen(slot.claim.fetch_add(kLook), generationIn(handle)) && slot.kind == kind) found = slot.object;
+  slot.claim.fetch_sub(kLook);
   if (!found) throw HandleError("the {} is closed", nameOf(kind));
   return found;
 }
 
+void HandleTable::close(Slot& slot, HandleKind kind, std::uint64_t handle) {
+  std::uint64_t claim = slot.claim;
+  do {
+    if (!isOpen(claim, generationIn(handle)) || slot.kind != kind) throw HandleError("the {} is closed", nameOf(kind));
+  } while (!slot.claim.compare_exchange_weak(claim, claim & ~kOpen));
+}
+
 std::shared_ptr<void> HandleTable::remove(HandleKind kind, std::uint64_t handle) {
   Slot& slot = slotOf(kind, handle);
-  std::shared_ptr<void> found;
-  {
-    const Held held(slot.lock);
-    if (slot.kind == kind && slot.generation == generationIn(handle)) {
-      found = std::exchange(slot.object, nullptr);
-      ++slot.generation;
-    }
-  }
-  if (!found) throw HandleError("the {} is closed", nameOf(kind));
+  close(slot, kind, handle);
+  while ((slot.claim & kLooks) != 0) std::this_thread::yield();
+  std::shared_ptr<void> found = std::move(slot.object);
+  slot.claim += std::uint64_t{1} << kGenerationShift;
   const std::scoped_lock lock(lock_);
   free_.push_back(placeIn(handle));
   return found;

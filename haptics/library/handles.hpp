@@ -13,7 +13,7 @@ namespace palpate::library {
 enum class HandleKind : std::uint8_t { cloud = 1, session = 2, mesh = 3, frame = 4, matter = 5, log = 6, server = 7 };
 
 /// Table of objects by handle. A handle consists of kind, generation and index of a slot. Any number of threads may use
-/// it. find() holds a lock only for the copy of a pointer, and allocates nothing unless it fails.
+/// it. find() takes no lock, and allocates nothing unless it fails.
 class HandleTable {
  public:
   /// Throws Error if the table is full.
@@ -22,15 +22,16 @@ class HandleTable {
   std::shared_ptr<void> find(HandleKind kind, std::uint64_t handle);
   /// find(), and closes the handle.
   std::shared_ptr<void> remove(HandleKind kind, std::uint64_t handle);
-  /// remove() for an object that belongs to another process: it is not destroyed, and its memory is leaked.
-  void abandon(HandleKind kind, std::uint64_t handle) { static_cast<void>(new auto(remove(kind, handle))); }
+  /// remove() for an object that belongs to another process: it is not destroyed, and its memory is leaked, as is the
+  /// slot, at which a thread of that process may have looked when this one was forked.
+  void abandon(HandleKind kind, std::uint64_t handle) { close(slotOf(kind, handle), kind, handle); }
 
  private:
   struct Slot {
-    std::atomic_flag lock;  // guards the members below
+    std::atomic<std::uint64_t> claim = std::uint64_t{1} << 32;  // the first generation, closed
+    // Constant while the handle is open, and while a thread that found it open looks at them.
     std::shared_ptr<void> object;
-    std::uint32_t generation = 1;
-    HandleKind kind{};
+    std::atomic<HandleKind> kind{};
   };
   static constexpr std::size_t kSlots = 1024, kChunks = 1024;  // a million open handles
   using Chunk = std::array<Slot, kSlots>;
@@ -38,6 +39,7 @@ class HandleTable {
   // Null if no handle has used the slot so far.
   Slot* slotAt(std::uint32_t place);
   Slot& slotOf(HandleKind kind, std::uint64_t handle);
+  static void close(Slot& slot, HandleKind kind, std::uint64_t handle);
   std::uint32_t freePlace();
 
   std::array<std::atomic<Chunk*>, kChunks> chunks_{};

@@ -164,6 +164,19 @@ void JoinedPart::publishCamera(const Session& session, const pp_camera_place* ca
                                        .aspect = camera->aspect});
 }
 
+bool JoinedPart::isDelivered(const Session& session) {
+  if (session.far()) return session.far()->counts().delivered;
+  return !session.shared() || session.shared()->counts().delivered;
+}
+
+void JoinedPart::requireDelivered(const Session& session) const {
+  if (isDelivered(session)) return;
+  throw NetworkError(
+      "'{}': the server has not confirmed this stroke within {:g} s; the stroke is sent again until it answers, and is "
+      "lost if it does not: settle to wait for it",
+      name_, how_.timeout_s);
+}
+
 void JoinedPart::check(const Session& session) const {
   if (session.far()) session.far()->check();
   if (!session.shared()) return;

@@ -43,6 +43,10 @@ class JoinedPart {
   std::vector<pp_other_hand> otherHands(const Session& session) const;
   std::vector<pp_other_camera> cameras(const Session& session) const;
   void publishCamera(const Session& session, const pp_camera_place* camera) const;
+  /// Whether the server has confirmed all edits of this program.
+  static bool isDelivered(const Session& session);
+  /// Throws NetworkError if it has not.
+  void requireDelivered(const Session& session) const;
   /// Throws NetworkError if this hand's part has ended permanently.
   void check(const Session& session) const;
 

@@ -32,6 +32,7 @@ class LiveHands {
 
   double rate_Hz() const { return rate_Hz_; }
   bool hasLaw() const { return hasLaw_; }
+  std::optional<std::string> takeLawFault() { return law_.takeFault(); }
   OpenHand first() const { return hands_.front().hand(); }
   /// Starts the session's servo thread.
   void start();

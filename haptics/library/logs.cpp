@@ -152,7 +152,7 @@ pp_status pp_recording_replay(const char* file, const pp_replay_options* options
   clear(result);
   return guarded([&] {
     const std::string name = &required(file, "file");
-    checkSize(required(result, "result").size, sizeof(pp_replay_result), "result");
+    checkSize(required(result, "result").size, sizeof(pp_replay_result), alignof(pp_replay_result), "result");
     const pp_replay_options given = optionsFrom(options, "options");
     Watch watch(given.watch);
     watch.runCut([&] { giveInfo(result, replayed(name, given, watch), "result"); });

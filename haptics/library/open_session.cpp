@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/edit/journal.hpp"
+#include "haptics/crash_stop.hpp"
 #include "haptics/devices/path_device.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/options.hpp"
@@ -89,20 +90,29 @@ SessionConfig OpenSession::takeSooner(const Subject& subject, const pp_session_o
   return config;
 }
 
-void OpenSession::end() noexcept {
+bool OpenSession::end() noexcept {
+  bool isDelivered = true;
   try {
     if (live_) live_->stop();
-    leave();
+    isDelivered = leave();
     endRecording();
   } catch (const std::exception& error) {  // the log has all that could be written
     messages_.sink().warn("{}", error.what());
   }
   messages_.end();
+  return isDelivered;
 }
 
 // Delivers this hand's last edits, which may still be in flight.
-void OpenSession::leave() {
-  if (joined_ && session_) session_->deliver(joined_->timeout_s());
+bool OpenSession::leave() { return !joined_ || !session_ || session_->deliver(joined_->timeout_s()); }
+
+void OpenSession::limitPatience() {
+  if (joined_) session_->setSharedPatience(std::max(0.0, joined_->timeout_s() - (since_ ? since_->elapsed_s() : 0)));
+}
+
+void OpenSession::finish() {
+  limitPatience();
+  session_->finish();
 }
 
 const JoinedPart& OpenSession::joined() const {
@@ -137,7 +147,7 @@ void OpenSession::settle() {
     if (session_->recording()) session_->abandonRecording();  // its end is unknown
     return session_->catchUp();                               // only a reset is possible
   }
-  session_->finish();
+  finish();
   endRecording();
 }
 
@@ -180,6 +190,11 @@ void OpenSession::endRecording() {
 }
 
 ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional<BrushConfig>& brush) {
+  struct OneCall {
+    explicit OneCall(std::optional<Stopwatch>& since) : since_(since) { since.emplace(); }
+    ~OneCall() { since_.reset(); }
+    std::optional<Stopwatch>& since_;
+  } const call(since_);
   settle();
   checkShared();
   struct BrushBefore {
@@ -203,8 +218,9 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
     throw SimulationError("the simulation {}; restart it with more substeps or a slower hand",
                           session_->simulation()->failure());
   }
-  session_->finish();
+  finish();
   endRecording();
+  if (joined_ && brush) joined_->requireDelivered(*session_);
   return result;
 }
 
@@ -225,6 +241,7 @@ ServoResult OpenSession::follow(const std::vector<Path>& paths) {
   const TickObserver tells = [&](const TraceRow& row) {
     watch_->progressed("touching", duration_s > 0 ? std::min(1.0, (row.time_s - begin_s) / duration_s) : 1.0);
   };
+  limitPatience();
   ServoResult result = session_->run(
       hands, {.begin_s = begin_s, .observer = watch_->isTold() ? tells : TickObserver(), .law = law_.custom()});
   if (moves()) time_.ended(result, 1 / session_.opened().rate_Hz);
@@ -250,7 +267,7 @@ void OpenSession::setBrushBetween(const std::optional<BrushConfig>& asked) {
   if (isFirst) session_.build(true, true);  // a soft body takes a brush without a rebuild
   session_->setBrush(brush);
   brush_ = brush;
-  if (!isLive()) session_->finish();
+  if (!isLive()) finish();
 }
 
 void OpenSession::setContact(const SurfaceConfig& surface, const ForceOptions& force) {
@@ -295,6 +312,17 @@ PointCloud OpenSession::points() {
     messages_.sink().warn("these are the last known points, without edits that were in progress: {}", error.what());
   }
   return views_.points(*session_, frameIfMoving().get());
+}
+
+void OpenSession::setForces(bool on) {
+  if (on) CrashStop::resume(&forcesOn_);
+  forcesOn_ = on;
+}
+
+std::optional<std::string> OpenSession::takeLawFault() {
+  if (live_ && live_->hasLaw())
+    if (auto fault = live_->takeLawFault()) return fault;
+  return law_.takeFault();
 }
 
 void OpenSession::startLive(const pp_live_options& options) {

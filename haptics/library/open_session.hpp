@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/clock.hpp"
 #include "haptics/library/built_session.hpp"
 #include "haptics/library/claims.hpp"
 #include "haptics/library/contact_events.hpp"
@@ -35,8 +36,8 @@ class OpenSession {
   OpenSession& operator=(const OpenSession&) = delete;
 
   /// Ends the live session, the log and calls of the program's functions. The object stays valid for threads that still
-  /// hold it.
-  void end() noexcept;
+  /// hold it. False: the server of a joined session has not confirmed all edits of this hand.
+  bool end() noexcept;
 
   Claims& claims() { return claims_; }
   /// True between startLive() and stopLive(). For any thread.
@@ -110,7 +111,13 @@ class OpenSession {
   void pushFrame(PointCloud cloud, std::vector<Vec3> velocities, double time_s) {
     frames_.push(std::move(cloud), std::move(velocities), time_s);
   }
-  void setForces(bool on) { forcesOn_ = on; }
+  void setForces(bool on);
+  /// What the program's force law has done wrong since the last call, in words.
+  std::optional<std::string> takeLawFault();
+  /// Warns of it.
+  void reportLaw() {
+    if (const auto fault = takeLawFault()) messages_.sink().warn("{}", *fault);
+  }
 
  private:
   OpenSession(const Subject& subject, const pp_session_options& options, std::shared_ptr<Watch> watch,
@@ -132,7 +139,10 @@ class OpenSession {
   // Newest frame of points that move; else null.
   std::shared_ptr<const FrameObject> frameIfMoving() { return moves() ? frame() : nullptr; }
   const JoinedPart& joined() const;
-  void leave();
+  bool leave();
+  /// Session::finish(). What a call waits for other programs is JoinedPart::timeout_s() in all.
+  void finish();
+  void limitPatience();
   void setBrushBetween(const std::optional<BrushConfig>& brush);
   ServoResult follow(const std::vector<Path>& paths);
 
@@ -142,6 +152,7 @@ class OpenSession {
   double budget_us_;
   std::atomic<bool> forcesOn_ = true, goesOn_ = false;
   std::optional<BrushConfig> brush_;
+  std::optional<Stopwatch> since_;  // of a call that waits several times
   NextLog nextLog_;
   PathTime time_;
   SessionViews views_;

@@ -54,10 +54,16 @@ void checkPath(const pp_path& path) {
 
 }  // namespace
 
-void checkSize(std::uint32_t size, std::size_t known, std::string_view name) {
-  if (size >= kMinSize && size <= known) return;
+void checkSize(std::uint32_t size, std::size_t known, std::size_t alignment, std::string_view name) {
+  if (size >= kMinSize && size <= known && size % alignment == 0) return;
   throw UsageError("{}: its size is {}, and this palpate, {}, knows {} bytes; fill it by its pp_default function", name,
                    size, PALPATE_VERSION, known);
+}
+
+void checkThreads(std::uint32_t threads) {
+  if (threads > bounds::kMaxThreads)
+    throw UsageError("threads: {} is above the maximum, {}; 0: one per core", threads,
+                     static_cast<unsigned>(bounds::kMaxThreads));
 }
 
 std::string textOf(const char* text) { return text ? text : ""; }

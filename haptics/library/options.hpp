@@ -30,25 +30,29 @@ T& required(T* given, std::string_view name) {
 
 constexpr std::size_t kMinSize = 8;  ///< minimum size of any struct that begins with its size
 
-/// Throws UsageError for a size that no version of palpate up to this one has used. The size is the first field of such
-/// a struct.
-void checkSize(std::uint32_t size, std::size_t known, std::string_view name);
+/// Throws UsageError for a size that no version of palpate up to this one can have used: every version's is a multiple
+/// of the alignment, so none ends within a number or a pointer. The size is the first field of such a struct.
+void checkSize(std::uint32_t size, std::size_t known, std::size_t alignment, std::string_view name);
+
+/// Throws UsageError for more threads than any machine can use.
+void checkThreads(std::uint32_t threads);
 
 /// The given fields, as far as the program knows the struct, and defaults for the rest, or for all if it is null.
 template <class Options>
 Options optionsFrom(const Options* given, std::string_view name) {
   Options options = usual<Options>();
   if (!given) return options;
-  checkSize(given->size, sizeof(Options), name);
+  checkSize(given->size, sizeof(Options), alignof(Options), name);
   std::memcpy(&options, given, given->size);
   options.size = sizeof(Options);
+  if constexpr (requires { options.threads; }) checkThreads(options.threads);
   return options;
 }
 
 /// Writes as much of `value` as the program knows of the struct.
 template <class Info>
 void giveInfo(Info* to, Info value, std::string_view name) {
-  checkSize(required(to, name).size, sizeof(Info), name);
+  checkSize(required(to, name).size, sizeof(Info), alignof(Info), name);
   value.size = to->size;
   std::memcpy(to, &value, to->size);
 }
@@ -58,7 +62,8 @@ void giveInfo(Info* to, Info value, std::string_view name) {
 template <class Out>
 void clear(Out* to) {
   if constexpr (requires { to->size; }) {
-    if (to && to->size >= kMinSize && to->size <= sizeof(Out)) giveInfo(to, usual<Out>(), {});
+    if (to && to->size >= kMinSize && to->size <= sizeof(Out) && to->size % alignof(Out) == 0)
+      giveInfo(to, usual<Out>(), {});
   } else {
     if (to) *to = Out{};
   }

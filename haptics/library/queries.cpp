@@ -53,6 +53,7 @@ pp_status answered(pp_session session, std::uint64_t count, double max_distance,
     const DVec3 origin = open.model().cloud.origin;
     constexpr std::size_t kBlock = 64;  // questions that a thread takes at a time
     std::vector<std::optional<SurfaceHit>> hits(count);
+    const JobStopScope cuts(JobStopScope::cutting());
     parallelBlocks(count, kBlock, queries.threads(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) hits[i] = answer(index, origin, i);
     });
@@ -68,6 +69,16 @@ pp_status pp_session_nearest(pp_session session, const pp_rows* positions, uint6
     return [rows = VectorRows(positions, count, "positions"), max_distance](const SurfaceIndex& index,
                                                                             const DVec3& origin, std::uint64_t row) {
       return index.nearest(rows.at(row) - origin, max_distance);
+    };
+  });
+}
+
+pp_status pp_session_nearest_points(pp_session session, const pp_rows* positions, uint64_t count, double max_distance,
+                                    pp_surface_point* found) {
+  return answered(session, count, max_distance, found, [&] {
+    return [rows = VectorRows(positions, count, "positions"), max_distance](const SurfaceIndex& index,
+                                                                            const DVec3& origin, std::uint64_t row) {
+      return index.nearestPoint(rows.at(row) - origin, max_distance);
     };
   });
 }

@@ -30,6 +30,7 @@ void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>
   if (paths.size() != session.hands())
     throw UsageError("paths: {} were given to a session of {}; give one for each hand", paths.size(),
                      counted(session.hands(), "hand"));
+  session.takeLawFault();
   std::uint64_t ticks = 0;
   for (const Path& path : paths) ticks = std::max(ticks, ticksOf(path, session.config().rate_Hz));
   const std::size_t hands = paths.size();
@@ -51,8 +52,15 @@ void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>
   *room.count = done * hands;
   for (std::size_t i = 0; i < done * hands; ++i) session.events().felt(i % hands, room.ticks[i]);
   session.events().endAll();
+  if (const auto fault = session.takeLawFault()) throw Error("{}", *fault);
   if (done < ticks && isStopWanted()) throw Stopped("stopped after {} of {} ticks", done, ticks);
   if (faults > 0) throw GpuError("{} of {} ticks had no valid answer; their force was zero", faults, done * hands);
+}
+
+/// Rows of a call that fails are zero, not those of the call before.
+void clearRows(pp_tick* ticks, std::uint64_t capacity, double* torques_mNm = nullptr) {
+  if (ticks) std::fill_n(ticks, capacity, pp_tick{});
+  if (torques_mNm) std::fill_n(torques_mNm, 3 * capacity, 0.0);
 }
 
 std::vector<Path> onePath(const OpenSession& session, const pp_path* path) {
@@ -91,8 +99,11 @@ pp_status pp_session_close(pp_session session) {
     const auto found = objectOf<OpenSession>(session.id);
     if (!found->claims().home().isThis()) return handles().abandon(HandleKind::session, session.id);
     const Claims::Held held(found->claims(), Claim::all);
-    found->end();  // another thread may hold it a little longer
+    const bool isDelivered = found->end();  // another thread may hold it a little longer
     handles().remove(HandleKind::session, session.id);
+    if (!isDelivered)
+      throw NetworkError(
+          "the server has not confirmed all strokes of this hand, which may be lost; the session is closed");
   });
 }
 
@@ -112,6 +123,7 @@ pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count
 pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity,
                            uint64_t* count) {
   clear(count);
+  clearRows(ticks, capacity);
   return lasting(session, [&](OpenSession& open) {
     runInto({ticks, capacity, count}, open, onePath(open, path), std::nullopt);
   });
@@ -120,6 +132,7 @@ pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* tic
 pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
                             uint64_t capacity, uint64_t* count) {
   clear(count);
+  clearRows(ticks, capacity);
   return lasting(session, [&](OpenSession& open) {
     runInto({ticks, capacity, count}, open, onePath(open, path), brushFrom(optionsFrom(brush, "brush")));
   });
@@ -128,6 +141,7 @@ pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_br
 pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths, uint32_t hands, const pp_brush* brush,
                                  pp_tick* ticks, double* torques_mNm, uint64_t capacity, uint64_t* count) {
   clear(count);
+  clearRows(ticks, capacity, torques_mNm);
   return lasting(session, [&](OpenSession& open) {
     if (hands > PP_MAX_HANDS) throw UsageError("hands: {} exceed the maximum of {}", hands, PP_MAX_HANDS);
     if (hands > 0) required(paths, "paths");
@@ -158,6 +172,10 @@ pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double*
       asked[i].time_s = asked[0].time_s;
     }
     open.touch({asked.data(), hands}, {contacts, hands}, torques_mNm);
+    if (const auto fault = open.takeLawFault()) {
+      std::for_each_n(contacts, hands, [](pp_contact& contact) { contact.valid = 0; });
+      throw Error("{}", *fault);
+    }
   });
 }
 
@@ -287,6 +305,7 @@ pp_status pp_live_read_ticks(pp_session session, pp_tick* ticks, uint64_t capaci
     if (!open.live()) throw StateError("the session was never live; start it first");
     open.takeIn();
     *count = open.live()->take(ticks, capacity, open.events());
+    open.reportLaw();
     open.checkShared();
   });
 }

@@ -133,7 +133,7 @@ pp_status pp_serve(pp_cloud cloud, const char* name, const pp_serve_options* opt
 pp_status pp_server_get_info(pp_server server, pp_server_info* info) {
   clear(info);
   return serving(server, [&](OpenServer& open) {
-    checkSize(required(info, "info").size, sizeof(pp_server_info), "info");
+    checkSize(required(info, "info").size, sizeof(pp_server_info), alignof(pp_server_info), "info");
     giveInfo(info, open.info(), "info");
   });
 }

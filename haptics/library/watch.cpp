@@ -3,7 +3,8 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
-#include <thread>
+
+#include "engine/core/start_thread.hpp"
 
 namespace palpate::library {
 
@@ -16,7 +17,7 @@ void Watch::run(const std::function<void()>& act) {
   std::mutex lock;
   std::condition_variable ended;
   bool isOver = false;
-  std::jthread job([&] {
+  std::jthread job = startThread([&] {
     const JobStopScope stops({.flag = &stop_});
     try {
       act();

@@ -83,7 +83,7 @@ std::string configText(const SessionConfig& config) {
   for (const HandConfig& hand : config.hands)
     writeSettings(json["hands"].emplace_back(SettingsJson::object()), settingsOf<HandConfig>(), hand);
   writeSettings(json, settingsOf<SessionConfig>(), config);
-  return json.dump(1);
+  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);  // a file name may be no UTF-8
 }
 
 SessionConfig parseConfig(std::string_view text) {

@@ -96,7 +96,7 @@ void DeviceMemory::write(const Content& content) const {
   std::filesystem::create_directories(file_.parent_path(), failed);
   if (failed) throw FileError(file_, "cannot be written: " + failed.message());
   AtomicFile out(file_);
-  out.write(json.dump(1) + "\n");
+  out.write(json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   out.commit();
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "engine/core/start_thread.hpp"
+
 namespace palpate {
 
 namespace {
@@ -26,7 +28,7 @@ TickObserver EditRelay::begin(double rate_Hz, bool realtime) {
     period_ = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / options_.rate_Hz));
     return [this](const TraceRow& row) { observe(row); };
   }
-  thread_ = std::jthread([this](const std::stop_token& stop) {
+  thread_ = startThread([this](const std::stop_token& stop) {
     try {
       while (!stop.stop_requested()) {
         catchUp();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
+#include <iterator>
 
 #include "engine/core/error.hpp"
 #include "engine/edit/journal.hpp"
@@ -32,6 +33,12 @@ bool isSame(std::span<const PointState> states, std::span<const PointChange> cha
   return ours == theirs;
 }
 
+// A log whose content a power cut has left off: its blocks were never written.
+bool isBlank(const std::filesystem::path& log) {
+  std::ifstream in(log, std::ios::binary);
+  return std::all_of(std::istreambuf_iterator<char>(in), {}, [](char byte) { return byte == 0; });
+}
+
 // Whether a change equals an undo (or redo) of the journal; if so, the journal has applied it.
 bool isTurn(Journal& journal, std::span<const PointState> states, std::vector<PointChange> (Journal::*turn)(),
             std::vector<PointChange> (Journal::*opposite)()) {
@@ -52,6 +59,7 @@ LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
   for (const unsigned number : folder->logs()) {
     SessionRecord record;
     try {
+      if (isBlank(folder->log(number))) continue;
       record = readLoggedEdits(folder->log(number));
     } catch (const FileError& error) {
       if (!failure) failure = error;
@@ -63,6 +71,10 @@ LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
     best = std::move(record);
   }
   if (log.empty() && failure) throw *failure;
+  if (log.empty()) {
+    left.folder = std::move(folder);
+    return left;
+  }
   left.session = parseHeader(log, best.text);
   requireEditsOf(log, left.session.points, best);
   best.end.emplace();  // a missing end is expected and not reported

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "engine/core/start_thread.hpp"
+
 namespace palpate {
 
 LiveRun::LiveRun(std::vector<OpenHand> hands, LiveRunOptions options, ServoMailbox& mailbox, Play play)
@@ -22,9 +24,12 @@ void LiveRun::resume() {
   if (options_.clock) options_.clock->hold();
   mailbox_.open(options_.clock.get());
   try {
-    thread_ = std::jthread([this, options = options_] { run(options); });
-  } catch (...) {
+    thread_ = startThread([this, options = options_] { run(options); });
+  } catch (const std::exception& error) {
     mailbox_.close();
+    fault_ = error.what();
+    ended_ = true;
+    if (options_.clock) options_.clock->leave();
     throw;
   }
 }

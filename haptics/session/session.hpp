@@ -117,6 +117,8 @@ class Session {
   /// Waits for the last edit and lets all followers take the edits; if others sculpt, too, also until the edits are in
   /// effect everywhere, at most SessionParts::sharedPatience_s. Throws errors of earlier queries.
   void finish();
+  /// Replaces SessionParts::sharedPatience_s, for a call that waits several times.
+  void setSharedPatience(double timeout_s) { sharedPatience_s_ = timeout_s; }
   /// Lets the followers take the edits so far. Throws what taking them throws.
   void catchUp() { relay_.catchUp(); }
   /// Ends the thread that takes the edits; the journal stays as it is, edits may be missing.

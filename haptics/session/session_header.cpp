@@ -80,7 +80,7 @@ std::string headerText(const RecordedSession& session) {
             {"paintable", session.paintable},
             {"device", deviceOf(session)}};
   if (!session.document.empty()) json["document"] = std::filesystem::absolute(session.document).string();
-  return json.dump(1);
+  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);  // a file name may be no UTF-8
 }
 
 RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/clock.hpp"
+#include "engine/core/start_thread.hpp"
 #include "haptics/sharing/brick_assembly.hpp"
 #include "haptics/sharing/hand_balls.hpp"
 #include "haptics/sharing/joined_session.hpp"
@@ -74,7 +75,7 @@ class FarLink final : public BrickCloud {
     wait_->attach(bricks_);
     assembly_.begin();
     counts_.resumed = 0;
-    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+    thread_ = startThread([this](const std::stop_token& stop) { run(stop); });
   }
 
   BrickSource& source() override { return source_; }

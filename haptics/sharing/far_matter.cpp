@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "engine/core/start_thread.hpp"
 #include "engine/matter/matter_rules.hpp"
 #include "engine/matter/matter_touch.hpp"
 #include "haptics/session/session_setup.hpp"
@@ -31,7 +32,7 @@ class FarMatter final : public TouchBackend, private FrameStream {
             std::size_t hands)
       : source_(source), known_(known), matter_(scene.matter), hands_(hands), answers_(hands) {
     if (standing) addModel(*standing, positions_, normals_);
-    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+    thread_ = startThread([this](const std::stop_token& stop) { run(stop); });
   }
 
   std::size_t hands() const noexcept override { return hands_.size(); }

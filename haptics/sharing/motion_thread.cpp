@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "engine/core/clock.hpp"
+#include "engine/core/start_thread.hpp"
 
 namespace palpate::sharing {
 
@@ -17,7 +18,7 @@ MotionThread::MotionThread(const Parts& parts)
       apart_s_(1 / parts.rate_Hz),
       hands_(parts.participant, parts.topics, parts.cloud, kSilentHand_s),
       session_(parts.session),
-      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+      thread_(startThread([this](const std::stop_token& stop) { run(stop); })) {}
 
 MotionThread::Moved MotionThread::newest() {
   const std::scoped_lock hold(lock_);

@@ -7,6 +7,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/latest_value.hpp"
+#include "engine/core/start_thread.hpp"
 #include "haptics/sharing/heard_hands.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/session_notices.hpp"
@@ -47,7 +48,7 @@ class Presence final : public SharedPresence {
         cameras_(kSeen_s),
         notices_(session_->participant, session_->topics),
         served_(session_->session),
-        thread_([this](const std::stop_token& stop) { run(stop); }) {}
+        thread_(startThread([this](const std::stop_token& stop) { run(stop); })) {}
 
   void moved(const HandPlaces& hands) noexcept override { moved_.store({.hands = hands, .count = ++told_}); }
 

@@ -4,6 +4,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine/core/start_thread.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_messages.hpp"
 #include "haptics/sharing/ros_tf.hpp"
@@ -53,7 +54,7 @@ class RosHand::Link {
         frames_(participant_, frame_, frame_ + "/hand", false),
         stands_(publishFrame(participant_, publishing)),
         ticks_(kWaiting),
-        thread_([this](const std::stop_token& stop) { publish(stop); }) {}
+        thread_(startThread([this](const std::stop_token& stop) { publish(stop); })) {}
 
   // On the servo thread.
   void add(const Tick& tick) noexcept {

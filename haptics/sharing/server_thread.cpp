@@ -1,9 +1,11 @@
 #include "haptics/sharing/server_thread.hpp"
 
+#include "engine/core/start_thread.hpp"
+
 namespace palpate {
 
 ServerThread::ServerThread(const PointCloud& cloud, CloudServer::Parts parts)
-    : server_(cloud, std::move(parts)), thread_([this] { run(); }) {}
+    : server_(cloud, std::move(parts)), thread_(startThread([this] { run(); })) {}
 
 void ServerThread::run() {
   std::exception_ptr failure;

@@ -10,6 +10,7 @@
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/latest_value.hpp"
+#include "engine/core/start_thread.hpp"
 #include "haptics/sharing/edit_exchange.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/link_messages.hpp"
@@ -55,7 +56,7 @@ class SharedEdits final : public SharedFollower {
     probe_.attach(*wait_);
     wait_->attach(wakeUp_);
     resume(exchange_.resume());
-    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+    thread_ = startThread([this](const std::stop_token& stop) { run(stop); });
   }
 
   void catchUp(const EditBatch& batch) override {

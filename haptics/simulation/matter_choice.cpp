@@ -107,7 +107,7 @@ class MatterChoice final : public SimulatedScene {
   static std::string textOf(const MatterScene& scene) {
     SettingsJson json;
     writeSettings(json, sceneSettings(), scene);
-    return json.dump();
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   }
 
   MatterScene scene_;

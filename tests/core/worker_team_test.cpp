@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <mutex>
+#include <new>
 #include <set>
 #include <thread>
 
@@ -48,6 +49,20 @@ TEST_CASE("in a burst the engaged threads take part and no others, before, betwe
       CHECK(threads.size() == std::min(engaged, team.size()));
       if (job == 1) std::this_thread::sleep_for(std::chrono::milliseconds(3));  // they have fallen asleep
     }
+  }
+}
+
+TEST_CASE("what a part of a job throws reaches the caller, on whichever thread, and the next job is whole") {
+  WorkerTeam team(4);
+  for (std::size_t bad = 0; bad < 40; ++bad) {
+    CHECK_THROWS_AS(team.forEach(40,
+                                 [&](std::size_t part) {
+                                   if (part == bad || part == 39) throw std::bad_alloc();
+                                 }),
+                    std::bad_alloc);
+    std::atomic<int> done = 0;
+    team.forEach(40, [&](std::size_t) { ++done; });
+    CHECK(done == 40);
   }
 }
 

@@ -113,6 +113,11 @@ struct FakeHaply::Service {
         if (client->events) {
           listener = client;
         } else {
+          if (options.hangsUp) {
+            Failure ignored;
+            client->web.next_layer().close(ignored);
+            return;
+          }
           ++connections;
           if (options.restarts) rest();
           say(client, state(true).dump());
@@ -218,8 +223,8 @@ struct FakeHaply::Service {
       // A frame of 1000 bytes of text, of which ten come.
       if (!std::exchange(halved, true))
         asio::write(client->web.next_layer(), asio::buffer(std::string("\x81\x7e\x03\xe8{\"inverse3", 14)));
-    } else if (faultIs("mute")) {
-      ++owed;
+    } else if (faultIs("mute") || faultIs("merged")) {
+      owed = options.fault == "merged" ? 1 : owed + 1;
     } else {
       reply(client);
     }

@@ -33,8 +33,10 @@ struct FakeHaplyOptions {
   double rate_Hz = 4000;          ///< of its answers by that clock; without one they come at once
   double step_s = 0;              ///< if not 0, the cursor steps by kStep_mm each time
   bool tellsForce = true;         ///< false: it reports no force, whatever it applies
-  /// Begins once a force of kFelt_N was felt in 30 commands in a row: mute, half, closed, nan, null, uncalibrated,
-  /// unpowered, safety, jump, gone, second (a program that adds kSecond_N).
+  bool hangsUp = false;           ///< it closes each connection before its first message
+  /// Begins once a force of kFelt_N was felt in 30 commands in a row: mute, merged (mute, then one answer to all that
+  /// came), half, closed, nan, null, uncalibrated, unpowered, safety, jump, gone, second (a program that adds
+  /// kSecond_N).
   std::string fault;
   double fault_s = 0.2;
 };

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "engine/core/error.hpp"
+#include "haptics/devices/simulated_touch.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/haptics/doomed_session.hpp"
 
@@ -150,6 +151,77 @@ TEST_CASE("the signal handlers are restored after a session") {
   }
   ::sigaction(SIGTERM, nullptr, &after);
   CHECK((after.sa_handler == before.sa_handler));
+}
+
+TEST_CASE(
+    "a handler that the program installs during a session stays, and comes after the force from the next one on") {
+  const SharedNote first, second;
+  static std::atomic<int> handled = 0;
+  static struct sigaction beneath;  // of the program's handler, which calls it
+  static double force_N = -1;
+  static const FakeNote* watched = nullptr;
+  const int status = statusOf([&] {
+    const auto install = [] {
+      struct sigaction ours {};
+      ours.sa_handler = [](int signal) {
+        ++handled;
+        force_N = watched->force_N[2];
+        if (beneath.sa_flags & SA_SIGINFO) beneath.sa_sigaction(signal, nullptr, nullptr);
+      };
+      ::sigaction(SIGINT, &ours, &beneath);
+    };
+    std::signal(SIGINT, [](int) { stopAsked = true; });
+    const auto touch = [](FakeNote& note, const std::function<void()>& doom) {
+      watched = &note;
+      RecordingDevice device(note);
+      DoomedSphere sphere(doom);
+      ServoLoop(device, sphere, ForceLaw({}, {}), {.duration_s = 1, .stop = &stopAsked}).run();
+    };
+    touch(*first, install);
+    struct sigaction now {};
+    ::sigaction(SIGINT, nullptr, &now);
+    if ((now.sa_flags & SA_SIGINFO) || now.sa_handler == SIG_DFL) ::_exit(1);  // not the program's
+    touch(*second, [] { std::raise(SIGINT); });
+    ::_exit(handled == 1 && force_N == 0 && stopAsked ? 0 : 2);
+  });
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+  CHECK(second->mostForce_N > 1);
+  CHECK(second->force_N[2] == 0);
+}
+
+TEST_CASE("a session that goes on after Ctrl+C reports no force, and has one again when asked, from free space") {
+  const auto former = std::signal(SIGINT, [](int) {});
+  constexpr WorkspaceMap kMap{.scale = 1, .offset = {0, 0, 50}};
+  SimulatedTouch touch(Path({{0, {0, 0, 54}},
+                             {0.4, {0, 0, 54}},
+                             {0.6, {0, 0, 49}},
+                             {1.7, {0, 0, 49}},
+                             {1.9, {0, 0, 54}},
+                             {2.3, {0, 0, 54}},
+                             {2.5, {0, 0, 49}},
+                             {3.5, {0, 0, 49}}}),
+                       kMap);
+  DoomedSphere sphere([] { std::raise(SIGINT); });
+  std::atomic<bool> on = true;
+  ServoLoop loop(touch, sphere, ForceLaw({.stiffness_N_per_mm = 0.5}, {}), {.duration_s = 3.5, .forcesOn = &on},
+                 {.map = kMap});
+  const ServoResult result = loop.run({}, [&](std::uint64_t tick) {
+    if (tick == 1400) CrashStop::resume(nullptr);  // of another session
+    if (tick == 1500) CrashStop::resume(&on);
+  });
+  std::signal(SIGINT, former);
+  CHECK_FALSE(result.deviceFailed);
+  const auto most_N = [&](double from_s, double to_s) {
+    double most = 0;
+    for (const TraceRow& row : result.trace().rows)
+      if (row.time_s >= from_s && row.time_s < to_s) most = std::max(most, glm::length(row.force_N));
+    return most;
+  };
+  CHECK(most_N(0, 0.9) > 0.1);
+  CHECK(most_N(0.902, 1.5) == 0);
+  CHECK(most_N(1.5, 2.3) < 0.02);  // on the way out a small demand ends the wait
+  CHECK(most_N(2.6, 3.5) > 0.1);
 }
 
 TEST_CASE("guarding more devices than possible is an error, and the others stay guarded") {

@@ -1,6 +1,8 @@
 // A Haply device against a service in this process, over real sockets. Its faults: device_faults_test.cpp.
 // ctest: waits
 #include <algorithm>
+#include <atomic>
+#include <ctime>
 #include <fstream>
 
 #include "engine/core/error.hpp"
@@ -111,6 +113,51 @@ TEST_CASE("after a fault of a Haply device the force returns from free space") {
   CHECK(most_N(commands, fault_s + 0.01, 1.2) == 0);
   CHECK(most_N(commands, 1.7, 2.2) > 0.3);
   CHECK(says(felt.said, "is ready (white light"));
+}
+
+TEST_CASE("a Haply service that was busy and answers many commands at once gives a pose and a force again") {
+  const HaplyFelt felt =
+      feelHaply({.hand = kPressingTwice, .rate_Hz = kRate_Hz, .fault = "merged", .fault_s = 0.15}, 2.2);
+  REQUIRE(felt.faultBegan_s > 0);
+  CHECK_FALSE(felt.result.deviceFailed);
+  CHECK(most_N(felt.commands, felt.faultBegan_s + 0.03, 1.2) == 0);
+  CHECK(most_N(felt.commands, 1.7, 2.2) > 0.3);
+  CHECK(says(felt.said, "is ready (white light"));
+}
+
+TEST_CASE("a terminal that is stopped when a Haply device reports a fault keeps no force in the hand") {
+  SteppedClock clock;
+  const FakeHaply service(
+      {.hand = kHaplyPressing, .clock = &clock, .rate_Hz = kRate_Hz, .fault = "uncalibrated", .fault_s = 0.1});
+  std::atomic<bool> zeroCame = false;
+  const auto stopped = [&](const std::string& sentence) {
+    if (sentence.find("is not calibrated") == std::string::npos) return;
+    const Stopwatch since;
+    while (!zeroCame && since.elapsed_s() < 5) {
+      const auto commands = service.commands();
+      zeroCame = commands.back().afterFault && commands.back().force_N == DVec3(0);
+      std::this_thread::yield();
+    }
+  };
+  clock.hold();
+  {
+    HaplyDevice device({.say = stopped, .clock = &clock});
+    SphereContact sphere(kHaplySphere_mm, kMiddle_mm);
+    ServoLoop(device, sphere, ForceLaw({.stiffness_N_per_mm = kHaplyStiffness_N_per_mm}, {}),
+              {.duration_s = 0.6, .realtime = true, .clock = &clock})
+        .run();
+    clock.leave();
+  }
+  REQUIRE(service.faultBegan_s() > 0);
+  CHECK(zeroCame);
+  CHECK(service.forcesAfterFault() <= 1);
+}
+
+TEST_CASE("a Haply service that hangs up is reported at once, and no core spins meanwhile") {
+  const FakeHaply service({.hangsUp = true});
+  const std::clock_t before = std::clock();
+  CHECK(says(complaintOf(), "the Haply service closes the connection before it lists its devices; start it again"));
+  CHECK(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC < 0.3);
 }
 
 TEST_CASE(

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "engine/core/checksum.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "tests/haptics/logged_session.hpp"
 
@@ -31,6 +32,51 @@ TEST_CASE("a log truncated anywhere is read up to its last whole block") {
     CHECK(readSessionLog(folder / "cut").ticks.size() == record.ticks.size());
   }
   CHECK(most > 500);
+}
+
+TEST_CASE("the ticks of a log stand beside their edits, also of a session whose ticks come all at once") {
+  const ScratchFolder folder;
+  {
+    SessionWriter writer(folder / "log", "a text");
+    for (std::uint32_t i = 0; i < 700; ++i) {
+      writer.add(tickAt(i));
+      writer.add(editsAt(i));
+    }
+    writer.finish(77);
+  }
+  const std::string whole = contentOf(folder / "log");
+  for (const double share : {0.3, 0.5, 0.75, 0.9}) {
+    CAPTURE(share);
+    write(folder / "cut", whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size()))));
+    const SessionRecord record = readSessionLog(folder / "cut");
+    checkBeginning(record);
+    CHECK(static_cast<double>(record.ticks.size()) > 700 * (share - 0.15));
+    CHECK(record.edits.points.size() <= 3 * record.ticks.size() + 300);  // a block
+  }
+  // Damage of a block of edits leaves the ticks before it, which replay repeats.
+  std::string changed = whole;
+  changed[whole.size() / 2] ^= 1;
+  write(folder / "changed", changed);
+  const SessionRecord record = readSessionLog(folder / "changed");
+  REQUIRE(record.gaps.size() == 1);
+  CHECK(record.gaps[0].tick > 200);
+}
+
+TEST_CASE("a log whose end the disk has filled with zeros is truncated, not damaged") {
+  const ScratchFolder folder;
+  writeSession(folder / "log", 700);
+  const std::string whole = contentOf(folder / "log");
+  for (const double share : {0.3, 0.7, 0.95}) {
+    std::string blank = whole;
+    const auto from = static_cast<std::size_t>(share * static_cast<double>(whole.size()));
+    blank.replace(from, std::string::npos, whole.size() - from, '\0');
+    write(folder / "blank", blank);
+    const SessionRecord record = readSessionLog(folder / "blank");
+    checkBeginning(record);
+    CHECK(static_cast<double>(record.ticks.size()) > 700 * (share - 0.2));
+    CHECK(saysOneOf(whatIsMissing(record), "it is truncated at byte"));
+    CHECK_FALSE(saysOneOf(whatIsMissing(record), "damaged"));
+  }
 }
 
 TEST_CASE("a changed byte costs its block, which is reported; one in a header costs nothing") {
@@ -66,8 +112,9 @@ TEST_CASE("a changed byte costs its block, which is reported; one in a header co
       CHECK(record.ticks.size() + *gap.ticks == 700);
       CHECK(record.edits.points.size() + *gap.states == 3 * 700);
       CHECK(*gap.ticks + *gap.states > 0);
-      CHECK(saysOneOf(whatIsMissing(record), fmt::format("bytes {} to {} of {} are damaged: {} ticks and {} edits",
-                                                         gap.begin, gap.end, whole.size(), *gap.ticks, *gap.states)));
+      CHECK(saysOneOf(whatIsMissing(record),
+                      fmt::format("bytes {} to {} of {} are damaged: {} and {} of points", gap.begin, gap.end,
+                                  whole.size(), counted(*gap.ticks, "tick"), counted(*gap.states, "edit"))));
     } else {  // it was the last block, which contains the session's end
       CHECK(record.ticks.size() == 700);
       CHECK(record.edits.points.size() == 3 * 700);

@@ -230,6 +230,20 @@ TEST_CASE("the text of a failure stays readable during calls that succeed and fa
   CHECK(std::string(pp_last_error()) != before);
 }
 
+TEST_CASE("the text of a failure can stand in one expression with other calls that fail") {
+  pp_cloud cloud{};
+  REQUIRE(pp_cloud_read(("/nowhere/" + std::string(200, 'x') + ".ply").c_str(), nullptr, &cloud) == PP_ERROR_FILE);
+  const char* const text = pp_last_error();
+  const char* const file = pp_last_error_file();
+  for (const std::size_t length : {10u, 4000u, 100'000u}) {
+    CHECK(pp_cloud_read(("/nowhere/" + std::string(length, 'y')).c_str(), nullptr, &cloud) == PP_ERROR_FILE);
+    CHECK(text == pp_last_error());
+    CHECK(file == pp_last_error_file());
+    CHECK(std::string(text).starts_with("/nowhere/yyy"));
+    CHECK(std::string(text).size() < 8192);
+  }
+}
+
 TEST_CASE("the version of the header is that of the library, and each status has a name") {
   const std::string version = std::to_string(PALPATE_VERSION_MAJOR) + "." + std::to_string(PALPATE_VERSION_MINOR) +
                               "." + std::to_string(PALPATE_VERSION_PATCH);

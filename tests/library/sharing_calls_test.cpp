@@ -290,6 +290,38 @@ TEST_CASE("settle reports no agreement while the server does not answer, even if
   PP_CHECK_OK(pp_session_close(session));
 }
 
+TEST_CASE("a stroke whose server does not answer, and the close after it, say so within their timeout") {
+  if (!isBuilt()) return;
+  StandingServer server("silent");
+  const pp_network network = ownNetwork();
+  pp_join_options join = pp_default_join_options();
+  join.network = &network;
+  join.timeout_s = 2;
+  pp_session_options options = cpuOptions();
+  options.mm_per_unit = 0;
+  pp_session session{};
+  PP_REQUIRE_OK(pp_session_join("silent", &join, &options, &session));
+  touch(session, pathOf(pressPath(1)));
+  server.stand();
+  const auto rows = pressPath(4);
+  const pp_path path = pathOf(rows);
+  pp_brush brush = pp_default_brush();
+  brush.radius_mm = 6;
+  std::vector<pp_tick> ticks(200);
+  std::uint64_t count = 7;
+  const auto before = std::chrono::steady_clock::now();
+  const auto since_s = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count(); };
+  PP_CHECK_FAILS(pp_session_stroke(session, &path, &brush, ticks.data(), ticks.size(), &count), PP_ERROR_NETWORK,
+                 "the server has not confirmed this stroke within 2 s");
+  CHECK(count == 0);
+  CHECK(ticks.back().t_s == 0);
+  CHECK(since_s() < 2 + 3);  // the stroke itself, and a busy machine
+  PP_CHECK_FAILS(pp_session_close(session), PP_ERROR_NETWORK, "may be lost; the session is closed");
+  CHECK(since_s() < 4 + 4);
+  CHECK(pp_session_close(session) == PP_ERROR_HANDLE);
+  server.goOn();
+}
+
 TEST_CASE("closing a session delivers a pulled hand's last edits, even if the server is halted for a while") {
   if (!isBuilt()) return;
   StandingServer server("standing");

@@ -106,7 +106,8 @@ TEST_CASE("an invalid path is refused with its row, and nothing is written beyon
   CHECK(count == 21);
   std::vector<pp_tick> ticks(21, pp_tick{.t_s = -1});
   PP_CHECK_FAILS(pp_session_touch(ball.session, &path, ticks.data(), 20, &count), PP_ERROR_ARGUMENT, "21");
-  CHECK(ticks[0].t_s == -1);
+  CHECK(ticks[19].t_s == 0);
+  CHECK(ticks[20].t_s == -1);
   rows[11] = std::numeric_limits<double>::infinity();
   CHECK(pp_path_ticks(ball.session, &path, &count) == PP_ERROR_ARGUMENT);
   rows[11] = 49;
@@ -348,6 +349,57 @@ TEST_CASE("a program's own force law sets the force, within the limits") {
   CHECK(ticks.back().force_N[2] == within(0, 1e-6));
   calls.size_N = 50;
   CHECK(lengthOf(touch(ball.session, pathOf(path)).back().force_N) == near(3.3, 1e-6));
+}
+
+TEST_CASE("a force law that gives no number gives no force, and is reported by the call that meets it") {
+  Calls calls;
+  pp_session_options options = cpuOptions();
+  options.law = ownLaw;
+  options.law_user = &calls;
+  const OpenBall ball(options);
+  const auto path = pressPath(1);
+  const pp_path along = pathOf(path);
+  std::vector<pp_tick> ticks(path.size() / 3);
+  std::uint64_t count = 0;
+  for (const double size_N : {std::nan(""), 1e308, -1 / 0.0}) {
+    CAPTURE(size_N);
+    calls.size_N = size_N;
+    PP_CHECK_FAILS(pp_session_touch(ball.session, &along, ticks.data(), ticks.size(), &count), PP_ERROR_FAILED,
+                   "law: gave a force that is not finite at ");
+    CHECK(count == ticks.size());
+    CHECK(ticks.back().contact == 1);
+    CHECK(lengthOf(ticks.back().force_N) == 0);
+  }
+  pp_contact contact{};
+  const auto press = [&](double t_s, double depth_mm) {
+    const pp_pose pose{.t_s = t_s, .hip = {0.3, -0.2, kBallRadius - depth_mm}, .no_edit = 0, .reserved = 0};
+    return pp_touch(ball.session, &pose, &contact);
+  };
+  PP_CHECK_OK(press(0.001, -2));
+  PP_CHECK_FAILS(press(0.002, 1), PP_ERROR_FAILED, "law: gave a force that is not finite at 1 tick, first at 0.002 s");
+  CHECK(lengthOf(contact.force_N) == 0);
+  CHECK(contact.valid == 0);
+  calls.size_N = 1;
+  PP_CHECK_OK(press(0.003, 1));
+  PP_REQUIRE_OK(pp_session_touch(ball.session, &along, ticks.data(), ticks.size(), &count));
+  CHECK(lengthOf(ticks.back().force_N) == near(1, 1e-6));
+}
+
+TEST_CASE("the ticks of a path that fails are zero, not those of the path before") {
+  const OpenBall ball;
+  const auto path = pressPath(1);
+  std::vector<pp_tick> ticks = touch(ball.session, pathOf(path));
+  REQUIRE(lengthOf(ticks.back().force_N) > 0);
+  auto broken = path;
+  broken[100] = std::nan("");
+  const pp_path along = pathOf(broken);
+  std::uint64_t count = 5;
+  PP_CHECK_FAILS(pp_session_touch(ball.session, &along, ticks.data(), ticks.size(), &count), PP_ERROR_ARGUMENT, "path");
+  CHECK(count == 0);
+  for (const pp_tick& tick : ticks) {
+    CHECK(tick.contact == 0);
+    CHECK(lengthOf(tick.force_N) == 0);
+  }
 }
 
 TEST_CASE("a force law is loaded from a library by its name") {

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import weakref
 
 import numpy as np
@@ -47,6 +48,9 @@ def test_whole_numbers_are_places_too():
     np.array([[65535, 0, 13107]], np.uint16),
     np.array([[1, 0, 0.2]], np.float32),
     np.array([[1, 0, 0.2]]),
+    np.array([[255, 0, 51, 7]], np.uint8),
+    np.array([[65535, 0, 13107, 0]], np.uint16),
+    np.array([[1, 0, 0.2, 0.5]]),
 ])
 def test_colors_of_each_type_are_the_same_bytes(colors):
     cloud = pp.Cloud(np.zeros((1, 3)), colors=colors)
@@ -69,6 +73,29 @@ def test_views_cannot_be_written_to_and_keep_their_cloud():
     assert gone is None or gone() is not None
 
 
+@pytest.mark.parametrize("wrong", [
+    np.ones((5, 3), complex), np.ones((5, 3), bool), np.array([["1", "2", "3"]]), np.array([[b"1", b"2", b"3"]]),
+])
+def test_what_is_no_real_number_is_refused_although_numpy_would_cast_it(session, wrong):
+    for call in (lambda: pp.Cloud(wrong), lambda: session.touch(wrong), lambda: session.nearest(wrong)):
+        with pytest.raises(ValueError, match="must be real numbers, not of the type"):
+            call()
+
+
+def test_names_of_files_are_those_of_the_system(tmp_path):
+    cloud = pp.Cloud(np.eye(3))
+    for name in (os.fsdecode(b"\xff\xfe.ply"), "x" * 251 + ".ply", "\N{SNOWMAN}.ply"):
+        pp.write(tmp_path / name, cloud)
+        assert len(pp.read(tmp_path / name)) == 3
+        assert sorted(os.listdir(tmp_path)) == [name]
+        os.remove(tmp_path / name)
+    with pytest.raises(pp.Error, match="cannot be read"):
+        pp.read(tmp_path / os.fsdecode(b"\xff.ply"))
+    for call in (lambda: pp.read("a\0b.ply"), lambda: pp.write("a\0b.ply", cloud)):
+        with pytest.raises(pp.UsageError, match="contains a NUL"):
+            call()
+
+
 @pytest.mark.parametrize("wrong", [np.zeros(3), np.zeros((3, 2)), np.zeros((2, 3, 1)), "points", [["a", "b", "c"]]])
 def test_what_is_no_array_of_points_is_refused(wrong):
     with pytest.raises(ValueError, match="xyz"):
@@ -79,7 +106,7 @@ def test_other_arrays_have_a_row_for_each_point():
     with pytest.raises(ValueError, match="normals"):
         pp.Cloud(np.zeros((5, 3)), normals=np.zeros((4, 3)))
     with pytest.raises(ValueError, match="colors"):
-        pp.Cloud(np.zeros((5, 3)), colors=np.zeros((5, 4)))
+        pp.Cloud(np.zeros((5, 3)), colors=np.zeros((5, 2)))
     with pytest.raises(TypeError, match="whole numbers"):
         pp.Cloud(np.zeros((5, 3)), colors=np.zeros((5, 3), np.complex128))
     with pytest.raises(pp.UsageError, match="row 2"):

@@ -96,3 +96,13 @@ def test_a_keyword_without_a_description_is_found():
     assert set(keywords_of(pp.Session.stroke)) > {"path", "kind", "radius_mm", "strength"}
     assert set(keywords_of(NAMES["Session.of_frames"])) > {"cloud", "max_points", "friction", "backend"}
     assert "strength" in prose_of("Session.push", pp.Session.push)
+
+
+def test_what_can_be_called_has_a_signature_with_its_defaults():
+    for thing in NAMES.values():
+        if callable(thing) and not inspect.isclass(thing):
+            inspect.signature(thing)
+    nearest = inspect.signature(pp.Session.nearest).parameters
+    assert list(nearest) == ["self", "positions", "max_distance", "surface"]
+    assert nearest["max_distance"].default == float("inf") and nearest["surface"].default is True
+    assert inspect.signature(pp.Session.stroke).parameters["brush"].kind is inspect.Parameter.VAR_KEYWORD

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import threading
+import time
+
 import numpy as np
 import palpate as pp
 import pytest
@@ -31,6 +36,29 @@ def test_nearest_positions_and_rays_meet_the_ball(ball):
         assert len(s.nearest(np.zeros((0, 3)))) == 0
         single = s.nearest((80 * out[:3]).astype(np.float32)[::-1])
         assert np.allclose(single["distance"], 30, atol=0.01)
+
+
+def test_the_nearest_points_themselves_are_those_of_a_search_through_all(ball):
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s:
+        asked = directions(200) * np.linspace(20, 300, 200)[:, None]
+        found = s.nearest(asked, surface=False)
+        apart = np.linalg.norm(asked[:, None, :] - ball.xyz[None, :, :], axis=2)
+        assert np.allclose(found["distance"], apart.min(axis=1), atol=1e-4)
+        assert found["found"].all() and not found["behind"].any()
+        assert np.allclose(found["position"], ball.xyz[found["row"]], atol=1e-4)
+        assert np.allclose(found["normal"], ball.normals[found["row"]], atol=1e-6)
+        assert not s.nearest([[0, 0, 80]], max_distance=29, surface=False)["found"][0]
+
+
+def test_ctrl_c_ends_a_search_of_many_positions(session):
+    asked = np.tile(directions(1000) * 80, (400, 1))
+    timer = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    since = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        session.nearest(asked)
+    assert time.monotonic() - since < 5
+    assert session.nearest(asked[:1])["found"][0]  # the session is as it was
 
 
 def test_queries_that_cannot_be_answered_are_refused(session):

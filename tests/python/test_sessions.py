@@ -58,6 +58,20 @@ def test_another_surface_can_be_chosen(session):
         session.touch(press_path(1), surface="velvet")
 
 
+def test_the_force_can_be_set_while_the_session_is_open(ball):
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1, surface="sphere", stiffness_N_per_mm=0.4) as session:
+        before = np.linalg.norm(session.touch(press_path(1))["force_N"][-1])
+        session.set_contact(stiffness_N_per_mm=0.8)
+        after = np.linalg.norm(session.touch(press_path(1))["force_N"][-1])
+        assert after == pytest.approx(2 * before, rel=0.01)
+        session.set_contact(max_force_N=0.5)
+        assert np.linalg.norm(session.touch(press_path(1))["force_N"][-1]) == pytest.approx(0.5, rel=0.01)
+        session.set_contact(surface="average", max_force_N=3)
+        assert np.linalg.norm(session.touch(press_path(1))["force_N"][-1]) == pytest.approx(after, rel=0.1)
+        with pytest.raises(pp.UsageError, match="stiffness"):
+            session.set_contact(stiffness_N_per_mm=-1)
+
+
 def test_strokes_change_the_points_and_undo_gives_back_every_bit(session, ball):
     before = session.cloud().xyz.copy()
     assert np.array_equal(before, ball.xyz)

@@ -233,9 +233,11 @@ def test_a_server_whose_journal_cannot_be_written_any_more_ends_and_says_why(tmp
             print(server.serving, len(server.cloud()), error.status, error, flush=True)
     """, name, str(tmp_path / "strokes"))
     assert program.stdout is not None and program.stdout.readline() == "serving\n"
-    with pp.Session.join(name, NETWORK, timeout_s=3, gpu="cpu") as s:
-        s.push(np.column_stack([np.linspace(1.1, 0.8, 100), np.zeros(100), np.full(100, 0.5)]), radius_mm=5)
-        assert not s.sharing.delivered  # and the client is not told that its strokes are kept
+    with pytest.raises(pp.Error, match="may be lost; the session is closed"):
+        with pp.Session.join(name, NETWORK, timeout_s=3, gpu="cpu") as s:
+            with pytest.raises(pp.Error, match="the server has not confirmed this stroke within 3 s") as caught:
+                s.push(np.column_stack([np.linspace(1.1, 0.8, 100), np.zeros(100), np.full(100, 0.5)]), radius_mm=5)
+            assert caught.value.status == "network" and not s.sharing.delivered
     out, _ = program.communicate(timeout=120)
     assert out.startswith("False 2000 network ") and "strokes" in out
 

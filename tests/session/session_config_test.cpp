@@ -1,4 +1,5 @@
 #include "haptics/session/session_config.hpp"
+#include "haptics/session/session_header.hpp"
 #include "tests/session/config_fault.hpp"
 
 #include <doctest/doctest.h>
@@ -56,6 +57,13 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 }
 
 }  // namespace
+
+TEST_CASE("a file whose name is not UTF-8 stands in a configuration with replaced characters, and is no error") {
+  SessionConfig config;
+  config.model.file = "scan\xff.ply";
+  CHECK(configText(config).find("scan\xef\xbf\xbd.ply") != std::string::npos);
+  CHECK(headerText({.config = config, .machine = "one", .palpate = "1"}).find(".ply") != std::string::npos);
+}
 
 TEST_CASE("every configuration is unchanged by conversion to text and back") {
   CHECK(parseConfig(configText(unusual())) == unusual());

@@ -32,6 +32,36 @@ TEST_CASE("in real time a hand can sculpt although edits of others are offered b
   CHECK(others.reports() > 20);
 }
 
+TEST_CASE("edits on the CPU stop while their follower is too far behind, and resume once it has caught up") {
+  const Scene scene = makeScene("sphere", 5'000);
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush, .editRoom = 500});
+  EditStream& edits = *touch.edits();
+  edits.keep();
+  int tick = 0;
+  const auto press = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i, ++tick) {
+      touch.query({.time_s = 100.0 * tick, .hip = {0, 0, std::max(44.0, 51 - 0.05 * tick)}}, 60e6);
+      PointCloud copy = scene.cloud;
+      touch.readBack(copy);  // waits for the edit
+    }
+  };
+  press(120);
+  const auto dropped = [&] { return touch.report().shortfalls.editsLogFull; };
+  REQUIRE(edits.room());
+  CHECK(edits.room()->free == 0);
+  CHECK(dropped() > 0);
+  EditBatch batch;
+  edits.take(batch);
+  CHECK(batch.points.size() >= 500);
+  CHECK(batch.points.size() < 2'000);  // the last edit went beyond
+  const std::uint64_t before = dropped();
+  press(2);
+  CHECK(dropped() == before);
+  const std::size_t taken = batch.points.size();
+  edits.take(batch);
+  CHECK(batch.points.size() > taken);
+}
+
 TEST_CASE("edits cannot be offered to a cloud without a brush, or with one that maintains density") {
   const Scene scene = makeScene("sphere", 500);
   CpuTouch still(scene.cloud, {.radius = scene.radius});

@@ -1,4 +1,5 @@
 // Changes that others offer to each back end.
+#include "engine/core/error.hpp"
 #include "tests/scenes.hpp"
 #include "tests/touch/back_end.hpp"
 #include "tests/touch/offering.hpp"
@@ -44,6 +45,49 @@ void checkOffersAmidStrokes(TouchBackend& touch, const PointCloud& cloud, bool e
   // Away from the hand all changes are applied as offered.
   CHECK(takenElsewhere > 500);
   CHECK(takenElsewhere + 40 >= elsewhere);
+}
+
+// The same stroke with and without changes of others, far from it.
+void checkStrokesAmidOffers(TouchBackend& alone, TouchBackend& joined, const PointCloud& cloud) {
+  alone.edits()->keep();
+  Offering others(joined, cloud, 5);
+  for (int i = 0; i < 80; ++i) {
+    const Pose pose{.time_s = 1e-3 * i, .hip = {0.05 * i, 0, 51 - 0.05 * i}};
+    alone.query(pose, 0);
+    joined.query(pose, 0);
+    others.follow();
+    if (!others.isOffered()) others.offer(20, 1, [](const PointState& point) { return point.position.z < -20; });
+  }
+  alone.finish();
+  joined.finish();
+  others.checkEnd();
+  CHECK(others.taken() > 200);
+  PointCloud expected = cloud, found = cloud;
+  alone.readBack(expected);
+  joined.readBack(found);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.positions[i].z < 0) continue;
+    REQUIRE(glm::distance(found.positions[i], expected.positions[i]) <= onCpuOrGpu(0.0f, 1e-4f));  // sums differ
+    REQUIRE(glm::distance(found.normals[i], expected.normals[i]) <= onCpuOrGpu(0.0f, 1e-3f));
+  }
+}
+
+// A change that a caller has from somewhere else than the edits: none of the points changes.
+void checkChangeFromElsewhere(TouchBackend& touch, const PointCloud& cloud) {
+  touch.edits()->keep();
+  touch.query({.time_s = 0, .hip = {0, 0, 200}}, 0);
+  const std::vector<PointState> states = statesOf(cloud);
+  std::vector<PointChange> changes{{states[0], states[0]}, {states[1], states[1]}};
+  for (PointChange& change : changes) change.to.position.z += 1;
+  changes[1].from.position += Vec3(30, 30, 30);
+  CHECK_THROWS_AS(touch.edits()->change(changes), Error);
+  touch.finish();
+  PointCloud after = cloud;
+  CHECK(touch.readBack(after) == 0);
+  CHECK(after.positions == cloud.positions);
+  EditBatch batch;
+  touch.edits()->take(batch);
+  CHECK(batch.points.empty());
 }
 
 // A change whose point has another state is not applied; after a change by another party none is; both are reported.
@@ -111,6 +155,19 @@ TEST_CASE_FIXTURE(OnBackEnd, "strokes continue during edits of others, and each 
     const auto touch = make(scene.cloud, {.radius = scene.radius, .brush = kPush, .index = index, .threads = 0});
     checkOffersAmidStrokes(*touch, scene.cloud, everywhere);
   }
+}
+
+TEST_CASE_FIXTURE(OnBackEnd, "a stroke is the same while others change points elsewhere") {
+  const Scene scene = makeScene("sphere", onCpuOrGpu(20'000, 8'000));
+  const TouchWanted wanted{.radius = scene.radius, .brush = kPush};
+  const auto alone = make(scene.cloud, wanted), joined = make(scene.cloud, wanted);
+  checkStrokesAmidOffers(*alone, *joined, scene.cloud);
+}
+
+TEST_CASE_FIXTURE(OnBackEnd, "a change of a point that is elsewhere is refused, and no point changes") {
+  const Scene scene = makeScene("sphere", 5'000);
+  const auto touch = make(scene.cloud, {.radius = scene.radius, .brush = kPush});
+  checkChangeFromElsewhere(*touch, scene.cloud);
 }
 
 TEST_CASE_FIXTURE(OnBackEnd, "an offer that is too late for a point leaves it unchanged") {

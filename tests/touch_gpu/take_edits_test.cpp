@@ -239,8 +239,8 @@ TEST_CASE("a change ends the stroke in progress, on the CPU in real time too, wi
       while (!stop.stop_requested()) touch.edits()->take(all);
     });
     for (int i = 0; i < 200; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 51 - 0.02 * i}}, i % 4 ? 300 : 0);
-    const PointState first = statesOf(scene.cloud)[0];
-    touch.edits()->change(std::vector<PointChange>{{first, first}});
+    const PointState far = statesOf(scene.cloud).back();  // where it was
+    touch.edits()->change(std::vector<PointChange>{{far, far}});
     for (int i = 0; i < 50; ++i) touch.query({.time_s = 0.2 + 1e-3 * i, .hip = {0, 0, 46}}, i % 4 ? 300 : 0);
     touch.finish();
   }

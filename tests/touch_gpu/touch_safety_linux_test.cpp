@@ -41,6 +41,8 @@ class WatchedTouch final : public HapticDevice {
     return touch_.write(force_N);
   }
   void emergencyStop() noexcept override { touch_.emergencyStop(); }
+  bool isStopped() const noexcept override { return touch_.isStopped(); }
+  void resume() noexcept override { touch_.resume(); }
   std::string faultText() const override { return touch_.faultText(); }
 
   DVec3 last_N{9};

@@ -217,10 +217,16 @@ class Session(_palpate._Session):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close()
+        try:
+            self.close()
+        except Error:
+            if error is None:  # else that has more to say
+                raise
 
     def close(self) -> None:
-        """Closes the session, and ends its live session; its clouds, meshes and arrays remain valid."""
+        """Closes the session, and ends its live session; its clouds, meshes and arrays remain valid. Raises Error with
+        the status "network" if the server of a joined session has not confirmed all its strokes; it is closed then.
+        """
         if self._live is not None:
             self._live._end(closing=True)
         super().close()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import functools
 import inspect
+import math
 import re
 import types
 from typing import Any, Callable, NamedTuple
@@ -151,6 +153,29 @@ def _open_arguments(function: Callable[..., Any], is_bound: bool) -> list[_Param
     return _of_pybind(usage) if "**brush" in usage else []
 
 
+def _signature_of(function: Callable[..., Any], is_method: bool) -> inspect.Signature | None:
+    """As the first line of its docstring has it; None without one. Functions of pybind11 have none of their own."""
+    usage = " ".join((function.__doc__ or "").partition("\n\n")[0].split())
+    found = re.fullmatch(r"\w+\((.*)\)(?: -> .*)?", usage)
+    if found is None:
+        return None
+    try:
+        definition = ast.parse(f"def f({found[1]}): ...").body[0]
+    except SyntaxError:
+        return None
+    assert isinstance(definition, ast.FunctionDef)
+    given = definition.args
+    kind = inspect.Parameter
+    named = [(each.arg, kind.POSITIONAL_OR_KEYWORD) for each in given.args]
+    defaults: list[Any] = [kind.empty] * (len(named) - len(given.defaults))
+    defaults += [math.inf if ast.unparse(each) == "inf" else ast.literal_eval(each) for each in given.defaults]
+    parameters = [kind("self", kind.POSITIONAL_ONLY)] if is_method else []
+    parameters += [kind(arg, how, default=default) for (arg, how), default in zip(named, defaults)]
+    if given.kwarg is not None:
+        parameters.append(kind(given.kwarg.arg, kind.VAR_KEYWORD))
+    return inspect.Signature(parameters)
+
+
 def _in_words(name: str, function: Callable[..., Any], is_method: bool, is_bound: bool) -> Callable[..., Any]:
     known_first = _open_arguments(function, is_bound)
 
@@ -195,6 +220,8 @@ def _in_words(name: str, function: Callable[..., Any], is_method: bool, is_bound
                 raise
         raise ArgumentTypeError(wrong)
 
+    if is_bound and not name.startswith("_") and (signature := _signature_of(function, is_method)):
+        call.__signature__ = signature  # type: ignore[attr-defined]
     return call
 
 

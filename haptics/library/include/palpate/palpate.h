@@ -102,8 +102,8 @@ PP_API const char* pp_status_name(int status);
 /** Status of the last failed call of this thread; PP_OK before the first. */
 PP_API pp_status pp_last_status(void);
 /** Description of the last failed call of this thread: what is wrong, where, and what to do; empty before the first.
- * The text is this thread's own: it is valid until the next call of this thread that fails, or until the thread ends.
- * Neither its calls that succeed nor any calls of other threads change it. */
+ * The text is this thread's own, of 8191 bytes at most, and stays at its address until the thread ends: only a call of
+ * this thread that fails changes it, so it can stand in one expression with other calls. */
 PP_API const char* pp_last_error(void);
 /** File that the last failure is about; empty if none. Valid as long as pp_last_error(). */
 PP_API const char* pp_last_error_file(void);

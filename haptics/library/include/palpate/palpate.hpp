@@ -268,6 +268,14 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_session_nearest(handle(), &from, found.size(), max_distance, found.data()));
     return found;
   }
+  /// Nearest points themselves: likewise (pp_session_nearest_points()).
+  std::vector<pp_surface_point> nearestPoints(const std::vector<double>& positions,
+                                              double max_distance = std::numeric_limits<double>::infinity()) {
+    std::vector<pp_surface_point> found(positions.size() / 3);
+    const pp_rows from = rows(positions.data());
+    check(pp_session_nearest_points(handle(), &from, found.size(), max_distance, found.data()));
+    return found;
+  }
   /// First positions of the surface on rays: x y z of each origin, and of each direction (pp_session_raycast()). Throws
   /// std::invalid_argument unless there is a direction for each origin.
   std::vector<pp_surface_point> raycast(const std::vector<double>& origins, const std::vector<double>& directions,

@@ -58,7 +58,9 @@ typedef struct pp_tick {
 
 /** A force law of the program, in C or a compatible language: writes the force on the hand, N, for one tick of contact.
  * contact->force_N is the force of palpate's spring and damper. The limits of magnitude and rise still apply to the
- * result. Called on the servo thread in each tick: it must not allocate, wait or throw. */
+ * result. Called on the servo thread in each tick: it must not allocate, wait or throw. A force that is not finite, or
+ * whose length is not, is no force, and reported: pp_touch() fails with PP_ERROR_FAILED, a path at its end, with all
+ * its ticks written; a live session warns when its ticks are read. */
 typedef void (*pp_force_law)(void* user, const pp_pose* pose, const pp_contact* contact, double dt_s,
                              double force_N[3]);
 
@@ -135,7 +137,8 @@ PP_API pp_status pp_session_open(pp_cloud cloud, const pp_session_options* optio
  * restarts when the time of the ticks goes back, and when a live session begins or has ended. Options may be null.
  * PP_ERROR_ARGUMENT for an unknown scene; otherwise as for pp_session_open(). */
 PP_API pp_status pp_session_open_matter(const char* scene, const pp_session_options* options, pp_session* session);
-/** Closes the session, and ends its live session. */
+/** Closes the session, and ends its live session. PP_ERROR_NETWORK: it is closed, but the server of a joined session
+ * has not confirmed all strokes of this hand within pp_join_options.timeout_s, or 5 s if it is silent. */
 PP_API pp_status pp_session_close(pp_session session);
 
 /** Present state of a session. */
