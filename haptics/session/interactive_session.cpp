@@ -5,6 +5,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/io/saving.hpp"
 #include "engine/motion/depth_player.hpp"
+#include "haptics/crash_stop.hpp"
 #include "haptics/devices/replay_device.hpp"
 #include "haptics/session/devices.hpp"
 
@@ -281,6 +282,11 @@ std::shared_ptr<PlayedStream> InteractiveSession::releaseStream() {
   return session_.between([&] { return session_.releaseStream(session_.next_s()); });
 }
 
+void InteractiveSession::setForces(bool on) {
+  if (on) CrashStop::resume(&forcesOn_);
+  forcesOn_ = on;
+}
+
 void InteractiveSession::save(const std::string& file) {
   if (isSaving()) throw Error("{}: the last save is still being written", file);
   // The journal does not contain the points of a model that moves.
@@ -291,17 +297,17 @@ void InteractiveSession::save(const std::string& file) {
   failed_ ? look() : session_.between(look);
   saving_.version = session_.strokes().version;
   std::vector<PointState> points(journal().points().begin(), journal().points().end());
-  saving_.running =
-      std::async(std::launch::async, [this, file, points = std::move(points), present = std::move(present)] {
-        try {
-          std::error_code isNone;
-          if (unsaved_ && std::filesystem::equivalent(file, this->file(), isNone)) unsaved_->keepModel();
-          const std::filesystem::path kept = saveKeeping(file, present ? *present : editedCloud(model().cloud, points));
-          return Saved{file, kept.string(), {}};
-        } catch (const std::exception& error) {
-          return Saved{file, {}, error.what()};
-        }
-      });
+  saving_.running = std::async(std::launch::async, [this, file, loaded = this->file(), points = std::move(points),
+                                                    present = std::move(present)] {
+    try {
+      std::error_code isNone;
+      if (unsaved_ && std::filesystem::equivalent(file, loaded, isNone)) unsaved_->keepModel();
+      const std::filesystem::path kept = saveKeeping(file, present ? *present : editedCloud(model().cloud, points));
+      return Saved{file, kept.string(), {}};
+    } catch (const std::exception& error) {
+      return Saved{file, {}, error.what()};
+    }
+  });
 }
 
 std::optional<InteractiveSession::Saved> InteractiveSession::takeSaved() {

@@ -89,7 +89,8 @@ class InteractiveSession {
   bool isDrawing() const { return stroke_ || stylus_.isDrawing(); }
   /// All events of the pointer before `known_s` were given to stroke().
   void drawUntil(double known_s);
-  void setForces(bool on) { forcesOn_ = on; }
+  /// Also resumes a device that a signal has stopped.
+  void setForces(bool on);
   bool forcesOn() const { return forcesOn_; }
 
   // As in Session; they do nothing after a failure.

@@ -1,6 +1,7 @@
 // A session: a model, a back end and the followers of the edits, combined once for every program.
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -158,15 +159,16 @@ class Session {
   /// Calls `act` while the session is paused: its loop begins again, with other hands or another time.
   template <class Act>
   void restarted(Act&& act) {
-    struct GoingOn {
-      Session& session;
-      bool wasPaused;
-      ~GoingOn() {
-        if (wasPaused) session.resume();
-      }
-    } const goingOn{*this, live_ && live_->pause()};
-    if (goingOn.wasPaused) takeEdits();
-    act();
+    const bool wasLive = live_ && live_->pause();
+    std::exception_ptr failure;
+    try {
+      if (wasLive) takeEdits();
+      act();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    if (wasLive) resume();
+    if (failure) std::rethrow_exception(failure);
   }
   /// The time of a live session's next tick. In between(), or while it is paused.
   double next_s() const { return channel_.isLent() ? channel_.next_s() : live_->next_s(); }
