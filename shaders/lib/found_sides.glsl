@@ -16,8 +16,9 @@ void noteCarried(uint at, vec3 normal, vec3 d) {
 // Notes the carried normal, by which the next edit corrects the side of the point's. True if it has to.
 bool noteSide() {
   const vec4 found = subgroupSum(vec4(carriedSums.found, carriedSums.weight));
-  const float side = carriedSide(CarriedSums(subgroupSum(carriedSums.means), subgroupSum(carriedSums.products), found.xyz,
-                                             subgroupSum(vec4(carriedSums.present, 0.0)).xyz, 1.0 + found.w));
+  const vec3 present = subgroupSum(vec4(carriedSums.present, 0.0)).xyz;
+  const float side = carriedSide(CarriedSums(subgroupSum(carriedSums.means), subgroupSum(carriedSums.products),
+                                             found.xyz, present, 1.0 + found.w));
   const bool isTurned = side < kTurnedOver;
   if (subgroupElect()) {
     const vec3 carried = isTurned ? -self.normal : self.normal;
