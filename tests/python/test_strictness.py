@@ -210,8 +210,8 @@ def test_ctrl_c_ends_what_takes_long_and_keeps_what_was_done(ball, tmp_path):
         again.unlink(missing_ok=True)
         pp.write(again, large)
 
-    for _ in range(20):  # a file whose writing was interrupted is either missing or complete
-        assert interrupted(write, 0.03) < SOON
+    for earlier in range(20):  # a file whose writing was interrupted is either missing or complete
+        assert interrupted(write, 0.03 - 0.0014 * earlier) < SOON
         if not again.exists():
             break
         assert len(pp.read(again)) == len(large)
