@@ -35,18 +35,19 @@ bool torn(const ResampleNeighbour& a, const ResampleNeighbour& b) {
   return glm::length(moved) > static_cast<double>(shared::kTorn) * std::max(a.spacing, b.spacing);
 }
 
-// Whether a gap has opened in one side of the surface since the last stroke found its ends, if a stroke has moved any.
-bool hasOpened(const ResampleNeighbour& self, const ResampleNeighbour& other, const DVec3& place) {
+// Whether a gap may be filled, by what the last stroke found of its ends, if a stroke has moved any.
+bool mayBeFilled(const ResampleNeighbour& self, const ResampleNeighbour& other, const ResampleView& view) {
   const std::uint32_t last = std::max(self.stroke, other.stroke);
   if (last == 0) return true;
   const auto at = [&](const ResampleNeighbour& point) {
-    return point.stroke == last ? point.found : place + point.offset;
+    return point.stroke == last ? point.found : view.place + point.offset;
   };
   const auto facing = [&](const ResampleNeighbour& point) {
     return point.stroke == last ? point.foundNormal : point.normal;
   };
-  return shared::hasOpened({other.rest - self.rest, at(other) - at(self), facing(self), facing(other)}, other.offset,
-                           std::max(self.spacing, other.spacing));
+  const shared::GapAsFoundOf<double> found{other.rest - self.rest, at(other) - at(self), facing(self), facing(other)};
+  return shared::areOneSide(found) &&
+         (view.carves || shared::hasOpened(found, other.offset, std::max(self.spacing, other.spacing)));
 }
 
 // Of two crowding points, the one of the smaller rank stays.
@@ -171,7 +172,7 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
     const ResampleNeighbour other = neighbours[neighbours.atGap(sector, gap)];
     const double spacing = std::max(self.spacing, other.spacing);
     if (gap <= static_cast<double>(shared::kWidestGap) * spacing || !torn(self, other)) continue;
-    if (!hasOpened(self, other, view.place)) continue;
+    if (!mayBeFilled(self, other, view)) continue;
     const DVec3 place = shared::halfWay(other.offset, self.normal, other.normal);
     if (glm::length(place) > view.reach) continue;
     if (view.claims && view.claims->wasGranted(Vec3(view.place + place))) continue;

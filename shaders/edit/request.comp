@@ -278,7 +278,7 @@ bool placeInGaps() {
       if (uintBitsToFloat(sectors[at].distance) > kWidestGap * spacing && torn(sectors[at])) {
         const vec3 middle = halfWay(sectors[at].offset, self.normal, args.cloud.normals.at[sectors[at].slot].xyz);
         if (!nearer(middle, kMinClearance * spacing) && nearer(middle, reach) && !wasGranted(center + middle) &&
-            hasOpened(foundEnds(sectors[at].id, sectors[at].slot), sectors[at]))
+            mayBeFilled(foundEnds(sectors[at].id, sectors[at].slot), sectors[at]))
           place = middle;
       }
     }

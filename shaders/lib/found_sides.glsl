@@ -1,6 +1,6 @@
-// Sides of the surface as strokes found it: the one to which a stroke has carried a normal, and whether a gap has
-// opened in one since. Part of request.comp, with its globals. In double precision: onCarriedSide() of
-// engine/edit/cpu_refit.cpp, and hasOpened() of resampling.cpp.
+// Sides of the surface as strokes found it: the one to which a stroke has carried a normal, and whether a gap may be
+// filled. Part of request.comp, with its globals. In double precision: onCarriedSide() of
+// engine/edit/cpu_refit.cpp, and mayBeFilled() of resampling.cpp.
 #ifndef PALPATE_LIB_FOUND_SIDES_GLSL
 #define PALPATE_LIB_FOUND_SIDES_GLSL
 
@@ -49,11 +49,11 @@ FoundEnds foundEnds(uint otherId, uint otherSlot) {
   return ends;
 }
 
-// Whether the gap has opened in one side of the surface since, if a stroke has moved any of them.
-bool hasOpened(FoundEnds ends, Sector gap) {
+// Whether a gap may be filled, if a stroke has moved any of its ends.
+bool mayBeFilled(FoundEnds ends, Sector gap) {
   const GapAsFound found = GapAsFound(rests.at[gap.id] - self.rest, ends.otherPosition - ends.position, ends.normal,
                                       ends.otherNormal);
-  return !ends.areFound || hasOpened(found, gap.offset, gap.spacing);
+  return !ends.areFound || (areOneSide(found) && (carves || hasOpened(found, gap.offset, gap.spacing)));
 }
 
 #endif

@@ -70,15 +70,20 @@ PALPATE_STRUCT(GapAsFound) {
 };
 PALPATE_SINGLE(GapAsFound);
 
-// Whether a gap has opened between neighbours on one side of the surface since. Only such a gap is filled: between
-// parts that the stroke has brought nearer to each other, as in a fold, or on two sides, a new point would join what
-// does not belong together, with a normal of neither. `offset`: at present; `spacing`: the wider target, model units.
-PALPATE_FORMULA bool hasOpened(PALPATE_OF(GapAsFound) found, PALPATE_VEC3 offset, Real spacing) {
-  const Real apart = length(found.offset);
-  if (min(apart, length(found.rest)) > Real(kNeighboursApart) * spacing) return false;
-  if (apart > Real(kAsWide) * length(offset)) return false;
+// Whether they were on one side of the surface. What a stroke stretches is one side: a new point between two has a
+// normal of neither.
+PALPATE_FORMULA bool areOneSide(PALPATE_OF(GapAsFound) found) {
   const bool isCorner = dot(found.offset, found.normal) > dot(found.offset, found.otherNormal);
   return dot(found.normal, found.otherNormal) >= Real(isCorner ? kTwoSidesInCorner : kTwoSides);
+}
+
+// Whether the gap has opened since, between neighbours. A brush that only moves points fills no other gap: between
+// parts that it has brought nearer to each other, as in a fold, a new point would join what does not belong together. A
+// ball that carves leaves nothing of what was between two points, and fills the gap whatever it was. `offset`: at
+// present; `spacing`: the wider target, model units.
+PALPATE_FORMULA bool hasOpened(PALPATE_OF(GapAsFound) found, PALPATE_VEC3 offset, Real spacing) {
+  const Real apart = length(found.offset);
+  return min(apart, length(found.rest)) <= Real(kNeighboursApart) * spacing && apart <= Real(kAsWide) * length(offset);
 }
 
 // Weight of a neighbour in the fit of a point's normal, 0 to 1, by the cosine between the two normals before: full
