@@ -197,13 +197,19 @@ TEST_CASE("changes are saved first if the user chooses so, and the window closes
 
 TEST_CASE("a failed save keeps the changes and the window open") {
   if (!hasDisplay()) return;
-  // The longest name that can be written: saving fails, since it first writes a temporary file with a longer name.
-  const std::string name = std::string(248, 's') + ".ply";
+  // The longest path that can be read: saving fails, since it first writes a temporary file with a longer name.
+  constexpr std::size_t kLongestPath = 4095, kLongestName = 200;
   const auto played = playWell(
-      "%/" + name + " --size 480x360 --rate 250 --edit push",
+      "%/model.ply --size 480x360 --rate 250 --edit push",
       [&](const auto& folder) {
         makeSphere(folder, 2000);
-        std::filesystem::rename(folder / "sphere.ply", folder / name);
+        std::filesystem::path at = folder;
+        const std::string name = "/sphere.ply";
+        while (at.string().size() + name.size() < kLongestPath)
+          at /= std::string(std::min(kLongestName, kLongestPath - name.size() - at.string().size() - 1), 'd');
+        std::filesystem::create_directories(at);
+        std::filesystem::rename(folder / "sphere.ply", at.string() + name);
+        std::filesystem::create_symlink(at.string() + name, folder / "model.ply");
       },
       std::string(kStroke) + R"(
 1.8 quit
