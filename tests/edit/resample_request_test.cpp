@@ -118,7 +118,7 @@ TEST_CASE("no point is requested in a gap that is not wider than the stroke foun
   struct Apart {
     double rest, found, now;
   };
-  const auto requested = [](const Apart& apart, std::uint32_t stroke) {
+  const auto requested = [](const Apart& apart, std::uint32_t stroke, bool carves = false) {
     auto gap = ring(apart.now);
     const DVec3 aside = glm::normalize(gap[0].offset);
     ResampleNeighbour self = pointAt(DVec3(0), 1);
@@ -128,7 +128,7 @@ TEST_CASE("no point is requested in a gap that is not wider than the stroke foun
     }
     gap[0].rest = apart.rest * aside;
     gap[0].found = apart.found * aside;
-    return requestOf(self, gap).inserts;
+    return resampleRequest(self, {.neighbours = *these(gap), .carves = carves, .moved = false}).inserts;
   };
   CHECK(requested({1, 1, 1.8}, 1));
   CHECK(requested({1, 1.75, 1.8}, 1));
@@ -136,7 +136,8 @@ TEST_CASE("no point is requested in a gap that is not wider than the stroke foun
   CHECK(requested({9, 2.9, 3.5}, 1));
   CHECK(requested({2.9, 3.2, 3.5}, 1));  // others have torn it apart
   CHECK_FALSE(requested({3.1, 3.2, 3.5}, 1));
-  CHECK(requested({3.1, 3.2, 3.5}, 0));  // no stroke has moved any of them
+  CHECK(requested({3.1, 3.2, 3.5}, 0));    // no stroke has moved any of them
+  CHECK(requested({5, 5, 1.8}, 1, true));  // what was between them is carved away
 }
 
 TEST_CASE("of two crowded points one is removed, the unsettled or the later one, never both") {
