@@ -39,7 +39,7 @@ std::string movedText(const DeviceCheckResult& result, std::size_t k) {
   const int axis = result.axes[k];
   if (axis == 0) return "not seen";
   if (axis == static_cast<int>(k) + 1) return "as the hand";
-  return fmt::format("the stylus moved {}", kMoved[static_cast<std::size_t>(axis + 3)]);
+  return fmt::format("the stylus moved {}", kMoved.at(static_cast<std::size_t>(axis) + 3));
 }
 
 std::string axesText(const DeviceCheckResult& result) {

@@ -79,7 +79,7 @@ class MatterParticles {
   const shared::StoppingWalls& walls() const { return walls_; }
   void keepOutOfModel(std::size_t slot, const Vec3& byModel, BlockSums& sums);
   void sumUp(std::size_t slot, BlockSums& sums) const {
-    const DVec3 velocity(Vec3(nextVelocities_[slot]));
+    const DVec3 velocity{Vec3(nextVelocities_[slot])};
     sums.momentum += double{config_.mass_kg} * velocity;
     sums.kinetic_J += 0.5 * double{config_.mass_kg} * glm::dot(velocity, velocity);
   }
