@@ -61,26 +61,28 @@ pp_status answered(pp_session session, std::uint64_t count, double max_distance,
   });
 }
 
-}  // namespace
-
-pp_status pp_session_nearest(pp_session session, const pp_rows* positions, uint64_t count, double max_distance,
-                             pp_surface_point* found) {
+// `search`: of the surface, or of the points alone.
+using Search = std::optional<SurfaceHit> (SurfaceIndex::*)(const DVec3& x, double within) const;
+pp_status nearestTo(pp_session session, const pp_rows* positions, std::uint64_t count, double max_distance,
+                    pp_surface_point* found, Search search) {
   return answered(session, count, max_distance, found, [&] {
-    return [rows = VectorRows(positions, count, "positions"), max_distance](const SurfaceIndex& index,
-                                                                            const DVec3& origin, std::uint64_t row) {
-      return index.nearest(rows.at(row) - origin, max_distance);
+    return [rows = VectorRows(positions, count, "positions"), max_distance, search](
+               const SurfaceIndex& index, const DVec3& origin, std::uint64_t row) {
+      return (index.*search)(rows.at(row) - origin, max_distance);
     };
   });
 }
 
+}  // namespace
+
+pp_status pp_session_nearest(pp_session session, const pp_rows* positions, uint64_t count, double max_distance,
+                             pp_surface_point* found) {
+  return nearestTo(session, positions, count, max_distance, found, &SurfaceIndex::nearest);
+}
+
 pp_status pp_session_nearest_points(pp_session session, const pp_rows* positions, uint64_t count, double max_distance,
                                     pp_surface_point* found) {
-  return answered(session, count, max_distance, found, [&] {
-    return [rows = VectorRows(positions, count, "positions"), max_distance](const SurfaceIndex& index,
-                                                                            const DVec3& origin, std::uint64_t row) {
-      return index.nearestPoint(rows.at(row) - origin, max_distance);
-    };
-  });
+  return nearestTo(session, positions, count, max_distance, found, &SurfaceIndex::nearestPoint);
 }
 
 pp_status pp_session_raycast(pp_session session, const pp_rows* origins, const pp_rows* directions, uint64_t count,

@@ -58,7 +58,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 }  // namespace
 
-TEST_CASE("a file whose name is not UTF-8 stands in a configuration with replaced characters, and is no error") {
+TEST_CASE("a configuration writes a file name that is not UTF-8 with replaced characters, without an error") {
   SessionConfig config;
   config.model.file = "scan\xff.ply";
   CHECK(configText(config).find("scan\xef\xbf\xbd.ply") != std::string::npos);

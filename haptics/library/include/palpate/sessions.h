@@ -59,8 +59,8 @@ typedef struct pp_tick {
 /** A force law of the program, in C or a compatible language: writes the force on the hand, N, for one tick of contact.
  * contact->force_N is the force of palpate's spring and damper. The limits of magnitude and rise still apply to the
  * result. Called on the servo thread in each tick: it must not allocate, wait or throw. A force that is not finite, or
- * whose length is not, is no force, and reported: pp_touch() fails with PP_ERROR_FAILED, a path at its end, with all
- * its ticks written; a live session warns when its ticks are read. */
+ * whose length is not, counts as zero and is reported: pp_touch() fails with PP_ERROR_FAILED, a path at its end, with
+ * all its ticks written; a live session warns when its ticks are read. */
 typedef void (*pp_force_law)(void* user, const pp_pose* pose, const pp_contact* contact, double dt_s,
                              double force_N[3]);
 
