@@ -18,7 +18,7 @@ palpate_tests(motion_gpu LINKS palpate::motion_gpu)
 palpate_tests(edit_gpu LINKS palpate::edit palpate::test_shaders WITH edit_gpu/edited_scene.cpp)
 palpate_tests(mesh_gpu LINKS palpate::mesh WITH mesh_gpu/mesh_reference.cpp)
 palpate_tests(touch_gpu LINKS palpate::touch palpate::render palpate::haptics WITH touch_gpu/gpu_back_end.cpp
-              ALSO ${both_back_ends})
+              allocation_count.cpp ALSO ${both_back_ends})
 palpate_tests(session_gpu LINKS palpate::session_gpu WITH session_gpu/gpu_backend_kind.cpp
               ALSO ${both_session_back_ends})
 if(PALPATE_SIMULATION)

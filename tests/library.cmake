@@ -7,7 +7,7 @@ if(PALPATE_SIMULATION)
 else()
   set(without_matter matter)
 endif()
-palpate_tests(library LINKS ${library_links} WITHOUT ${without_matter})
+palpate_tests(library LINKS ${library_links} WITH allocation_count.cpp WITHOUT ${without_matter})
 set_source_files_properties(library/touch_test.cpp PROPERTIES COMPILE_DEFINITIONS
                             PALPATE_OWN_LAW="$<TARGET_FILE:own_law>")
 set_source_files_properties(library/devices_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS

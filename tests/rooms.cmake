@@ -40,9 +40,9 @@ palpate_tests(edit LINKS palpate::edit_host)
 set(both_back_ends touch/bad_input_test.cpp touch/hands_test.cpp touch/limbs_test.cpp touch/moving_test.cpp
     touch/offered_test.cpp touch/press_test.cpp touch/stream_test.cpp touch/thin_parts_test.cpp
     touch/trench_test.cpp)
-palpate_tests(touch LINKS palpate::touch_host WITH touch/cpu_back_end.cpp)
+palpate_tests(touch LINKS palpate::touch_host WITH touch/cpu_back_end.cpp allocation_count.cpp)
 palpate_tests(mesh LINKS palpate::mesh_host)
-palpate_tests(haptics LINKS palpate::haptics WITH fake_devices/fake_haply.cpp)
+palpate_tests(haptics LINKS palpate::haptics WITH fake_devices/fake_haply.cpp allocation_count.cpp)
 palpate_system_sources(tests_haptics fake_devices/mapped_note)
 add_dependencies(tests_haptics fake_drivers)
 # The cases of these run on the CPU here and on the GPU in tests_session_gpu (session/backend_kind.hpp).
@@ -53,7 +53,7 @@ add_dependencies(tests_session fake_drivers)
 if(PALPATE_SIMULATION)
   # These run on the CPU here and on the GPU in tests_matter_gpu (matter/on_matter.hpp).
   file(GLOB matter_truths RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} matter/*_truths_test.cpp)
-  palpate_tests(matter LINKS palpate::matter WITH matter/matter_on_cpu.cpp)
+  palpate_tests(matter LINKS palpate::matter WITH matter/matter_on_cpu.cpp allocation_count.cpp)
   # Lanes of eight floats are passed between its functions alone.
   set_source_files_properties(matter/neighbours_test.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi")
   palpate_tests(simulation LINKS palpate::session)
