@@ -4,6 +4,7 @@
 #include <limits>
 #include <list>
 #include <span>
+#include <utility>
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
@@ -105,6 +106,19 @@ bool ServoLoop::isOver(std::uint64_t index) const noexcept {
   return index >= plannedTicks_ || (options_.stop && options_.stop->load(std::memory_order_relaxed));
 }
 
+// A device that a person holds is read at each tick; a loop with a held clock waits by itself.
+bool ServoLoop::rest() noexcept {
+  constexpr double kAwake_s = 0.2;  // all effects of the last motion or command are over by then
+  ServoMailbox* const mailbox = options_.mailbox;
+  if (!mailbox || options_.clock || !countsTicks_ || hands_.size() != 1) return false;
+  const std::uint32_t wakes = mailbox->wakes();
+  const bool rests = hands_.front().state().rests && std::exchange(wakes_, wakes) == wakes;
+  rested_s_ = rests ? rested_s_ + 1 / options_.rate_Hz : 0;
+  if (rested_s_ < kAwake_s) return false;
+  mailbox->sleep(wakes);
+  return true;
+}
+
 bool ServoLoop::next(std::uint64_t due, double budget_us, ServoResult& result) noexcept {
   Progress& progress = progress_;
   progress.missed += due - progress.next;
@@ -191,6 +205,8 @@ std::size_t ServoLoop::playByClock(ServoResult& result) {
     if (index == plannedTicks_) break;
     result.late_us.add(-pacer.remaining_us(index));
     if (!next(index, budgetOf(pacer, index), result)) break;
+    // The ticks that it has slept through are not missed.
+    if (rest()) progress_.next = (index = std::max(index, pacer.passed())) + 1;
   }
   result.scheduling = schedulingOfThisThread() - before;
   return progress_.done;

@@ -125,6 +125,9 @@ class ServoLoop {
   std::size_t playByClock(ServoResult& result);
   std::size_t playByDevice(ServoResult& result);
   bool isOver(std::uint64_t index) const noexcept;
+  /// Sleeps once the only hand has rested for a while, where a tick that does not happen is no time (countsTicks).
+  /// Returns whether it has slept.
+  bool rest() noexcept;
   double budgetOf(const TickPacer& pacer, std::uint64_t index) const noexcept;
   struct Progress {
     std::size_t done = 0;
@@ -152,6 +155,8 @@ class ServoLoop {
   std::vector<Hand> hands_;
   bool countsTicks_ = false;      ///< DeviceLimits::countsTicks
   std::vector<Pose> poses_;       ///< of the current tick, one for each hand
+  std::uint32_t wakes_ = 0;       ///< ServoMailbox::wakes() before the last tick
+  double rested_s_ = 0;           ///< since then
   const Hand* failed_ = nullptr;  ///< the first one whose device failed
   Progress progress_;
   double begin_s_ = 0;       ///< the time of tick 0

@@ -53,8 +53,10 @@ void ServoMailbox::serve() noexcept {
   }
 }
 
-// A held clock waits for the program, which may be waiting here.
-void ServoMailbox::wakeLoop() const {
+// A held clock waits for the program, which may be waiting for its command.
+void ServoMailbox::wake() noexcept {
+  wakes_.fetch_add(1, std::memory_order_release);
+  wakes_.notify_one();
   if (SteppedClock* const clock = clock_) clock->wake();
 }
 
@@ -72,7 +74,7 @@ ServoMailbox::Slot* ServoMailbox::claim() {
     if (since.elapsed_s() > timeout_s_)
       throw CommandTimeout("the servo loop has {} commands that it has not run for {:.3g} s; stop the session", kSlots,
                            timeout_s_);
-    wakeLoop();
+    wake();
     std::this_thread::sleep_for(kPoll);
   }
   return nullptr;
@@ -109,7 +111,7 @@ bool ServoMailbox::finish(Slot& slot, Run run) {
       throw CommandTimeout(
           "the servo loop has not run a command for {:.3g} s, and the command was withdrawn; stop the session",
           timeout_s_);
-    wakeLoop();
+    wake();
     std::this_thread::sleep_for(kPoll);
   }
 }

@@ -51,6 +51,13 @@ class ServoMailbox {
                 [](std::byte* room) noexcept { (*std::launder(reinterpret_cast<Act*>(room)))(); });
   }
 
+  /// Ends the sleep of a loop that rests: something may move its hand, or stops it. For any thread; never waits.
+  void wake() noexcept;
+  // For the thread of the loop.
+  std::uint32_t wakes() const noexcept { return wakes_.load(std::memory_order_acquire); }
+  /// Sleeps while wakes() is `seen`.
+  void sleep(std::uint32_t seen) const noexcept { wakes_.wait(seen, std::memory_order_acquire); }
+
   /// For the thread of the loop, between two ticks: runs the commands that wait, kMaxPerTick at most.
   void serve() noexcept;
 
@@ -75,7 +82,6 @@ class ServoMailbox {
   bool finish(Slot& slot, Run run);
   // False if the loop has taken the command meanwhile.
   bool isWithdrawn(Slot& slot);
-  void wakeLoop() const;
 
   double timeout_s_;
   std::array<Slot, kSlots> slots_;
@@ -85,6 +91,7 @@ class ServoMailbox {
   std::atomic<bool> open_ = false;
   std::atomic<std::thread::id> server_;  // the thread of the loop
   std::atomic<SteppedClock*> clock_ = nullptr;
+  std::atomic<std::uint32_t> wakes_ = 0;  // number of calls of wake()
 };
 
 }  // namespace palpate

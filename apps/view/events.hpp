@@ -41,9 +41,11 @@ struct PushEvent {
   bool operator==(const PushEvent&) const = default;
 };
 struct CloseEvent {};
+/// The display has lost the picture of the window.
+struct ExposeEvent {};
 
-using WindowEvent =
-    std::variant<KeyEvent, TextEvent, MouseEvent, ButtonEvent, WheelEvent, DropEvent, PushEvent, CloseEvent>;
+using WindowEvent = std::variant<KeyEvent, TextEvent, MouseEvent, ButtonEvent, WheelEvent, DropEvent, PushEvent,
+                                 CloseEvent, ExposeEvent>;
 
 /// An event and its time, s: of the script, or of the machine.
 struct TimedEvent {

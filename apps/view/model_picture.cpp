@@ -34,26 +34,30 @@ void ModelPicture::fit(const UVec2& window_px, std::uint32_t supersample) {
   supersample_ = supersample;
 }
 
-void ModelPicture::record(CommandList& list, WindowSession& session, const ShownMesh& mesh, const Camera& camera,
-                          const FrameOptions& options) {
-  const bool drawsMesh = mesh.triangleCount() > 0;
-  const Scene scene{camera, options, session.edits(), session.frames(), drawsMesh ? mesh.version() : 0};
-  if (scene_ == scene) return;
-  scene_ = scene;
-  isNew_ = true;
-  ++made_;
-  if (drawsMesh)
-    frame_->record(list, mesh.drawn(session.bounds()), camera, options);
-  else
-    frame_->record(list, session.drawn(), camera, options);
+bool ModelPicture::aim(const WindowSession& session, const ShownMesh& mesh, const Camera& camera,
+                       const FrameOptions& options, const DVec2& cursor_px) {
+  next_ = {camera, options, session.edits(), session.frames(), mesh.triangleCount() > 0 ? mesh.version() : 0};
+  cursor_px_ = cursor_px;
+  return scene_ != next_ || asked_.place_px != cursor_px;
 }
 
-void ModelPicture::recordPick(CommandList& list, const DVec2& cursor_px, const DVec2& window_px) {
+void ModelPicture::record(CommandList& list, WindowSession& session, const ShownMesh& mesh) {
+  if (scene_ == next_) return;
+  scene_ = next_;
+  isNew_ = true;
+  ++made_;
+  if (mesh.triangleCount() > 0)
+    frame_->record(list, mesh.drawn(session.bounds()), scene_->camera, scene_->options);
+  else
+    frame_->record(list, session.drawn(), scene_->camera, scene_->options);
+}
+
+void ModelPicture::recordPick(CommandList& list, const DVec2& window_px) {
   const UVec2 size_px(frame_->width(), frame_->height());
   const Buffer& depths = frame_->depthImage();
   const UVec2 at =
-      glm::min(UVec2(glm::clamp(glm::floor(cursor_px), DVec2(0), window_px - 1.0) / double(shrink_)), size_px - 1u);
-  asked_ = {.place_px = cursor_px, .beside_px = double(kBeside * shrink_)};
+      glm::min(UVec2(glm::clamp(glm::floor(cursor_px_), DVec2(0), window_px - 1.0) / double(shrink_)), size_px - 1u);
+  asked_ = {.place_px = cursor_px_, .beside_px = double(kBeside * shrink_)};
   const UVec2 low = at - glm::min(at, UVec2(kBeside)), high = glm::min(at + kBeside, size_px - 1u);
   const UVec2 places[kPicked] = {at, {low.x, at.y}, {high.x, at.y}, {at.x, low.y}, {at.x, high.y}};
   for (std::size_t k = 0; k < kPicked; ++k)

@@ -25,16 +25,21 @@ class ModelPicture {
   void forget() { scene_.reset(); }
   bool exists() const { return frame_ != nullptr; }
 
-  /// Draws the triangles if there are any, else the discs.
-  void record(CommandList& list, WindowSession& session, const ShownMesh& mesh, const Camera& camera,
-              const FrameOptions& options);
+  /// What the next picture shows, and the cursor: the triangles if there are any, else the discs. Returns whether it
+  /// differs from the last picture.
+  bool aim(const WindowSession& session, const ShownMesh& mesh, const Camera& camera, const FrameOptions& options,
+           const DVec2& cursor_px);
+  /// Draws it, unless only the cursor differs.
+  void record(CommandList& list, WindowSession& session, const ShownMesh& mesh);
   /// Copies the depth under the cursor; takePick() reads it once the GPU has finished the picture.
-  void recordPick(CommandList& list, const DVec2& cursor_px, const DVec2& window_px);
+  void recordPick(CommandList& list, const DVec2& window_px);
   void takePick();
   const Pick& picked() const { return picked_; }
   /// The surface in the last picture, once the GPU has finished it; reads all of its depths.
   FoundSurface surface(const DVec2& window_px);
 
+  /// Whether it was drawn in this frame.
+  bool isNew() const { return isNew_; }
   /// Called after each frame, with its duration.
   void noteTime(double time_ms);
   /// Passes of the model's last picture, which `list` recorded and the GPU has finished.
@@ -56,7 +61,8 @@ class ModelPicture {
   Device& sight_;
   std::unique_ptr<Frame> frame_;
   std::uint32_t supersample_ = 0, shrink_ = 1;
-  std::optional<Scene> scene_;  // of the picture in frame_
+  std::optional<Scene> scene_, next_;  // of the picture in frame_, and of the next one
+  DVec2 cursor_px_{0};
   Buffer pick_;
   Pick asked_, picked_;
   std::uint64_t made_ = 0;

@@ -29,6 +29,10 @@ void PointingDevices::setDevice(std::shared_ptr<TurnedDevice> device, const Poin
   device_ = std::move(device);
 }
 
+bool PointingDevices::mayMove() const {
+  return isTouching() || (spaceMouse_ && spaceMouse_->isThere()) || window_.gamepad();
+}
+
 void PointingDevices::moveMouse(const DVec2& place_px, const Pointed& at) {
   const DVec2 way_px = place_px - std::exchange(cursor_px_, place_px);
   hand_.giveToPad(false);

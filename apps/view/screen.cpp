@@ -6,6 +6,7 @@
 #include "apps/view/gui.hpp"
 #include "apps/view/messages.hpp"
 #include "apps/view/model_picture.hpp"
+#include "engine/core/checksum.hpp"
 #include "engine/core/thread_priority.hpp"
 #include "engine/render/image.hpp"
 
@@ -28,7 +29,7 @@ Screen::Screen(Window& window, Device& sight, const Gui& gui, std::optional<Pres
 
 void Screen::fit(const UVec2& window_px, bool waitsForDisplay) {
   if (window_px != presenter_->size_px() || waitsForDisplay != presenter_->waitsForDisplay())
-    presenter_->change(window_px, waitsForDisplay);
+    presenter_->change(window_px, waitsForDisplay), forget();
   wasShown_ = true;
 }
 
@@ -38,7 +39,20 @@ void Screen::compose(CommandList& list, const Layers& layers, const PanelShapes&
                     layers.dark ? kDark : kLight, presenter_->blueFirst());
 }
 
-void Screen::show(const Layers& layers) {
+std::uint64_t Screen::contentOf(const Layers& layers) const {
+  Checksum sum;
+  sum.addValue(std::uint64_t{layers.model != nullptr} << 1 | std::uint64_t{layers.dark});
+  sum.addValue(std::uint64_t{size_px().x} << 32 | std::uint64_t{size_px().y});
+  sum.addValue(gui_.fontVersion());
+  sum.add(std::as_bytes(layers.panels.vertices));
+  sum.add(std::as_bytes(layers.panels.triangles));
+  sum.add(std::as_bytes(layers.panels.clips));
+  return sum.value();
+}
+
+bool Screen::show(const Layers& layers) {
+  const std::uint64_t content = contentOf(layers);
+  if (!layers.modelDiffers && content_ == content) return false;
   if (std::exchange(fontVersion_, gui_.fontVersion()) != gui_.fontVersion())
     panelPass_.setTexture(gui_.texture(), gui_.texture_px());
   const UVec2 size_px = presenter_->size_px();
@@ -51,6 +65,8 @@ void Screen::show(const Layers& layers) {
     if (layers.drawModel) layers.drawModel(list_);
     compose(list_, layers, layers.panels, shown_);
   });
+  content_ = wasShown_ ? std::optional(content) : std::nullopt;
+  return true;
 }
 
 void Screen::writeKept(const Layers& layers, Messages& messages) {

@@ -29,14 +29,17 @@ class Screen {
 
   struct Layers {
     std::function<void(CommandList&)> drawModel;  ///< empty: no model
+    bool modelDiffers = false;                    ///< from the last picture shown
     const ModelPicture* model = nullptr;          ///< target of drawModel
     PanelShapes panels;
     PanelShapes behindPanels;  ///< the part that pictures of the model contain too: scale and heights
     bool dark = true;          ///< background without a model
     int servoCore = -1;        ///< core that a software driver avoids; negative: no servo thread runs
   };
-  /// Only while isVisible().
-  void show(const Layers& layers);
+  /// Only while isVisible(). False, with nothing drawn, if the picture would be the one that is shown already.
+  bool show(const Layers& layers);
+  /// The next picture is shown in any case.
+  void forget() { content_.reset(); }
   /// Whether the display accepted the last picture; otherwise it was not drawn.
   bool wasShown() const { return wasShown_; }
   /// Waits until the GPU has finished the last picture.
@@ -56,6 +59,7 @@ class Screen {
     std::string file;
     Of of = Of::window;
   };
+  std::uint64_t contentOf(const Layers& layers) const;
   void compose(CommandList& list, const Layers& layers, const PanelShapes& panels, const Buffer& into);
   void write(const Kept& kept, const Layers& layers);
 
@@ -68,6 +72,7 @@ class Screen {
   Buffer shown_;
   UVec2 shown_px_{0};
   bool wasShown_ = true;
+  std::optional<std::uint64_t> content_;  // checksum of what is shown, apart from the model
   std::optional<Kept> kept_;
 };
 

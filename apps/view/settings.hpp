@@ -24,7 +24,7 @@ struct ViewSettings {
   bool followsSurface = true;  ///< the stylus stays at the visible surface under the cursor; else in one plane
   double press_mm = 2.5;       ///< depth that the hand aims at while it presses
   bool waitsForDisplay = true;
-  bool panels = true, plots = true, help = false;
+  bool panels = true, plots = false, help = false;
 
   UpAxis upOf(const Model& model) const { return up.value_or(model.upright.up); }
   LengthUnit unitOf(const Model& model) const { return unit.value_or(unitSaidIn(model.cloud.storedAs.comments)); }

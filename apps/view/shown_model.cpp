@@ -64,11 +64,16 @@ void ShownModel::fit(const UVec2& window_px, const ViewSettings& view) {
   picture_.fit(window_px, view.smoothOutlines ? 2 : 1);
 }
 
-void ShownModel::record(CommandList& list, WindowSession& session, const Camera& camera, const ViewSettings& view,
-                        bool touched) {
+bool ShownModel::aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
+                     const DVec2& cursor_px) {
   FrameOptions options = frameOptions(session, view, touched);
   options.lines = lines_.lines();
-  picture_.record(list, session, mesh_, camera, options);
+  return picture_.aim(session, mesh_, camera, options, cursor_px);
+}
+
+void ShownModel::record(CommandList& list, WindowSession& session, const UVec2& window_px) {
+  picture_.record(list, session, mesh_);
+  picture_.recordPick(list, DVec2(window_px));
 }
 
 }  // namespace palpate

@@ -26,8 +26,12 @@ class ShownModel {
   void choosePace(bool moves, double clock_s, bool inFull);
   /// Sets the picture's size for the window.
   void fit(const UVec2& window_px, const ViewSettings& view);
-  /// Draws the model; `touched`: with the stylus.
-  void record(CommandList& list, WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched);
+  /// Sets what the next picture shows, and the cursor; `touched`: with the stylus. Returns whether it differs from the
+  /// last picture.
+  bool aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
+           const DVec2& cursor_px);
+  /// Draws that, and notes the depth under the cursor.
+  void record(CommandList& list, WindowSession& session, const UVec2& window_px);
 
   ModelPicture& picture() { return picture_; }
   const ModelPicture& picture() const { return picture_; }

@@ -13,6 +13,7 @@ class SpaceMouse {
   /// Uses the first usable 3D mouse. Having none is not an error; one that cannot be used is reported in a remark.
   SpaceMouse();
 
+  bool isThere() const { return listener_ != nullptr; }
   /// The present state, if it has changed since the last call.
   std::optional<PushEvent> changed();
   /// Remarks to the user since the last call.

@@ -26,7 +26,6 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
   view.resolution = options.resolution;
   // A script with its own clock need not wait for the display.
   if (script_.hasOwnClock()) view.waitsForDisplay = false;
-  view.plots = double(options.size_px.x) >= panels_.roomyWidth_px();
   followDevice();
   document_.offer(options.models);
   if (!options.models.empty()) document_.open(options.models.front());
@@ -42,18 +41,13 @@ void Viewer::run() {
 }
 
 void Viewer::step() {
-  constexpr double kIdle_s = 0.02;  // wait for events while nothing is shown
-  constexpr double kFirst_s = 1.0 / 60;
-  const bool visible = window_.size_px().x > 0 && window_.size_px().y > 0;
-  handleEvents(visible ? 0 : kIdle_s);
+  handleEvents(wait_s());
+  const double sinceLast_s = pace_.begin();
   if (const auto push = pointing_.takePush(messages_)) handle(*push);
-  playScript();
+  playScript(sinceLast_s);
   now_s_ = script_.clock_s();
   if (document_.load([this] { letGo(); })) welcome();
-  const double dt_s = script_.hasOwnClock() ? ScriptPlayer::kStep_s
-                      : pace_.count() == 0  ? kFirst_s
-                                            : pace_.last_ms() * 1e-3;
-  const Stopwatch watch;
+  const double dt_s = script_.hasOwnClock() ? ScriptPlayer::kStep_s : sinceLast_s;
   messages_.dropOld();
   followDevice();
   followSession();
@@ -64,18 +58,30 @@ void Viewer::step() {
     pointing_.move(dt_s, settings_.view, pointed());
   if (WindowSession* session = document_.session()) session->drawUntil(events_.known_s(script_.known_s()));
   playTicks();
-  draw(dt_s);
+  const bool isShown = draw(dt_s);
   if (closing_ == Closing::asked && !document_.isLeaving()) {
     closing_ = Closing::no;
     document_.leave("the window closes", [this] { closing_ = Closing::done; });
   }
-  pace_.add(watch.elapsed_us() * 1e-3);
+  pace_.end(isShown, shown_.picture().isNew());
   shown_.picture().noteTime(pace_.last_ms());
+}
+
+// A script goes on with each frame; what other threads bring, and pads, is looked for as often as the display
+// refreshes.
+double Viewer::wait_s() {
+  const WindowSession* session = document_.session();
+  const bool moves = session && (session->config().moves() || session->config().model.join || session->isPlaying());
+  if (!script_.isOver() && script_.hasOwnClock()) return 0;
+  return !events_.isEmpty() ? 0
+                            : pace_.wait_s(moves || pointing_.mayMove() || document_.isBusy() || !script_.isOver() ||
+                                           held_.stage() != HeldDevice::Stage::mouse || held_.isLooking());
 }
 
 // The window system does not tell when events came: they are spread over the time since the last look.
 void Viewer::handleEvents(double wait_s) {
   const std::vector<WindowEvent> events = window_.takeEvents(wait_s);
+  if (!events.empty()) pace_.wake();
   const double from_s = std::exchange(polled_s_, script_.clock_s());
   events_.add(events, from_s, polled_s_);
   if (isFinishing()) return events_.forgetSeen();  // the next press begins on the surface that this stroke leaves
@@ -93,6 +99,7 @@ bool Viewer::isFinishing() const {
 }
 
 void Viewer::handle(const WindowEvent& event) {
+  if (std::holds_alternative<ExposeEvent>(event)) screen_.forget();
   if (gui_.feed(event)) return;
   if (const auto* key = std::get_if<KeyEvent>(&event)) {
     const bool repeats = keyboard_.note(*key);
@@ -122,11 +129,11 @@ bool Viewer::scriptWaits() const {
   return ((document_.isBusy() || shown_.mesh().isAnnounced() || saves) && !script_.isImpatient()) || isUnseen;
 }
 
-void Viewer::playScript() {
+void Viewer::playScript(double sinceLast_s) {
   const bool isFinishing = this->isFinishing();
   if (script_.isOver() || (script_.hasOwnClock() && !screen_.wasShown())) return;
   if (!isFinishing && (scriptWaits() || !events_.isEmpty())) return;
-  if (pace_.count() > 0) script_.passPicture(pace_.last_ms() * 1e-3);
+  if (pace_.count() > 0) script_.passPicture(sinceLast_s);
   // An action runs only once the model is loaded, and each button press only after a frame has handled the one before.
   while (!isFinishing && !scriptWaits()) {
     const auto timed = script_.takeDue();

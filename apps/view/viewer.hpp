@@ -46,7 +46,7 @@ class Viewer {
   void handle(const WindowEvent& event);
   void handleEvents(double wait_s);
   bool isFinishing() const;
-  void playScript();
+  void playScript(double sinceLast_s);
   bool scriptWaits() const;
   void act(const TimedAction& timed);
   void click(const std::string& name);
@@ -65,7 +65,10 @@ class Viewer {
   void sayLost(const std::string& failure);
   void playTicks();
   void applySettings();
-  void draw(double dt_s);
+  /// Returns whether a frame was shown: it would have differed from the last one.
+  bool draw(double dt_s);
+  /// How long to wait for events before the next frame.
+  double wait_s();
   void keepClear(double before_px, double now_px);
   void fitCamera();
   void copyPlaces();

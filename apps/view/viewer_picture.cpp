@@ -33,7 +33,7 @@ void Viewer::keepClear(double before_px, double now_px) {
     settings_.view.panels = panels_.hasRoomBeside(now_px);
 }
 
-void Viewer::draw(double dt_s) {
+bool Viewer::draw(double dt_s) {
   const UVec2 window_px = window_.size_px();
   if (window_px.x != screen_.size_px().x && screen_.isVisible() && window_px.x > 0)
     keepClear(screen_.size_px().x, window_px.x);
@@ -41,7 +41,7 @@ void Viewer::draw(double dt_s) {
   if (window_px.x > 0 && (std::exchange(free_px_, free_px) != free_px || window_px.x != screen_.size_px().x))
     viewpoint_.centerIn(free_px, window_px.x);
   screen_.fit(window_px, settings_.view.waitsForDisplay);
-  if (!screen_.isVisible()) return;
+  if (!screen_.isVisible()) return false;
 
   gui_.begin(screen_.size_px(), dt_s);
   const ViewCommands commands = panels_.draw(status(), settings_);
@@ -62,15 +62,14 @@ void Viewer::draw(double dt_s) {
     shown_.fit(screen_.size_px(), settings_.view);
     layers.servoCore = session->session().live()->core();
     layers.model = &shown_.picture();
-    layers.drawModel = [&](CommandList& list) {
-      viewpoint_.setDepthRange(session->bounds(), session->longestSide());
-      shown_.record(list, *session, viewpoint_.camera(), settings_.view,
-                    pointing_.isTouching() || session->isPlaying());
-      shown_.picture().recordPick(list, pointing_.cursor_px(), DVec2(screen_.size_px()));
-    };
+    viewpoint_.setDepthRange(session->bounds(), session->longestSide());
+    layers.modelDiffers = shown_.aim(*session, viewpoint_.camera(), settings_.view,
+                                     pointing_.isTouching() || session->isPlaying(), pointing_.cursor_px());
+    layers.drawModel = [&](CommandList& list) { shown_.record(list, *session, screen_.size_px()); };
   }
-  screen_.show(layers);
+  const bool isShown = screen_.show(layers);
   screen_.writeKept(layers, messages_);
+  return isShown;
 }
 
 }  // namespace palpate

@@ -67,6 +67,7 @@ void listen(GLFWwindow* window) {
   glfwSetDropCallback(window, [](GLFWwindow* from, int count, const char** files) {
     eventsOf(from).push_back(DropEvent{{files, files + count}});
   });
+  glfwSetWindowRefreshCallback(window, [](GLFWwindow* from) { eventsOf(from).push_back(ExposeEvent{}); });
   glfwSetWindowCloseCallback(window, [](GLFWwindow* from) { eventsOf(from).push_back(CloseEvent{}); });
 }
 

@@ -54,12 +54,13 @@ DeviceLimits GuidedTouch::limits() const {
   return limits;
 }
 
-void GuidedTouch::aim(const DVec3& place, bool sculpts) noexcept {
-  if (!isFinite(place)) return;
+bool GuidedTouch::aim(const DVec3& place, bool sculpts) noexcept {
+  if (!isFinite(place) || (!aim_.lifted && place == aim_.place && sculpts == aim_.sculpts)) return false;
   aim_.putDowns += std::exchange(aim_.lifted, false);
   aim_.place = place;
   aim_.sculpts = sculpts;
   latest_.store(aim_);
+  return true;
 }
 
 void GuidedTouch::lift() noexcept {
@@ -155,6 +156,8 @@ DeviceState GuidedTouch::read(double time_s) noexcept {
   DeviceState state = hand_.read(time_s);
   state.putDown = moved;
   state.buttons = aim.sculpts ? kSculptButton : 0;
+  const bool isStill = std::exchange(lastPosition_, state.position) == state.position;
+  state.rests = isStill && !moved && !aim.sculpts && !toProxy_;
   return state;
 }
 

@@ -33,8 +33,8 @@ class GuidedTouch final : public HapticDevice {
 
   // For the thread that aims.
   /// Sets the intended position, model units, and whether the button that sculpts is held. Puts a lifted stylus down
-  /// there.
-  void aim(const DVec3& place, bool sculpts = true) noexcept;
+  /// there. False if nothing has changed by it.
+  bool aim(const DVec3& place, bool sculpts = true) noexcept;
   /// Takes the stylus away from the model, with its button released.
   void lift() noexcept;
   /// Poses of a stroke, one a tick; from the first one to the one that ends it no aim has an effect. Only with
@@ -84,6 +84,7 @@ class GuidedTouch final : public HapticDevice {
   bool wasDrawn_ = false;          // a stroke has ended since the last aim
   DVec3 hip_{0};                   // during a stroke; model units, as the next one
   double inward_ = 0;
+  DVec3 lastPosition_{0};         // as it was read last, in the device's unit
   double lost_s_ = 0;             // without contact, or far from it
   std::optional<DVec3> toProxy_;  // at the last tick, in the device's unit; empty without contact
 };

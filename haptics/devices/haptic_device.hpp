@@ -22,6 +22,8 @@ struct DeviceState {
   bool rendersForce = true;
   /// The position of this tick is not known yet, where ticks are counted: nothing is asked, and there is no force.
   bool waits = false;
+  /// Nothing moves the device but a program, which then calls ServoMailbox::wake(): the loop may sleep until then.
+  bool rests = false;
   bool ok = false;  ///< false: the device failed; the other fields are invalid
 };
 

@@ -188,7 +188,10 @@ void InteractiveSession::press(PointerStroke stroke) {
 
 void InteractiveSession::drawUntil(double known_s) {
   while (stroke_ && stylus_.canDraw() && stroke_->isKnown(known_s)) {
-    if (const auto pose = stroke_->next()) stylus_.draw(*pose);
+    if (const auto pose = stroke_->next()) {
+      stylus_.draw(*pose);
+      session_.live()->wake();
+    }
     if (stroke_->isOver()) stroke_.reset();
   }
   if (failed_) dropStroke();

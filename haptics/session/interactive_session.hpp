@@ -77,8 +77,13 @@ class InteractiveSession {
   bool hasLostDevice() const { return failed_ && options_.device && session_.live()->deviceFailed(); }
 
   // The guided stylus; positions in file coordinates. No effect where a person holds a device.
-  void aim(const DVec3& place, bool sculpts = true) { stylus_.aim(place, sculpts); }
-  void lift() { stylus_.lift(); }
+  void aim(const DVec3& place, bool sculpts = true) {
+    if (stylus_.aim(place, sculpts)) session_.live()->wake();
+  }
+  void lift() {
+    stylus_.lift();
+    session_.live()->wake();
+  }
   /// How a stroke of this session's pointer presses, `press_mm` deep.
   StrokeOptions strokeOptions(double press_mm) const;
   /// The stylus follows that stroke, in place of aims, until it is over. No effect while a stroke is in progress.

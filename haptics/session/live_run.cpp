@@ -53,6 +53,7 @@ bool LiveRun::pause() {
   if (!thread_.joinable()) return false;
   stop_ = true;
   if (options_.clock) options_.clock->letGo();
+  wake();
   thread_.join();
   feed_.take(before_);
   if (!before_.empty()) options_.begin_s = before_.back().time_s + 1 / options_.rate_Hz;

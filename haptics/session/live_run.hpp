@@ -41,6 +41,8 @@ class LiveRun {
   bool pause();
   /// Starts a thread again, one tick after the last, unless one is running.
   void resume();
+  /// The hand of a resting loop may move (ServoMailbox::wake()).
+  void wake() noexcept { mailbox_.wake(); }
   /// Sets the hands of the next thread.
   void setHands(std::vector<OpenHand> hands) { hands_ = std::move(hands); }
   const std::vector<OpenHand>& hands() const { return hands_; }

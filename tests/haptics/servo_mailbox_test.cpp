@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "haptics/devices/guided_touch.hpp"
 #include "haptics/devices/simulated_touch.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/allocation_count.hpp"
@@ -197,6 +198,50 @@ TEST_CASE("each command runs once or is returned, however loops begin and end") 
   posters.clear();
   CHECK(ran == posted);
   CHECK(ran > 0);
+}
+
+TEST_CASE("a loop sleeps while a guided stylus rests, and wakes within a few ticks of an aim, a command and its end") {
+  ServoMailbox mailbox;
+  mailbox.open();
+  GuidedTouch stylus({}, {0, 0, 90}, {.countsTicks = true});
+  SphereContact sphere(10);
+  std::atomic<bool> stop = false;
+  struct Count final : TickRecorder {
+    void ticked(const TraceRow&, const DeviceState&) noexcept override { ++number; }
+    std::atomic<std::uint64_t> number = 0;
+  } count;
+  const std::atomic<std::uint64_t>& ticks = count.number;
+  std::uint64_t missed = 1;
+  std::jthread thread([&] {
+    ServoLoop loop(stylus, sphere, ForceLaw({}, {}),
+                   {.endless = true, .realtime = true, .stop = &stop, .recorder = &count, .mailbox = &mailbox});
+    missed = loop.run().trace().missedTicks;
+    mailbox.close();
+  });
+  const auto comesTo = [](const auto& sign) {
+    for (int i = 0; i < 5000 && !sign(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return sign();
+  };
+  const auto isAsleep = [&] {
+    const std::uint64_t before = ticks;
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    return before > 0 && ticks == before;
+  };
+  CHECK(comesTo(isAsleep));
+  std::uint64_t before = ticks;
+  CHECK(stylus.aim({0, 0, 40}, false));
+  CHECK_FALSE(stylus.aim({0, 0, 40}, false));
+  mailbox.wake();
+  CHECK(comesTo([&] { return ticks > before + 100; }));  // until the hand is there
+  CHECK(comesTo(isAsleep));
+  before = ticks;
+  CHECK(mailbox.post([]() noexcept {}));
+  CHECK(comesTo([&] { return ticks > before; }));
+  CHECK(comesTo(isAsleep));
+  stop = true;
+  mailbox.wake();
+  thread.join();
+  CHECK(missed < ticks / 10);  // the ticks that were slept through are not missed
 }
 
 }  // namespace palpate::servo_mailbox_test
