@@ -71,9 +71,9 @@ TEST_CASE("the mouse and the keys move the view") {
   CHECK(glm::distance(eye("y.json").direction(), DVec3(0, 1, 0)) < 0.2);  // not exactly, so that up stays up
   CHECK(glm::distance(eye("z.json").direction(), DVec3(0, 0, 1)) < 0.01);
   CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));  // Q closes the window
-  // A model at rest is not drawn again.
+  // What has not changed is not drawn again.
   const auto count = [&](const char* name, const char* what) { return played->state(name)[what].get<int>(); };
-  CHECK(count("begin.json", "pictures") > count("still.json", "pictures"));
+  CHECK(count("begin.json", "pictures") == count("still.json", "pictures"));
   CHECK(count("begin.json", "pictures_of_model") == count("still.json", "pictures_of_model"));
   CHECK(count("panned.json", "pictures_of_model") > count("begin.json", "pictures_of_model"));
   CHECK(count("y.json", "pictures_of_model") == count("behind_x.json", "pictures_of_model") + 1);

@@ -28,6 +28,7 @@ constexpr const char* kStroke = R"(
 TEST_CASE("the curves pause, and are exported to CSV files, none of which overwrites another") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 800x400 --rate 500", makeTwo, R"(
+0.1 key c
 0.1 mouse 408 200
 0.4 key space down
 0.5 button left down
@@ -79,6 +80,7 @@ TEST_CASE("the curves pause, and are exported to CSV files, none of which overwr
 TEST_CASE("the model is centred in the area that the panels leave free, in dark and in light") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply", makeTwo, R"(
+0.1 key c
 0.4 screenshot %/large.png
 0.5 resize 600 400
 1.2 screenshot %/small.png
