@@ -66,21 +66,6 @@ struct ConvertInput {
   std::vector<std::pair<std::string_view, std::uint64_t>> counts = {};
 };
 
-// Column names from the command line.
-std::vector<std::string> columnsOf(const ConvertOptions& options, const CloudFormat& from) {
-  if (options.columns.empty()) return {};
-  if (!from.isText) throw UsageError("--columns applies to text files only; {} names its own columns", from.name);
-  std::vector<std::string> names(1);
-  for (const char c : options.columns) {
-    if (c != ',' && c != ' ')
-      names.back() += c;
-    else if (!names.back().empty())
-      names.emplace_back();
-  }
-  if (names.back().empty()) names.pop_back();
-  return names;
-}
-
 std::size_t samplesOf(const ConvertOptions& options, const CloudFormat& from) {
   if (options.samples > 0 && !from.ofTriangles)
     throw UsageError("--samples applies to meshes only; {} contains points", from.name);
@@ -97,7 +82,7 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
                                  .keepUnreliable = !options.dropsUnreliable,
                                  .samples = samplesOf(options, from),
                                  .asTriangles = from.ofTriangles && to.ofTriangles && options.samples == 0,
-                                 .columns = columnsOf(options, from)}),
+                                 .columns = columnsFor(options.columns, from)}),
             .format = std::string(from.name)};
   }
   FusedFolder fused = readFused(context, options.input,

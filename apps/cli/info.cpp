@@ -1,6 +1,7 @@
 #include <fmt/ranges.h>
 
 #include "apps/cli/look.hpp"
+#include "apps/cli/model.hpp"
 #include "apps/cli/results.hpp"
 #include "apps/cli/scene_info.hpp"
 #include "apps/cli/stream_options.hpp"
@@ -25,7 +26,7 @@ struct ModelInfo {
   std::string_view format;
   FileContents contents;
   std::vector<std::string> lost;
-  std::string leftOut;
+  std::string assumed, leftOut;
   Model model;
   Upright upright;
   HeightRange heights;
@@ -37,11 +38,29 @@ struct ModelInfo {
   GpuMemory memory;
 };
 
-ModelInfo infoOf(const Context& context, const std::string& file, const LookOptions& look, bool keepUnreliable) {
+struct InfoOptions {
+  std::string file, columns;
+  LookOptions look;
+  bool keepUnreliable = false;
+  StreamOptions stream;
+};
+
+ModelInfo infoOf(const Context& context, const InfoOptions& options) {
+  const std::string& file = options.file;
+  const LookOptions& look = options.look;
+  const CloudFormat& format = cloudFormats().toRead(file);
+  const std::vector<std::string> columns = columnsFor(options.columns, format);
   // Before the contents, which are not read so thoroughly: every subcommand reports the same error of a file.
-  StoredCloud stored = readCloud(file, nullptr, {.keepUnreliable = keepUnreliable});
-  ModelInfo info{.format = cloudFormats().toRead(file).name, .contents = contentsOf(file)};
+  StoredCloud stored = readCloud(file, nullptr, {.keepUnreliable = options.keepUnreliable, .columns = columns});
+  ModelInfo info{.format = format.name, .contents = {}};
+  if (columns.empty()) {
+    info.contents = contentsOf(file);
+  } else {
+    FileElement& element = info.contents.elements.emplace_back(FileElement{"vertex", stored.cloud.size(), {}});
+    for (const std::string& name : columns) element.properties.push_back({name});
+  }
   info.lost = std::move(stored.lost);
+  info.assumed = std::move(stored.assumed);
   info.leftOut = std::move(stored.leftOut);
   info.model = {.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};
   const PointCloud& cloud = info.model.cloud;
@@ -101,6 +120,8 @@ void print(std::FILE* out, const std::string& file, const ModelInfo& info) {
     for (const FileElement::Property& property : element.properties) fmt::print(out, " {}", property.name);
     fmt::print(out, "\n");
   }
+  if (!info.assumed.empty())
+    fmt::print(out, "  columns without names, taken as {}; --columns names them otherwise\n", info.assumed);
   if (!info.lost.empty()) fmt::print(out, "  not kept: {}\n", fmt::join(info.lost, ", "));
   if (!info.leftOut.empty()) fmt::print(out, "  left out: {}; --keep-unreliable keeps them\n", info.leftOut);
   if (!info.model.cloud.empty()) printPoints(out, info);
@@ -122,6 +143,8 @@ constexpr Reported<ModelInfo> kModelInfo[]{
        return elements;
      }},
     {"lost", "", "what palpate does not read", [](const ModelInfo& i) -> Value { return i.lost; }},
+    {"assumed_columns", "", "names that were assumed for the columns of text without names; else null",
+     [](const ModelInfo& i) -> Value { return orNull(i.assumed); }},
     {"left_out", "", "points that were left out, in words; else null",
      [](const ModelInfo& i) -> Value { return orNull(i.leftOut); }},
     {"cameras", "", "cameras that took pictures", [](const ModelInfo& i) -> Value { return i.model.cameras.size(); }},
@@ -163,14 +186,45 @@ constexpr Reported<ModelInfo> kModelInfo[]{
     {"gpu_bytes.total", "B", "in total", [](const ModelInfo& i) -> Value { return i.memory.total(); }},
 };
 
-void info(Context& context, const std::string& file, const LookOptions& look, bool keepUnreliable) {
+/// The first rows of a text file, and the names of their columns as understood.
+void printColumns(std::FILE* out, const std::string& file, const CloudFormat& format) {
+  constexpr std::size_t kRows = 5;
+  std::vector<std::string> names;
+  std::string why;
+  try {
+    for (const FileElement::Property& property : contentsOf(file).elements.at(0).properties)
+      names.push_back(property.name);
+  } catch (const FileError& error) {
+    why = error.what();
+  }
+  const auto start = startOf(file);
+  const auto rows = start ? start->lines(kRows) : std::vector<std::vector<std::string>>{};
+  std::size_t columns = names.size();
+  for (const auto& row : rows) columns = std::max(columns, row.size());
+  fmt::print(out, "{}: {}, columns as understood\n", file, format.name);
+  for (std::size_t k = 0; k < columns; ++k) {
+    fmt::print(out, "  {:>2}  {:<16}", k + 1, k < names.size() ? names[k] : "?");
+    for (const auto& row : rows) fmt::print(out, "  {:<14}", k < row.size() ? row[k] : "");
+    fmt::print(out, "\n");
+  }
+  if (!why.empty()) fmt::print(out, "  not read yet: {}\n", why);
+  fmt::print(out, "  --columns NAMES names them otherwise, as in --columns x,y,z,intensity\n");
+}
+
+void info(Context& context, const InfoOptions& options) {
+  const std::string& file = options.file;
   std::error_code ignored;
   if (file == "-" || std::filesystem::is_fifo(file, ignored) || std::filesystem::is_character_file(file, ignored))
     throw Error(
         "{}: a pipe can be read only once, and info reads twice; palpate convert /dev/stdin FILE.ply writes PLY "
         "from a pipe to a file",
         file);
-  const ModelInfo info = infoOf(context, file, look, keepUnreliable);
+  if (options.columns == "?") {
+    const CloudFormat& format = cloudFormats().toRead(file);
+    columnsFor(options.columns, format);  // refuses what is not text
+    return printColumns(context.tables(), file, format);
+  }
+  const ModelInfo info = infoOf(context, options);
   print(context.tables(), file, info);
   context.writeJson(jsonBy(kModelInfo, info));
 }
@@ -221,26 +275,26 @@ void listInfoResults(std::vector<ResultFacts>& all) {
 
 void addInfo(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("info", "describe a model and the GPU memory it needs; nothing is uploaded");
-  auto file = std::make_shared<std::string>();
-  sub.add("model", *file, modelsAndStreams(RosModels::none)).required().typeName("MODEL");
-  auto look = std::make_shared<LookOptions>();
-  addLookOptions(sub, *look);
-  auto keepUnreliable = std::make_shared<bool>(false);
-  addAllPointsOption(sub, *keepUnreliable);
+  auto options = std::make_shared<InfoOptions>();
+  sub.add("model", options->file, modelsAndStreams(RosModels::none)).required().typeName("MODEL");
+  sub.add("--columns", options->columns,
+          "names of the columns of a text file, e.g. x,y,z,intensity; ? shows its first rows as understood")
+      .typeName("NAMES");
+  addLookOptions(sub, options->look);
+  addAllPointsOption(sub, options->keepUnreliable);
   sub.heading("Depth camera");
-  auto stream = std::make_shared<StreamOptions>();
-  addDepthOptions(sub, *stream);
+  addDepthOptions(sub, options->stream);
   sub.heading("Options");
-  sub.whenNamed([&, file, look, keepUnreliable, stream] {
-    command = [&context, file, look, keepUnreliable, stream] {
-      ModelConfig model{.file = *file};
-      setSource(model, *stream);
+  sub.whenNamed([&, options] {
+    command = [&context, options] {
+      ModelConfig model{.file = options->file};
+      setSource(model, options->stream);
       if (model.stream)
-        infoOfFrames(context, *file, *stream);
+        infoOfFrames(context, options->file, options->stream);
       else if (model.matter)
-        infoOfScene(context, *file, model.matter);
+        infoOfScene(context, options->file, model.matter);
       else
-        info(context, *file, *look, *keepUnreliable);
+        info(context, *options);
     };
   });
 }

@@ -37,6 +37,20 @@ void addScaleOptions(Options& command, ScaleOptions& options) {
       .typeName("X,Y,Z:X,Y,Z=MM");
 }
 
+std::vector<std::string> columnsFor(const std::string& text, const CloudFormat& from) {
+  if (text.empty()) return {};
+  if (!from.isText) throw UsageError("--columns applies to text files only; {} names its own columns", from.name);
+  std::vector<std::string> names(1);
+  for (const char c : text) {
+    if (c != ',' && c != ' ')
+      names.back() += c;
+    else if (!names.back().empty())
+      names.emplace_back();
+  }
+  if (names.back().empty()) names.pop_back();
+  return names;
+}
+
 void addAllPointsOption(Options& command, bool& keepUnreliable) {
   addSettingFor<ModelConfig>(command, keepUnreliable, "keep_unreliable");
 }

@@ -6,6 +6,7 @@
 
 namespace palpate {
 
+struct CloudFormat;
 struct NetworkOptions;
 
 /// Scale of the model in the hand.
@@ -20,6 +21,9 @@ struct ScaleOptions {
 void addScaleOptions(Options& command, ScaleOptions& options);
 /// --keep-unreliable.
 void addAllPointsOption(Options& command, bool& keepUnreliable);
+
+/// The names of --columns for a file of that format. Throws UsageError if it is not text.
+std::vector<std::string> columnsFor(const std::string& names, const CloudFormat& from);
 
 struct ModelOptions {
   std::string file;

@@ -196,6 +196,8 @@ std::optional<std::string_view> ChunkedFile::readLine(std::size_t longest) {
       ++line_;
       lineIsOpen_ = !newline;
       consume(length + (newline ? 1 : 0));
+      // Programs of DOS end a file with the sign 0x1A.
+      if (lastLine && text[length - 1] == '\x1a' && --length == 0) return std::nullopt;
       if (length > 0 && text[length - 1] == '\r') --length;
       return std::string_view(text, length);
     }

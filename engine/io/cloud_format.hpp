@@ -44,6 +44,8 @@ struct StoredCloud {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< faces; may be empty
   /// Contents of the file that were not read, in words: "12 edge", "normals in double precision".
   std::vector<std::string> lost;
+  /// For text whose columns have no names: the names that were assumed, "x,y,z,intensity"; else empty.
+  std::string assumed = {};
   /// Points of the file that were left out, and why, in words; empty if none (CloudReadOptions::keepUnreliable).
   std::string leftOut = {};
   /// Row numbers (from 0, ascending) of the file that were left out of the cloud.

@@ -11,29 +11,113 @@ namespace {
 
 using Alias = std::pair<std::string_view, std::string_view>;
 
-// Names used by surveyors, PCL, ParaView, pandas and Blender.
-constexpr std::array<Alias, 33> kAliases{{
-    {"easting", "x"},    {"east", "x"},        {"pos_x", "x"},      {"position_x", "x"}, {"coord_x", "x"},
-    {"points:0", "x"},   {"points_0", "x"},    {"northing", "y"},   {"north", "y"},      {"pos_y", "y"},
-    {"position_y", "y"}, {"coord_y", "y"},     {"points:1", "y"},   {"points_1", "y"},   {"elevation", "z"},
-    {"height", "z"},     {"altitude", "z"},    {"pos_z", "z"},      {"position_z", "z"}, {"coord_z", "z"},
-    {"points:2", "z"},   {"points_2", "z"},    {"rgb:0", "red"},    {"rgb:1", "green"},  {"rgb:2", "blue"},
-    {"normals:0", "nx"}, {"normals:1", "ny"},  {"normals:2", "nz"}, {"colour_r", "red"}, {"colour_g", "green"},
-    {"color_r", "red"},  {"color_g", "green"}, {"color_b", "blue"},
-}};
+// Names used by surveyors, PCL, ParaView, VeloView, pandas and Blender.
+constexpr std::array kAliases{
+    Alias{"easting", "x"},      Alias{"east", "x"},           Alias{"pos_x", "x"},        Alias{"position_x", "x"},
+    Alias{"coord_x", "x"},      Alias{"points:0", "x"},       Alias{"points_0", "x"},     Alias{"northing", "y"},
+    Alias{"north", "y"},        Alias{"pos_y", "y"},          Alias{"position_y", "y"},   Alias{"coord_y", "y"},
+    Alias{"points:1", "y"},     Alias{"points_1", "y"},       Alias{"elevation", "z"},    Alias{"height", "z"},
+    Alias{"altitude", "z"},     Alias{"pos_z", "z"},          Alias{"position_z", "z"},   Alias{"coord_z", "z"},
+    Alias{"points:2", "z"},     Alias{"points_2", "z"},       Alias{"rgb:0", "red"},      Alias{"rgb:1", "green"},
+    Alias{"rgb:2", "blue"},     Alias{"normals:0", "nx"},     Alias{"normals:1", "ny"},   Alias{"normals:2", "nz"},
+    Alias{"colour_r", "red"},   Alias{"colour_g", "green"},   Alias{"color_r", "red"},    Alias{"color_g", "green"},
+    Alias{"color_b", "blue"},   Alias{"colour_b", "blue"},    Alias{"elev", "z"},         Alias{"points_m_xyz:0", "x"},
+    Alias{"x_coord", "x"},      Alias{"points_m_xyz:1", "y"}, Alias{"y_coord", "y"},      Alias{"points_m_xyz:2", "z"},
+    Alias{"z_coord", "z"},      Alias{"xcoord", "x"},         Alias{"ycoord", "y"},       Alias{"zcoord", "z"},
+    Alias{"rechtswert", "x"},   Alias{"hochwert", "y"},       Alias{"eastings", "x"},     Alias{"northings", "y"},
+    Alias{"x coordinate", "x"}, Alias{"y coordinate", "y"},   Alias{"z coordinate", "z"},
+};
+
+using UnitName = std::pair<std::string_view, LengthUnit>;
+constexpr std::array<UnitName, 10> kUnitNames{{{"mm", LengthUnit::mm},
+                                               {"cm", LengthUnit::cm},
+                                               {"m", LengthUnit::m},
+                                               {"meter", LengthUnit::m},
+                                               {"metre", LengthUnit::m},
+                                               {"meters", LengthUnit::m},
+                                               {"metres", LengthUnit::m},
+                                               {"in", LengthUnit::inch},
+                                               {"ft", LengthUnit::foot},
+                                               {"feet", LengthUnit::foot}}};
+
+std::string lower(std::string_view name) {
+  std::string text(name);
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+const UnitName* unitNamed(std::string_view name) {
+  const auto found = std::ranges::find(kUnitNames, name, &UnitName::first);
+  return found == kUnitNames.end() ? nullptr : &*found;
+}
+
+/// The meaning of a lower-case name: of an axis or of another alias; empty if it has none.
+std::string_view meaningOf(std::string_view name) {
+  for (const std::string_view axis : {"x", "y", "z"})
+    if (name == axis) return axis;
+  const auto alias = std::ranges::find(kAliases, name, &Alias::first);
+  return alias == kAliases.end() ? std::string_view{} : alias->second;
+}
 
 }  // namespace
 
 std::string sharedColumnName(std::string_view name) {
-  std::string shared(name.substr(0, name.find_first_of("[(")));
+  std::string shared = lower(name.substr(0, name.find_first_of("[(")));
   while (!shared.empty() && (shared.back() == ' ' || shared.back() == '_')) shared.pop_back();
-  if (shared.empty()) shared = name;
-  for (char& c : shared) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (shared.empty()) shared = lower(name);
   for (const char axis : {'x', 'y', 'z'})
     for (const std::string_view normal : {"normal_", "normal", "normals_", "norm_", "n_"})
       if (shared.size() == normal.size() + 1 && shared.starts_with(normal) && shared.back() == axis) return {'n', axis};
-  const auto alias = std::ranges::find(kAliases, std::string_view(shared), &Alias::first);
-  return alias == kAliases.end() ? shared : std::string(alias->second);
+  if (const std::string_view meaning = meaningOf(shared); !meaning.empty()) return std::string(meaning);
+  const std::size_t unit = shared.find_last_of("_ ");
+  if (unit != shared.npos && unitNamed(std::string_view(shared).substr(unit + 1)))
+    if (const std::string_view meaning = meaningOf(std::string_view(shared).substr(0, unit)); !meaning.empty())
+      return std::string(meaning);
+  return shared;
+}
+
+void nameShortAxes(std::vector<std::string>& shared) {
+  constexpr std::array<Alias, 7> kShortAxes{
+      {{"e", "x"}, {"n", "y"}, {"h", "z"}, {"el", "z"}, {"x1", "x"}, {"y1", "y"}, {"z1", "z"}}};
+  for (const auto& [name, axis] : kShortAxes) {
+    if (std::ranges::find(shared, axis) != shared.end()) continue;
+    const auto found = std::ranges::find(shared, name);
+    if (found != shared.end()) *found = axis;
+  }
+}
+
+LengthUnit unitInName(std::string_view name) {
+  const std::string text = lower(name);
+  if (text.starts_with("points_m_")) return LengthUnit::m;
+  const std::size_t begin = text.find_first_of("[("), end = text.find_first_of("])");
+  const std::size_t last = text.find_last_of("_ ");
+  const std::string_view unit = begin != text.npos && end != text.npos && begin < end
+                                    ? std::string_view(text).substr(begin + 1, end - begin - 1)
+                                : last != text.npos ? std::string_view(text).substr(last + 1)
+                                                    : std::string_view{};
+  const UnitName* found = unitNamed(unit);
+  return found ? found->second : LengthUnit::unknown;
+}
+
+std::string utf8Name(std::string_view name) {
+  bool isUtf8 = true;
+  for (std::size_t at = 0; isUtf8 && at < name.size();) {
+    const auto byte = static_cast<unsigned char>(name[at++]);
+    std::size_t more = byte < 0x80 ? 0 : byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
+    isUtf8 = byte < 0x80 || (byte >= 0xc2 && byte < 0xf5);
+    for (; isUtf8 && more > 0; --more, ++at)
+      isUtf8 = at < name.size() && (static_cast<unsigned char>(name[at]) & 0xc0) == 0x80;
+  }
+  if (isUtf8) return std::string(name);
+  std::string text;
+  for (const char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80)
+      text += c;
+    else
+      text += {static_cast<char>(0xc0 | byte >> 6), static_cast<char>(0x80 | (byte & 0x3f))};
+  }
+  return text;
 }
 
 }  // namespace palpate

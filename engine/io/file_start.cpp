@@ -11,7 +11,8 @@
 namespace palpate {
 
 bool FileStart::isText() const {
-  return std::ranges::none_of(bytes, [](char c) {
+  const std::string_view text = std::string_view(bytes).substr(0, bytes.size() - bytes.ends_with('\x1a'));
+  return std::ranges::none_of(text, [](char c) {
     const auto byte = static_cast<unsigned char>(c);
     return byte < ' ' && !(byte >= '\t' && byte <= '\r');
   });

@@ -87,6 +87,19 @@ constexpr std::array kMagics{
     Magic{0, "# vtk DataFile", "is a file of VTK, which is not read; export it as PLY, STL or OBJ"},
     Magic{0, "#VRML", "is VRML, which is not read; export it as PLY, STL or OBJ"},
     Magic{0, "ISO-10303-21", "is STEP or IFC, which is not read; export it as STL, OBJ or glTF"},
+    Magic{0, "HEADER    ", "is a molecule (PDB), which is not read; export its surface as OBJ, STL or PLY"},
+    Magic{0, "data_", "is a molecule or crystal (CIF), which is not read; export its surface as OBJ, STL or PLY"},
+    Magic{0, "# OpenDX", "is a grid of values (OpenDX), which is not read; export a surface of it as OBJ, STL or PLY"},
+    Magic{0, "b3dm", "is a tile of 3D Tiles, which is not read; export the scene as glTF, LAS or PLY"},
+    Magic{0, "i3dm", "is a tile of 3D Tiles, which is not read; export the scene as glTF, LAS or PLY"},
+    Magic{0, "pnts", "is a tile of 3D Tiles, which is not read; export its points as LAS or PLY (py3dtiles export)"},
+    Magic{0, "cmpt", "is a tile of 3D Tiles, which is not read; export the scene as glTF, LAS or PLY"},
+    Magic{0, "DSAA", "is a grid of heights (Surfer), which is not read; export its points as text (gdal2xyz)"},
+    Magic{0, "DSBB", "is a grid of heights (Surfer), which is not read; export its points as text (gdal2xyz)"},
+    Magic{0, "DSRB", "is a grid of heights (Surfer), which is not read; export its points as text (gdal2xyz)"},
+    Magic{0, "NRRD", "is a volume (NRRD), which is not read; export a surface of it as OBJ, STL or PLY"},
+    Magic{344, "n+1\0"sv, "is a volume (NIfTI), which is not read; export a surface of it as OBJ, STL or PLY"},
+    Magic{128, "DICM", "is a slice of a volume (DICOM), which is not read; export a surface of it as OBJ, STL or PLY"},
     Magic{0, "AC10", "is a drawing (DWG), which is not read; export its points as text, its surfaces as STL"},
 };
 
@@ -124,6 +137,36 @@ std::string_view markupInWords(const FileStart& start) {
   if (has("<amf")) return "is AMF, which is not read; export it as STL or OBJ";
   if (has("<kml")) return "is KML, not a 3D file";
   return "is XML, not a 3D file";
+}
+
+/// Describes JSON that is an index of tiles of points.
+std::string_view indexInWords(const FileStart& start) {
+  const std::size_t first = start.bytes.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos || start.bytes[first] != '{') return {};
+  const auto has = [&](std::string_view key) { return start.bytes.find(key) != std::string::npos; };
+  if (has("\"hierarchyType\"") || (has("\"boundsConforming\"") && has("\"schema\"")))
+    return "is the index of an Entwine tree (EPT), whose tiles are not read as a whole; PDAL writes one file of them "
+           "(pdal translate ept.json FILE.laz)";
+  if (has("\"octreeDir\"") || (has("\"hierarchy\"") && has("\"spacing\"")))
+    return "is the index of a Potree octree, whose nodes are not read; read the LAS or LAZ file that it was made from";
+  if (has("\"geometricError\"") && has("\"root\""))
+    return "is the index of 3D Tiles, which are not read; export the scene as glTF, LAS or PLY";
+  return {};
+}
+
+/// Describes text that is no list of points, by its first words.
+std::string_view textInWords(const FileStart& start) {
+  const auto lines = start.lines(4);
+  std::vector<std::string> firsts;
+  for (const auto& line : lines) {
+    std::string& word = firsts.emplace_back(line[0]);
+    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  if (firsts.size() >= 2 && firsts[0] == "ncols" && firsts[1] == "nrows")
+    return "is a grid of heights (ESRI ASCII), not points; GDAL writes its points as text (gdal2xyz -skipnodata)";
+  if (!firsts.empty() && (firsts[0] == "atom" || firsts[0] == "hetatm"))
+    return "is a molecule (PDB), which is not read; export its surface as OBJ, STL or PLY";
+  return {};
 }
 
 std::string lowerEnding(const std::filesystem::path& file) {
@@ -165,6 +208,8 @@ void refuseForeign(const std::filesystem::path& file) {
       throw FileError(file, magic.what);
   if (start->startsWith("PK\3\4") && !holdsArrays(*start)) throw FileError(file, archiveInWords(*start));
   if (const std::string_view markup = markupInWords(*start); !markup.empty()) throw FileError(file, markup);
+  if (const std::string_view index = indexInWords(*start); !index.empty()) throw FileError(file, index);
+  if (const std::string_view text = textInWords(*start); !text.empty()) throw FileError(file, text);
   if (const std::string_view named = namedInWords(file); !named.empty()) throw FileError(file, named);
 }
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <charconv>
 #include <limits>
 
 #include "engine/core/counted.hpp"
@@ -17,28 +17,37 @@ namespace {
 
 constexpr std::size_t kMaxTextRow = std::size_t{1} << 20;
 constexpr std::string_view kHowToName =
-    "a line before it should name them, as in: x y z nx ny nz red green blue; or --columns does";
+    "a line before it should name them, as in: x y z nx ny nz red green blue; or --columns does (palpate info FILE "
+    "--columns ? shows the first rows)";
 
 bool isRemark(std::string_view word) { return word.starts_with('#') || word.starts_with("//"); }
 
 /// Missing values as written by spreadsheets and statistics programs.
 bool isMissing(std::string_view word) {
-  constexpr std::array<std::string_view, 7> kWords{"", "NA", "N/A", "null", "NULL", "None", "none"};
+  constexpr std::array<std::string_view, 9> kWords{"", "NA", "N/A", "#N/A", "-", "null", "NULL", "None", "none"};
   return std::ranges::find(kWords, word) != kWords.end();
 }
 
 bool isNumber(std::string_view word) { return textNumber<double>(word).has_value(); }
 
+/// Whether it is a colour as on the web: #rrggbb.
+bool isHexColor(std::string_view word) {
+  return word.size() == 7 && word[0] == '#' && word.find_first_not_of("0123456789abcdefABCDEF", 1) == word.npos;
+}
+
+constexpr std::array<std::string_view, 10> kKnown{"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha"};
+
 /// Names of positions, normals and colours are case-insensitive; all other names are unchanged.
 std::vector<std::string> columnNames(const std::vector<std::string_view>& words) {
-  constexpr std::array<std::string_view, 10> kKnown{"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha"};
   constexpr std::array<std::string_view, 4> kShort{"r", "g", "b", "a"};
-  std::vector<std::string> names(words.begin(), words.end()), shared;
-  for (std::string& name : names) {
+  std::vector<std::string> names, shared;
+  for (const std::string_view word : words) {
+    std::string& name = names.emplace_back(utf8Name(word));
     shared.push_back(sharedColumnName(name));
     std::ranges::replace(name, ' ', '_');  // a blank would split it when written
   }
   const auto has = [&](std::string_view name) { return std::ranges::find(shared, name) != shared.end(); };
+  nameShortAxes(shared);
   const bool colored = has("r") && has("g") && has("b");  // a single such letter is ambiguous
   for (std::size_t k = 0; k < names.size(); ++k) {
     const bool known = std::ranges::find(kKnown, shared[k]) != kKnown.end() ||
@@ -54,40 +63,49 @@ bool isColorColumn(const std::string& name) {
   return std::ranges::find(kNames, name) != kNames.end();
 }
 
+bool hasName(const std::vector<std::string>& names, std::string_view name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
 bool namesColumns(const std::vector<std::string>& names) {
-  return std::ranges::all_of(std::array{"x", "y", "z"},
-                             [&](const char* name) { return std::ranges::find(names, name) != names.end(); });
+  return hasName(names, "x") && hasName(names, "y") && hasName(names, "z");
+}
+
+/// Whether these are latitude and longitude.
+bool nameDegrees(const std::vector<std::string_view>& words) {
+  bool latitude = false, longitude = false;
+  for (const std::string_view word : words) {
+    const std::string name = sharedColumnName(word);
+    latitude = latitude || name == "lat" || name.starts_with("latitude") || name.starts_with("lat_");
+    longitude = longitude || name == "lon" || name == "lng" || name == "long" || name.starts_with("longitude") ||
+                name.starts_with("lon_") || name.starts_with("long_");
+  }
+  return latitude && longitude;
+}
+
+/// The line `sep=;` by which Excel learns the separator.
+bool isSeparatorLine(std::string_view line) {
+  return line.size() >= 5 && line.size() <= 7 && (line.starts_with("sep=") || line.starts_with("\"sep="));
 }
 
 }  // namespace
 
-void UnnamedColumns::take(std::string_view a, std::string_view b, std::string_view c) {
-  constexpr double kUnitTolerance = 0.01;  // tolerance for rounding
-  double squared = 0;
-  for (const std::string_view word : {a, b, c}) {
-    const double value = textNumber<double>(word).value_or(std::numeric_limits<double>::quiet_NaN());
-    squared += value * value;
-    if (value < 0 || value > 1) shares = false;
-    if (value < 0 || value > 255 || value != std::trunc(value)) bytes = false;
-    if (word.find_first_of(".eE") != word.npos) whole = false;
-  }
-  if (!std::isfinite(squared) || squared == 0) return;
-  anyNormal = true;
-  if (!(std::abs(std::sqrt(squared) - 1) < kUnitTolerance)) normals = false;
-}
-
 TextRows::TextRows(const std::filesystem::path& path, TextKind kind, const std::vector<std::string>& columns)
-    : file_(path), counted_(kind == TextKind::pts), named_(!columns.empty()) {
+    : file_(path), names_(columns), kind_(kind), named_(!columns.empty()) {
   begin();
   if (words_.empty()) {  // no points
     checkEnd();
     return;
   }
   firstLine_ = file_.line();
-  if (named_) names_ = columns;
   keepApart();
   countPoint();
-  if (names_.empty()) names_ = usualNames();
+  if (names_.empty()) {
+    names_ = usualNames();
+  } else {
+    findHexColor();
+  }
+  wordsIn_.resize(names_.size());
   checkColumns();
   look();
 }
@@ -96,24 +114,52 @@ void TextRows::next() {
   do {
     const auto line = file_.readLine(kMaxTextRow);
     words_.clear();
+    row_.clear();
     if (!line) return checkEnd();
     words_.split(*line);
-  } while (words_.empty() || isRemark(words().front()) || isCount());
+  } while (words_.empty() || (isRemark(words_.words().front()) && !(hexAt_ == 0 && isHexRow())) || isCount());
   countPoint();
   checkColumns();
   look();
 }
 
-double TextRows::number(std::size_t column) const {
+double TextRows::number(std::size_t column) {
   const std::string_view word = words()[column];
   if (const auto value = textNumber<double>(word)) return *value;
-  if (isMissing(word)) return std::numeric_limits<double>::quiet_NaN();
-  fail(fmt::format("found {} for '{}', expected a number", inQuotes(word), names_[column]));
+  if (!isMissing(word)) {
+    if (unnamed_ || std::ranges::find(kKnown, names_[column]) != kKnown.end() || isColorColumn(names_[column]))
+      fail(fmt::format("found {} for '{}', expected a number", inQuotes(word), names_[column]));
+    WordsIn& in = wordsIn_[column];
+    if (++in.count == 1) in.line = file_.line(), in.first = word;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<std::string> TextRows::wordColumns() const {
+  std::vector<std::string> only;
+  for (std::size_t k = 0; k < wordsIn_.size(); ++k)
+    if (wordsIn_[k].count > 0 && wordsIn_[k].count == points_) only.push_back(names_[k]);
+  return only;
+}
+
+std::vector<std::string> TextRows::lost() const {
+  std::vector<std::string> lost;
+  if (titles_ > (named_ ? 1 : 0)) lost.push_back(counted(titles_, "title line"));
+  for (std::size_t k = 0; k < wordsIn_.size(); ++k)
+    if (const WordsIn& in = wordsIn_[k]; in.count > 0)
+      lost.push_back(in.count == points_
+                         ? fmt::format("the column '{}', which has words like {}", names_[k], inQuotes(in.first))
+                         : fmt::format("{} in the column '{}', which count as missing (line {}: {})",
+                                       counted(in.count, "word"), names_[k], in.line, inQuotes(in.first)));
+  return lost;
 }
 
 void TextRows::checkColumns() {
+  spreadHexColor();
+  const auto fits = [&] { return words().size() == names_.size(); };
   if (words_.endsOpen() && words().size() + 1 == names_.size()) words_.addEmpty();
-  if (words().size() == names_.size()) return;
+  if (!fits() && words_.cutAtMarks()) spreadHexColor();  // words of several parts
+  if (fits()) return;
   const bool twice = words().size() == 2 * names_.size() && !words_.hasDecimalCommas();
   fail(fmt::format("a point of {}{} {}{}{}", counted(words().size(), "column"),
                    seen_ > 1 ? " where those before have" : ", of which", names_.size(), seen_ > 1 ? "" : " have names",
@@ -129,11 +175,39 @@ void TextRows::keepApart() {
   }
 }
 
+/// Finds a named column of colours as on the web, which then has the names of three.
+void TextRows::findHexColor() {
+  const auto& words = words_.words();
+  const auto hex = std::ranges::find_if(words, isHexColor);
+  if (hex == words.end() || words.size() != names_.size() || hasName(names_, "red")) return;
+  hexAt_ = static_cast<std::size_t>(hex - words.begin());
+  const auto at = names_.erase(names_.begin() + (hex - words.begin()));
+  names_.insert(at, {"red", "green", "blue"});
+}
+
+void TextRows::spreadHexColor() {
+  if (!hexAt_) return;
+  row_ = words_.words();
+  if (*hexAt_ >= row_.size()) return;
+  const std::string_view hex = row_[*hexAt_];
+  if (!isHexColor(hex) && !isMissing(hex)) fail(fmt::format("found {}, expected a colour like #ff8000", inQuotes(hex)));
+  for (std::size_t k = 0; k < 3; ++k) {
+    unsigned value = 0;
+    hexWords_[k].clear();
+    if (!isHexColor(hex)) continue;
+    std::from_chars(hex.data() + 1 + 2 * k, hex.data() + 3 + 2 * k, value, 16);
+    hexWords_[k] = fmt::format("{}", value);
+  }
+  const auto at = row_.erase(row_.begin() + static_cast<std::ptrdiff_t>(*hexAt_));
+  row_.insert(at, hexWords_.begin(), hexWords_.end());
+}
+
 /// For formats with counts: whether the line is the number of points of the next scan.
 bool TextRows::isCount() {
-  if (!counted_ || words().size() != 1) return false;
-  const auto count = textNumber<std::uint64_t>(words().front());
-  if (!count) fail(fmt::format("found {}, expected a point, or the number of points", inQuotes(words().front())));
+  if (kind_ != TextKind::pts || words_.words().size() != 1) return false;
+  const std::string_view word = words_.words().front();
+  const auto count = textNumber<std::uint64_t>(word);
+  if (!count) fail(fmt::format("found {}, expected a point, or the number of points", inQuotes(word)));
   checkEnd();
   promised_ = *count;
   seen_ = 0;
@@ -141,73 +215,125 @@ bool TextRows::isCount() {
 }
 
 void TextRows::countPoint() {
+  ++points_;
   ++seen_;
   if (promised_ && seen_ > *promised_) fail(fmt::format("more than the {} points that were promised", *promised_));
 }
 
 void TextRows::checkEnd() const {
+  if (words_.hasAmbiguousCommas())
+    throw FileError::atLine(file_.path(), firstLine_,
+                            "commas that may be decimal ones or stand between thousands; write points, or no commas");
   if (!promised_ || seen_ >= *promised_) return;
   throw FileError::atLine(file_.path(), file_.line(), fmt::format("ends after {} of {} points", seen_, *promised_));
 }
 
-/// Advances to the first point, past the line that names the columns.
+/// Whether a row of words is a colour as on the web and a point.
+bool TextRows::isHexRow() const {
+  const auto& words = words_.words();
+  return words.size() >= 4 && isHexColor(words[0]) && isNumber(words[1]) && isNumber(words[2]) && isNumber(words[3]);
+}
+
+bool TextRows::isPoint() const {
+  const auto& words = words_.words();
+  const auto isValue = [&](std::size_t k) { return isNumber(words[k]) || isMissing(words[k]); };
+  if (words.size() != names_.size() || names_.empty()) return isValue(0);
+  for (std::size_t k = 0; k < names_.size(); ++k)
+    if ((names_[k] == "x" || names_[k] == "y" || names_[k] == "z") && !isValue(k)) return false;
+  return true;
+}
+
+/// Takes the names of columns if they include x, y and z.
+bool TextRows::takeNames(std::vector<std::string_view> words) {
+  // Units may be separate words: X [m] Y [m] Z [m].
+  std::erase_if(words, [](std::string_view word) { return word.starts_with('[') || word.starts_with('('); });
+  auto names = columnNames(words);
+  if (!namesColumns(names)) {
+    if (!named_ && nameDegrees(words))
+      fail("has latitude and longitude; degrees are no lengths. Project it first, for example to UTM in QGIS or PDAL");
+    return false;
+  }
+  if (named_) return true;
+  names_ = std::move(names);
+  unit_ = LengthUnit::unknown;
+  std::array<LengthUnit, 3> units{};
+  for (std::size_t k = 0; k < words.size(); ++k)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (names_[k] == std::array{"x", "y", "z"}[axis]) units[axis] = unitInName(words[k]);
+  if (units[0] == units[1] && units[1] == units[2]) unit_ = units[0];
+  return true;
+}
+
+/// Advances to the first point, past titles and the line that names the columns.
 void TextRows::begin() {
-  bool passed = false;  // skipped a line of names that the caller has replaced
+  constexpr std::uint64_t kMaxTitles = 20;
+  std::uint64_t titleLine = 0;
+  std::string title;
+  std::size_t titleWords = 0;
+  const auto refuseTitle = [&] {
+    throw FileError::atLine(
+        file_.path(), titleLine,
+        fmt::format("found {}, expected the coordinates of a point, or names of columns with x, y and z among "
+                    "them; --columns x,y,z names them in their place",
+                    inQuotes(title)));
+  };
   while (const auto line = file_.readLine(kMaxTextRow)) {
     const std::size_t first = line->find_first_not_of(" \t");
-    if (first == line->npos) continue;
+    if (first == line->npos || (titles_ == 0 && isSeparatorLine(*line))) continue;
     const bool remark = isRemark(line->substr(first));
-    words_.split(remark ? line->substr(std::min(line->find_first_not_of("#/", first), line->size())) : *line);
-    if (words_.empty() || isCount()) continue;
-    if (auto names = columnNames(words()); namesColumns(names)) {
-      names_ = std::move(names);
-    } else if (!remark) {
-      const bool isPoint = isNumber(words().front()) || isMissing(words().front());
-      if (isPoint) return;
-      if (!named_ || passed)
-        fail(
-            fmt::format("found {}, expected the coordinates of a point, or names of columns with x, y and z among "
-                        "them; --columns x,y,z names them in their place",
-                        inQuotes(words().front())));
-      passed = true;
+    words_.split(*line);
+    if (remark && isHexRow()) return;
+    if (remark) words_.split(line->substr(std::min(line->find_first_not_of("#/", first), line->size())));
+    if (words_.empty() || isCount() || takeNames(words_.words()) || remark) continue;
+    if (isPoint()) {
+      // A line of as many words as the points have columns names them, but not x, y and z.
+      if (names_.empty() && titles_ > 0 && titleWords == words_.words().size()) refuseTitle();
+      return;
     }
+    titleLine = file_.line();
+    title = words_.words().front();
+    titleWords = words_.words().size();
+    if (++titles_ > kMaxTitles || (!named_ && !names_.empty())) refuseTitle();
   }
+  if (titles_ > 0) refuseTitle();
   words_.clear();
 }
 
 std::vector<std::string> TextRows::usualNames() {
+  const auto& words = words_.words();
+  const std::size_t columns = words.size();
   std::vector<std::string> names{"x", "y", "z"};
-  const auto add = [&](std::initializer_list<const char*> more) {
-    names.insert(names.end(), more.begin(), more.end());
-  };
-  const std::size_t columns = words().size();
-  unnamed_ = columns == 6;
-  colorsAt_ = columns == 6 ? 3 : columns == 7 ? 4 : 0;
-  if (columns == 4 || columns == 7) add({"intensity"});
-  if (columns == 6) add({kUnnamed[0], kUnnamed[1], kUnnamed[2]});
-  if (columns == 7) add({"red", "green", "blue"});
-  if (names.size() != columns)
+  if (columns == 4 && (isHexColor(words[0]) || isHexColor(words[3]))) {
+    hexAt_ = isHexColor(words[0]) ? 0 : 3;
+    names.insert(names.begin() + static_cast<std::ptrdiff_t>(*hexAt_), {"red", "green", "blue"});
+    return names;
+  }
+  for (std::size_t k = 0; k < columns; ++k)
+    if (!isNumber(words[k]) && !isMissing(words[k]))
+      fail(
+          fmt::format("column {} of a point without names has words like {}; of a survey --columns number,y,x,z,code "
+                      "or the like names them; {}",
+                      k + 1, inQuotes(words[k]), kHowToName));
+  if (columns == 3) return names;
+  unnamed_.emplace(columns, kind_ == TextKind::pts);
+  if (!unnamed_->isPossible())
     fail(fmt::format("a point of {}, which may mean anything; {}", counted(columns, "column"), kHowToName));
+  for (std::size_t k = 4; k <= columns; ++k) names.push_back(fmt::format("column_{}", k));
   return names;
 }
 
 void TextRows::look() {
-  if (colorsAt_ == 0) {
-    for (std::size_t k = 0; k < names_.size(); ++k)
-      if (looked_.whole && words()[k].find_first_of(".eE") != std::string_view::npos && isColorColumn(names_[k]))
-        looked_.whole = false;
-    return;
-  }
-  looked_.take(words()[colorsAt_], words()[colorsAt_ + 1], words()[colorsAt_ + 2]);
-  if (!unnamed_ && !looked_.areColors())
-    fail(fmt::format("columns 5 to 7 have no names and cannot be colours here; {}", kHowToName));
+  if (unnamed_) unnamed_->take(words());
+  for (std::size_t k = 0; wholeColors_ && k < names_.size(); ++k)
+    if (isColorColumn(names_[k]) && words()[k].find_first_of(".eE") != std::string_view::npos) wholeColors_ = false;
 }
 
-void TextRows::checkUnnamed() const {
-  if (!unnamed_ || looked_.areNormals() || looked_.areColors()) return;
-  throw FileError::atLine(
-      file_.path(), firstLine_,
-      fmt::format("columns 4 to 6 have no names, and are neither unit normals nor colours throughout; {}", kHowToName));
+UnnamedColumns::Layout TextRows::unnamedLayout() const {
+  if (!unnamed_) return {};
+  std::string why;
+  auto layout = unnamed_->layout(why);
+  if (layout.empty()) throw FileError::atLine(file_.path(), firstLine_, fmt::format("{}; {}", why, kHowToName));
+  return layout;
 }
 
 }  // namespace palpate

@@ -1,26 +1,19 @@
 // Iterates over the lines of a text file that contain points, and determines the meaning of columns.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
+#include "engine/cloud/length_unit.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/text_words.hpp"
+#include "engine/io/unnamed_columns.hpp"
 
 namespace palpate {
 
 enum class TextKind { xyz, csv, pts };
-
-/// Possible meanings of three columns without names, according to the rows so far.
-struct UnnamedColumns {
-  bool normals = true, shares = true, bytes = true, whole = true;
-  bool anyNormal = false;
-
-  void take(std::string_view a, std::string_view b, std::string_view c);
-  bool areNormals() const { return normals && anyNormal; }
-  bool areColors() const { return shares || bytes; }
-};
 
 class TextRows {
  public:
@@ -30,40 +23,61 @@ class TextRows {
   [[noreturn]] void fail(std::string_view what) const { throw file_.errorInLine(what); }
 
   ChunkedFile& file() { return file_; }
-  /// Columns 4 to 6 that may be normals or colours are called kUnnamed until all rows were read.
+  /// Columns without names behind x y z are called column_4, column_5 and so on until all rows were read.
   const std::vector<std::string>& names() const { return names_; }
-  static constexpr std::array<const char*, 3> kUnnamed{"column_4", "column_5", "column_6"};
-  /// Whether there are columns kUnnamed.
-  bool hasUnnamed() const { return unnamed_; }
-  const UnnamedColumns& unnamed() const { return looked_; }
-  /// Call after the last row: throws FileError if the unnamed columns can be neither normals nor colours.
-  void checkUnnamed() const;
-  /// Words of the current point's row; empty after the last.
-  const std::vector<std::string_view>& words() const { return words_.words(); }
+  bool hasUnnamed() const { return unnamed_.has_value(); }
+  /// Meaning of the columns without names. Call after the last row; throws FileError if there is none, or are several.
+  UnnamedColumns::Layout unnamedLayout() const;
+  /// Whether colours are whole numbers in all rows so far.
+  bool hasWholeColors() const { return unnamed_ ? unnamed_->hasWholeColors() : wholeColors_; }
+  /// Unit of length in the names of x, y and z.
+  LengthUnit unit() const { return unit_; }
+  /// Words of the current point's row; empty after the last. A colour as on the web, #rrggbb, is three words.
+  const std::vector<std::string_view>& words() const { return hexAt_ ? row_ : words_.words(); }
   void next();
 
-  /// The number in a column; NaN if it is marked as missing. Throws FileError with the line.
-  double number(std::size_t column) const;
+  /// The number in a column; NaN if it is marked as missing, or a word in a column that is carried. Throws FileError
+  /// with the line.
+  double number(std::size_t column);
+  /// Columns that have only words, which a cloud cannot keep.
+  std::vector<std::string> wordColumns() const;
+  /// What was passed over, in words: title lines and words.
+  std::vector<std::string> lost() const;
 
  private:
+  /// Words in a column that is carried.
+  struct WordsIn {
+    std::uint64_t count = 0, line = 0;  // line of the first one
+    std::string first = {};
+  };
   void begin();
+  bool takeNames(std::vector<std::string_view> words);
+  bool isPoint() const;
+  bool isHexRow() const;
   bool isCount();
   void countPoint();
   void checkEnd() const;
   void checkColumns();
   void keepApart();
+  void findHexColor();
+  void spreadHexColor();
   std::vector<std::string> usualNames();
   void look();
 
   ChunkedFile file_;
   std::vector<std::string> names_;
   TextWords words_;
-  bool counted_;  // lines contain the number of points that follow
-  bool named_;    // by the caller
-  bool unnamed_ = false;
-  std::size_t colorsAt_ = 0;  // of columns without names; 0: none
-  std::uint64_t firstLine_ = 0;
-  UnnamedColumns looked_;
+  std::vector<std::string_view> row_;  // with the colour spread over three words
+  std::array<std::string, 3> hexWords_;
+  std::optional<std::size_t> hexAt_;  // column of colours as on the web
+  TextKind kind_;
+  bool named_;  // by the caller
+  LengthUnit unit_ = LengthUnit::unknown;
+  std::optional<UnnamedColumns> unnamed_;
+  std::uint64_t firstLine_ = 0, titles_ = 0;
+  bool wholeColors_ = true;
+  std::vector<WordsIn> wordsIn_;
+  std::uint64_t points_ = 0;
   std::optional<std::uint64_t> promised_;
   std::uint64_t seen_ = 0;
 };

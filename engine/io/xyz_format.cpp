@@ -1,5 +1,7 @@
 #include "engine/io/xyz_format.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -32,55 +34,68 @@ PlyElement elementOf(const TextRows& rows) {
   return element;
 }
 
-/// Three columns without names, which are stored as attributes until all rows were read.
+/// Columns without names, which are stored as attributes until all rows were read.
 class UnnamedAttributes {
  public:
-  explicit UnnamedAttributes(PointCloud& cloud) : cloud_(cloud) {
-    const auto first = std::ranges::find(cloud.extra, TextRows::kUnnamed[0], &Attribute::name);
-    const std::size_t count = cloud.size();
-    rows_.resize(count);
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t i = 0; i < count; ++i)
-        rows_[i][static_cast<int>(k)] =
-            loadScalar<double>((first + static_cast<std::ptrdiff_t>(k))->data.data() + i * sizeof(double));
-    cloud.extra.erase(first, first + 3);
+  UnnamedAttributes(PointCloud& cloud, std::string name, Log* log)
+      : cloud_(cloud), name_(std::move(name)), log_(log), unnamed_(std::move(cloud.extra)) {
+    cloud.extra.clear();
   }
 
-  void becomeNormals(const std::string& name, Log* log) {
-    std::vector<std::size_t> missing;
-    cloud_.normals.resize(rows_.size());
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      const double length = glm::length(rows_[i]);
-      const bool isThere = length > 0 && std::isfinite(length);
-      cloud_.normals[i] = isThere ? Vec3(rows_[i] / length) : Vec3(0);
-      if (!isThere) missing.push_back(i);
+  void become(const UnnamedColumns::Layout& layout, bool wholeColors) {
+    const std::vector<std::string> names = namesOf(layout);
+    for (const UnnamedColumns::Group group : layout) {
+      if (group == UnnamedColumns::Group::normal) becomeNormals(threeColumns());
+      if (group == UnnamedColumns::Group::color) becomeColors(threeColumns(), wholeColors);
+      if (group != UnnamedColumns::Group::scalar) continue;
+      unnamed_[next_].name = names[3 + next_];
+      cloud_.extra.push_back(std::move(unnamed_[next_++]));
     }
-    if (!missing.empty()) fillMissingNormals(cloud_, missing, name, log);
-  }
-  void becomeColors(bool whole) {
-    const ColorScale scale = scaleOfColors(rows_);
-    const double full = scale.full(whole);
-    cloud_.storedAs.color = scale.storedAs(whole);
-    for (const DVec3& row : rows_)
-      cloud_.colors.push_back({colorByte(row.x, full), colorByte(row.y, full), colorByte(row.z, full), 255});
   }
 
  private:
+  std::vector<DVec3> threeColumns() {
+    std::vector<DVec3> rows(cloud_.size());
+    for (int k = 0; k < 3; ++k, ++next_)
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        rows[i][k] = loadScalar<double>(unnamed_[next_].data.data() + i * sizeof(double));
+    return rows;
+  }
+
+  void becomeNormals(const std::vector<DVec3>& rows) {
+    std::vector<std::size_t> missing;
+    cloud_.normals.resize(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double length = glm::length(rows[i]);
+      const bool isThere = length > 0 && std::isfinite(length);
+      cloud_.normals[i] = isThere ? Vec3(rows[i] / length) : Vec3(0);
+      if (!isThere) missing.push_back(i);
+    }
+    if (!missing.empty()) fillMissingNormals(cloud_, missing, name_, log_);
+  }
+  void becomeColors(const std::vector<DVec3>& rows, bool whole) {
+    const ColorScale scale = scaleOfColors(rows);
+    const double full = scale.full(whole);
+    cloud_.storedAs.color = scale.storedAs(whole);
+    for (const DVec3& row : rows)
+      cloud_.colors.push_back({colorByte(row.x, full), colorByte(row.y, full), colorByte(row.z, full), 255});
+  }
+
   PointCloud& cloud_;
-  std::vector<DVec3> rows_;
+  std::string name_;
+  Log* log_;
+  std::vector<Attribute> unnamed_;
+  std::size_t next_ = 0;
 };
 
 template <TextKind kKind>
 FileContents contentsOfText(const std::filesystem::path& path) {
   TextRows rows(path, kKind, {});
   FileElement element{.name = "vertex", .count = 0, .properties = {}};
-  for (const std::string& name : rows.names()) element.properties.push_back({.name = name});
   for (; !rows.words().empty(); rows.next()) ++element.count;
-  if (!rows.hasUnnamed()) return {.elements = {std::move(element)}, .comments = {}};
-  rows.checkUnnamed();
-  const std::array<const char*, 3> normals{"nx", "ny", "nz"}, colors{"red", "green", "blue"};
-  for (std::size_t k = 0; k < 3; ++k)
-    element.properties[3 + k].name = (rows.unnamed().areNormals() ? normals : colors)[k];
+  const bool unnamed = rows.hasUnnamed();
+  for (const std::string& name : unnamed ? namesOf(rows.unnamedLayout()) : rows.names())
+    element.properties.push_back({.name = name});
   return {.elements = {std::move(element)}, .comments = {}};
 }
 
@@ -112,18 +127,19 @@ StoredCloud readText(const std::filesystem::path& path, Log* log, const CloudRea
     if (++count == kPointBatch) append();
   }
   append();
-  rows.checkUnnamed();
+  const UnnamedColumns::Layout layout = rows.unnamedLayout();
   if (log && kKind != TextKind::pts && rows.file().endsInLine()) sayOpenLine(name, rows.file().line(), *log);
-  if (rows.unnamed().whole) vertices.countColorSteps();
+  if (rows.hasWholeColors()) vertices.countColorSteps();
   StoredCloud stored{.cloud = vertices.finish(log)};
   stored.lost = vertices.lost();
-  if (rows.hasUnnamed()) {
-    UnnamedAttributes attributes(stored.cloud);
-    if (rows.unnamed().areNormals())
-      attributes.becomeNormals(name, log);
-    else
-      attributes.becomeColors(rows.unnamed().whole);
-  }
+  for (std::string& what : rows.lost()) stored.lost.push_back(std::move(what));
+  for (const std::string& words : rows.wordColumns())
+    std::erase_if(stored.cloud.extra, [&](const Attribute& attribute) { return attribute.name == words; });
+  if (rows.unit() != LengthUnit::unknown) sayUnit(stored.cloud.storedAs.comments, rows.unit());
+  if (!rows.hasUnnamed()) return stored;
+  UnnamedAttributes(stored.cloud, name, log).become(layout, rows.hasWholeColors());
+  stored.assumed = fmt::format("{}", fmt::join(namesOf(layout), ","));
+  if (log) log->say("{}: columns without names are taken as {}; --columns names them otherwise", name, stored.assumed);
   return stored;
 }
 

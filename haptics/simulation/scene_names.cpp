@@ -7,6 +7,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/io/foreign_file.hpp"
 #include "engine/matter/matter_scene_file.hpp"
 #include "haptics/session/simulation.hpp"
 #include "haptics/simulation/matter_choice.hpp"
@@ -88,6 +89,7 @@ std::optional<MatterScene> matterScene(const std::string& model) {
   const bool isThere = std::filesystem::exists(model, ignored);  // a folder may be a recording
   const bool names = (!isFile(model) && isBuiltInScene(model)) || (!isThere && sceneOfFile(model));
   if (!names && std::filesystem::path(model).extension() != ".json") return std::nullopt;
+  refuseForeign(model);
   MatterScene scene = readSceneNamed(model);
   if (scene.tool.radius_mm == 0 && scene.matter != Matter::soft) scene.tool = usualTool(scene);
   return scene;
