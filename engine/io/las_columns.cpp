@@ -1,7 +1,5 @@
 #include "engine/io/las_columns.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -34,31 +32,16 @@ void visitField(const LasField& field, F&& f) {
     });
   }
   const double scale = field.scale, offset = field.offset;
-  if (field.raw && field.wide && field.isSigned)
-    return f([=](const std::byte* at) { return static_cast<double>(loadScalar<std::int64_t>(at)) * scale + offset; });
-  if (field.raw && field.wide)
-    return f([=](const std::byte* at) { return static_cast<double>(loadScalar<std::uint64_t>(at)) * scale + offset; });
+  const double none = field.noData.value_or(std::numeric_limits<double>::quiet_NaN());
   if (field.raw)
     return visitScalar(*field.raw, [&]<class T>(std::type_identity<T>) {
-      f([=](const std::byte* at) { return static_cast<double>(loadScalar<T>(at)) * scale + offset; });
+      f([=](const std::byte* at) {
+        const double number = static_cast<double>(loadScalar<T>(at));
+        return number == none ? std::numeric_limits<double>::quiet_NaN() : number * scale + offset;
+      });
     });
-  if (field.wide && field.isSigned)
-    return f([](const std::byte* at) { return static_cast<double>(loadScalar<std::int64_t>(at)); });
-  if (field.wide) return f([](const std::byte* at) { return static_cast<double>(loadScalar<std::uint64_t>(at)); });
   visitScalar(field.type,
               [&]<class T>(std::type_identity<T>) { f([](const std::byte* at) { return loadScalar<T>(at); }); });
-}
-
-/// Whether a 64-bit integer among `count` rows is not exact in double precision.
-bool anyRounded(const LasField& field, const std::byte* rows, std::size_t rowBytes, std::size_t count) {
-  constexpr std::uint64_t kWhole = std::uint64_t{1} << 53;
-  bool any = false;
-  for (std::size_t r = 0; r < count; ++r) {
-    const auto value = loadScalar<std::uint64_t>(rows + r * rowBytes + field.at);
-    const std::uint64_t size = field.isSigned && value >> 63 ? 0 - value : value;
-    any |= size > kWhole;
-  }
-  return any;
 }
 
 /// Whether any bit of the value is set: negative zero has one.
@@ -245,7 +228,6 @@ void LasColumns::takeColumn(Column& column, const std::byte* rows, std::size_t b
       std::memcpy(to + r * sizeof(T), &value, sizeof(T));
     }
   });
-  if (column.field.wide && anyRounded(column.field, rows, rowBytes, count)) setOnce(column.rounded, true);
 }
 
 void LasColumns::takeColors(const std::byte* rows, std::size_t base, std::size_t count) {
@@ -348,14 +330,12 @@ std::vector<std::size_t> LasColumns::placeNormals() {
   return {missing.begin(), missing.end()};
 }
 
-PointCloud LasColumns::finish(std::vector<std::string>& lost, unsigned& colorStep,
-                              std::vector<std::size_t>& withoutNormal) {
+PointCloud LasColumns::finish(unsigned& colorStep, std::vector<std::size_t>& withoutNormal) {
   placePoints();
   placeColors(colorStep);
   const std::size_t standard = format_.fields.size();
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     Column& column = *columns_[k];
-    if (column.rounded) lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53", column.field.name));
     if (k >= standard && !column.used) make(column);  // a described attribute is kept even if it is zero
     if (column.used) complete(column);
     if (column.used || k >= standard) cloud_.extra.push_back(std::move(column.attribute));

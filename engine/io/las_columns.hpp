@@ -30,17 +30,17 @@ class LasColumns {
   /// Adds rows of points starting at number `base`, for which there must be room. From any thread, for disjoint points.
   void take(const std::byte* rows, std::size_t base, std::size_t count);
 
-  /// Finishes positions, colours, normals and attributes of all points that there is room for; call once. Appends to
-  /// `lost`, in words, what is not kept; sets `colorStep` to the size of an 8-bit step in the file's colours;
+  /// Finishes positions, colours, normals and attributes of all points that there is room for; call once. Sets
+  /// `colorStep` to the size of an 8-bit step in the file's colours;
   /// `withoutNormal` receives the points without a normal if the cloud has normals.
-  PointCloud finish(std::vector<std::string>& lost, unsigned& colorStep, std::vector<std::size_t>& withoutNormal);
+  PointCloud finish(unsigned& colorStep, std::vector<std::size_t>& withoutNormal);
 
  private:
   /// Allocated when the first non-zero value is met: an unused attribute takes no memory.
   struct Column {
     explicit Column(const LasField& of) : field(of), attribute{of.name, of.type, {}} {}
     LasField field;
-    std::atomic<bool> used = false, rounded = false;  // has a non-zero value; one that its type cannot hold
+    std::atomic<bool> used = false;  // has a non-zero value
     Attribute attribute;
     GrowingArray<std::byte> bytes{attribute.data};
     std::mutex making;

@@ -7,6 +7,7 @@
 
 #include <glm/common.hpp>
 
+#include "engine/cloud/spacing.hpp"
 #include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
@@ -56,16 +57,19 @@ bool allOn(const CoordinateGrid& grid, const PointCloud& cloud, double beside) {
   return all;
 }
 
-/// Halves the step as often as 32 bits allow, and as float32 can resolve.
-CoordinateGrid refined(const CoordinateGrid& grid, const Bounds& box) {
-  constexpr int kMaxHalvings = 20;
+/// For moved points: the same grid while its steps are below a quarter of the spacing, else steps of a tenth, a
+/// hundredth and so on, as far as 32 bits allow.
+CoordinateGrid refined(const CoordinateGrid& grid, const PointCloud& cloud, const Bounds& box) {
+  constexpr double kMaxParts = 1e9;
+  const double most = 0.25 * meanSpacing(cloud);
   CoordinateGrid finer = grid;
-  for (int k = 0; k < kMaxHalvings; ++k) {
-    CoordinateGrid next = finer;
-    next.step *= 0.5;
-    if (!fits(next, box)) break;
-    finer = next;
-  }
+  for (int k = 0; k < 3; ++k)
+    for (double parts = 10; most > 0 && std::abs(finer.step[k]) >= most && parts <= kMaxParts; parts *= 10) {
+      CoordinateGrid next = finer;
+      next.step[k] = grid.step[k] / parts;
+      if (!fits(next, box)) break;
+      finer = next;
+    }
   return finer;
 }
 
@@ -78,8 +82,7 @@ LasGrid lasGridFor(const PointCloud& cloud) {
   const Bounds box = boxInFile(cloud);
   if (known && fits(*known, box)) {
     if (allOn(*known, cloud, 0)) return {*known};
-    const CoordinateGrid finer = refined(*known, box);
-    return {finer, allOn(finer, cloud, 0)};
+    return {refined(*known, cloud, box), false};
   }
   const DVec3 middle = glm::round(box.center());
   for (double parts = 1; parts <= 1e9; parts *= 10) {

@@ -75,21 +75,20 @@ void checkPlaces(const std::filesystem::path& file, const LasHeader& header) {
                             fmt::format("points at byte {}, inside the header of {}", header.pointsAt, header.size));
 }
 
-struct ExtraType {
-  ScalarType type;
-  bool wide, isSigned;
-};
 // Indexed by the type number of the specification minus 1.
-constexpr std::array<ExtraType, 10> kExtraTypes{{{ScalarType::u8, false, false},
-                                                 {ScalarType::i8, false, true},
-                                                 {ScalarType::u16, false, false},
-                                                 {ScalarType::i16, false, true},
-                                                 {ScalarType::u32, false, false},
-                                                 {ScalarType::i32, false, true},
-                                                 {ScalarType::f64, true, false},
-                                                 {ScalarType::f64, true, true},
-                                                 {ScalarType::f32, false, true},
-                                                 {ScalarType::f64, false, true}}};
+constexpr std::array<ScalarType, 10> kExtraTypes{ScalarType::u8,  ScalarType::i8,  ScalarType::u16, ScalarType::i16,
+                                                 ScalarType::u32, ScalarType::i32, ScalarType::u64, ScalarType::i64,
+                                                 ScalarType::f32, ScalarType::f64};
+
+/// The stored number of missing values, which a descriptor holds as the largest type of its kind.
+double noDataOf(std::span<const std::byte> descriptor, std::size_t element, ScalarType type) {
+  const std::size_t at = 40 + 8 * std::min<std::size_t>(element, 2);
+  if (isFloating(type)) return loadScalar<double>(descriptor, at);
+  const bool isSigned =
+      type == ScalarType::i8 || type == ScalarType::i16 || type == ScalarType::i32 || type == ScalarType::i64;
+  return isSigned ? static_cast<double>(loadScalar<std::int64_t>(descriptor, at))
+                  : static_cast<double>(loadScalar<std::uint64_t>(descriptor, at));
+}
 
 /// Makes names valid in text files, and unique.
 class NamesInUse {
@@ -116,7 +115,7 @@ class NamesInUse {
 void addWaves(LasPointFormat& format) {
   const std::size_t at = format.bytes;
   format.fields.push_back({.name = "wave_packet_descriptor", .at = at});
-  format.fields.push_back({.name = "wave_packet_offset", .at = at + 1, .type = ScalarType::f64, .wide = true});
+  format.fields.push_back({.name = "wave_packet_offset", .at = at + 1, .type = ScalarType::u64});
   format.fields.push_back({.name = "wave_packet_size", .at = at + 9, .type = ScalarType::u32});
   std::size_t next = at + 13;
   for (const char* name : {"return_point_wave_location", "wave_x_t", "wave_y_t", "wave_z_t"}) {
@@ -293,20 +292,18 @@ std::optional<std::vector<LasExtraField>> lasExtraFields(std::span<const std::by
     const auto one = descriptors.subspan(k * kLasDescriptor, kLasDescriptor);
     const unsigned code = loadScalar<std::uint8_t>(one, 2), options = loadScalar<std::uint8_t>(one, 3);
     const bool known = code >= 1 && code <= 30;  // otherwise `options` is the number of bytes
-    const ExtraType type = known ? kExtraTypes[(code - 1) % 10] : kExtraTypes[0];
+    const ScalarType type = known ? kExtraTypes[(code - 1) % 10] : kExtraTypes[0];
     const std::size_t elements = known ? 1 + (code - 1) / 10 : options;
     const std::string name = textAt(one, 4, 32);
     for (std::size_t e = 0; e < elements; ++e) {
-      LasField field{.name = names.next(known && elements == 1 ? name : fmt::format("{}_{}", name, e)),
-                     .at = at,
-                     .type = type.type,
-                     .wide = type.wide,
-                     .isSigned = type.isSigned};
+      LasField field{
+          .name = names.next(known && elements == 1 ? name : fmt::format("{}_{}", name, e)), .at = at, .type = type};
       const double scale = loadScalar<double>(one, 112 + 8 * std::min<std::size_t>(e, 2));
       const double offset = loadScalar<double>(one, 136 + 8 * std::min<std::size_t>(e, 2));
       if (known && (options & 0x18u)) {
         if ((options & 0x08u) && std::isnormal(scale)) field.scale = scale;
         if ((options & 0x10u) && std::isfinite(offset)) field.offset = offset;
+        if (options & 0x01u) field.noData = noDataOf(one, e, type);
         field.raw = field.type;
         field.type = ScalarType::f64;
       }

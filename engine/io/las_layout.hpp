@@ -55,17 +55,17 @@ std::vector<LasRecord> lasRecords(const std::filesystem::path& file, const LasHe
 std::vector<LasRecord> lasLongRecords(const std::filesystem::path& file, const LasHeader& header,
                                       std::span<const std::byte> tail, std::uint64_t tailAt);
 
-/// One value of each point. 64-bit integers are converted to double precision.
+/// One value of each point.
 struct LasField {
   std::string name;
   std::size_t at = 0;  ///< bytes from the beginning of the point
   ScalarType type = ScalarType::u8;
-  bool wide = false, isSigned = false;  ///< 64 bits; `type` is then f64
-  unsigned shift = 0, bits = 0;         ///< bit field of a shared byte; bits 0: the whole byte
-  double scale = 1, offset = 0;         ///< of an extra attribute with scaling: `type` f64, `raw` the stored type
+  unsigned shift = 0, bits = 0;  ///< bit field of a shared byte; bits 0: the whole byte
+  double scale = 1, offset = 0;  ///< of an extra attribute with scaling: `type` f64, `raw` the stored type
   std::optional<ScalarType> raw = {};
+  std::optional<double> noData = {};  ///< stored number of a missing value, which is read as NaN; only with scaling
 
-  std::size_t storedBytes() const { return wide ? 8 : sizeOf(raw.value_or(type)); }
+  std::size_t storedBytes() const { return sizeOf(raw.value_or(type)); }
 };
 
 /// The values of a point format besides positions, in its order; of colours only the offset.

@@ -17,13 +17,12 @@ constexpr std::size_t kMaxLasBytes = 65535;  // maximum size of a point or a rec
 /// Calls f(std::type_identity<T>{}) with the stored type.
 template <class F>
 void visitStored(const LasField& field, F&& f) {
-  if (field.wide && field.isSigned) return f(std::type_identity<std::int64_t>{});
-  if (field.wide) return f(std::type_identity<std::uint64_t>{});
   visitScalar(field.raw.value_or(field.type), f);
 }
 
 /// The stored number for a value.
 double storedFor(const LasField& field, double value) {
+  if (field.raw && field.noData && std::isnan(value)) return *field.noData;
   return field.raw ? std::round((value - field.offset) / field.scale) : value;
 }
 
@@ -36,7 +35,7 @@ bool holds(double number) {
 }
 
 std::vector<std::byte> descriptorOf(const Attribute& attribute) {
-  constexpr std::array<std::uint8_t, 8> kCodes{2, 1, 4, 3, 6, 5, 9, 10};  // indexed by ScalarType
+  constexpr std::array<std::uint8_t, 10> kCodes{2, 1, 4, 3, 6, 5, 9, 10, 8, 7};  // indexed by ScalarType
   std::vector<std::byte> bytes(kLasDescriptor);
   bytes[2] = static_cast<std::byte>(kCodes[static_cast<std::size_t>(attribute.type)]);
   std::memcpy(bytes.data() + 4, attribute.name.data(), std::min<std::size_t>(32, attribute.name.size()));
@@ -52,13 +51,17 @@ double LasSource::value(std::size_t i) const {
 }
 
 bool LasSource::fits() const {
-  if (field.type == attribute->type && !field.wide && !field.raw && field.bits == 0) return true;
+  constexpr double kWhole = 9007199254740992;  // 2^53, beyond which double precision rounds 64-bit integers
+  if (field.type == attribute->type && !field.raw && field.bits == 0) return true;
+  const bool mayRound = sizeOf(attribute->type) == 8 && !isFloating(attribute->type);
   const std::size_t count = attribute->data.size() / sizeOf(attribute->type);
   for (std::size_t i = 0; i < count; ++i) {
     const double whole = value(i), number = storedFor(field, whole);
     bool fit = field.bits == 0 || number < std::ldexp(1.0, static_cast<int>(field.bits));
     visitStored(field, [&]<class T>(std::type_identity<T>) { fit = fit && holds<T>(number); });
-    if (!fit || (field.raw && number * field.scale + field.offset != whole)) return false;
+    if (!fit || (mayRound && std::abs(whole) > kWhole)) return false;
+    const bool isMissing = field.noData && std::isnan(whole);
+    if (field.raw && !isMissing && number * field.scale + field.offset != whole) return false;
   }
   return true;
 }
@@ -70,7 +73,7 @@ void LasSource::encode(std::size_t begin, std::size_t end, std::byte* rows, std:
       *to |= static_cast<std::byte>(static_cast<unsigned>(value(i)) << field.shift);
     return;
   }
-  if (field.type == attribute->type && !field.wide && !field.raw) {  // also NaN
+  if (field.type == attribute->type && !field.raw) {  // also NaN
     const std::size_t bytes = sizeOf(field.type);
     for (std::size_t i = begin; i < end; ++i, to += rowBytes)
       std::memcpy(to, attribute->data.data() + i * bytes, bytes);

@@ -110,7 +110,7 @@ PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, const Cloud
   std::vector<std::size_t> withoutNormal;
   if (options.stages) options.stages->points_s = reading.elapsed_s(), options.stages->waited_s = columns.waited_s();
   const Stopwatch finishing;
-  PointCloud cloud = columns.finish(lost, baggage->colorStep, withoutNormal);
+  PointCloud cloud = columns.finish(baggage->colorStep, withoutNormal);
   if (!withoutNormal.empty()) fillMissingNormals(cloud, withoutNormal, file_.path().filename().string(), log);
   StoredAs& stored = cloud.storedAs;
   stored.position = ScalarType::f64;

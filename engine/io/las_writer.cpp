@@ -114,8 +114,16 @@ std::vector<std::string> lacksOfLas(const StoredCloud& stored) {
   std::vector<std::string> lost;
   if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
   if (stored.cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
-  if (const LasGrid grid = lasGridFor(stored.cloud); !grid.exact)
-    lost.push_back(fmt::format("coordinates finer than {:.3g}", 0.5 * std::abs(grid.grid.step.x)));
+  if (const LasGrid grid = lasGridFor(stored.cloud); !grid.exact) {
+    const double step = std::abs(grid.grid.step.x);
+    const auto& known = stored.cloud.storedAs.grid;
+    const bool refined = known && step < std::abs(known->step.x);
+    lost.push_back(fmt::format("coordinates finer than {:.3g}", 0.5 * step) +
+                   (refined
+                        ? fmt::format(" (the scale becomes {:.3g}, as {:.3g} is coarse for the spacing of the points)",
+                                      step, std::abs(known->step.x))
+                        : ""));
+  }
   for (const Attribute& attribute : stored.cloud.extra)
     if (attribute.name.size() > 32) lost.push_back(fmt::format("the end of the name '{}'", attribute.name));
   for (const std::string& name : lasNamesGivingWay(stored.cloud))

@@ -126,8 +126,6 @@ Number numberOf(const std::string& code, const LiteralText& text) {
   const bool whole = kind == 'i' || kind == 'u';
   number.padding = kind == 'V';
   if (number.padding) return number;
-  number.column.isSigned = kind == 'i';
-  number.column.wide = whole && *bytes == 8;
   const std::string name = kind == 'b' && *bytes == 1 ? "uint8"
                            : kind == 'f' || whole     ? fmt::format("{}{}",
                                                                 kind == 'f'   ? "float"
@@ -135,7 +133,7 @@ Number numberOf(const std::string& code, const LiteralText& text) {
                                                                                   : "uint",
                                                                     8 * *bytes)
                                                       : "none";
-  const auto type = number.column.wide ? ScalarType::f64 : scalarTypeFromPly(name);
+  const auto type = scalarTypeFromPly(name);
   if (!type)
     text.fail(
         fmt::format("the type {}, which is not read; whole numbers are, and floats of 4 or 8 bytes", inQuotes(code)));
@@ -260,8 +258,6 @@ void loadNpy(const NpyColumn& column, std::span<const std::byte> data, std::uint
   const auto load = [&]<class T>(std::type_identity<T>) {
     return column.swap ? loadScalar<T, true>(from) : loadScalar<T>(from);
   };
-  if (column.wide && column.isSigned) return put(static_cast<double>(load(std::type_identity<std::int64_t>{})));
-  if (column.wide) return put(static_cast<double>(load(std::type_identity<std::uint64_t>{})));
   visitScalar(column.type, [&]<class T>(std::type_identity<T> type) { put(load(type)); });
 }
 

@@ -15,7 +15,7 @@ namespace palpate {
 struct NpyColumn {
   std::string name;
   ScalarType type = ScalarType::f64;  ///< type after conversion: 64-bit integers become double precision
-  bool wide = false, isSigned = false, swap = false;
+  bool swap = false;
   std::uint64_t at = 0;      ///< offset of the first number in the data
   std::uint64_t stride = 0;  ///< bytes from row to row
 };

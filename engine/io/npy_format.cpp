@@ -234,9 +234,6 @@ StoredCloud cloudIn(NpyFile file, const std::filesystem::path& path, Log* log, c
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", path.filename().string());
   StoredCloud stored{.cloud = file.table.cloud(log)};
   stored.lost = std::move(file.table.lost());
-  for (const Source& source : file.table.sources())
-    if (source.column.wide)
-      stored.lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53, if there are any", source.column.name));
   return stored;
 }
 

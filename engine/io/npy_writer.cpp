@@ -13,7 +13,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::array<const char*, 8> kCodes{"|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<f4", "<f8"};
+constexpr std::array<const char*, 10> kCodes{"|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<f4", "<f8", "<i8", "<u8"};
 
 /// The header of an array, padded with blanks so that numbers begin at a multiple of 64. `type` and `shape`: in Python
 /// syntax.

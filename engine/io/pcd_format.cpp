@@ -173,9 +173,6 @@ StoredCloud readPcd(const std::filesystem::path& path, Log* log, const CloudRead
     stored.cloud.storedAs.comments.push_back(std::string(kViewpoint) + header.viewpoint);
   stored.lost = rows.lost();
   if (header.height > 1) stored.lost.push_back(fmt::format("the grid of {} x {}", header.width, header.height));
-  for (const PcdField& field : header.fields)
-    if (field.bytes == 8 && field.type != 'F')
-      stored.lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53, if there are any", field.name));
   return stored;
 }
 
@@ -190,7 +187,8 @@ std::string headerOf(const PointCloud& cloud, bool wide, const std::vector<const
   const auto add = [&](std::string_view name, ScalarType type) {
     names += fmt::format(" {}", name);
     sizes += fmt::format(" {}", sizeOf(type));
-    const bool isSigned = type == ScalarType::i8 || type == ScalarType::i16 || type == ScalarType::i32;
+    const bool isSigned =
+        type == ScalarType::i8 || type == ScalarType::i16 || type == ScalarType::i32 || type == ScalarType::i64;
     types += isFloating(type) ? " F" : isSigned ? " I" : " U";
     counts += " 1";
   };

@@ -10,18 +10,13 @@ bool isPacked(const PcdField& field) {
   return (field.name == "rgb" || field.name == "rgba") && field.bytes == 4 && field.count == 1;
 }
 
-template <class T>
-double numberAt(const std::byte* at) {
-  return static_cast<double>(loadScalar<T>(at));
-}
-
 }  // namespace
 
 std::vector<PcdRows::Column> PcdRows::columnsOf(const PcdHeader& header, PlyElement* element) {
   std::vector<Column> columns;
   std::size_t at = 0;
-  const auto add = [&](const std::string& name, ScalarType type, From from, std::size_t where) {
-    columns.push_back({where, type, from});
+  const auto add = [&](const std::string& name, ScalarType type, std::size_t where) {
+    columns.push_back({where, type});
     if (element) element->properties.push_back({.name = name, .type = type});
   };
   for (const PcdField& field : header.fields) {
@@ -30,26 +25,13 @@ std::vector<PcdRows::Column> PcdRows::columnsOf(const PcdHeader& header, PlyElem
     if (field.name == "_") continue;
     if (isPacked(field)) {
       constexpr std::array<const char*, 4> kBytes{"blue", "green", "red", "alpha"};
-      for (std::size_t k = 0; k < (field.name == "rgba" ? 4 : 3); ++k)
-        add(kBytes[k], ScalarType::u8, From::number, begin + k);
+      for (std::size_t k = 0; k < (field.name == "rgba" ? 4 : 3); ++k) add(kBytes[k], ScalarType::u8, begin + k);
       continue;
     }
     for (std::size_t k = 0; k < field.count; ++k) {
-      const bool wide = field.bytes == 8 && field.type != 'F';
-      ScalarType type = ScalarType::f64;
-      if (!wide) {
-        const std::string bits = fmt::format("{}{}",
-                                             field.type == 'I'   ? "int"
-                                             : field.type == 'U' ? "uint"
-                                                                 : "float",
-                                             8 * field.bytes);
-        type = *scalarTypeFromPly(bits);
-      }
-      add(field.count == 1 ? field.name : fmt::format("{}_{}", field.name, k), type,
-          !wide               ? From::number
-          : field.type == 'I' ? From::wideSigned
-                              : From::wide,
-          begin + k * field.bytes);
+      const char* kind = field.type == 'I' ? "int" : field.type == 'U' ? "uint" : "float";
+      add(field.count == 1 ? field.name : fmt::format("{}_{}", field.name, k),
+          *scalarTypeFromPly(fmt::format("{}{}", kind, 8 * field.bytes)), begin + k * field.bytes);
     }
   }
   return columns;
@@ -69,16 +51,8 @@ void PcdRows::appendRow(const std::byte* row) {
     const auto* bytes = reinterpret_cast<const std::byte*>(&value);
     packed_.insert(packed_.end(), bytes, bytes + sizeof value);
   };
-  for (const Column& column : columns_) {
-    const std::byte* at = row + column.at;
-    if (column.from == From::wide) {
-      put(numberAt<std::uint64_t>(at));
-    } else if (column.from == From::wideSigned) {
-      put(numberAt<std::int64_t>(at));
-    } else {
-      visitScalar(column.type, [&]<class T>(std::type_identity<T>) { put(loadScalar<T>(at)); });
-    }
-  }
+  for (const Column& column : columns_)
+    visitScalar(column.type, [&]<class T>(std::type_identity<T>) { put(loadScalar<T>(row + column.at)); });
 }
 
 std::optional<PcdRows::Bad> PcdRows::append(const std::byte* rows, std::size_t count) {

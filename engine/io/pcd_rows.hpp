@@ -29,11 +29,9 @@ class PcdRows {
   static PlyElement elementOf(const PcdHeader& header);
 
  private:
-  enum class From : std::uint8_t { number, wide, wideSigned };  // 64-bit integers become double precision
   struct Column {
     std::size_t at;
     ScalarType type;
-    From from;
   };
   static std::vector<Column> columnsOf(const PcdHeader& header, PlyElement* element);
   void appendRow(const std::byte* row);

@@ -19,9 +19,7 @@ constexpr double kFarthest = 1e30;  // squares of distances must stay finite in 
 static_assert(sizeof(Vec3) == 3 * sizeof(float) && sizeof(DVec3) == 3 * sizeof(double));
 
 /// Whether single precision holds every value of the type.
-bool fitsFloat(ScalarType type) {
-  return type != ScalarType::f64 && type != ScalarType::i32 && type != ScalarType::u32;
-}
+bool fitsFloat(ScalarType type) { return sizeOf(type) < 4 || type == ScalarType::f32; }
 
 bool isFiniteBelow(double value, double most) { return std::abs(value) < most; }
 

@@ -47,7 +47,7 @@ std::optional<T> textNumber(std::string_view text) {
     double real = 0;
     const auto [realStop, realError] = std::from_chars(text.data(), end, real);
     constexpr double kLow = std::numeric_limits<T>::min(), kHigh = static_cast<double>(std::numeric_limits<T>::max());
-    if (realStop == end && realError == std::errc{} && real == std::trunc(real) && real >= kLow && real <= kHigh)
+    if (realStop == end && realError == std::errc{} && real == std::trunc(real) && real >= kLow && real < kHigh + 1)
       return static_cast<T>(real);
   }
   if constexpr (std::is_floating_point_v<T>) return oldWindowsNumber<T>(text);

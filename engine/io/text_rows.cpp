@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <limits>
 
 #include "engine/core/counted.hpp"
@@ -56,6 +57,12 @@ std::vector<std::string> columnNames(const std::vector<std::string_view>& words)
     if (known && std::ranges::find(names, shared[k]) == names.end()) names[k] = shared[k];
   }
   return names;
+}
+
+/// Whether a whole number is not exact in double precision.
+bool isRounded(std::string_view word, double value) {
+  constexpr double kWhole = 9007199254740992;  // 2^53
+  return std::abs(value) > kWhole && word.find_first_not_of("+-0123456789") == word.npos;
 }
 
 bool isColorColumn(const std::string& name) {
@@ -125,7 +132,10 @@ void TextRows::next() {
 
 double TextRows::number(std::size_t column) {
   const std::string_view word = words()[column];
-  if (const auto value = textNumber<double>(word)) return *value;
+  if (const auto value = textNumber<double>(word)) {
+    if (word.size() > 15 && isRounded(word, *value)) ++wordsIn_[column].rounded;
+    return *value;
+  }
   if (!isMissing(word)) {
     if (unnamed_ || std::ranges::find(kKnown, names_[column]) != kKnown.end() || isColorColumn(names_[column]))
       fail(fmt::format("found {} for '{}', expected a number", inQuotes(word), names_[column]));
@@ -146,7 +156,10 @@ std::vector<std::string> TextRows::lost() const {
   std::vector<std::string> lost;
   if (titles_ > (named_ ? 1 : 0)) lost.push_back(counted(titles_, "title line"));
   for (std::size_t k = 0; k < wordsIn_.size(); ++k)
-    if (const WordsIn& in = wordsIn_[k]; in.count > 0)
+    if (const WordsIn& in = wordsIn_[k]; in.rounded > 0)
+      lost.push_back(fmt::format("the last digits of {} in the column '{}', which are beyond 2^53",
+                                 counted(in.rounded, "whole number"), names_[k]));
+    else if (in.count > 0)
       lost.push_back(in.count == points_
                          ? fmt::format("the column '{}', which has words like {}", names_[k], inQuotes(in.first))
                          : fmt::format("{} in the column '{}', which count as missing (line {}: {})",

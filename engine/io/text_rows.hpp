@@ -47,7 +47,7 @@ class TextRows {
  private:
   /// Words in a column that is carried.
   struct WordsIn {
-    std::uint64_t count = 0, line = 0;  // line of the first one
+    std::uint64_t count = 0, rounded = 0, line = 0;  // rounded: whole numbers beyond 2^53; line of the first word
     std::string first = {};
   };
   void begin();

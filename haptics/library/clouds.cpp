@@ -16,7 +16,8 @@ using namespace palpate::library;
 namespace {
 
 const char* nameOf(ScalarType type) {
-  constexpr const char* kNames[]{"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
+  constexpr const char* kNames[]{"int8",   "uint8",   "int16",   "uint16", "int32",
+                                 "uint32", "float32", "float64", "int64",  "uint64"};
   return kNames[static_cast<std::size_t>(type)];
 }
 

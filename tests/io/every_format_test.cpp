@@ -280,4 +280,36 @@ TEST_CASE("half a file of points of equal size is said to end after so many of i
   }
 }
 
+TEST_CASE("64-bit whole numbers are exact in every format, and text names those that it would round") {
+  constexpr std::int64_t kLow = std::numeric_limits<std::int64_t>::min() + 1;
+  constexpr std::uint64_t kTime = 1658393524629456496u;
+  const std::string ply = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty int64 "
+      "low\nproperty uint64 time\nend_header\n1 2 3 {} {}\n4 5 6 -5 {}\n",
+      kLow, kTime, std::numeric_limits<std::uint64_t>::max());
+  const StoredCloud read = readingFile("a.ply", ply);
+  CHECK(read.lost.empty());
+  const ScratchFolder folder;
+  for (const char* name : {"b.ply", "b.pcd", "b.npy", "b.npz", "b.las", "b.laz"})
+    for (const bool ascii : {false, true}) {
+      CAPTURE(name);
+      writeCloud(folder / name, read.cloud, {.ascii = ascii});
+      const PointCloud back = readCloud(folder / name).cloud;
+      REQUIRE(back.extra.size() == 2);
+      CHECK(loadScalar<std::int64_t>(back.extra[0].data.data()) == kLow);
+      CHECK(loadScalar<std::int64_t>(back.extra[0].data.data() + 8) == -5);
+      CHECK(loadScalar<std::uint64_t>(back.extra[1].data.data()) == kTime);
+      CHECK(loadScalar<std::uint64_t>(back.extra[1].data.data() + 8) == std::numeric_limits<std::uint64_t>::max());
+    }
+  writeCloud(folder / "b.csv", read.cloud);
+  std::ifstream text(folder / "b.csv");
+  std::string line;
+  std::getline(text, line);
+  std::getline(text, line);
+  CHECK(line == fmt::format("1,2,3,{},{}", kLow, kTime));
+  const std::vector<std::string> lost = readCloud(folder / "b.csv").lost;
+  REQUIRE(lost.size() == 2);
+  CHECK(lost[1] == "the last digits of 2 whole numbers in the column 'time', which are beyond 2^53");
+}
+
 }  // namespace palpate::test::every_format_test

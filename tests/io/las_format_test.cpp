@@ -163,7 +163,30 @@ TEST_CASE("LAS extra bytes become attributes with their names, as their descript
 
   // Beyond the integers that double precision represents exactly.
   putAt(las.points, 28, (std::uint64_t{1} << 53) + 1);
-  CHECK(reading(las.text()).lost == std::vector<std::string>{"whole numbers of 'big' beyond 2^53"});
+  const PointCloud huge = reading(written(reading(las.text()).cloud)).cloud;
+  CHECK(loadScalar<std::uint64_t>(huge.extra.at(4).data.data()) == (std::uint64_t{1} << 53) + 1);
+}
+
+TEST_CASE("the no-data value of scaled LAS extra bytes is read as a missing number, and written back") {
+  LasBytes las{.minor = 4, .format = 0, .pointBytes = 20 + 2 + 4};
+  std::string signedBytes = lasDescriptor("depth", 4, 25, 0.01, 5), unsignedBytes = lasDescriptor("code", 5, 9, 0.5);
+  putAt(signedBytes, 40, std::int64_t{-9999});
+  putAt(unsignedBytes, 40, std::uint64_t{4'000'000'000});
+  las.records = lasRecord("LASF_Spec", 4, signedBytes + unsignedBytes);
+  las.recordCount = 1;
+  for (int i = 0; i < 5; ++i) {
+    std::string point(26, '\0');
+    putAt(point, 20, static_cast<std::int16_t>(i == 0 ? -9999 : 100 * i));
+    putAt(point, 22, i == 1 ? 4'000'000'000u : static_cast<std::uint32_t>(i));
+    las.points += point;
+    ++las.count;
+  }
+  const PointCloud cloud = reading(las.text()).cloud;
+  CHECK(std::isnan(valueOf(cloud, "depth", 0)));
+  CHECK(valueOf(cloud, "depth", 1) == 6);
+  CHECK(std::isnan(valueOf(cloud, "code", 1)));
+  CHECK(valueOf(cloud, "code", 0) == 0);
+  CHECK(pointsOf(written(cloud)) == las.points);
 }
 
 TEST_CASE("a damaged or inconsistent LAS file is refused with its byte") {
@@ -343,14 +366,41 @@ TEST_CASE("clouds of other formats are written to LAS without a change, or the c
   CHECK(reading(written({})).cloud.empty());
 }
 
-TEST_CASE("moved points are written to LAS finer than the file's step, and the others unchanged") {
-  PointCloud cloud = reading(fileOf(0, 100).text()).cloud;
-  const DVec3 still = cloud.fileCoordinates(41);
-  cloud.positions[40] += Vec3(0.001f, -0.0004f, 0.0002f);  // the file's step is 0.01
-  const DVec3 moved = cloud.fileCoordinates(40);
-  const PointCloud back = reading(written(cloud)).cloud;
-  CHECK(back.fileCoordinates(41) == still);
-  CHECK(glm::length(back.fileCoordinates(40) - moved) < 1e-6);
+TEST_CASE("moved points are rounded to the scale of their LAS file if it is fine for their spacing, else to a tenth") {
+  // A sheet of points a given number of grid steps apart.
+  struct Sheet {
+    double step;
+    int apart;
+    double after;  ///< step of the edited file
+  };
+  for (const auto& [step, apart, after] :
+       {Sheet{0.001, 100, 0.001}, {0.01, 5, 0.01}, {0.01, 3, 0.001}, {0.1, 1, 0.01}, {0.0254, 2, 0.00254}}) {
+    CAPTURE(step);
+    CAPTURE(apart);
+    LasBytes las{.step = {step, step, step}, .offset = {637000.5, 4849000, 0}};
+    for (int i = 0; i < 900; ++i) {
+      std::string point(20, '\0');
+      putAt(point, 0, std::int32_t{apart * (i % 30)});
+      putAt(point, 4, std::int32_t{apart * (i / 30)});
+      las.points += point;
+      ++las.count;
+    }
+    StoredCloud stored = reading(las.text());
+    const PointCloud before = stored.cloud;
+    stored.cloud.positions[40] += Vec3(0.37f * static_cast<float>(step), 0, -0.21f * static_cast<float>(step));
+    const std::string text = written(stored.cloud);
+    double written = 0;
+    std::memcpy(&written, text.data() + 131, sizeof written);
+    CHECK(written == near(after, 1e-12));
+    const PointCloud back = reading(text).cloud;
+    for (std::size_t i = 0; i < before.size(); ++i)
+      if (i != 40) CHECK(glm::length(back.fileCoordinates(i) - before.fileCoordinates(i)) < 1e-9);
+    CHECK(glm::length(back.fileCoordinates(40) - stored.cloud.fileCoordinates(40)) < 0.9 * after);
+    const std::vector<std::string> lost = lasFormat().lacks(stored);
+    REQUIRE(lost.size() == 1);
+    CHECK(lost[0].starts_with("coordinates finer than "));
+    CHECK((lost[0].find("the scale becomes") != std::string::npos) == (after < step));
+  }
 }
 
 TEST_CASE("a class or return number beyond the old LAS point formats selects a newer one") {

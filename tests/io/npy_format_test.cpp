@@ -71,11 +71,11 @@ TEST_CASE("a structured NPY array gives attributes with the names of its fields"
   CHECK(read.cloud.colors.at(1) == Color{255, 7, 128, 255});
   REQUIRE(read.cloud.extra.size() == 4);
   CHECK(read.cloud.extra[0].name == "time");
-  CHECK(loadScalar<double>(read.cloud.extra[0].data.data() + 8) == 77);
+  CHECK(loadScalar<std::uint64_t>(read.cloud.extra[0].data.data() + 8) == 77);
   CHECK(read.cloud.extra[1].name == "ok");
   CHECK(read.cloud.extra[3].name == "grid_1");
   CHECK(loadScalar<std::int16_t>(read.cloud.extra[2].data.data() + 2) == -5);
-  CHECK(read.lost == std::vector<std::string>{"whole numbers of 'time' beyond 2^53, if there are any"});
+  CHECK(read.lost.empty());
   // Floating-point colours, of which only one exceeds 1.
   const std::string real =
       "[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('red', '<f4'), ('green', '<f4'), ('blue', '<f4')]";
@@ -99,7 +99,7 @@ TEST_CASE("NPY numbers of any size are read in either byte order") {
     CHECK(loadScalar<std::int16_t>(cloud.extra[0].data.data()) == -2);
     CHECK(loadScalar<std::uint16_t>(cloud.extra[1].data.data()) == 258);
     CHECK(loadScalar<std::int32_t>(cloud.extra[2].data.data()) == -3);
-    CHECK(loadScalar<double>(cloud.extra[3].data.data()) == 4);
+    CHECK(loadScalar<std::uint64_t>(cloud.extra[3].data.data()) == 4);
   }
 }
 

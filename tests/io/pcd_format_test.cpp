@@ -105,9 +105,8 @@ TEST_CASE("binary PCD points are read in any type, with padding and several numb
     CHECK(read.cloud.extra[1].name == "hist_1");
     CHECK(loadScalar<float>(read.cloud.extra[1].data.data() + 4) == 1.5f);
     CHECK(loadScalar<std::uint16_t>(read.cloud.extra[2].data.data()) == 7);
-    CHECK(loadScalar<double>(read.cloud.extra[3].data.data()) == std::ldexp(1.0, 40));
-    CHECK(read.lost ==
-          std::vector<std::string>{"the grid of 1 x 2", "whole numbers of 't' beyond 2^53, if there are any"});
+    CHECK(loadScalar<std::uint64_t>(read.cloud.extra[3].data.data()) == std::uint64_t{1} << 40);
+    CHECK(read.lost == std::vector<std::string>{"the grid of 1 x 2"});
     for (const bool ascii : {false, true}) {
       const PointCloud back = again(read.cloud, ascii);
       CHECK(back.fileCoordinates(0) == read.cloud.fileCoordinates(0));
