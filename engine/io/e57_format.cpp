@@ -305,6 +305,10 @@ StoredCloud readE57(const std::filesystem::path& file, Log* log, const CloudRead
     stored.lost.emplace_back("the pose of a scan, which is applied");
   else if (placed > 1)
     stored.lost.push_back(fmt::format("the poses of {} scans, which are applied", placed));
+  for (const E57Scan& scan : contents.scans)
+    if (std::abs(scan.rotationLength - 1) > 1e-3)
+      stored.lost.push_back(fmt::format("the length {:.3g} of the rotation of scan {}, which counts as 1",
+                                        scan.rotationLength, inQuotes(scan.name)));
   if (contents.images > 0) stored.lost.push_back(fmt::format("{} pictures", contents.images));
   return stored;
 }

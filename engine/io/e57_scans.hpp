@@ -32,6 +32,7 @@ struct E57Scan {
   std::uint64_t points = 0;
   std::vector<E57Field> fields;
   std::array<double, 4> rotation{1, 0, 0, 0};
+  double rotationLength = 1;  ///< of the quaternion in the file
   DVec3 translation{0};
   /// Minimum and maximum of red, green and blue, if declared.
   std::optional<std::array<std::array<double, 2>, 3>> colorLimits;

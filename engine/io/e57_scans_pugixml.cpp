@@ -85,7 +85,8 @@ void readPose(const pugi::xml_node& pose, const Reading& reading, E57Scan& scan)
   }
   if (!(squared > 1e-12 && squared < 1e12))
     throw reading.refuse(fmt::format("the rotation of scan {} has no direction", inQuotes(scan.name)));
-  for (double& part : scan.rotation) part /= std::sqrt(squared);
+  scan.rotationLength = std::sqrt(squared);
+  for (double& part : scan.rotation) part /= scan.rotationLength;
 }
 
 E57Scan scanOf(const pugi::xml_node& node, const Reading& reading) {

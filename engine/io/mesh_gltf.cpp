@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
@@ -61,10 +62,20 @@ class GltfReader {
     return *found;
   }
 
-  void refuseUnreadable() const {
-    for (const Json& extension : list("extensionsRequired"))
+  /// An extension that a file requires, and that changes more than colours and lights, must be known.
+  void refuseUnreadable() {
+    for (const Json& extension : list("extensionsRequired")) {
+      const std::string name = extension.is_string() ? extension.get<std::string>() : std::string();
       for (const char* packed : kPacked)
-        if (extension == packed) refusePacked(packed);
+        if (name == packed) refusePacked(packed);
+      const bool isAppearance =
+          name.starts_with("KHR_materials_") || name.starts_with("KHR_lights") || name.find("_texture_") != name.npos;
+      if (isAppearance || std::ranges::find(kKnown, name) != kKnown.end()) continue;
+      file_.fail(
+          fmt::format("requires the extension {}, which is not read; export it without, or as PLY or OBJ", name));
+    }
+    for (const Json& extension : list("extensionsUsed"))
+      if (extension == kGaussians) mesh_.lost.push_back("the shapes of Gaussians (KHR_gaussian_splatting)");
   }
   [[noreturn]] void refusePacked(std::string_view extension) const {
     const bool draco = extension.find("draco") != extension.npos;
@@ -107,7 +118,37 @@ class GltfReader {
           if (extensions->is_object() && extensions->contains(packed)) refusePacked(packed);
       normals_ = normals_ && attributes.contains("NORMAL");
       colors_ = colors_ || attributes.contains("COLOR_0");
+      takeMaterial(primitive);
     });
+    byMaterial_ = byMaterial_ && !colors_;
+    if (textured_ > 0) mesh_.lost.push_back(fmt::format("the colours of textures of {}", counted(textured_, "part")));
+  }
+
+  /// The material of a part of a mesh, without its textures; null if it has none.
+  const Json* surfaceOf(const Json& primitive) const {
+    if (!primitive.contains("material")) return nullptr;
+    const Json& material = file_.named("materials", primitive["material"]);
+    const auto found = material.find("pbrMetallicRoughness");
+    return found != material.end() && found->is_object() ? &*found : nullptr;
+  }
+  /// Colours are those of materials unless they are all the same grey.
+  void takeMaterial(const Json& primitive) {
+    const Json* surface = surfaceOf(primitive);
+    if (surface && surface->contains("baseColorTexture")) ++textured_;
+    const auto color = colorOf(primitive);
+    const bool isGrey = color[0] == color[1] && color[1] == color[2];
+    byMaterial_ = byMaterial_ || !isGrey || (oneColor_ && *oneColor_ != color);
+    oneColor_ = color;
+  }
+  /// The base colour, which glTF stores in linear light.
+  std::array<std::uint8_t, 4> colorOf(const Json& primitive) const {
+    const auto shown = [](double linear) {
+      return colorByte(linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055, 1);
+    };
+    const Json* surface = surfaceOf(primitive);
+    if (!surface) return {255, 255, 255, 255};
+    const std::vector<double> factor = numbersIn(*surface, "baseColorFactor", {1, 1, 1, 1});
+    return {shown(factor[0]), shown(factor[1]), shown(factor[2]), 255};
   }
   bool isTaken(const Json& primitive) const {
     return points_ ? file_.whole(primitive, "mode", kTriangles) == kPoints : hasTriangles(primitive);
@@ -131,7 +172,9 @@ class GltfReader {
     shown_[which] = true;
     const Placement here = above * placementOf(node);
     if (node.contains("mesh"))
-      for (const Json& primitive : listOf(file_.named("meshes", node["mesh"]), "primitives")) add(primitive, here);
+      for (const Placement& instance : instancesOf(node))
+        for (const Json& primitive : listOf(file_.named("meshes", node["mesh"]), "primitives"))
+          add(primitive, here * instance);
     for (const Json& child : listOf(node, "children")) show(child, here, depth + 1);
   }
 
@@ -156,14 +199,45 @@ class GltfReader {
     }
     const std::vector<double> t = numbersIn(node, "translation", {0, 0, 0}), s = numbersIn(node, "scale", {1, 1, 1}),
                               r = numbersIn(node, "rotation", {0, 0, 0, 1});
-    const DQuat turn(r[3], r[0], r[1], r[2]);
+    return placed({t[0], t[1], t[2]}, DQuat(r[3], r[0], r[1], r[2]), {s[0], s[1], s[2]});
+  }
+  static Placement placed(const DVec3& shift, const DQuat& turn, const DVec3& scale) {
+    Placement placement{.shift = shift};
     for (int column = 0; column < 3; ++column) {
       DVec3 axis(0);
-      axis[column] = s[static_cast<std::size_t>(column)];
+      axis[column] = scale[column];
       placement.turn[column] = turn * axis;
     }
-    placement.shift = {t[0], t[1], t[2]};
     return placement;
+  }
+
+  /// Where EXT_mesh_gpu_instancing shows the mesh of a node, relative to it; once without it.
+  std::vector<Placement> instancesOf(const Json& node) {
+    const auto extensions = node.find("extensions");
+    if (extensions == node.end() || !extensions->is_object() || !extensions->contains(kInstances)) return {{}};
+    const Json& extension = (*extensions)[kInstances];
+    const Json attributes = extension.is_object() ? extension.value("attributes", Json::object()) : Json::object();
+    if (!attributes.is_object()) file_.fail("\"attributes\" of instances are not an object");
+    std::optional<GltfNumbers> shifts, turns, scales;
+    std::size_t count = 0;
+    const auto take = [&](const char* name, std::optional<GltfNumbers>& numbers, unsigned perElement) {
+      if (!attributes.contains(name)) return;
+      numbers = file_.numbers(attributes[name], {perElement});
+      if (count > 0 && numbers->count != count) file_.fail("attributes of instances differ in number");
+      count = numbers->count;
+    };
+    take("TRANSLATION", shifts, 3);
+    take("ROTATION", turns, 4);
+    take("SCALE", scales, 3);
+    std::vector<Placement> instances;
+    for (std::size_t i = 0; i < count; ++i) {
+      const DQuat turn = turns
+                             ? DQuat(turns->number(i, 3), turns->number(i, 0), turns->number(i, 1), turns->number(i, 2))
+                             : DQuat(1, 0, 0, 0);
+      instances.push_back(
+          placed(shifts ? threeOf(*shifts, i) : DVec3(0), turn, scales ? threeOf(*scales, i) : DVec3(1)));
+    }
+    return instances;
   }
 
   void add(const Json& primitive, const Placement& here) {
@@ -184,6 +258,7 @@ class GltfReader {
       addColors(numbersLike(places, attributes["COLOR_0"], {3, 4}));
     else if (colors_)
       raw_.resize(soup.corners.size());
+    if (byMaterial_) soup.colors.resize(soup.corners.size(), colorOf(primitive));
     if (points_) return;
     if (primitive.contains("indices")) {
       const GltfNumbers indices = file_.numbers(primitive["indices"], {1});
@@ -240,13 +315,17 @@ class GltfReader {
 
   static constexpr std::size_t kPoints = 0, kTriangles = 4, kStrip = 5, kFan = 6;  // numbers of glTF
   static constexpr unsigned kByte = 5121, kFloat = 5126;
+  static constexpr const char *kInstances = "EXT_mesh_gpu_instancing", *kGaussians = "KHR_gaussian_splatting";
+  static constexpr std::array<std::string_view, 3> kKnown{kInstances, "KHR_mesh_quantization", kGaussians};
   static constexpr std::array<const char*, 2> kPacked{"KHR_draco_mesh_compression", "EXT_meshopt_compression"};
 
   GltfFile file_;
   ImportedMesh mesh_;
   std::vector<bool> shown_;
-  bool points_ = true, normals_ = true, colors_ = false;
-  std::vector<std::optional<DVec3>> raw_;  // colours of corners
+  bool points_ = true, normals_ = true, colors_ = false, byMaterial_ = false;
+  std::optional<std::array<std::uint8_t, 4>> oneColor_;  // of the materials so far
+  std::size_t textured_ = 0;                             // parts with a texture
+  std::vector<std::optional<DVec3>> raw_;                // colours of corners
   std::size_t others_ = 0;
 };
 

@@ -15,18 +15,20 @@
 
 namespace palpate {
 
-/// Iterates over the lines that are not blank, without comments that begin with '#'.
+/// Iterates over the lines that are not blank, without comments that begin with '#'; a sign within a number, as old
+/// Windows programs write NaN (1.#IND), begins none.
 class MeshLines {
  public:
-  explicit MeshLines(const std::filesystem::path& file) : file_(file) {}
+  /// `kept`: first word of comments that are read as lines; empty: none.
+  explicit MeshLines(const std::filesystem::path& file, std::string_view kept = {}) : file_(file), kept_(kept) {}
 
-  /// False at the end of the file. A line that ends with a backslash continues on the next one.
+  /// False at the end of the file. A line that ends with a backslash continues on the next one, except comments.
   bool next() {
     do {
       auto line = file_.readLine(kLongestLine);
       if (!line) return false;
       text_.assign(*line);
-      while (text_.ends_with('\\') && text_.size() < kLongestLine) {
+      while (text_.ends_with('\\') && commentAt() == text_.npos && text_.size() < kLongestLine) {
         text_.back() = ' ';
         if (line = file_.readLine(kLongestLine); line) text_ += *line;
       }
@@ -52,9 +54,16 @@ class MeshLines {
  private:
   static constexpr std::size_t kLongestLine = std::size_t{1} << 20;
 
+  std::size_t commentAt() const {
+    if (!kept_.empty() && text_.starts_with(kept_)) return text_.npos;
+    std::size_t at = text_.find('#');
+    while (at != text_.npos && at > 0 && text_[at - 1] == '.') at = text_.find('#', at + 1);
+    return at;
+  }
+
   void split() {
     constexpr std::string_view kBetween = " \t\r\v\f";
-    const std::string_view text = std::string_view(text_).substr(0, text_.find('#'));
+    const std::string_view text = std::string_view(text_).substr(0, commentAt());
     words_.clear();
     for (std::size_t begin = text.find_first_not_of(kBetween); begin != text.npos;
          begin = text.find_first_not_of(kBetween, begin)) {
@@ -65,6 +74,7 @@ class MeshLines {
   }
 
   ChunkedFile file_;
+  std::string_view kept_;
   std::string text_;
   std::vector<std::string_view> words_;
 };

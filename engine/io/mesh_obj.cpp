@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <unordered_map>
@@ -16,7 +18,7 @@ namespace {
 
 class ObjReader {
  public:
-  explicit ObjReader(const std::filesystem::path& file) : lines_(file) {}
+  explicit ObjReader(const std::filesystem::path& file) : folder_(file.parent_path()), lines_(file, kPaint) {}
 
   ImportedMesh read() {
     while (lines_.next()) {
@@ -27,6 +29,12 @@ class ObjReader {
         normals_.emplace_back(lines_.three(1, "a normal"));
       } else if (word == "f" || word == "fo") {
         face();
+      } else if (word == "usemtl") {
+        current_ = materialNamed(rest());
+      } else if (word == "mtllib") {
+        library();
+      } else if (word == kPaint) {
+        paint();
       } else if (word == "l" || word == "p") {
         ++others_;
       } else if (isOneOf(word, kFreeForms)) {
@@ -41,11 +49,12 @@ class ObjReader {
   }
 
  private:
+  static constexpr std::string_view kPaint = "#MRGB";  // polypaint of ZBrush, in comments
   static constexpr std::string_view kFreeForms[] = {"curv", "curv2", "surf"};
   static constexpr std::string_view kPassedOver[] = {
-      "vt",    "vp",   "o",        "g",        "s",          "mg",        "usemtl", "mtllib", "usemap", "maplib",
-      "bevel", "lod",  "c_interp", "d_interp", "shadow_obj", "trace_obj", "ctech",  "stech",  "cstype", "deg",
-      "bmat",  "step", "parm",     "trim",     "hole",       "scrv",      "sp",     "end",    "con",    "call"};
+      "vt",       "vp",       "o",          "g",         "s",     "mg",    "usemap", "maplib", "bevel", "lod",
+      "c_interp", "d_interp", "shadow_obj", "trace_obj", "ctech", "stech", "cstype", "deg",    "bmat",  "step",
+      "parm",     "trim",     "hole",       "scrv",      "sp",    "end",   "con",    "call"};
 
   static bool isOneOf(std::string_view word, std::span<const std::string_view> words) {
     return std::ranges::find(words, word) != words.end();
@@ -59,6 +68,64 @@ class ObjReader {
     if (count < 7) return;  // at most a weight; 7 or more: colours, in some programs with an opacity
     colors_.resize(places_.size() - 1);
     colors_.emplace_back(lines_.three(4, "a colour"));
+  }
+
+  struct Material {
+    std::string name, texture;
+    std::optional<DVec3> color;  // 0 to 1
+    bool isUsed = false;
+  };
+
+  /// The line behind its first word.
+  std::string rest() const {
+    const auto& words = lines_.words();
+    return words.size() < 2 ? std::string()
+                            : std::string(words[1].data(), words.back().data() + words.back().size() - words[1].data());
+  }
+
+  std::size_t materialNamed(const std::string& name) {
+    const auto found = std::ranges::find(materials_, name, &Material::name);
+    const auto index = static_cast<std::size_t>(found - materials_.begin());
+    if (found == materials_.end()) materials_.push_back({.name = name});
+    return index;
+  }
+
+  /// Reads colours and names of textures from a file of materials.
+  void library() {
+    std::string name = rest();
+    std::ranges::replace(name, '\\', '/');
+    std::error_code ignored;
+    const std::filesystem::path file = folder_ / name;
+    if (!std::filesystem::is_regular_file(file, ignored)) {
+      missing_ = name;
+      return;
+    }
+    MeshLines lines(file);
+    Material* material = nullptr;
+    while (lines.next()) {
+      const auto& words = lines.words();
+      if (words.front() == "newmtl")
+        material = &materials_[materialNamed(
+            words.size() < 2
+                ? std::string()
+                : std::string(words[1].data(), words.back().data() + words.back().size() - words[1].data()))];
+      else if (words.front() == "Kd" && material && words.size() >= 4 && textNumber<double>(words[1]))
+        material->color = lines.three(1, "a colour");
+      else if (words.front() == "map_Kd" && material)
+        material->texture = words.back();
+    }
+  }
+
+  /// Eight hexadecimal digits for each of the next corners: a material, red, green, blue.
+  void paint() {
+    const std::string_view digits = lines_.words().size() > 1 ? lines_.words()[1] : std::string_view();
+    for (std::size_t at = 0; at + 8 <= digits.size(); at += 8) {
+      std::uint32_t bits = 0;
+      const auto [stop, error] = std::from_chars(digits.data() + at, digits.data() + at + 8, bits, 16);
+      if (error != std::errc{} || stop != digits.data() + at + 8) lines_.fail("a colour of #MRGB is not hexadecimal");
+      paint_.push_back({static_cast<std::uint8_t>(bits >> 16), static_cast<std::uint8_t>(bits >> 8),
+                        static_cast<std::uint8_t>(bits), 255});
+    }
   }
 
   /// Converts a reference to an index below `count`: references count from 1, or back from the last if negative.
@@ -94,6 +161,7 @@ class ObjReader {
     addPolygon(around_, local_);
     for (const auto& [a, b, c] : local_) {
       mesh_.soup.triangles.push_back({polygon_[a], polygon_[b], polygon_[c]});
+      materialOf_.push_back(static_cast<std::uint32_t>(current_));
       if (facing_) cornerNormals_.insert(cornerNormals_.end(), {normalsOf_[a], normalsOf_[b], normalsOf_[c]});
     }
   }
@@ -102,8 +170,10 @@ class ObjReader {
     TriangleSoup& soup = mesh_.soup;
     const std::size_t uncolored = settleColors();
     if (uncolored > 0) mesh_.lost.push_back(fmt::format("{} corners have no colour, and are white", uncolored));
-    if (facing_ && !cornerNormals_.empty()) {
-      pairUp();
+    facing_ = facing_ && !cornerNormals_.empty();
+    if (!facing_ && !cornerNormals_.empty()) mesh_.lost.emplace_back("normals, which some corners lack");
+    if (const bool byMaterial = settleMaterials(); facing_ || byMaterial) {
+      pairUp(byMaterial);
     } else {
       if (soup.triangles.empty() && normals_.size() == places_.size()) soup.normals = std::move(normals_);
       soup.corners = std::move(places_), soup.colors = std::move(bytes_);
@@ -119,30 +189,79 @@ class ObjReader {
 
   /// Returns the number of corners without a colour if others have one.
   std::size_t settleColors() {
+    if (!paint_.empty() && colors_.empty() && paint_.size() == places_.size())
+      bytes_ = std::move(paint_);
+    else if (!paint_.empty())
+      mesh_.lost.push_back(
+          fmt::format("the paint (#MRGB) of {} of {}", paint_.size(), counted(places_.size(), "corner")));
     if (colors_.empty()) return 0;
     colors_.resize(places_.size());
     return cornerColors(colors_, false, bytes_);
   }
 
-  /// Creates a corner for each combination of position and normal.
-  void pairUp() {
+  /// Whether colours are those of materials: if corners have none, and they are not all the same grey. Names the
+  /// textures of materials in use.
+  bool settleMaterials() {
+    for (const std::uint32_t material : materialOf_)
+      if (material < materials_.size()) materials_[material].isUsed = true;
+    if (!missing_.empty() && std::ranges::any_of(materials_, &Material::isUsed))
+      mesh_.lost.push_back(fmt::format("the materials of {}, which is missing", inQuotes(missing_)));
+    std::size_t textures = 0;
+    std::string texture;
+    std::optional<DVec3> one;
+    bool anyColor = false;
+    for (const Material& material : materials_) {
+      if (!material.isUsed) continue;
+      if (!material.texture.empty() && textures++ == 0) texture = material.texture;
+      const DVec3 color = material.color.value_or(DVec3(1));
+      anyColor = anyColor || color.x != color.y || color.y != color.z || (one && *one != color);
+      one = color;
+    }
+    if (textures > 0)
+      mesh_.lost.push_back(textures == 1
+                               ? fmt::format("the colours of the texture {}", inQuotes(texture))
+                               : fmt::format("the colours of {} textures, as {}", textures, inQuotes(texture)));
+    return anyColor && bytes_.empty() && colors_.empty();
+  }
+
+  struct Corner {
+    std::uint32_t place, normal, material;
+    bool operator==(const Corner&) const = default;
+  };
+  struct HashCorner {
+    std::size_t operator()(const Corner& c) const {
+      return std::hash<std::uint64_t>{}((std::uint64_t{c.place} << 32 | c.normal) ^
+                                        std::uint64_t{c.material} * 0x9e3779b97f4a7c15u);
+    }
+  };
+
+  /// Creates a corner for each combination of position, normal and, if colours are those of materials, material.
+  void pairUp(bool byMaterial) {
     TriangleSoup& soup = mesh_.soup;
-    std::unordered_map<std::uint64_t, std::uint32_t> corners;
-    std::size_t next = 0;
-    for (auto& triangle : soup.triangles)
-      for (std::uint32_t& corner : triangle) {
-        const std::uint32_t place = corner, normal = cornerNormals_[next++];
-        const auto [at, isNew] =
-            corners.try_emplace(std::uint64_t{place} << 32 | normal, static_cast<std::uint32_t>(soup.corners.size()));
+    std::unordered_map<Corner, std::uint32_t, HashCorner> corners;
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::uint32_t& corner = soup.triangles[t][k];
+        const Corner key{corner, facing_ ? cornerNormals_[3 * t + k] : 0, byMaterial ? materialOf_[t] : 0};
+        const auto [at, isNew] = corners.try_emplace(key, static_cast<std::uint32_t>(soup.corners.size()));
         corner = at->second;
         if (!isNew) continue;
         if (soup.corners.size() == 0xffffffffu) lines_.fail("more than 4,294,967,295 corners");
-        soup.corners.push_back(places_[place]);
-        soup.normals.emplace_back(normals_[normal]);
-        if (!bytes_.empty()) soup.colors.push_back(bytes_[place]);
+        soup.corners.push_back(places_[key.place]);
+        if (facing_) soup.normals.emplace_back(normals_[key.normal]);
+        if (byMaterial)
+          soup.colors.push_back(colorOf(key.material));
+        else if (!bytes_.empty())
+          soup.colors.push_back(bytes_[key.place]);
       }
   }
 
+  std::array<std::uint8_t, 4> colorOf(std::size_t material) const {
+    const DVec3 color = material < materials_.size() ? materials_[material].color.value_or(DVec3(1)) : DVec3(1);
+    return {colorByte(color.x, 1), colorByte(color.y, 1), colorByte(color.z, 1), 255};
+  }
+
+  std::filesystem::path folder_;
   MeshLines lines_;
   ImportedMesh mesh_;
   std::vector<DVec3> places_;
@@ -154,6 +273,11 @@ class ObjReader {
   std::vector<std::array<std::uint32_t, 3>> local_;
   std::vector<std::uint32_t> cornerNormals_;  // three for each triangle, as long as all have normals
   bool facing_ = true;
+  std::vector<Material> materials_;
+  std::string missing_;                    // file of materials
+  std::size_t current_ = 0xffffffffu;      // index of the material in use; none at first
+  std::vector<std::uint32_t> materialOf_;  // by triangle
+  std::vector<std::array<std::uint8_t, 4>> paint_;
   std::size_t others_ = 0, freeForms_ = 0, unknown_ = 0, large_ = 0;
 };
 

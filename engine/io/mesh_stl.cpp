@@ -77,7 +77,7 @@ class StlText {
         if (corners_.size() != 3) lines_.fail(fmt::format("a facet of {}", counted(corners_.size(), "corner")));
         addCorners(file_, mesh_.soup, {corners_[0], corners_[1], corners_[2]});
         corners_.clear();
-      } else if (word == "solid" || word == "endsolid") {
+      } else if (word == "solid" || word == "endsolid" || isEnd(word)) {
         open_ = word == "solid";
       } else if (word != "outer" && word != "endloop" && word != "color") {
         lines_.fail(fmt::format("found {}, expected a keyword of STL", inQuotes(lines_.words().front())));
@@ -88,6 +88,10 @@ class StlText {
   }
 
  private:
+  /// Some programs write "end solid".
+  bool isEnd(std::string_view word) const {
+    return word == "end" && lines_.words().size() > 1 && lowerCase(lines_.words()[1]) == "solid";
+  }
   static std::string lowerCase(std::string_view word) {
     std::string lower(word);
     for (char& c : lower)

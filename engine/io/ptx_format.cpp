@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "engine/cloud/up.hpp"
 #include "engine/core/counted.hpp"
@@ -25,6 +26,8 @@ constexpr std::uint64_t kMaxScans = 65535;
 
 /// Pose of a scan: the rows of its matrix; the last one is the translation.
 using PtxPlace = std::array<DVec3, 4>;
+
+bool isEcho(const std::array<double, kColored>& point) { return point[0] != 0 || point[1] != 0 || point[2] != 0; }
 
 /// Iterates over the scans of a file.
 class PtxScans {
@@ -52,16 +55,18 @@ class PtxScans {
     return columns * rows;
   }
 
-  /// The numbers of the next point; all points of a file have the same number of them. Colours are 0 if missing.
+  /// The numbers of the next point. If the first point with an echo has colours, they are NaN where others have none.
   std::array<double, kColored> point(std::uint64_t number, std::uint64_t promised) {
     if (!line()) fail(fmt::format("the file ends after {} of {} points of scan {}", number, promised, scans_));
     const std::size_t found = words_.words().size();
-    if (columns_ == 0 && (found == kPlain || found == kColored)) columns_ = found;
-    if (found != columns_)
-      fail(fmt::format("a point of {} numbers; expected x y z and an intensity, and colours where all points have them",
-                       found));
+    const bool isRow = found == kPlain || found == kColored;
     std::array<double, kColored> values{};
-    for (std::size_t k = 0; k < found; ++k) values[k] = value(k, "a number of a point");
+    std::fill(values.begin() + kPlain, values.end(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t k = 0; isRow && k < found; ++k) values[k] = value(k, "a number of a point");
+    if (columns_ == 0 && isRow && isEcho(values)) columns_ = found;
+    if (!isRow || (isEcho(values) && found > columns_))
+      fail(fmt::format(
+          "a point of {} numbers; expected x y z and an intensity, and colours if the first points have them", found));
     return values;
   }
   bool isColored() const { return columns_ == kColored; }
@@ -120,8 +125,6 @@ PlyElement ptxElement(bool colored) {
   return element;
 }
 
-bool isEcho(const std::array<double, kColored>& point) { return point[0] != 0 || point[1] != 0 || point[2] != 0; }
-
 /// Collects the rows of the cloud.
 class PtxCloud {
  public:
@@ -134,7 +137,7 @@ class PtxCloud {
     put(point[3]);
     for (std::size_t k = kPlain; colored_ && k < kColored; ++k) {
       put(static_cast<float>(point[k]));
-      whole_ = whole_ && point[k] == std::trunc(point[k]);
+      whole_ = whole_ && !(point[k] != std::trunc(point[k]));
     }
     put(static_cast<std::uint16_t>(scan));
     if (++rows_ == kPointBatch) flush();
@@ -185,11 +188,12 @@ StoredCloud readPtx(const std::filesystem::path& path, Log* log, const CloudRead
     moved += scans.place() != stays;
     for (std::uint64_t k = 0; k < *points; ++k) {
       const auto point = scans.point(k, *points);
-      if (!cloud) cloud.emplace(path, scans.isColored(), log);
-      if (isEcho(point))
-        cloud->add(point, scans.place(), scans.scans() - 1);
-      else
+      if (!isEcho(point)) {
         ++silent;
+        continue;
+      }
+      if (!cloud) cloud.emplace(path, scans.isColored(), log);
+      cloud->add(point, scans.place(), scans.scans() - 1);
     }
   }
   StoredCloud stored;

@@ -136,13 +136,17 @@ TEST_CASE("spherical E57 coordinates become Cartesian ones; points without an ec
 TEST_CASE("E57 normals are rotated with their scan" * kNeedsXml) {
   E57Bytes file;
   E57Part part = scanOf(true);
-  part.more = "<pose><rotation><w>0</w><x>1</x><y>0</y><z>0</z></rotation></pose>";  // 180 degrees about x
+  part.more = "<pose><rotation><w>0</w><x>2</x><y>0</y><z>0</z></rotation></pose>";  // 180 degrees about x
   part.streams.push_back(floats("nor:normalX", ramp(kCount, 0, 0), true));
   part.streams.push_back(floats("nor:normalY", ramp(kCount, 0.6, 0), true));
   part.streams.push_back(floats("nor:normalZ", ramp(kCount, 0.8, 0), true));
   file.add(part);
-  const PointCloud cloud = readingE57(file.text()).cloud;
+  const StoredCloud stored = readingE57(file.text());
+  const PointCloud& cloud = stored.cloud;
   REQUIRE(cloud.hasNormals());
+  CHECK(std::ranges::any_of(stored.lost, [](const std::string& what) {
+    return what.starts_with("the length 2 of the rotation of scan") && what.ends_with("which counts as 1");
+  }));
   CHECK(glm::length(cloud.normals[5] - Vec3(0, -0.6f, -0.8f)) < 1e-6f);
 }
 

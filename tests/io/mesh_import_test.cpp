@@ -131,6 +131,107 @@ TEST_CASE("OBJ: negative indices, corners with several normals, and unsupported 
   CHECK(some.soup.triangles.size() == 2);
 }
 
+TEST_CASE("OBJ: comments that end with a backslash, numbers of old Windows programs and missing normals") {
+  const TriangleSoup points = imported(importObj, "# C:\\scans\\\nv 0 0 0 # here \\\nv 1 0 0\nv 1 \\\n1 0\n").soup;
+  REQUIRE(points.corners.size() == 3);
+  CHECK(points.corners[2] == DVec3(1, 1, 0));
+  const StoredCloud some =
+      readingFile("a.obj", "v 1 2 3\nv -1.#IND 2 1\nv 4 5 6#here\nv 1 2 1.#QNAN\nv 1.#INF 0 0\nv 7 8 9\n");
+  CHECK(some.cloud.size() == 3);
+  CHECK(some.lost == std::vector<std::string>{"3 points without a finite position"});
+  const ImportedMesh mesh = imported(importObj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 3 2 1\n");
+  CHECK(mesh.lost == std::vector<std::string>{"normals, which some corners lack"});
+  const TriangleSoup stl =
+      imported(importStl,
+               "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1.#INF\nvertex 1 0 0\nvertex 0 "
+               "1 0\nendloop\nendfacet\nEnd Solid\n")
+          .soup;
+  REQUIRE(stl.corners.size() == 3);
+  CHECK(std::isinf(stl.corners[0].z));
+}
+
+TEST_CASE("OBJ: colours of materials and of ZBrush become those of corners, and textures are named") {
+  using Colors = std::vector<std::array<std::uint8_t, 4>>;
+  const std::array<std::uint8_t, 4> red{255, 0, 0, 255}, green{0, 255, 0, 255}, white{255, 255, 255, 255};
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  const ScratchFolder folder;
+  const auto reading = [&](const std::string& text) {
+    std::ofstream(folder / "a.obj") << text;
+    return importObj(folder / "a.obj");
+  };
+  std::ofstream(folder / "two kinds.mtl")
+      << "newmtl signal red\nKd 1 0 0\nmap_Kd -s 1 1 1 red.png\nnewmtl leaf\nKd 0 1 0\n";
+  std::ofstream(folder / "grey.mtl") << "newmtl a\nKd 0.8 0.8 0.8\nnewmtl unused\nKd 1 0 0\nmap_Kd b.png\n";
+  const std::string faces = "usemtl signal red\nf 1 2 3\nusemtl leaf\nf 1 3 4\n";
+  const ImportedMesh mesh = reading("mtllib two kinds.mtl\n" + corners + faces);
+  REQUIRE(mesh.soup.corners.size() == 6);  // a corner of each material
+  CHECK(mesh.soup.colors == Colors{red, red, red, green, green, green});
+  CHECK(mesh.lost == std::vector<std::string>{"the colours of the texture 'red.png'"});
+  const ImportedMesh facing =
+      reading("mtllib two kinds.mtl\nvn 0 0 1\nvn 0 1 0\n" + corners +
+              "usemtl leaf\nf 1//1 2//2 3//1\nf 1//1 3//1 4//1\nusemtl none\nf 4//2 1//2 2//2\n");
+  CHECK(facing.soup.corners.size() == 7);
+  CHECK(facing.soup.normals.size() == 7);
+  CHECK(facing.soup.colors.back() == white);
+  const ImportedMesh grey = reading("mtllib grey.mtl\n" + corners + "usemtl a\nf 1 2 3\n");
+  CHECK(grey.soup.colors.empty());
+  CHECK(grey.lost.empty());
+  CHECK(reading("mtllib gone.mtl\n" + corners + "usemtl a\nf 1 2 3\n").lost ==
+        std::vector<std::string>{"the materials of 'gone.mtl', which is missing"});
+  const ImportedMesh painted = reading(corners + "#MRGB ffff0000ff00ff00\n#MRGB ff00ff00ffff0000\nf 1 2 3\n");
+  CHECK(painted.soup.colors == Colors{red, green, green, red});
+  CHECK(reading(corners + "#MRGB ffff0000\nf 1 2 3\n").lost ==
+        std::vector<std::string>{"the paint (#MRGB) of 1 of 4 corners"});
+  refuses(importObj, corners + "#MRGB ffff00zz\nf 1 2 3\n", ":5: a colour of #MRGB is not hexadecimal");
+}
+
+TEST_CASE("glTF: instances of a mesh are placed, and an extension that a file requires is known or named") {
+  const std::string json = gltfTriangle(false);
+  const std::string node = R"({"mesh":0,"translation":[10,20,30],"scale":[2,2,2]})";
+  // The three corners as places of instances.
+  const std::string instances =
+      replaced(json, node,
+               node.substr(0, node.size() - 1) +
+                   R"(,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0}}}})");
+  const TriangleSoup soup =
+      imported(importGltf,
+               replaced(instances, "{\"asset\"", R"({"extensionsRequired":["EXT_mesh_gpu_instancing"],"asset")"))
+          .soup;
+  REQUIRE(soup.triangles.size() == 3);
+  CHECK(soup.corners.at(0) == DVec3(10, 20, 30));
+  CHECK(soup.corners.at(3) == DVec3(12, 20, 30));
+  CHECK(soup.corners.at(7) == DVec3(12, 22, 30));
+  const TriangleSoup scaled = imported(importGltf, replaced(instances, "\"TRANSLATION\"", "\"SCALE\"")).soup;
+  CHECK(scaled.corners.at(4) == DVec3(12, 20, 30));
+  refuses(importGltf, replaced(instances, "\"TRANSLATION\":0", "\"ROTATION\":0"), "...a type that its use...");
+  refuses(importGltf, replaced(json, "{\"asset\"", R"({"extensionsRequired":["EXT_mesh_future"],"asset")"),
+          ": requires the extension EXT_mesh_future, which is not read...");
+  CHECK(imported(importGltf, replaced(json, "{\"asset\"", R"({"extensionsRequired":["KHR_materials_unlit"],"asset")"))
+            .soup.triangles.size() == 1);
+  CHECK(imported(importGltf, replaced(json, "{\"asset\"", R"({"extensionsUsed":["KHR_gaussian_splatting"],"asset")"))
+            .lost == std::vector<std::string>{"the shapes of Gaussians (KHR_gaussian_splatting)"});
+}
+
+TEST_CASE("glTF: base colours of materials become those of corners, and textures are named") {
+  const std::string json = gltfTriangle(false);
+  const auto with = [&](const std::string& surface) {
+    return imported(importGltf, replaced(replaced(json, R"("indices":1)", R"("indices":1,"material":0)"), "{\"asset\"",
+                                         R"({"materials":[{"pbrMetallicRoughness":)" + surface + R"(}],"asset")"));
+  };
+  const ImportedMesh red = with(R"({"baseColorFactor":[1,0,0.2158605,1]})");  // linear light
+  REQUIRE(red.soup.colors.size() == 3);
+  CHECK(red.soup.colors[1] == std::array<std::uint8_t, 4>{255, 0, 128, 255});
+  CHECK(red.lost.empty());
+  CHECK(with(R"({"baseColorFactor":[0.5,0.5,0.5,1]})").soup.colors.empty());
+  const ImportedMesh pictured = with(R"({"baseColorTexture":{"index":0}})");
+  CHECK(pictured.soup.colors.empty());
+  CHECK(pictured.lost == std::vector<std::string>{"the colours of textures of 1 part"});
+  CHECK(readingFile("a.ply",
+                    "ply\nformat ascii 1.0\ncomment TextureFile red.png\nelement vertex 1\nproperty float x\nproperty "
+                    "float y\nproperty float z\nend_header\n1 2 3\n")
+            .lost == std::vector<std::string>{"the colours of the texture 'red.png'"});
+}
+
 TEST_CASE("OBJ: invalid statements are refused with their line") {
   const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   refuses(importObj, three + "f 1 2 4\n", ":4: a face refers to corner 4, but only 3 precede it");

@@ -312,6 +312,18 @@ TEST_CASE("PTX: scans are placed by their matrices, and points without an echo a
   CHECK(stored.cloud.extra[1].name == "scan");
   REQUIRE(stored.lost.size() == 3);
   CHECK(stored.lost[0] == "2 points without an echo");
+  // Points without an echo may have other columns than the others; a point may lack its colour.
+  const std::string mixed =
+      "2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n0 0 0 0.5\n1 1 1 0.5 255 0 0\n";
+  const StoredCloud echoes = readingFile("a.ptx", mixed + "2 1 1 0.5 0 255 0\n2 2 1 0.5\n");
+  REQUIRE(echoes.cloud.size() == 3);
+  CHECK(echoes.cloud.colors[1] == std::array<std::uint8_t, 4>{0, 255, 0, 255});
+  CHECK(echoes.lost[0] == "colours of 1 point that are not numbers, which are black");
+  refuses("a.ptx", mixed + "2 1 1 0.5 7\n", ":13: a point of 5 numbers...");
+  std::string plain = mixed;
+  plain.replace(plain.rfind(" 255 0 0"), 8, "");
+  CHECK_FALSE(readingFile("a.ptx", plain + "0 0 0 0.5 0 0 0\n2 2 1 0.5\n").cloud.hasColors());
+  refuses("a.ptx", plain + "2 2 1 0.5 1 2 3\n", ":13: a point of 7 numbers...");
   refuses("a.ptx", scan.substr(0, scan.find("2 2 1")), ":13: the file ends after 3 of 4 points of scan 1");
   refuses("a.ptx", "2\n5000000000\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 1 1 1\n",
           "...ends after 1 of 10000000000 points...");
