@@ -30,7 +30,7 @@ void Context::addOptions(Options& app) {
   app.addFlag("--validate", validate_, {"full", "core"},
               "enable validation layers (core, synchronisation, GPU-assisted; --validate=core without the "
               "slow GPU-assisted part); any message makes the exit code 1");
-  app.add("--json", json_, "write machine-readable results to this file, or to stdout with -")
+  app.add("--json", json_, "write machine-readable results, or the error, to this file, or to stdout with -")
       .typeName("FILE|-")
       .writes(Writes::replacing)
       .check({[](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; }});
@@ -80,6 +80,7 @@ void Context::arrange(QueueArrangement queues) {
 
 void Context::writeJson(const Json& result) const {
   if (json_.empty()) return;
+  hasResult_ = true;
   const std::string text = result.dump(2) + "\n";
   if (json_ == "-") {
     std::fwrite(text.data(), 1, text.size(), stdout);
@@ -90,8 +91,24 @@ void Context::writeJson(const Json& result) const {
   file.commit();
 }
 
-void Context::checkJson() const {
+void Context::writeFailure(std::string_view what, int code, const std::vector<std::string>& words) noexcept {
+  try {
+    constexpr std::string_view kJson = "--json";
+    for (auto word = words.begin(); json_.empty() && word != words.end(); ++word) {
+      if (word->starts_with(kJson) && word->substr(kJson.size()).starts_with('='))
+        json_ = word->substr(kJson.size() + 1);
+      if (*word == kJson && word + 1 != words.end()) json_ = *(word + 1);
+    }
+    std::error_code ignored;
+    if (!isJsonChecked_ && json_ != "-" && std::filesystem::exists(json_, ignored)) return;
+    if (!hasResult_) writeJson({{"error", what}, {"exit_code", code}});
+  } catch (const std::exception&) {  // the failure itself may be that the file cannot be written
+  }
+}
+
+void Context::checkJson() {
   if (json_ != "-") checkOutput(json_, Output::only);
+  isJsonChecked_ = true;
 }
 
 void Context::close(std::unique_ptr<Device>& device) {

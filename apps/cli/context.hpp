@@ -49,9 +49,13 @@ class Context {
   /// Whether --gpu or --validate is given.
   bool asksForGpu() const { return !gpu_.empty() || !validate_.empty(); }
   /// Throws UsageError or FileError if --json names a file that cannot be written (checkOutput()).
-  void checkJson() const;
+  void checkJson();
   /// Writes the result to the target of --json, if it is given.
   void writeJson(const Json& result) const;
+  /// Writes a failure there in place of a result, unless there is one. A file that exists is replaced only after
+  /// checkJson(): it may be the model. `words`: of the command line, which may not have been understood. Throws
+  /// nothing.
+  void writeFailure(std::string_view what, int code, const std::vector<std::string>& words) noexcept;
   /// With --json - stdout is reserved for the result, and tables go to stderr.
   std::FILE* tables() const { return json_ == "-" ? stderr : stdout; }
 
@@ -63,6 +67,8 @@ class Context {
 
   std::string gpu_, json_, validate_, commandLine_;
   bool quiet_ = false;
+  mutable bool hasResult_ = false;
+  bool isJsonChecked_ = false;
   unsigned threads_ = 0;
   std::unique_ptr<Log> log_;
   void close(std::unique_ptr<Device>& device);

@@ -130,11 +130,14 @@ void convert(Context& context, const ConvertOptions& options) {
   stateUnit(context.log(), options, to, stored.cloud.storedAs.comments);
   if (mm_per_unit > 0) sayScale(stored.cloud.storedAs.comments, mm_per_unit);
   std::filesystem::path keptAs;
+  std::error_code ignored;
+  const bool replaces = std::filesystem::is_regular_file(options.output, ignored);
   to.write(options.output, stored.cloud,
            {.ascii = options.ascii,
             .triangles = stored.triangles.empty() ? nullptr : &stored.triangles,
-            .keptAs = ontoItself(options) ? &keptAs : nullptr});
-  if (!keptAs.empty()) context.log().say("{}: the file that was read is kept as {}", options.output, keptAs.string());
+            .keptAs = replaces ? &keptAs : nullptr});
+  if (!keptAs.empty())
+    context.log().say("{}: the existing file is kept as {}", options.output, keepNewest(keptAs).string());
   context.log().say("{}: {} with {}", options.output, counted(stored.cloud.size(), "point"), fmt::join(kept, ", "));
   Json result{{"input", options.input},
               {"output", options.output},
@@ -191,7 +194,7 @@ void addConvert(Options& app, Context& context, Command& command) {
   addNetworkOptions(sub, options->network);
   addRosFrameOption(sub, options->network);
   sub.addFlag("--ascii", options->ascii, "write ASCII in place of binary little-endian");
-  sub.addFlag("--force", options->force, "replace an existing OUT; if OUT is IN itself, it is kept as IN.bak");
+  sub.addFlag("--force", options->force, "replace an existing OUT, which is kept as OUT.bak");
   sub.footer(
       "The order of points, the precision of coordinates and unknown properties are preserved. A "
       "folder of depth frames is fused into one cloud in metres. Faces are written as triangles. A "

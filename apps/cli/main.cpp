@@ -93,12 +93,6 @@ void complete(const Options& program, std::vector<std::string> words) {
     fmt::print("/{}{}\n", completions.endings.empty() ? "" : " ", fmt::join(completions.endings, " "));
 }
 
-// Prints the error and returns the exit code: an interrupted run returns the code that shells expect.
-int fail(std::string_view what, int code) {
-  fmt::print(stderr, "palpate: {}\n", what);
-  return StopBySignal::requested() ? StopBySignal::exitCode() : code;
-}
-
 int run(std::vector<std::string> arguments) {
   Options options{
       "palpate: feel, see and sculpt point clouds of millions of points in real time.\n"
@@ -114,6 +108,13 @@ int run(std::vector<std::string> arguments) {
   Context context;
   context.addOptions(options);
   context.setCommandLine(arguments);
+  // Prints the error and returns the exit code: an interrupted run returns the code that shells expect.
+  const auto fail = [&, words = arguments](std::string_view what, int failed) {
+    const int code = StopBySignal::requested() ? StopBySignal::exitCode() : failed;
+    fmt::print(stderr, "palpate: {}\n", what);
+    context.writeFailure(what, code, words);
+    return code;
+  };
   Command command;
   addSubcommands(options, context, command);
   addFooter(app.get_subcommands({}));

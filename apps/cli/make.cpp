@@ -44,6 +44,7 @@ void make(Context& context, const MakeOptions& options) {
              {.ascii = options.ascii,
               .keptAs = whereToKeep(options.output, kept, context.log()),
               .progress = [&](double share) { progress.set(kSampling + (1 - kSampling) * share); }});
+  keepNewest(kept);
   context.log().say("{}: {} of {} in {:.2f} s", options.output, counted(cloud.size(), "point"), options.shape,
                     watch.elapsed_s());
   context.writeJson({{"file", options.output}, {"shape", options.shape}, {"points", cloud.size()}});
@@ -56,7 +57,10 @@ void addMake(Options& app, Context& context, Command& command) {
   auto options = std::make_shared<MakeOptions>();
   std::string names;
   for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
-  sub.add("shape", options->shape, "one of " + names).required().typeName("SHAPE");
+  sub.add("shape", options->shape, "one of " + names)
+      .required()
+      .typeName("SHAPE")
+      .offers({shapeNames().begin(), shapeNames().end()});
   sub.add("-n,--points", options->count, "number of points").check(wholeBetween(1, kMaxPoints)).showDefault();
   sub.add("-o,--output", options->output, "output: " + cloudFormats().endingsWritten(Written::points))
       .required()

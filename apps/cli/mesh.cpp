@@ -51,6 +51,7 @@ void mesh(Context& context, const MeshCommandOptions& options) {
   markAsOurs(result.vertices);
   std::filesystem::path kept;
   writeMesh(options.output, result, cell, options.ascii, whereToKeep(options.output, kept, context.log()));
+  keepNewest(kept);
   const MeshReport report = examine(result);
   context.log().say("{}: {}, {} in {}, {}; {}, {:.1f} MiB, {:.1f} ms", options.output,
                     counted(report.vertices, "vertex", "vertices"), counted(report.triangles, "triangle"),

@@ -324,6 +324,8 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   checkTouchOptions(options, kind.capabilities());
   const std::vector<FurtherHand> others = furtherHands(options.hands, options.hand, config.realtime);
   checkOutputs(context, options, others);
+  // A picture that cannot be drawn is an error now, and not after the session.
+  if (!options.pictureFile.empty() && config.backend.name != "vulkan") context.device();
   Model model = openModel(context, options, config, kind);
   start.ended("model");
   checkModel(options, config, model);

@@ -46,7 +46,7 @@ void addOutputOptions(Options& sub, TouchCommandOptions& options) {
       .writes(Writes::replacing);
   sub.add("--save", options.saveFile,
           "write the edited points with all their properties; faces and other elements are dropped. An "
-          "existing file that palpate did not write, or that holds more, is kept as OUT.ply.bak")
+          "existing file is kept as OUT.ply.bak")
       .typeName("OUT.ply")
       .writes(Writes::keeping);
   sub.add("--log", options.logFile,

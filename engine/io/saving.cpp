@@ -53,18 +53,52 @@ FileInTheWay fileInTheWay(const std::filesystem::path& file, const CloudFormats&
   return found;
 }
 
+namespace {
+
+bool isReplaceable(const std::filesystem::path& file, const CloudFormats& formats) {
+  return !file.empty() && !fileInTheWay(file, formats).losesSomething();
+}
+
+/// The first of the names of kept files, up to `last`, that is a cloud of palpate; `last` if there is none.
+std::filesystem::path firstOurs(const std::filesystem::path& last, const CloudFormats& formats) {
+  const std::string text = last.string();
+  const std::string base = text.substr(0, text.rfind(".bak")) + ".bak";
+  std::error_code ignored;
+  for (int number = 1;; ++number) {
+    const std::filesystem::path name = number == 1 ? base : fmt::format("{}{}", base, number);
+    if (name == last || !std::filesystem::exists(name, ignored) || isReplaceable(name, formats)) return name;
+  }
+}
+
+std::filesystem::path nameToKeep(const std::filesystem::path& file) {
+  const std::filesystem::path name = AtomicFile::nameToKeep(file);
+  return isReplaceable(file, cloudFormats()) ? firstOurs(name, cloudFormats()) : name;
+}
+
+}  // namespace
+
 void sayWhatIsLost(const std::filesystem::path& file, Log& log) {
   const FileInTheWay inTheWay = fileInTheWay(file);
-  if (!inTheWay.losesSomething()) return;
-  log.say("{}; the existing file is kept as {}", inTheWay.sentence(), AtomicFile::nameToKeep(file).string());
+  if (inTheWay.name.empty()) return;
+  log.say("{}; the existing file is kept as {}",
+          inTheWay.losesSomething() ? inTheWay.sentence() : inTheWay.name + " exists", nameToKeep(file).string());
 }
 
 std::filesystem::path* whereToKeep(const std::filesystem::path& file, std::filesystem::path& kept, Log& log) {
   FileInTheWay inTheWay = fileInTheWay(file);
+  if (inTheWay.name.empty()) return nullptr;
   inTheWay.more.clear();  // ours, or kept in any case
-  if (!inTheWay.losesSomething()) return nullptr;
-  log.say("{}; it is kept as {}", inTheWay.sentence(), AtomicFile::nameToKeep(file).string());
+  log.say("{}; it is kept as {}", inTheWay.losesSomething() ? inTheWay.sentence() : inTheWay.name + " exists",
+          nameToKeep(file).string());
   return &kept;
+}
+
+std::filesystem::path keepNewest(const std::filesystem::path& kept, const CloudFormats& formats) {
+  if (kept.empty() || !isReplaceable(kept, formats)) return kept;
+  std::filesystem::path name = firstOurs(kept, formats);
+  std::error_code error;
+  if (name != kept) std::filesystem::rename(kept, name, error);
+  return error ? kept : name;
 }
 
 bool isOurs(std::span<const std::string> comments) { return std::ranges::find(comments, kOurs) != comments.end(); }
@@ -79,8 +113,8 @@ std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud 
   if (areNormalsEstimated(cloud)) cloud.normals.clear();
   markNormalsAsEstimated(cloud, false);
   std::filesystem::path kept;
-  writeCloud(file, cloud, {.keptAs = fileInTheWay(file, formats).losesSomething() ? &kept : nullptr}, formats);
-  return kept;
+  writeCloud(file, cloud, {.keptAs = fileInTheWay(file, formats).name.empty() ? nullptr : &kept}, formats);
+  return keepNewest(kept, formats);
 }
 
 std::filesystem::path whereToSave(const std::filesystem::path& file) {

@@ -17,7 +17,7 @@ struct FileInTheWay {
   bool byPalpate = false;  ///< a comment in it says that palpate wrote it
   std::string more;        ///< contents that a cloud cannot keep: "69451 faces, 12 edges"; empty: none
 
-  /// If true, the file must not be replaced without notice, and is kept.
+  /// If true, the file must not be replaced without notice.
   bool losesSomething() const { return !name.empty() && (!byPalpate || !more.empty()); }
   /// Description of the loss for the user.
   std::string sentence() const;
@@ -26,7 +26,7 @@ struct FileInTheWay {
 FileInTheWay fileInTheWay(const std::filesystem::path& file, const CloudFormats& formats = cloudFormats());
 
 /// Logs what saving a sculpted cloud as `file` loses, and the name under which the existing file is kept; nothing if
-/// there is no loss, or the name is empty.
+/// there is none.
 void sayWhatIsLost(const std::filesystem::path& file, Log& log);
 
 /// Whether the comments of a file say that palpate wrote it.
@@ -35,12 +35,16 @@ bool isOurs(std::span<const std::string> comments);
 /// Adds the comment that palpate wrote the file to `cloud`.
 void markAsOurs(PointCloud& cloud);
 
-/// Where writeCloud() and writeMesh() store the name under which they keep an existing file: `kept` if it was not
-/// written by palpate, which is logged now; null if there is none, or it is ours and may be replaced.
+/// Where writeCloud() and writeMesh() store the name under which they keep an existing file: `kept`, which is logged
+/// now; null if there is none.
 std::filesystem::path* whereToKeep(const std::filesystem::path& file, std::filesystem::path& kept, Log& log);
 
-/// Writes `cloud`, marked as ours, and without normals that are marked as estimates; keeps an existing file whose
-/// contents would be lost. Returns the kept file's new path, or an empty path. Throws FileError.
+/// Call after writing, with the name of the kept file. Of kept files that palpate wrote only the newest stays, under
+/// the first of their names; all others stay. Returns its name.
+std::filesystem::path keepNewest(const std::filesystem::path& kept, const CloudFormats& formats = cloudFormats());
+
+/// Writes `cloud`, marked as ours, and without normals that are marked as estimates; keeps an existing file
+/// (keepNewest()). Returns the kept file's new path, or an empty path. Throws FileError.
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud,
                                   const CloudFormats& formats = cloudFormats());
 

@@ -212,6 +212,7 @@ TEST_CASE("convert overwrites neither its input nor another existing file") {
   }
   works("convert " + in + " " + other + " --force");
   CHECK(contentOf(other).starts_with("ply\n"));
+  CHECK(contentOf(other + ".bak") == "mine");
   works("convert " + in + " " + in + " --force --ascii");
   CHECK(contentOf(in).find("element edge") == std::string::npos);
   CHECK(contentOf(in + ".bak") == kMesh);

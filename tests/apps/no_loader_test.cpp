@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "tests/apps/program.hpp"
+#include "tests/content_of.hpp"
 #include "tests/says.hpp"
 
 namespace palpate::no_loader_test {
@@ -46,6 +47,25 @@ TEST_CASE("without a Vulkan loader files are made, converted and felt on the CPU
     CAPTURE(arguments + ": " + outcome.text);
     CHECK(outcome.code == 0);
   }
+}
+
+TEST_CASE("without a Vulkan loader touch --picture is refused before the session, and the error is written as JSON") {
+  const Machine machine;
+  const std::string model = machine.file("model.ply"), json = machine.file("out.json");
+  REQUIRE(machine.palpate("make sphere -n 500 -o " + model).code == 0);
+  const Outcome outcome = machine.palpate("touch --backend cpu --picture " + machine.file("a.png") + " --trace " +
+                                          machine.file("t.csv") + " --json " + json + " " + model);
+  CHECK(outcome.code == 1);
+  CHECK_FALSE(std::filesystem::exists(machine.file("t.csv")));
+  CHECK(says(std::string(jsonOf(json)["error"]), "no Vulkan loader"));
+  CHECK(jsonOf(json)["exit_code"] == 1);
+  // A file that exists may be the model of a command that was not understood.
+  const std::string before = contentOf(model), other = machine.file("other.json");
+  CHECK(machine.palpate("info --nonsense --json " + model).code == 2);
+  CHECK(contentOf(model) == before);
+  CHECK(machine.palpate("info --json=" + other + " --nonsense").code == 2);
+  CHECK(says(std::string(jsonOf(other)["error"]), "--nonsense"));
+  CHECK(jsonOf(other)["exit_code"] == 2);
 }
 
 TEST_CASE("without a Vulkan loader each command that needs a GPU says in one line what to install") {

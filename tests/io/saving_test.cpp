@@ -52,7 +52,7 @@ TEST_CASE("losses of a file that a sculpted cloud would replace are named: eleme
   CHECK_FALSE(fileInTheWay(folder.path()).losesSomething());
 }
 
-TEST_CASE("palpate's own file is replaced, a file that loses something is backed up, and older backups stay") {
+TEST_CASE("a replaced file is always kept as a backup; of palpate's own backups the newest stays, all others stay") {
   const ScratchFolder folder;
   const auto file = write(folder / "mesh.ply", kMesh);
   write(folder / "mesh.ply.bak", "of long ago");
@@ -63,10 +63,17 @@ TEST_CASE("palpate's own file is replaced, a file that loses something is backed
   const FileInTheWay ours = fileInTheWay(file);
   CHECK(ours.byPalpate);
   CHECK_FALSE(ours.losesSomething());
-  const std::string saved = contentOf(file);
-  CHECK(saveKeeping(file, readPly(file)).empty());
-  CHECK(contentOf(file) == saved);  // the mark is written once
-  CHECK(filesIn(folder) == 3);
+  std::string saved = contentOf(file);
+  PointCloud moved = readPly(file);
+  for (int k = 0; k < 3; ++k) {
+    moved.positions[0].x += 1;
+    CHECK(saveKeeping(file, moved) == folder / "mesh.ply.bak3");
+    CHECK(contentOf(folder / "mesh.ply.bak3") == saved);
+    saved = contentOf(file);
+  }
+  CHECK(saved.find("written by palpate") == saved.rfind("written by palpate"));  // the mark is written once
+  CHECK(contentOf(folder / "mesh.ply.bak2") == kMesh);
+  CHECK(filesIn(folder) == 4);
   CHECK(saveKeeping(folder / "new.ply", cloud).empty());
 
   // A mesh written by palpate loses its faces, too.

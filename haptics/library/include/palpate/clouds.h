@@ -95,7 +95,7 @@ PP_API pp_status pp_cloud_copy_positions(pp_cloud cloud, double* positions, uint
 /** A further number for each point of the file, such as an intensity; it is preserved when the cloud is written. */
 typedef struct pp_attribute {
   const char* name; /**< as in the file */
-  const char* type; /**< int8 uint8 int16 uint16 int32 uint32 float32 float64 */
+  const char* type; /**< int8 uint8 int16 uint16 int32 uint32 float32 float64 int64 uint64 */
   const void* data; /**< one for each point; valid until the cloud is closed, as the name is */
 } pp_attribute;
 /** Number of such attributes of a cloud. */
