@@ -1,8 +1,9 @@
 // A ball of 20,000 points of 50 mm, and a hand that presses 1 mm into it: palpate called as from Unity, by P/Invoke.
 using System;
 using System.Runtime.InteropServices;
+using System.Threading;
 
-static class Palpate {
+public static class Palpate {
   const string Library = "palpate";
 
   [StructLayout(LayoutKind.Sequential)]
@@ -40,6 +41,13 @@ static class Palpate {
     public byte contact, fresh, valid, reserved;
     public double age_s;
   }
+  [StructLayout(LayoutKind.Sequential)]
+  public struct ContactEvent {
+    public double t_s, proxy_x, proxy_y, proxy_z, normal_x, normal_y, normal_z, force_x, force_y, force_z;
+    public uint hand, begins;
+  }
+  [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+  public delegate void ContactFunction(IntPtr user, ref ContactEvent contact);
 
   [DllImport(Library)] public static extern IntPtr pp_version();
   [DllImport(Library)] public static extern IntPtr pp_last_error();
@@ -51,16 +59,36 @@ static class Palpate {
   public static extern int pp_session_open(ulong cloud, ref SessionOptions options, out ulong session);
   [DllImport(Library)] public static extern int pp_session_close(ulong session);
   [DllImport(Library)] public static extern int pp_touch(ulong session, ref Pose pose, out Contact contact);
+  [DllImport(Library)]
+  public static extern int pp_session_on_contact(ulong session, ContactFunction function, IntPtr user);
+
+  static Exception thrown;  // by a guarded function, since the last Expect()
+
+  // No exception may leave a function that palpate calls: it would skip what palpate does after the call, and the
+  // session would be locked for good. A guarded function ends instead, and the next Expect() throws the exception.
+  // Guard every function that you pass, and keep the result alive (GC.KeepAlive) while palpate may call it.
+  public static ContactFunction Guarded(Action<ContactEvent> function) {
+    return (IntPtr user, ref ContactEvent contact) => {
+      try {
+        function(contact);
+      } catch (Exception exception) {
+        Interlocked.CompareExchange(ref thrown, exception, null);
+      }
+    };
+  }
 
   public static void Expect(int status) {
+    Exception exception = Interlocked.Exchange(ref thrown, null);
+    if (exception != null) throw new Exception("a function that palpate called has failed", exception);
     if (status != 0) throw new Exception(Marshal.PtrToStringAnsi(pp_last_error()));
   }
 }
 
-static class Press {
+public static class Press {
   const int Points = 20000;
 
-  static void Main() {
+  // A session on the CPU with the ball.
+  public static ulong Open() {
     var positions = new float[3 * Points];
     var normals = new float[3 * Points];
     for (int i = 0; i < Points; ++i) {
@@ -90,14 +118,30 @@ static class Press {
     Palpate.Expect(Palpate.pp_session_open(cloud, ref options, out session));
     Marshal.FreeHGlobal(options.gpu);
     Palpate.Expect(Palpate.pp_cloud_close(cloud));
+    return session;
+  }
+
+  // The hand goes down by 2 mm, from 1 mm above the ball, and rests.
+  public static Palpate.Contact Down(ulong session, double begin_s = 0) {
     var contact = new Palpate.Contact();
     for (int tick = 0; tick < 200; ++tick) {
-      var pose = new Palpate.Pose { t_s = 1e-3 * tick, z = tick < 100 ? 51 - 0.02 * tick : 49 };
+      var pose = new Palpate.Pose { t_s = begin_s + 1e-3 * tick, z = tick < 100 ? 51 - 0.02 * tick : 49 };
       Palpate.Expect(Palpate.pp_touch(session, ref pose, out contact));
     }
+    return contact;
+  }
+
+  static void Main() {
+    ulong session = Open();
+    double began_s = -1;
+    Palpate.ContactFunction heard = Palpate.Guarded(change => { if (change.begins != 0) began_s = change.t_s; });
+    Palpate.Expect(Palpate.pp_session_on_contact(session, heard, IntPtr.Zero));
+    Palpate.Contact contact = Down(session);
     Palpate.Expect(Palpate.pp_session_close(session));
-    Console.WriteLine(string.Format(System.Globalization.CultureInfo.InvariantCulture, "{0}: {1:F3} N at {2:F3} mm",
+    GC.KeepAlive(heard);
+    Console.WriteLine(string.Format(System.Globalization.CultureInfo.InvariantCulture,
+                                    "{0}: {1:F3} N at {2:F3} mm, touched at {3:F3} s",
                                     Marshal.PtrToStringAnsi(Palpate.pp_version()), contact.force_z,
-                                    contact.penetration_mm));
+                                    contact.penetration_mm, began_s));
   }
 }

@@ -170,10 +170,10 @@ void bindCloud(py::module_& module) {
       module, "Cloud",
       "Cloud(xyz, normals=None, colors=None)\n\n"
       "Points, immutable. xyz: (N, 3), model units; doubles keep their precision. normals: (N, 3), are\n"
-      "normalized. colors: (N, 3), or (N, 4) whose alpha is dropped: integers of 0 to 255, uint16 of 0 to\n"
-      "65535, or floats of 0 to 1, or of 0 to 255 if any is above 1. All are copied. Properties are read-only views of "
-      "palpate's\n"
-      "memory and keep the cloud alive.")
+      "normalized; a zero one is replaced by that of the nearest point, and UsageError raised if more than\n"
+      "a tenth are zero. colors: (N, 3), or (N, 4) whose alpha is dropped: integers of 0 to 255, uint16 of\n"
+      "0 to 65535, or floats of 0 to 1, or of 0 to 255 if any is above 1. All are copied. Properties are\n"
+      "read-only views of palpate's memory and keep the cloud alive.")
       .def(py::init(&PyCloud::of), py::arg("xyz"), py::arg("normals") = py::none(), py::arg("colors") = py::none())
       .def("__repr__",
            [](const PyCloud& cloud) {

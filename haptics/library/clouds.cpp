@@ -47,7 +47,7 @@ pp_status pp_cloud_create(const pp_cloud_arrays* arrays, pp_cloud* cloud) {
   clear(cloud);
   return guarded([&] {
     const pp_cloud_arrays given = optionsFrom(&required(arrays, "arrays"), "arrays");
-    required(cloud, "cloud") = opened<pp_cloud>(std::make_shared<CloudObject>(cloudOf(arraysFrom(given), nullptr)));
+    required(cloud, "cloud") = opened<pp_cloud>(std::make_shared<CloudObject>(cloudFrom(arraysFrom(given))));
   });
 }
 

@@ -54,8 +54,6 @@ pp_status pp_session_push_frame(pp_session session, const pp_frame_arrays* frame
                              .positions = rowsFrom(given.positions, false, "positions"),
                              .normals = rowsFrom(given.normals, false, "normals"),
                              .colors = {}};
-    PointCloud cloud = cloudOf(arrays, nullptr);
-    if (!cloud.hasNormals()) throw UsageError("normals: are zero for too many points; each frame requires them");
-    found->pushFrame(std::move(cloud), vectorsFrom(given.velocities, given.count, "velocities"), given.t_s);
+    found->pushFrame(cloudFrom(arrays), vectorsFrom(given.velocities, given.count, "velocities"), given.t_s);
   });
 }

@@ -84,6 +84,13 @@ CloudArrays arraysFrom(const pp_cloud_arrays& arrays) {
           .colors = rowsFrom(arrays.colors, true, "colors")};
 }
 
+PointCloud cloudFrom(const CloudArrays& arrays) {
+  PointCloud cloud = cloudOf(arrays, nullptr);
+  if (arrays.normals.data && arrays.count > 0 && !cloud.hasNormals())
+    throw UsageError("normals: are zero for more than a tenth of the points");
+  return cloud;
+}
+
 ToolConfig toolFrom(const pp_tool& given) {
   ToolConfig tool{.kind = chosen(kToolKinds, given.kind, ToolKind::point, "tool.kind")};
   vectorFrom(given.axis, "tool.axis");

@@ -97,6 +97,8 @@ ToolConfig toolFrom(const pp_tool& tool);
 /// `mayBeWhole`: accepts integers. Throws UsageError.
 NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name);
 CloudArrays arraysFrom(const pp_cloud_arrays& arrays);
+/// The cloud of a program's arrays. Throws UsageError, also if it has normals of which more than a tenth are zero.
+PointCloud cloudFrom(const CloudArrays& arrays);
 /// Vectors of `count` points; empty if none are given. Throws UsageError for numbers that are not finite.
 std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name);
 SurfaceConfig surfaceFrom(const pp_contact_options& contact);

@@ -154,3 +154,16 @@ def test_attributes_of_a_file_are_views(tmp_path):
 def test_repr_says_what_there_is():
     xyz, normals = ball_arrays(1000)
     assert repr(pp.Cloud(xyz, normals=normals)).startswith("<palpate.Cloud of 1000 points, normals, 99.")
+
+
+def test_normals_that_are_zero_are_those_of_the_nearest_point_or_refused():
+    xyz, normals = ball_arrays(1000)
+    few = normals.copy()
+    few[::20] = 0
+    assert np.einsum("ij,ij->i", pp.Cloud(xyz, normals=few).normals, normals).min() > 0.95
+    for lost in (slice(0, 101), slice(None)):
+        many = normals.copy()
+        many[lost] = 0
+        with pytest.raises(pp.UsageError, match="normals: are zero for more than a tenth of the points"):
+            pp.Cloud(xyz, normals=many)
+    assert pp.Cloud(np.zeros((0, 3)), normals=np.zeros((0, 3))).normals is None

@@ -41,7 +41,8 @@ typedef struct pp_cloud_arrays {
                      to 255 if any is above 1; other values are refused */
 } pp_cloud_arrays;
 PP_OPTIONS(cloud_arrays)
-/** Creates a cloud from arrays, which are copied. PP_ERROR_ARGUMENT names the first row with an invalid number. */
+/** Creates a cloud from arrays, which are copied. PP_ERROR_ARGUMENT names the first row with an invalid number. Zero
+ * normals are replaced by that of the nearest point that has one; PP_ERROR_ARGUMENT if more than a tenth are zero. */
 PP_API pp_status pp_cloud_create(const pp_cloud_arrays* arrays, pp_cloud* cloud);
 
 /** How pp_cloud_read() reads a file. */
