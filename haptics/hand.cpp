@@ -101,6 +101,8 @@ void Hand::note(TraceRow& row) const noexcept {
   row.contact = felt.touching;
   row.fresh = felt.fresh;
   row.valid = felt.valid && written_;
+  row.withheld = force_.isWithheld();
+  row.age_s = dataAge_s(felt, row.time_s);
   row.putDown = state_.putDown;
   row.neighbours = felt.neighbours;
   row.gpu_us = felt.gpu_us;

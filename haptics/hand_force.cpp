@@ -14,6 +14,11 @@ Contact trusted(const Contact& contact, const DVec3& hip) {
 
 }  // namespace
 
+double dataAge_s(const Contact& contact, double now_s) noexcept {
+  if (contact.valid && contact.fresh) return 0;
+  return contact.valid && contact.dataTime_s >= 0 ? now_s - contact.dataTime_s : -1;
+}
+
 TickConditions TouchTick::conditions() const noexcept {
   if (!known) return {.forcesOn = forcesOn};
   const auto now = InformationAge::Clock::now();

@@ -15,6 +15,9 @@
 
 namespace palpate {
 
+/// Age of the data from which a contact was computed, s: 0 if it is fresh; negative: there are none.
+double dataAge_s(const Contact& contact, double now_s) noexcept;
+
 /// Conditions of a tick that the answer does not contain.
 struct TickConditions {
   bool forcesOn = true;     ///< the user wants forces
@@ -68,6 +71,8 @@ class HandForce {
   const DVec3& torque_mNm() const noexcept { return torque_mNm_; }
   /// From HIP to proxy; 0 without contact.
   double penetration_mm() const noexcept { return penetration_mm_; }
+  /// In contact the gate passes less than the whole force: forces are off, or were gone and return.
+  bool isWithheld() const noexcept { return contact_.touching && gate_.share() < 1; }
 
   const ForceLaw& law() const noexcept { return law_; }
   const GateCounts& withheld() const noexcept { return gate_.counts(); }

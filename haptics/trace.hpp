@@ -24,10 +24,12 @@ struct TraceRow {
   bool contact = false;
   bool fresh = false;        ///< from this tick's own query
   bool valid = false;        ///< false: the query or the device failed at this tick
+  bool withheld = false;     ///< HandForce::isWithheld()
   bool putDown = false;      ///< the stylus was lifted before this tick, and put down elsewhere
   std::uint32_t missed = 0;  ///< ticks before it that came too late
   std::uint32_t neighbours = 0;
   bool forcesOn = true;  ///< the user wanted forces (ServoOptions::forcesOn)
+  double age_s = -1;     ///< dataAge_s() of its contact
   double gpu_us = 0;     ///< 0 if it was not measured
   double step_us = 0;    ///< from pose read to force computed
 };

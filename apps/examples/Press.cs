@@ -3,7 +3,7 @@ using System;
 using System.Runtime.InteropServices;
 using System.Threading;
 
-public static class Palpate {
+static class Palpate {
   const string Library = "palpate";
 
   [StructLayout(LayoutKind.Sequential)]
@@ -38,16 +38,17 @@ public static class Palpate {
   public struct Contact {
     public double proxy_x, proxy_y, proxy_z, normal_x, normal_y, normal_z, force_x, force_y, force_z, penetration_mm;
     public uint neighbours;
-    public byte contact, fresh, valid, reserved;
+    public byte contact, fresh, valid, withheld;
     public double age_s;
   }
+
   [StructLayout(LayoutKind.Sequential)]
   public struct ContactEvent {
     public double t_s, proxy_x, proxy_y, proxy_z, normal_x, normal_y, normal_z, force_x, force_y, force_z;
     public uint hand, begins;
   }
   [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-  public delegate void ContactFunction(IntPtr user, ref ContactEvent contact);
+  public delegate void ContactFunction(IntPtr user, ref ContactEvent happened);
 
   [DllImport(Library)] public static extern IntPtr pp_version();
   [DllImport(Library)] public static extern IntPtr pp_last_error();
@@ -59,36 +60,36 @@ public static class Palpate {
   public static extern int pp_session_open(ulong cloud, ref SessionOptions options, out ulong session);
   [DllImport(Library)] public static extern int pp_session_close(ulong session);
   [DllImport(Library)] public static extern int pp_touch(ulong session, ref Pose pose, out Contact contact);
+
   [DllImport(Library)]
   public static extern int pp_session_on_contact(ulong session, ContactFunction function, IntPtr user);
 
-  static Exception thrown;  // by a guarded function, since the last Expect()
+  static Exception raised;
 
-  // No exception may leave a function that palpate calls: it would skip what palpate does after the call, and the
-  // session would be locked for good. A guarded function ends instead, and the next Expect() throws the exception.
-  // Guard every function that you pass, and keep the result alive (GC.KeepAlive) while palpate may call it.
-  public static ContactFunction Guarded(Action<ContactEvent> function) {
-    return (IntPtr user, ref ContactEvent contact) => {
+  // No exception may leave a function that palpate calls: it would skip palpate's own frames, which release the
+  // session. The first one is kept until the call has returned, and Expect() throws it. The program keeps a reference
+  // to the function that this returns while palpate may call it.
+  public static ContactFunction Guarded(Action<ContactEvent> act) {
+    return delegate (IntPtr user, ref ContactEvent happened) {
       try {
-        function(contact);
-      } catch (Exception exception) {
-        Interlocked.CompareExchange(ref thrown, exception, null);
+        act(happened);
+      } catch (Exception error) {
+        Interlocked.CompareExchange(ref raised, error, null);
       }
     };
   }
 
   public static void Expect(int status) {
-    Exception exception = Interlocked.Exchange(ref thrown, null);
-    if (exception != null) throw new Exception("a function that palpate called has failed", exception);
+    Exception error = Interlocked.Exchange(ref raised, null);
+    if (error != null) throw new Exception("a function that palpate called: " + error.Message, error);
     if (status != 0) throw new Exception(Marshal.PtrToStringAnsi(pp_last_error()));
   }
 }
 
-public static class Press {
+static class Press {
   const int Points = 20000;
 
-  // A session on the CPU with the ball.
-  public static ulong Open() {
+  public static ulong Opened() {
     var positions = new float[3 * Points];
     var normals = new float[3 * Points];
     for (int i = 0; i < Points; ++i) {
@@ -121,22 +122,16 @@ public static class Press {
     return session;
   }
 
-  // The hand goes down by 2 mm, from 1 mm above the ball, and rests.
-  public static Palpate.Contact Down(ulong session, double begin_s = 0) {
+  static void Main() {
+    ulong session = Opened();
+    double began_s = -1;
+    Palpate.ContactFunction heard = Palpate.Guarded(happened => began_s = happened.t_s);
+    Palpate.Expect(Palpate.pp_session_on_contact(session, heard, IntPtr.Zero));
     var contact = new Palpate.Contact();
     for (int tick = 0; tick < 200; ++tick) {
-      var pose = new Palpate.Pose { t_s = begin_s + 1e-3 * tick, z = tick < 100 ? 51 - 0.02 * tick : 49 };
+      var pose = new Palpate.Pose { t_s = 1e-3 * tick, z = tick < 100 ? 51 - 0.02 * tick : 49 };
       Palpate.Expect(Palpate.pp_touch(session, ref pose, out contact));
     }
-    return contact;
-  }
-
-  static void Main() {
-    ulong session = Open();
-    double began_s = -1;
-    Palpate.ContactFunction heard = Palpate.Guarded(change => { if (change.begins != 0) began_s = change.t_s; });
-    Palpate.Expect(Palpate.pp_session_on_contact(session, heard, IntPtr.Zero));
-    Palpate.Contact contact = Down(session);
     Palpate.Expect(Palpate.pp_session_close(session));
     GC.KeepAlive(heard);
     Console.WriteLine(string.Format(System.Globalization.CultureInfo.InvariantCulture,

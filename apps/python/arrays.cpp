@@ -80,7 +80,9 @@ py::array threeColumns(const py::object& given, const char* name, std::optional<
 
 namespace {
 
-py::dtype typeOf(bool hasTorques) {
+enum class Ticks { point, tool, live };
+
+py::dtype typeOf(Ticks ticks, std::size_t size) {
   py::dict fields;
   py::list names, formats, offsets;
   const auto add = [&](const char* name, const py::object& format, std::size_t offset) {
@@ -98,8 +100,13 @@ py::dtype typeOf(bool hasTorques) {
   add("contact", flag, offsetof(TickRow, contact));
   add("neighbours", whole, offsetof(TickRow, neighbours));
   add("fresh", flag, offsetof(TickRow, fresh));
-  if (hasTorques) add("torque_mNm", three, offsetof(ToolTickRow, torque_mNm));
-  return py::dtype(names, formats, offsets, hasTorques ? sizeof(ToolTickRow) : sizeof(TickRow));
+  if (ticks != Ticks::point) add("torque_mNm", three, offsetof(ToolTickRow, torque_mNm));
+  if (ticks == Ticks::live) {
+    add("age_s", number, offsetof(LiveTickRow, age_s));
+    add("valid", flag, offsetof(LiveTickRow, valid));
+    add("withheld", flag, offsetof(LiveTickRow, withheld));
+  }
+  return py::dtype(names, formats, offsets, size);
 }
 
 }  // namespace
@@ -114,8 +121,9 @@ TickRow rowOf(const pp_tick& tick) {
   return row;
 }
 
-py::dtype tickType() { return typeOf(false); }
-py::dtype toolTickType() { return typeOf(true); }
+py::dtype tickType() { return typeOf(Ticks::point, sizeof(TickRow)); }
+py::dtype toolTickType() { return typeOf(Ticks::tool, sizeof(ToolTickRow)); }
+py::dtype liveTickType() { return typeOf(Ticks::live, sizeof(LiveTickRow)); }
 
 PathArray::PathArray(const py::object& given) : rows(pathRows(given)), path(pp_default_path()) {
   path.columns = static_cast<std::uint32_t>(rows.shape(1));

@@ -81,8 +81,15 @@ struct ToolTickRow {
   TickRow tick;
   double torque_mNm[3];
 };
+/// A tick of a live session.
+struct LiveTickRow {
+  ToolTickRow tool;
+  double age_s;
+  bool valid, withheld;
+};
 TickRow rowOf(const pp_tick& tick);
 py::dtype tickType();
+py::dtype liveTickType();
 py::dtype toolTickType();
 
 /// A path that refers to the numbers of an array.

@@ -74,7 +74,7 @@ void bindContacts(py::module_& module) {
   py::class_<PyContact>(
       module, "Contact",
       "Answer to one pose, of Session.touch_pose(): validity, age_s, contact, proxy and normal (model\n"
-      "units), force_N, torque_mNm, penetration_mm, neighbours.")
+      "units), force_N, withheld, torque_mNm, penetration_mm, neighbours.")
       .def_property_readonly("validity", &validityOf,
                              "\"fresh\": from the pose's own query; \"held\": bridged, because the answer would have\n"
                              "been late; \"none\": a fault, and no force.")
@@ -92,6 +92,10 @@ void bindContacts(py::module_& module) {
       .def_property_readonly(
           "force_N", [](const PyContact& c) { return vectorOf(c.contact.force_N); },
           "Force on the hand: three floats, N.")
+      .def_property_readonly(
+          "withheld", [](const PyContact& c) { return c.contact.withheld != 0; },
+          "True if in contact force_N is less than the surface's, because forces were gone: they return over\n"
+          "half a second, after a longer absence once the hand has left the surface.")
       .def_property_readonly(
           "torque_mNm", [](const PyContact& c) { return vectorOf(c.torque_mNm); },
           "Torque about the hip, of a tool of many points or of a ball in matter: three floats, mN m.")

@@ -83,6 +83,7 @@ PYBIND11_MODULE(_palpate, module) {
              ".stl and .off.");
   module.def("_brush_settings", &palpate::python::brushSettings);
   module.def("_tick_dtype", &palpate::python::tickType);
+  module.def("_live_tick_dtype", &palpate::python::liveTickType);
   module.def("_tool_tick_dtype", &palpate::python::toolTickType);
   bindClouds(module);
   bindContacts(module);

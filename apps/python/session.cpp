@@ -307,17 +307,27 @@ void PySession::raiseOfLaw() {
 
 py::array PySession::readTicks() {
   constexpr std::size_t kMax = 1 << 15;
-  auto ticks = std::make_unique<pp_tick[]>(kMax);
-  std::uint64_t count = 0;
-  with([&](pp::Session& session) { pp::check(pp_live_read_ticks(session.handle(), ticks.get(), kMax, &count)); });
+  std::vector<std::array<double, 3>> torques_mNm;
+  std::vector<double> ages_s;
+  const std::vector<pp_tick> ticks =
+      with([&](pp::Session& session) { return session.readTicks(kMax, &torques_mNm, &ages_s); });
   if (listener_ && listener_->hasFailed()) {
     stopLive();
     Heard::hear(&heard_, PP_LOG_WARNING, listener_->sentence().c_str());
     listener_->raise();
   }
-  std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(count / hands_)};
+  std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(ticks.size() / hands_)};
   if (hands_ > 1) shape.push_back(hands_);
-  return rowsOf({ticks.get(), count}, shape);
+  py::array all(liveTickType(), shape);
+  auto* row = static_cast<LiveTickRow*>(all.mutable_data());
+  for (std::size_t i = 0; i < ticks.size(); ++i, ++row) {
+    *row = {.tool = {.tick = rowOf(ticks[i]), .torque_mNm = {}},
+            .age_s = ages_s[i],
+            .valid = ticks[i].valid != 0,
+            .withheld = ticks[i].withheld != 0};
+    std::ranges::copy(torques_mNm[i], row->tool.torque_mNm);
+  }
+  return all;
 }
 
 int PySession::visit(visitproc call, void* data) const {

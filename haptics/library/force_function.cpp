@@ -6,6 +6,7 @@
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "haptics/devices/shared_library.hpp"
+#include "haptics/hand_force.hpp"
 #include "haptics/library/options.hpp"
 
 namespace palpate::library {
@@ -26,15 +27,6 @@ pp_force_law loaded(const std::string& library) {
 
 }  // namespace
 
-namespace {
-
-double ageOf(const Contact& contact, double now_s) {
-  if (contact.valid && contact.fresh) return 0;
-  return contact.valid && contact.dataTime_s >= 0 ? now_s - contact.dataTime_s : -1;
-}
-
-}  // namespace
-
 pp_contact contactOf(const Contact& contact, const Pose& pose, const DVec3& force_N, double mm_per_unit) {
   pp_contact told{};
   putVector(contact.proxy, told.proxy);
@@ -45,7 +37,7 @@ pp_contact contactOf(const Contact& contact, const Pose& pose, const DVec3& forc
   told.contact = contact.touching;
   told.fresh = contact.fresh;
   told.valid = contact.valid;
-  told.age_s = ageOf(contact, pose.time_s);
+  told.age_s = dataAge_s(contact, pose.time_s);
   return told;
 }
 

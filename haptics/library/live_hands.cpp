@@ -79,6 +79,7 @@ pp_tick tickOf(const TraceRow& row) {
   tick.contact = row.contact;
   tick.fresh = row.fresh;
   tick.valid = row.valid;
+  tick.withheld = row.withheld;
   return tick;
 }
 
@@ -103,7 +104,7 @@ void LiveHands::stop() {
   if (run_) run_->pause();
 }
 
-std::uint64_t LiveHands::take(pp_tick* ticks, std::uint64_t capacity, ContactEvents& events) {
+std::uint64_t LiveHands::take(const pp_live_rows& rows, ContactEvents& events) {
   if (next_ == waiting_.size()) {
     const bool ended = run_->hasEnded();  // queried before the last ticks are read
     waiting_.clear();
@@ -116,16 +117,20 @@ std::uint64_t LiveHands::take(pp_tick* ticks, std::uint64_t capacity, ContactEve
     }
   }
   const std::size_t hands = hands_.size();
-  const std::uint64_t count = std::min<std::uint64_t>(capacity / hands, (waiting_.size() - next_) / hands);
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const double time_s = waiting_[next_].time_s;
-    for (std::size_t hand = 0; hand < hands; ++hand) ticks[i * hands + hand] = tickOf(waiting_[next_++]);
+  const std::uint64_t count = std::min<std::uint64_t>(rows.capacity / hands, (waiting_.size() - next_) / hands);
+  for (std::uint64_t i = 0; i < count * hands; ++i) {
+    const TraceRow& row = waiting_[next_++];
+    rows.ticks[i] = tickOf(row);
+    if (rows.ages_s) rows.ages_s[i] = row.age_s;
+    putRow(row.torque_mNm, rows.torques_mNm, i);
+    if (i % hands != 0) continue;
+    const double time_s = row.time_s;
     if (lastTime_s_)
       missed_ += static_cast<std::uint64_t>(std::max(0LL, std::llround((time_s - *lastTime_s_) * rate_Hz_) - 1));
     lastTime_s_ = time_s;
   }
   ticks_ += count;
-  for (std::uint64_t i = 0; i < count * hands; ++i) events.felt(i % hands, ticks[i]);
+  for (std::uint64_t i = 0; i < count * hands; ++i) events.felt(i % hands, rows.ticks[i]);
   return count * hands;
 }
 

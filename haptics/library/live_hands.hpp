@@ -40,7 +40,7 @@ class LiveHands {
   void stop();
   /// Reads rows of whole ticks, up to `capacity`, notifies `events` of them, and returns their number. Throws
   /// DeviceError or GpuError if the thread has ended because of a fault and no ticks are left.
-  std::uint64_t take(pp_tick* ticks, std::uint64_t capacity, ContactEvents& events);
+  std::uint64_t take(const pp_live_rows& rows, ContactEvents& events);
   std::uint64_t ticks() const { return ticks_; }
   std::uint64_t missed() const { return missed_; }
 

@@ -378,11 +378,11 @@ void OpenSession::touch(std::span<const Pose> poses, std::span<pp_contact> conta
   std::array<pp_contact, PP_MAX_HANDS> felt;
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     felt[i] = contactOf(ticks[i].contact, poses[i], ticks[i].force_N, model_->scale.mm_per_unit);
+    felt[i].withheld = ticks[i].withheld;
     events_.felt(i, poses[i].time_s, felt[i]);
   }
   std::copy_n(felt.begin(), ticks.size(), contacts.begin());  // after the function of the program, which may throw
-  for (std::size_t i = 0; torques_mNm && i < ticks.size(); ++i)
-    for (int k = 0; k < 3; ++k) torques_mNm[3 * i + static_cast<std::size_t>(k)] = ticks[i].torque_mNm[k];
+  for (std::size_t i = 0; i < ticks.size(); ++i) putRow(ticks[i].torque_mNm, torques_mNm, i);
 }
 
 void OpenSession::lift() {

@@ -72,6 +72,10 @@ void clear(Out* to) {
 inline void putVector(const DVec3& vector, double (&to)[3]) {
   for (int k = 0; k < 3; ++k) to[k] = vector[k];
 }
+/// Into a row of an array with three numbers each; null: not wanted.
+inline void putRow(const DVec3& vector, double* rows, std::size_t row) {
+  for (int k = 0; rows && k < 3; ++k) rows[3 * row + static_cast<std::size_t>(k)] = vector[k];
+}
 
 /// Cuts the text off if it does not fit.
 template <std::size_t kSize>

@@ -45,8 +45,7 @@ void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>
   for (std::size_t i = 0; i < done * hands; ++i) {
     const TraceRow& row = result.hands[i % hands].trace.rows[i / hands];
     room.ticks[i] = tickOf(row);
-    for (int k = 0; room.torques_mNm && k < 3; ++k)
-      room.torques_mNm[3 * i + static_cast<std::size_t>(k)] = row.torque_mNm[k];
+    putRow(row.torque_mNm, room.torques_mNm, i);
     faults += row.valid ? 0 : 1;
   }
   *room.count = done * hands;
@@ -297,17 +296,25 @@ pp_status pp_live_start(pp_session session, const pp_live_options* options) {
   return lasting(session, [&](OpenSession& open) { open.startLive(optionsFrom(options, "options")); });
 }
 
-pp_status pp_live_read_ticks(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count) {
+pp_status pp_live_read_rows(pp_session session, const pp_live_rows* rows, uint64_t* count) {
   clear(count);
   return looking(session, [&](OpenSession& open) {
     required(count, "count");
-    if (capacity > 0) required(ticks, "ticks");
+    const pp_live_rows given = optionsFrom(&required(rows, "rows"), "rows");
+    if (given.capacity > 0) required(given.ticks, "ticks");
     if (!open.live()) throw StateError("the session was never live; start it first");
     open.takeIn();
-    *count = open.live()->take(ticks, capacity, open.events());
+    *count = open.live()->take(given, open.events());
     open.reportLaw();
     open.checkShared();
   });
+}
+
+pp_status pp_live_read_ticks(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count) {
+  pp_live_rows rows = usual<pp_live_rows>();
+  rows.capacity = capacity;
+  rows.ticks = ticks;
+  return pp_live_read_rows(session, &rows, count);
 }
 
 pp_status pp_live_get_state(pp_session session, pp_live_state* state) {

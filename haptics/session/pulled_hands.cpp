@@ -37,7 +37,8 @@ std::span<const PulledTick> PulledHands::tick(std::span<const Pose> poses) noexc
               hands_[i] = {.contact = forces_[i].contact(),
                            .force_N = forces_[i].force_N(),
                            .torque_mNm = forces_[i].torque_mNm(),
-                           .penetration_mm = forces_[i].penetration_mm()};
+                           .penetration_mm = forces_[i].penetration_mm(),
+                           .withheld = forces_[i].isWithheld()};
             publish(poses);
           });
   if (!parts_.takesEdits || failure_) return hands_;

@@ -19,6 +19,7 @@ struct PulledTick {
   DVec3 force_N{0};
   DVec3 torque_mNm{0};        ///< of a tool with many points, about the HIP
   double penetration_mm = 0;  ///< from HIP to proxy; 0 without contact
+  bool withheld = false;      ///< HandForce::isWithheld()
 };
 
 struct PullOptions {

@@ -157,9 +157,11 @@ class SharedEdits final : public SharedFollower {
     const double share = known_.share(), silent_s = lastHeard_.elapsed_s();
     const Felt now = share >= 1 ? Felt::whole : share > 0 ? Felt::fading : Felt::gone;
     if (now == std::exchange(felt_, now)) return;
-    if (now == Felt::whole)
+    if (now == Felt::whole)  // ForceGate waits for the hand to be outside
       messages_.add(
-          fmt::format("messages from {} of {} arrive again: the force returns", session_.name, session_.host));
+          fmt::format("messages from {} of {} arrive again: the force returns; where it was gone, once the hand has "
+                      "left the surface",
+                      session_.name, session_.host));
     if (now == Felt::fading)
       messages_.add(
           fmt::format("no message from {} of {} for {:.1f} s: the force fades; edits made here are kept for it",

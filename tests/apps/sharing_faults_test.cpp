@@ -123,7 +123,8 @@ TEST_CASE("the force fades while a server hangs, and returns from outside; of a 
   hand.waitFor([&] { return hand.ended(); });
   safe.waitFor([&] { return safe.ended(); });
   CAPTURE(contentOf(folder / "hand.said"));
-  CHECK(has(contentOf(folder / "hand.said"), "arrive again: the force returns"));
+  CHECK(
+      has(contentOf(folder / "hand.said"), "the force returns; where it was gone, once the hand has left the surface"));
   const Result report = jsonOf(in("clay.json"));
   CHECK(report["safety"]["aged_ticks"] > 700);
   CHECK(report["shared"]["oldest_s"] > 2);

@@ -108,10 +108,10 @@ fi
 
 if command -v mcs > /dev/null && command -v mono > /dev/null; then
   mcs -out:"$scratch/Press.exe" "$examples/Press.cs"
-  mcs -out:"$scratch/Guarded.exe" -main:GuardedTest "$here/Guarded.cs" "$examples/Press.cs"
-  libraries=$(dirname "$(find "$scratch/moved" -name libpalpate.so)")
-  LD_LIBRARY_PATH=$libraries felt mono "$scratch/Press.exe"
-  LD_LIBRARY_PATH=$libraries mono "$scratch/Guarded.exe" || fail 'C#: an exception in a function that palpate calls'
+  mcs -main:Throwing -out:"$scratch/Throwing.exe" "$examples/Press.cs" "$here/Throwing.cs"
+  folder=$(dirname "$(find "$scratch/moved" -name libpalpate.so)")
+  LD_LIBRARY_PATH=$folder felt mono "$scratch/Press.exe"
+  LD_LIBRARY_PATH=$folder mono "$scratch/Throwing.exe" || fail "an exception of C# did not arrive after its call"
 else
   echo "consumers: skipped: C#: the compiler is not installed (mono-mcs, mono-runtime)"
 fi

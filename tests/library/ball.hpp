@@ -5,10 +5,12 @@
 #include <palpate/palpate.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace palpate {
@@ -138,6 +140,14 @@ inline std::vector<double> placesOf(pp_session session) {
   PP_REQUIRE_OK(pp_cloud_copy_positions(cloud, places.data(), points.count));
   PP_REQUIRE_OK(pp_cloud_close(cloud));
   return places;
+}
+
+/// Whether it comes true in time.
+template <class Is>
+bool comes(double seconds, Is&& is) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!is() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return is();
 }
 
 /// Strokes whose brush keeps the density or not, in either order: only the strokes that keep it change the number of

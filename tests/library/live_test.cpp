@@ -211,6 +211,44 @@ TEST_CASE("a first brush after a live session builds the session again, and its 
   PP_REQUIRE_OK(pp_live_stop(ball.session));
 }
 
+TEST_CASE("a live tick comes with the torque of its tool and the age of its contact") {
+  pp_tool pad = pp_default_tool();
+  pad.kind = "pad";
+  pad.points = 8;
+  pad.size_mm = 10;
+  pp_session_options options = cpuOptions();
+  options.tool = &pad;
+  const OpenBall ball(options);
+  const std::vector<double> rows{0, 5, 0, 52, 0.05, 5, 0, 48};
+  const pp_path path = pathOf(rows, 4);
+  const pp_live_options live = along(path);
+  PP_REQUIRE_OK(pp_live_start(ball.session, &live));
+  std::vector<pp_tick> ticks(64);
+  std::vector<double> torques_mNm(3 * ticks.size()), ages_s(ticks.size());
+  pp_live_rows all = pp_default_live_rows();
+  all.capacity = ticks.size();
+  all.ticks = ticks.data();
+  all.torques_mNm = torques_mNm.data();
+  all.ages_s = ages_s.data();
+  double most_mNm = 0;
+  std::size_t wrongAges = 0;
+  CHECK(comes(10, [&] {
+    std::uint64_t count = 0;
+    PP_REQUIRE_OK(pp_live_read_rows(ball.session, &all, &count));
+    for (std::size_t i = 0; i < count; ++i) {
+      most_mNm = std::max(most_mNm, std::hypot(torques_mNm[3 * i], torques_mNm[3 * i + 1]));
+      wrongAges += ticks[i].valid && (ticks[i].fresh ? ages_s[i] != 0 : ages_s[i] == 0);
+    }
+    return most_mNm > 0.1;
+  }));
+  CHECK(wrongAges == 0);
+  std::uint64_t count = 1;
+  all.ticks = nullptr;
+  CHECK(pp_live_read_rows(ball.session, &all, &count) == PP_ERROR_ARGUMENT);
+  CHECK(count == 0);
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+}
+
 TEST_CASE("forces can be switched off and on, with a force law, while the hand moves") {
   Calls calls;
   const OpenBall ball;
@@ -229,12 +267,18 @@ TEST_CASE("forces can be switched off and on, with a force law, while the hand m
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));
   const auto without = readTicks(ball.session, 60, 8);
   CHECK(std::ranges::all_of(without, [](const pp_tick& tick) { return lengthOf(tick.force_N) == 0; }));
+  CHECK(std::ranges::all_of(without, [](const pp_tick& tick) { return tick.withheld == tick.contact; }));
   CHECK(std::ranges::any_of(without, [](const pp_tick& tick) { return tick.contact == 1; }));
   PP_REQUIRE_OK(pp_live_set_forces(ball.session, 1));
   double most_N = 0;
+  int withheld = 1;
   for (int i = 0; i < 15 && most_N < 1.24; ++i)
-    for (const pp_tick& tick : readTicks(ball.session, 900)) most_N = std::max(most_N, tick.force_N[0]);
+    for (const pp_tick& tick : readTicks(ball.session, 900)) {
+      if (tick.force_N[0] > most_N) withheld = tick.withheld;
+      most_N = std::max(most_N, tick.force_N[0]);
+    }
   CHECK(most_N == near(1.25, 1e-6));
+  CHECK(withheld == 0);
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   CHECK(calls.count > 100);
 }

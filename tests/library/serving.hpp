@@ -95,13 +95,6 @@ inline bool isSame(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
-template <class Is>
-bool comes(double seconds, Is&& is) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (!is() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  return is();
-}
-
 /// Above or in the ball, not quite on its axis.
 inline pp_pose poseAt(std::size_t tick, double z) {
   return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}};

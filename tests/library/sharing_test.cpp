@@ -195,11 +195,13 @@ TEST_CASE("a lost server fades a pulled hand's force to zero, and one restarted 
   serving.reset();
   for (int i = 0; i < 500; ++i) PP_REQUIRE_OK(touchOnce());
   CHECK(lengthOf(contact.force_N) > 0.5);  // a short silence is tolerated
+  CHECK(contact.withheld == 0);
   CHECK(comes(20, [&] {
     PP_REQUIRE_OK(touchOnce());
     return lengthOf(contact.force_N) == 0;
   }));
   CHECK(contact.valid == 1);
+  CHECK((contact.contact == 1 && contact.withheld == 1));
   CHECK(sharingOf(session).connected == 0);
   CHECK(sharingOf(session).silent_s > 1.8);
 

@@ -18,6 +18,7 @@ def test_a_hand_feels_the_same_pose_by_pose_as_along_a_path(session):
         contact = session.touch_pose(i / 1000, hip)
         assert contact.validity == "fresh" and contact.age_s == 0
         assert contact.force_N == felt[i]["force_N"].tolist()
+        assert not contact.withheld
         assert contact.proxy == felt[i]["proxy"].tolist() and contact.contact == felt[i]["contact"]
     assert contact.penetration_mm == pytest.approx(felt[-1]["penetration_mm"])
     assert contact.neighbours == felt[-1]["neighbours"] and contact.torque_mNm == [0, 0, 0]

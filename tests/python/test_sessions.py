@@ -219,8 +219,21 @@ def test_live_ticks_come_in_blocks_while_python_does_what_it_likes(session):
     assert len(ticks) > 50 and len(blocks) > 1
     assert (np.diff(ticks["t_s"]) > 0).all()
     assert ticks["contact"][-1] and ticks["force_N"][-1, 2] > 0.3
+    assert blocks[0][1].dtype == pp.live_tick_dtype and ticks["valid"][-1] and not ticks["withheld"][-1]
+    assert (ticks["age_s"][ticks["fresh"]] == 0).all() and (ticks["torque_mNm"] == 0).all()
     assert {thread for thread, _ in blocks} != {threading.get_ident()}
     assert len(session.touch(press_path(1))) == 200
+
+
+def test_a_live_tick_says_that_its_force_is_withheld(session):
+    with session.live(path=np.array([[0, 0, 0, 52], [0.05, 0, 0, 49]]), rate=500) as live:
+        live.set_forces(False)
+        end = time.monotonic() + 10
+        inside = np.empty(0, pp.live_tick_dtype)
+        while len(inside) < 20 and time.monotonic() < end:
+            ticks = live.read_ticks()
+            inside = np.concatenate([inside, ticks[ticks["contact"]]])
+    assert inside["withheld"][-1] and inside["fresh"][-1] and (inside["force_N"][-1] == 0).all()
 
 
 def test_ticks_of_the_last_interval_reach_on_ticks(session):

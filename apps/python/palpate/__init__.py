@@ -60,6 +60,7 @@ __all__ = [
     "formats_read",
     "formats_written",
     "gpus",
+    "live_tick_dtype",
     "read",
     "read_recording",
     "replay",
@@ -76,6 +77,7 @@ if TYPE_CHECKING:
     import numpy
 
     tick_dtype: numpy.dtype[Any]  # of the rows that touch() returns
+    live_tick_dtype: numpy.dtype[Any]  # the same of a live session
     tool_tick_dtype: numpy.dtype[Any]  # the same with a tool of many points
 
 
@@ -93,6 +95,8 @@ def __dir__() -> list[str]:
 def __getattr__(name: str) -> Any:
     if name == "tick_dtype":  # on first use: it imports NumPy, which takes longer than the whole package
         return _palpate._tick_dtype()
+    if name == "live_tick_dtype":
+        return _palpate._live_tick_dtype()
     if name == "tool_tick_dtype":
         return _palpate._tool_tick_dtype()
     raise AttributeError(f"module 'palpate' has no attribute '{name}'{nearest(name, __all__)}")

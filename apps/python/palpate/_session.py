@@ -258,8 +258,8 @@ class Session(_palpate._Session):
         Args:
             device: openhaptics[:NAME], dhd[:NUMBER], haply[:SERIAL], hid[:WHICH], sim, replay:FILE or path; None: path.
             rate: ticks per second; 0: the session's.
-            on_ticks: called with blocks of ticks (tick_dtype), on a thread of its own; with several hands their shape
-                is (ticks, hands). An exception in it ends the live session, without force.
+            on_ticks: called with blocks of ticks (live_tick_dtype), on a thread of its own; with several hands their
+                shape is (ticks, hands). An exception in it ends the live session, without force.
             path: for the device path: an array as for touch(), followed once.
             builtin: for sim and path: "press", "slide", "scan" or "orbit".
             law: instead of the session's, with the same meaning.

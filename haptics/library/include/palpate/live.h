@@ -38,6 +38,18 @@ PP_OPTIONS(live_options)
  * PP_ERROR_ARGUMENT for an unknown device, or axes that are not a permutation or of a device that is not in a hand;
  * PP_ERROR_DEVICE if a device or its driver cannot be opened, as while another program uses it. */
 PP_API pp_status pp_live_start(pp_session session, const pp_live_options* options);
+/** Arrays of the program for the ticks of a live session, of `capacity` rows each; null: not wanted. */
+typedef struct pp_live_rows {
+  uint32_t size;       /**< bytes of this struct */
+  uint32_t reserved;   /**< not used */
+  uint64_t capacity;   /**< rows for which there is room; with several hands each tick has a row for each of them */
+  pp_tick* ticks;      /**< required */
+  double* torques_mNm; /**< torques of tools and of balls in matter about the HIP, 3 for each row */
+  double* ages_s;      /**< as pp_contact.age_s */
+} pp_live_rows;
+PP_OPTIONS(live_rows)
+/** pp_live_read_ticks() with all that is known of a tick. */
+PP_API pp_status pp_live_read_rows(pp_session session, const pp_live_rows* rows, uint64_t* count);
 /** Copies the ticks since the last call, up to `capacity`, and takes in the edits. With several hands `capacity` and
  * `count` are numbers of rows, as for pp_session_touch_hands(), of whole ticks. Ticks not read for half a minute at 1
  * kHz are dropped. If the live session has ended because of a fault, returns PP_ERROR_DEVICE or PP_ERROR_GPU once no

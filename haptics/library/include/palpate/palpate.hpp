@@ -9,6 +9,7 @@
 #include <palpate/clouds.hpp>
 #include <palpate/handles.hpp>
 
+#include <array>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -360,12 +361,23 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
 
   /// Starts ticks against the wall clock, on a thread of palpate (pp_live_start()).
   void startLive(const pp_live_options& options) { check(pp_live_start(handle(), &options)); }
-  /// Ticks since the last call, at most `most` rows: one row for each hand in each tick.
-  std::vector<pp_tick> readTicks(std::size_t most = 4096) {
+  /// Ticks since the last call, at most `most` rows: one row for each hand in each tick. The other arrays, unless null,
+  /// get as many rows: torques of tools, and ages of the contacts (pp_live_rows).
+  std::vector<pp_tick> readTicks(std::size_t most = 4096, std::vector<std::array<double, 3>>* torques_mNm = nullptr,
+                                 std::vector<double>* ages_s = nullptr) {
     std::vector<pp_tick> ticks(most);
+    if (torques_mNm) torques_mNm->resize(most);
+    if (ages_s) ages_s->resize(most);
+    pp_live_rows rows = pp_default_live_rows();
+    rows.capacity = most;
+    rows.ticks = ticks.data();
+    rows.torques_mNm = torques_mNm && most > 0 ? torques_mNm->front().data() : nullptr;
+    rows.ages_s = ages_s ? ages_s->data() : nullptr;
     std::uint64_t count = 0;
-    told(pp_live_read_ticks(handle(), ticks.data(), ticks.size(), &count));
+    told(pp_live_read_rows(handle(), &rows, &count));
     ticks.resize(count);
+    if (torques_mNm) torques_mNm->resize(count);
+    if (ages_s) ages_s->resize(count);
     return ticks;
   }
   /// State of the present or last live session (pp_live_get_state()).

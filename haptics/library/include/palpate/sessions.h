@@ -31,14 +31,16 @@ typedef struct pp_pose {
 typedef struct pp_contact {
   double proxy[3];       /**< position on the surface, model units; equals the HIP without contact */
   double normal[3];      /**< unit length, outward; zero if no surface was within reach */
-  double force_N[3];     /**< force on the hand, N */
+  double force_N[3];     /**< force that the hand was given, N */
   double penetration_mm; /**< distance from HIP to proxy, mm; 0 without contact */
   uint32_t neighbours;   /**< points within the support radius */
   uint8_t contact;       /**< 1: the hand touches the surface */
   uint8_t fresh;         /**< 1: from this pose's own query; 0: bridged, because the answer would have been late */
   uint8_t valid;         /**< 0: a fault occurred, and the force is zero */
-  uint8_t reserved;      /**< not used */
-  double age_s;          /**< age of the data from which it was computed, s: 0 if fresh; negative: there are none */
+  /** 1: in contact, force_N is less than the surface's, because forces are off, or were gone: then they return over
+   * half a second, after a longer absence once the hand has left the surface. A force law is given 0. */
+  uint8_t withheld;
+  double age_s; /**< age of the data from which it was computed, s: 0 if fresh; negative: there are none */
 } pp_contact;
 
 /** One tick of the haptic loop. */
@@ -47,13 +49,13 @@ typedef struct pp_tick {
   double hip[3];         /**< haptic interface point, model units */
   double proxy[3];       /**< as in pp_contact, and so are the fields below */
   double normal[3];      /**< unit length, outward */
-  double force_N[3];     /**< force on the hand, N */
+  double force_N[3];     /**< force that the hand was given, N */
   double penetration_mm; /**< distance from HIP to proxy, mm */
   uint32_t neighbours;   /**< points within the support radius */
   uint8_t contact;       /**< 1: the hand touches the surface */
   uint8_t fresh;         /**< 1: from this tick's own query; 0: bridged */
   uint8_t valid;         /**< 0: a fault occurred, and the force is zero */
-  uint8_t reserved;      /**< not used */
+  uint8_t withheld;      /**< 1: in contact, force_N is less than the surface's */
 } pp_tick;
 
 /** A force law of the program, in C or a compatible language: writes the force on the hand, N, for one tick of contact.
