@@ -12,7 +12,6 @@ class CameraDrag {
   /// Begins a drag that does not move the camera, e.g. a press of the stylus.
   void beginOther() { kind_ = Kind::other; }
   void end() { kind_ = Kind::none; }
-  bool isUnderWay() const { return kind_ != Kind::none; }
   Camera moved(const Camera& camera, const DVec2& way_px, const DVec2& size_px) const;
 
   /// Whether a press at that time and position is the second one of a double click.

@@ -18,7 +18,7 @@ ModelPicture::ModelPicture(Device& sight)
 
 void ModelPicture::choosePace(bool still) {
   constexpr double kSlow_ms = 90;
-  constexpr std::uint32_t kMaxShrunk = 3;
+  constexpr std::uint32_t kMaxShrunk = 2;
   if (still)
     shrink_ = 1;
   else if (time_ms_ > kSlow_ms && shrink_ < kMaxShrunk)
@@ -29,7 +29,7 @@ void ModelPicture::fit(const UVec2& window_px, std::uint32_t supersample) {
   const UVec2 size_px = (window_px + (shrink_ - 1)) / shrink_;
   if (frame_ && frame_->width() == size_px.x && frame_->height() == size_px.y && supersample_ == supersample) return;
   frame_.reset();
-  forget();
+  isStale_ = true;
   frame_ = std::make_unique<Frame>(sight_, size_px.x, size_px.y, supersample);
   supersample_ = supersample;
 }
@@ -38,12 +38,14 @@ bool ModelPicture::aim(const WindowSession& session, const ShownMesh& mesh, cons
                        const FrameOptions& options, const DVec2& cursor_px) {
   next_ = {camera, options, session.edits(), session.frames(), mesh.triangleCount() > 0 ? mesh.version() : 0};
   cursor_px_ = cursor_px;
-  return scene_ != next_ || asked_.place_px != cursor_px;
+  hasMoved_ = scene_ != next_;
+  return hasMoved_ || isStale_ || asked_.place_px != cursor_px;
 }
 
 void ModelPicture::record(CommandList& list, WindowSession& session, const ShownMesh& mesh) {
-  if (scene_ == next_) return;
+  if (scene_ == next_ && !isStale_) return;
   scene_ = next_;
+  isStale_ = false;
   isNew_ = true;
   ++made_;
   if (mesh.triangleCount() > 0)
@@ -73,7 +75,7 @@ void ModelPicture::takePick() {
 }
 
 FoundSurface ModelPicture::surface(const DVec2& window_px) {
-  if (!frame_ || !scene_) return {};
+  if (!frame_ || !scene_ || isStale_) return {};
   const Buffer& depths = frame_->depthImage();
   const Buffer read(sight_, depths.bytes(), Memory::readback, "found depths");
   CommandList list(sight_, sight_.window(), "found depths");

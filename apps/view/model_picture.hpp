@@ -38,6 +38,8 @@ class ModelPicture {
   /// The surface in the last picture, once the GPU has finished it; reads all of its depths.
   FoundSurface surface(const DVec2& window_px);
 
+  /// Whether the next picture shows something else than the last one.
+  bool hasMoved() const { return hasMoved_; }
   /// Whether it was drawn in this frame.
   bool isNew() const { return isNew_; }
   /// Called after each frame, with its duration.
@@ -61,7 +63,9 @@ class ModelPicture {
   Device& sight_;
   std::unique_ptr<Frame> frame_;
   std::uint32_t supersample_ = 0, shrink_ = 1;
-  std::optional<Scene> scene_, next_;  // of the picture in frame_, and of the next one
+  std::optional<Scene> scene_, next_;  // of the last picture, and of the next one
+  bool isStale_ = true;                // frame_ has another size than the last picture
+  bool hasMoved_ = false;
   DVec2 cursor_px_{0};
   Buffer pick_;
   Pick asked_, picked_;

@@ -40,7 +40,6 @@ class PointingDevices {
   const DVec2& cursor_px() const { return cursor_px_; }
   bool holdsStylus() const { return hand_.isHeld(); }
   bool isTouching() const { return hand_.isHeld() || device_; }  ///< with the stylus, or a device
-  bool isMoving() const { return hand_.isHeld() || drag_.isUnderWay(); }
   /// Whether the stylus, or a pad that moves without events, may move at any time.
   bool mayMove() const;
   std::uint64_t presses() const { return presses_; }  ///< number of presses of the stylus

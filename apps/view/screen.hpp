@@ -51,6 +51,7 @@ class Screen {
   enum class Of { window, model };
   /// Writes the next picture to a file; a picture of the model is reported to the user.
   void keep(const std::string& file, Of of) { kept_ = Kept{file, of}; }
+  bool isKeeping() const { return kept_.has_value(); }
   /// Writes the picture requested by keep(); `layers`: those of that picture.
   void writeKept(const Layers& layers, Messages& messages);
 

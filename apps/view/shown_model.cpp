@@ -54,9 +54,9 @@ void ShownModel::takePick() {
   if (picture_.exists()) picture_.takePick();
 }
 
-void ShownModel::choosePace(bool moves, double clock_s, bool inFull) {
-  constexpr double kStill_s = 0.4;  // time without motion until full resolution
-  if (moves || !edited_.points.empty()) moved_s_ = clock_s;
+void ShownModel::choosePace(double clock_s, bool inFull) {
+  constexpr double kStill_s = 0.2;  // time without motion until full resolution
+  if (picture_.hasMoved()) moved_s_ = clock_s;
   picture_.choosePace(inFull || clock_s - moved_s_ > kStill_s);
 }
 

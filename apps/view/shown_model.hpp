@@ -21,9 +21,9 @@ class ShownModel {
 
   /// Reads the depth under the cursor in the last picture, once the GPU has finished it.
   void takePick();
-  /// Called before each frame with its time: lowers the resolution while drawing is slow and something moves, unless
-  /// `inFull`. `moves`: something other than edited points moves.
-  void choosePace(bool moves, double clock_s, bool inFull);
+  /// Called before each frame with its time: lowers the resolution while drawing is slow and the picture changes,
+  /// unless `inFull`.
+  void choosePace(double clock_s, bool inFull);
   /// Sets the picture's size for the window.
   void fit(const UVec2& window_px, const ViewSettings& view);
   /// Sets what the next picture shows, and the cursor; `touched`: with the stylus. Returns whether it differs from the
@@ -43,7 +43,7 @@ class ShownModel {
   ShownMesh mesh_;
   ShownLines lines_;
   EditBatch edited_;    // since the last frame
-  double moved_s_ = 0;  // time of the last motion
+  double moved_s_ = 0;  // time of the last frame that differed from the one before
 };
 
 }  // namespace palpate

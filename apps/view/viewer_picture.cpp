@@ -53,8 +53,7 @@ bool Viewer::draw(double dt_s) {
 
   Screen::Layers layers{.panels = panels, .behindPanels = gui_.behindPanels(), .dark = settings_.view.dark};
   WindowSession* session = document_.session();
-  shown_.choosePace(pointing_.isMoving() || (session && session->config().moves()), script_.clock_s(),
-                    script_.hasOwnClock());
+  shown_.choosePace(script_.clock_s(), script_.hasOwnClock() || screen_.isKeeping());
   if (session) {
     messages_.tryTo([&] { ownCamera_.follow(*session, viewpoint_.camera(), screen_.size_px()); });
     if (pace_.count() > 0) shown_.takePick();

@@ -7,14 +7,27 @@
 
 layout(push_constant, scalar) uniform Push { PanelComposeArgs args; };
 
+vec3 pictureColor(uvec2 at) { return unpackUnorm4x8(args.picture.at[at.y * args.pictureWidth_px + at.x]).rgb; }
+
+// The picture at a pixel of the window; a smaller picture is interpolated linearly between the centres of its pixels.
+vec3 pictureAt(uvec2 pixel) {
+  if (args.shrink == 1) return pictureColor(pixel);
+  const uvec2 last = (args.size_px - 1) / args.shrink;
+  const vec2 at = clamp((vec2(pixel) + 0.5) / args.shrink - 0.5, vec2(0), vec2(last));
+  const uvec2 low = uvec2(at), high = min(low + 1, last);
+  const vec2 t = at - vec2(low);
+  return mix(mix(pictureColor(low), pictureColor(uvec2(high.x, low.y)), t.x),
+             mix(pictureColor(uvec2(low.x, high.y)), pictureColor(high), t.x), t.y);
+}
+
 void main() {
   const uint place = threadIndex();
   if (place >= args.size_px.x * args.size_px.y) return;
-  const uvec2 seen = uvec2(place % args.size_px.x, place / args.size_px.x) / args.shrink;
+  const uvec2 pixel = uvec2(place % args.size_px.x, place / args.size_px.x);
   const bool hasPicture = uvec2(args.picture) != uvec2(0);
-  const uint below = hasPicture ? args.picture.at[seen.y * args.pictureWidth_px + seen.x] : args.background;
+  const vec3 below = hasPicture ? pictureAt(pixel) : unpackUnorm4x8(args.background).rgb;
   const uvec2 over = args.layer.at[place];
   const vec2 blueAndThrough = unpackUnorm2x16(over.y);
-  const vec3 color = vec3(unpackUnorm2x16(over.x), blueAndThrough.x) + blueAndThrough.y * unpackUnorm4x8(below).rgb;
+  const vec3 color = vec3(unpackUnorm2x16(over.x), blueAndThrough.x) + blueAndThrough.y * below;
   args.shown.at[place] = packUnorm4x8(vec4(args.blueFirst != 0 ? color.bgr : color, 1));
 }

@@ -53,7 +53,7 @@ struct PanelComposeArgs {
   uvec2 size_px;
   uint background;  // RGBA8
   uint blueFirst;   // not 0: blue is in the lowest byte of `shown`
-  uint shrink;      // pixels along each side that one pixel of the picture covers
+  uint shrink;      // pixels along each side that one pixel of the picture covers; more than 1: interpolated
   uint pictureWidth_px;
 };
 PALPATE_SIZE(PanelComposeArgs, 48);
