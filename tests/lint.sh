@@ -17,9 +17,8 @@ mkdir -p build/tidy
 configure() {
   cmake --preset release -B build/tidy -DPALPATE_PRECOMPILE=OFF || return
   # idlc writes headers; all others are written while the build is configured. Without DDS there is no idlc.
-  if cmake --build build/tidy --target help | grep -q '^palpate_sharing_types:'; then
-    cmake --build build/tidy --target palpate_sharing_types
-  fi
+  cmake --build build/tidy --target help > build/tidy/targets || return
+  ! grep -q '^palpate_sharing_types:' build/tidy/targets || cmake --build build/tidy --target palpate_sharing_types
 }
 if ! configure > "$log" 2>&1; then
   tail -n 20 "$log" >&2
