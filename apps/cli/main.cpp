@@ -41,10 +41,11 @@ void addFooter(const std::vector<CLI::App*>& commands) {
   }
 }
 
-// Whether a first word that is not a subcommand names a model.
-bool isModel(const std::string& word) {
+// Whether a first word that is not a subcommand names a model, or an option of the window.
+bool isOfWindow(const CLI::App& app, const std::string& word) {
+  if (word.starts_with("-")) return app.get_subcommand("view")->get_option_no_throw(word.substr(0, word.find('=')));
   std::error_code ignored;
-  return !word.starts_with("-") && (std::filesystem::exists(word, ignored) || word.find_first_of("./") != word.npos);
+  return std::filesystem::exists(word, ignored) || word.find_first_of("./") != word.npos;
 }
 
 void parse(CLI::App& app, std::vector<std::string> arguments) {
@@ -54,10 +55,10 @@ void parse(CLI::App& app, std::vector<std::string> arguments) {
   try {
     app.parse(std::vector(arguments));
   } catch (const CLI::ParseError& error) {
-    // `palpate MODEL` means `palpate view MODEL`, and `palpate` alone the empty window.
+    // `palpate [OPTIONS] MODEL` means `palpate view [OPTIONS] MODEL`, and `palpate` alone the empty window.
     const std::string word = firstUnexpected(app);
     const bool isAlone = error.get_name() == "RequiredError" && word.empty();
-    if (!app.get_subcommands().empty() || !(isAlone || isModel(word))) throw;
+    if (!app.get_subcommands().empty() || !(isAlone || isOfWindow(app, word))) throw;
     arguments.emplace_back("view");
     app.parse(std::move(arguments));
   }
@@ -96,9 +97,8 @@ void complete(const Options& program, std::vector<std::string> words) {
 int run(std::vector<std::string> arguments) {
   Options options{
       "palpate: feel, see and sculpt point clouds of millions of points in real time.\n"
-      "palpate and palpate MODEL... open the window. Units: model coordinates as in the file; mm in the hand (the "
-      "touch "
-      "scale of `palpate info`), N, N/mm, N s/mm, s; GPU times in us."};
+      "palpate and palpate MODEL... open the window, with the options of palpate view. Units: model coordinates as in "
+      "the file; mm in the hand (the touch scale of `palpate info`), N, N/mm, N s/mm, s; GPU times in us."};
   CLI::App& app = options.app();
   app.name("palpate");
   app.set_help_all_flag("--help-all", "Print all options and exit");

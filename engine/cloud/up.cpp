@@ -195,8 +195,7 @@ Upright byStand(const UprightShape& shape) {
   const DVec3 extent = shape.extent();
   const int axis = sidesOf(best).axis;
   const bool wide = extent[axis] < std::min(extent[(axis + 1) % 3], extent[(axis + 2) % 3]);
-  return {best, fmt::format("it stands on a {} under {:.0f} % of its outline",
-                            wide && stand.share > kFloor ? "floor" : "base", std::min(100.0, 100 * stand.base))};
+  return {best, wide && stand.share > kFloor ? "guessed from its floor" : "guessed from its flat base"};
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST_CASE("info reports the up direction with its reason, and the unit") {
     CHECK(info(file + " --up -z")["up"] == "-z");
     CHECK(info(file + " --up=-z --unit ft")["unit"] == "ft");
     const Outcome text = palpate("info " + file);
-    CHECK(says(text.text, std::string("up: ") + name + " (it stands on a base"));
+    CHECK(says(text.text, std::string("up: ") + name + " (guessed from its flat base"));
     CHECK(says(text.text, "cm"));
   }
   works("--quiet make sphere -n 2000 -o " + (folder / "s.ply").string());
@@ -120,7 +120,7 @@ TEST_CASE("a model is drawn upright, whatever the up axis of its file") {
     return std::pair(Picture(image), outcome.text);
   };
   const auto [upright, said] = render(1, 1, "");
-  CHECK(says(said, "up is y: it stands on a base"));
+  CHECK(says(said, "up is y: guessed from its flat base"));
   const auto unlike = [&](const Picture& other) { return differing(upright, other, 160, 120, 110); };
   for (const auto& [axis, sign] : {std::pair(0, 1.0), std::pair(1, -1.0), std::pair(2, 1.0), std::pair(2, -1.0)}) {
     CAPTURE(axis);

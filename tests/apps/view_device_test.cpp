@@ -163,8 +163,10 @@ TEST_CASE("a device that is lost while a model is felt leaves the stylus to the 
 0.6 await {}
 2.5 state %/lost.json
 2.6 screenshot %/lost.png
-3.1 state %/later.json
-3.2 quit
+2.7 mouse 200 150
+2.8 key space down
+3.4 state %/later.json
+3.5 quit
 )",
                                          file("begun.json"), file("fault")));
   const Result lost = window->state("lost.json");

@@ -31,6 +31,12 @@ TEST_CASE("palpate without arguments opens the window, and without a display say
   CHECK(none.code == 1);
   CHECK_MESSAGE(says(none.text, "nowhere.ply"), none.text);
   CHECK(none.text.find("display") == std::string::npos);
+  // Options of the window need no command either; others are refused as before.
+  for (const std::string options : {"--size 320x240", "--size=320x240", "--edit push --quiet"})
+    CHECK_MESSAGE(run("env -u DISPLAY -u WAYLAND_DISPLAY " + program() + " " + options).text == blind.text, options);
+  const Outcome unknown = palpate("--sizes 320x240");
+  CHECK(unknown.code == 2);
+  CHECK_MESSAGE(says(unknown.text, "unknown option '--sizes'"), unknown.text);
   if (!hasDisplay()) return;
   const ScratchFolder folder;
   const Outcome open = run("XDG_STATE_HOME=" + folder.path().string() + " XDG_CONFIG_HOME=" + folder.path().string() +
