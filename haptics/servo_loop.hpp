@@ -125,8 +125,8 @@ class ServoLoop {
   std::size_t playByClock(ServoResult& result);
   std::size_t playByDevice(ServoResult& result);
   bool isOver(std::uint64_t index) const noexcept;
-  /// Sleeps once the only hand has rested for a while, where a tick that does not happen is no time (countsTicks).
-  /// Returns whether it has slept.
+  /// Sleeps once the only hand has rested for a while, where time is the number of ticks (countsTicks), so that no
+  /// tick is missed. Returns whether it has slept.
   bool rest() noexcept;
   double budgetOf(const TickPacer& pacer, std::uint64_t index) const noexcept;
   struct Progress {

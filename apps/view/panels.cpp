@@ -186,9 +186,7 @@ void Panels::drawModel(const ViewStatus& status) {
     help((status.isUpTurned ? "as chosen" : "automatic: " + status.upright.why) + "; change it with up in Look");
     const Model& model = status.session->model();
     const double side = model.container() ? model.container()->longestSide() : status.session->longestSide();
-    std::string scale = touchScaleText(model.scale, side, status.unit);
-    scale.replace(scale.rfind(" for "), 1, "\n");  // so that no number is broken at the panel's edge
-    ImGui::TextDisabled("touch scale: %s", scale.c_str());
+    ImGui::TextDisabled("feels %.3g mm long (%.3g %s)", model.scale.toMm(side), side, nameOf(status.unit).data());
     help("change it with --mm-per-unit or Measure; default: the file's scale, else the longest side is 100 mm");
   } else if (!status.loading) {
     ImGui::TextWrapped("Drop a point cloud here, or press Ctrl+O (%s)", cloudFormats().namesRead().c_str());
@@ -242,23 +240,26 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
       brush.sculpts = true;
     }
   if (brush.sculpts) {
-    dragLength("radius", brush.radius_mm, 0.1, sliderOf<BrushConfig>("radius_mm"), status);
-    help("[ and ]; of the brush, in the model's unit");
-    if (brushHas(brush.kind, shared::kUsesPushRate))
-      drag("push rate", brush.pushRate, 0.005f, sliderOf<BrushConfig>("push_rate"), "%.2f");
-    else
-      drag("strength", brush.strength, 0.01f, sliderOf<BrushConfig>("strength"), "%.2f");
-    help("fraction of the effect per tick; 0: none, 1: all");
-    dragLength("yield depth", brush.yieldDepth_mm, 0.02, sliderOf<BrushConfig>("yield_depth_mm"), status);
-    help("depth of the stylus below the surface from which the surface yields");
+    dragLength("size", brush.radius_mm, 0.1, sliderOf<BrushConfig>("radius_mm"), status);
+    help("radius of the brush; [ and ] change it");
+    const bool isPush = brushHas(brush.kind, shared::kUsesPushRate);
+    if (!isPush) drag("strength", brush.strength, 0.01f, sliderOf<BrushConfig>("strength"), "%.2f");
+    if (!isPush) help("fraction of the effect per tick; 0: none, 1: all");
     if (brushHas(brush.kind, shared::kPaintsPoints)) {
       float color[3];
       for (std::size_t k = 0; k < 3; ++k) color[k] = static_cast<float>(brush.color[k]) / 255;
       if (ImGui::ColorEdit3("colour to paint", color, ImGuiColorEditFlags_NoInputs))
         for (std::size_t k = 0; k < 3; ++k) brush.color[k] = static_cast<std::uint8_t>(std::lround(color[k] * 255));
     }
+    if (noted("more", ImGui::TreeNode("more"))) {
+      if (isPush) drag("speed", brush.pushRate, 0.005f, sliderOf<BrushConfig>("push_rate"), "%.2f");
+      if (isPush) help("fraction of the path to the stylus by which the surface yields per tick");
+      dragLength("resistance", brush.yieldDepth_mm, 0.02, sliderOf<BrushConfig>("yield_depth_mm"), status);
+      help("depth of the stylus below the surface from which the surface yields");
+      ImGui::TreePop();
+    }
   }
-  dragLength("press depth", view.press_mm, 0.05, {0.1, 20}, status);
+  dragLength("depth", view.press_mm, 0.05, {0.1, 20}, status);
   help("target depth while the button is down; the wheel changes it");
   checkbox("follow the surface", view.followsSurface);
   help("off: the stylus moves in a plane parallel to the screen, and the wheel changes its depth");

@@ -33,7 +33,7 @@ void forEachAdjacent(std::size_t row, Visit&& visit) {
   const int y = static_cast<int>(row) % kSide, z = static_cast<int>(row) / kSide;
   for (int k = std::max(z - 1, 0); k <= std::min(z + 1, kSide - 1); ++k)
     for (int j = std::max(y - 1, 0); j <= std::min(y + 1, kSide - 1); ++j)
-      visit(static_cast<std::size_t>(j + kSide * k));
+      visit(shared::kSheetSide * static_cast<std::size_t>(k) + static_cast<std::size_t>(j));
 }
 
 }  // namespace

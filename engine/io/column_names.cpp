@@ -51,7 +51,7 @@ const UnitName* unitNamed(std::string_view name) {
   return found == kUnitNames.end() ? nullptr : &*found;
 }
 
-/// The meaning of a lower-case name: of an axis or of another alias; empty if it has none.
+/// The meaning of a lower-case name: of an axis or of another alias; empty if unknown.
 std::string_view meaningOf(std::string_view name) {
   for (const std::string_view axis : {"x", "y", "z"})
     if (name == axis) return axis;

@@ -154,7 +154,7 @@ std::string_view indexInWords(const FileStart& start) {
   return {};
 }
 
-/// Describes text that is no list of points, by its first words.
+/// Names a text format that does not list points, by its first words.
 std::string_view textInWords(const FileStart& start) {
   const auto lines = start.lines(4);
   std::vector<std::string> firsts;

@@ -124,7 +124,7 @@ class GltfReader {
     if (textured_ > 0) mesh_.lost.push_back(fmt::format("the colours of textures of {}", counted(textured_, "part")));
   }
 
-  /// The material of a part of a mesh, without its textures; null if it has none.
+  /// The material of a part of a mesh, without its textures; null without a material.
   const Json* surfaceOf(const Json& primitive) const {
     if (!primitive.contains("material")) return nullptr;
     const Json& material = file_.named("materials", primitive["material"]);

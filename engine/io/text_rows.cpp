@@ -263,7 +263,7 @@ bool TextRows::takeNames(std::vector<std::string_view> words) {
   auto names = columnNames(words);
   if (!namesColumns(names)) {
     if (!named_ && nameDegrees(words))
-      fail("has latitude and longitude; degrees are no lengths. Project it first, for example to UTM in QGIS or PDAL");
+      fail("contains latitudes and longitudes in degrees, not lengths. Project it first, for example to UTM");
     return false;
   }
   if (named_) return true;

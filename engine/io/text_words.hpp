@@ -25,7 +25,8 @@ class TextWords {
   bool hasDecimalCommas() const { return commas_ == Commas::decimal; }
   /// Whether all numbers with decimal commas so far could as well be thousands.
   bool hasAmbiguousCommas() const { return commas_ == Commas::decimal && !areDecimal_; }
-  /// Splits the line again at commas, semicolons or tabs only, so that words may contain blanks. False if it has none.
+  /// Splits the line again at commas, semicolons or tabs only, so that words may contain blanks. False without such a
+  /// separator.
   bool cutAtMarks();
 
  private:

@@ -102,7 +102,7 @@ UnnamedColumns::Layout UnnamedColumns::layout(std::string& why) const {
   const auto keepOnly = [&](auto&& is) {
     if (std::ranges::any_of(fitting, is)) std::erase_if(fitting, [&](const Layout& one) { return !is(one); });
   };
-  // Unit length throughout is no coincidence; then what the format says, then the range of the numbers.
+  // Columns of unit length in all rows are normals; then the format decides, then the range of the numbers.
   keepOnly([](const Layout& one) { return has(one, Group::normal); });
   const auto isMixed = [](const Layout& one) { return has(one, Group::scalar) && has(one, Group::color); };
   keepOnly([&](const Layout& one) {

@@ -251,6 +251,7 @@ void changeAny(const Block& block, const shared::WaterRules& rules, const float*
                                  : changeBy<N, false, false>(block, rules, pulls, changes);
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): an attribute cannot be in parentheses
 #define PALPATE_BLOCK_LOOPS(target, N)                                                                  \
   target void weigh(const Block& block, float support, float* pulls, BySlot& sums) {                    \
     weighAny<N>(block, support, pulls, sums);                                                           \
@@ -272,6 +273,7 @@ PALPATE_BLOCK_LOOPS(PALPATE_WITH_AVX2, 8)
 #endif
 PALPATE_BLOCK_LOOPS(PALPATE_WITHOUT_AVX2, 4)
 #undef PALPATE_BLOCK_LOOPS
+// NOLINTEND(bugprone-macro-parentheses)
 
 class WaterLaw final : public MatterLaw {
  public:

@@ -163,6 +163,7 @@ std::vector<std::string> heldDeviceNames(std::vector<std::string> before) {
 
 std::vector<DeviceSurvey> surveyDevices(const std::string& held) {
   std::vector<DeviceSurvey> found;
+  found.reserve(std::size(kHeldDevices));
   for (const HeldDevice& kind : kHeldDevices)
     found.push_back(kind.survey(std::string(kind.name), argumentOf(held, kind.name)));
   return found;

@@ -1,4 +1,4 @@
-// Processor time of a window that nobody touches.
+// Processor time of a window without input.
 #include "tests/apps/window_play.hpp"
 #include "tests/labels.hpp"
 
@@ -26,7 +26,7 @@ double restingPercent(const std::string& arguments) {
 
 }  // namespace
 
-TEST_CASE("a window that nobody touches rests: it takes less than 3 % of a core with a model" * kClock) {
+TEST_CASE("a window without input takes less than 3 % of a core with a model" * kClock) {
   if (!hasDisplay()) return;
   CHECK(restingPercent("%/sphere.ply") <= 2);
 }

@@ -137,7 +137,7 @@ TEST_CASE("the brush size is shown and typed in the model's own unit") {
       R"(
 0.1 key 2
 0.3 key ctrl down
-0.4 click radius
+0.4 click size
 0.6 key ctrl up
 0.7 text 0.2
 0.8 key enter

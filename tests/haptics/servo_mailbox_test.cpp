@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine/core/clock.hpp"
 #include "haptics/devices/guided_touch.hpp"
 #include "haptics/devices/simulated_touch.hpp"
 #include "haptics/servo_loop.hpp"
@@ -219,7 +220,8 @@ TEST_CASE("a loop sleeps while a guided stylus rests, and wakes within a few tic
     mailbox.close();
   });
   const auto comesTo = [](const auto& sign) {
-    for (int i = 0; i < 5000 && !sign(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (const Stopwatch since; since.elapsed_s() < 10 && !sign();)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return sign();
   };
   const auto isAsleep = [&] {

@@ -216,7 +216,7 @@ TEST_CASE("names of surveyors, VeloView, Ouster and spreadsheets are recognized,
   }
   for (const char* names : {"latitude,longitude,height", "Lat Lon Alt", "lon_deg;lat_deg;z"})
     refuses("a.csv", std::string(names) + "\n48.1,11.5,500\n",
-            ":1: has latitude and longitude; degrees are no lengths...");
+            ":1: contains latitudes and longitudes in degrees, not lengths...");
   const StoredCloud latin = readingFile("a.csv", "x,y,z,h\xf6he\n1,2,3,4\n");
   CHECK(latin.cloud.extra.at(0).name == "h\xc3\xb6he");
 }
