@@ -251,18 +251,19 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
       if (ImGui::ColorEdit3("colour to paint", color, ImGuiColorEditFlags_NoInputs))
         for (std::size_t k = 0; k < 3; ++k) brush.color[k] = static_cast<std::uint8_t>(std::lround(color[k] * 255));
     }
-    if (noted("more", ImGui::TreeNode("more"))) {
-      if (isPush) drag("speed", brush.pushRate, 0.005f, sliderOf<BrushConfig>("push_rate"), "%.2f");
-      if (isPush) help("fraction of the path to the stylus by which the surface yields per tick");
-      dragLength("resistance", brush.yieldDepth_mm, 0.02, sliderOf<BrushConfig>("yield_depth_mm"), status);
-      help("depth of the stylus below the surface from which the surface yields");
-      ImGui::TreePop();
-    }
   }
   dragLength("depth", view.press_mm, 0.05, {0.1, 20}, status);
   help("target depth while the button is down; the wheel changes it");
   checkbox("follow the surface", view.followsSurface);
   help("off: the stylus moves in a plane parallel to the screen, and the wheel changes its depth");
+  if (brush.sculpts && noted("more", ImGui::TreeNode("more"))) {
+    const bool isPush = brushHas(brush.kind, shared::kUsesPushRate);
+    if (isPush) drag("speed", brush.pushRate, 0.005f, sliderOf<BrushConfig>("push_rate"), "%.2f");
+    if (isPush) help("fraction of the path to the stylus by which the surface yields per tick");
+    dragLength("resistance", brush.yieldDepth_mm, 0.02, sliderOf<BrushConfig>("yield_depth_mm"), status);
+    help("depth of the stylus below the surface from which the surface yields");
+    ImGui::TreePop();
+  }
   const StrokeCounts counts = status.session->session().strokes();
   ImGui::BeginDisabled(counts.undoCount == 0);
   post(button("Undo", em(4)), ModelCommand::undo);
