@@ -2,7 +2,7 @@
 """Slides and presses over scans: how often the force changes by more than its law allows, and how often a pressing
 hand loses the surface.
 
-slides.py PROGRAM [PROGRAM...] [--models FOLDER] [--count N] [--backend NAME] [--seed N]
+slides.py PROGRAM [PROGRAM...] [--models FOLDER] [--count N] [--backend NAME] [--seed N] [--beside "OPTIONS"]
 
 Hands 3 mm deep, in virtual time: slides straight along the tangent at 20 mm/s, and presses that hold. The places are
 chosen at random and judged by the points around them: thin (the other side is within 4 mm), hollow, edge or flat.
@@ -175,15 +175,15 @@ def path_over(cloud, where):
     return keys, spans
 
 
-def played(program, file, cloud, keys, backend):
+def played(program, file, cloud, keys, args):
     with tempfile.TemporaryDirectory() as folder:
         path, trace = Path(folder) / "path.csv", Path(folder) / "trace.csv"
         with open(path, "w") as out:
             print("t_s,x,y,z", file=out)
             for t, p in keys:
                 print(f"{t:.3f}," + ",".join(repr(value / cloud.scale) for value in p), file=out)
-        subprocess.run([program, "touch", file, "--path", path, "--trace", trace, "--backend", backend], check=True,
-                       stdout=subprocess.DEVNULL)
+        subprocess.run([program, "touch", file, "--path", path, "--trace", trace, "--backend", args.backend,
+                        *args.beside.split()], check=True, stdout=subprocess.DEVNULL)
         with open(trace) as rows:
             next(rows)
             return [tuple(map(float, row)) for row in csv.reader(rows)]
@@ -220,6 +220,7 @@ def main():
     parser.add_argument("--count", type=int, default=200, help="slides and presses, over all models")
     parser.add_argument("--backend", default="cpu")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--beside", default="", metavar="OPTIONS", help="more options of touch, as '--edit push'")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these models of the folder")
     parser.add_argument("--list", action="store_true", help="name each track with a fault")
     args = parser.parse_args()
@@ -237,7 +238,7 @@ def main():
             continue
         keys, spans = path_over(cloud, where)
         for program in args.programs:
-            rows = played(program, file, cloud, keys, args.backend)
+            rows = played(program, file, cloud, keys, args)
             for number, ((kind, p, _, _), span) in enumerate(zip(where, spans)):
                 result = judged(rows, cloud, span)
                 totals[program][kind].update({"tracks": 1, **{key: result[key] for key in COUNTED}})
