@@ -57,7 +57,7 @@ if(NOT TARGET tests_sharing)
   set(without_sharing onlookers ros ros_frames ros_scanner sharing_faults)  # they receive what the program sends
 endif()
 if(NOT PALPATE_STUDY)
-  set(without_study bench[a-z_]* coexist locality)  # they run the benches
+  set(without_study bench[a-z_]* coexist)  # they run the benches
 endif()
 if(PALPATE_SIMULATION)
   set(without_simulation no_simulation)

@@ -222,7 +222,6 @@ void listBenchResults(std::vector<ResultFacts>& all) {
                                                            {"bench splat", &listSplatBenchResults},
                                                            {"bench coexist", &listCoexistBenchResults},
                                                            {"bench stream", &listStreamBenchResults},
-                                                           {"bench locality", &listLocalityBenchResults},
                                                            {"bench strokes", &listStrokesBenchResults},
                                                            {"bench matter", &listMatterBenchResults},
                                                            {"bench read", &listReadBenchResults},
@@ -247,7 +246,6 @@ void addBench(Options& app, Context& context, Command& command) {
   addSplatBench(sub, context, command);
   addCoexistBench(sub, context, command);
   addStreamBench(sub, context, command);
-  addLocalityBench(sub, context, command);
   addStrokesBench(sub, context, command);
   addMatterBench(sub, context, command);
   addReadBench(sub, context, command);

@@ -130,7 +130,6 @@ void listMeshBenchResults(std::vector<ResultFacts>& all);
 void listSplatBenchResults(std::vector<ResultFacts>& all);
 void listCoexistBenchResults(std::vector<ResultFacts>& all);
 void listStreamBenchResults(std::vector<ResultFacts>& all);
-void listLocalityBenchResults(std::vector<ResultFacts>& all);
 void listStrokesBenchResults(std::vector<ResultFacts>& all);
 void listMatterBenchResults(std::vector<ResultFacts>& all);
 void listReadBenchResults(std::vector<ResultFacts>& all);
@@ -157,9 +156,6 @@ void addMatterBench(Options& bench, Context& context, Command& command);
 void addShareBench(Options& bench, Context& context, Command& command);
 /// Reading speed of files in any format.
 void addReadBench(Options& bench, Context& context, Command& command);
-/// Changes that edits must not make, on models and on clouds as uneven as real ones: strokes of each brush, judged only
-/// by the points before and after (engine/study/edit_judge.hpp).
-void addLocalityBench(Options& bench, Context& context, Command& command);
 /// Random strokes of every brush, half of them on thin parts, folds and borders, judged by the points before and after
 /// (engine/study/stroke_judge.hpp).
 void addStrokesBench(Options& bench, Context& context, Command& command);

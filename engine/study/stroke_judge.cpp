@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/study/edit_aftermath.hpp"
-
 namespace palpate {
 
 namespace {
@@ -99,9 +97,9 @@ bool StrokeJudge::leadsOut(const DVec3& from, const DVec3& to) {
     const DVec3 place = from + gone * direction;
     std::array<std::uint32_t, 1> nearest{};
     std::array<double, 1> squared{};
-    tree_.nearest(Vec3(place), nearest, squared);
+    tree().nearest(Vec3(place), nearest, squared);
     const DVec3 normal(before_.normals[nearest[0]]), offset = place - DVec3(before_.positions[nearest[0]]);
-    const double h = heights_.spacingAt(DVec3(before_.positions[nearest[0]]), normal);
+    const double h = surface_.spacingAt(DVec3(before_.positions[nearest[0]]), normal);
     if (squared[0] < kOnSurface * kOnSurface * h * h && glm::dot(direction, normal) > kOutwards &&
         glm::dot(offset + h * direction, normal) > 0)
       return true;
@@ -141,8 +139,8 @@ std::size_t StrokeJudge::turnedIn(std::span<const PointState> after, std::span<c
   std::vector<std::uint32_t> numbers;
   std::size_t turned = 0;
   for (std::uint32_t i = 0; i < old; ++i) {
-    if (near[i] == 0 || after[i].gone() || !tellsItsSide(before_, tree_, i)) continue;
-    carried[i] = carriedNormal(before_, tree_, after, i);
+    if (near[i] == 0 || after[i].gone() || !tellsItsSide(before_, tree(), i)) continue;
+    carried[i] = carriedNormal(before_, tree(), after, i);
     if (!carried[i]) continue;
     turned += near[i] == 2 && glm::dot(*carried[i], DVec3(after[i].normal)) < kAgainst && !facesTool(after[i]);
     places.push_back(after[i].position);
@@ -195,7 +193,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
   std::vector<double> spacings(old, 0);
   const auto spacing = [&](std::uint32_t i) {
     double& known = spacings[i];
-    if (known == 0) known = heights_.spacingAt(was(i), faced(i));
+    if (known == 0) known = surface_.spacingAt(was(i), faced(i));
     return known;
   };
   // The region: changed points, and those around them before and after. Around it, points at rest.
@@ -217,7 +215,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
     };
     if (i < old) {
       found.clear();
-      tree_.near(was(i), 2 * kNearby * h, found);
+      tree().near(was(i), 2 * kNearby * h, found);
       for (const std::uint32_t j : found) mark(j, glm::distance(was(j), was(i)));
     }
     if (after[i].gone()) continue;
@@ -276,7 +274,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
     if (after[i].gone()) continue;
     const DVec3 place(after[i].position);
     const std::uint32_t ancestor = ancestorOf(i);
-    const double height = mm * heights_.heightAt(place);
+    const double height = mm * surface_.heightAt(place);
     const bool isOver = height > highest + carried;
     const bool isOut = isOver && (!presses || leadsOut(was(ancestor), place));
     if (!isOver || isOut) verdict.raised_mm = std::max(verdict.raised_mm, height);
@@ -284,7 +282,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
       ++verdict.raisedPoints;
       std::array<std::uint32_t, 1> nearest{};
       std::array<double, 1> squared{};
-      tree_.nearest(Vec3(place), nearest, squared);
+      tree().nearest(Vec3(place), nearest, squared);
       verdict.through += glm::dot(faced(nearest[0]), faced(ancestor)) < kThrough;
     }
     if (stroke.removes()) verdict.deepest_mm = std::max(verdict.deepest_mm, -height);
@@ -300,7 +298,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
     // Neighbours that have passed each other.
     const double reach = spacing(i);
     found.clear();
-    tree_.near(was(i), kPair * reach, found);
+    tree().near(was(i), kPair * reach, found);
     for (const std::uint32_t j : found) {
       if (j == i || after[j].gone() || glm::dot(faced(i), faced(j)) < 0.5 || (touched[j] && j < i)) continue;
       DVec3 offset = was(j) - was(i);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/core/brush.hpp"
-#include "engine/study/edit_judge.hpp"
+#include "engine/study/surface_before.hpp"
 
 namespace palpate {
 
@@ -68,13 +68,13 @@ std::span<const std::string_view> strokeCriteria();
 class StrokeJudge {
  public:
   /// Keeps a view of the cloud, which must have normals and outlive this.
-  explicit StrokeJudge(const PointCloud& before) : before_(before), tree_(before.positions), heights_(before) {}
+  explicit StrokeJudge(const PointCloud& before) : before_(before), surface_(before) {}
 
   /// `after[i]` has the number i, the cloud's own points first.
   StrokeVerdict judge(std::span<const PointState> after, const PlayedStroke& stroke);
 
-  const PointTree& tree() const { return tree_; }
-  double spacingAt(const DVec3& place, const DVec3& facing) { return heights_.spacingAt(place, facing); }
+  const PointTree& tree() const { return surface_.tree(); }
+  double spacingAt(const DVec3& place, const DVec3& facing) { return surface_.spacingAt(place, facing); }
 
  private:
   std::uint32_t ancestorOf(std::span<const PointState> after, std::uint32_t i) const;
@@ -82,8 +82,7 @@ class StrokeJudge {
   std::size_t turnedIn(std::span<const PointState> after, std::span<const char> near, const PlayedStroke& stroke) const;
 
   const PointCloud& before_;
-  PointTree tree_;
-  EditJudge heights_;
+  SurfaceBefore surface_;
 };
 
 }  // namespace palpate

@@ -114,7 +114,7 @@ TEST_CASE("each bench shows and accepts its own options, and benches run togethe
                 build = palpate("bench build --help");
   CHECK(all.code == 0);
   for (const char* name :
-       {"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist", "locality", "strokes", "share"})
+       {"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist", "strokes", "share"})
     CHECK_MESSAGE(says(all.text, std::string("\n  ") + name), name);
   CHECK(says(edit.text, "--touched"));
   for (const char* other : {"--queues", "--resolution", "--raster", "--conditions", "--moved"})

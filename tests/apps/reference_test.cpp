@@ -121,7 +121,6 @@ TEST_CASE("each key that a command writes with --json is in the reference, with 
       {"doctor", "doctor --speed"},
       {"bench step", "bench step --sizes 500 --repeat 5 --backend cpu"},
       {"bench edit", "bench edit --sizes 2000 --touched 50 --repeat 5 --backend cpu"},
-      {"bench locality", "bench locality --sizes 3000 --clouds plate --brushes push --gestures slide --backend cpu"},
       {"bench matter", "bench matter --sizes 500 --matter soft --repeat 5 --backend cpu"},
       {"bench read", "bench read " + model + " --repeat 5"},
       {"bench mesh", "bench mesh --sizes 500 --resolution 8 --repeat 1 --shapes sphere --truth-points 500"},
