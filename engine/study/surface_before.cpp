@@ -17,7 +17,7 @@ constexpr std::size_t kFirstDisc = 4, kLastDisc = 16;  // neighbours whose discs
 constexpr std::size_t kOfAPlace = 6;                   // number of points whose mean spacing is the local spacing
 constexpr std::size_t kTangentPlanes = 4;
 constexpr std::size_t kFewestOfAFit = 6, kOfAFit = 16;  // neighbours that define a local plane or sphere
-constexpr double kOneSheet = -0.3;   // minimum cosine between the normals of a sheet around an edge
+constexpr double kOneSheet = -0.3;                      // minimum cosine between the normals of a sheet around an edge
 constexpr double kEdgeOn = 0.5;      // cosine of a normal and a direction up to which the normal shows no side
 constexpr double kCrushed = 0.1;     // share of the original area below which a crushed piece shows no side
 constexpr double kDetermined = 0.5;  // product of correlations below which the motion shows none
