@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/atomic_file.hpp"
 #include "engine/core/checksum.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
@@ -54,20 +55,23 @@ SessionLogFile::SessionLogFile(std::filesystem::path file, std::string text,
   if (std::filesystem::is_regular_file(file_, ignored) && std::filesystem::file_size(file_, ignored) > 0 &&
       !isSessionLog(file_))
     throw FileError(file_, "exists, and is not a session log; name another file");
-  if (const int error = output_.open(file_); error != 0) throw FileError(file_, whyNotWritten(error));
   text.resize((text.size() + 7) / 8 * 8, ' ');
   Header header{.textBytes = static_cast<std::uint32_t>(text.size())};
   Checksum sum;
   sum.add(std::as_bytes(std::span(&header, 1)));
   sum.add(std::as_bytes(std::span(text)));
   header.checksum = sum.value();
-  int error = 0;
-  for (int copy = 0; copy < 2 && error == 0; ++copy) {
-    error = output_.write(std::as_bytes(std::span(&header, 1)));
-    if (error == 0) error = output_.write(std::as_bytes(std::span(text)));
+  const std::string copy = std::string(reinterpret_cast<const char*>(&header), sizeof header) + text,
+                    head = copy + copy;
+  if (!isDeviceOrPipe(file_)) {  // a full disk is noticed before an older log is replaced
+    AtomicFile probe(file_);
+    probe.write(head);
+    probe.flush();
   }
+  int error = output_.open(file_);
+  if (error == 0) error = output_.write(std::as_bytes(std::span(head)));
   if (error != 0) throw FileError(file_, whyNotWritten(error));
-  bytes_ = 2 * (sizeof header + text.size());
+  bytes_ = head.size();
 }
 
 void SessionLogFile::append(const Content& content) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <map>
 
 #include "apps/bench/stroke_plan.hpp"
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/atomic_file.hpp"
 #include "engine/io/cloud_formats.hpp"
 
 namespace palpate {
@@ -39,17 +39,22 @@ void save(const std::filesystem::path& folder, const StrokeModel& subject, std::
   const auto file = [&](std::string_view end) { return folder / (stem + std::string(end)); };
   writeCloud(file("_before.ply"), subject.model().cloud);
   writeCloud(file("_after.ply"), editedCloud(subject.model().cloud, after));
-  std::ofstream path(file("_path.csv"));
-  path << "t_s,x,y,z\n";
+  const auto write = [&](std::string_view end, const std::string& text) {
+    AtomicFile out(file(end));
+    out.write(text);
+    out.commit();
+  };
+  std::string path = "t_s,x,y,z\n";
   for (std::size_t k = 0; k < plan.hips.size(); ++k) {
     const DVec3 hip = subject.model().cloud.origin + plan.hips[k];
-    path << fmt::format("{:.3f},{:.9g},{:.9g},{:.9g}\n", static_cast<double>(k) / kHandRate_Hz, hip.x, hip.y, hip.z);
+    path += fmt::format("{:.3f},{:.9g},{:.9g},{:.9g}\n", static_cast<double>(k) / kHandRate_Hz, hip.x, hip.y, hip.z);
   }
+  write("_path.csv", path);
   const DVec3 look = plan.played.spots.front(), normal = plan.played.normals.front();
-  std::ofstream(file("_place.txt")) << fmt::format("{} {} {} {} {} {} {} {} {} {} {}\n", look.x, look.y, look.z,
-                                                   normal.x, normal.y, normal.z, subject.model().scale.mm_per_unit,
-                                                   plan.result.config.radius_mm, plan.result.depth_mm,
-                                                   plan.result.drag_mm, fmt::join(plan.result.verdict.broken(), ","));
+  write("_place.txt",
+        fmt::format("{} {} {} {} {} {} {} {} {} {} {}\n", look.x, look.y, look.z, normal.x, normal.y, normal.z,
+                    subject.model().scale.mm_per_unit, plan.result.config.radius_mm, plan.result.depth_mm,
+                    plan.result.drag_mm, fmt::join(plan.result.verdict.broken(), ",")));
 }
 
 // Plays a path in virtual time, as the hand of a session.

@@ -2,6 +2,8 @@
 
 #include <windows.h>
 
+#include <fcntl.h>
+#include <io.h>
 #include <shellapi.h>
 
 #include <cstdio>
@@ -20,6 +22,8 @@ std::vector<std::string> commandLine(int argc, char** argv) {
   ::LocalFree(wide);
   return words;
 }
+
+void passBytes(std::FILE* stream) noexcept { ::_setmode(::_fileno(stream), _O_BINARY); }
 
 void keepConsole(int exitCode) {
   DWORD processes[2]{}, mode = 0;

@@ -106,6 +106,11 @@ void Context::writeFailure(std::string_view what, int code, const std::vector<st
   }
 }
 
+void Context::reserveStdout() {
+  if (json_ == "-") throw UsageError("--json: stdout is the cloud named -; name a file");
+  isStdoutReserved_ = true;
+}
+
 void Context::checkJson() {
   if (json_ != "-") checkOutput(json_, Output::only);
   isJsonChecked_ = true;

@@ -56,8 +56,10 @@ class Context {
   /// checkJson(): it may be the model. `words`: of the command line, which may not have been understood. Throws
   /// nothing.
   void writeFailure(std::string_view what, int code, const std::vector<std::string>& words) noexcept;
-  /// With --json - stdout is reserved for the result, and tables go to stderr.
-  std::FILE* tables() const { return json_ == "-" ? stderr : stdout; }
+  /// Tables go to stderr from now on, as they do with --json -: stdout is reserved for a cloud. Throws UsageError with
+  /// both.
+  void reserveStdout();
+  std::FILE* tables() const { return json_ == "-" || isStdoutReserved_ ? stderr : stdout; }
 
   /// Closes the GPUs; returns the number of validation messages.
   std::size_t closeDevices();
@@ -68,7 +70,7 @@ class Context {
   std::string gpu_, json_, validate_, commandLine_;
   bool quiet_ = false;
   mutable bool hasResult_ = false;
-  bool isJsonChecked_ = false;
+  bool isJsonChecked_ = false, isStdoutReserved_ = false;
   unsigned threads_ = 0;
   std::unique_ptr<Log> log_;
   void close(std::unique_ptr<Device>& device);

@@ -45,7 +45,7 @@ void checkTarget(const ConvertOptions& options) {
 
 void refuseMissing(const std::string& input) {
   std::error_code ignored;
-  if (input != "-" && !std::filesystem::exists(input, ignored)) throw FileError(input, "does not exist");
+  if (!std::filesystem::exists(input, ignored)) throw FileError(input, "does not exist");
 }
 
 // Names of the attributes in the file.

@@ -214,11 +214,9 @@ void printColumns(std::FILE* out, const std::string& file, const CloudFormat& fo
 void info(Context& context, const InfoOptions& options) {
   const std::string& file = options.file;
   std::error_code ignored;
-  if (file == "-" || std::filesystem::is_fifo(file, ignored) || std::filesystem::is_character_file(file, ignored))
-    throw Error(
-        "{}: a pipe can be read only once, and info reads twice; palpate convert /dev/stdin FILE.ply writes PLY "
-        "from a pipe to a file",
-        file);
+  if (std::filesystem::is_fifo(file, ignored) || std::filesystem::is_character_file(file, ignored))
+    throw Error("{}: a pipe can be read only once, and info reads twice; name standard input -, with its --format",
+                file);
   if (options.columns == "?") {
     const CloudFormat& format = cloudFormats().toRead(file);
     columnsFor(options.columns, format);  // refuses what is not text
@@ -276,7 +274,10 @@ void listInfoResults(std::vector<ResultFacts>& all) {
 void addInfo(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("info", "describe a model and the GPU memory it needs; nothing is uploaded");
   auto options = std::make_shared<InfoOptions>();
-  sub.add("model", options->file, modelsAndStreams(RosModels::none)).required().typeName("MODEL");
+  sub.add("model", options->file, modelsAndStreams(RosModels::none))
+      .required()
+      .typeName("MODEL")
+      .offers(builtInSceneNames());
   sub.add("--columns", options->columns,
           "names of the columns of a text file, e.g. x,y,z,intensity; ? shows its first rows as understood")
       .typeName("NAMES");

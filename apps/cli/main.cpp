@@ -10,6 +10,7 @@
 #include "apps/cli/config_flags.hpp"
 #include "apps/cli/context.hpp"
 #include "apps/cli/output.hpp"
+#include "apps/cli/standard_streams.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "engine/core/counted.hpp"
 
@@ -33,10 +34,33 @@ void addSubcommands(Options& app, Context& context, Command& command) {
   addReference(app, context, command);
 }
 
+// One line for each command that works on any scan; tests run them.
+constexpr std::pair<std::string_view, std::string_view> kExamples[]{
+    {"view", "palpate view scan.ply"},
+    {"touch", "palpate touch scan.ply --path builtin:scan --edit smooth --save smooth.ply"},
+    {"render", "palpate render scan.ply -o scan.png"},
+    {"mesh", "palpate mesh scan.ply -o mesh.stl --resolution 64"},
+    {"convert", "palpate convert scan.ply scan.laz"},
+    {"info", "palpate info scan.ply"},
+    {"make", "palpate make torus -n 100000 -o torus.ply"},
+    {"simulate", "palpate simulate dam --duration 0.1 --save water.ply"},
+    {"serve", "palpate serve scan.ply --name scan"},
+    {"keys", "palpate keys lab --name server"},
+    {"replay", "palpate touch scan.ply --edit push --log session.log && palpate replay session.log"},
+    {"bench", "palpate bench read scan.ply"},
+    {"doctor", "palpate doctor"},
+    {"reference", "palpate reference > reference.md"},
+};
+
 void addFooter(const std::vector<CLI::App*>& commands) {
   for (CLI::App* command : commands) {
-    command->footer(command->get_footer() +
-                    "Every command also takes --gpu, --validate, --json, --threads and --quiet: see palpate --help.");
+    std::string footer =
+        command->get_footer() +
+        "Every command also takes --gpu, --validate, --json, --format, --threads and --quiet: see palpate --help.";
+    for (const auto& [name, example] : kExamples)
+      if (name == command->get_name() && !command->get_parent()->get_parent())
+        footer += fmt::format("\nExample: {}", example);
+    command->footer(footer);
     addFooter(command->get_subcommands({}));
   }
 }
@@ -108,6 +132,8 @@ int run(std::vector<std::string> arguments) {
   Context context;
   context.addOptions(options);
   context.setCommandLine(arguments);
+  StandardStreams streams;
+  streams.addOption(options);
   // Prints the error and returns the exit code: an interrupted run returns the code that shells expect.
   const auto fail = [&, words = arguments](std::string_view what, int failed) {
     const int code = StopBySignal::requested() ? StopBySignal::exitCode() : failed;
@@ -124,9 +150,13 @@ int run(std::vector<std::string> arguments) {
     if (!arguments.empty() && arguments.front() == "complete") {
       complete(options, {arguments.begin() + 1, arguments.end()});
     } else if (!answered(app, std::move(arguments))) {
+      streams.redirect(options);
       requireDistinctFiles(options);
       context.checkJson();
+      if (streams.writes()) context.reserveStdout();
+      streams.read();
       command();
+      streams.finish();
     }
     checkStdout();
     if (const std::size_t messages = context.closeDevices())

@@ -64,7 +64,7 @@ void addMake(Options& app, Context& context, Command& command) {
   sub.add("-n,--points", options->count, "number of points").check(wholeBetween(1, kMaxPoints)).showDefault();
   sub.add("-o,--output", options->output, "output: " + cloudFormats().endingsWritten(Written::points))
       .required()
-      .typeName("FILE")
+      .typeName("OUT.ply")
       .writes(Writes::keeping);
   sub.add("--seed", options->seed, "seed of the sampling and the noise; the same seed gives the same bytes")
       .check(wholeBetween(0, bounds::kMaxSeed))

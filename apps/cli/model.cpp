@@ -7,6 +7,7 @@
 #include "apps/cli/setting_options.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "haptics/session/simulation.hpp"
 #include "haptics/session/vulkan_backend.hpp"
 
 namespace palpate {
@@ -20,7 +21,10 @@ void addModelOptions(Options& command, ModelOptions& options) {
 
 void addModelOptions(Options& command, ModelOptions& options, const std::string& what, bool isRequired) {
   Option model = command.add("model", options.file, what).typeName("MODEL");
-  if (isRequired) model.required();
+  if (isRequired)
+    model.required();
+  else
+    model.offers(builtInSceneNames());
   addScaleOptions(command, options.scale);
   addSettingFor<ModelConfig>(command, options.normals, "normals")
       .check(oneOf(choicesOf<ModelConfig>("normals")))

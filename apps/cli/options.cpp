@@ -157,9 +157,12 @@ Option Option::writes(Writes writes, std::string key) {
   return *this;
 }
 
-void Option::set(const std::string& text) {
+void Option::replace(const std::string& text, const std::string& by) {
+  std::vector<std::string> all = texts();
+  std::ranges::replace(all, text, by);
   option_->clear();
-  option_->add_result(text);
+  option_->add_result(all);
+  option_->run_callback();
 }
 
 std::string Option::name() const { return option_->get_name(); }

@@ -81,8 +81,8 @@ class Option {
   Option offers(std::vector<std::string> words, std::string endings = {});
   /// Its value, or what follows `key` in it, names a file that the command writes.
   Option writes(Writes writes, std::string key = {});
-  /// Sets the value as if it were given on the command line.
-  void set(const std::string& text);
+  /// Replaces each value that is `text`, as if the other one had been given.
+  void replace(const std::string& text, const std::string& by);
 
   /// The name in complaints: "--brush-radius", or "model" without dashes.
   std::string name() const;

@@ -163,7 +163,7 @@ void addServe(Options& app, Context& context, Command& command) {
       .typeName("FILE")
       .writes(Writes::keeping);
   sub.add("--save", options->saveFile, "write the final points; an existing file is kept as a backup")
-      .typeName("FILE")
+      .typeName("OUT.ply")
       .writes(Writes::keeping);
   sub.addFlag("--read-only", options->readOnly, "participants feel the model and cannot sculpt it");
   sub.add("--ros", options->ros.name, "publish the points for ROS 2 as NAME/cloud, also while they are sculpted")

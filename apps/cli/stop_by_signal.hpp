@@ -20,7 +20,8 @@ class StopBySignal {
   static int exitCode();
 };
 
-/// Before the first object: such a request ends the program at once, as after the last one.
+/// Before the first object: such a request ends the program at once, as after the last one. So do other signals that
+/// end programs; a file that exceeds the limit of sizes is reported by what writes it.
 void removeTemporaryFilesAtSignals();
 
 }  // namespace palpate

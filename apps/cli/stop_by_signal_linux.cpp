@@ -29,11 +29,15 @@ StopBySignal::StopBySignal() {
 StopBySignal::~StopBySignal() { removeTemporaryFilesAtSignals(); }
 
 void removeTemporaryFilesAtSignals() {
-  handle([](int signal) {
+  const auto end = [](int signal) {
     removeTemporaryFiles();
     std::signal(signal, SIG_DFL);
     std::raise(signal);
-  });
+  };
+  handle(end);
+  for (const int signal : {SIGPIPE, SIGQUIT, SIGXCPU})
+    if (std::signal(signal, end) == SIG_IGN) std::signal(signal, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of sizes is an error of its write
 }
 
 const std::atomic<bool>& StopBySignal::requested() { return stopRequested; }

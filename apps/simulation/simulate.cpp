@@ -154,7 +154,10 @@ void simulate(Context& context, const SimulateOptions& options) {
 void addSimulate(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("simulate", "simulate water, sand or a soft body without a hand");
   auto options = std::make_shared<SimulateOptions>();
-  sub.add("scene", options->scene, "a JSON file, or " + builtInScenes()).required().typeName("SCENE");
+  sub.add("scene", options->scene, "a JSON file, or " + builtInScenes())
+      .required()
+      .typeName("SCENE")
+      .offers(builtInSceneNames());
   std::vector<std::string> backends = matterBackends();
   backends.insert(backends.begin(), "auto");
   sub.add("--backend", options->backend,
@@ -171,7 +174,7 @@ void addSimulate(Options& app, Context& context, Command& command) {
   sub.add("--save", options->save,
           "write the final particles, or the surface of a soft body, mm: " +
               cloudFormats().endingsWritten(Written::points))
-      .typeName("FILE")
+      .typeName("OUT.ply")
       .writes(Writes::keeping);
   sub.whenNamed([&, options] { command = [&context, options] { simulate(context, *options); }; });
 }

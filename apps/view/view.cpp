@@ -162,7 +162,8 @@ void addView(Options& app, Context& context, Command& command) {
   auto options = std::make_shared<ViewCommandOptions>();
   sub.add("models", options->models,
           modelsAndStreams() + ". The first one is opened, others can be dropped on the window")
-      .typeName("MODEL");
+      .typeName("MODEL")
+      .offers(builtInSceneNames());
   addScaleOptions(sub, options->scale);
   addSettingFor<ModelConfig>(sub, options->normals, "normals")
       .describe("keep, estimate or face, as in palpate touch")

@@ -166,6 +166,20 @@ BareVector<SurfacePlace> evened(BareVector<SurfacePlace> places, unsigned thread
   return places;
 }
 
+/// Number of discs that lie beside the surface, farther from it than half its length.
+std::size_t floatersAround(std::span<const SurfacePlace> places, std::span<const GaussianDisc> discs,
+                           unsigned threads) {
+  if (places.empty()) return 0;
+  GaussianRegion box;
+  for (const SurfacePlace& at : places) box.widen(at.place);
+  const Vec3 sides = box.high - box.low;
+  const float margin = 0.5f * std::max({sides.x, sides.y, sides.z});
+  return parallelCount(discs.size(), threads, [&](std::size_t i) {
+    const Vec3 beside = glm::max(box.low - discs[i].center, discs[i].center - box.high);
+    return std::max({beside.x, beside.y, beside.z}) > margin;
+  });
+}
+
 /// Points in model units, with a suitable origin.
 PointCloud cloudOf(std::span<const SurfacePlace> places, const GaussianDiscs& frame, unsigned threads) {
   PointCloud cloud;
@@ -213,8 +227,10 @@ GaussianSurface surfaceOf(const GaussianScene& scene, unsigned threads) {
   });
   orientSheets(seeds, sheets, threads);
   surface.level = level;
-  surface.cloud =
-      cloudOf(evened(surfacePlaces(cells, made.discs, seeds, sheets, level, threads), threads), made, threads);
+  const BareVector<SurfacePlace> places =
+      evened(surfacePlaces(cells, made.discs, seeds, sheets, level, threads), threads);
+  surface.outlying += floatersAround(places, made.discs, threads);
+  surface.cloud = cloudOf(places, made, threads);
   return surface;
 }
 

@@ -10,7 +10,7 @@ struct GaussianSurface {
   PointCloud cloud;    ///< with outward normals and colours; its points are about `spacing` apart everywhere
   double spacing = 0;  ///< model units: the usual radius of the Gaussians; 0: none is visible
   double level = 0;    ///< density at which the surface was extracted
-  /// Excluded Gaussians: see discsOf().
+  /// Excluded Gaussians: see discsOf(). Also outlying: those beside the surface, farther from it than half its length.
   std::size_t faint = 0, oversized = 0, outlying = 0;
 };
 

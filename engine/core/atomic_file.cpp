@@ -36,6 +36,15 @@ std::filesystem::path temporaryFor(const std::filesystem::path& target) {
 
 }  // namespace
 
+TemporaryFile::TemporaryFile(std::filesystem::path path) : path_(std::move(path)) {
+  exchangeOnce(nullptr, path_.c_str());
+}
+
+TemporaryFile::~TemporaryFile() {
+  removeNow(path_.c_str());
+  exchangeOnce(path_.c_str(), nullptr);
+}
+
 void removeTemporaryFiles() noexcept {
   for (const std::atomic<const Name*>& temporary : temporaries)
     if (const Name* const name = temporary) removeNow(name);
@@ -76,6 +85,10 @@ AtomicFile::~AtomicFile() {
 void AtomicFile::write(std::span<const std::byte> bytes) {
   if (bytes.empty()) return;  // std::fwrite requires a valid pointer even for no bytes
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) throw FileError(target_, whyNotWritten(errno));
+}
+
+void AtomicFile::flush() {
+  if (std::fflush(file_) != 0) throw FileError(target_, whyNotWritten(errno));
 }
 
 void AtomicFile::commit() {

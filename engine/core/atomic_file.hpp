@@ -24,6 +24,8 @@ class AtomicFile {
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
+  /// Throws unless what was written so far fits on the disk.
+  void flush();
   void commit();
   /// Commits, but keeps the older file: as NAME.bak, or as NAME.bak2 and so on where that name is taken. Returns the
   /// name of the kept file; empty if there was no older file. If it cannot be kept, nothing changes.
@@ -44,8 +46,21 @@ class AtomicFile {
   std::FILE* file_ = nullptr;
 };
 
-/// Removes the temporary files of all AtomicFiles that are not complete, before the program is ended by a signal; may
-/// be called in its handler. (On Windows a file that is still open stays.)
+/// A name that is removed at the end, with the file of that name, if any.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(std::filesystem::path path);
+  ~TemporaryFile();
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Removes TemporaryFiles, and those of all AtomicFiles that are not complete, before the program is ended by a signal;
+/// may be called in its handler. (On Windows a file that is still open stays.)
 void removeTemporaryFiles() noexcept;
 
 }  // namespace palpate

@@ -82,8 +82,11 @@ bool holdAlone(std::FILE* file) noexcept { return hold(::fileno(file)); }
 
 std::string whyNotWritten(int error) {
   if (error == EAGAIN) return "is being written by another program; end that one, or name another file";
-  const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
-  return fmt::format("cannot be written: {}{}", std::strerror(error), full ? "; free some space" : "");
+  const bool full = error == ENOSPC || error == EDQUOT;
+  return fmt::format("cannot be written: {}{}", std::strerror(error),
+                     full             ? "; free some space"
+                     : error == EFBIG ? "; raise the limit of file sizes (ulimit -f)"
+                                      : "");
 }
 
 int processNumber() noexcept { return ::getpid(); }

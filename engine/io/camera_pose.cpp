@@ -91,5 +91,7 @@ std::optional<std::array<double, count>> numbersIn(std::string_view line) {
 template std::optional<std::array<double, 3>> numbersIn<3>(std::string_view);
 template std::optional<std::array<double, 4>> numbersIn<4>(std::string_view);
 template std::optional<std::array<double, 8>> numbersIn<8>(std::string_view);
+template std::optional<std::array<double, 12>> numbersIn<12>(std::string_view);
+template std::optional<std::array<double, 16>> numbersIn<16>(std::string_view);
 
 }  // namespace palpate

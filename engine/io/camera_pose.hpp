@@ -25,6 +25,8 @@ std::optional<std::array<double, count>> numbersIn(std::string_view line);
 extern template std::optional<std::array<double, 3>> numbersIn<3>(std::string_view);
 extern template std::optional<std::array<double, 4>> numbersIn<4>(std::string_view);
 extern template std::optional<std::array<double, 8>> numbersIn<8>(std::string_view);
+extern template std::optional<std::array<double, 12>> numbersIn<12>(std::string_view);
+extern template std::optional<std::array<double, 16>> numbersIn<16>(std::string_view);
 
 /// Takes the next word (delimited by blanks) off the front of a line; empty at the end.
 std::string_view takeWord(std::string_view& line);

@@ -8,7 +8,8 @@
 #include "engine/core/error.hpp"
 #include "engine/io/camera_pose.hpp"
 #include "engine/io/chunked_file.hpp"
-#include "engine/io/image_file.hpp"
+#include "engine/io/list_lines.hpp"
+#include "engine/io/text_number.hpp"
 
 namespace palpate {
 
@@ -29,8 +30,10 @@ std::optional<double> numberIn(const Json& json, const char* name) {
   return found->get<double>();
 }
 
-double needed(const Json& json, const char* name) {
-  const auto value = numberIn(json, name);
+/// `brief`: another name of it.
+double needed(const Json& json, const char* name, const char* brief = nullptr) {
+  auto value = numberIn(json, name);
+  if (!value && brief) value = numberIn(json, brief);
   if (!value) throw Error("has no \"{}\"", name);
   return *value;
 }
@@ -46,15 +49,21 @@ std::array<double, count> numbersOf(const char* name, const Json& json) {
   return numbers;
 }
 
-std::uint32_t sideIn(const Json& json, const char* name) {
-  const double side = needed(json, name);
+std::uint32_t sideIn(const Json& json, const char* name, const char* brief) {
+  const double side = needed(json, name, brief);
   if (!(side >= 1 && side <= kLongestImageSide) || side != std::floor(side))
     throw Error("\"{}\" is {}; expected a whole number of pixels from 1 to {}", name, side, kLongestImageSide);
   return static_cast<std::uint32_t>(side);
 }
 
+void check(const DepthCamera& camera) {
+  if (!(camera.fx > 0 && camera.fy > 0))
+    throw Error("the focal lengths are {} and {} pixels; both must be above 0", camera.fx, camera.fy);
+  if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy)) throw Error("the principal point is not finite");
+}
+
 DepthCamera cameraIn(const Json& json) {
-  DepthCamera camera{.width = sideIn(json, "width"), .height = sideIn(json, "height")};
+  DepthCamera camera{.width = sideIn(json, "width", "w"), .height = sideIn(json, "height", "h")};
   if (const auto matrix = json.find("intrinsic_matrix"); matrix != json.end()) {
     const auto columns = numbersOf<9>("intrinsic_matrix", *matrix);
     camera.fx = columns[0], camera.fy = columns[4], camera.cx = columns[6], camera.cy = columns[7];
@@ -65,20 +74,57 @@ DepthCamera cameraIn(const Json& json) {
     camera.fx = needed(json, "fx"), camera.fy = needed(json, "fy");
     camera.cx = needed(json, "cx"), camera.cy = needed(json, "cy");
   }
-  if (!(camera.fx > 0 && camera.fy > 0))
-    throw Error("the focal lengths are {} and {} pixels; both must be above 0", camera.fx, camera.fy);
-  if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy)) throw Error("the principal point is not finite");
+  check(camera);
+  return camera;
+}
+
+/// All numbers of a text; nothing if there are other words.
+std::optional<std::vector<double>> numbersOf(const std::filesystem::path& file) {
+  std::vector<double> numbers;
+  for (ListLines lines(file); lines.next();)
+    while (true) {
+      const std::string_view word = takeWord(lines.rest());
+      if (word.empty()) break;
+      const auto number = textNumber<double>(word);
+      if (!number) return std::nullopt;
+      numbers.push_back(*number);
+    }
+  return numbers;
+}
+
+DepthCamera cameraOf(const std::vector<double>& numbers, ImageSize size) {
+  DepthCamera camera{.width = size.width, .height = size.height};
+  if (numbers.size() == 4) {
+    camera.fx = numbers[0], camera.fy = numbers[1], camera.cx = numbers[2], camera.cy = numbers[3];
+  } else if (numbers.size() == 9 || numbers.size() == 16) {
+    const std::size_t row = numbers.size() == 9 ? 3 : 4;
+    if (numbers[2 * row] != 0 || numbers[2 * row + 1] != 0 || numbers[2 * row + 2] != 1)
+      throw Error("the third row of the matrix of intrinsics does not begin with 0 0 1");
+    if (numbers[1] != 0 || numbers[row] != 0)
+      throw Error("the matrix of intrinsics has a skew, which is not supported");
+    camera.fx = numbers[0], camera.fy = numbers[row + 1], camera.cx = numbers[2], camera.cy = numbers[row + 2];
+  } else {
+    throw Error("has {} numbers; intrinsics are a 3x3 or 4x4 matrix, or fx, fy, cx and cy", numbers.size());
+  }
+  check(camera);
+  if (!(camera.cx >= 0 && camera.cx < size.width && camera.cy >= 0 && camera.cy < size.height))
+    throw Error(
+        "the principal point {}, {} lies beside the pictures of {} x {} pixels; these are the intrinsics of "
+        "another camera",
+        camera.cx, camera.cy, size.width, size.height);
   return camera;
 }
 
 }  // namespace
 
 CameraText parseCamera(std::string_view json) {
-  const Json parsed = Json::parse(json, nullptr, false);
+  Json parsed = Json::parse(json, nullptr, false);
   if (parsed.is_discarded()) throw Error("is not valid JSON");
+  if (parsed.is_object() && parsed.contains("camera")) parsed = Json(parsed["camera"]);
   if (!parsed.is_object()) throw Error("is not a JSON object");
   CameraText text{
       .camera = cameraIn(parsed), .depthScale = numberIn(parsed, "depth_scale"), .rate_Hz = numberIn(parsed, "fps")};
+  if (!text.depthScale) text.depthScale = numberIn(parsed, "scale");
   if (text.depthScale && !(*text.depthScale >= kMinDepthScale && *text.depthScale <= kMaxDepthScale))
     throw Error("\"depth_scale\" is {}; expected the number of values per metre, {} to {}", *text.depthScale,
                 kMinDepthScale, kMaxDepthScale);
@@ -91,12 +137,18 @@ CameraText parseCamera(std::string_view json) {
   return text;
 }
 
-CameraText readCamera(const std::filesystem::path& file) {
-  ChunkedFile in(file);
-  const auto bytes = in.peek(kMaxCameraFile + 1);
-  if (bytes.size() > kMaxCameraFile) throw FileError(file, "is too long for the intrinsics of a camera");
+CameraText readCamera(const std::filesystem::path& file, std::optional<ImageSize> size) {
   try {
+    if (const auto numbers = numbersOf(file)) {
+      if (!size) throw Error("the size of the pictures is unknown");
+      return {.camera = cameraOf(*numbers, *size)};
+    }
+    ChunkedFile in(file);
+    const auto bytes = in.peek(kMaxCameraFile + 1);
+    if (bytes.size() > kMaxCameraFile) throw FileError(file, "is too long for the intrinsics of a camera");
     return parseCamera({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  } catch (const FileError&) {
+    throw;
   } catch (const Error& error) {
     throw FileError(file,
                     fmt::format("{}; expected intrinsics as JSON with width, height, fx, fy, cx, cy", error.what()));

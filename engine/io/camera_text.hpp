@@ -1,4 +1,4 @@
-// Camera intrinsics in JSON.
+// Camera intrinsics in JSON or as numbers in text.
 #pragma once
 
 #include <filesystem>
@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "engine/core/depth_stream.hpp"
+#include "engine/io/image_file.hpp"
 
 namespace palpate {
 
@@ -24,11 +25,13 @@ struct CameraText {
 };
 
 /// One object with `width`, `height`, and either `fx`, `fy`, `cx`, `cy` or Open3D's `intrinsic_matrix` of nine numbers,
-/// column by column; optional: `depth_scale` (values per metre), `fps`, `format` and `pose`. Other keys are ignored.
-/// Throws Error, without a location, for invalid cameras and for images larger than allowed.
+/// column by column; optional: `depth_scale` (values per metre), `fps`, `format` and `pose`. Also NICE-SLAM's object
+/// `camera` with `w`, `h` and `scale`. Other keys are ignored. Throws Error, without a location, for invalid cameras
+/// and for images larger than allowed.
 CameraText parseCamera(std::string_view json);
 
-/// The same from a file. Throws FileError.
-CameraText readCamera(const std::filesystem::path& file);
+/// The same from a file; also from the numbers of a 3x3 or 4x4 matrix, row by row, or fx, fy, cx and cy, for pictures
+/// of `size`. Throws FileError, also for a principal point beside the pictures: it is that of another camera.
+CameraText readCamera(const std::filesystem::path& file, std::optional<ImageSize> size = {});
 
 }  // namespace palpate

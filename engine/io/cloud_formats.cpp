@@ -159,9 +159,7 @@ namespace {
 
 /// Throws FileError with a description for a file that no format reads.
 const CloudFormat& readable(const std::filesystem::path& file, const CloudFormats& formats) {
-  if (file == "-")
-    throw FileError(file,
-                    "standard input cannot be read under this name; write it to a file, or name /dev/stdin for PLY");
+  if (file == "-") throw FileError(file, "standard input cannot be read under this name; write it to a file");
   refuseForeign(file);
   const CloudFormat* format = formats.recognised(file);
   if (const auto start = startOf(file); start && start->size == 0)

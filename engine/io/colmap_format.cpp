@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
+#include <span>
 
+#include "engine/cloud/point_tree.hpp"
 #include "engine/cloud/view_normals.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
@@ -49,11 +53,42 @@ std::vector<double> weightsOf(const std::vector<double>& errors, const std::vect
   return weights;
 }
 
+/// The cameras of a model, for points whose views are unknown.
+class CameraPlaces {
+ public:
+  explicit CameraPlaces(const ColmapModel& model) : model_(model) {
+    std::vector<Vec3> centers;
+    for (const ColmapImage& image : model.images) centers.push_back(local(image.center));
+    tree_.build(centers);
+  }
+
+  /// Centre of the nearest camera, if possible of one that looks towards the position.
+  std::optional<DVec3> nearest(const DVec3& position) const {
+    constexpr std::size_t kMaxAsked = 8;
+    std::array<std::uint32_t, kMaxAsked> images;
+    std::array<double, kMaxAsked> squares;
+    const std::size_t count = std::min(kMaxAsked, model_.images.size());
+    if (count == 0) return std::nullopt;
+    const std::span found = std::span(images).first(
+        tree_.nearest(local(position), std::span(images).first(count), std::span(squares).first(count)));
+    const auto facing = std::ranges::find_if(found, [&](std::uint32_t k) {
+      return glm::dot(model_.images[k].forward, position - model_.images[k].center) > 0;
+    });
+    return model_.images[facing == found.end() ? found.front() : *facing].center;
+  }
+
+ private:
+  Vec3 local(const DVec3& place) const { return Vec3(place - model_.images.front().center); }
+
+  const ColmapModel& model_;
+  PointTree tree_;
+};
+
 /// Converts rows to a cloud, and collects the input of its normals.
 class PointsOfModel {
  public:
   PointsOfModel(const std::filesystem::path& folder, const ColmapModel& model, Log* log)
-      : folder_(folder), model_(model), vertices_(folder, kColumns(), log) {}
+      : folder_(folder), model_(model), cameras_(model), vertices_(folder, kColumns(), log) {}
 
   void add(const ColmapPoint& point) {
     put(point.position.x), put(point.position.y), put(point.position.z);
@@ -65,6 +100,10 @@ class PointsOfModel {
     tracks_.push_back(track);
     PointSight& sight = sights_.emplace_back();
     for (const std::uint32_t image : point.images) sight.addView(point.position, model_.images[image].center);
+    if (const auto eye = point.images.empty() ? cameras_.nearest(point.position) : std::nullopt) {
+      sight.addView(point.position, *eye);
+      ++untracked_;
+    }
     if (++rows_ == kPointBatch) flush();
   }
 
@@ -76,6 +115,9 @@ class PointsOfModel {
     std::uint64_t row = 0;
     std::erase_if(sights_, [&](const PointSight&) { return std::ranges::binary_search(vertices_.leftOut(), row++); });
     normalsFromViews(cloud, sights_);
+    if (untracked_ > 0 && log)
+      log->say("{}: the images that saw {} are unknown; their normals face the nearest camera", folder_.string(),
+               counted(untracked_, "point"));
     return cloud;
   }
 
@@ -99,20 +141,26 @@ class PointsOfModel {
 
   const std::filesystem::path& folder_;
   const ColmapModel& model_;
+  CameraPlaces cameras_;
   PlyVertices vertices_;
   std::vector<std::byte> packed_;
   std::size_t rows_ = 0;
   std::vector<double> errors_;
   std::vector<std::uint32_t> tracks_;
   std::vector<PointSight> sights_;
+  std::size_t untracked_ = 0;  // points without a track
 };
 
+ColmapFolder modelIn(const std::filesystem::path& path) {
+  return findColmap(path).value_or(ColmapFolder{.path = path, .chosen = {}});
+}
+
 FileContents contentsOfColmap(const std::filesystem::path& path) {
-  const std::filesystem::path folder = colmapFolderOf(path);
-  const ColmapCounts counts = countColmap(folder);
+  const ColmapFolder found = modelIn(path);
+  const ColmapCounts counts = countColmap(found.path);
   FileElement vertex{.name = "vertex", .count = counts.points, .properties = {}};
   for (const PlyProperty& property : columns().properties) vertex.properties.push_back({.name = property.name});
-  FileContents contents{.elements = {std::move(vertex)}, .comments = {}};
+  FileContents contents{.elements = {std::move(vertex)}, .comments = {}, .madeFrom = found.chosen};
   contents.elements.push_back({.name = "image", .count = counts.images, .properties = {}});
   contents.elements.push_back({.name = "camera", .count = counts.cameras, .properties = {}});
   return contents;
@@ -131,7 +179,8 @@ PointCloud cloudOf(const std::filesystem::path& folder, const ColmapModel& model
 }
 
 StoredCloud readColmap(const std::filesystem::path& path, Log* log, const CloudReadOptions& options) {
-  const std::filesystem::path folder = colmapFolderOf(path);
+  const auto [folder, chosen] = modelIn(path);
+  if (!chosen.empty() && log) log->say("{}: the largest model is read: {}", path.string(), chosen);
   const ColmapModel model = readColmapImages(folder);
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", folder.string());
   ReliabilityCounts counts;
@@ -159,7 +208,7 @@ CloudFormat colmapFormat() {
   return {.name = "COLMAP",
           .endings = {},
           .folder = "a COLMAP folder",
-          .holds = [](const std::filesystem::path& path) { return isColmapFolder(colmapFolderOf(path)); },
+          .holds = [](const std::filesystem::path& path) { return findColmap(path).has_value(); },
           .contents = contentsOfColmap,
           .read = readColmap};
 }

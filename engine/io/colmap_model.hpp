@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,9 +48,14 @@ struct ColmapModel {
   std::vector<ColmapImage> images;
 };
 
-bool isColmapFolder(const std::filesystem::path& path);
-/// The model's folder, given that folder or one of its files (cameras.txt, images.bin and so on); else `path`.
-std::filesystem::path colmapFolderOf(const std::filesystem::path& path);
+struct ColmapFolder {
+  std::filesystem::path path;
+  std::string chosen;  ///< "sparse/1 of 3 models, with 5,210 points" if it is one of several; else empty
+};
+
+/// The folder of a model, given it, one of its files (cameras.txt, images.bin and so on), or a project with models in
+/// `sparse` or in folders with numbers, of which the one with the most points is taken; nothing for others.
+std::optional<ColmapFolder> findColmap(const std::filesystem::path& path);
 /// Whether a folder contains camera poses, as every part of a reconstruction does.
 bool hasColmapImages(const std::filesystem::path& folder);
 

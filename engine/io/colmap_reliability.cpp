@@ -40,6 +40,7 @@ bool spread(const std::vector<DVec3>& rays, double leastSine) {
 
 Reliability reliabilityOf(const ColmapPoint& point, const ColmapModel& model) {
   static const double leastSine = std::sin(kMinAngle_deg * std::numbers::pi / 180);
+  if (point.images.empty()) return Reliability::reliable;
   if (point.images.size() < kMinViews) return Reliability::fewViews;
   if (point.error > kMaxError_px) return Reliability::largeError;
   return spread(raysOf(point, model), leastSine) ? Reliability::reliable : Reliability::smallAngle;

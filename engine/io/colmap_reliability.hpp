@@ -19,7 +19,7 @@ enum class Reliability : std::uint8_t {
 /// By COLMAP's own filter rules (Schoenberger and Frahm 2016, section 4; the mapper's defaults of
 /// `filter_max_reproj_error`, `filter_min_tri_angle` and `tri_ignore_two_view_tracks`): an error of at most 4 pixels,
 /// two rays (taken as lines) that meet at 1.5 degrees or more, and three images. A false match of two images has no
-/// error: only a third image contradicts it. An unknown error is accepted.
+/// error: only a third image contradicts it. An unknown error is accepted, as is a point whose images are unknown.
 Reliability reliabilityOf(const ColmapPoint& point, const ColmapModel& model);
 
 /// Number of points of each kind.

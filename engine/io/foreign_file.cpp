@@ -191,7 +191,8 @@ std::string_view namedInWords(const std::filesystem::path& file) {
 /// Whether it is a list in a folder of depth frames; such folders are read as a whole.
 bool isListOfFrames(const std::filesystem::path& file) {
   const std::string name = file.filename().string();
-  constexpr std::array<std::string_view, 3> kLists{"depth.txt", "rgb.txt", "groundtruth.txt"};
+  constexpr std::array<std::string_view, 5> kLists{"depth.txt", "rgb.txt", "groundtruth.txt", "trajectory.log",
+                                                   "traj.txt"};
   return std::ranges::find(kLists, name) != kLists.end() &&
          isRgbdFolder(file.has_parent_path() ? file.parent_path() : ".");
 }

@@ -13,12 +13,16 @@ namespace palpate {
 
 namespace {
 
-/// PrimeSense camera, as assumed by the TUM benchmark and Open3D without calibration.
-constexpr DepthCamera kUsualCamera{.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5};
-constexpr double kUsualRate_Hz = 30;
+/// Those of the folder itself first, then those that lie beside the folders of several recordings.
+constexpr std::array<std::string_view, 10> kIntrinsics{"intrinsics.json",       "intrinsic.json",
+                                                       "camera_intrinsic.json", "cam_params.json",
+                                                       "intrinsic_depth.txt",   "intrinsic/intrinsic_depth.txt",
+                                                       "intrinsics.txt",        "camera-intrinsics.txt",
+                                                       "../cam_params.json",    "../camera-intrinsics.txt"};
+constexpr std::uint16_t kSaturated = 65535;  // also the mark of 7-Scenes for a pixel without depth
 
 std::filesystem::path ownIntrinsics(const std::filesystem::path& folder) {
-  for (const char* name : {"intrinsics.json", "intrinsic.json", "camera_intrinsic.json"})
+  for (const std::string_view name : kIntrinsics)
     if (isFile(folder / name)) return folder / name;
   return {};
 }
@@ -27,50 +31,51 @@ std::filesystem::path ownIntrinsics(const std::filesystem::path& folder) {
 
 bool isRgbdFolder(const std::filesystem::path& path) {
   // A reconstruction may contain a folder of depth.
-  return (isTumFolder(path) || isRedwoodFolder(path)) && !isColmapFolder(path);
+  return rgbdLayoutOf(path) && !findColmap(path);
 }
 
-std::string_view rgbdFoldersRead() { return "a TUM folder (with depth.txt) or a Redwood folder (with a folder depth)"; }
+std::string rgbdFoldersRead() { return "a folder of " + rgbdLayoutsRead(false); }
 
 RgbdFolder::RgbdFolder(const std::filesystem::path& folder, const RgbdOptions& options, Log* log)
-    : isTum_(isTumFolder(folder)), log_(log) {
-  if (!isRgbdFolder(folder)) throw FileError(folder, fmt::format("is not {}", rgbdFoldersRead()));
-  findCamera(folder, options, log);
-  list_ = isTum_ ? listTum(folder) : listRedwood(folder, rate_Hz_);
-  if (depthScale_ == 0) depthScale_ = list_.depthScale;
-  const auto good = std::ranges::find_if(list_.frames, [](const RgbdFiles& files) { return files.lost.empty(); });
-  if (good == list_.frames.end())
-    throw FileError(folder, fmt::format("none of its {} frames can be read; the first one: {}", list_.frames.size(),
-                                        list_.frames.front().lost));
-  if (!isFile(good->depth)) return;
-  const ImageSize size = imageSizeOf(good->depth);
-  if (size != ImageSize{camera_.width, camera_.height})
-    throw FileError(good->depth, fmt::format("has {} x {} pixels, and the camera {} x {}; give the intrinsics of the "
-                                             "camera that took it",
-                                             size.width, size.height, camera_.width, camera_.height));
+    : layout_(rgbdLayoutOf(folder)), log_(log) {
+  if (!isRgbdFolder(folder)) throw FileError(folder, fmt::format("is not a folder of {}", rgbdLayoutsRead(true)));
+  frames_ = listFrames(folder, *layout_, log);
+  const auto isGood = [](const RgbdFiles& files) { return files.lost.empty(); };
+  if (std::ranges::none_of(frames_, isGood))
+    throw FileError(folder, fmt::format("none of its {} frames can be read; the first one: {}", frames_.size(),
+                                        frames_.front().lost));
+  const auto first =
+      std::ranges::find_if(frames_, [&](const RgbdFiles& files) { return isGood(files) && isFile(files.depth); });
+  std::optional<ImageSize> size;
+  if (first != frames_.end()) size = imageSizeOf(first->depth);
+  findCamera(folder, options, size);
+  if (size && *size != ImageSize{camera_.width, camera_.height})
+    throw FileError(first->depth, fmt::format("has {} x {} pixels, and the camera {} x {}; give the intrinsics of the "
+                                              "camera that took it",
+                                              size->width, size->height, camera_.width, camera_.height));
 }
 
-void RgbdFolder::findCamera(const std::filesystem::path& folder, const RgbdOptions& options, Log* log) {
-  camera_ = kUsualCamera;
-  rate_Hz_ = kUsualRate_Hz;
-  depthScale_ = options.depthScale;
+void RgbdFolder::findCamera(const std::filesystem::path& folder, const RgbdOptions& options,
+                            std::optional<ImageSize> size) {
+  CameraText text{.camera = layout_->usualCamera};
   const std::filesystem::path file = options.intrinsics.empty() ? ownIntrinsics(folder) : options.intrinsics;
-  if (file.empty()) {
-    if (log)
-      log->say("{}: has no intrinsics; assuming {} x {} pixels, focal lengths {} and {}, principal point {}, {}",
-               folder.string(), camera_.width, camera_.height, camera_.fx, camera_.fy, camera_.cx, camera_.cy);
-    return;
-  }
-  const CameraText text = readCamera(file);
+  if (!file.empty())
+    text = readCamera(file, size);
+  else if (log_)
+    log_->say("{}: has no intrinsics; assuming {} x {} pixels, focal lengths {} and {}, principal point {}, {}",
+              folder.string(), text.camera.width, text.camera.height, text.camera.fx, text.camera.fy, text.camera.cx,
+              text.camera.cy);
   camera_ = text.camera;
-  if (depthScale_ == 0) depthScale_ = text.depthScale.value_or(0);
-  rate_Hz_ = text.rate_Hz.value_or(kUsualRate_Hz);
+  depthScale_ = options.depthScale > 0 ? options.depthScale : text.depthScale.value_or(layout_->depthScale);
+  constexpr double kUsualRate_Hz = 30;
+  for (RgbdFiles& frame : frames_)
+    if (frame.isNumbered) frame.time_s /= text.rate_Hz.value_or(kUsualRate_Hz);
 }
 
 bool RgbdFolder::next(DepthFrame& frame) {
-  if (next_ == list_.frames.size()) return false;
+  if (next_ == frames_.size()) return false;
   frame.number = next_++;
-  const RgbdFiles& files = list_.frames[frame.number];
+  const RgbdFiles& files = frames_[frame.number];
   frame.time_s = files.time_s;
   if (!files.lost.empty()) throw Error("{}", files.lost);
   read(files, frame);
@@ -85,10 +90,11 @@ void RgbdFolder::read(const RgbdFiles& files, DepthFrame& frame) {
                                              size.width, size.height));
   frame.depth_m.resize(depth.values.size());
   const auto metres = static_cast<float>(1 / depthScale_);
-  std::ranges::transform(depth.values, frame.depth_m.begin(),
-                         [&](std::uint16_t value) { return static_cast<float>(value) * metres; });
-  if (std::ranges::all_of(depth.values, [](std::uint16_t value) { return value == 0; }))
-    throw FileError(files.depth, "has no depth at all: each pixel is 0");
+  std::ranges::transform(depth.values, frame.depth_m.begin(), [&](std::uint16_t value) {
+    return value == kSaturated ? 0.f : static_cast<float>(value) * metres;
+  });
+  if (std::ranges::all_of(frame.depth_m, [](float value) { return value == 0; }))
+    throw FileError(files.depth, fmt::format("has no depth at all: each pixel is 0 or {}", kSaturated));
   frame.pose = files.pose;
   frame.colors.clear();
   if (files.color.empty()) return;
@@ -104,28 +110,30 @@ void RgbdFolder::read(const RgbdFiles& files, DepthFrame& frame) {
 
 std::uint64_t RgbdFolder::skipTo(double time_s) {
   const std::size_t before = next_;
-  while (next_ + 1 < list_.frames.size() && list_.frames[next_ + 1].time_s <= time_s) ++next_;
+  while (next_ + 1 < frames_.size() && frames_[next_ + 1].time_s <= time_s) ++next_;
   return next_ - before;
 }
 
 std::size_t RgbdFolder::poses() const {
   return static_cast<std::size_t>(
-      std::ranges::count_if(list_.frames, [](const RgbdFiles& files) { return files.pose.has_value(); }));
+      std::ranges::count_if(frames_, [](const RgbdFiles& files) { return files.pose.has_value(); }));
 }
 
 std::size_t RgbdFolder::colors() const {
   return static_cast<std::size_t>(
-      std::ranges::count_if(list_.frames, [](const RgbdFiles& files) { return !files.color.empty(); }));
+      std::ranges::count_if(frames_, [](const RgbdFiles& files) { return !files.color.empty(); }));
 }
 
 std::optional<UpAxis> RgbdFolder::up() const {
   if (poses() == 0) return UpAxis::minusY;
   DVec3 ups(0);
-  for (const RgbdFiles& files : list_.frames)
+  for (const RgbdFiles& files : frames_)
     if (files.pose) ups += files.pose->turn * DVec3(0, -1, 0);
-  // Redwood's world is usually that of the first camera.
-  const std::optional<UpAxis> up = upOfCameras(ups / static_cast<double>(poses()));
-  return up || isTum_ ? up : UpAxis::minusY;
+  if (const auto up = upOfCameras(ups / static_cast<double>(poses()))) return up;
+  // The world may be that of the first camera.
+  const auto first = std::ranges::find_if(frames_, [](const RgbdFiles& files) { return files.pose.has_value(); });
+  constexpr double kSame = 1e-6;
+  return std::abs(first->pose->turn.w) > 1 - kSame ? std::optional(UpAxis::minusY) : std::nullopt;
 }
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include "engine/cloud/up.hpp"
 #include "engine/core/depth_stream.hpp"
 #include "engine/core/log.hpp"
+#include "engine/io/image_file.hpp"
 #include "engine/io/rgbd_list.hpp"
 
 namespace palpate {
@@ -15,15 +16,14 @@ namespace palpate {
 /// Whether a path is a folder that RgbdFolder reads.
 bool isRgbdFolder(const std::filesystem::path& path);
 /// Description of the readable folders for messages.
-std::string_view rgbdFoldersRead();
+std::string rgbdFoldersRead();
 
 struct RgbdOptions {
-  std::filesystem::path intrinsics = {};  ///< JSON (parseCamera()); empty: the folder's own, else the usual camera's
+  std::filesystem::path intrinsics = {};  ///< readCamera(); empty: the folder's own, else the usual camera's
   double depthScale = 0;                  ///< values per metre; 0: according to the intrinsics or the kind of folder
 };
 
-/// Frames of a folder of the TUM benchmark or of Redwood and Open3D (rgbd_list.hpp). Pictures are read when their frame
-/// is requested.
+/// Frames of a folder in one of the layouts of rgbd_layout.cpp. Pictures are read when their frame is requested.
 class RgbdFolder final : public DepthStream {
  public:
   /// Logs its assumptions (`log` may be null). Throws FileError for invalid lists, for a folder without a valid frame,
@@ -35,11 +35,11 @@ class RgbdFolder final : public DepthStream {
   bool isRecorded() const override { return true; }
   void rewind() override { next_ = 0; }
   std::uint64_t skipTo(double time_s) override;
-  std::uint64_t frames() const override { return list_.frames.size(); }
-  double duration_s() const override { return list_.frames.back().time_s; }
+  std::uint64_t frames() const override { return frames_.size(); }
+  double duration_s() const override { return frames_.back().time_s; }
 
-  /// "TUM" or "Redwood".
-  std::string_view kind() const { return isTum_ ? "TUM" : "Redwood"; }
+  /// Name of the layout: "TUM" and so on.
+  std::string_view kind() const { return layout_->name; }
   double depthScale() const { return depthScale_; }  ///< values per metre
   std::size_t poses() const;                         ///< number of frames with a pose
   std::size_t colors() const;                        ///< number of frames with colours
@@ -47,13 +47,13 @@ class RgbdFolder final : public DepthStream {
   std::optional<UpAxis> up() const;
 
  private:
-  void findCamera(const std::filesystem::path& folder, const RgbdOptions& options, Log* log);
+  void findCamera(const std::filesystem::path& folder, const RgbdOptions& options, std::optional<ImageSize> size);
   void read(const RgbdFiles& files, DepthFrame& frame);
 
-  bool isTum_;
+  const RgbdLayout* layout_;
   DepthCamera camera_;
-  double depthScale_ = 0, rate_Hz_ = 0;
-  RgbdList list_;
+  double depthScale_ = 0, rate_Hz_ = 30;
+  std::vector<RgbdFiles> frames_;
   std::size_t next_ = 0;
   Log* log_;
   bool hasResized_ = false;  // already logged

@@ -7,31 +7,23 @@
 #include <vector>
 
 #include "engine/core/depth_stream.hpp"
+#include "engine/core/log.hpp"
+#include "engine/io/rgbd_layout.hpp"
 
 namespace palpate {
 
 struct RgbdFiles {
-  double time_s = 0;                   ///< since the first frame
+  double time_s = 0;  ///< since the first frame; of numbered ones, the number of frames since then
+  bool isNumbered = false;
   std::filesystem::path depth, color;  ///< `color` may be empty
   std::optional<CameraPose> pose;
   std::string lost;  ///< reason why the frame is lost, with the location; empty if it may be valid
 };
 
-struct RgbdList {
-  std::vector<RgbdFiles> frames;  ///< sorted by time
-  double depthScale = 0;          ///< values per metre, unless the camera defines it
-};
-
-/// TUM RGB-D benchmark (Sturm et al. 2012): `depth.txt`, and optionally `rgb.txt` and `groundtruth.txt`. Colours belong
-/// to the depth that is nearest in time, one to one, within 0.02 s; poses are interpolated. Throws FileError, with the
-/// line, for an invalid list or duplicate times.
-bool isTumFolder(const std::filesystem::path& folder);
-RgbdList listTum(const std::filesystem::path& folder);
-
-/// Redwood and Open3D (Choi, Zhou and Koltun 2015): the pictures in `depth` and in `color`, `image` or `rgb`, by the
-/// first number in their names, and optionally `trajectory.log`. `rate_Hz`: frame numbers per second. Throws FileError
-/// as above.
-bool isRedwoodFolder(const std::filesystem::path& folder);
-RgbdList listRedwood(const std::filesystem::path& folder, double rate_Hz);
+/// Sorted by time. Pictures and poses of the same number belong together; if they are named by times, colours belong to
+/// the depth that is nearest in time, one to one, within 0.02 s, and poses are interpolated. Poses whose numbers are
+/// others, but as many, belong to the pictures in order. Throws FileError, with the line, for an invalid list or
+/// duplicates.
+std::vector<RgbdFiles> listFrames(const std::filesystem::path& folder, const RgbdLayout& layout, Log* log);
 
 }  // namespace palpate

@@ -28,7 +28,7 @@ pp_status pp_session_open_stream(const char* folder, const pp_stream_options* st
   clear(session);
   return guarded([&] {
     const std::string name = &required(folder, "folder");
-    if (!isRgbdFolder(name)) throw FileError(name, "is not a folder of a recorded depth camera (TUM, Redwood)");
+    if (!isRgbdFolder(name)) throw FileError(name, fmt::format("is not {}", rgbdFoldersRead()));
     const pp_stream_options given = optionsFrom(stream, "stream");
     openSession(options, session, [&] {
       Subject subject;

@@ -150,7 +150,10 @@ void StrokeFolder::keepModel(const std::filesystem::path& file) {
   const std::filesystem::path part = path_ / "part";
   std::filesystem::copy_file(file, part, std::filesystem::copy_options::overwrite_existing, failed);
   if (!failed) failed = replaceFile(part, kept);
-  if (failed) throw FileError(kept, "cannot be written: " + failed.message());
+  if (!failed) return;
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  throw FileError(kept, "cannot be written: " + failed.message());
 }
 
 void StrokeFolder::remove() {

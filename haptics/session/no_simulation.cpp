@@ -36,6 +36,7 @@ SceneRef sceneNamed(const std::string& model) {
 }
 
 std::string builtInScenes() { return {}; }
+std::vector<std::string> builtInSceneNames() { return {}; }
 bool isBuiltInScene(std::string_view) { return false; }
 SceneRef parseScene(std::string_view path, std::string_view) { refuse(path); }
 std::vector<SceneSettingFacts> sceneSettingFacts() { return {}; }

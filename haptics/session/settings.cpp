@@ -232,8 +232,8 @@ constexpr Setting<StreamConfig> kStream[]{
     {"depth_scale",
      &StreamConfig::depthScale,
      "--depth-scale",
-     "depth values per metre (default: from the intrinsics, else 5000 for TUM folders and 1000 for "
-     "others)",
+     "depth values per metre (default: from the intrinsics, else 5000 for TUM, 6553.5 for Replica and "
+     "1000 for others)",
      "1/m",
      {.min = bounds::kMinDepthScale, .max = bounds::kMaxDepthScale, .orZero = true}},
     {"intrinsics", &StreamConfig::intrinsics, "--intrinsics",

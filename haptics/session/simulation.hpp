@@ -24,6 +24,7 @@ bool canSimulate();
 SceneRef sceneNamed(const std::string& model);
 /// Names of the scenes that require no JSON file, as in "water, dam, sand", for a help text; empty if there are none.
 std::string builtInScenes();
+std::vector<std::string> builtInSceneNames();
 bool isBuiltInScene(std::string_view name);
 
 /// Reads a scene from SimulatedScene::text(); `path` names it in errors. Throws ConfigError, NotBuilt.

@@ -107,6 +107,11 @@ bool isBuiltInScene(std::string_view name) {
   return std::ranges::find(names, name) != names.end();
 }
 
+std::vector<std::string> builtInSceneNames() {
+  const auto names = matterSceneNames();
+  return {names.begin(), names.end()};
+}
+
 std::string builtInScenes() {
   return fmt::format(
       "{}, or, with the file of a closed cloud and in quotes, \"bunny.ply in water\", \"bunny.ply in sand\" or "

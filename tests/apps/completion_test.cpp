@@ -23,6 +23,13 @@ TEST_CASE("a shell completes commands, options and values, also after options of
   offers("touch x.ply --edit p", "paint\npush\n");
   offers("touch --edit=gr", "--edit=grab\n");
   offers("touch --edit = gr", "grab\n");
+  offers("make s", "sculpture\nsphere\n");
+  offers("simulate d", "dam\ndrop\n/ .json\n");
+  if (hasScenes())
+    for (const std::string command : {"touch", "view", "render", "info", "serve"}) {
+      const std::string found = palpate("complete -- " + command + " sta").text;
+      CHECK_MESSAGE(found.starts_with("statue in water\n/ "), found);
+    }
   offers("touch --path ''", "builtin:orbit\nbuiltin:press\nbuiltin:scan\nbuiltin:slide\nbuiltin:stir\n/ .csv\n");
   offers("touch --path builtin : pr", "press\n/ .csv\n");  // as bash splits it
   offers("touch --path builtin:pr", "builtin:press\n/ .csv\n");

@@ -53,13 +53,13 @@ TEST_CASE("a file without a byte is an error in every format, and no cloud of no
 TEST_CASE("info on an unknown folder names the known kinds of folders and what in it can be read") {
   const ScratchFolder folder;
   const auto refused = [&](const std::string& what) { checkEnds(1, "info " + folder.path().string(), {what}); };
-  refused("is not a folder of COLMAP (points3D.bin or .txt), TUM (depth.txt) or Redwood (depth/); name a file in it\n");
+  refused("Redwood (depth/), Replica (results/depthN.png) or 7-Scenes (frame-N.depth.png); name a file in it\n");
   std::ofstream(folder / "notes.doc") << "x";
   std::ofstream(folder / "scan.ply") << "ply\n";
   refused("name one of " + (folder / "scan.ply").string() + "\n");
-  std::filesystem::create_directories(folder / "sparse" / "0");
-  std::ofstream(folder / "sparse" / "0" / "points3D.txt") << "";
-  refused("name one of " + (folder / "sparse" / "0").string() + ", " + (folder / "scan.ply").string() + "\n");
+  std::filesystem::create_directories(folder / "parts" / "a");
+  std::ofstream(folder / "parts" / "a" / "points3D.txt") << "";
+  refused("name one of " + (folder / "parts" / "a").string() + ", " + (folder / "scan.ply").string() + "\n");
   std::ofstream(folder / "metadata.yaml") << "rosbag2_bagfile_information:\n";
   refused("is a folder with a bag of ROS 2, which is not read; play it, and name ros:TOPIC as the model");
 }

@@ -285,6 +285,23 @@ TEST_CASE("Gaussians with absurd sizes, logits and rotations do not affect the o
   CHECK(static_cast<double>(surface.cloud.size()) == near(static_cast<double>(plain.cloud.size()), 0.05));
 }
 
+TEST_CASE("Gaussians far beside the surface are counted as outlying, and those near it are not") {
+  const GaussianScene scene = square(30);
+  GaussianScene floaters = scene;
+  const auto add = [&](const DVec3& center) {
+    SceneRandom random(1);
+    addGaussian(floaters, center, {0.75, 0.75, 0.4}, rotationTo({0, 0, 1}, random), 0.9, {1, 0, 0});
+  };
+  for (const double far : {50.0, 3000.0, -1e5}) add({15, 15, far});
+  add({-60, 15, 0});
+  for (const double near : {3.0, -10.0}) add({15, 15, near});
+  const GaussianSurface surface = surfaceOf(floaters);
+  CHECK(surfaceOf(scene).outlying == 0);
+  CHECK(surface.outlying == 4);
+  CHECK(surface.cloud.size() >= surfaceOf(scene).cloud.size());
+  CHECK(isRight(surface.cloud));
+}
+
 TEST_CASE("the length of a quaternion does not matter, and one of length zero means no rotation") {
   GaussianScene scene = square(20), zero = scene, longer = scene;
   for (Vec4& rotation : zero.rotations) rotation = Vec4(0);

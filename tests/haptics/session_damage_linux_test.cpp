@@ -76,7 +76,7 @@ int writeOnFullDisk(const std::filesystem::path& file, rlim_t limit, std::uint32
   return inProcessWithSmallFiles(limit, [&] {
     std::atomic<int> told = 0;
     SessionWriter writer(file, "a text", [&](const std::string& sentence) {
-      told += sentence.find("free some space") != std::string::npos && sentence.find(file.string()) == 0 ? 1 : 10;
+      told += sentence.find("limit of file sizes") != std::string::npos && sentence.find(file.string()) == 0 ? 1 : 10;
     });
     for (std::uint32_t i = 0; i < ticks; ++i) {
       if (i == freed) makeRoom();

@@ -178,8 +178,9 @@ TEST_CASE("invalid lines of a COLMAP folder are refused with the line") {
   with(&Files::cameras, "7 PINHOLE 6 4 5 5 3 2\n7 PINHOLE 6 4 5 5 3 2\n", "cameras.txt:2: camera 7 is a duplicate");
   with(&Files::images, "3 0 0 0 0 0 0 0 7 a\n\n", "images.txt:1: the rotation of an image is zero");
   with(&Files::images, "3 1 0 0 0 0 0 0 8 a\n\n", "images.txt:1: image 3 is of camera 8, which does not exist");
-  with(&Files::images, "3 1 0 0 0 0 0 0 7 a",
-       "images.txt:1: the file ends where the observations of an image should be");
+  with(&Files::images, "3 1 0 0 0 0 0 0 7 a\n3 1 0 0 0 0 0 0 7 b", "images.txt:2: image 3 is a duplicate");
+  with(&Files::images, "3 1 0 0 0 0 0 0 7 a\n10 20\n",
+       "images.txt:2: the line ends where the rotation of an image should be");
   with(&Files::points, "1 0 0 0 1 2 300 0.5 3 0\n", "points3D.txt:1: found '300', expected a colour from 0 to 255");
   with(&Files::points, "1 0 0 inf 1 2 3 0.5 3 0\n",
        "points3D.txt:1: the position of a point is inf, not a finite number");
@@ -202,6 +203,76 @@ TEST_CASE("invalid lines of a COLMAP folder are refused with the line") {
   std::ofstream(folder / "points3D.txt") << text().points;
   CHECK_THROWS_WITH_AS(readCloud(folder.path()), doctest::Contains("has neither cameras.bin nor cameras.txt"),
                        FileError);
+}
+
+TEST_CASE("COLMAP images without a line of observations are all read, whatever their names") {
+  for (const std::string& images : std::initializer_list<std::string>{
+           "3 1 0 0 0 0 0 0 7 a.jpg\n900 1 0 0 0 -1 0 0 7 c.jpg\n12 1 0 0 0 0 1 0 7 d.jpg\n",
+           "3 1 0 0 0 0 0 0 7 1\n900 1 0 0 0 -1 0 0 7 2\n\n12 1 0 0 0 0 1 0 7 3",
+           "# some\n3 1 0 0 0 0 0 0 7 a 1 1\n5 6 -1 7 8 2\n900 1 0 0 0 -1 0 0 7 c d e\n12 1 0 0 0 0 1 0 7 "
+           "f.jpg\n#\n"}) {
+    const ScratchFolder folder;
+    Files files = text();
+    files.images = images;
+    write(folder.path(), files, "txt");
+    CAPTURE(images);
+    const ColmapModel model = readColmapImages(folder.path());
+    REQUIRE(model.images.size() == 3);
+    CHECK(model.images[1].id == 900);
+    CHECK(model.images[1].center == DVec3(1, 0, 0));
+    CHECK(model.images[2].id == 12);
+    CHECK(countColmap(folder.path()).images == 3);
+  }
+}
+
+TEST_CASE("normals of COLMAP points without tracks face the nearest camera that looks at them, and all are kept") {
+  // Two cameras look along z at a plane from both sides: that of z = 4 is nearer than that of z = 7, and one of z = 5.5
+  // looks away.
+  for (const bool binaryPoints : {false, true}) {
+    const ScratchFolder folder;
+    Files files = text();
+    files.images = "1 1 0 0 0 0 0 -4 7 near\n\n2 0 0 1 0 0 0 7 7 behind\n\n3 1 0 0 0 0 0 -5.5 7 averted\n";
+    files.points.clear();
+    for (int i = 0; i < 25; ++i)
+      files.points += fmt::format("{} {} {} 5 200.0 100.0 50 -1\n", i + 1, 0.02 * (i % 5), 0.02 * (i / 5));
+    write(folder.path(), files, "txt");
+    if (binaryPoints) {
+      std::ofstream out(folder / "points3D.bin", std::ios::binary);
+      const auto put = [&](auto value) { out.write(reinterpret_cast<const char*>(&value), sizeof value); };
+      put(std::uint64_t{25});
+      for (int i = 0; i < 25; ++i) {
+        put(static_cast<std::uint64_t>(i + 1)), put(0.02 * (i % 5)), put(0.02 * (i / 5)), put(5.0);
+        for (const int channel : {200, 100, 50}) put(static_cast<std::uint8_t>(channel));
+        put(-1.0), put(std::uint64_t{0});
+      }
+    }
+    const StoredCloud stored = readCloud(folder.path());
+    REQUIRE(stored.cloud.size() == 25);
+    CHECK(stored.leftOut.empty());
+    CHECK(stored.cloud.colors[7] == std::array<std::uint8_t, 4>{200, 100, 50, 255});
+    for (const Vec3& normal : stored.cloud.normals) CHECK(glm::distance(normal, Vec3(0, 0, -1)) < 1e-5f);
+  }
+}
+
+TEST_CASE("of the models of a COLMAP project the one with the most points is read, and named") {
+  for (const std::string within : {"sparse", ""}) {
+    const ScratchFolder folder;
+    const auto model = [&](int which, const Files& files, const char* form) {
+      const std::filesystem::path made = folder.path() / within / std::to_string(which);
+      std::filesystem::create_directories(made);
+      write(made, files, form);
+    };
+    Files small = text();
+    small.points = "1 0 0 5 1 2 3 0.5 3 0\n2 0 1 5 1 2 3 0.5 3 0\n";
+    model(0, small, "txt");
+    model(1, binary(), "bin");
+    model(2, small, "txt");
+    CHECK(cloudFormats().toRead(folder.path()).name == "COLMAP");
+    CHECK(readCloud(folder.path()).cloud.size() == kSide * kSide);
+    CHECK(contentsOf(folder.path()).madeFrom ==
+          fmt::format("{} of 3 models, with {} points", (std::filesystem::path(within) / "1").string(), kSide * kSide));
+    CHECK(readCloud(folder.path() / within / "2").cloud.size() == 2);
+  }
 }
 
 TEST_CASE("a real reconstruction: the normal of every point faces the cameras that saw it") {

@@ -247,11 +247,11 @@ TEST_CASE("an RGB-D frame that cannot be read is dropped with its file name, and
         [&](const Path& f) { writeBytes(second(f), greyPng(24, 18, std::vector<std::uint16_t>(24 * 18))); });
   loses(&writeRedwood, "...ends within the picture...",
         [&](const Path& f) { std::filesystem::resize_file(second(f), 300); });
-  loses(&writeRedwood, "...trajectory.log:6: frame 1 has a pose but no picture in depth...",
+  loses(&writeRedwood, "...trajectory.log:6: frame 1 has a pose but no picture of depth...",
         [&](const Path& f) { std::filesystem::remove(second(f)); });
   loses(&writeRedwood, "...00001.png: has no colour picture of the same number...",
         [](const Path& f) { std::filesystem::remove(f / "color" / "00001.png"); });
-  loses(&writeTum, "...depth.txt:3: 1305031102.208637.png has no colours in rgb.txt within 0.02 s...",
+  loses(&writeTum, "...depth.txt:3: 1305031102.208637.png has no colours within 0.02 s...",
         [](const Path& f) { replaceIn(f / "rgb.txt", "1305031102.219637", "1305031102.239637"); });
   loses(&writeTum, "...1305031102.208637.png: cannot be read...",
         [](const Path& f) { std::filesystem::remove(f / "depth" / "1305031102.208637.png"); });
@@ -341,7 +341,8 @@ TEST_CASE("invalid lists of an RGB-D folder are refused on opening, with file an
   const ScratchFolder empty;
   CHECK_FALSE(isRgbdFolder(empty.path()));
   CHECK_FALSE(isRgbdFolder(empty / "none"));
-  CHECK_THROWS_WITH_AS(RgbdFolder(empty.path()), doctest::Contains("is not a TUM folder"), FileError);
+  CHECK_THROWS_WITH_AS(RgbdFolder(empty.path()),
+                       doctest::Contains("is not a folder of TUM (depth.txt or depth/TIME.png), ScanNet"), FileError);
 }
 
 TEST_CASE("an RGB-D list cut off at any byte is read or refused") {

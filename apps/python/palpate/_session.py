@@ -157,7 +157,7 @@ class Session(_palpate._Session):
         """Opens a recorded depth camera, whose points are in metres.
 
         Args:
-            folder: in the layout of the TUM benchmark or of Redwood.
+            folder: in the layout of TUM, ScanNet, Redwood, Replica or 7-Scenes.
             speed: seconds of the recording per second of the session.
             loop: restarts after the last frame.
             fuse: its frames are fused into one map.

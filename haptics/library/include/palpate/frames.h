@@ -57,10 +57,10 @@ typedef struct pp_stream_options {
   const char* intrinsics; /**< a JSON file; null: as the folder says */
 } pp_stream_options;
 PP_OPTIONS(stream_options)
-/** Opens a session of a recorded depth camera: a folder in the layout of the TUM benchmark or of Redwood, with points
- * in metres. Each frame is felt once its time has come, and no frame is skipped. A session, and each live session,
- * begins with the first frame. It cannot be sculpted. Options may be null. PP_ERROR_FILE if the folder has another
- * layout, or its lists are invalid. */
+/** Opens a session of a recorded depth camera: a folder in the layout of TUM, ScanNet, Redwood, Replica or 7-Scenes,
+ * with points in metres. Each frame is felt once its time has come, and no frame is skipped. A session, and each live
+ * session, begins with the first frame. It cannot be sculpted. Options may be null. PP_ERROR_FILE if the folder has
+ * another layout, or its lists are invalid. */
 PP_API pp_status pp_session_open_stream(const char* folder, const pp_stream_options* stream,
                                         const pp_session_options* options, pp_session* session);
 
