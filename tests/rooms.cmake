@@ -31,7 +31,11 @@ set_source_files_properties(core/labels_linux_test.cpp PROPERTIES COMPILE_DEFINI
 set_source_files_properties(core/last_words_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
                             PALPATE_EMULATOR="${emulator}")
 palpate_tests(cloud LINKS palpate::io palpate::cloud)
-palpate_tests(io LINKS palpate::io)
+if(TARGET third_party::draco AND TARGET third_party::meshoptimizer)
+  palpate_tests(io LINKS palpate::io third_party::draco third_party::meshoptimizer)
+else()
+  palpate_tests(io LINKS palpate::io WITHOUT gltf_packed)
+endif()
 palpate_tests(motion LINKS palpate::motion palpate::io)
 palpate_tests(spatial LINKS palpate::spatial_host)
 palpate_tests(contact LINKS palpate::touch_host)

@@ -7,8 +7,8 @@ set(made ${CMAKE_BINARY_DIR}/debian)
 set(notices "")
 foreach(package libglm-dev nlohmann-json3-dev libnanoflann-dev libstb-dev zlib1g-dev libvulkan-volk-dev
                 libvulkan-dev libcli11-dev
-                libimgui-dev libfmt-dev libhidapi-dev libboost1.74-dev libglfw3-dev libpugixml-dev pybind11-dev
-                cyclonedds-dev libssl-dev)
+                libimgui-dev libfmt-dev libhidapi-dev libboost1.74-dev libglfw3-dev libpugixml-dev
+                libdraco-dev libmeshoptimizer-dev pybind11-dev cyclonedds-dev libssl-dev)
   if(EXISTS /usr/share/doc/${package}/copyright)
     file(READ /usr/share/doc/${package}/copyright text)
     string(APPEND notices "==== ${package}\n\n${text}\n\n")

@@ -33,6 +33,8 @@ packages=(
   zlib1g-dev                 # ZIP and gzip
   libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
   libpugixml-dev             # the XML of E57
+  libdraco-dev               # glTF that is compressed by Draco
+  libmeshoptimizer-dev       # glTF that is compressed by meshoptimizer
   libboost-dev               # Boost.Beast: WebSocket, as which the service of Haply devices answers (headers only)
   libhidapi-dev              # 3D mice and gamepads (its back end over the kernel's nodes: libhidapi-hidraw0)
   pybind11-dev               # the Python module

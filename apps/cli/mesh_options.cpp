@@ -29,7 +29,7 @@ MeshSurface meshSurfaceNamed(const std::string& name) {
 }
 
 MeshPlan planFor(const Model& model, const MeshChoices& choices) {
-  return planMesh(boundsOf(model.cloud), model.spacing,
+  return planMesh(model.shownBounds(), model.spacing,
                   {.resolution = static_cast<std::uint32_t>(choices.resolution),
                    .surface = meshSurfaceNamed(choices.surface),
                    .radius = choices.radius == "auto" ? 0 : supportRadius(choices.radius, model)});

@@ -28,7 +28,7 @@ bool ShownMesh::follow(const WindowSession& session, std::uint32_t resolution, s
 void ShownMesh::make(const WindowSession& session, std::uint32_t resolution) {
   mesh_.reset();
   const Model& model = session.model();
-  const MeshPlan plan = planMesh(session.bounds(), model.spacing, {.resolution = resolution, .room = 0.2});
+  const MeshPlan plan = planMesh(model.shownBounds(), model.spacing, {.resolution = resolution, .room = 0.2});
   const PointStates& points = session.journal().points();
   const std::uint64_t spare = std::max<std::uint64_t>(points.size() - model.cloud.size(), model.cloud.size() / 4);
   mesh_ = std::make_unique<MarchingCubes>(sight_, model.cloud, plan, static_cast<std::uint32_t>(spare), true);

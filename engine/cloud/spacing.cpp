@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "engine/cloud/counter_random.hpp"
 #include "engine/cloud/noise.hpp"
@@ -44,9 +45,19 @@ double areaPerPlace(std::span<const double> squaredDistances) {
   return sum / static_cast<double>(neighbours - first + 1);
 }
 
+/// Whether the disc to the first and to the last neighbour hold about the same area per position, as on a surface;
+/// those of an outlier are all at about the same distance.
+bool areOnSurface(std::span<const double> squaredDistances) {
+  constexpr double kAlike = 2;
+  const std::size_t last = squaredDistances.size() - 1;
+  const double share = (kFirst + 0.25) / (static_cast<double>(last) + 0.25);
+  return last > kFirst && squaredDistances[kFirst] <= kAlike * share * squaredDistances[last];
+}
+
 /// Estimates from the nearest neighbours of a position.
 struct Around {
-  double areaPerPlace;                     ///< squared model units
+  double areaPerPlace;  ///< squared model units
+  bool isOnSurface;
   std::optional<double> varianceOverArea;  ///< about their surface; empty if unknown
 };
 
@@ -54,13 +65,30 @@ Around lookAround(const PointTree& tree, const std::vector<Vec3>& places, const 
   std::array<std::uint32_t, kLast + 1> indices;
   std::array<double, kLast + 1> squaredDistances;
   const std::size_t found = tree.nearest(place, indices, squaredDistances);  // the first is the position itself
-  Around around{.areaPerPlace = areaPerPlace({squaredDistances.data(), found}), .varianceOverArea = {}};
+  const std::span<const double> known(squaredDistances.data(), found);
+  Around around{.areaPerPlace = areaPerPlace(known), .isOnSurface = areOnSurface(known), .varianceOverArea = {}};
   if (found < kNoisePoints) return around;
   std::array<DVec3, kNoisePoints> offsets;
   for (std::size_t k = 0; k < kNoisePoints; ++k) offsets[k] = DVec3(places[indices[k]]) - DVec3(place);
   const std::optional<double> variance = varianceOffQuadric(offsets);
   if (variance && around.areaPerPlace > 0) around.varianceOverArea = *variance / around.areaPerPlace;
   return around;
+}
+
+/// The area per position up to which nine tenths of the surface lie: a sparse part may have few points and much area.
+/// Parts of more than kFarthest times the `usual` area float about: no hand could feel them. 0 if no probe is on a
+/// surface.
+double wideAreaOf(const std::vector<Around>& probes, double usual) {
+  constexpr double kShare = 0.9, kFarthest = 12 * 12;
+  std::vector<double> areas;
+  for (const Around& probe : probes)
+    if (probe.isOnSurface && probe.areaPerPlace <= kFarthest * usual) areas.push_back(probe.areaPerPlace);
+  std::ranges::sort(areas);
+  const double all = std::accumulate(areas.begin(), areas.end(), 0.0);
+  double sum = 0;
+  for (const double area : areas)
+    if ((sum += area) >= kShare * all) return area;
+  return 0;
 }
 
 }  // namespace
@@ -85,9 +113,10 @@ SpacingRange spacingRange(const PointCloud& cloud, unsigned threads) {
   }
   std::ranges::sort(areas);
   // Keeping a share of the points multiplies the area per position by 1 / keep.
-  const auto spacing = [&](std::size_t place) { return std::sqrt(areas[place] * keep); };
-  return {.mean = spacing(areas.size() / 2),
-          .wide = spacing(areas.size() - 1 - areas.size() / 50),
+  const auto spacing = [&](double area) { return std::sqrt(area * keep); };
+  return {.mean = spacing(areas[areas.size() / 2]),
+          .wide = spacing(
+              std::max(areas[areas.size() - 1 - areas.size() / 50], wideAreaOf(probes, areas[areas.size() / 2]))),
           .noise = noiseFrom(variances) / std::sqrt(keep)};
 }
 

@@ -12,7 +12,9 @@ double meanSpacing(const PointCloud& cloud, unsigned threads = 0);
 /// Over the regions of a cloud; all 0 for fewer than two distinct points.
 struct SpacingRange {
   double mean = 0;  ///< meanSpacing(), model units
-  double wide = 0;  ///< 98th percentile of the local spacing; model units
+  /// 98th percentile of the local spacing by points, or the 90th by area if that is more: a part with few points may be
+  /// large. Model units.
+  double wide = 0;
   /// Standard deviation of the points from their surface in one direction (noiseFrom()), in local spacings: almost 0
   /// for exact points, except for folds as fine as the spacing. Accurate to 10 % up to half a spacing; a thicker layer
   /// is not a surface, and is underestimated. 0 for fewer than kNoisePoints distinct points.

@@ -24,34 +24,39 @@ constexpr double kPlacesCompany = 0.3;      // the same for the sampled position
 constexpr std::size_t kEnoughToTell = 256;  // points: with fewer, outliers cannot be distinguished
 constexpr double kMaxOutliers = 0.02;       // share of the points: more are a part of the model
 constexpr double kMuchLarger = 1.25;        // outliers that enlarge the box by less are part of the model
+// Of the longest side: no wider gap is within a model. A part that is much sparser than the rest adjoins it.
+constexpr double kWidestGap = 0.1;
 
-std::vector<std::uint32_t> sampled(const PointCloud& cloud) {
-  const std::size_t count = std::min(cloud.size(), kMaxSamples);
+/// Indices of at most kMaxSamples of `all` points.
+std::vector<std::uint32_t> sampled(std::size_t all) {
+  const std::size_t count = std::min(all, kMaxSamples);
   std::vector<std::uint32_t> sample(count);
-  for (std::size_t i = 0; i < count; ++i)
-    sample[i] = static_cast<std::uint32_t>((2 * i + 1) * cloud.size() / (2 * count));
+  for (std::size_t i = 0; i < count; ++i) sample[i] = static_cast<std::uint32_t>((2 * i + 1) * all / (2 * count));
   return sample;
 }
 
-/// The region of nearly all points, with a wide margin.
-Bounds windowOf(const PointCloud& cloud, const std::vector<std::uint32_t>& sample) {
+/// The region of nearly all positions of a sample, with a wide margin.
+template <class PositionOf>
+Bounds windowOf(std::size_t count, PositionOf&& positionOf) {
   Bounds window;
-  std::vector<float> along(sample.size());
+  std::vector<double> along(count);
   for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < sample.size(); ++i) along[i] = cloud.positions[sample[i]][axis];
-    const auto tail = static_cast<std::ptrdiff_t>(kSampleTail * static_cast<double>(sample.size()));
+    for (std::size_t i = 0; i < count; ++i) along[i] = static_cast<double>(positionOf(i)[axis]);
+    const auto tail = static_cast<std::ptrdiff_t>(kSampleTail * static_cast<double>(count));
     std::nth_element(along.begin(), along.begin() + tail, along.end());
-    const double low = along[static_cast<std::size_t>(tail)];
+    window.min[axis] = along[static_cast<std::size_t>(tail)];
     std::nth_element(along.begin(), along.end() - 1 - tail, along.end());
-    const double high = along[along.size() - 1 - static_cast<std::size_t>(tail)];
-    window.min[axis] = low;
-    window.max[axis] = high;
+    window.max[axis] = along[count - 1 - static_cast<std::size_t>(tail)];
   }
   // By the longest side: parts of a flat shape may project from its plane.
   const double around = kBeyond * window.longestSide();
   window.min -= around;
   window.max += around;
   return window;
+}
+
+Bounds windowOf(const PointCloud& cloud, const std::vector<std::uint32_t>& sample) {
+  return windowOf(sample.size(), [&](std::size_t i) { return cloud.positions[sample[i]]; });
 }
 
 /// Points sorted by cells of a box, with an empty layer of cells around it: x varies fastest, then y. `sample` ascends.
@@ -141,12 +146,28 @@ Bounds boxOf(const PointCloud& cloud, const std::vector<std::uint32_t>& points) 
   return box;
 }
 
+/// The box with all points of the sample that adjoin it.
+Bounds withAdjoining(const PointCloud& cloud, const std::vector<std::uint32_t>& sample, Bounds box) {
+  const double gap = kWidestGap * box.longestSide();
+  for (bool grows = true; grows;) {
+    const Bounds around{box.min - gap, box.max + gap};
+    grows = false;
+    for (const std::uint32_t i : sample) {
+      const DVec3 p(cloud.positions[i]);
+      if (!around.contains(p) || box.contains(p)) continue;
+      box = {glm::min(box.min, p), glm::max(box.max, p)};
+      grows = true;
+    }
+  }
+  return box;
+}
+
 }  // namespace
 
 VoxelSample voxelSampleOf(const PointCloud& cloud) {
   VoxelSample voxels;
   if (cloud.empty()) return voxels;
-  const std::vector<std::uint32_t> sample = sampled(cloud);
+  const std::vector<std::uint32_t> sample = sampled(cloud.size());
   const std::vector<std::uint32_t> kept = withoutOutliers(cloud, sample, windowOf(cloud, sample));
   const Bounds box = boxOf(cloud, kept);
   voxels.cell = box.longestSide() / kFineCells;
@@ -175,11 +196,11 @@ VoxelSample voxelSampleOf(const PointCloud& cloud) {
 
 Bounds coreBoundsOf(const PointCloud& cloud) {
   const Bounds all = boundsOf(cloud);
-  const std::vector<std::uint32_t> sample = sampled(cloud);
+  const std::vector<std::uint32_t> sample = sampled(cloud.size());
   if (sample.size() < kEnoughToTell) return all;
   const std::vector<std::uint32_t> kept = withoutOutliers(cloud, sample, windowOf(cloud, sample));
   const double outliers = 1 - static_cast<double>(kept.size()) / static_cast<double>(sample.size());
-  const Bounds core = boxOf(cloud, kept);
+  const Bounds core = kept.empty() ? all : withAdjoining(cloud, sample, boxOf(cloud, kept));
   const bool widen = all.longestSide() > kMuchLarger * core.longestSide();
   if (!widen || outliers > kMaxOutliers || !(core.longestSide() > 0)) return all;
   // The sample may miss the outermost points.
@@ -193,6 +214,16 @@ Bounds coreBoundsOf(const PointCloud& cloud) {
     box.max = glm::max(box.max, p);
   }
   return box;
+}
+
+DVec3 originOf(std::size_t count, const Bounds& box, const std::function<DVec3(std::size_t)>& positionOf) {
+  if (count < kEnoughToTell) return originFor(box);
+  const std::vector<std::uint32_t> sample = sampled(count);
+  const Bounds window = windowOf(sample.size(), [&](std::size_t i) { return positionOf(sample[i]); });
+  if (box.longestSide() <= window.longestSide()) return originFor(box);
+  // The window is wider than its contents by a margin on both sides.
+  const double margin = kBeyond / (1 + 2 * kBeyond) * window.longestSide();
+  return originFor({window.min + margin, window.max - margin});
 }
 
 std::size_t countOutside(const PointCloud& cloud, const Bounds& box) {

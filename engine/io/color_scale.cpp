@@ -38,4 +38,13 @@ std::uint8_t colorByte(double value, double full) {
   return static_cast<std::uint8_t>(share > 0 ? std::lround(255 * std::min(share, 1.0)) : 0);
 }
 
+std::uint8_t srgbByte(double linear) {
+  return colorByte(linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055, 1);
+}
+
+double linearOf(std::uint8_t srgb) {
+  const double value = srgb / 255.0;
+  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+
 }  // namespace palpate

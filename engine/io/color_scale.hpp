@@ -39,6 +39,10 @@ std::size_t cornerColors(const std::vector<std::optional<DVec3>>& raw, bool whol
 /// Share of `full` as a byte; 0 for NaN.
 std::uint8_t colorByte(double value, double full);
 
+/// Linear light, 0 to 1, as a byte of sRGB (IEC 61966-2-1), and back.
+std::uint8_t srgbByte(double linear);
+double linearOf(std::uint8_t srgb);
+
 /// Scale of three colours from 0 to 1, to 255 or to 65535 for each of `count` rows, determined together.
 template <class Rows>
 ColorScale scaleOfColors(const Rows& rows) {

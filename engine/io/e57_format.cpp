@@ -13,6 +13,7 @@
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/up.hpp"
+#include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/parallel_collect.hpp"
@@ -177,7 +178,7 @@ class E57Cloud {
     for (std::size_t i = 0; i < places_.size(); ++i)
       box = i == 0 ? Bounds{places_[0], places_[0]}
                    : Bounds{glm::min(box.min, places_[i]), glm::max(box.max, places_[i])};
-    cloud_.origin = originFor(box);
+    cloud_.origin = originOf(places_.size(), box, [&](std::size_t i) { return places_[i]; });
     cloud_.positions.resize(places_.size());
     bool same = true;
     for (std::size_t i = 0; i < places_.size(); ++i) {

@@ -11,6 +11,7 @@
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/ends_after.hpp"
 #include "engine/io/in_quotes.hpp"
+#include "engine/io/unpacked_view.hpp"
 
 namespace palpate {
 
@@ -20,6 +21,8 @@ using Json = nlohmann::json;
 using Bytes = std::vector<std::byte>;
 
 constexpr std::uint32_t kMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;  // "glTF", JSON, BIN
+
+constexpr const char* kMeshopt = "EXT_meshopt_compression";
 
 Bytes readWhole(const std::filesystem::path& path) {
   ChunkedFile file(path);
@@ -36,22 +39,6 @@ std::uint32_t bitsAt(const std::byte* at, std::size_t bytes) {
   std::uint32_t bits = 0;
   for (std::size_t k = 0; k < bytes; ++k) bits |= std::to_integer<std::uint32_t>(at[k]) << (8 * k);
   return bits;
-}
-
-std::size_t bytesOfKind(std::size_t kind) {
-  switch (kind) {
-    case 5120:
-    case 5121:
-      return 1;
-    case 5122:
-    case 5123:
-      return 2;
-    case 5125:
-    case 5126:
-      return 4;
-    default:
-      return 0;
-  }
 }
 
 unsigned numbersOfType(std::string_view type) {
@@ -119,8 +106,24 @@ std::string unescaped(std::string_view uri) {
 
 }  // namespace
 
+unsigned bytesOfGltfKind(std::size_t kind) {
+  switch (kind) {
+    case 5120:
+    case 5121:
+      return 1;
+    case 5122:
+    case 5123:
+      return 2;
+    case 5125:
+    case 5126:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
 double GltfNumbers::number(std::size_t element, std::size_t k) const {
-  const std::size_t bytes = bytesOfKind(kind);
+  const std::size_t bytes = bytesOfGltfKind(kind);
   const std::uint32_t bits = bitsAt(data + element * stride + k * bytes, bytes);
   const auto share = [&](double value, double most) { return normalized ? std::max(value / most, -1.0) : value; };
   switch (kind) {
@@ -143,7 +146,7 @@ double GltfNumbers::number(std::size_t element, std::size_t k) const {
 }
 
 std::uint32_t GltfNumbers::index(std::size_t element) const {
-  return bitsAt(data + element * stride, bytesOfKind(kind));
+  return bitsAt(data + element * stride, bytesOfGltfKind(kind));
 }
 
 GltfFile::GltfFile(std::filesystem::path file) : path_(std::move(file)) {
@@ -212,68 +215,117 @@ const Json& GltfFile::named(const char* list, const Json& number) const {
   return element;
 }
 
-Bytes GltfFile::bytesOf(const Json& buffer, std::size_t number) const {
-  const auto uri = buffer.find("uri");
-  if (uri == buffer.end()) {
-    if (number != 0 || !hasPacked_)
-      fail(fmt::format("buffer {} has no URI, and the file contains no data for it", number));
-    return packed_;
-  }
-  if (!uri->is_string()) fail(fmt::format("the \"uri\" of buffer {} is not a text", number));
-  const std::string text = *uri;
+const Json* GltfFile::extension(const Json& object, const char* name) const {
+  const auto all = object.find("extensions");
+  if (all == object.end() || !all->is_object()) return nullptr;
+  const auto found = all->find(name);
+  if (found == all->end()) return nullptr;
+  if (!found->is_object()) fail(fmt::format("\"{}\" is not an object", name));
+  return &*found;
+}
+
+Bytes GltfFile::bytesAt(const Json& uri, std::string_view what) const {
+  if (!uri.is_string()) fail(fmt::format("the \"uri\" of {} is not a text", what));
+  const std::string text = uri;
   if (text.starts_with("data:")) {
     const std::size_t comma = text.find(',');
     if (comma == text.npos || !text.substr(0, comma).ends_with(";base64"))
-      fail(fmt::format("the data of buffer {} are not base64", number));
+      fail(fmt::format("the data of {} are not base64", what));
     return fromBase64(std::string_view(text).substr(comma + 1));
   }
   const std::filesystem::path beside = unescaped(text);
   const bool leaves = beside.empty() || beside.is_absolute() || beside.has_root_path() ||
                       text.find("://") != text.npos || std::ranges::find(beside, "..") != beside.end();
-  if (leaves)
-    fail(fmt::format("buffer {} is {}, which is not the name of a file beside this one", number, inQuotes(text)));
+  if (leaves) fail(fmt::format("{} is {}, which is not the name of a file beside this one", what, inQuotes(text)));
   const std::filesystem::path file = path_.parent_path() / beside;
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(file, unknown))
-    fail(fmt::format("buffer {} is {}, and there is no such file beside this one", number, inQuotes(text)));
+    fail(fmt::format("{} is {}, and there is no such file beside this one", what, inQuotes(text)));
   return readWhole(file);
+}
+
+std::span<const std::byte> GltfFile::partOf(const Json& view) {
+  const Json number = view.contains("buffer") ? view["buffer"] : Json();
+  const Json& buffer = named("buffers", number);
+  const std::size_t which = number.get<std::size_t>();
+  if (buffers_.empty()) buffers_.resize((*json_)["buffers"].size());
+  Bytes& bytes = buffers_[which];
+  if (bytes.empty() && buffer.contains("uri")) {
+    bytes = bytesAt(buffer["uri"], fmt::format("buffer {}", which));
+  } else if (bytes.empty()) {
+    if (which != 0 || !hasPacked_)
+      fail(fmt::format("buffer {} has no URI, and the file contains no data for it", which));
+    bytes = packed_;
+  }
+  const std::size_t from = whole(view, "byteOffset", 0), length = whole(view, "byteLength", 0);
+  if (from > bytes.size() || length > bytes.size() - from)
+    fail(fmt::format("a view of {} bytes from byte {} on exceeds its buffer of {}", length, from, bytes.size()));
+  return {bytes.data() + from, length};
+}
+
+std::span<const std::byte> GltfFile::view(const Json& number) {
+  const Json& view = named("bufferViews", number);
+  const Json* packed = extension(view, kMeshopt);
+  if (!packed) return partOf(view);
+  const auto [found, isNew] = unpacked_.try_emplace(number.get<std::size_t>());
+  if (isNew) found->second = unpacked(*packed);
+  return found->second;
+}
+
+Bytes GltfFile::unpacked(const Json& packed) {
+  PackedView view{
+      .bytes = partOf(packed), .count = whole(packed, "count", 0), .stride = whole(packed, "byteStride", 0)};
+  const auto text = [&](const char* name, const char* otherwise) {
+    const auto found = packed.find(name);
+    return found != packed.end() && found->is_string() ? found->get<std::string>() : std::string(otherwise);
+  };
+  view.mode = text("mode", ""), view.filter = text("filter", "NONE");
+  try {
+    return unpackView(view);
+  } catch (const Error& error) {
+    fail(fmt::format("{}: {}", kMeshopt, error.what()));
+  }
+}
+
+Bytes GltfFile::picture(const Json& number) {
+  const Json& image = named("images", number);
+  const std::size_t which = number.get<std::size_t>();
+  if (image.contains("uri")) return bytesAt(image["uri"], fmt::format("image {}", which));
+  if (!image.contains("bufferView")) fail(fmt::format("image {} has neither a URI nor data", which));
+  const std::span<const std::byte> bytes = view(image["bufferView"]);
+  return {bytes.begin(), bytes.end()};
 }
 
 GltfNumbers GltfFile::numbers(const Json& accessor, std::initializer_list<unsigned> perElement) {
   const Json& json = named("accessors", accessor);
   if (json.contains("sparse") || !json.contains("bufferView"))
     fail("an accessor is sparse, which is not read; export it with all its numbers");
-  const Json& view = named("bufferViews", json["bufferView"]);
-  const Json number = view.contains("buffer") ? view["buffer"] : Json();
-  const Json& buffer = named("buffers", number);
-  const std::size_t which = number.get<std::size_t>();
-  if (buffers_.empty()) buffers_.resize((*json_)["buffers"].size());
-  if (buffers_[which].empty()) buffers_[which] = bytesOf(buffer, which);
-
-  GltfNumbers numbers{.count = whole(json, "count", 0)};
-  const std::size_t kind = whole(json, "componentType", 0), bytes = bytesOfKind(kind);
-  const auto type = json.find("type");
-  numbers.perElement = type != json.end() && type->is_string() ? numbersOfType(type->get_ref<const std::string&>()) : 0;
-  if (bytes == 0 || std::ranges::find(perElement, numbers.perElement) == perElement.end())
-    fail("an accessor is of a type that its use does not allow");
-  numbers.kind = static_cast<unsigned>(kind);
-  const auto normalized = json.find("normalized");
-  numbers.normalized = normalized != json.end() && normalized->is_boolean() && normalized->get<bool>();
-  const std::size_t element = bytes * numbers.perElement;
-  numbers.stride = whole(view, "byteStride", element);
+  const std::span<const std::byte> bytes = view(json["bufferView"]);
+  GltfNumbers numbers = described(json, perElement);
+  const std::size_t element = std::size_t{bytesOfGltfKind(numbers.kind)} * numbers.perElement;
+  numbers.stride = whole(named("bufferViews", json["bufferView"]), "byteStride", element);
   if (numbers.stride < element || numbers.stride > 252 + element)
     fail(fmt::format("a view with a stride of {} bytes for elements of {}", numbers.stride, element));
-  // The view must lie within the buffer, and the elements within the view.
-  const std::size_t all = buffers_[which].size(), from = whole(view, "byteOffset", 0),
-                    length = whole(view, "byteLength", 0);
-  if (from > all || length > all - from)
-    fail(fmt::format("a view of {} bytes from byte {} on exceeds its buffer of {}", length, from, all));
-  const std::size_t skip = whole(json, "byteOffset", 0);
+  const std::size_t skip = whole(json, "byteOffset", 0), length = bytes.size();
   const bool fits = numbers.count == 0 || (skip <= length && element <= length - skip &&
                                            (numbers.count - 1) <= (length - skip - element) / numbers.stride);
   if (!fits)
     fail(fmt::format("an accessor of {} elements from byte {} on exceeds its view of {}", numbers.count, skip, length));
-  numbers.data = buffers_[which].data() + from + skip;
+  numbers.data = bytes.data() + skip;
+  return numbers;
+}
+
+GltfNumbers GltfFile::described(const Json& accessor, std::initializer_list<unsigned> perElement) const {
+  GltfNumbers numbers{.count = whole(accessor, "count", 0)};
+  const std::size_t kind = whole(accessor, "componentType", 0);
+  const auto type = accessor.find("type");
+  numbers.perElement =
+      type != accessor.end() && type->is_string() ? numbersOfType(type->get_ref<const std::string&>()) : 0;
+  if (bytesOfGltfKind(kind) == 0 || std::ranges::find(perElement, numbers.perElement) == perElement.end())
+    fail("an accessor is of a type that its use does not allow");
+  numbers.kind = static_cast<unsigned>(kind);
+  const auto normalized = accessor.find("normalized");
+  numbers.normalized = normalized != accessor.end() && normalized->is_boolean() && normalized->get<bool>();
   return numbers;
 }
 

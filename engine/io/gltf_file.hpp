@@ -3,14 +3,18 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "engine/core/error.hpp"
 
 namespace palpate {
+
+unsigned bytesOfGltfKind(std::size_t kind);  ///< of a component type; 0 if it is unknown
 
 /// Numbers of an accessor, one or more for each element; the range was validated.
 struct GltfNumbers {
@@ -26,6 +30,8 @@ struct GltfNumbers {
 
 class GltfFile {
  public:
+  using Bytes = std::vector<std::byte>;
+
   /// Reads the whole file, and buffers in files beside it. Throws FileError.
   explicit GltfFile(std::filesystem::path file);
   ~GltfFile();
@@ -37,22 +43,34 @@ class GltfFile {
 
   /// The element of a list of the file (for example "meshes") with the index `number`. Throws if there is none.
   const nlohmann::json& named(const char* list, const nlohmann::json& number) const;
+  /// An extension of an object; null if it has none of that name.
+  const nlohmann::json* extension(const nlohmann::json& object, const char* name) const;
   /// `perElement`: the allowed numbers of components.
   GltfNumbers numbers(const nlohmann::json& accessor, std::initializer_list<unsigned> perElement);
+  /// The same without data: those of a compressed mesh have their own.
+  GltfNumbers described(const nlohmann::json& accessor, std::initializer_list<unsigned> perElement) const;
+  /// The bytes of an entry of "bufferViews", without compression (EXT_meshopt_compression).
+  std::span<const std::byte> view(const nlohmann::json& number);
+  /// The picture of an entry of "images": in a view, embedded as text, or in a file beside this one.
+  Bytes picture(const nlohmann::json& number);
+  const std::filesystem::path& path() const { return path_; }
   /// A non-negative integer; `otherwise` if missing.
   std::size_t whole(const nlohmann::json& object, const char* name, std::size_t otherwise) const;
 
  private:
-  using Bytes = std::vector<std::byte>;
-
   void readGlb(const Bytes& all);
-  Bytes bytesOf(const nlohmann::json& buffer, std::size_t number) const;
+  /// `what`: "buffer 0", for messages.
+  Bytes bytesAt(const nlohmann::json& uri, std::string_view what) const;
+  /// The part of a buffer that a view, or its compressed form, states.
+  std::span<const std::byte> partOf(const nlohmann::json& view);
+  Bytes unpacked(const nlohmann::json& packed);
 
   std::filesystem::path path_;
   std::unique_ptr<const nlohmann::json> json_;
   Bytes packed_;  // from a GLB file
   bool hasPacked_ = false;
   std::vector<Bytes> buffers_;
+  std::map<std::size_t, Bytes> unpacked_;  // views
 };
 
 }  // namespace palpate

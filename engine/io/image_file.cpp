@@ -16,7 +16,7 @@
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_NO_STDIO
-#define STBI_MAX_DIMENSIONS 8192
+#define STBI_MAX_DIMENSIONS 16384
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>
@@ -26,9 +26,9 @@ namespace palpate {
 
 namespace {
 
-static_assert(STBI_MAX_DIMENSIONS == kLongestImageSide);
+static_assert(STBI_MAX_DIMENSIONS == kLongestTextureSide);
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 29;  // of a file: four bytes for each pixel of the largest image
+constexpr std::size_t kMaxBytes = std::size_t{1} << 29;  // of a file: half the bytes of the largest texture
 // Upper bound of pixels per byte: deflate's longest runs (1032 bytes) of 1-bit pixels; a JPEG has at least one bit for
 // 64 pixels.
 constexpr std::uint64_t kMaxPixelsPerByte = std::uint64_t{8} * 1032;
@@ -91,10 +91,11 @@ struct Head {
   bool isPng = false;
 };
 
-int lengthOf(const Bytes& bytes) { return static_cast<int>(bytes.size()); }
-const stbi_uc* dataOf(const Bytes& bytes) { return reinterpret_cast<const stbi_uc*>(bytes.data()); }
+int lengthOf(std::span<const std::byte> bytes) { return static_cast<int>(bytes.size()); }
+const stbi_uc* dataOf(std::span<const std::byte> bytes) { return reinterpret_cast<const stbi_uc*>(bytes.data()); }
 
-Head headOf(const std::filesystem::path& file, const Bytes& bytes) {
+Head headOf(const std::filesystem::path& file, std::span<const std::byte> bytes,
+            std::uint32_t longestSide = kLongestImageSide) {
   const std::string_view text = textOf(bytes);
   Head head{.size = {}, .channels = 0, .isPng = text.starts_with(kPngMagic)};
   if (text.empty()) throw FileError(file, "is empty; copy it again");
@@ -102,17 +103,17 @@ Head headOf(const std::filesystem::path& file, const Bytes& bytes) {
   int width = 0, height = 0;
   if (!stbi_info_from_memory(dataOf(bytes), lengthOf(bytes), &width, &height, &head.channels))
     throw FileError(file, fmt::format("has a header that cannot be read: {}; a side has at most {} pixels",
-                                      stbi_failure_reason(), kLongestImageSide));
+                                      stbi_failure_reason(), longestSide));
   head.size = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
-  if (std::max(head.size.width, head.size.height) > kLongestImageSide)
-    throw FileError(file, fmt::format("has {} x {} pixels; a side has at most {}", width, height, kLongestImageSide));
+  if (std::max(head.size.width, head.size.height) > longestSide)
+    throw FileError(file, fmt::format("has {} x {} pixels; a side has at most {}", width, height, longestSide));
   if (std::uint64_t{head.size.width} * head.size.height > kMaxPixelsPerByte * bytes.size())
     throw FileError(file, fmt::format("claims {} x {} pixels, but ends after {} bytes; copy it again", width, height,
                                       bytes.size()));
   return head;
 }
 
-void requireWhole(const std::filesystem::path& file, const Head& head, const Bytes& bytes) {
+void requireWhole(const std::filesystem::path& file, const Head& head, std::span<const std::byte> bytes) {
   if (head.isPng)
     requireWholePng(file, bytes);
   else
@@ -143,9 +144,13 @@ GreyImage readGreyImage(const std::filesystem::path& file) {
   return image;
 }
 
-ColorImage readColorImage(const std::filesystem::path& file) {
-  const Bytes bytes = readWhole(file);
-  const Head head = headOf(file, bytes);
+ColorImage readColorImage(const std::filesystem::path& file, std::uint32_t longestSide) {
+  return colorImageIn(file, readWhole(file), longestSide);
+}
+
+ColorImage colorImageIn(const std::filesystem::path& file, std::span<const std::byte> bytes,
+                        std::uint32_t longestSide) {
+  const Head head = headOf(file, bytes, longestSide);
   requireWhole(file, head, bytes);
   int width = 0, height = 0, channels = 0;
   const Pixels pixels(stbi_load_from_memory(dataOf(bytes), lengthOf(bytes), &width, &height, &channels, 3), std::free);

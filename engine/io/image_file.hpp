@@ -1,9 +1,11 @@
-// Image files of depth and colour cameras.
+// Image files of depth and colour cameras, and pictures within other files.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 namespace palpate {
@@ -20,8 +22,8 @@ struct ColorImage {
   std::vector<std::array<std::uint8_t, 3>> rgb;
 };
 
-/// Maximum side of an image, pixels.
-inline constexpr std::uint32_t kLongestImageSide = 8192;
+/// Maximum side of an image, and of a texture, pixels.
+inline constexpr std::uint32_t kLongestImageSide = 8192, kLongestTextureSide = 16384;
 
 struct ImageSize {
   std::uint32_t width = 0, height = 0;
@@ -34,7 +36,10 @@ ImageSize imageSizeOf(const std::filesystem::path& file);
 /// and for sides beyond kLongestImageSide; memory is allocated only if the file is long enough to fill it.
 GreyImage readGreyImage(const std::filesystem::path& file);
 /// A PNG or a JPEG of 8 bits, grey or coloured; transparency is ignored.
-ColorImage readColorImage(const std::filesystem::path& file);
+ColorImage readColorImage(const std::filesystem::path& file, std::uint32_t longestSide = kLongestImageSide);
+/// The same of bytes that are a part of `file`.
+ColorImage colorImageIn(const std::filesystem::path& file, std::span<const std::byte> bytes,
+                        std::uint32_t longestSide = kLongestImageSide);
 
 /// Nearest-neighbour scaling to another size; `image` must not be empty.
 ColorImage resized(const ColorImage& image, ImageSize size);

@@ -8,6 +8,7 @@
 
 #include <glm/common.hpp>
 
+#include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
@@ -254,7 +255,11 @@ void LasColumns::placePoints() {
   const auto at = [&](const Numbers& n) { return grid.at(DVec3(n[0], n[1], n[2])); };
   const DVec3 one = at(range_.least), other = at(range_.most);
   const DVec3 low = glm::min(one, other), high = glm::max(one, other);  // a step may be negative
-  const DVec3 origin = cloud_.origin = originFor({low, high});
+  const DVec3 origin = cloud_.origin = originOf(size_, {low, high}, [&](std::size_t i) {
+    Numbers numbers;
+    std::memcpy(&numbers, static_cast<const void*>(&cloud_.positions[i]), sizeof numbers);
+    return at(numbers);
+  });
   const DVec3 steps = glm::max(glm::abs(low - origin), glm::abs(high - origin)) / glm::abs(grid.step);
   const bool exact = std::max({steps.x, steps.y, steps.z}) > kExactSteps;
   const auto place = [&](std::size_t begin, std::size_t end) {

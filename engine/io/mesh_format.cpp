@@ -53,7 +53,7 @@ FileContents contentsOfMesh(const std::filesystem::path& file) {
                      .properties = {{"x"}, {"y"}, {"z"}}};
   if (!points || !mesh.soup.normals.empty())
     for (const char* name : {"nx", "ny", "nz"}) vertex.properties.push_back({name});
-  if (!mesh.soup.colors.empty())
+  if (!mesh.soup.colors.empty() || !mesh.soup.textures.empty())
     for (const char* name : {"red", "green", "blue"}) vertex.properties.push_back({name});
   return {.elements = {std::move(vertex)}, .comments = {}, .madeFrom = points ? "" : madeFrom(mesh.soup)};
 }
@@ -98,6 +98,7 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
   }
   if (options.normalsFromFaces) mesh.soup.normals.clear();
   if (options.asTriangles) {
+    for (std::string& what : colorCorners(mesh.soup)) mesh.lost.push_back(std::move(what));
     PointCloud corners = cornersOf(mesh.soup, log);
     if (options.normalsFromFaces) {
       PlyFaces faces(corners.size());
@@ -112,6 +113,7 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
   if (log) log->say("{}: {}, spread evenly over {}", name, counted(sampled.cloud.size(), "point"), madeFrom(mesh.soup));
   StoredCloud stored{.cloud = std::move(sampled.cloud), .triangles = {}, .lost = std::move(mesh.lost)};
   stored.lost.insert(stored.lost.begin(), madeFrom(mesh.soup) + ", of which the points are samples");
+  for (std::string& what : sampled.lost) stored.lost.push_back(std::move(what));
   if (sampled.flat > 0) stored.lost.push_back(fmt::format("{} without an area", counted(sampled.flat, "triangle")));
   return stored;
 }

@@ -8,7 +8,8 @@
 
 #include "engine/core/counted.hpp"
 #include "engine/io/color_scale.hpp"
-#include "engine/io/gltf_file.hpp"
+#include "engine/io/gltf_parts.hpp"
+#include "engine/io/gltf_textures.hpp"
 #include "engine/io/mesh_import.hpp"
 
 namespace palpate {
@@ -35,7 +36,8 @@ struct Placement {
 
 class GltfReader {
  public:
-  explicit GltfReader(const std::filesystem::path& path) : file_(path), shown_(nodes().size(), false) {}
+  explicit GltfReader(const std::filesystem::path& path)
+      : file_(path), parts_(file_), textures_(file_), shown_(nodes().size(), false) {}
 
   ImportedMesh read() {
     refuseUnreadable();
@@ -66,8 +68,6 @@ class GltfReader {
   void refuseUnreadable() {
     for (const Json& extension : list("extensionsRequired")) {
       const std::string name = extension.is_string() ? extension.get<std::string>() : std::string();
-      for (const char* packed : kPacked)
-        if (name == packed) refusePacked(packed);
       const bool isAppearance =
           name.starts_with("KHR_materials_") || name.starts_with("KHR_lights") || name.find("_texture_") != name.npos;
       if (isAppearance || std::ranges::find(kKnown, name) != kKnown.end()) continue;
@@ -76,11 +76,6 @@ class GltfReader {
     }
     for (const Json& extension : list("extensionsUsed"))
       if (extension == kGaussians) mesh_.lost.push_back("the shapes of Gaussians (KHR_gaussian_splatting)");
-  }
-  [[noreturn]] void refusePacked(std::string_view extension) const {
-    const bool draco = extension.find("draco") != extension.npos;
-    file_.fail(fmt::format("is compressed {}({}), which is not read; export it without compression, or as PLY or OBJ",
-                           draco ? "with Draco " : "", extension));
   }
 
   /// The root nodes of the scene; without a scene those that are not children.
@@ -113,15 +108,15 @@ class GltfReader {
     eachPrimitive([&](const Json& primitive, const Json&) { points_ = points_ && !hasTriangles(primitive); });
     eachPrimitive([&](const Json& primitive, const Json& attributes) {
       if (!isTaken(primitive)) return;
-      if (const auto extensions = primitive.find("extensions"); extensions != primitive.end())
-        for (const char* packed : kPacked)
-          if (extensions->is_object() && extensions->contains(packed)) refusePacked(packed);
       normals_ = normals_ && attributes.contains("NORMAL");
       colors_ = colors_ || attributes.contains("COLOR_0");
       takeMaterial(primitive);
     });
-    byMaterial_ = byMaterial_ && !colors_;
-    if (textured_ > 0) mesh_.lost.push_back(fmt::format("the colours of textures of {}", counted(textured_, "part")));
+    if (textured_ > 0) mesh_.soup.textures = textures_.textures();
+    mesh_.lost.insert(mesh_.lost.end(), textures_.lost().begin(), textures_.lost().end());
+    if (untextured_ > 0)
+      mesh_.lost.push_back(fmt::format("the texture of {} without coordinates", counted(untextured_, "part")));
+    byMaterial_ = (byMaterial_ || !mesh_.soup.textures.empty()) && !colors_;
   }
 
   /// The material of a part of a mesh, without its textures; null without a material.
@@ -131,10 +126,18 @@ class GltfReader {
     const auto found = material.find("pbrMetallicRoughness");
     return found != material.end() && found->is_object() ? &*found : nullptr;
   }
+  /// The texture of a part that has coordinates for it.
+  std::optional<GltfTexture> textureOf(const Json& primitive) {
+    const Json* surface = surfaceOf(primitive);
+    if (points_ || !surface || !surface->contains("baseColorTexture")) return std::nullopt;
+    std::optional<GltfTexture> texture = textures_.of((*surface)["baseColorTexture"]);
+    return texture && primitive["attributes"].contains(texture->coordinates) ? texture : std::nullopt;
+  }
   /// Colours are those of materials unless they are all the same grey.
   void takeMaterial(const Json& primitive) {
     const Json* surface = surfaceOf(primitive);
-    if (surface && surface->contains("baseColorTexture")) ++textured_;
+    if (surface && surface->contains("baseColorTexture") && textures_.of((*surface)["baseColorTexture"]))
+      ++(textureOf(primitive) ? textured_ : untextured_);
     const auto color = colorOf(primitive);
     const bool isGrey = color[0] == color[1] && color[1] == color[2];
     byMaterial_ = byMaterial_ || !isGrey || (oneColor_ && *oneColor_ != color);
@@ -142,13 +145,14 @@ class GltfReader {
   }
   /// The base colour, which glTF stores in linear light.
   std::array<std::uint8_t, 4> colorOf(const Json& primitive) const {
-    const auto shown = [](double linear) {
-      return colorByte(linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055, 1);
-    };
+    const DVec3 linear = factorOf(primitive);
+    return {srgbByte(linear.x), srgbByte(linear.y), srgbByte(linear.z), 255};
+  }
+  DVec3 factorOf(const Json& primitive) const {
     const Json* surface = surfaceOf(primitive);
-    if (!surface) return {255, 255, 255, 255};
+    if (!surface) return DVec3(1);
     const std::vector<double> factor = numbersIn(*surface, "baseColorFactor", {1, 1, 1, 1});
-    return {shown(factor[0]), shown(factor[1]), shown(factor[2]), 255};
+    return {factor[0], factor[1], factor[2]};
   }
   bool isTaken(const Json& primitive) const {
     return points_ ? file_.whole(primitive, "mode", kTriangles) == kPoints : hasTriangles(primitive);
@@ -213,10 +217,9 @@ class GltfReader {
 
   /// Where EXT_mesh_gpu_instancing shows the mesh of a node, relative to it; once without it.
   std::vector<Placement> instancesOf(const Json& node) {
-    const auto extensions = node.find("extensions");
-    if (extensions == node.end() || !extensions->is_object() || !extensions->contains(kInstances)) return {{}};
-    const Json& extension = (*extensions)[kInstances];
-    const Json attributes = extension.is_object() ? extension.value("attributes", Json::object()) : Json::object();
+    const Json* extension = file_.extension(node, kInstances);
+    if (!extension) return {{}};
+    const Json attributes = extension->value("attributes", Json::object());
     if (!attributes.is_object()) file_.fail("\"attributes\" of instances are not an object");
     std::optional<GltfNumbers> shifts, turns, scales;
     std::size_t count = 0;
@@ -242,40 +245,58 @@ class GltfReader {
 
   void add(const Json& primitive, const Placement& here) {
     const Json attributes = attributesOf(primitive);
-    const std::size_t mode = file_.whole(primitive, "mode", kTriangles);
+    const std::size_t mode =
+        file_.extension(primitive, GltfParts::kDraco) ? kTriangles : file_.whole(primitive, "mode", kTriangles);
     if (!attributes.contains("POSITION")) file_.fail("a part of a mesh has no \"POSITION\"");
-    const GltfNumbers places = file_.numbers(attributes["POSITION"], {3});
+    const GltfNumbers places = parts_.attribute(primitive, "POSITION", {3});
+    const std::optional<GltfNumbers> indices = parts_.indices(primitive);
     if (!isTaken(primitive)) {
-      others_ += primitive.contains("indices") ? file_.numbers(primitive["indices"], {1}).count : places.count;
+      others_ += indices ? indices->count : places.count;
       return;
     }
     TriangleSoup& soup = mesh_.soup;
-    const std::size_t first = soup.corners.size();
+    const std::size_t first = soup.corners.size(), firstTriangle = soup.triangles.size();
     if (first + places.count > 0xffffffffu) file_.fail("more than 4,294,967,295 corners");
     for (std::size_t i = 0; i < places.count; ++i) soup.corners.push_back(here.turn * threeOf(places, i) + here.shift);
-    if (normals_) addNormals(numbersLike(places, attributes["NORMAL"], {3}), here.ofNormals());
+    if (normals_) addNormals(numbersLike(places, primitive, "NORMAL", {3}), here.ofNormals());
+    const std::optional<GltfTexture> texture = textureOf(primitive);
     if (colors_ && attributes.contains("COLOR_0"))
-      addColors(numbersLike(places, attributes["COLOR_0"], {3, 4}));
+      addColors(numbersLike(places, primitive, "COLOR_0", {3, 4}), texture.has_value(), factorOf(primitive));
     else if (colors_)
-      raw_.resize(soup.corners.size());
+      raw_.resize(soup.corners.size(), texture ? std::optional(shownLinear(factorOf(primitive))) : std::nullopt);
     if (byMaterial_) soup.colors.resize(soup.corners.size(), colorOf(primitive));
     if (points_) return;
-    if (primitive.contains("indices")) {
-      const GltfNumbers indices = file_.numbers(primitive["indices"], {1});
-      if (indices.kind != 5121 && indices.kind != 5123 && indices.kind != 5125)
+    if (indices) {
+      if (indices->kind != 5121 && indices->kind != 5123 && indices->kind != 5125)
         file_.fail("data of corners have a type that is not allowed for them");
-      addTriangles(indices.count, mode, here.isMirrored(), first, places.count,
-                   [&](std::size_t k) { return indices.index(k); });
+      addTriangles(indices->count, mode, here.isMirrored(), first, places.count,
+                   [&](std::size_t k) { return indices->index(k); });
     } else {
       addTriangles(places.count, mode, here.isMirrored(), first, places.count,
                    [](std::size_t k) { return static_cast<std::uint32_t>(k); });
     }
+    if (soup.textures.empty()) return;
+    soup.textured.resize(soup.triangles.size());
+    if (texture)
+      addCoordinates(numbersLike(places, primitive, texture->coordinates.c_str(), {2}), *texture, first, firstTriangle);
   }
 
-  GltfNumbers numbersLike(const GltfNumbers& places, const Json& accessor, std::initializer_list<unsigned> perElement) {
-    const GltfNumbers numbers = file_.numbers(accessor, perElement);
+  void addCoordinates(const GltfNumbers& uv, const GltfTexture& texture, std::size_t first, std::size_t firstTriangle) {
+    TriangleSoup& soup = mesh_.soup;
+    for (std::size_t t = firstTriangle; t < soup.triangles.size(); ++t) {
+      soup.textured[t].texture = texture.number;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t i = soup.triangles[t][k] - first;
+        soup.textured[t].uv[k] = texture.transformed({uv.number(i, 0), uv.number(i, 1)});
+      }
+    }
+  }
+
+  GltfNumbers numbersLike(const GltfNumbers& places, const Json& primitive, const char* name,
+                          std::initializer_list<unsigned> perElement) {
+    const GltfNumbers numbers = parts_.attribute(primitive, name, perElement);
     if (numbers.count != places.count)
-      file_.fail(fmt::format("{} normals or colours of {}", numbers.count, counted(places.count, "corner")));
+      file_.fail(fmt::format("{} values of {} of {}", numbers.count, name, counted(places.count, "corner")));
     return numbers;
   }
   static DVec3 threeOf(const GltfNumbers& numbers, std::size_t i) {
@@ -284,9 +305,16 @@ class GltfReader {
   void addNormals(const GltfNumbers& normals, const DMat3& turn) {
     for (std::size_t i = 0; i < normals.count; ++i) mesh_.soup.normals.emplace_back(turn * threeOf(normals, i));
   }
-  void addColors(const GltfNumbers& colors) {
+  /// `factor`: of a textured part, which multiplies them in linear light; others are shown as they are.
+  void addColors(const GltfNumbers& colors, bool textured, const DVec3& factor) {
     const double full = colors.normalized || colors.kind == kFloat ? 1 : colors.kind == kByte ? 255 : 65535;
-    for (std::size_t i = 0; i < colors.count; ++i) raw_.emplace_back(threeOf(colors, i) / full);
+    for (std::size_t i = 0; i < colors.count; ++i) {
+      const DVec3 color = threeOf(colors, i) / full;
+      raw_.emplace_back(textured ? shownLinear(color * factor) : color);
+    }
+  }
+  static DVec3 shownLinear(const DVec3& linear) {
+    return DVec3(srgbByte(linear.x), srgbByte(linear.y), srgbByte(linear.z)) / 255.0;
   }
   /// Corners without a colour become white if others have one.
   void settleColors() {
@@ -316,17 +344,18 @@ class GltfReader {
   static constexpr std::size_t kPoints = 0, kTriangles = 4, kStrip = 5, kFan = 6;  // numbers of glTF
   static constexpr unsigned kByte = 5121, kFloat = 5126;
   static constexpr const char *kInstances = "EXT_mesh_gpu_instancing", *kGaussians = "KHR_gaussian_splatting";
-  static constexpr std::array<std::string_view, 3> kKnown{kInstances, "KHR_mesh_quantization", kGaussians};
-  static constexpr std::array<const char*, 2> kPacked{"KHR_draco_mesh_compression", "EXT_meshopt_compression"};
+  static constexpr std::array<std::string_view, 5> kKnown{kInstances, "KHR_mesh_quantization", kGaussians,
+                                                          "KHR_draco_mesh_compression", "EXT_meshopt_compression"};
 
   GltfFile file_;
+  GltfParts parts_;
+  GltfTextures textures_;
   ImportedMesh mesh_;
   std::vector<bool> shown_;
   bool points_ = true, normals_ = true, colors_ = false, byMaterial_ = false;
   std::optional<std::array<std::uint8_t, 4>> oneColor_;  // of the materials so far
-  std::size_t textured_ = 0;                             // parts with a texture
   std::vector<std::optional<DVec3>> raw_;                // colours of corners
-  std::size_t others_ = 0;
+  std::size_t others_ = 0, textured_ = 0, untextured_ = 0;
 };
 
 }  // namespace

@@ -38,6 +38,11 @@ class MeshLines {
   }
   /// Valid until the next call of next().
   const std::vector<std::string_view>& words() const { return words_; }
+  /// The line from word `k` on; empty if there is none.
+  std::string behind(std::size_t k) const {
+    if (k >= words_.size()) return {};
+    return {words_[k].data(), words_.back().data() + words_.back().size()};
+  }
   double number(std::size_t k, std::string_view what) const {
     if (k >= words_.size()) fail(fmt::format("the line ends where {} should be", what));
     const auto value = textNumber<double>(words_[k]);

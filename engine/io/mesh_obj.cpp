@@ -10,6 +10,7 @@
 #include "engine/io/color_scale.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_lines.hpp"
+#include "engine/io/obj_materials.hpp"
 #include "engine/io/polygon.hpp"
 
 namespace palpate {
@@ -27,10 +28,12 @@ class ObjReader {
         vertex();
       } else if (word == "vn") {
         normals_.emplace_back(lines_.three(1, "a normal"));
+      } else if (word == "vt") {
+        uv_.push_back(coordinates());
       } else if (word == "f" || word == "fo") {
         face();
       } else if (word == "usemtl") {
-        current_ = materialNamed(rest());
+        current_ = materialNamed(lines_.behind(1));
       } else if (word == "mtllib") {
         library();
       } else if (word == kPaint) {
@@ -49,12 +52,13 @@ class ObjReader {
   }
 
  private:
+  static constexpr std::uint32_t kNone = 0xffffffff;
   static constexpr std::string_view kPaint = "#MRGB";  // polypaint of ZBrush, in comments
   static constexpr std::string_view kFreeForms[] = {"curv", "curv2", "surf"};
   static constexpr std::string_view kPassedOver[] = {
-      "vt",       "vp",       "o",          "g",         "s",     "mg",    "usemap", "maplib", "bevel", "lod",
-      "c_interp", "d_interp", "shadow_obj", "trace_obj", "ctech", "stech", "cstype", "deg",    "bmat",  "step",
-      "parm",     "trim",     "hole",       "scrv",      "sp",    "end",   "con",    "call"};
+      "vp",       "o",        "g",          "s",         "mg",    "usemap", "maplib", "bevel", "lod",
+      "c_interp", "d_interp", "shadow_obj", "trace_obj", "ctech", "stech",  "cstype", "deg",   "bmat",
+      "step",     "parm",     "trim",       "hole",      "scrv",  "sp",     "end",    "con",   "call"};
 
   static bool isOneOf(std::string_view word, std::span<const std::string_view> words) {
     return std::ranges::find(words, word) != words.end();
@@ -70,29 +74,23 @@ class ObjReader {
     colors_.emplace_back(lines_.three(4, "a colour"));
   }
 
-  struct Material {
-    std::string name, texture;
-    std::optional<DVec3> color;  // 0 to 1
-    bool isUsed = false;
-  };
-
-  /// The line behind its first word.
-  std::string rest() const {
-    const auto& words = lines_.words();
-    return words.size() < 2 ? std::string()
-                            : std::string(words[1].data(), words.back().data() + words.back().size() - words[1].data());
+  /// Coordinates of a texture; one that is missing or not a number is 0.
+  Vec2 coordinates() const {
+    Vec2 uv(0);
+    for (std::size_t k = 0; k < 2 && k + 1 < lines_.words().size(); ++k)
+      uv[static_cast<int>(k)] = textNumber<float>(lines_.words()[k + 1]).value_or(0);
+    return uv;
   }
 
   std::size_t materialNamed(const std::string& name) {
-    const auto found = std::ranges::find(materials_, name, &Material::name);
+    const auto found = std::ranges::find(materials_, name, &ObjMaterial::name);
     const auto index = static_cast<std::size_t>(found - materials_.begin());
     if (found == materials_.end()) materials_.push_back({.name = name});
     return index;
   }
 
-  /// Reads colours and names of textures from a file of materials.
   void library() {
-    std::string name = rest();
+    std::string name = lines_.behind(1);
     std::ranges::replace(name, '\\', '/');
     std::error_code ignored;
     const std::filesystem::path file = folder_ / name;
@@ -100,19 +98,12 @@ class ObjReader {
       missing_ = name;
       return;
     }
-    MeshLines lines(file);
-    Material* material = nullptr;
-    while (lines.next()) {
-      const auto& words = lines.words();
-      if (words.front() == "newmtl")
-        material = &materials_[materialNamed(
-            words.size() < 2
-                ? std::string()
-                : std::string(words[1].data(), words.back().data() + words.back().size() - words[1].data()))];
-      else if (words.front() == "Kd" && material && words.size() >= 4 && textNumber<double>(words[1]))
-        material->color = lines.three(1, "a colour");
-      else if (words.front() == "map_Kd" && material)
-        material->texture = words.back();
+    for (ObjMaterial& material : readObjMaterials(file)) {
+      ObjMaterial& known = materials_[materialNamed(material.name)];
+      if (material.color) known.color = material.color;
+      if (!material.texture) continue;
+      known.texture = std::move(material.texture);
+      known.scale = material.scale, known.shift = material.shift;
     }
   }
 
@@ -138,16 +129,27 @@ class ObjReader {
     return static_cast<std::uint32_t>(index);
   }
 
+  /// As referred(); kNone if there is no such coordinate, as some programs write.
+  std::uint32_t referredUv(std::string_view text) const {
+    const std::int64_t number = textNumber<std::int64_t>(text).value_or(0);
+    const auto count = static_cast<std::int64_t>(uv_.size());
+    const std::int64_t index = number < 0 ? number + count : number - 1;
+    return index < 0 || index >= count ? kNone : static_cast<std::uint32_t>(index);
+  }
+
   void face() {
     polygon_.clear();
     normalsOf_.clear();
+    uvOf_.clear();
     for (std::size_t k = 1; k < lines_.words().size(); ++k) {
       const std::string_view word = lines_.words()[k];
       const std::size_t first = word.find('/');
       polygon_.push_back(referred(word.substr(0, first), places_.size(), "corner"));
       const std::size_t second = first == word.npos ? first : word.find('/', first + 1);
-      if (second != word.npos && second + 1 < word.size())
-        normalsOf_.push_back(referred(word.substr(second + 1), normals_.size(), "normal"));
+      uvOf_.push_back(first == word.npos ? kNone : referredUv(word.substr(first + 1, second - first - 1)));
+      const std::string_view normal = second == word.npos ? std::string_view() : word.substr(second + 1);
+      if (!normal.empty() && normal != "0")  // both are written for a missing one
+        normalsOf_.push_back(referred(normal, normals_.size(), "normal"));
     }
     if (polygon_.size() < 3) {
       ++others_;
@@ -162,6 +164,10 @@ class ObjReader {
     for (const auto& [a, b, c] : local_) {
       mesh_.soup.triangles.push_back({polygon_[a], polygon_[b], polygon_[c]});
       materialOf_.push_back(static_cast<std::uint32_t>(current_));
+      if (!uv_.empty()) {
+        cornerUv_.resize(mesh_.soup.triangles.size() - 1, {kNone, kNone, kNone});
+        cornerUv_.push_back({uvOf_[a], uvOf_[b], uvOf_[c]});
+      }
       if (facing_) cornerNormals_.insert(cornerNormals_.end(), {normalsOf_[a], normalsOf_[b], normalsOf_[c]});
     }
   }
@@ -199,29 +205,62 @@ class ObjReader {
     return cornerColors(colors_, false, bytes_);
   }
 
-  /// Whether colours are those of materials: if corners have none, and they are not all the same grey. Names the
-  /// textures of materials in use.
+  /// Whether colours are those of materials: if corners have none, and they are not all the same grey.
   bool settleMaterials() {
     for (const std::uint32_t material : materialOf_)
       if (material < materials_.size()) materials_[material].isUsed = true;
-    if (!missing_.empty() && std::ranges::any_of(materials_, &Material::isUsed))
+    if (!missing_.empty() && std::ranges::any_of(materials_, &ObjMaterial::isUsed))
       mesh_.lost.push_back(fmt::format("the materials of {}, which is missing", inQuotes(missing_)));
-    std::size_t textures = 0;
-    std::string texture;
+    const bool haveColors = !bytes_.empty() || !colors_.empty();
     std::optional<DVec3> one;
     bool anyColor = false;
-    for (const Material& material : materials_) {
+    for (ObjMaterial& material : materials_) {
       if (!material.isUsed) continue;
-      if (!material.texture.empty() && textures++ == 0) texture = material.texture;
-      const DVec3 color = material.color.value_or(DVec3(1));
+      if (material.texture) addTexture(material, haveColors);
+      const DVec3 color = material.shown();
       anyColor = anyColor || color.x != color.y || color.y != color.z || (one && *one != color);
       one = color;
     }
-    if (textures > 0)
-      mesh_.lost.push_back(textures == 1
-                               ? fmt::format("the colours of the texture {}", inQuotes(texture))
-                               : fmt::format("the colours of {} textures, as {}", textures, inQuotes(texture)));
-    return anyColor && bytes_.empty() && colors_.empty();
+    if (!mesh_.soup.textures.empty()) settleTextures();
+    return anyColor && !haveColors;
+  }
+
+  void addTexture(ObjMaterial& material, bool haveColors) {
+    if (haveColors) {
+      mesh_.lost.push_back(lostTexture(material.texture->name, "corners have colours"));
+    } else {
+      std::vector<Texture>& textures = mesh_.soup.textures;
+      const auto same = std::ranges::find_if(textures, [&](const Texture& known) {
+        return known.file == material.texture->file && known.wrapU == material.texture->wrapU;
+      });
+      material.number = static_cast<std::uint32_t>(same - textures.begin());
+      if (same == textures.end()) textures.push_back(*material.texture);
+    }
+  }
+
+  /// Triangles without coordinates have the colour of their material alone.
+  void settleTextures() {
+    TriangleSoup& soup = mesh_.soup;
+    cornerUv_.resize(soup.triangles.size(), {kNone, kNone, kNone});
+    soup.textured.resize(soup.triangles.size());
+    std::size_t without = 0;
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+      const ObjMaterial* material = materialOf_[t] < materials_.size() ? &materials_[materialOf_[t]] : nullptr;
+      if (!material || material->number == kNoTexture) continue;
+      if (std::ranges::count(cornerUv_[t], kNone) > 0) {
+        ++without;
+        continue;
+      }
+      soup.textured[t].texture = material->number;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2 uv = uv_[cornerUv_[t][k]] * material->scale + material->shift;
+        soup.textured[t].uv[k] = {uv.x, 1 - uv.y};  // OBJ counts v from the bottom
+      }
+    }
+    if (std::ranges::all_of(soup.textured, [](const auto& corners) { return corners.texture == kNoTexture; }))
+      soup.textures.clear(), soup.textured.clear();
+    if (without > 0)
+      mesh_.lost.push_back(fmt::format("the texture of {} without coordinates", counted(without, "triangle")));
   }
 
   struct Corner {
@@ -257,7 +296,7 @@ class ObjReader {
   }
 
   std::array<std::uint8_t, 4> colorOf(std::size_t material) const {
-    const DVec3 color = material < materials_.size() ? materials_[material].color.value_or(DVec3(1)) : DVec3(1);
+    const DVec3 color = material < materials_.size() ? materials_[material].shown() : DVec3(1);
     return {colorByte(color.x, 1), colorByte(color.y, 1), colorByte(color.z, 1), 255};
   }
 
@@ -268,12 +307,14 @@ class ObjReader {
   std::vector<Vec3> normals_;
   std::vector<std::optional<DVec3>> colors_;        // by position, up to the last one that has a colour
   std::vector<std::array<std::uint8_t, 4>> bytes_;  // the same for all positions, once complete
-  std::vector<std::uint32_t> polygon_, normalsOf_;  // of the current face
+  std::vector<Vec2> uv_;
+  std::vector<std::uint32_t> polygon_, normalsOf_, uvOf_;  // of the current face
   std::vector<DVec3> around_;
   std::vector<std::array<std::uint32_t, 3>> local_;
-  std::vector<std::uint32_t> cornerNormals_;  // three for each triangle, as long as all have normals
+  std::vector<std::uint32_t> cornerNormals_;            // three for each triangle, as long as all have normals
+  std::vector<std::array<std::uint32_t, 3>> cornerUv_;  // by triangle, up to the last face that has coordinates
   bool facing_ = true;
-  std::vector<Material> materials_;
+  std::vector<ObjMaterial> materials_;
   std::string missing_;                    // file of materials
   std::size_t current_ = 0xffffffffu;      // index of the material in use; none at first
   std::vector<std::uint32_t> materialOf_;  // by triangle

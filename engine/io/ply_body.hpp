@@ -1,7 +1,7 @@
 // The body of a PLY file, one pair of functions per family of encodings. All throw FileError with the location.
 #pragma once
 
-#include <string>
+#include <string_view>
 
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/ply_faces.hpp"
@@ -17,6 +17,9 @@ void readPlyBody(ChunkedFile& file, const PlyInfo& info, PlyRowSink& vertices, P
 
 void readBinaryVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyRowSink& vertices);
 void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyRowSink& vertices);
+
+/// Property of a face: the number of its texture.
+inline constexpr std::string_view kTextureNumber = "texnumber";
 
 /// Skips an element other than `vertex`; passes its polygons to `faces` if it is not null.
 void passBinaryElement(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyFaces* faces);

@@ -127,12 +127,21 @@ void passAsciiElement(ChunkedFile& file, const PlyElement& element, PlyFaces* fa
   checkAsciiPromise(file, element);
   if (element.properties.empty()) return;
   const PlyProperty* indices = faces ? PlyFaces::indexList(element) : nullptr;
+  const PlyProperty* uv = indices && faces->collectsCoordinates() ? PlyFaces::coordinateList(element) : nullptr;
   AsciiRows walk(file, element);
   std::vector<std::int64_t> items;
+  std::vector<double> coordinates;
   for (std::uint64_t row = 0; row < element.count; ++row) {
     walk.nextRow(row);
+    std::uint32_t texture = 0;
     for (const PlyProperty& property : element.properties) {
-      if (&property == indices) {
+      if (&property == uv) {
+        coordinates.clear();
+        for (std::uint64_t left = walk.listLength(property); left > 0; --left)
+          coordinates.push_back(walk.number<double>(property));
+      } else if (uv && property.name == kTextureNumber && !property.isList) {
+        texture = walk.number<std::uint32_t>(property);
+      } else if (&property == indices) {
         items.clear();
         for (std::uint64_t left = walk.listLength(property); left > 0; --left)
           items.push_back(walk.number<std::int64_t>(property));
@@ -143,6 +152,7 @@ void passAsciiElement(ChunkedFile& file, const PlyElement& element, PlyFaces* fa
         walk.word(property);
       }
     }
+    if (uv) faces->addCoordinates(items, coordinates, texture);
   }
 }
 

@@ -34,9 +34,7 @@ class BinaryRows {
   /// Reads the length of a list and checks it against the remaining size of the file.
   std::uint64_t listLength(const PlyProperty& property, std::uint64_t row) {
     const std::uint64_t offset = file_.offset();
-    std::byte raw[8];
-    scalar({property.name, property.countType, false, property.countType}, row, raw);
-    const std::int64_t length = integer(property.countType, raw);
+    const auto length = readNumber<std::int64_t>({property.name, property.countType, false, property.countType}, row);
     if (length < 0)
       fail(offset, fmt::format("{} {}: list '{}' has {} items", element_.name, row + 1, property.name, length));
     const auto left = file_.remaining();
@@ -54,19 +52,25 @@ class BinaryRows {
     if (!file_.skip(length * sizeOf(property.type))) failAtEnd(row);
   }
 
-  void readList(const PlyProperty& property, std::uint64_t row, std::vector<std::int64_t>& items) {
+  template <class Number>
+  void readList(const PlyProperty& property, std::uint64_t row, std::vector<Number>& items) {
     items.clear();
-    for (std::uint64_t left = listLength(property, row); left > 0; --left) {
-      std::byte raw[8];
-      scalar(property, row, raw);
-      items.push_back(integer(property.type, raw));
-    }
+    for (std::uint64_t left = listLength(property, row); left > 0; --left)
+      items.push_back(readNumber<Number>(property, row));
+  }
+
+  template <class Number>
+  Number readNumber(const PlyProperty& property, std::uint64_t row) {
+    std::byte raw[8];
+    scalar(property, row, raw);
+    return number<Number>(property.type, raw);
   }
 
  private:
-  std::int64_t integer(ScalarType type, const std::byte* raw) const {
+  template <class Number>
+  Number number(ScalarType type, const std::byte* raw) const {
     return visitScalar(type, [&]<class T>(std::type_identity<T>) {
-      return static_cast<std::int64_t>(swapBytes_ ? loadScalar<T, true>(raw) : loadScalar<T>(raw));
+      return static_cast<Number>(swapBytes_ ? loadScalar<T, true>(raw) : loadScalar<T>(raw));
     });
   }
 
@@ -153,11 +157,18 @@ void passBinaryElement(ChunkedFile& file, const PlyElement& element, bool swapBy
     return;
   }
   const PlyProperty* indices = faces ? PlyFaces::indexList(element) : nullptr;
+  const PlyProperty* uv = indices && faces->collectsCoordinates() ? PlyFaces::coordinateList(element) : nullptr;
   std::vector<std::int64_t> items;
+  std::vector<double> coordinates;
   for (std::uint64_t row = 0; row < element.count; ++row) {
     const std::uint64_t offset = file.offset();
+    std::uint32_t texture = 0;
     for (const PlyProperty& property : element.properties) {
-      if (&property == indices) {
+      if (&property == uv) {
+        walk.readList(property, row, coordinates);
+      } else if (uv && property.name == kTextureNumber && !property.isList) {
+        texture = static_cast<std::uint32_t>(walk.readNumber<std::int64_t>(property, row));
+      } else if (&property == indices) {
         walk.readList(property, row, items);
         if (const auto wrong = faces->add(items, element.name == "tristrips")) walk.fail(offset, *wrong);
       } else if (property.isList) {
@@ -166,6 +177,7 @@ void passBinaryElement(ChunkedFile& file, const PlyElement& element, bool swapBy
         walk.scalar(property, row, nullptr);
       }
     }
+    if (uv) faces->addCoordinates(items, coordinates, texture);
   }
 }
 

@@ -17,6 +17,35 @@ const PlyProperty* PlyFaces::indexList(const PlyElement& element) {
   return nullptr;
 }
 
+const PlyProperty* PlyFaces::coordinateList(const PlyElement& element) {
+  const auto found = std::ranges::find(element.properties, "texcoord", &PlyProperty::name);
+  return element.name == "face" && found != element.properties.end() && found->isList ? &*found : nullptr;
+}
+
+void PlyFaces::addCoordinates(std::span<const std::int64_t> indices, std::span<const double> numbers,
+                              std::uint32_t texture) {
+  if (numbers.size() != 2 * indices.size()) return;  // MeshLab writes an empty list for a face without a texture
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const auto row = static_cast<std::size_t>(indices[k]);
+    if (row >= spots_->size()) spots_->resize(row + 1);
+    TextureSpot& spot = (*spots_)[row];
+    if (spot.texture == kNoTexture) spot = {texture, Vec2(DVec2(numbers[2 * k], numbers[2 * k + 1]))};
+  }
+}
+
+std::vector<TextureSpot> PlyFaces::spots(std::span<const std::uint64_t> leftOut) const {
+  std::vector<TextureSpot> kept;
+  if (!spots_ || spots_->empty()) return kept;
+  auto gone = leftOut.begin();
+  for (std::uint64_t row = 0; row < vertexCount_; ++row) {
+    if (gone != leftOut.end() && *gone == row)
+      ++gone;
+    else
+      kept.push_back(row < spots_->size() ? (*spots_)[row] : TextureSpot{});
+  }
+  return kept;
+}
+
 std::optional<std::string> PlyFaces::add(std::span<const std::int64_t> indices, bool isStrip) {
   for (const std::int64_t index : indices) {
     if (isStrip && index == -1) continue;

@@ -11,6 +11,7 @@
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/log.hpp"
 #include "engine/io/ply_header.hpp"
+#include "engine/io/texture.hpp"
 
 namespace palpate {
 
@@ -21,6 +22,17 @@ class PlyFaces {
 
   /// The list of `element` that contains vertex indices; null if there is none.
   static const PlyProperty* indexList(const PlyElement& element);
+
+  /// The list of `element` that contains two texture coordinates of each corner; null if there is none.
+  static const PlyProperty* coordinateList(const PlyElement& element);
+
+  /// Also collects texture coordinates of faces, each vertex those of its first face.
+  void collectCoordinates() { spots_.emplace(); }
+  bool collectsCoordinates() const { return spots_.has_value(); }
+  /// `numbers`: of a polygon that was added; `texture`: its number.
+  void addCoordinates(std::span<const std::int64_t> indices, std::span<const double> numbers, std::uint32_t texture);
+  /// By point, without the vertices left out, ascending. Empty if no face had coordinates.
+  std::vector<TextureSpot> spots(std::span<const std::uint64_t> leftOut) const;
 
   /// Adds a polygon, or a row of strips in which -1 starts a new one. Returns an error message for an invalid index.
   std::optional<std::string> add(std::span<const std::int64_t> indices, bool isStrip);
@@ -50,6 +62,7 @@ class PlyFaces {
   std::uint64_t vertexCount_;
   std::vector<Polygon> polygons_;  // of more than three corners
   std::vector<std::array<std::uint64_t, 3>> triangles_;
+  std::optional<std::vector<TextureSpot>> spots_;  // by vertex, up to the last one that has coordinates
 };
 
 }  // namespace palpate

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "engine/core/counted.hpp"
-#include "engine/io/in_quotes.hpp"
 #include "engine/io/ply_faces.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "engine/io/ply_writer.hpp"
@@ -26,19 +25,14 @@ void nameLostOf(const PlyElement& element, std::vector<std::string>& lost) {
 std::vector<std::string> lostByReading(const PlyInfo& info, const StoredCloud& stored) {
   std::vector<std::string> lost;
   std::uint64_t faces = 0;
-  const std::size_t known = stored.lost.size();
   for (const PlyElement& element : info.elements) {
     nameLostOf(element, lost);
     if (PlyFaces::indexList(element)) faces += element.count;
   }
-  if (faces != stored.triangles.size() && known == 0)
+  if (faces != stored.triangles.size() && stored.leftOutRows.empty())
     lost.push_back(fmt::format("the outlines of {}, which become {}", counted(faces, "face"),
                                counted(stored.triangles.size(), "triangle")));
   const StoredAs& as = stored.cloud.storedAs;
-  constexpr std::string_view kTexture = "comment TextureFile ";  // as MeshLab writes it
-  for (const std::string& comment : as.comments)
-    if (comment.starts_with(kTexture))
-      lost.push_back(fmt::format("the colours of the texture {}", inQuotes(comment.substr(kTexture.size()))));
   if (stored.cloud.hasColors() && as.color != ScalarType::u8) lost.emplace_back("colours finer than 8 bits a channel");
   if (stored.cloud.hasNormals() && as.normal == ScalarType::f64)
     lost.emplace_back("normals finer than single precision");

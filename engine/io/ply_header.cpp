@@ -133,8 +133,7 @@ void checkMagic(ChunkedFile& file) {
   }
   const std::string_view firstLine = text.substr(0, text.find_first_of("\r\n"));
   if (firstLine.substr(0, firstLine.find_last_not_of(kBlank) + 1) != "ply") {
-    throw FileError::atLine(file.path(), 1,
-                            fmt::format("its first line is {}; that of a PLY file is 'ply'", inQuotes(firstLine)));
+    throw FileError(file.path(), "is not a PLY file");
   }
 }
 

@@ -1,10 +1,12 @@
 #include "engine/io/ply_reader.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/ply_body.hpp"
+#include "engine/io/ply_textures.hpp"
 #include "engine/io/ply_vertices.hpp"
 
 namespace palpate {
@@ -39,7 +41,12 @@ PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions o
   }
   PlyVertices vertices(path, *vertex, log);
   std::optional<PlyFaces> faces;
-  if (options.normalsFromFaces || options.triangles) faces.emplace(vertex->count);
+  const std::vector<Texture> textures = texturesOf(info, path);
+  const bool coordinates = !textures.empty() && std::ranges::any_of(info.elements, [](const PlyElement& element) {
+    return PlyFaces::coordinateList(element) != nullptr;
+  });
+  if (options.normalsFromFaces || options.triangles || coordinates) faces.emplace(vertex->count);
+  if (coordinates) faces->collectCoordinates();
   readPlyBody(file, info, vertices, faces ? &*faces : nullptr, log);
   if (log && !options.info) remarkOnLostElements(info, path, log);
 
@@ -52,6 +59,12 @@ PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions o
     *options.lost = vertices.lost();
     if (gone > 0) options.lost->push_back(fmt::format("{} of points that are left out", counted(gone, "triangle")));
   }
+  if (!textures.empty())
+    for (std::string& what :
+         colorByTextures(cloud, textures, faces ? faces->spots(vertices.leftOut()) : std::vector<TextureSpot>())) {
+      if (log && !options.info) log->warn("{}: not kept: {}", path.filename().string(), what);
+      if (options.lost) options.lost->push_back(std::move(what));
+    }
   if (options.normalsFromFaces) faces->applyTo(cloud, path, log);
   if (options.triangles)
     for (const auto& [a, b, c] : faces->triangles())

@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 
 #include "engine/cloud/normals.hpp"
+#include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/color_scale.hpp"
@@ -285,7 +286,7 @@ void PlyVertices::placeOrigin() {
   if (exact.empty()) return;
   Bounds box{exact.front(), exact.front()};
   for (const DVec3& p : exact) box = {glm::min(box.min, p), glm::max(box.max, p)};
-  cloud_.origin = originFor(box);
+  cloud_.origin = originOf(exact.size(), box, [&](std::size_t i) { return exact[i]; });
   cloud_.positions.resize(exact.size());
   bool lossless = true;
   for (std::size_t i = 0; i < exact.size(); ++i) {

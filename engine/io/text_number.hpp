@@ -22,14 +22,14 @@ T beyondRange(std::string_view text) {
   return tiny ? T{0} : std::copysign(std::numeric_limits<T>::infinity(), text[0] == '-' ? T{-1} : T{1});
 }
 
-/// Parses NaN and infinity as Windows programs wrote them before 2015.
+/// Parses NaN and infinity as Windows programs wrote them before 2015: 1.#INF, -1.#IND00, 1.#QNAN, and rounded to few
+/// digits as 1.#J or 1.#R, which counts as NaN.
 template <class T>
 std::optional<T> oldWindowsNumber(std::string_view text) {
-  if (text.find("#IND") != text.npos || text.find("#QNAN") != text.npos || text.find("#SNAN") != text.npos)
-    return std::numeric_limits<T>::quiet_NaN();
-  if (text.find("#INF") != text.npos)
-    return std::copysign(std::numeric_limits<T>::infinity(), text[0] == '-' ? T{-1} : T{1});
-  return std::nullopt;
+  const bool isNegative = text.starts_with('-');
+  if (!text.substr(isNegative).starts_with("1.#")) return std::nullopt;
+  if (text.find("#INF") == text.npos) return std::numeric_limits<T>::quiet_NaN();
+  return std::copysign(std::numeric_limits<T>::infinity(), isNegative ? T{-1} : T{1});
 }
 
 /// All of `text` as one number, optionally with a plus sign; nothing if it is invalid, or an integer is out of range.

@@ -93,6 +93,23 @@ Vec3 normalAt(const TriangleSoup& soup, const Spot& spot) {
   return Vec3(glm::normalize(glm::cross(soup.corners[corners[1]] - a, soup.corners[corners[2]] - a)));
 }
 
+TextureSpot textureAt(const TriangleSoup& soup, const Spot& spot) {
+  const auto& [texture, uv] = soup.textured[spot.triangle];
+  const DVec2 at = spot.shares[0] * DVec2(uv[0]) + spot.shares[1] * DVec2(uv[1]) + spot.shares[2] * DVec2(uv[2]);
+  return {texture, Vec2(at)};
+}
+
+/// As multiplyByTextures(); colours that were missing before are removed again if no texture can be read.
+template <class Colors>
+std::vector<std::string> multiplied(const TriangleSoup& soup, std::span<const TextureSpot> spots, Colors& colors,
+                                    unsigned threads) {
+  const bool hadColors = !soup.colors.empty();
+  if (!hadColors) colors.assign(spots.size(), Rgba{255, 255, 255, 255});
+  std::vector<std::string> lost = multiplyByTextures(soup.textures, spots, colors, threads);
+  if (!hadColors && lost.size() == soup.textures.size()) colors.clear();
+  return lost;
+}
+
 std::array<std::uint8_t, 4> colorAt(const TriangleSoup& soup, const Spot& spot) {
   const auto& corners = soup.triangles[spot.triangle];
   std::array<std::uint8_t, 4> color{};
@@ -125,11 +142,30 @@ BadCorners leaveOutBadCorners(TriangleSoup& soup) {
   soup.corners.resize(kept);
   if (!soup.normals.empty()) soup.normals.resize(kept);
   if (!soup.colors.empty()) soup.colors.resize(kept);
-  bad.triangles = std::erase_if(soup.triangles, [&](std::array<std::uint32_t, 3>& triangle) {
+  std::size_t left = 0;
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+    std::array<std::uint32_t, 3> triangle = soup.triangles[t];
     for (std::uint32_t& corner : triangle) corner = numbers[corner];
-    return std::ranges::count(triangle, kGone) > 0;
-  });
+    if (std::ranges::count(triangle, kGone) > 0) continue;
+    soup.triangles[left] = triangle;
+    if (!soup.textured.empty()) soup.textured[left] = soup.textured[t];
+    ++left;
+  }
+  bad.triangles = soup.triangles.size() - left;
+  soup.triangles.resize(left);
+  if (!soup.textured.empty()) soup.textured.resize(left);
   return bad;
+}
+
+std::vector<std::string> colorCorners(TriangleSoup& soup) {
+  if (soup.textures.empty()) return {};
+  std::vector<TextureSpot> spots(soup.corners.size());
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      TextureSpot& spot = spots[soup.triangles[t][k]];
+      if (spot.texture == kNoTexture) spot = {soup.textured[t].texture, soup.textured[t].uv[k]};
+    }
+  return multiplied(soup, spots, soup.colors, 0);
 }
 
 SampledSoup sampleSoup(const TriangleSoup& soup, std::size_t count, std::uint64_t seed, unsigned threads) {
@@ -148,6 +184,7 @@ SampledSoup sampleSoup(const TriangleSoup& soup, std::size_t count, std::uint64_
   cloud.positions.resize(count);
   cloud.normals.resize(count);
   if (!soup.colors.empty()) cloud.colors.resize(count);
+  std::vector<TextureSpot> spots(soup.textures.empty() ? 0 : count);
   parallelFor(count, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Spot spot = spotOf(areas, i, count, seed);
@@ -158,8 +195,10 @@ SampledSoup sampleSoup(const TriangleSoup& soup, std::size_t count, std::uint64_
       cloud.positions[i] = Vec3(place);
       cloud.normals[i] = normalAt(soup, spot);
       if (!soup.colors.empty()) cloud.colors[i] = colorAt(soup, spot);
+      if (!spots.empty()) spots[i] = textureAt(soup, spot);
     }
   });
+  if (!spots.empty()) result.lost = multiplied(soup, spots, cloud.colors, threads);
   return result;
 }
 

@@ -3,18 +3,27 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/io/texture.hpp"
 
 namespace palpate {
 
 /// Triangles index corners; normals and colours are per corner if all corners have them, else empty. No connectivity.
 struct TriangleSoup {
+  struct TexturedCorners {
+    std::uint32_t texture = kNoTexture;
+    std::array<Vec2, 3> uv{};  ///< as in TextureSpot
+  };
+
   std::vector<DVec3> corners;
   std::vector<Vec3> normals;                        ///< of any length
   std::vector<std::array<std::uint8_t, 4>> colors;  ///< RGBA
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<Texture> textures;          ///< multiply the colours, or white
+  std::vector<TexturedCorners> textured;  ///< by triangle, if there are textures
 };
 
 /// Number of each that were removed.
@@ -24,9 +33,14 @@ struct BadCorners {
 /// Removes corners without finite coordinates below 1e30, and their triangles.
 BadCorners leaveOutBadCorners(TriangleSoup& soup);
 
+/// Multiplies the colours of corners by the textures, at the coordinates of the first triangle of each corner. Returns
+/// the textures that could not be read; if no texture could be, and corners had no colours, they still have none.
+std::vector<std::string> colorCorners(TriangleSoup& soup);
+
 struct SampledSoup {
-  PointCloud cloud;      ///< with normals, and colours if the corners have them
-  std::size_t flat = 0;  ///< triangles left out because they have no area
+  PointCloud cloud;               ///< with normals, and colours if the corners or their textures have them
+  std::size_t flat = 0;           ///< triangles left out because they have no area
+  std::vector<std::string> lost;  ///< textures that could not be read
 };
 
 /// Samples `count` points, distributed evenly by area: equal areas have the same number of points (differing by at most

@@ -1,5 +1,6 @@
 #include "haptics/library/session_views.hpp"
 
+#include "engine/cloud/voxel_sample.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/options.hpp"
 
@@ -55,7 +56,7 @@ Mesh SessionViews::mesh(const Session& session, const FrameObject* frame, const 
   const PointCloud cloud = points(session, frame);
   const JobStopScope cuts(JobStopScope::cutting());
   const Model& model = session.model();
-  return gpu_.mesh(cloud, planMesh(boundsOf(cloud), model.spacing, meshFrom(options, model.scale)));
+  return gpu_.mesh(cloud, planMesh(coreBoundsOf(cloud), model.spacing, meshFrom(options, model.scale)));
 }
 
 }  // namespace palpate::library

@@ -75,6 +75,18 @@ TEST_CASE("the wide spacing is that of the sparsest region") {
   CHECK(range.wide < 0.024);
 }
 
+TEST_CASE("the wide spacing is that of a half with a hundredth of the density, and not of points that float about") {
+  PointCloud halves = randomSquare(100'000);
+  for (const Vec3& place : randomSquare(1'000).positions) halves.positions.push_back(place + Vec3(1, 0, 0));
+  CHECK(spacingRange(halves).wide == near(0.0316, 0.25));
+  PointCloud floating = sampleShape(*makeShape("sphere"), {.count = 50'000});
+  const double wide = spacingRange(floating).wide;
+  for (std::uint64_t i = 0; i < 500; ++i)
+    floating.positions.emplace_back(
+        Vec3(randomUnit(2, 3 * i), randomUnit(2, 3 * i + 1), randomUnit(2, 3 * i + 2)) * 400.f - 200.f);
+  CHECK(spacingRange(floating).wide < 1.2 * wide);
+}
+
 TEST_CASE("neither one distant point nor duplicates change the spacing") {
   PointCloud cloud = sampleShape(*makeShape("sphere"), {.count = 50'000});
   const double spacing = meanSpacing(cloud);

@@ -255,6 +255,20 @@ TEST_CASE("a few distant points do not widen the shown box") {
   CHECK(coreBoundsOf(two).max == boundsOf(two).max);
 }
 
+TEST_CASE("a sparse part of a model that adjoins the dense one is within the shown box") {
+  PointCloud cloud;
+  const auto square = [&](double x, int side) {
+    for (int i = 0; i < side * side; ++i)
+      add(cloud, DVec3(x + 50.0 * (i % side) / side, 50.0 * (i / side) / side, 0), {0, 0, 1});
+  };
+  square(0, 500);
+  square(50, 50);
+  CHECK(coreBoundsOf(cloud).max == boundsOf(cloud).max);
+  const Bounds box = boundsOf(cloud);
+  add(cloud, {1e6, 0, 0}, {0, 0, 1});
+  CHECK(coreBoundsOf(cloud).max == box.max);
+}
+
 TEST_CASE("real scans stand upright in any orientation of the file") {
   const std::pair<std::string_view, UpAxis> kTruth[] = {{"armadillo_43243.ply", UpAxis::y},
                                                         {"armadillo_1037774.ply", UpAxis::y},

@@ -130,7 +130,7 @@ TEST_CASE("a file of another kind is refused with its kind and advice") {
   refuses("a.ply.gz", "\x1f\x8b\x08" + std::string(40, '\0'), "...byte...");
   refuses("a.dat", "Dear reader\n", ": is text, not a 3D file that can be read (it begins with 'Dear...");
   refuses("a.dat", std::string("\1\2\3\0\4", 5), ": is of an unknown kind...");
-  CHECK(refusalOf("a.ply", "Dear reader\n").find("not a PLY file") == std::string::npos);
+  for (const char* junk : {"Dear reader\n", "\1\2\3\xff?V???\n"}) refuses("a.ply", junk, ": is not a PLY file");
   CHECK_THROWS_WITH_AS(readCloud("-"), doctest::Contains("standard input"), FileError);
 }
 
@@ -310,6 +310,30 @@ TEST_CASE("64-bit whole numbers are exact in every format, and text names those 
   const std::vector<std::string> lost = readCloud(folder / "b.csv").lost;
   REQUIRE(lost.size() == 2);
   CHECK(lost[1] == "the last digits of 2 whole numbers in the column 'time', which are beyond 2^53");
+}
+
+TEST_CASE("far outliers do not make the positions of the other points coarse") {
+  const ScratchFolder folder;
+  const auto truth = [](int i) { return DVec3(500000 + 0.001 * i, 4500000.5 - 0.002 * i, 12.25 + 0.001 * (i % 7)); };
+  constexpr int kPoints = 400;
+  {
+    std::ofstream out(folder / "a.xyz");
+    for (int i = 0; i < kPoints; ++i) out << fmt::format("{:.3f} {:.3f} {:.3f}\n", truth(i).x, truth(i).y, truth(i).z);
+    out << "400000.000 4400000.000 0.000\n1000000.000 5000000.000 0.000\n";
+  }
+  for (const char* name : {"a.ply", "a.las"}) writeCloud(folder / name, readCloud(folder / "a.xyz").cloud);
+  for (const char* name : {"a.xyz", "a.ply", "a.las"}) {
+    CAPTURE(name);
+    const PointCloud cloud = readCloud(folder / name).cloud;
+    REQUIRE(cloud.size() == kPoints + 2);
+    double farthest = 0;
+    for (int i = 0; i < kPoints; ++i) {
+      const DVec3 there = cloud.origin + DVec3(cloud.positions[static_cast<std::size_t>(i)]);
+      farthest = std::max(farthest, glm::distance(there, truth(i)));
+    }
+    CHECK(farthest < 1e-5);
+    CHECK(glm::distance(cloud.fileCoordinates(kPoints), DVec3(400000, 4400000, 0)) < 1e-3);
+  }
 }
 
 }  // namespace palpate::test::every_format_test

@@ -277,8 +277,8 @@ TEST_CASE("PLY integers may be written as reals, and reals with a plus sign or b
 
 TEST_CASE("a file that is not PLY is refused") {
   refuses("", ":1: the file is empty...");
-  refuses("solid cube", ":1: its first line is 'solid cube'; that of a PLY file is 'ply'...");
-  refuses("plywood\n", "...its first line is 'plywood'...");
+  refuses("solid cube", ": is not a PLY file");
+  refuses("plywood\n", ": is not a PLY file");
   refuses("version https://git-lfs.github.com/spec/v1\n", "...git lfs pull...");
   CHECK(contains(errorOf([] { readPly("/nowhere/at/all.ply"); }), "cannot be read"));
   CHECK(contains(errorOf([] { readPly("/tmp"); }), "is a folder"));

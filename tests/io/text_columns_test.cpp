@@ -6,6 +6,7 @@
 
 #include "engine/cloud/length_unit.hpp"
 #include "tests/io/file_cases.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test::text_columns_test {
 
