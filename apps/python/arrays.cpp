@@ -40,7 +40,7 @@ py::str textOf(std::string_view text) {
 }
 
 pp_rows rowsOf(const py::array& array) {
-  const bool single = array.dtype().is(py::dtype::of<float>());
+  const bool single = array.dtype().equal(py::dtype::of<float>());
   return single ? pp::rows(static_cast<const float*>(array.data()))
                 : pp::rows(static_cast<const double*>(array.data()));
 }
@@ -69,7 +69,7 @@ py::array threeColumns(const py::object& given, const char* name, std::optional<
   if (any.ndim() != 2 || any.shape(1) != 3 || (rows && any.shape(0) != *rows))
     refuse(std::string(name) + ": has shape " + shapeOf(any) + ", not (" + (rows ? std::to_string(*rows) : "N") +
            ", 3)");
-  if (any.dtype().is(py::dtype::of<float>())) return py::array_t<float, py::array::c_style>(any);
+  if (any.dtype().equal(py::dtype::of<float>())) return py::array_t<float, py::array::c_style>(any);
   Doubles doubles = Doubles::ensure(any);
   if (!doubles) {
     PyErr_Clear();

@@ -105,18 +105,21 @@ std::string fileOf(const py::object& path);
 
 class PyCloud {
  public:
-  /// `isSingle`: made of float32 positions.
-  explicit PyCloud(pp::Cloud cloud, bool isSingle = false) : cloud_(std::move(cloud)), isSingle_(isSingle) {}
+  /// `isSingle`: made of float32 positions. `lost`: what of its file is not kept.
+  explicit PyCloud(pp::Cloud cloud, bool isSingle = false, std::vector<std::string> lost = {})
+      : cloud_(std::move(cloud)), isSingle_(isSingle), lost_(std::move(lost)) {}
 
   static std::shared_ptr<PyCloud> of(const py::object& xyz, const py::object& normals, const py::object& colors);
 
   const pp::Cloud& cloud() const { return cloud_; }
   pp_points view() const { return cloud_.view(); }
   bool isSingle() const { return isSingle_; }
+  const std::vector<std::string>& lost() const { return lost_; }
 
  private:
   pp::Cloud cloud_;
   bool isSingle_;
+  std::vector<std::string> lost_;
 };
 
 class PyMesh {

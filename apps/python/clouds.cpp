@@ -36,8 +36,8 @@ pp_rows colorsOf(py::array& kept, const py::object& given, py::ssize_t count) {
     refuseType("colors: must be whole numbers (0 to 255; uint16: 0 to 65535) or floats (0 to 1, or 0 to 255), not " +
                std::string(py::str(any.dtype())));
   if (any && type != 'f' && any.ndim() == 2 && any.shape(0) == count && any.shape(1) == 3) {
-    if (any.dtype().is(py::dtype::of<std::uint16_t>())) return keep(std::uint16_t{});
-    if (!any.dtype().is(py::dtype::of<std::uint8_t>())) any = bytesOf(any);
+    if (any.dtype().equal(py::dtype::of<std::uint16_t>())) return keep(std::uint16_t{});
+    if (!any.dtype().equal(py::dtype::of<std::uint8_t>())) any = bytesOf(any);
     return keep(std::uint8_t{});
   }
   kept = threeColumns(any ? py::object(any) : given, "colors", count);
@@ -86,6 +86,9 @@ py::object placesOf(const py::object& self) {
   places.attr("setflags")(py::arg("write") = false);
   return places;
 }
+
+/// A function of the module for notebooks.
+py::object helper(const char* name) { return py::module_::import("palpate._notebook").attr(name); }
 
 void bindMeshes(py::module_& module) {
   py::class_<PyMesh, std::shared_ptr<PyMesh>>(
@@ -138,6 +141,7 @@ void bindMeshes(py::module_& module) {
           "save(file, ascii=False)\n\n"
           "Writes vertices with normals and triangles, in the format of the file's extension, as write()\n"
           "does. ascii: text, if the format has both. Raises Error with the file.")
+      .def("_repr_png_", [](const py::object& self) { return helper("picture_of_mesh")(self); })
       .def("__repr__", [](const PyMesh& mesh) {
         const pp_triangles triangles = mesh.mesh().view();
         return "<palpate.Mesh of " + std::to_string(triangles.count) + " triangles, " +
@@ -158,7 +162,7 @@ std::shared_ptr<PyCloud> PyCloud::of(const py::object& xyz, const py::object& no
     arrays.normals = rowsOf(facing);
   }
   if (!colors.is_none()) arrays.colors = colorsOf(painted, colors, places.shape(0));
-  const bool isSingle = places.dtype().is(py::dtype::of<float>());
+  const bool isSingle = places.dtype().equal(py::dtype::of<float>());
   const WithoutGil released;
   return std::make_shared<PyCloud>(pp::Cloud(arrays), isSingle);
 }
@@ -183,6 +187,12 @@ void bindCloud(py::module_& module) {
                     (p.colors ? ", colors" : "") + ", " + side(0) + " x " + side(1) + " x " + side(2) + ">";
            })
       .def("__len__", [](const PyCloud& cloud) { return cloud.view().count; })
+      .def("__reduce__", [](const py::object& self) { return helper("reduced")(self); })
+      .def("_repr_png_", [](const py::object& self) { return helper("picture")(self); })
+      .def_property_readonly(
+          "lost", [](const PyCloud& cloud) { return cloud.lost(); },
+          "What of its file the cloud does not keep, one line each; empty for a cloud of arrays. A pickled\n"
+          "cloud keeps everything but these lines.")
       .def_property_readonly(
           "xyz", &placesOf,
           "(N, 3), file coordinates: float64. For a cloud made of float32 a float32 view, while origin is\n"
@@ -249,8 +259,14 @@ void bindFiles(py::module_& module) {
         options.normals_from_faces = normals_from_faces ? 1 : 0;
         Interruption interruption;
         options.watch = interruption.watch();
+        std::vector<std::string> lost;
+        options.log = [](void* lines, std::int32_t, const char* line) {
+          static_cast<std::vector<std::string>*>(lines)->emplace_back(line);
+        };
+        options.log_user = &lost;
         const WithoutGil released;
-        return std::make_shared<PyCloud>(interruption.during([&] { return pp::Cloud::read(file, options); }));
+        pp::Cloud cloud = interruption.during([&] { return pp::Cloud::read(file, options); });
+        return std::make_shared<PyCloud>(std::move(cloud), false, std::move(lost));
       },
       py::arg("file"), py::arg("keep_unreliable") = false, py::arg("normals_from_faces") = false,
       "read(file, keep_unreliable=False, normals_from_faces=False) -> Cloud\n\n"

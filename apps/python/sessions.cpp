@@ -194,6 +194,7 @@ void bindOpening(py::class_<PySession>& session) {
                         "radius_mm"_a = info.radius_mm, "rate_Hz"_a = info.rate_Hz, "undo_count"_a = info.undo_count,
                         "redo_count"_a = info.redo_count, "live"_a = info.live != 0,
                         "blocked_moves"_a = info.blocked_moves, "blocked_edits"_a = info.blocked_edits,
+                        "bridged_ticks"_a = info.bridged_ticks, "thinned_ticks"_a = info.thinned_ticks,
                         "backend"_a = std::string(info.backend), "machine"_a = std::string(info.machine));
       });
 }

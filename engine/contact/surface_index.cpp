@@ -110,11 +110,15 @@ std::optional<SurfaceIndex::Near> SurfaceIndex::nearestPoint(const DVec3& x, dou
                                                              const std::optional<Near>& after) const {
   Near best{.squared = within * within, .number = std::numeric_limits<std::uint32_t>::max()};
   const Near none = best;
-  grid_.forEachNear(x, std::min(within, options_.radius), [&](const SortedGrid::Placed& point) {
-    const DVec3 d = DVec3(point.position) - x;
-    const Near near{glm::dot(d, d), point.number};
-    if (near < best && (!after || *after < near)) best = near;
-  });
+  for (const double share : {0.5, 1.0}) {  // half a radius meets a third of the cells, and is mostly enough
+    const double radius = std::min(within, share * options_.radius);
+    grid_.forEachNear(x, radius, [&](const SortedGrid::Placed& point) {
+      const DVec3 d = DVec3(point.position) - x;
+      const Near near{glm::dot(d, d), point.number};
+      if (near < best && (!after || *after < near)) best = near;
+    });
+    if (best != none || radius == within) break;
+  }
   if (best == none && within > options_.radius) searchBlocks(x, best, after);
   return best == none ? std::nullopt : std::optional(best);
 }
@@ -187,39 +191,65 @@ void SurfaceIndex::searchBlock(const OccupiedBlocks::Block& block, const DVec3& 
     if (cells[i].squared <= best.squared) visit(cells[i].bucket);
 }
 
-// Steps onto the surface whose face is `facing`.
-std::optional<SurfaceIndex::Foot> SurfaceIndex::land(DVec3 x, DVec3 facing) const {
+SurfaceSample SurfaceIndex::surface(const DVec3& x, const DVec3& facing, Surroundings& around) const {
+  constexpr double kReach = 1.25;  // in support radii
+  if (around.reach == 0 || glm::distance(x, around.centre) + options_.radius > around.reach) {
+    around.centre = x;
+    around.reach = kReach * options_.radius;
+    around.points.clear();
+    grid_.forEachNear(x, around.reach, [&](const SortedGrid::Placed& point) {
+      around.points.push_back({DVec3(point.position), normals_[point.number], point.number});
+    });
+  }
+  return surfaceOf(options_, facing, [&](double radius, auto&& visit) {
+    for (const Surroundings::Point& point : around.points) {
+      const DVec3 offset = point.position - x;
+      if (glm::dot(offset, offset) < radius * radius) visit(offset, point.normal);
+    }
+  });
+}
+
+// Steps onto the surface whose face is `facing`; from the second step on by the slope that the last one has shown.
+std::optional<SurfaceIndex::Foot> SurfaceIndex::land(DVec3 x, DVec3 facing, double precision,
+                                                     Surroundings& around) const {
   constexpr int kMaxSteps = 24;
+  constexpr double kFlattest = 0.5, kSteepest = 2;
   SurfaceSample there{};
-  for (int step = 0; step < kMaxSteps; ++step) {
-    there = surface(x, facing);
+  double before = 0, step = 0;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    there = surface(x, facing, around);
     if (!there.defined) return std::nullopt;
     facing = there.normal;
-    if (std::abs(there.distance) <= kOnSurface * options_.radius) break;
-    x -= there.distance * there.normal;
+    if (std::abs(there.distance) <= precision) break;
+    const double slope = step == 0 ? 1 : std::clamp((before - there.distance) / step, kFlattest, kSteepest);
+    before = there.distance;
+    step = there.distance / slope;
+    x -= step * there.normal;
   }
   return Foot{x, there};
 }
 
 // Slides over the surface to where its normal points at `x`; a slide is taken only if it comes nearer, so that it
 // converges however far `x` is behind the centre of curvature. The farther `x` is, the more a slide overshoots: the
-// secant through its two ends then corrects the next ones.
-std::optional<SurfaceIndex::Foot> SurfaceIndex::footOf(const DVec3& x, std::uint32_t point) const {
+// secant through its two ends then corrects the next ones. A slide lands as exactly as its length requires.
+std::optional<SurfaceIndex::Foot> SurfaceIndex::footOf(const DVec3& x, std::uint32_t point,
+                                                       Surroundings& around) const {
   constexpr int kMaxSlides = 100;
-  constexpr double kSmallestShare = 1e-6;
+  constexpr double kSmallestShare = 1e-6, kRough = 1e-3;
+  const double radius = options_.radius, exact = kOnSurface * radius;
   const auto tangential = [&](const Foot& foot) {
     const DVec3 towards = x - foot.position, normal = foot.surface.normal;
     return towards - glm::dot(towards, normal) * normal;
   };
-  std::optional<Foot> foot = land(DVec3(positions_[point]), DVec3(normals_[point]));
+  std::optional<Foot> foot = land(DVec3(positions_[point]), DVec3(normals_[point]), kRough * kRough * radius, around);
   double share = 1;
   for (int i = 0; foot && i < kMaxSlides && share > kSmallestShare; ++i) {
     const DVec3 direction = tangential(*foot), slide = share * direction;
     const double length = glm::length(slide);
-    if (length <= kArrived * options_.radius) break;
-    const double longest = kLongestStep * options_.radius;
-    const std::optional<Foot> next =
-        land(foot->position + slide * std::min(1.0, longest / length), foot->surface.normal);
+    if (length <= kArrived * radius) break;
+    const double longest = kLongestStep * radius, taken = std::min(length, longest);
+    const std::optional<Foot> next = land(foot->position + slide * (taken / length), foot->surface.normal,
+                                          std::max(exact, kRough * taken * taken / radius), around);
     if (!next || glm::distance(x, next->position) >= glm::distance(x, foot->position)) {
       share *= 0.5;
       continue;
@@ -228,15 +258,26 @@ std::optional<SurfaceIndex::Foot> SurfaceIndex::footOf(const DVec3& x, std::uint
     if (left < 0 && length <= longest) share /= 1 - left;
     foot = next;
   }
-  return foot;
+  if (!foot || std::abs(foot->surface.distance) <= exact) return foot;
+  return land(foot->position, foot->surface.normal, exact, around);
+}
+
+std::uint32_t SurfaceIndex::nextTo(const DVec3& x, const Surroundings& around) {
+  Near best{.squared = std::numeric_limits<double>::infinity(), .number = 0};
+  for (const Surroundings::Point& point : around.points) {
+    const DVec3 d = point.position - x;
+    best = std::min(best, Near{glm::dot(d, d), point.number});
+  }
+  return best.number;
 }
 
 std::optional<SurfaceHit> SurfaceIndex::nearest(const DVec3& x, double within) const {
   std::optional<Near> near;
+  Surroundings around;
   for (int i = 0; i < kLongestSearch; ++i) {
     near = nearestPoint(x, within + options_.radius, near);
     if (!near) return std::nullopt;
-    const std::optional<Foot> foot = footOf(x, near->number);
+    const std::optional<Foot> foot = footOf(x, near->number, around);
     if (!foot) continue;
     const DVec3 way = x - foot->position;
     const double distance = glm::length(way);
@@ -245,7 +286,7 @@ std::optional<SurfaceHit> SurfaceIndex::nearest(const DVec3& x, double within) c
                       .normal = foot->surface.normal,
                       .distance = distance,
                       .behind = glm::dot(way, foot->surface.normal) < 0,
-                      .point = near->number};
+                      .point = nextTo(foot->position, around)};
   }
   return std::nullopt;
 }

@@ -19,7 +19,7 @@ struct SurfaceHit {
   DVec3 normal{0};          ///< unit, outward
   double distance = 0;      ///< from the position that was asked for, or along the ray
   bool behind = false;      ///< asked for from behind the surface
-  std::uint32_t point = 0;  ///< number of a point next to it
+  std::uint32_t point = 0;  ///< number of the point nearest to it
 };
 
 /// The blocks of cells that contain points: the coarse level of a search over empty space.
@@ -90,6 +90,17 @@ class SurfaceIndex {
     DVec3 position;
     SurfaceSample surface;
   };
+  // The points around a position, for the surfaces of a search.
+  struct Surroundings {
+    struct Point {
+      DVec3 position;
+      Vec3 normal;
+      std::uint32_t number;
+    };
+    DVec3 centre{0};
+    double reach = 0;
+    std::vector<Point> points;
+  };
   struct Ray {
     DVec3 from, along;
     DVec3 at(double distance) const { return from + distance * along; }
@@ -109,8 +120,10 @@ class SurfaceIndex {
   void searchBlocks(const DVec3& x, Near& best, const std::optional<Near>& after) const;
   void searchBlock(const OccupiedBlocks::Block& block, const DVec3& x, Near& best,
                    const std::optional<Near>& after) const;
-  std::optional<Foot> land(DVec3 x, DVec3 facing) const;
-  std::optional<Foot> footOf(const DVec3& x, std::uint32_t point) const;
+  SurfaceSample surface(const DVec3& x, const DVec3& facing, Surroundings& around) const;
+  std::optional<Foot> land(DVec3 x, DVec3 facing, double precision, Surroundings& around) const;
+  std::optional<Foot> footOf(const DVec3& x, std::uint32_t point, Surroundings& around) const;
+  static std::uint32_t nextTo(const DVec3& x, const Surroundings& around);
   std::vector<Stretch> stretches(const Ray& ray, double longest) const;
   std::optional<Sample> sampleAt(const Ray& ray, double distance) const;
   std::optional<SurfaceHit> march(const Ray& ray, const Stretch& stretch) const;

@@ -65,7 +65,16 @@ class SortedGrid {
 
   /// Calls visit(Placed) for every point strictly nearer than `radius` to `center`, once.
   template <class Visit>
-  void forEachNear(const DVec3& center, double radius, Visit&& visit) const;
+  void forEachNear(const DVec3& center, double radius, Visit&& visit) const {
+    forEachNearWhile(center, radius, visit, [](std::size_t) { return true; });
+  }
+  /// The same as long as goesOn(n) allows it to look at n more points or cells, a few at a time; false if it did not.
+  template <class Visit, class GoesOn>
+  bool forEachNearWhile(const DVec3& center, double radius, Visit&& visit, GoesOn&& goesOn) const;
+  /// The same for an even share of these points, at the cost of the cells around and of at most `most` points: one in
+  /// so many as it returns. Where that is 1, all are visited.
+  template <class Visit>
+  std::size_t sampleNear(const DVec3& center, double radius, std::size_t most, Visit&& visit) const;
   /// The same in slices, for several threads: the points of slice 0, then those of 1 and so on are those of
   /// forEachNear() in its order.
   std::size_t slices(const DVec3& center, double radius) const;
@@ -149,11 +158,13 @@ class SortedGrid {
     for (std::size_t i = 0; i < std::min(points.size(), kMaxFetched); i += kLine) __builtin_prefetch(&points[i]);
     if (!points.empty()) __builtin_prefetch(&points.back());
   }
-  template <class Visit>
-  void visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const;
+  // As forEachNearWhile().
+  template <class Visit, class GoesOn>
+  bool visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit, GoesOn&& goesOn) const;
   // Visits the near ones of some points, without unpredictable branches.
-  template <class Visit>
-  static void visitNear(std::span<const Placed> points, const DVec3& center, double squared, Visit&& visit);
+  template <class Visit, class GoesOn>
+  static bool visitNear(std::span<const Placed> points, const DVec3& center, double squared, Visit&& visit,
+                        GoesOn&& goesOn);
 
   HashGrid grid_;
   WorkerTeam team_;
@@ -173,13 +184,15 @@ class SortedGrid {
   std::vector<Transfer> transfers_;  // of an update
 };
 
-template <class Visit>
-void SortedGrid::visitNear(std::span<const Placed> points, const DVec3& center, double squared, Visit&& visit) {
+template <class Visit, class GoesOn>
+bool SortedGrid::visitNear(std::span<const Placed> points, const DVec3& center, double squared, Visit&& visit,
+                           GoesOn&& goesOn) {
   constexpr std::size_t kBatch = 64;
   std::array<std::uint32_t, kBatch> hits;
   for (std::size_t begin = 0; begin < points.size(); begin += kBatch) {
     const Placed* const batch = points.data() + begin;
     const auto size = static_cast<std::uint32_t>(std::min(points.size() - begin, kBatch));
+    if (!goesOn(size)) return false;
     std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < size; ++i) {
       const DVec3 d = DVec3(batch[i].position) - center;
@@ -188,19 +201,54 @@ void SortedGrid::visitNear(std::span<const Placed> points, const DVec3& center, 
     }
     for (std::uint32_t i = 0; i < count; ++i) visit(batch[hits[i]]);
   }
+  return true;
+}
+
+template <class Visit, class GoesOn>
+bool SortedGrid::forEachNearWhile(const DVec3& center, double radius, Visit&& visit, GoesOn&& goesOn) const {
+  const CellBox box = cellsAround(grid_, center, radius);
+  const double squared = radius * radius;
+  bool all = true;
+  if (box.cells() <= kFewCells) {
+    forEachBucket(
+        box, [&](std::span<const Placed> points) { all = all && visitNear(points, center, squared, visit, goesOn); });
+  } else if (hasManyCells(box)) {
+    return visitCells(box, center, radius, visit, goesOn);
+  } else {  // a pass over all points is cheaper
+    for (std::uint32_t b = 0; all && b <= grid_.bucketMask; ++b)
+      all = visitNear(bucket(b), center, squared, visit, goesOn);
+  }
+  return all;
 }
 
 template <class Visit>
-void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) const {
+std::size_t SortedGrid::sampleNear(const DVec3& center, double radius, std::size_t most, Visit&& visit) const {
   const CellBox box = cellsAround(grid_, center, radius);
-  const double squared = radius * radius;
-  if (box.cells() <= kFewCells) {
-    forEachBucket(box, [&](std::span<const Placed> points) { visitNear(points, center, squared, visit); });
-  } else if (hasManyCells(box)) {
-    visitCells(box, center, radius, visit);
-  } else {  // a pass over all points is cheaper
-    for (std::uint32_t b = 0; b <= grid_.bucketMask; ++b) visitNear(bucket(b), center, squared, visit);
-  }
+  const CellBall ball(grid_, center, radius);
+  const auto forEachCell = [&](auto&& take) {
+    for (int z = box.low.z; z <= box.high.z; ++z)
+      for (int y = box.low.y; y <= box.high.y; ++y) {
+        const auto [begin, end] = ball.row(y, z, box);
+        for (int x = begin; x < end; ++x) {
+          const IVec3 cell(x, y, z);
+          const std::uint32_t number = bucketOf(grid_, cell);
+          if (tags_[number] & tagOf(cell)) take(cell, bucket(number));
+        }
+      }
+  };
+  std::size_t points = 0;
+  forEachCell([&](const IVec3&, std::span<const Placed> placed) { points += placed.size(); });
+  const std::size_t step = std::max<std::size_t>(1, (points + most - 1) / most);
+  std::size_t next = 0;  // across buckets, so that small ones have their share
+  forEachCell([&](const IVec3& cell, std::span<const Placed> placed) {
+    for (; next < placed.size(); next += step) {
+      const Placed& point = placed[next];
+      const DVec3 d = DVec3(point.position) - center;
+      if (glm::dot(d, d) < radius * radius && isInCell(grid_, point.position, cell)) visit(point);
+    }
+    next -= placed.size();
+  });
+  return step;
 }
 
 inline std::size_t SortedGrid::slices(const DVec3& center, double radius) const {
@@ -216,18 +264,20 @@ void SortedGrid::forEachNear(const DVec3& center, double radius, std::size_t sli
   box.low.z = box.high.z = box.low.z + static_cast<int>(slice / inLayer);
   box.low.y += static_cast<int>(slice % inLayer * kSliceRows);
   box.high.y = std::min(box.high.y, box.low.y + static_cast<int>(kSliceRows) - 1);
-  visitCells(box, center, radius, visit);
+  visitCells(box, center, radius, visit, [](std::size_t) { return true; });
 }
 
 // In batches, whose memory accesses overlap: most cells of a wide ball are empty, and each bucket is a cache miss.
-template <class Visit>
-void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit) const {
+template <class Visit, class GoesOn>
+bool SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radius, Visit&& visit,
+                            GoesOn&& goesOn) const {
   constexpr std::size_t kBatch = 128, kAhead = 8;
   const CellBall ball(grid_, center, radius);
   std::array<IVec3, kBatch> cells;
   std::array<std::uint32_t, kBatch> numbers;  // of their buckets
   std::size_t count = 0;
   const auto visitBatch = [&] {
+    bool all = goesOn(count);
     std::size_t tagged = 0;
     for (std::size_t i = 0; i < count; ++i) {  // without unpredictable branches
       const IVec3 cell = cells[tagged] = cells[i];
@@ -235,15 +285,17 @@ void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radi
       tagged += (tags_[number] & tagOf(cell)) != 0;
     }
     for (std::size_t i = 0; i < tagged; ++i) __builtin_prefetch(&buckets_[numbers[i]]);
-    for (std::size_t i = 0; i < tagged + kAhead; ++i) {
+    for (std::size_t i = 0; all && i < tagged + kAhead; ++i) {
       if (i < tagged) fetch(bucket(numbers[i]));
       if (i < kAhead) continue;
       const IVec3& cell = cells[i - kAhead];
-      visitNear(bucket(numbers[i - kAhead]), center, radius * radius, [&](const Placed& point) {
+      const auto visitOwn = [&](const Placed& point) {
         if (isInCell(grid_, point.position, cell)) visit(point);
-      });
+      };
+      all = visitNear(bucket(numbers[i - kAhead]), center, radius * radius, visitOwn, goesOn);
     }
     count = 0;
+    return all;
   };
   // The number of a bucket is the exclusive or of those of its coordinates.
   std::array<std::uint32_t, kMaxSide> columns;
@@ -266,10 +318,10 @@ void SortedGrid::visitCells(const CellBox& box, const DVec3& center, double radi
         cells[count] = {x, y, z};
         numbers[count] = number;
         __builtin_prefetch(&tags_[number]);
-        if (++count == kBatch) visitBatch();
+        if (++count == kBatch && !visitBatch()) return false;
       }
     }
-  visitBatch();
+  return visitBatch();
 }
 
 template <class Visit>

@@ -68,9 +68,18 @@ void CpuEdits::begin(double time_s, bool realtime) {
   if (work_.brush->acts() && std::exchange(strokeMarked_, stroke_.number()) != stroke_.number()) markStroke();
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
   time_s_ = time_s;
-  isUnderWay_ = inStroke_ = true;
+  inStroke_ = true;
   work_.isOffer = false;
-  task_->start();
+  begin();
+}
+
+void CpuEdits::begin() {
+  isUnderWay_ = isBegun_ = true;
+  ++version_;
+}
+
+void CpuEdits::start() {
+  if (std::exchange(isBegun_, false)) task_->start();
 }
 
 bool CpuEdits::takeUpOffer(double time_s, bool realtime) {
@@ -80,10 +89,9 @@ bool CpuEdits::takeUpOffer(double time_s, bool realtime) {
     return false;
   }
   time_s_ = time_s;
-  isUnderWay_ = true;
   work_.isOffer = true;
   work_.inStroke = inStroke_;
-  task_->start();
+  begin();
   return true;
 }
 
@@ -116,6 +124,7 @@ void CpuEdits::edit() {
 
 bool CpuEdits::finishedWithin(double budget_us) {
   if (!isUnderWay_) return true;
+  start();
   if (!task_->finishedWithin(budget_us)) return false;
   isUnderWay_ = false;
   answered_ = work_.states;
@@ -173,6 +182,7 @@ void CpuEdits::change(std::span<const PointChange> changes, double time_s) {
   queue_.append(
       changes.size(), [&](std::size_t i) { return changes[i].to; }, EditMark::Kind::change);
   ++changes_;
+  ++version_;
   answered_ = work_.states += changes.size();
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
 }

@@ -40,13 +40,21 @@ class CpuEdits {
   void lift() { stroke_.lift(); }
   /// As if the hand had not sculpted before. After finish().
   void restart() { stroke_.restart(); }
-  /// Starts an edit if the stroke acts or the last edit left work. True: it has started.
+  /// Begins an edit if the stroke acts or the last edit left work. True: it has begun.
   bool editIfYielding(double time_s, bool realtime);
-  /// Starts to apply the offered changes (EditStream::offer()), if any, for a pose of this time.
+  /// Begins to apply the offered changes (EditStream::offer()), if any, for a pose of this time.
   bool takeUpOffer(double time_s, bool realtime);
+  /// The thread starts to work on what has begun; until then the points are as they were.
+  void start();
+  /// An edit has begun that the thread has not started.
+  bool isBegun() const { return isBegun_; }
+  bool isUnderWay() const { return isUnderWay_; }
+  /// Differs after every edit and change.
+  std::uint64_t version() const { return version_; }
   /// Whether the last edit was an offer, not a brush edit. While nothing is in progress.
   bool lastWasOffer() const { return work_.isOffer; }
-  /// Whether no edit is in progress, within the budget (0: no limit). Collects the completed edit.
+  /// Whether no edit is in progress, within the budget (0: no limit). Starts what has begun; collects the completed
+  /// edit.
   bool finishedWithin(double budget_us);
   /// Waits for the edit in progress without collecting it.
   void wait() const;
@@ -81,6 +89,7 @@ class CpuEdits {
     std::uint64_t states = 0;                // appended to the queue so far
   };
   void begin(double time_s, bool realtime);
+  void begin();
   void edit();
   void carryOut();
   void collect();
@@ -91,7 +100,8 @@ class CpuEdits {
   Setting setting_;
   BrushStroke stroke_;
   Work work_;
-  bool isUnderWay_ = false, inStroke_ = false;
+  bool isUnderWay_ = false, isBegun_ = false, inStroke_ = false;
+  std::uint64_t version_ = 0;
   std::uint32_t strokeMarked_ = 0;  // number of the stroke that edits belong to
   double time_s_ = 0;               // of the pose whose answer triggered the last edit
   std::uint64_t answered_ = 0;

@@ -7,9 +7,11 @@
 
 #include "engine/contact/proxy_tracker.hpp"
 #include "engine/edit/cpu_sculpture.hpp"
+#include "engine/touch/cpu_bridge.hpp"
 #include "engine/touch/cpu_edits.hpp"
 #include "engine/touch/cpu_frames.hpp"
 #include "engine/touch/probe_group.hpp"
+#include "engine/touch/tick_limit.hpp"
 #include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
@@ -43,8 +45,8 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   /// Copies the needed data of `cloud`, which must have normals, and builds the index.
   CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options);
 
-  /// While an edit exceeds the budget, the last answer is held (heldContact) and `fresh` is false. The query itself is
-  /// not interrupted: on an even cloud it takes some ten microseconds.
+  /// While an edit or the query itself exceeds the budget, the last patch answers (CpuBridge) and `fresh` is false. A
+  /// query that was too long is tried again after a rest (EditPace).
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
   void endTick() noexcept override;
   std::size_t hands() const noexcept override { return hands_.size(); }
@@ -63,12 +65,15 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   void restoreContacts(std::span<const ProxyTracker::State> states) override;
   /// Its machine: the processor, and the number of threads that build and edit; one thread answers. The index follows
   /// the edits, and is rebuilt for each frame.
+  BridgedTicks bridged() const noexcept override { return bridged_.sum(); }
   BackendReport report() const override;
 
  private:
   struct CpuHand {
     ProbeGroup probes;
     std::vector<ProxyTracker> trackers;  // one per probe
+    CpuBridge bridge;
+    std::vector<ProxyTracker> before;  // before an answer that may be late
   };
   // The stream of its edits.
   void keep() override { edits_.queue().keep(); }
@@ -91,8 +96,16 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   void forEachNear(const DVec3& x, double radius, Visit&& visit) const;
   Contact contactOf(ProxyTracker& tracker, const DVec3& hip, double now_s);
   bool isFiniteAt(std::span<const Pose> poses) const;
-  void answer(std::span<const Pose> poses, bool realtime);
-  void feel(CpuHand& hand, const Pose& pose);
+  CpuBridge makeBridge() const;
+  CpuBridge::Points pointsNow() const;
+  // False: a hand was bridged.
+  bool answer(std::span<const Pose> poses);
+  // Answers a hand from all points; false, and nothing has changed, if that would be late.
+  bool feel(CpuHand& hand, const Pose& pose);
+  // Answers it from its patch.
+  void bridge(CpuHand& hand, const Pose& pose);
+  void sculpt(const Pose& pose);
+  void goOnFrom(std::span<const ProxyTracker::State> states);
   // Current answer of each hand.
   std::span<const Contact> given();
   static void forget(CpuHand& hand);
@@ -109,6 +122,10 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   std::vector<CpuHand> hands_;
   std::vector<Contact> answers_;  // one per hand
   std::exception_ptr failure_;
+  mutable TickLimit limit_;             // of the tick
+  EditPace attempts_{0};                // to answer from all points
+  std::vector<double> bridgeTimes_us_;  // a bounded number is kept
+  BridgedCount bridged_;
   CpuEdits edits_;  // destroyed first: its thread works on the sculpture
 };
 

@@ -59,6 +59,7 @@ class PatchBridge {
   /// Times of answer(), us; a bounded number is kept.
   const std::vector<double>& answerTimes_us() const { return answerTimes_us_; }
   std::uint64_t thinnedPatches() const { return thinnedPatches_; }
+  bool isThinned() const { return contact_.isThinned(); }
 
  private:
   struct Fetch {

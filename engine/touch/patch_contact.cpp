@@ -23,6 +23,7 @@ void PatchContact::take(const CarriedPatch& patch, std::optional<double> missing
   }
   centre_ = DVec3(patch.centre);
   reach_ = patch.reach;
+  thinned_ = patch.thinned;
   missingSince_s_ = missingSince_s;
   time_ = time;
   gathered_ = false;

@@ -50,6 +50,8 @@ class PatchContact final : private SurfaceField {
 
   /// Proxy state after the last answer() or goOnFrom().
   ProxyTracker::State state() const { return tracker_.state(); }
+  /// The patch has only a share of the points in its reach.
+  bool isThinned() const { return thinned_; }
   /// Whether answer() has advanced the state since the last goOnFrom() or handedOver().
   bool isAhead() const { return ahead_; }
   /// The state was passed to the holder of the cloud.
@@ -75,6 +77,7 @@ class PatchContact final : private SurfaceField {
   std::vector<Point> points_;
   DVec3 centre_{0};
   double reach_ = 0;
+  bool thinned_ = false;
   std::optional<double> missingSince_s_;
   PointsTime time_;  // of the points
   double heard_s_ = 0;

@@ -20,6 +20,7 @@
 #include "engine/core/pass_record.hpp"
 #include "engine/core/shape_strokes.hpp"
 #include "engine/core/simulation_control.hpp"
+#include "engine/touch/bridged_count.hpp"
 
 namespace palpate {
 
@@ -148,6 +149,8 @@ class TouchBackend : public ContactQuery {
   virtual ShapeStrokes* shapeStrokes() noexcept { return nullptr; }
   virtual GpuPoints* gpuPoints() noexcept { return nullptr; }
 
+  /// So far. For any thread.
+  virtual BridgedTicks bridged() const noexcept { return {}; }
   /// Allocates nothing.
   virtual BackendReport report() const = 0;
   /// The passes of a tick in order, edit included, with their last times; empty if the back end has no passes.
@@ -181,6 +184,7 @@ class TouchDecorator : public TouchBackend {
   SimulationControl* simulation() noexcept override { return inner_->simulation(); }
   ShapeStrokes* shapeStrokes() noexcept override { return inner_->shapeStrokes(); }
   GpuPoints* gpuPoints() noexcept override { return inner_->gpuPoints(); }
+  BridgedTicks bridged() const noexcept override { return inner_->bridged(); }
   BackendReport report() const override { return inner_->report(); }
   std::vector<PassRecord> passes() const override { return inner_->passes(); }
 

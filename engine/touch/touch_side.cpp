@@ -295,6 +295,7 @@ void TouchSide::bridge(std::span<const Pose> poses) {
     return contact;
   });
   for (std::size_t i = 1; i < hands_.size(); ++i) hands_[i].probes.hold(poses[i]);
+  bridged_.note(bridge_->isThinned());
 }
 
 void TouchSide::fail(std::span<const Pose> poses) {

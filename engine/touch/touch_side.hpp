@@ -60,6 +60,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
   std::vector<ProxyTracker::State> contacts() const override;
   void restoreContacts(std::span<const ProxyTracker::State> states) override;
+  BridgedTicks bridged() const noexcept override { return bridged_.sum(); }
   BackendReport report() const override;
   std::vector<PassRecord> passes() const override;
 
@@ -158,6 +159,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   std::vector<Contact> answers_;  // one per hand
   std::vector<ProbeState> states_;
   TouchStatistics statistics_;
+  BridgedCount bridged_;
   LiveIndex index_;
   EditRecord record_;
   QuestionPipeline questions_;

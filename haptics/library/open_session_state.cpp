@@ -20,6 +20,9 @@ pp_session_info OpenSession::info() const {
   const BlockedMoves blocked = session_->blocked();
   info.blocked_moves = blocked.moves;
   info.blocked_edits = blocked.edits;
+  const BridgedTicks bridged = session_->bridged();
+  info.bridged_ticks = bridged.ticks;
+  info.thinned_ticks = bridged.thinned;
   putText(session_.opened().backend.name, info.backend);
   putText(session_->machine(), info.machine);
   return info;

@@ -104,6 +104,8 @@ class Session {
   TouchBackend& backend() const { return *backend_; }
   /// What brushes could not do so far. Thread-safe.
   BlockedMoves blocked() const noexcept { return backend_->edits() ? backend_->edits()->blocked() : BlockedMoves{}; }
+  /// Ticks of its back end that were bridged so far. Thread-safe.
+  BridgedTicks bridged() const noexcept { return backend_->bridged(); }
   /// Controls the simulation of the model; null if it is not simulated. Thread-safe.
   SimulationControl* simulation() const { return backend_->simulation(); }
   /// Null if no journal is kept.

@@ -59,8 +59,8 @@ TEST_CASE("the nearest position on a sphere and a torus is the true one, from ne
       CHECK(std::abs(scene.shape->signedDistance(hit->position)) < 0.002 * scene.radius);
       CHECK(hit->behind == (scene.shape->signedDistance(x) < 0));
       if (distance > 2) CHECK(angleBetween_deg(hit->normal, hit->behind ? hit->position - x : x - hit->position) < 1);
-      CHECK(glm::distance(x, DVec3(scene.cloud.positions[hit->point])) ==
-            within(nearestPointDistance(scene.cloud, x), 1e-4));
+      CHECK(glm::distance(hit->position, DVec3(scene.cloud.positions[hit->point])) ==
+            within(nearestPointDistance(scene.cloud, hit->position), 1e-4));
       CHECK_FALSE(index.nearest(x, 0.99 * distance));
       CHECK(index.nearest(x, 1.01 * distance + 0.01 * scene.radius));
     }

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import gc
 import os
+import pickle
 import weakref
 
 import numpy as np
@@ -167,3 +168,44 @@ def test_normals_that_are_zero_are_those_of_the_nearest_point_or_refused():
         with pytest.raises(pp.UsageError, match="normals: are zero for more than a tenth of the points"):
             pp.Cloud(xyz, normals=many)
     assert pp.Cloud(np.zeros((0, 3)), normals=np.zeros((0, 3))).normals is None
+
+
+@pytest.mark.parametrize("offset", [0.0, 4.5e6])
+def test_a_pickled_cloud_has_the_same_points(offset, tmp_path):
+    xyz, normals = ball_arrays(400)
+    colors = np.random.default_rng(1).integers(0, 256, size=(400, 3), dtype=np.uint8)
+    for cloud in (pp.Cloud(xyz + offset), pp.Cloud(xyz.astype(np.float32), normals=normals, colors=colors)):
+        again = pickle.loads(pickle.dumps(cloud))
+        assert again.xyz.dtype == cloud.xyz.dtype and np.array_equal(again.xyz, cloud.xyz)
+        assert (again.normals is None) == (cloud.normals is None) and (again.colors is None) == (cloud.colors is None)
+        if cloud.normals is not None:
+            assert np.allclose(again.normals, cloud.normals, atol=1e-6) and np.array_equal(again.colors, cloud.colors)
+    rows = np.column_stack([xyz + offset, np.arange(400)])
+    np.savetxt(tmp_path / "scan.txt", rows, header="x y z intensity", fmt="%.17g", comments="")
+    scan = pp.read(tmp_path / "scan.txt")
+    assert scan.attributes == ["intensity"]
+    again = pickle.loads(pickle.dumps(scan))
+    assert np.array_equal(again.xyz, scan.xyz) and again.attributes == scan.attributes
+    assert np.array_equal(again.attribute("intensity"), scan.attribute("intensity"))
+
+
+def test_a_cloud_says_what_of_its_file_it_does_not_keep(tmp_path):
+    assert pp.Cloud(ball_arrays(10)[0]).lost == []
+    header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+    (tmp_path / "points.ply").write_text(header + "end_header\n" + points)
+    assert pp.read(tmp_path / "points.ply").lost == []
+    faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    (tmp_path / "mesh.ply").write_text(header + faces + points + "3 0 1 2\n")
+    assert any("face" in line for line in pp.read(tmp_path / "mesh.ply").lost)
+
+
+def test_clouds_meshes_and_matter_have_pictures_for_notebooks(session):
+    nothing = pp.Cloud(np.empty((0, 3)))
+    pictures = [each._repr_png_() for each in (session.cloud(), session.mesh(resolution=16), nothing)]
+    if pp.can_simulate():
+        with pp.Matter("dam", gpu="cpu") as matter:
+            pictures.append(matter._repr_png_())
+    drawn = [picture for picture in pictures if picture is not None]
+    assert all(picture.startswith(b"\x89PNG") for picture in drawn)
+    assert pictures[2] is None and (len(drawn) == len(pictures) - 1 or not pp.gpus())

@@ -6,7 +6,9 @@
 #include <algorithm>
 
 #include "engine/contact/contact_reference.hpp"
+#include "engine/core/clock.hpp"
 #include "engine/core/held_contact.hpp"
+#include "engine/core/statistics.hpp"
 #include "shaders/shared/edit.h"
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
@@ -137,6 +139,68 @@ TEST_CASE("in real time an edit beyond the budget is bridged by the last answer,
   // Includes an edit of the wide brush's points that were still pending.
   CHECK(touch.report().editTimes_us.size() >= edits + (slow ? 0 : 1));
   CHECK(touch.report().shortfalls.editsTooSlow == leftOut + (slow ? 1 : 0));
+}
+
+TEST_CASE("a tick on the CPU that cannot end within its budget is bridged from a share of the points around the hand") {
+  const Scene scene = makeScene("sphere", 300'000);
+  const CpuTouchOptions options{.radius = 30, .threads = 1};
+  constexpr double kBudget_us = 50;
+  CpuTouch touch(scene.cloud, options), whole(scene.cloud, options);
+  std::vector<double> bridged_us, whole_us;
+  std::size_t fresh = 0, wrong = 0, touched = 0;
+  double apart = 0;
+  for (int k = 0; k < 150; ++k) {
+    const double angle = 0.004 * k, r = std::max(51.0 - 0.1 * k, 46.0);
+    const Pose pose{.time_s = 1e-3 * k, .hip = {r * std::sin(angle), 0, r * std::cos(angle)}};
+    const Stopwatch first;
+    const Contact contact = touch.query(pose, kBudget_us);
+    bridged_us.push_back(first.elapsed_us());
+    const Stopwatch second;
+    const Contact expected = whole.query(pose, 0);
+    whole_us.push_back(second.elapsed_us());
+    fresh += contact.fresh;
+    wrong += !contact.valid || contact.touching != expected.touching;
+    if (!contact.touching || !expected.touching) continue;
+    ++touched;
+    apart = std::max(apart, glm::distance(contact.proxy, expected.proxy));
+  }
+  MESSAGE("a tick takes " << summarize(bridged_us).p50 << " us in place of " << summarize(whole_us).p50
+                          << " us; surfaces are " << apart << " mm apart at most");
+  CHECK(summarize(bridged_us).p50 < 0.2 * summarize(whole_us).p50);
+  CHECK(fresh == 0);
+  CHECK(wrong <= 3);    // where contact begins
+  CHECK(apart < 0.45);  // a share of the points is not as even as all are
+  CHECK(touched > 90);
+  const BridgedTicks bridged = touch.bridged();
+  CHECK(bridged.ticks == bridged_us.size());
+  CHECK(bridged.thinned == bridged.ticks);
+  CHECK(touch.report().shortfalls.thinnedPatches > 1);
+  CHECK(touch.report().bridgeTimes_us.size() == bridged.ticks);
+  CHECK(whole.bridged().ticks == 0);
+  const Pose last{.time_s = 0.15, .hip = {25.7, 0, 37.5}};
+  CHECK(touch.query(last, 0).fresh);
+  CHECK(glm::distance(touch.query(last, 0).proxy, whole.query(last, 0).proxy) < 0.05);
+}
+
+TEST_CASE("while an edit is in progress the hand feels the points as they were before it") {
+  const Scene scene = makeScene("sphere", 100'000);
+  // As wide as the model, so that an edit takes many ticks, and hardly moves a point.
+  const BrushOptions wide{.yieldDepth = 0.1, .pushRate = 1e-6, .radius = 60};
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = wide, .editSize = EditSize::whole, .threads = 1});
+  constexpr double kNoTime_us = 1;
+  touch.query({.time_s = 0, .hip = {0, 0, 51}}, 0);
+  const Contact before = touch.query({.time_s = 0.001, .hip = {0, 0, 49}}, kNoTime_us);
+  REQUIRE(before.touching);
+  // Three millimetres aside the sphere is 0.1 mm below its tangent plane.
+  const Contact aside = touch.query({.time_s = 0.002, .hip = {3, 0, 48.9}}, kNoTime_us);
+  CHECK(aside.touching);
+  CHECK(glm::length(aside.proxy) == within(glm::length(before.proxy), 0.02));
+  if (aside.fresh)
+    MESSAGE("nothing was late: the edit was over before the next query");
+  else
+    CHECK(touch.bridged().ticks == 1);
+  CHECK(touch.bridged().thinned == 0);
+  touch.finish();
 }
 
 TEST_CASE("points that wait for their turn to look ahead are not blocked") {

@@ -326,6 +326,16 @@ class Session(_palpate._Session):
         return int(self._info()["blocked_edits"])
 
     @property
+    def bridged_ticks(self) -> int:
+        """Ticks whose own answer would have been late, so that the points kept around the hand answered them."""
+        return int(self._info()["bridged_ticks"])
+
+    @property
+    def thinned_ticks(self) -> int:
+        """Of these ticks, those answered from only a share of the points, because they are too many."""
+        return int(self._info()["thinned_ticks"])
+
+    @property
     def machine(self) -> str:
         """Name of the machine that answers."""
         return str(self._info()["machine"])

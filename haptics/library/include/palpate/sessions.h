@@ -106,7 +106,8 @@ typedef struct pp_session_options {
   uint32_t reserved;                 /**< not used */
   double rate_Hz;                    /**< ticks per second */
   const pp_contact_options* contact; /**< null: pp_default_contact_options() */
-  /** pp_touch(): time limit of an answer, us, after which the last answer bridges it; 0: no limit. */
+  /** pp_touch(): time limit of an answer, us, after which the points around the hand that were kept last bridge it, or
+   * a share of them if they are too many (pp_session_info.bridged_ticks, thinned_ticks); 0: no limit. */
   double budget_us;
   double undo_memory_MiB;  /**< memory of strokes that can be undone, MiB; beyond it the oldest are discarded */
   pp_force_law law;        /**< null: spring and damper */
@@ -159,6 +160,10 @@ typedef struct pp_session_info {
   char machine[112];      /**< name of the machine that answers; cut off to fit */
   uint64_t blocked_moves; /**< moves for which points had no room, before a side that stays; in each edit one a point */
   uint64_t blocked_edits; /**< edits in which nearly all points under the brush had no room: the part is too thin */
+  /** Ticks whose own answer would have been late, so that the points around the hand that were kept last answered them;
+   * the count restarts with the first brush. */
+  uint64_t bridged_ticks;
+  uint64_t thinned_ticks; /**< of them, those answered from only a share of these points, because they are too many */
 } pp_session_info;
 PP_OPTIONS(session_info)
 /** Present state of the session. */
