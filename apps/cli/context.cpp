@@ -4,10 +4,15 @@
 #include "haptics/study/cuda_backend.hpp"
 
 #include <charconv>
+#include <iostream>
 
 #include "apps/cli/output.hpp"
 #include "engine/core/atomic_file.hpp"
+#include "engine/core/console.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/system_file.hpp"
 #include "engine/gpu/device_lookup.hpp"
+#include "engine/io/memory_need.hpp"
 
 namespace palpate {
 
@@ -36,6 +41,9 @@ void Context::addOptions(Options& app) {
       .check({[](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; }});
   app.add("--threads", threads_, "CPU threads for loading, making clouds and --backend cpu; 0: one per core")
       .check(wholeBetween(0, bounds::kMaxThreads));
+  app.addFlag("--force", forced_,
+              "read a model that needs more memory than is free; convert: replace an existing OUT, which is kept as "
+              "OUT.bak");
   app.addFlag("--quiet", quiet_, "no messages and no progress; results are still printed");
 }
 
@@ -44,6 +52,17 @@ void Context::setCommandLine(const std::vector<std::string>& words) {
   for (const std::string& word : words)
     commandLine_ +=
         word.empty() || word.find_first_of(" \"'$&;|<>*?(){}\\") != word.npos ? fmt::format(" '{}'", word) : " " + word;
+}
+
+std::function<void(const MemoryNeed&)> Context::exceedsMemory() const {
+  if (forced_) return {};
+  return [](const MemoryNeed& need) {
+    if (isErrorConsole() && isTerminal(stdin)) {
+      fmt::print(stderr, "{} {}. Read it nevertheless? [y/N] ", need.file.string(), need.sentence());
+      if (std::string answer; std::getline(std::cin, answer) && (answer == "y" || answer == "Y")) return;
+    }
+    throw FileError(need.file, need.sentence() + "; --force reads it nevertheless");
+  };
 }
 
 Log& Context::log() {

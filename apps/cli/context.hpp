@@ -14,6 +14,7 @@
 namespace palpate {
 
 class Backends;
+struct MemoryNeed;
 
 class Context {
  public:
@@ -40,6 +41,11 @@ class Context {
   /// destroyed.
   void arrange(QueueArrangement queues);
   unsigned threads() const { return threads_; }
+  /// --force: do what was asked for although a file exists, or more memory is needed than is free.
+  bool isForced() const { return forced_; }
+  /// What a command does before it reads a file that needs more memory than is free (MemoryLimit::exceeded): asks in a
+  /// terminal, refuses elsewhere; empty with --force.
+  std::function<void(const MemoryNeed&)> exceedsMemory() const;
   /// The words of the command line, as a shell reads them, for results that say how they were made.
   void setCommandLine(const std::vector<std::string>& words);
   const std::string& commandLine() const { return commandLine_; }
@@ -68,7 +74,7 @@ class Context {
   Validation validation() const;
 
   std::string gpu_, json_, validate_, commandLine_;
-  bool quiet_ = false;
+  bool quiet_ = false, forced_ = false;
   mutable bool hasResult_ = false;
   bool isJsonChecked_ = false, isStdoutReserved_ = false;
   unsigned threads_ = 0;

@@ -22,7 +22,7 @@ namespace {
 
 struct ConvertOptions {
   std::string input, output, normals = "keep", columns;
-  bool ascii = false, force = false, dropsUnreliable = false;
+  bool ascii = false, dropsUnreliable = false;
   ScaleOptions scale;
   StreamConfig stream;  ///< intrinsics and depth scale
   std::int64_t samples = 0;
@@ -36,9 +36,9 @@ bool ontoItself(const ConvertOptions& options) {
 }
 
 // Existing files are replaced only on request; a device or a pipe can be written to.
-void checkTarget(const ConvertOptions& options) {
+void checkTarget(const Context& context, const ConvertOptions& options) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(options.output, ignored) || options.force) return;
+  if (!std::filesystem::is_regular_file(options.output, ignored) || context.isForced()) return;
   throw Error("{}: {}; name another file, or add --force to replace it", options.output,
               ontoItself(options) ? "is the file that is read" : "exists");
 }
@@ -82,7 +82,8 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
                                  .keepUnreliable = !options.dropsUnreliable,
                                  .samples = samplesOf(options, from),
                                  .asTriangles = from.ofTriangles && to.ofTriangles && options.samples == 0,
-                                 .columns = columnsFor(options.columns, from)}),
+                                 .columns = columnsFor(options.columns, from),
+                                 .memory = {context.exceedsMemory()}}),
             .format = std::string(from.name)};
   }
   FusedFolder fused = readFused(context, options.input,
@@ -113,7 +114,7 @@ void convert(Context& context, const ConvertOptions& options) {
   const CloudFormat& to = cloudFormats().toWrite(options.output);
   if (!isRosModel(options.input)) refuseMissing(options.input);
   const double mm_per_unit = options.scale.given();
-  checkTarget(options);
+  checkTarget(context, options);
   checkOutput(options.output, Output::copy);
   ConvertInput input = readInput(context, options, to);
   StoredCloud& stored = input.stored;
@@ -194,7 +195,6 @@ void addConvert(Options& app, Context& context, Command& command) {
   addNetworkOptions(sub, options->network);
   addRosFrameOption(sub, options->network);
   sub.addFlag("--ascii", options->ascii, "write ASCII in place of binary little-endian");
-  sub.addFlag("--force", options->force, "replace an existing OUT, which is kept as OUT.bak");
   sub.footer(
       "The order of points, the precision of coordinates and unknown properties are preserved. A "
       "folder of depth frames is fused into one cloud in metres. Faces are written as triangles. A "

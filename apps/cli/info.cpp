@@ -51,7 +51,9 @@ ModelInfo infoOf(const Context& context, const InfoOptions& options) {
   const CloudFormat& format = cloudFormats().toRead(file);
   const std::vector<std::string> columns = columnsFor(options.columns, format);
   // Before the contents, which are not read so thoroughly: every subcommand reports the same error of a file.
-  StoredCloud stored = readCloud(file, nullptr, {.keepUnreliable = options.keepUnreliable, .columns = columns});
+  StoredCloud stored =
+      readCloud(file, nullptr,
+                {.keepUnreliable = options.keepUnreliable, .columns = columns, .memory = {context.exceedsMemory()}});
   ModelInfo info{.format = format.name, .contents = {}};
   if (columns.empty()) {
     info.contents = contentsOf(file);

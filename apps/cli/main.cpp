@@ -54,9 +54,9 @@ constexpr std::pair<std::string_view, std::string_view> kExamples[]{
 
 void addFooter(const std::vector<CLI::App*>& commands) {
   for (CLI::App* command : commands) {
-    std::string footer =
-        command->get_footer() +
-        "Every command also takes --gpu, --validate, --json, --format, --threads and --quiet: see palpate --help.";
+    std::string footer = command->get_footer() +
+                         "Every command also takes --gpu, --validate, --json, --format, --threads, --force and "
+                         "--quiet: see palpate --help.";
     for (const auto& [name, example] : kExamples)
       if (name == command->get_name() && !command->get_parent()->get_parent())
         footer += fmt::format("\nExample: {}", example);

@@ -103,7 +103,10 @@ double supportRadius(const std::string& text, const Model& model) {
 }
 
 Model loadModel(Context& context, const ModelConfig& config, EstimateOn where, const NetworkOptions* network) {
-  ModelLoading loading{.log = context.log(), .threads = context.threads(), .join = joiningOnlooker()};
+  ModelLoading loading{.log = context.log(),
+                       .threads = context.threads(),
+                       .join = joiningOnlooker(),
+                       .exceeds = context.exceedsMemory()};
   if (network) {
     loading.fetch = rosFetcher(*network);
     loading.watch = rosWatcher(*network, context.threads());

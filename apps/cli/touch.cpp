@@ -226,7 +226,8 @@ Model openModel(Context& context, const TouchCommandOptions& options, const Sess
                                   .estimate = kind.normalEstimator(),
                                   .join = joiningHand(options.join.hand),
                                   .fetch = rosFetcher(options.join.network),
-                                  .watch = rosWatcher(options.join.network, context.threads())});
+                                  .watch = rosWatcher(options.join.network, context.threads()),
+                                  .exceeds = context.exceedsMemory()});
 }
 
 void warnOfSmallBrush(Context& context, const TouchCommandOptions& options, const Model& model) {

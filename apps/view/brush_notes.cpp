@@ -15,7 +15,7 @@ void BrushNotes::noteSize(const WindowSession& session, const ViewSettings& view
   const std::string tooSmall =
       brush.sculpts && !session.config().moves()
           ? remarkOnSmallBrush(brush.radius_mm, model.scale.toMm(model.spacing), "its radius (key ])",
-                               [&](double mm) { return view.lengthText(mm, model); })
+                               [&](double mm) { return view.lengthText(mm, session); })
           : std::string();
   if (tooSmall != std::exchange(tooSmall_, tooSmall) && !tooSmall.empty()) messages.say(tooSmall);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/render/camera_motion.hpp"
+#include "haptics/session/unsaved_strokes.hpp"
 
 namespace palpate {
 
@@ -15,13 +16,23 @@ namespace palpate {
 enum class StylusCommand { hold, letGo, lockOrUnlock, putAway };
 
 /// Commands to the window; the last three do nothing without a model.
-enum class WindowCommand { quit, closeErrors, switchForces, forgetMeasure, copyPlaces, resetView, screenshot };
+enum class WindowCommand {
+  quit,
+  stopReading,
+  closeErrors,
+  switchForces,
+  forgetMeasure,
+  copyPlaces,
+  resetView,
+  screenshot
+};
 
 /// Commands to the open model. pause and step: the frames of a depth camera, or a simulation.
 enum class ModelCommand { undo, redo, save, exportTicks, endRecording, endPlaying, restart, pause, step };
 
-/// Answers: about unsaved changes, how to save, and about strokes of an earlier program; `cancel` is of the first two.
-enum class Answer { saveFirst, discard, cancel, saveBeside, saveOver, goOnWithLeft, discardLeft, keepLeft };
+/// Answers: about unsaved changes, how to save, memory, and about strokes of an earlier program; `cancel` is of the
+/// first three.
+enum class Answer { saveFirst, discard, cancel, saveBeside, saveOver, readAnyway, goOnWithLeft, discardLeft, keepLeft };
 
 /// Purpose of a file; the file dialogue is for the first three.
 enum class FileTask { open, saveAs, exportMesh, record, play };
@@ -77,7 +88,7 @@ struct SaveQuestion {
 /// Whether to continue with unsaved strokes of an earlier program.
 struct LeftQuestion {
   std::string file;
-  std::size_t strokes = 0;
+  StrokesSince strokes;
   std::filesystem::file_time_type made;
   std::size_t waiting = 0;  ///< number of further programs whose strokes are asked about next
 };

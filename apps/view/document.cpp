@@ -1,7 +1,6 @@
 #include "apps/view/document.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -49,7 +48,7 @@ void Document::findLeft() {
 std::optional<LeftQuestion> Document::leftQuestion() const {
   if (left_.empty() || loader_.isLoading()) return std::nullopt;
   return LeftQuestion{.file = left_.front().document(),
-                      .strokes = left_.front().strokes,
+                      .strokes = left_.front().since,
                       .made = left_.front().made,
                       .waiting = left_.size() - 1};
 }
@@ -97,6 +96,7 @@ void Document::read(WindowOptions options, const std::string& what) {
   agreed_ = Agreed::no;
   reading_ = what;
   afterQuestion_ = nullptr;
+  memoryQuestion_.reset();
   opening_ = std::move(options);
   messages_.forget();
   loader_.open(opening_, parts_.settings.brush, parts_.settings.feel);
@@ -116,7 +116,7 @@ void Document::openAtScale(double mm_per_unit) {
 }
 
 void Document::leave(const std::string& what, std::function<void()> then) {
-  if (!session_ || !session_->isChanged() || !asks_) return then();
+  if (!isChanged() || !asks_) return then();
   saveQuestion_.reset();
   beforeWhat_ = what;
   afterQuestion_ = std::move(then);
@@ -124,45 +124,67 @@ void Document::leave(const std::string& what, std::function<void()> then) {
   if (parts_.window.isMinimised()) parts_.window.minimise(false);
 }
 
-bool Document::load(const std::function<void()>& letGo) {
-  if (!loader_.isLoading()) return false;
+Document::Opened Document::load(const std::function<void()>& rest, const std::function<void()>& letGo) {
+  if (!loader_.isLoading()) return Opened::nothing;
   for (const std::string& remark : loader_.takeRemarks()) messages_.add(remark);
-  if (loader_.isRead()) giveWay(letGo);
+  if (loader_.isRead() && !loader_.isStopped()) giveWay(rest);
   auto result = loader_.take();
-  if (!result) return false;
-  if (result->session) {
-    const bool isAnother = handedOn_ == HandedOn::no;
-    if (isAnother) opened_ = opening_;
-    const auto left = std::exchange(opened_.live.left, nullptr);
-    before_.reset();
-    letGo();
-    install(std::move(result->session), left ? left->document() : opened_.config.model.file);
-    if (!isLive() && !opened_.config.model.join && !isRosModel(file_)) recent_.add(file_);
-    return isAnother;
+  if (!result) return Opened::nothing;
+  if (!result->session) {
+    endLoad(*result);
+    return Opened::nothing;
   }
-  if (result->lacksMemory && makeRoom()) return false;
-  if (!result->failure.empty()) {
+  const bool isAnother = handedOn_ == HandedOn::no;
+  if (isAnother) opened_ = opening_;
+  const auto left = std::exchange(opened_.live.left, nullptr);
+  before_.reset();
+  isAnother ? letGo() : rest();
+  install(std::move(result->session), left ? left->document() : opened_.config.model.file);
+  if (!isLive() && !opened_.config.model.join && !isRosModel(file_)) recent_.add(file_);
+  return isAnother ? Opened::anotherModel : Opened::sameModel;
+}
+
+// No session came of the load: the present model returns.
+void Document::endLoad(const Loader::Result& result) {
+  if (result.lacksMemory && makeRoom()) return;
+  if (result.need && asks_)
+    memoryQuestion_ = result.need;
+  else if (result.need)
+    messages_.sayError(fmt::format("{}: {}; --force reads it nevertheless", loader_.file(), result.need->sentence()));
+  if (!result.failure.empty()) {
     // Removed from the lists, unless it is the open model.
     if (!parked_ || parked_->file() != loader_.file()) {
       std::erase(offered_, loader_.file());
       recent_.forget(loader_.file());
     }
-    handedOn_ = HandedOn::no;
-    messages_.sayError(result->failure);
+    messages_.sayError(result.failure);
   }
+  if (loader_.isStopped()) messages_.say(nameOf(loader_.file()) + " was not opened: stopped");
+  handedOn_ = HandedOn::no;
   unpark();
   if (before_) read(*std::exchange(before_, std::nullopt), reading_);
-  return false;
+}
+
+void Document::stopReading() {
+  if (!isStoppable()) return;
+  if (agreed_ == Agreed::asked) afterQuestion_ = nullptr;
+  loader_.stop();
+}
+
+std::string Document::whyWaiting() const {
+  return handedOn_ == HandedOn::no     ? nameOf(loader_.file()) + " is being opened"
+         : handedOn_ == HandedOn::held ? "the paused frame is being prepared for the brush"
+                                       : "the frames are about to continue";
 }
 
 // The next model has been read: closes the present one once the user agrees to lose its changes, or has saved them.
-void Document::giveWay(const std::function<void()>& letGo) {
+void Document::giveWay(const std::function<void()>& rest) {
   if (agreed_ == Agreed::no) {
     agreed_ = Agreed::asked;
     leave(reading_, [this] { agreed_ = Agreed::yes; });
   }
   if (agreed_ != Agreed::yes) return;
-  if (session_) park(letGo);
+  if (session_) park(rest);
   loader_.build();
 }
 
@@ -176,7 +198,7 @@ std::string Document::changesQuestion() const {
 // fails. A model with unsaved changes stays.
 bool Document::makeRoom() {
   if (!parked_ || handedOn_ != HandedOn::no) return false;
-  if (parked_->isChanged()) {
+  if (parked_->isChanged() || mapIsChanged_) {
     messages_.say("not enough memory for another model beside this one, which stays open: it has unsaved changes");
     return false;
   }
@@ -188,8 +210,8 @@ bool Document::makeRoom() {
   return true;
 }
 
-void Document::park(const std::function<void()>& letGo) {
-  letGo();
+void Document::park(const std::function<void()>& rest) {
+  rest();
   messages_.tryTo([&] { session_->pause(); });
   parked_ = std::move(session_);
 }
@@ -216,6 +238,7 @@ void Document::install(std::unique_ptr<WindowSession> session, const std::string
   if (handedOn == HandedOn::held) messages_.say("the paused frame can be sculpted; K continues the frames");
   if (handedOn == HandedOn::toGoOn) pause();
   if (handedOn != HandedOn::no) return;
+  mapIsChanged_ = false;
   file_ = file;
   session_->setDocument(file_);
   saveFile_ = isLive() ? "camera.ply"
@@ -245,20 +268,11 @@ void Document::follow() {
   messages_.tryTo([&] { sculptHeld(); });
 }
 
-void Document::sayWhatFramesLack() {
-  const auto counts = session_->session().playCounts();
-  if (!counts) return;
-  const bool hasLost = counts->lost > 0, isSilent = counts->silentSince_s.has_value();
-  if (hasLost && !saidOfFrames_.lost) messages_.say("a frame was lost: " + counts->lastLoss);
-  if (isSilent && !saidOfFrames_.silent)
-    messages_.say(fmt::format("no frame received for {:.1f} s; the last one stays{}", *counts->silentSince_s,
-                              std::isinf(counts->staysTrue_s) ? "" : fmt::format(" {:g} s", counts->staysTrue_s)));
-  saidOfFrames_ = {.lost = hasLost, .silent = isSilent};
-}
-
 void Document::finishSaving(const WindowSession::Saved& saved) {
+  saving_.clear();
   const std::string kept = saved.kept.empty() ? "" : "; the old file is kept as " + saved.kept;
   if (saved.failure.empty()) {
+    mapIsChanged_ = false;
     messages_.say(saved.file + " is saved" + kept);
     becomeFile(saved.file);
     if (std::exchange(othersWait_, false)) findLeft();
@@ -266,7 +280,7 @@ void Document::finishSaving(const WindowSession::Saved& saved) {
     messages_.sayError(saved.failure);
   }
   // Where the points have changed since, or could not be written, the question stays.
-  if (!std::exchange(isSavingForIt_, false) || (saved.failure.empty() && session_->isChanged())) return;
+  if (!std::exchange(isSavingForIt_, false) || (saved.failure.empty() && isChanged())) return;
   const auto then = std::exchange(afterQuestion_, nullptr);
   if (saved.failure.empty() && then) then();
 }
@@ -282,13 +296,13 @@ void Document::becomeFile(const std::string& file) {
 
 void Document::saveTo(const std::string& file) {
   session_->save(file);
-  messages_.say("saving " + file);
+  saving_ = file;
 }
 
 void Document::save() {
   if (session_->isSaving()) return saveTo(saveFile_);  // throws: a save is in progress
   std::error_code ignored;
-  if (!session_->isChanged() && std::filesystem::exists(saveFile_, ignored))
+  if (isOfFile() && !isChanged() && std::filesystem::exists(saveFile_, ignored))
     return messages_.say(saveFile_ + " already contains these points; there is nothing to save");
   const FileInTheWay inTheWay = fileInTheWay(saveFile_);
   if (!inTheWay.losesSomething()) return saveTo(saveFile_);
@@ -312,7 +326,13 @@ void Document::answer(Answer answer) {
     afterQuestion_ = nullptr;
     saveQuestion_.reset();
     isSavingForIt_ = false;
-    if (agreed_ == Agreed::asked) loader_.cancel();
+    memoryQuestion_.reset();
+    if (agreed_ == Agreed::asked) stopReading();
+  }
+  if (answer == Answer::readAnyway && memoryQuestion_) {
+    WindowOptions options = opening_;
+    options.exceedsMemory = true;
+    read(std::move(options), reading_);
   }
   if (answer == Answer::saveFirst && session_) {
     isSavingForIt_ = true;
@@ -326,6 +346,7 @@ void Document::answer(Answer answer) {
 }
 
 void Document::carryOut(ModelCommand command) {
+  if (isGivingWay()) return messages_.say(whyWaiting());
   if (!session_) return;
   if (command == ModelCommand::undo) session_->undo();
   if (command == ModelCommand::redo) session_->redo();
@@ -341,58 +362,6 @@ void Document::carryOut(ModelCommand command) {
 void Document::record(const std::string& log) {
   session_->record(log);
   messages_.say("recording to " + log);
-}
-
-void Document::step() {
-  if (session_->isHeldStill()) return messages_.say("only this frame is being sculpted; K continues the frames");
-  session_->stepFrame();
-}
-
-void Document::restart() {
-  SimulationControl* const simulation = session_->session().simulation();
-  if (!simulation) return;
-  simulation->reset();
-  saidOfSimulation_.clear();
-  messages_.say("the scene restarts");
-}
-
-void Document::sayWhatSimulationLacks() {
-  SimulationControl* const simulation = session_->session().simulation();
-  if (!simulation) return;
-  const std::string failure = simulation->failure();
-  if (failure == saidOfSimulation_) return;
-  saidOfSimulation_ = failure;
-  if (!failure.empty()) messages_.sayError(fmt::format("the simulation {}; N restarts it", failure));
-}
-
-void Document::pause() {
-  if (SimulationControl* const simulation = session_->session().simulation()) {
-    simulation->pause(!simulation->isPaused());
-    return messages_.say(simulation->isPaused() ? "the scene is paused" : "the scene continues");
-  }
-  if (session_->isHeldStill()) return letFramesGoOn();
-  if (const auto held = session_->holdFrames()) messages_.say(*held ? "frames are paused" : "frames continue");
-}
-
-void Document::sculptHeld() {
-  if (!session_->holdsFrames() || !parts_.settings.brush.sculpts || !session_->isTouching() || loader_.isLoading())
-    return;
-  WindowOptions options = opened_;
-  options.config.model.stream.reset();
-  handedOn_ = HandedOn::held;
-  agreed_ = Agreed::yes;
-  loader_.open(options, parts_.settings.brush, parts_.settings.feel, session_->handOn());
-}
-
-void Document::letFramesGoOn() {
-  const auto goOn = [this] {
-    handedOn_ = HandedOn::toGoOn;
-    agreed_ = Agreed::yes;
-    loader_.open(opened_, parts_.settings.brush, parts_.settings.feel, session_->handOn());
-  };
-  // Without fusion the next frame replaces all points.
-  if (opened_.config.model.stream->fuse) return goOn();
-  leave("the frames continue", goOn);
 }
 
 void Document::play(const std::string& log) {

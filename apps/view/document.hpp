@@ -33,8 +33,10 @@ class Document {
   /// `asks`: ask about unsaved changes and how to save; off for a script, unless it contains `ask`.
   Document(const DocumentParts& parts, WindowOptions options, bool asks);
 
-  /// Null: no model is open.
+  /// Null: no model is open, or it is parked.
   WindowSession* session() const { return session_.get(); }
+  /// The model that is shown: also while it is parked, because another one is built in its place.
+  const WindowSession* shown() const { return session_ ? session_.get() : parked_.get(); }
   /// Models that were opened, and models that were named or dropped.
   const RecentFiles& recent() const { return recent_; }
   const std::vector<std::string>& offered() const { return offered_; }
@@ -46,13 +48,24 @@ class Document {
   void openAtScale(double mm_per_unit);
   /// Calls `then` now, or after a question about changes that it would lose. `what`: text that follows "Before".
   void leave(const std::string& what, std::function<void()> then);
-  /// Called once per frame: advances the opening of a model. `letGo` is called before the present model is closed; that
-  /// one returns if the next one fails to open. Returns whether another model is open now; the same model with its
-  /// frames paused or resumed does not count.
-  bool load(const std::function<void()>& letGo);
+  /// Result of load(): the same model is its camera's, with the frames paused or resumed.
+  enum class Opened { nothing, sameModel, anotherModel };
+  /// Called once per frame: advances the opening of a model. `rest` is called before the present model is parked, as
+  /// the GPU is needed to build the next one; the model returns if that fails. `letGo`: before another one replaces it.
+  Opened load(const std::function<void()>& rest, const std::function<void()>& letGo);
+  /// Stops reading a file.
+  void stopReading();
+  /// A camera's stream leaves its session for the next one, and cannot return.
+  bool isStoppable() const { return loader_.isLoading() && !loader_.isStopped() && handedOn_ == HandedOn::no; }
+  /// Whether saving would write something that is in no file.
+  bool mayBeSaved() const { return session_ && !session_->isSaving() && (isChanged() || !isOfFile()); }
   const Loader& loader() const { return loader_; }
   /// Whether the present model is parked while another one is built in its place.
   bool isGivingWay() const { return loader_.isRead() && agreed_ == Agreed::yes; }
+  /// Why a stroke or command is refused meanwhile.
+  std::string whyWaiting() const;
+  /// Whether the points differ from what was loaded or saved last.
+  bool isChanged() const { return session_ && (session_->isChanged() || mapIsChanged_); }
 
   /// The device that the person holds, or null: of the present model and of later ones. Not while one is opened.
   void setDevice(const std::shared_ptr<TurnedDevice>& device, const HapticDeviceFacts& facts);
@@ -76,30 +89,37 @@ class Document {
   /// Text of the question about unsaved changes; empty where no question is pending.
   std::string changesQuestion() const;
   const std::optional<SaveQuestion>& saveQuestion() const { return saveQuestion_; }
+  /// A file that needs more memory than is free.
+  const std::optional<MemoryNeed>& memoryQuestion() const { return memoryQuestion_; }
   /// The question about unsaved strokes of an earlier program.
   std::optional<LeftQuestion> leftQuestion() const;
-  bool asks() const { return asksAboutChanges() || saveQuestion_ || leftQuestion(); }
+  bool asks() const { return asksAboutChanges() || saveQuestion_ || memoryQuestion_ || leftQuestion(); }
   bool isLeaving() const { return afterQuestion_ != nullptr; }  ///< once the question is answered, or the model saved
   /// Whether a load or save is in progress that needs no answer.
   bool isBusy() const {
     return (loader_.isLoading() && agreed_ != Agreed::asked) || (isLeaving() && isSavingForIt_ && !saveQuestion_);
   }
   const std::string& saveFile() const { return saveFile_; }
+  const std::string& saving() const { return saving_; }  ///< file that is being written; empty: none
   /// File name as shown to the user: the file that the model was opened from, or saved to last.
   const std::string& file() const { return file_; }
 
  private:
+  enum class HandedOn { no, held, toGoOn };
   // `what`: purpose of the read, as in leave().
   void read(WindowOptions options, const std::string& what);
-  void giveWay(const std::function<void()>& letGo);
+  void giveWay(const std::function<void()>& rest);
   bool isLive() const { return opened_.config.model.stream && opened_.config.model.stream->live; }
   // Whether the points are those of a file, so that a saved file can replace it as the document's file.
   bool isOfFile() const;
   bool makeRoom();
-  void park(const std::function<void()>& letGo);
+  void park(const std::function<void()>& rest);
   void unpark();
   // `file`: name shown to the user.
   void install(std::unique_ptr<WindowSession> session, const std::string& file);
+  void endLoad(const Loader::Result& result);
+  // Gives the points to a session of the same model.
+  void handOn(HandedOn to, const WindowOptions& options);
   void findLeft();
   void goOnWith(LeftStrokes left);
   // For a camera: pauses or resumes its frames; a paused frame is sculpted once a brush is chosen.
@@ -122,11 +142,12 @@ class Document {
   RecentFiles recent_;
   std::vector<std::string> offered_;
   Loader loader_;
-  std::unique_ptr<WindowSession> session_, parked_;                   // parked while the next one is built
-  WindowOptions opened_, opening_;                                    // options of the present model and the next one
-  enum class HandedOn { no, held, toGoOn } handedOn_ = HandedOn::no;  // points are passed from session to session
-  std::optional<WindowOptions> before_;  // of the model that was closed to free memory for the next one
-  std::string file_, saveFile_;          // shown to the user; target of Ctrl+S
+  std::unique_ptr<WindowSession> session_, parked_;  // parked while the next one is built
+  WindowOptions opened_, opening_;                   // options of the present model and the next one
+  HandedOn handedOn_ = HandedOn::no;                 // points are passed from session to session
+  std::optional<WindowOptions> before_;              // of the model that was closed to free memory for the next one
+  bool mapIsChanged_ = false;             // by strokes of sessions that gave it to this one; they are not saved
+  std::string file_, saveFile_, saving_;  // shown to the user; target of Ctrl+S; being written
   struct {
     bool lost = false, silent = false;
   } saidOfFrames_;
@@ -142,6 +163,7 @@ class Document {
   std::function<void()> afterQuestion_;                        // called once that question is answered
   bool isSavingForIt_ = false;
   std::optional<SaveQuestion> saveQuestion_;  // pending
+  std::optional<MemoryNeed> memoryQuestion_;
 };
 
 }  // namespace palpate

@@ -36,7 +36,7 @@ inline std::vector<std::pair<std::string, std::string>> keyHelp() {
       {"K,  N", "pause or continue water or sand;  restart it"},
       {"P,  C", "picture of the model to a file,  curves on and off"},
       {"Tab", "panels on and off"},
-      {"Esc", "close a list, an error or help;  put the stylus away;  end measuring"},
+      {"Esc", "stop reading;  close a list, an error or help;  put the stylus away;  end measuring"},
       {"H,  Q", "this help,  quit"}};
 }
 

@@ -53,6 +53,7 @@ ViewCommands Keyboard::bound(int key) const {
                                       {GLFW_KEY_N, false, {}, ModelCommand::restart},
                                       {GLFW_KEY_BACKSPACE, false, {}, WindowCommand::switchForces},
                                       {GLFW_KEY_T, false, {}, StylusCommand::lockOrUnlock},
+                                      {GLFW_KEY_ESCAPE, false, {}, WindowCommand::stopReading},
                                       {GLFW_KEY_ESCAPE, false, {}, StylusCommand::putAway},
                                       {GLFW_KEY_ESCAPE, false, {}, WindowCommand::closeErrors},
                                       {GLFW_KEY_ESCAPE, false, {}, WindowCommand::forgetMeasure}};

@@ -5,6 +5,7 @@
 
 #include "apps/cli/backend.hpp"
 #include "apps/cli/sharing_options.hpp"
+#include "engine/core/job_stop.hpp"
 #include "engine/gpu/vulkan.hpp"
 
 namespace palpate {
@@ -12,6 +13,10 @@ namespace palpate {
 namespace {
 
 constexpr double kReading = 0.7;  // share of reading in the whole time, estimated
+
+struct ExceedsMemory {
+  MemoryNeed need;
+};
 
 }  // namespace
 
@@ -44,10 +49,14 @@ void Loader::begin(WindowOptions options, const BrushSettings& brush, const Feel
   result_ = std::async(std::launch::async, [this] { return load(); });
 }
 
-void Loader::cancel() {
-  if (!result_.valid()) return;
+void Loader::stop() {
   cancelled_ = true;
   build();
+}
+
+void Loader::cancel() {
+  if (!result_.valid()) return;
+  stop();
   result_.wait();
   result_ = {};
   isRead_ = false;
@@ -59,15 +68,18 @@ void Loader::build() {
 }
 
 Loader::Result Loader::load() {
+  const JobStopScope stops({.flag = &cancelled_, .mayCut = true});
   try {
+    std::function<void(const MemoryNeed&)> exceeds;
+    if (!options_.exceedsMemory) exceeds = [](const MemoryNeed& need) { throw ExceedsMemory{need}; };
     // Normals are estimated on the CPU: the present session still uses the GPU's queues.
-    Model model = given_
-                      ? std::move(*given_)
-                      : loadModel(options_.config.model, {.log = context_.log(),
-                                                          .threads = context_.threads(),
-                                                          .join = joiningHand(options_.hand),
-                                                          .fetch = rosFetcher(options_.network),
-                                                          .watch = rosWatcher(options_.network, context_.threads())});
+    Model model = given_ ? std::move(*given_)
+                         : loadModel(options_.config.model, {.log = context_.log(),
+                                                             .threads = context_.threads(),
+                                                             .join = joiningHand(options_.hand),
+                                                             .fetch = rosFetcher(options_.network),
+                                                             .watch = rosWatcher(options_.network, context_.threads()),
+                                                             .exceeds = exceeds});
     requirePoints(model, options_.config.model.file);
     if (options_.live.left) options_.live.left->requireModel(model);
     isRead_ = true;
@@ -76,9 +88,13 @@ Loader::Result Loader::load() {
     enter("preparing touch and sight", kReading);
     if (options_.backendIsOpen)
       options_.config.backend.name = soonerBackend(context_, options_.config, model, BrushConfig{});
-    return {std::make_unique<WindowSession>(context_, sight_, std::move(model), options_, brush_, feel_), {}};
-  } catch (const Cancelled&) {
+    auto session = std::make_unique<WindowSession>(context_, sight_, std::move(model), options_, brush_, feel_);
+    throwIfStopWanted();
+    return {std::move(session), {}};
+  } catch (const Stopped&) {
     return {};
+  } catch (const ExceedsMemory& exceeds) {
+    return {.session = nullptr, .failure = {}, .need = exceeds.need};
   } catch (const std::bad_alloc&) {
     return {nullptr, options_.config.model.file + ": out of memory", true};
   } catch (const OutOfGpuMemory& error) {
@@ -108,15 +124,11 @@ std::string Loader::stage() const {
 }
 
 void Loader::said(std::string_view line) {
-  if (cancelled_) throw Cancelled();
   const std::scoped_lock hold(lock_);
   remarks_.emplace_back(line);
 }
 
-void Loader::progressed(std::string_view, double fraction) {
-  if (cancelled_) throw Cancelled();
-  progress_ = kReading * fraction;
-}
+void Loader::progressed(std::string_view, double fraction) { progress_ = kReading * fraction; }
 
 std::vector<std::string> Loader::takeRemarks() {
   const std::scoped_lock hold(lock_);

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "apps/view/session.hpp"
+#include "engine/io/memory_need.hpp"
 
 namespace palpate {
 
@@ -23,7 +24,10 @@ class Loader final : private LogListener {
   /// The same with a given model, which is not read from the file.
   void open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel, Model model);
   bool isLoading() const { return result_.valid(); }
-  /// Cancels the present load, and waits for its thread.
+  /// Ends the present load soon: take() then returns an empty result.
+  void stop();
+  bool isStopped() const { return cancelled_; }
+  /// The same, and waits for its thread.
   void cancel();
   std::string file() const { return options_.config.model.file; }
   double progress() const { return progress_; }
@@ -39,12 +43,12 @@ class Loader final : private LogListener {
   struct Result {
     std::unique_ptr<WindowSession> session;
     std::string failure;
-    bool lacksMemory = false;  ///< the load may succeed once the present model is closed
+    bool lacksMemory = false;        ///< the load may succeed once the present model is closed
+    std::optional<MemoryNeed> need;  ///< it was not read: it needs more memory than is free
   };
   std::optional<Result> take();
 
  private:
-  struct Cancelled {};
   void said(std::string_view line) override;
   void progressed(std::string_view what, double fraction) override;
   void begin(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel, const std::string& what);

@@ -7,9 +7,9 @@
 
 namespace palpate {
 
-void Measure::take(const DVec3& place) {
-  if (places_.size() == 2) places_.clear();
-  places_.push_back(place);
+void Measure::take(const PickedPosition& picked) {
+  if (picked_.size() == 2) picked_.clear();
+  picked_.push_back(picked);
   ++version_;
 }
 
@@ -19,13 +19,13 @@ void Measure::belongTo(const std::string& file) {
 }
 
 void Measure::forget() {
-  places_.clear();
+  picked_.clear();
   ++version_;
 }
 
 std::optional<double> Measure::distance() const {
-  if (places_.size() < 2) return std::nullopt;
-  return glm::distance(places_[0], places_[1]);
+  if (picked_.size() < 2) return std::nullopt;
+  return glm::distance(picked_[0].place, picked_[1].place);
 }
 
 double Measure::scaleFor(const std::string& text) const {

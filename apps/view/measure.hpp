@@ -11,17 +11,23 @@
 
 namespace palpate {
 
+/// A position as precise as it was picked.
+struct PickedPosition {
+  DVec3 place{0};         ///< model units relative to the cloud's origin
+  double resolution = 0;  ///< its coordinates are multiples of this, model units; 0: of a point, all digits count
+};
+
 class Measure {
  public:
-  /// Adds a position; a third one begins a new pair. Model units relative to the cloud's origin.
-  void take(const DVec3& place);
+  /// Adds a position; a third one begins a new pair.
+  void take(const PickedPosition& picked);
   /// Assigns the measure to the model in that file; a measure of another model is cleared.
   void belongTo(const std::string& file);
   /// Called when that model is saved to another file.
   void beCalled(const std::string& file) { file_ = file; }
   void forget();
 
-  std::span<const DVec3> places() const { return places_; }
+  std::span<const PickedPosition> picked() const { return picked_; }
   /// Model units; nothing with fewer than two positions.
   std::optional<double> distance() const;
   std::uint64_t version() const { return version_; }  ///< increases with each change
@@ -31,7 +37,7 @@ class Measure {
 
  private:
   std::string file_;
-  std::vector<DVec3> places_;
+  std::vector<PickedPosition> picked_;
   std::uint64_t version_ = 0;
 };
 

@@ -24,6 +24,10 @@ class ModelPicture {
   /// The next picture is drawn in any case.
   void forget() { scene_.reset(); }
   bool exists() const { return frame_ != nullptr; }
+  /// Whether the last picture has the size for such a window.
+  bool hasSize(const UVec2& window_px) const {
+    return made_ > 0 && frame_ && UVec2(frame_->width(), frame_->height()) == (window_px + (shrink_ - 1)) / shrink_;
+  }
 
   /// What the next picture shows, and the cursor: the triangles if there are any, else the discs. Returns whether it
   /// differs from the last picture.

@@ -63,17 +63,18 @@ bool Panels::drag(const char* name, double& value, float speed, const Range& ran
                                        ImGuiSliderFlags_AlwaysClamp));
 }
 
-// Field for a length in the hand, shown as the length on the model; `text` replaces the number if it is not empty.
+// Field for a length in the hand, with three digits; `text` replaces the number if it is not empty.
 bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, const Range& range_mm,
                         const ViewStatus& status, const char* text) {
-  constexpr int kDigits = 3;
-  const ModelScale& scale = status.session->model().scale;
-  const Range range{scale.toUnits(range_mm.min), scale.toUnits(range_mm.max)};
-  const int decimals = std::clamp(kDigits - static_cast<int>(std::floor(std::log10(range.max))), 0, 15);
-  const std::string format = *text ? text : fmt::format("%.{}f {}", decimals, nameOf(status.unit));
-  double value = scale.toUnits(value_mm);
-  const bool changed = drag(name, value, static_cast<float>(scale.toUnits(speed_mm)), range, format.c_str());
-  if (changed) value_mm = std::clamp(scale.toMm(value), range_mm.min, range_mm.max);
+  const auto& [perMm, unit] = status.lengths;
+  const Range range{perMm * range_mm.min, perMm * range_mm.max};
+  double value = perMm * value_mm;
+  const double size = value > 0 ? value : range.max;
+  const int decimals = std::clamp(kFewLengthDigits - 1 - static_cast<int>(std::floor(std::log10(size))), 0, 15);
+  const std::string shown = unit.starts_with('%') ? '%' + unit : unit;
+  const std::string format = *text ? text : fmt::format("%.{}f {}", decimals, shown);
+  const bool changed = drag(name, value, static_cast<float>(perMm * speed_mm), range, format.c_str());
+  if (changed) value_mm = std::clamp(value / perMm, range_mm.min, range_mm.max);
   return changed;
 }
 
@@ -144,6 +145,7 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
     link_.clear();
   helps_ = !view.help;
   if (view.panels) drawPanel(status, settings);
+  corner_px_ = {ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y};
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
   drawDistance(status, view);
   if (status.heights) drawHeights(*status.heights, status.unit);
@@ -162,7 +164,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y - em(2 * kMargin_em)});
   ImGui::Begin("palpate", nullptr,
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
-  ImGui::PushItemWidth(em(8));
+  ImGui::PushItemWidth(em(9.5));
   drawModel(status);
   drawDevice(status);
   if (status.session) {
@@ -182,7 +184,8 @@ void Panels::drawModel(const ViewStatus& status) {
   if (status.session) {
     ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
     help(status.model);
-    ImGui::TextDisabled("%zu points, up is %s", status.session->journal().points().present(), nameOf(status.up).data());
+    ImGui::TextDisabled("%llu points, up is %s", static_cast<unsigned long long>(status.session->presentPoints()),
+                        nameOf(status.up).data());
     help((status.isUpTurned ? "as chosen" : "automatic: " + status.upright.why) + "; change it with up in Look");
     const Model& model = status.session->model();
     const double side = model.container() ? model.container()->longestSide() : status.session->longestSide();
@@ -194,6 +197,8 @@ void Panels::drawModel(const ViewStatus& status) {
   if (status.loading) {
     ImGui::TextUnformatted(status.loadingWhat.c_str());
     ImGui::ProgressBar(static_cast<float>(*status.loading), {-1, 0});
+    if (status.isStoppable) post(button("Cancel##reading"), WindowCommand::stopReading);
+    if (status.isStoppable) help("Esc");
   }
   if (!header("Models", !status.session && !status.loading)) return;
   if (button("Browse...")) browse(FileTask::open, status);
@@ -284,14 +289,16 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
   help("Backspace");
   choose("surface", kSurfaceKinds, feel.surface);
   help("average: fastest; sphere: sinks in less on curved surfaces; sharp: keeps edges");
-  if (status.session->backendName() == "vulkan") choose("query", builtMethods(), feel.method);
   drag("stiffness", feel.stiffness_N_per_mm, 0.01f, sliderOf<ForceOptions>("stiffness_N_per_mm"), "%.2f N/mm");
   help("force per mm of depth in the surface, measured in the hand");
-  drag("damping", feel.damping_N_s_per_mm, 0.0001f, sliderOf<ForceOptions>("damping_N_s_per_mm"), "%.4f N s/mm");
   drag("friction", feel.friction, 0.01f, sliderOf<SurfaceConfig>("friction"), "%.2f");
   help("0: no friction; from 1 on the stylus hardly slides");
+  if (!noted("more", ImGui::TreeNode("more##feel"))) return;
+  if (status.session->backendName() == "vulkan") choose("query", builtMethods(), feel.method);
+  drag("damping", feel.damping_N_s_per_mm, 0.0001f, sliderOf<ForceOptions>("damping_N_s_per_mm"), "%.4f N s/mm");
   drag("maximum force", feel.maxForce_N, 0.02f, sliderOf<ForceOptions>("max_N"), "%.2f N");
   ImGui::TextDisabled("%s", status.session->session().machine().c_str());
+  ImGui::TreePop();
 }
 
 void Panels::drawOthers(const ViewStatus& status) {
@@ -395,7 +402,7 @@ void Panels::drawSides() {
 void Panels::drawSession(const ViewStatus& status) {
   if (!header("Save and record")) return;
   const WindowSession& session = *status.session;
-  ImGui::BeginDisabled(!session.isChanged() || session.isSaving());
+  ImGui::BeginDisabled(!status.mayBeSaved);
   post(button("Save"), ModelCommand::save);
   ImGui::EndDisabled();
   help("writes " + status.saveFile);
@@ -403,7 +410,7 @@ void Panels::drawSession(const ViewStatus& status) {
   if (session.isSaving())
     ImGui::TextDisabled("saving...");
   else
-    ImGui::TextDisabled("%s", session.isChanged() ? "changed" : "as in the file");
+    ImGui::TextDisabled("%s", status.isChanged ? "changed" : status.mayBeSaved ? "not saved" : "as in the file");
   const auto isThere = [](const char* file) {
     std::error_code ignored;
     return file[0] != 0 && std::filesystem::exists(file, ignored);

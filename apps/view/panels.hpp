@@ -14,6 +14,7 @@
 #include "apps/view/link_history.hpp"
 #include "apps/view/place_info.hpp"
 #include "apps/view/settings.hpp"
+#include "engine/io/memory_need.hpp"
 #include "haptics/devices/haptic_device.hpp"
 
 namespace palpate {
@@ -28,15 +29,19 @@ struct ViewStatus {
   const WindowSession* session = nullptr;  ///< null: no model is open
   std::optional<double> loading;           ///< progress, 0 to 1
   std::string loadingWhat;
+  bool isStoppable = false;          ///< the loading
   std::vector<std::string> remarks;  ///< newest last; each is shown for a while
+  std::vector<std::string> notices;  ///< each is shown as long as it is true
   std::string blocked;               ///< why nothing under the pressed brush moves; empty: it moves
   std::span<const std::string> errors;
   std::span<const std::string> models, recent;
-  std::span<const std::string> gone;  ///< recent models that no longer exist
-  std::string model;                  ///< the open model
-  std::string saveFile;               ///< target of Save
-  std::string changesQuestion;        ///< empty: no question
+  std::span<const std::string> gone;           ///< recent models that no longer exist
+  std::string model;                           ///< the open model
+  std::string saveFile;                        ///< target of Save
+  std::string changesQuestion;                 ///< empty: no question
+  bool isChanged = false, mayBeSaved = false;  ///< Document::isChanged(), mayBeSaved()
   std::optional<SaveQuestion> saveQuestion;
+  std::optional<MemoryNeed> memoryQuestion;
   std::optional<LeftQuestion> leftQuestion;
   bool stylus = false;               ///< the mouse holds the stylus
   const HeldDevice* held = nullptr;  ///< the device that the user holds
@@ -49,6 +54,7 @@ struct ViewStatus {
   UpAxis up = UpAxis::y;             ///< up axis in use
   bool isUpTurned = false;           ///< the user has set the up axis
   LengthUnit unit = LengthUnit::unknown;
+  ViewSettings::ShownLength lengths;   ///< of the hand
   std::optional<PlaceInfo> picked;     ///< the last picked position
   std::optional<double> measured;      ///< distance of the two picked positions, units
   std::optional<DVec2> measuredAt_px;  ///< middle between them in the picture
@@ -143,19 +149,19 @@ class Panels {
   void drawHelp(ViewSettings& view);
   void drawMessages(const ViewStatus& status, const ViewSettings& view);
   void drawErrors(const ViewStatus& status, const ViewSettings& view);
-  void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const;
+  void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit);
   void drawDistance(const ViewStatus& status, const ViewSettings& view) const;
-  void drawHeights(const HeightRange& heights, LengthUnit unit) const;
+  void drawHeights(const HeightRange& heights, LengthUnit unit);
   struct AnswerButton {
     const char* name;
     Answer answer;
-    std::optional<int> key;  // of ImGui, that chooses it, too
+    bool isEscape = false;
   };
   void ask(const char* title, bool asks, const std::function<bool()>& draw);
   bool answers(std::initializer_list<AnswerButton> buttons);
   void drawQuestions(const ViewStatus& status);
   static constexpr double kPanel_em = 18.5, kCurves_em = 18, kMargin_em = 0.6;
-  static constexpr double kMessages_em = 32;  ///< minimum width for messages beside the scale
+  static constexpr double kMessages_em = 12;  ///< minimum width for messages beside the scale
   static constexpr double kModel_em = 6;      ///< minimum width for the model
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 
@@ -164,7 +170,8 @@ class Panels {
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{};
   DeviceState seenDevice_;
   bool paused_ = false;
-  bool helps_ = true;  // tooltips are shown; off while the help window is open
+  std::size_t chosen_ = 0;  // of the answers to a question: the one that Enter gives
+  bool helps_ = true;       // tooltips are shown; off while the help window is open
   struct Files {
     FileTask task;
     FileBrowser browser;
@@ -172,6 +179,7 @@ class Panels {
     std::string seen;  // chosen entry that the list has been scrolled to
   };
   std::optional<Files> files_;  // set while the file dialogue is open
+  DVec2 corner_px_{0};          // upper left end of the scale and the heights, at the lower right, in this frame
   std::map<std::string, DVec2> places_;
   std::string scrollTo_;
   struct Curves {

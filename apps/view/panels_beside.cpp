@@ -1,7 +1,10 @@
 // The part of Panels beside the main panel: curves, scale, heights, and the questions.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 #include <imgui.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 
@@ -30,6 +33,20 @@ std::string ago(std::filesystem::file_time_type then) {
   }
   if (count == 0) return "just now";
   return counted(count, unit) + " ago";
+}
+
+// "2 strokes and the undoing of 1 saved stroke".
+std::string textOf(const StrokesSince& since) {
+  if (since.undone == 0) return counted(since.made, "stroke");
+  return (since.made > 0 ? counted(since.made, "stroke") + " and " : "") + "the undoing of " +
+         counted(since.undone, "saved stroke");
+}
+
+// Rounded down: 100 only where no tick was late.
+double onTime_percent(const TickHistory& history) {
+  if (history.ticks() == 0) return 100;
+  const double share = 1 - static_cast<double>(history.missed()) / static_cast<double>(history.ticks());
+  return std::max(0.0, std::floor(1000 * share) / 10);
 }
 
 // The last ticks, reduced to kCurve values.
@@ -68,10 +85,10 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view) {
   ImGui::SetNextWindowSize({em(kCurves_em), 0});
   ImGui::Begin("Curves", &view.plots, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   const TickHistory& history = status.session->history();
-  const ModelScale& scale = status.session->model().scale;
+  const auto& [perMm, unit] = status.lengths;
   if (!paused_)
     curves_ = {curveOf(history.rows(), [](const TraceRow& row) { return glm::length(row.force_N); }),
-               curveOf(history.rows(), [&](const TraceRow& row) { return scale.toUnits(row.penetration_mm); }),
+               curveOf(history.rows(), [&](const TraceRow& row) { return status.lengths.perMm * row.penetration_mm; }),
                curveOf(history.rows(), [](const TraceRow& row) { return row.step_us; }),
                {status.pictures_ms->begin(), status.pictures_ms->end()}};
   const float height = em(3.4);
@@ -82,14 +99,14 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view) {
   };
   const std::string ticks = fmt::format("{} ticks", kCurve * kTicksPerValue);
   curve("force, N", curves_.force_N, 1, ticks);
-  curve(fmt::format("penetration, {}", nameOf(status.unit)).c_str(), curves_.penetration,
-        static_cast<float>(scale.toUnits(1)), ticks);
+  curve(fmt::format("penetration, {}", unit).c_str(), curves_.penetration, static_cast<float>(perMm), ticks);
   curve("tick, us", curves_.step_us, 100, ticks);
   curve("frame, ms", curves_.picture_ms, 16, fmt::format("{} frames", curves_.picture_ms.size()));
-  ImGui::Text("tick p50 %.0f us, p99.9 %.0f us", history.step_us().quantile_us(0.5),
-              history.step_us().quantile_us(0.999));
-  ImGui::Text("missed %llu of %llu ticks", static_cast<unsigned long long>(history.missed()),
-              static_cast<unsigned long long>(history.ticks()));
+  ImGui::Text("haptic loop: on time %.3g %%", onTime_percent(history));
+  help(fmt::format(
+      "{} of {} ticks were late, and left out; a tick took {:.0f} us (p50), {:.0f} us at most but for one "
+      "in a thousand (p99.9)",
+      history.missed(), history.ticks(), history.step_us().quantile_us(0.5), history.step_us().quantile_us(0.999)));
   ImGui::Text("%s per second", counted(std::lround(status.fps), "frame").c_str());
   ImGui::TextDisabled("%s", status.gpu.c_str());
   drawLink();
@@ -123,7 +140,7 @@ void Panels::drawLink() {
 }
 
 // At the lower right, where there is no panel.
-void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const {
+void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) {
   const std::string text = lengthText(bar.length, unit);
   const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
   const ImU32 color = ImGui::GetColorU32(ImGuiCol_Text);
@@ -133,7 +150,9 @@ void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddLine({right - width, y}, {right, y}, color, thick);
   for (const float x : {right - width, right}) list.AddLine({x, y - end}, {x, y + end}, color, thick);
-  list.AddText({std::round(right - 0.5f * (width + size.x)), std::round(y - em(0.4) - size.y)}, color, text.c_str());
+  const float top = std::round(y - em(0.4) - size.y);
+  list.AddText({std::round(right - 0.5f * (width + size.x)), top}, color, text.c_str());
+  corner_px_ = glm::min(corner_px_, DVec2(right - std::max(width, 0.5f * (width + size.x)), top));
 }
 
 // At the middle of the line between the two positions, moved if necessary so that no panel covers it.
@@ -157,7 +176,7 @@ void Panels::drawDistance(const ViewStatus& status, const ViewSettings& view) co
 }
 
 // At the right edge, above the scale.
-void Panels::drawHeights(const HeightRange& heights, LengthUnit unit) const {
+void Panels::drawHeights(const HeightRange& heights, LengthUnit unit) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   const float width = em(1), right = display.x - em(1.5), left = right - width, bottom = display.y - em(4.5),
               top = std::max(em(2), bottom - em(12)), line = ImGui::GetTextLineHeight();
@@ -171,7 +190,9 @@ void Panels::drawHeights(const HeightRange& heights, LengthUnit unit) const {
   }
   const ImU32 ink = ImGui::GetColorU32(ImGuiCol_Text);
   const auto write = [&](const std::string& text, float x, float y) {
-    list.AddText({std::round(x - ImGui::CalcTextSize(text.c_str()).x), std::round(y)}, ink, text.c_str());
+    const float begin = std::round(x - ImGui::CalcTextSize(text.c_str()).x);
+    list.AddText({begin, std::round(y)}, ink, text.c_str());
+    corner_px_ = glm::min(corner_px_, DVec2(begin, y));
   };
   const double extent = heights.high - heights.low;
   for (const Tick& tick : ticksOf(heights)) {
@@ -196,12 +217,32 @@ void Panels::ask(const char* title, bool asks, const std::function<bool()>& draw
   ImGui::EndPopup();
 }
 
+// Answered by a click, by Tab or the arrow keys and Enter, by Esc, or by the first letter of an answer, which is
+// underlined. The keys that led to the question do not answer it.
 bool Panels::answers(std::initializer_list<AnswerButton> buttons) {
+  const bool isNew = ImGui::IsWindowAppearing(), mayAnswer = !isNew && !ImGui::GetIO().KeyCtrl;
+  const auto pressed = [&](int key) { return mayAnswer && ImGui::IsKeyPressed(key, false); };
+  const std::size_t count = buttons.size();
+  const bool isBack =
+      pressed(GLFW_KEY_LEFT) || pressed(GLFW_KEY_UP) || (pressed(GLFW_KEY_TAB) && ImGui::GetIO().KeyShift);
+  const bool isOn = !isBack && (pressed(GLFW_KEY_RIGHT) || pressed(GLFW_KEY_DOWN) || pressed(GLFW_KEY_TAB));
+  chosen_ = isNew ? 0 : (chosen_ + (isBack ? count - 1 : isOn ? 1 : 0)) % count;
+  const bool isEntered = pressed(GLFW_KEY_ENTER) || pressed(GLFW_KEY_KP_ENTER);
   bool isAnswered = false;
+  std::size_t number = 0;
   for (const AnswerButton& each : buttons) {
-    if (&each != buttons.begin()) ImGui::SameLine();
-    const bool isPressed = each.key && ImGui::IsKeyPressed(ImGui::GetKeyIndex(static_cast<ImGuiKey>(*each.key)), false);
-    isAnswered |= post(button(each.name) || isPressed, each.answer);
+    if (number > 0) ImGui::SameLine();
+    const bool isChosen = number++ == chosen_;
+    if (isChosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+    const bool isClicked = button(each.name);
+    if (isChosen) ImGui::PopStyleColor();
+    const ImVec2 from = ImGui::GetItemRectMin(), padding = ImGui::GetStyle().FramePadding;
+    const float below = ImGui::GetItemRectMax().y - padding.y, width = ImGui::CalcTextSize(each.name, each.name + 1).x;
+    ImGui::GetWindowDrawList()->AddLine({from.x + padding.x, below}, {from.x + padding.x + width, below},
+                                        ImGui::GetColorU32(ImGuiCol_Text));
+    const bool isPressed = (isChosen && isEntered) || (each.isEscape && pressed(GLFW_KEY_ESCAPE)) ||
+                           pressed(std::toupper(static_cast<unsigned char>(each.name[0])));
+    isAnswered |= !isAnswered && post(isClicked || isPressed, each.answer);
   }
   return isAnswered;
 }
@@ -210,29 +251,31 @@ void Panels::drawQuestions(const ViewStatus& status) {
   const auto nameOf = [](const std::string& file) { return std::filesystem::path(file).filename().string(); };
   ask("Changes", !status.changesQuestion.empty(), [&] {
     ImGui::TextUnformatted(status.changesQuestion.c_str());
-    return answers({{"Save", Answer::saveFirst, {}},
-                    {"Do not save", Answer::discard, {}},
-                    {"Cancel", Answer::cancel, ImGuiKey_Escape}});
+    return answers({{"Save", Answer::saveFirst}, {"Do not save", Answer::discard}, {"Cancel", Answer::cancel, true}});
   });
   ask("How to save", status.saveQuestion.has_value(), [&] {
     ImGui::TextWrapped("%s.", status.saveQuestion->loses.c_str());
-    const bool isAnswered = answers({{"Save a copy", Answer::saveBeside, ImGuiKey_Enter},
-                                     {"Replace", Answer::saveOver, {}},
-                                     {"Cancel", Answer::cancel, ImGuiKey_Escape}});
-    ImGui::TextWrapped("Save a copy (Enter): writes %s", nameOf(status.saveQuestion->beside).c_str());
+    const bool isAnswered =
+        answers({{"Save a copy", Answer::saveBeside}, {"Replace", Answer::saveOver}, {"Cancel", Answer::cancel, true}});
+    ImGui::TextWrapped("Save a copy: writes %s", nameOf(status.saveQuestion->beside).c_str());
     ImGui::TextWrapped("Replace: overwrites the file; the old one is kept as %s",
                        nameOf(status.saveQuestion->kept).c_str());
     return isAnswered;
   });
+  ask("Memory", status.memoryQuestion.has_value(), [&] {
+    ImGui::TextWrapped("%s %s. Reading it may make this computer slow, or end palpate.",
+                       nameOf(status.memoryQuestion->file.string()).c_str(), status.memoryQuestion->sentence().c_str());
+    return answers({{"Do not read it", Answer::cancel, true}, {"Read it", Answer::readAnyway}});
+  });
   ask("Strokes", status.leftQuestion.has_value(), [&] {
     const LeftQuestion& question = *status.leftQuestion;
-    ImGui::TextWrapped("%s: %s of %s, not saved when the program ended.", nameOf(question.file).c_str(),
-                       counted(question.strokes, "stroke").c_str(), ago(question.made).c_str());
+    ImGui::TextWrapped("%s: %s, %s, not saved when the program ended.", nameOf(question.file).c_str(),
+                       textOf(question.strokes).c_str(), ago(question.made).c_str());
     if (question.waiting > 0)
       ImGui::TextWrapped("Next: %s of unsaved strokes.", counted(question.waiting, "more set").c_str());
-    const bool isAnswered = answers({{"Restore them", Answer::goOnWithLeft, ImGuiKey_Enter},
-                                     {"Discard them", Answer::discardLeft, {}},
-                                     {"Ask again later", Answer::keepLeft, ImGuiKey_Escape}});
+    const bool isAnswered = answers({{"Restore them", Answer::goOnWithLeft},
+                                     {"Discard them", Answer::discardLeft},
+                                     {"Ask again later", Answer::keepLeft, true}});
     ImGui::TextWrapped("%s", question.file.c_str());
     return isAnswered;
   });

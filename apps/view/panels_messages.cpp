@@ -54,6 +54,7 @@ void Panels::noteLetters(const ViewStatus& status) {
   for (const FileBrowser::Entry& entry : files_->browser.entries()) gui_.noteLetters(entry.name);
 }
 
+// Beside the scale and the heights, or above them in a narrow window.
 void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
   std::vector<std::string> lines = status.remarks;
   if (const DeviceCheckQuery* const test = status.held->test())
@@ -64,7 +65,9 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
     lines.insert(lines.begin(), "stylus: press with the left button");
   if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));
   if (!view.panels && status.loading)
-    lines.push_back(fmt::format("{}, {:.0f} %", status.loadingWhat, 100 * *status.loading));
+    lines.push_back(fmt::format("{}, {:.0f} %{}", status.loadingWhat, 100 * *status.loading,
+                                status.isStoppable ? " (Esc cancels)" : ""));
+  lines.insert(lines.end(), status.notices.begin(), status.notices.end());
   if (!status.blocked.empty()) lines.push_back(status.blocked);
   if (lines.empty() && status.session)
     lines.push_back(view.panels ? "hold Space to touch,  H for help"
@@ -73,13 +76,16 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   const bool isBeside = view.panels && hasRoomBeside(display.x);
   const float left = isBeside ? em(kPanel_em + kMargin_em) : 0;
-  // Above the scale if they would overlap.
-  const float bottom = display.y - em(double{display.x} - left < double{em(kMessages_em)} ? 3 : 0.8);
-  ImGui::SetNextWindowPos({0.5f * (left + display.x), bottom}, ImGuiCond_Always, {0.5f, 1});
+  const auto corner = ImVec2(static_cast<float>(corner_px_.x), static_cast<float>(corner_px_.y));
+  const bool fitsBeside = corner.x - left >= em(kMessages_em);
+  const float right = fitsBeside ? corner.x - em(kMargin_em) : display.x;
+  const float bottom = fitsBeside ? display.y - em(0.8) : corner.y - em(kMargin_em);
+  ImGui::SetNextWindowPos({0.5f * (left + right), bottom}, ImGuiCond_Always, {0.5f, 1});
   ImGui::Begin("messages", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
                    ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
-  ImGui::PushTextWrapPos(std::max(em(8), 0.7f * (display.x - left)));
+  const float inner = right - left - 2 * (em(kMargin_em) + ImGui::GetStyle().WindowPadding.x);
+  ImGui::PushTextWrapPos(std::max(em(8), std::min(inner, 0.7f * (display.x - left))));
   for (const std::string& line : lines) ImGui::TextUnformatted(line.c_str());
   ImGui::PopTextWrapPos();
   ImGui::End();

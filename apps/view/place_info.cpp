@@ -1,5 +1,7 @@
 #include "apps/view/place_info.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -58,16 +60,27 @@ void findStiffness(const WindowSession& session, PlaceInfo& info) {
 
 }  // namespace
 
-PlaceInfo placeInfo(const WindowSession& session, const DVec3& place) {
+PickedPosition pickedAt(const WindowSession& session, const DVec3& place, double pixel) {
+  constexpr double kNear_px = 5;
+  const PointState* const point = session.config().moves() ? nullptr : nearestTo(session.journal().points(), place);
+  if (point && glm::distance(DVec3(point->position), place) <= kNear_px * pixel) return {DVec3(point->position), 0};
+  const double step = std::pow(10.0, std::floor(std::log10(pixel)));
+  const DVec3& origin = session.model().cloud.origin;
+  return {step * glm::round((origin + place) / step) - origin, step};
+}
+
+PlaceInfo placeInfo(const WindowSession& session, const PickedPosition& picked) {
   const PointCloud& cloud = session.model().cloud;
-  PlaceInfo info{.place = cloud.origin + place, .resolution = resolutionOf(session.bounds())};
+  const DVec3& place = picked.place;
+  const double exact = resolutionOf(session.bounds());
+  PlaceInfo info{.place = cloud.origin + place, .resolution = std::max(exact, picked.resolution)};
   findStiffness(session, info);
   if (session.config().moves()) return info;
   const PointState* const point = nearestTo(session.journal().points(), place);
   if (point == nullptr) return info;
   info.point = point->number();
   info.position = cloud.origin + DVec3(point->position);
-  info.positionResolution = info.resolution;
+  info.positionResolution = exact;
   info.normal = point->normal;
   if (cloud.hasColors())
     info.attributes.emplace_back(

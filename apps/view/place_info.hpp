@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/core/vec.hpp"
+#include "apps/view/measure.hpp"
 
 namespace palpate {
 
@@ -25,7 +25,11 @@ struct PlaceInfo {
   std::string stiffnessOf;
 };
 
-/// `place`: model units relative to the cloud's origin. Iterates over all points.
-PlaceInfo placeInfo(const WindowSession& session, const DVec3& place);
+/// A position under the cursor, model units relative to the cloud's origin, of which a pixel is `pixel` wide there: the
+/// nearest point within 5 pixels, else the position, rounded to the pixel. Iterates over all points.
+PickedPosition pickedAt(const WindowSession& session, const DVec3& place, double pixel);
+
+/// Iterates over all points.
+PlaceInfo placeInfo(const WindowSession& session, const PickedPosition& picked);
 
 }  // namespace palpate

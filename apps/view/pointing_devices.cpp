@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apps/view/messages.hpp"
+#include "apps/view/place_info.hpp"
 #include "apps/view/window.hpp"
 
 namespace palpate {
@@ -66,7 +67,9 @@ void PointingDevices::press(MouseButton button, bool shift, const ViewSettings& 
   if (hand_.isHeld() && left) return beginStroke(view, at);
   const auto place = placeUnderCursor(at);
   if (at.measure && left && !shift && place) {
-    at.measure->take(*place);
+    const Camera& camera = at.viewpoint.camera();
+    const double pixel = at.picked.depth / camera.focal_px(at.size_px.y);
+    at.measure->take(pickedAt(*at.session, *place, pixel));
     drag_.beginOther();
     return;
   }
@@ -112,6 +115,11 @@ void PointingDevices::carryOut(StylusCommand command, const Pointed& at) {
   hold(command == StylusCommand::hold || hand_.isLocked(), at);
 }
 
+void PointingDevices::endStroke(const Pointed& at) {
+  drag_.end();
+  if (PointerStroke* stroke = strokeOf(at)) stroke->release(at.time_s);
+}
+
 void PointingDevices::letGo(const Pointed& at) {
   hand_.lock(false);
   hold(false, at);
@@ -119,11 +127,10 @@ void PointingDevices::letGo(const Pointed& at) {
 }
 
 void PointingDevices::hold(bool on, const Pointed& at) {
-  on = on && at.session && at.session->isTouching() && !device_;
+  on = on && (at.session ? at.session->isTouching() : at.waits) && !device_;
   if (on == hand_.isHeld()) return;
   hand_.hold(on);
-  drag_.end();
-  if (PointerStroke* stroke = strokeOf(at)) stroke->release(at.time_s);
+  endStroke(at);
   if (!on && at.session) at.session->lift();
   window_.showCursor(!on);
 }

@@ -28,6 +28,7 @@ struct Pointed {
   double time_s = 0;                      ///< of the event, or of the frame
   std::function<FoundSurface()> surface;  ///< reads that of the last picture
   Measure* measure = nullptr;  ///< the left button picks positions for it; null: the left button rotates the view
+  bool waits = false;          ///< the model is parked: the stylus may be held, and touches it once it answers
 };
 
 class PointingDevices {
@@ -56,6 +57,10 @@ class PointingDevices {
   ViewCommands push(const PushEvent& event, const Pointed& at);
 
   void carryOut(StylusCommand command, const Pointed& at);
+  /// Ends drag and stroke: the model does not answer for a while.
+  void endStroke(const Pointed& at);
+  /// The model answers again: the stylus begins in front of its surface.
+  void putDownAgain() { hand_.putDownAgain(); }
   /// Releases stylus and drag, e.g. before another model is opened.
   void letGo(const Pointed& at);
   /// Called once per frame, `dt_s` after the last one: applies held sticks and cap, and aims the stylus at the cursor.

@@ -35,6 +35,7 @@ struct FeelSettings {
 /// Options of the window.
 struct WindowOptions {
   SessionConfig config;        ///< its model changes
+  bool exceedsMemory = false;  ///< read a model that needs more memory than is free without a question
   bool backendIsOpen = false;  ///< measured for each model: the CPU may answer sooner than the GPU
   NetworkOptions network;      ///< of ROS topics
   bool hidesCamera = false;    ///< do not publish the camera to the participants of the joined session
@@ -60,6 +61,10 @@ class WindowSession final : private DrawnSlot, public InteractiveSession {
   DrawnCloud& drawn();
   /// DrawnFollower::frames().
   std::uint64_t frames() const { return follower->frames(); }
+  /// Number of present points: of a model that moves, those of its newest frame, or of the map made of its frames.
+  std::uint64_t presentPoints() const {
+    return follower->frames() > 0 ? follower->framePoints() : journal().points().present();
+  }
   std::string backendName() const { return config().backend.name; }
 
   const BrushSettings& brushSettings() const { return brush_; }

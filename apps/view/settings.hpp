@@ -28,9 +28,22 @@ struct ViewSettings {
 
   UpAxis upOf(const Model& model) const { return up.value_or(model.upright.up); }
   LengthUnit unitOf(const Model& model) const { return unit.value_or(unitSaidIn(model.cloud.storedAs.comments)); }
-  /// A length in the hand as text in the model's unit.
-  std::string lengthText(double mm, const Model& model) const {
-    return palpate::lengthText(model.scale.toUnits(mm), unitOf(model), kFewLengthDigits);
+  /// A length in the hand as text: in the model's unit, or as a part of the model where that is unknown.
+  std::string lengthText(double mm, const WindowSession& session) const {
+    const ShownLength shown = shownLength(session);
+    return palpate::lengthText(shown.perMm * mm, kFewLengthDigits) + ' ' + shown.unit;
+  }
+  /// How lengths in the hand are shown, also in the panels.
+  struct ShownLength {
+    double perMm = 1;
+    std::string unit;
+  };
+  ShownLength shownLength(const WindowSession& session) const {
+    constexpr double kPercent = 100;
+    const LengthUnit known = unitOf(session.model());
+    const double perMm = session.model().scale.toUnits(1);
+    if (known != LengthUnit::unknown || !(session.longestSide() > 0)) return {perMm, std::string(nameOf(known))};
+    return {kPercent * perMm / session.longestSide(), "% of the model"};
   }
 };
 

@@ -15,17 +15,17 @@ constexpr double kStylusWidth_px = 3;
 constexpr double kOnlooker = 0.08;           // length of the pyramid of another participant's camera, in longest sides
 constexpr std::size_t kLongestWay = 20'000;  // positions; beyond that the older half is removed
 
-void addMeasure(std::vector<SpaceLine>& lines, std::span<const DVec3> places, double longestSide) {
+void addMeasure(std::vector<SpaceLine>& lines, std::span<const PickedPosition> picked, double longestSide) {
   const auto add = [&](const DVec3& from, const DVec3& to) {
     lines.push_back({.from = from, .to = to, .color = kMeasureColor, .width_px = kMeasureWidth_px});
   };
-  for (const DVec3& place : places)
+  for (const auto& [place, resolution] : picked)
     for (int axis = 0; axis < 3; ++axis) {
       DVec3 half(0);
       half[axis] = kMark * longestSide;
       add(place - half, place + half);
     }
-  if (places.size() == 2) add(places[0], places[1]);
+  if (picked.size() == 2) add(picked[0].place, picked[1].place);
 }
 
 // A stylus at the proxy on the surface, and an octahedron at the HIP.
@@ -98,7 +98,7 @@ void ShownLines::follow(const WindowSession& session, const ViewSettings& view, 
   cameras_ = 0;
   addContainer(*lines, session.model());
   if (view.cameras) addCameras(session, *lines);
-  addMeasure(*lines, measure.places(), session.longestSide());
+  addMeasure(*lines, measure.picked(), session.longestSide());
   const DVec3 up = directionOf(view.upOf(session.model()));
   for (const SeenHand& hand : others) addHand(*lines, hand, session.model().cloud.origin, up, session.longestSide());
   for (const SeenCamera& camera : onlookers)

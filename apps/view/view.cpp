@@ -94,6 +94,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   view.session.config.model =
       ModelOptions{.scale = options.scale, .normals = options.normals, .keepUnreliable = options.keepUnreliable}
           .config();
+  view.session.exceedsMemory = context.isForced();
   view.session.config.rate_Hz = options.rate_Hz;
   view.session.config.motion = motionConfig(options.motion);
   if (options.edit != "none") Abilities(modelKindOf(view.session.config)).require(Action::sculpt, "--edit");

@@ -46,7 +46,7 @@ void Viewer::step() {
   if (const auto push = pointing_.takePush(messages_)) handle(*push);
   playScript(sinceLast_s);
   now_s_ = script_.clock_s();
-  if (document_.load([this] { letGo(); })) welcome();
+  load();
   const double dt_s = script_.hasOwnClock() ? ScriptPlayer::kStep_s : sinceLast_s;
   messages_.dropOld();
   followDevice();
@@ -65,6 +65,12 @@ void Viewer::step() {
   }
   pace_.end(isShown, shown_.picture().isNew());
   shown_.picture().noteTime(pace_.last_ms());
+}
+
+void Viewer::load() {
+  const Document::Opened opened = document_.load([this] { rest(); }, [this] { letGo(); });
+  if (opened == Document::Opened::anotherModel) welcome();
+  if (opened == Document::Opened::sameModel) pointing_.putDownAgain();
 }
 
 // A script goes on with each frame; what other threads bring, and pads, is looked for as often as the display
@@ -112,6 +118,8 @@ void Viewer::handle(const WindowEvent& event) {
   if (const auto* button = std::get_if<ButtonEvent>(&event)) {
     if (!button->down) pointing_.release(button->button, pointed());
     if (pointing_.takeMiss()) messages_.say("nothing is measured: the model is not under the cursor");
+    if (button->down && document_.isGivingWay() && pointing_.holdsStylus() && !gui_.wantsMouse())
+      messages_.say("no stroke: " + document_.whyWaiting());
     if (button->down && meansModel) pointing_.press(button->button, keyboard_.isShiftDown(), settings_.view, pointed());
   }
   if (const auto* wheel = std::get_if<WheelEvent>(&event); wheel && meansModel) pointing_.turnWheel(*wheel, pointed());
@@ -212,11 +220,12 @@ void Viewer::carryOut(const ViewCommand& command) {
 
 void Viewer::carryOut(WindowCommand command) {
   if (command == WindowCommand::quit) closing_ = Closing::asked;
+  if (command == WindowCommand::stopReading) document_.stopReading();
   if (command == WindowCommand::closeErrors) messages_.closeErrors();
   if (command == WindowCommand::forgetMeasure) measure_.forget();
   if (command == WindowCommand::switchForces) {
     settings_.forcesOn = !settings_.forcesOn;
-    messages_.say(settings_.forcesOn ? "forces on" : "forces off");
+    if (settings_.forcesOn) messages_.say("forces on");
   }
   if (!document_.session()) return;
   if (command == WindowCommand::copyPlaces) copyPlaces();
@@ -258,13 +267,19 @@ void Viewer::exportMesh(const std::string& file) {
   messages_.say(file + " is written" + (kept.empty() ? "" : "; the old file is kept as " + kept.string()));
 }
 
-// Releases the stylus and everything drawn of the present model.
-void Viewer::letGo() {
-  pointing_.letGo(pointed());
+// The GPU draws nothing of the present model until the next one is there: its last picture stays.
+void Viewer::rest() {
+  pointing_.endStroke(pointed());
   screen_.waitForLast();
   shown_.forget();
-  settings_.view.mesh = false;
   brushNotes_.forget();
+}
+
+// Another model replaces the present one.
+void Viewer::letGo() {
+  pointing_.letGo(pointed());
+  rest();
+  settings_.view.mesh = false;
 }
 
 void Viewer::welcome() {
@@ -293,9 +308,9 @@ void Viewer::followName() {
 void Viewer::copyPlaces() {
   const PointCloud& cloud = document_.session()->model().cloud;
   std::string text;
-  for (const DVec3& place : measure_.places())
-    text += (text.empty() ? "" : "\n") +
-            coordinateText(cloud.origin + place, resolutionOf(document_.session()->bounds()), ",");
+  const double least = resolutionOf(document_.session()->bounds());
+  for (const auto& [place, resolution] : measure_.picked())
+    text += (text.empty() ? "" : "\n") + coordinateText(cloud.origin + place, std::max(least, resolution), ",");
   if (text.empty()) return messages_.say("no positions to copy: press D and click the model");
   window_.setClipboard(text);
   messages_.say("copied: " + text);
@@ -318,7 +333,8 @@ Pointed Viewer::pointed() {
                 screen_.waitForLast();
                 return shown_.picture().surface(DVec2(screen_.size_px()));
               },
-          .measure = settings_.view.measures ? &measure_ : nullptr};
+          .measure = settings_.view.measures ? &measure_ : nullptr,
+          .waits = document_.isGivingWay()};
 }
 
 void Viewer::sayLost(const std::string& failure) {

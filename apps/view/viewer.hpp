@@ -56,6 +56,8 @@ class Viewer {
   void carryOut(WindowCommand command);
   void carryOut(const FileCommand& command);
   void carryOut(DeviceCommand command);
+  void load();
+  void rest();
   void letGo();
   void welcome();
   void followSession();
@@ -76,6 +78,7 @@ class Viewer {
   void findPlaceInfo();
   Pointed pointed();
   ViewStatus status();
+  std::vector<std::string> notices() const;
   ViewStatus::ScaleBar scaleOfPicture() const;
   std::optional<DVec2> middleOfMeasure_px() const;
   void writeState(const std::string& file);

@@ -53,8 +53,10 @@ bool Viewer::draw(double dt_s) {
 
   Screen::Layers layers{.panels = panels, .behindPanels = gui_.behindPanels(), .dark = settings_.view.dark};
   WindowSession* session = document_.session();
-  shown_.choosePace(script_.clock_s(), script_.hasOwnClock() || screen_.isKeeping());
+  // While the model is parked, its last picture stays.
+  if (document_.isGivingWay() && shown_.picture().hasSize(screen_.size_px())) layers.model = &shown_.picture();
   if (session) {
+    shown_.choosePace(script_.clock_s(), script_.hasOwnClock() || screen_.isKeeping());
     messages_.tryTo([&] { ownCamera_.follow(*session, viewpoint_.camera(), screen_.size_px()); });
     if (pace_.count() > 0) shown_.takePick();
     session->drawn().closeSurface();

@@ -16,30 +16,39 @@ ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
 
 std::optional<DVec2> Viewer::middleOfMeasure_px() const {
   if (!measure_.distance()) return std::nullopt;
-  const DVec3 middle = 0.5 * (measure_.places()[0] + measure_.places()[1]);
+  const DVec3 middle = 0.5 * (measure_.picked()[0].place + measure_.picked()[1].place);
   const auto at = viewpoint_.camera().project(middle, DVec2(screen_.size_px()));
   return at ? std::optional(DVec2(*at)) : std::nullopt;
 }
 
 // placeInfo() iterates over all points: called only once per picked position.
 void Viewer::findPlaceInfo() {
-  if (!document_.session() || measure_.places().empty()) picked_.info.reset();
+  if (!document_.session() || measure_.picked().empty()) picked_.info.reset();
   if (picked_.version == measure_.version() || !document_.session()) return;
   picked_.version = measure_.version();
-  if (!measure_.places().empty()) picked_.info = placeInfo(*document_.session(), measure_.places().back());
+  if (!measure_.picked().empty()) picked_.info = placeInfo(*document_.session(), measure_.picked().back());
+}
+
+std::vector<std::string> Viewer::notices() const {
+  std::vector<std::string> notices;
+  if (!document_.saving().empty()) notices.push_back("saving " + document_.saving());
+  if (!settings_.forcesOn) notices.emplace_back("forces off (Backspace)");
+  return notices;
 }
 
 ViewStatus Viewer::status() {
   const ViewSettings& view = settings_.view;
-  const WindowSession* session = document_.session();
+  const WindowSession* session = document_.shown();
   const Loader& loader = document_.loader();
   ViewStatus status;
   status.session = session;
   if (loader.isLoading()) {
     status.loading = loader.progress();
     status.loadingWhat = loader.stage();
+    status.isStoppable = document_.isStoppable();
   }
   status.remarks = messages_.remarks();
+  status.notices = notices();
   status.blocked = brushNotes_.blocked();
   status.errors = messages_.errors();
   status.models = document_.offered();
@@ -61,12 +70,16 @@ ViewStatus Viewer::status() {
     status.up = view.upOf(session->model());
     status.isUpTurned = view.up.has_value();
     status.unit = view.unitOf(session->model());
+    status.lengths = view.shownLength(*session);
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
     status.measuredAt_px = middleOfMeasure_px();
     if (view.color == ColorBy::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));
   }
   status.changesQuestion = document_.changesQuestion();
+  status.isChanged = document_.isChanged();
+  status.mayBeSaved = document_.mayBeSaved();
   status.saveQuestion = document_.saveQuestion();
+  status.memoryQuestion = document_.memoryQuestion();
   status.leftQuestion = document_.leftQuestion();
   status.saveFile = document_.saveFile();
   status.stylus = pointing_.holdsStylus();
@@ -87,6 +100,7 @@ void Viewer::writeState(const std::string& file) {
   const WindowState state{.document = document_,
                           .view = settings_.view,
                           .messages = messages_,
+                          .notices = notices(),
                           .blocked = brushNotes_.blocked(),
                           .camera = viewpoint_.camera(),
                           .size_px = screen_.size_px(),

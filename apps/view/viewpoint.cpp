@@ -8,8 +8,11 @@ void Viewpoint::fit(const Model& model, const ViewSettings& view, const DVec2& w
   constexpr double kHeight_deg = 45;
   fittedUp_ = view.up;
   const UpAxis up = view.upOf(model);
-  camera_ = Camera::fitting(model.shownBounds(), (free_px.y - free_px.x) / window_px.y, kHeight_deg, up,
-                            framingOf(model, up).margin);
+  const double aspect = (free_px.y - free_px.x) / window_px.y;
+  const Framing framing = framingOf(model, up);
+  // Its points fill the view, and not the box around them; a container is shown whole.
+  camera_ = model.container() ? Camera::fitting(model.shownBounds(), aspect, kHeight_deg, up, framing.margin)
+                              : Camera::fitting(model.cloud, aspect, kHeight_deg, framing);
   centerIn(free_px, window_px.x);
 }
 

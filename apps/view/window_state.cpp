@@ -103,9 +103,7 @@ constexpr Reported<WindowState> kWindow[]{
     {"model", "", "open model; null: none",
      [](const WindowState& w) -> Value { return w.session() ? Json(w.document.file()) : Json(nullptr); }},
     {"points", "", "its present points",
-     [](const WindowState& w) -> Value {
-       return w.session() ? Json(w.session()->journal().points().present()) : Json(0);
-     }},
+     [](const WindowState& w) -> Value { return w.session() ? Json(w.session()->presentPoints()) : Json(0); }},
     {"camera.eye", "model units", "position of the camera",
      [](const WindowState& w) -> Value { return vectorJson(w.camera.eye); }},
     {"camera.target", "model units", "position that it looks at",
@@ -132,13 +130,32 @@ constexpr Reported<WindowState> kWindow[]{
     {"picked", "", "the last picked position; null: none",
      [](const WindowState& w) -> Value { return orNull(partBy(kPicked, w.picked)); }},
     {"picked_depth", "model units", "depth of the model under the cursor; 0: none", field<&WindowState::pickedDepth>},
+    {"loading", "", "share of the model that is being opened, 0 to 1; null: none is",
+     [](const WindowState& w) -> Value {
+       const Loader& loader = w.document.loader();
+       return loader.isLoading() ? Json(loader.progress()) : Json(nullptr);
+     }},
+    {"waits", "", "why strokes are refused until another session answers; empty: they are not",
+     [](const WindowState& w) -> Value { return w.document.isGivingWay() ? w.document.whyWaiting() : ""; }},
     {"asks_about_changes", "", "whether a question about unsaved changes is shown",
      [](const WindowState& w) -> Value { return w.document.asksAboutChanges(); }},
     {"question", "", "its text", [](const WindowState& w) -> Value { return w.document.changesQuestion(); }},
     {"asks_how_to_save", "", "whether a question about the file to save to is shown",
      [](const WindowState& w) -> Value { return w.document.saveQuestion().has_value(); }},
+    {"asks_about_memory", "", "whether a question about a file that needs more memory than is free is shown",
+     [](const WindowState& w) -> Value { return w.document.memoryQuestion().has_value(); }},
     {"asks_about_strokes", "", "whether a question about unsaved strokes of an earlier program is shown",
      [](const WindowState& w) -> Value { return w.document.leftQuestion().has_value(); }},
+    {"strokes_left", "", "number of these strokes",
+     [](const WindowState& w) -> Value {
+       const auto question = w.document.leftQuestion();
+       return question ? Json(question->strokes.made) : Json(nullptr);
+     }},
+    {"strokes_undone", "", "number of undone strokes among them that the saved file contains",
+     [](const WindowState& w) -> Value {
+       const auto question = w.document.leftQuestion();
+       return question ? Json(question->strokes.undone) : Json(nullptr);
+     }},
     {"strokes_waiting", "", "number of further programs whose unsaved strokes are asked about next",
      [](const WindowState& w) -> Value {
        const auto question = w.document.leftQuestion();
@@ -147,6 +164,7 @@ constexpr Reported<WindowState> kWindow[]{
     {"last_message", "", "the last message, also when it is no longer shown",
      [](const WindowState& w) -> Value { return w.messages.last(); }},
     {"messages", "", "shown messages", [](const WindowState& w) -> Value { return w.messages.remarks(); }},
+    {"notices", "", "messages shown as long as they are true: forces off, saving", field<&WindowState::notices>},
     {"blocked", "", "why nothing under the pressed brush moves: too thin here, or no room here; empty: it moves",
      [](const WindowState& w) -> Value { return w.blocked; }},
     {"errors", "", "shown errors", [](const WindowState& w) -> Value { return w.messages.errors(); }},
@@ -212,7 +230,7 @@ constexpr Reported<OpenModel> kModel[]{
      [](const OpenModel& m) -> Value { return m.session.session().strokes().undoCount; }},
     {"edits", "", "changes of points so far", [](const OpenModel& m) -> Value { return m.session.edits(); }},
     {"changed", "", "whether the model differs from what was loaded or saved last",
-     [](const OpenModel& m) -> Value { return m.session.isChanged(); }},
+     [](const OpenModel& m) -> Value { return m.document.isChanged(); }},
     {"save_file", "", "file that it is saved to", [](const OpenModel& m) -> Value { return m.document.saveFile(); }},
     {"recording", "", "whether a session log is recorded",
      [](const OpenModel& m) -> Value { return m.session.isRecording(); }},

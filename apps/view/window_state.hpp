@@ -17,6 +17,7 @@ struct WindowState {
   const Document& document;
   const ViewSettings& view;
   const Messages& messages;
+  std::vector<std::string> notices;
   const std::string& blocked;  ///< ViewStatus::blocked
   const Camera& camera;
   UVec2 size_px{0};
@@ -31,7 +32,7 @@ struct WindowState {
   double pickedDepth = 0;
   const HeldDevice& held;
 
-  const WindowSession* session() const { return document.session(); }  ///< null: no model is open
+  const WindowSession* session() const { return document.shown(); }  ///< null: no model is open
 };
 
 Json toJson(const WindowState& state);

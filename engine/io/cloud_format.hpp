@@ -15,6 +15,7 @@
 #include "engine/core/camera_frustum.hpp"
 #include "engine/core/log.hpp"
 #include "engine/io/file_start.hpp"
+#include "engine/io/memory_need.hpp"
 
 namespace palpate {
 
@@ -78,6 +79,7 @@ struct CloudReadOptions {
   ReadStages* stages = nullptr;
   /// For text: names of the columns, replacing those of the file (CloudFormat::isText); empty: those of the file.
   std::vector<std::string> columns = {};
+  MemoryLimit memory = {};
 };
 struct CloudWriteOptions {
   bool ascii = false;  ///< shortest decimals that read back as the same number

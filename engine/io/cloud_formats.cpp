@@ -178,7 +178,11 @@ FileContents contentsOf(const std::filesystem::path& file, const CloudFormats& f
 
 StoredCloud readCloud(const std::filesystem::path& file, Log* log, const CloudReadOptions& options,
                       const CloudFormats& formats) {
-  return readable(file, formats).read(file, log, options);
+  const CloudFormat& format = readable(file, formats);
+  if (options.memory.exceeded)
+    if (const auto need = exceedingNeed(file, format, options.memory.furtherPerPoint_bytes))
+      options.memory.exceeded(*need);
+  return format.read(file, log, options);
 }
 
 void writeCloud(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options,

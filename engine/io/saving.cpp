@@ -119,11 +119,13 @@ std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud 
 
 std::filesystem::path whereToSave(const std::filesystem::path& file) {
   const CloudFormat& format = cloudFormats().toRead(file);
-  return format.write && !format.ofTriangles && !format.onlyCopied ? file : nameBeside(file);
+  std::error_code isNone;
+  const bool isFolder = std::filesystem::is_directory(file, isNone);
+  return !isFolder && format.write && !format.ofTriangles && !format.onlyCopied ? file : nameBeside(file);
 }
 
 std::filesystem::path nameBeside(const std::filesystem::path& file) {
-  // Folders cannot be written, so their cloud is saved to a file of the default format.
+  // The cloud of a folder is saved to a file of the default format.
   std::error_code isNone;
   const bool folder = std::filesystem::is_directory(file, isNone);
   const std::filesystem::path whole = file.has_filename() ? file : file.parent_path();

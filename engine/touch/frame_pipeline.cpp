@@ -85,6 +85,7 @@ void FramePipeline::submit(Queue& queue, const Lists& lists) {
       .true_s = writer_.time_s() + comes_s, .extrapolationLimit_s = writer_.extrapolationLimit_s(), .comes_s = comes_s};
   if (made_ == MadeFrame::incoming) fillWithZeros(queue, velocities_[back()]);
   colored_[back()] = writer_.isColored();
+  points_[back()] = writer_.points();
   const auto& ways = made_ == MadeFrame::incoming ? lists.builds : lists.frames;
   on_ = &queue;
   ticket_ = queue.submit(*ways[index_.parity()].at(index_.hash().sort()));
@@ -92,6 +93,7 @@ void FramePipeline::submit(Queue& queue, const Lists& lists) {
 
 void FramePipeline::hasArrived() {
   index_.built();
+  if (writer_.looksAtPoints()) points_[index_.parity()] = writer_.points();  // and makes no further frame yet
   exchange_.publish(index_.parity(), frameTime_s(index_.parity()));
   isBuilding_ = false;
 }
@@ -176,7 +178,10 @@ void FramePipeline::stop() noexcept {
 
 bool FramePipeline::read(const std::function<void(const Placed&)>& read) {
   return exchange_.read([&](const FrameExchange::Frame& newest) {
-    read({.half = index_.cloud().half(newest.half), .time_s = newest.time_s, .colored = colored_[newest.half]});
+    read({.half = index_.cloud().half(newest.half),
+          .time_s = newest.time_s,
+          .colored = colored_[newest.half],
+          .points = points_[newest.half]});
   });
 }
 
@@ -185,9 +190,10 @@ bool FramePipeline::take(CloudFrame& frame) {
 }
 
 CloudFrame FramePipeline::front() const {
-  return fetch(
-      device_.latencyQueue(),
-      {.half = index_.cloud().front(), .time_s = frameTime_s(index_.parity()), .colored = colored_[index_.parity()]});
+  return fetch(device_.latencyQueue(), {.half = index_.cloud().front(),
+                                        .time_s = frameTime_s(index_.parity()),
+                                        .colored = colored_[index_.parity()],
+                                        .points = points_[index_.parity()]});
 }
 
 CloudFrame FramePipeline::fetch(Queue& queue, const Placed& placed) const {

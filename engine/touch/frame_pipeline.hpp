@@ -51,6 +51,7 @@ class FramePipeline {
     const LiveCloud::Half& half;
     double time_s;
     bool colored;
+    std::uint64_t points;  ///< in its slots
   };
   /// Calls `read` with the newest complete frame in the live cloud, which is not written meanwhile. False if there is
   /// no new frame since the last call. For one thread, any.
@@ -87,6 +88,7 @@ class FramePipeline {
   std::array<Buffer, 2> velocities_;  // indexed by the half
   std::array<PointsTime, 2> times_{};
   std::array<bool, 2> colored_{};
+  std::array<std::uint64_t, 2> points_{};
   LiveCloud::Half incoming_;        // in any order
   Lists listsFirst_, listsBeside_;  // on the latency queue, and on the background queue
   FrameExchange exchange_;

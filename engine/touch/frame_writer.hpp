@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "engine/core/cloud_frame.hpp"
 #include "engine/gpu/command_list.hpp"
@@ -41,6 +42,8 @@ class FrameWriter {
   virtual double extrapolationLimit_s() const { return kMaxPointsAge_s; }
   virtual double comes_s() const { return 0; }
   virtual bool isColored() const = 0;
+  /// Points of the last frame made; if it is looksAtPoints(), once its list has run.
+  virtual std::uint64_t points() const { return size(); }
   /// Whether make() reads the current points: it then runs only after the previous frame has become them.
   virtual bool looksAtPoints() const { return false; }
 };

@@ -30,6 +30,7 @@ class FusedFrames final : public FrameWriter {
   double comes_s() const override { return comes_s_; }
   bool isColored() const override { return colored_; }
   bool looksAtPoints() const override { return true; }
+  std::uint64_t points() const override { return counts().points; }
 
   /// Number of frames fused, not registered, and lost.
   std::uint64_t fused() const { return intake_.fused(); }

@@ -23,6 +23,7 @@ class HostFrames final : public FrameWriter {
   double extrapolationLimit_s() const override { return frame_.extrapolationLimit_s; }
   double comes_s() const override { return frame_.comes_s; }
   bool isColored() const override { return !frame_.colors.empty(); }
+  std::uint64_t points() const override { return frame_.size(); }
 
  private:
   void stage();

@@ -27,13 +27,16 @@ DrawnFollower::DrawnFollower(Device& sight, const Model& model, TouchBackend& ba
 
 void DrawnFollower::followFrames() {
   if (sameGpu_) {
-    frames_ += sameGpu_->read(
-        [&](const FramePipeline::Placed& placed) { drawn_->place(placed.half, sameGpu_->slots(), placed.colored); });
+    frames_ += sameGpu_->read([&](const FramePipeline::Placed& placed) {
+      drawn_->place(placed.half, sameGpu_->slots(), placed.colored);
+      framePoints_ = placed.points;
+    });
     return;
   }
   CloudFrame frame;
   if (!frameStream_ || !frameStream_->take(frame)) return;
   drawn_->place(frame);
+  framePoints_ = frame.size();
   ++frames_;
 }
 

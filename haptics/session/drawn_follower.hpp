@@ -24,6 +24,8 @@ class DrawnFollower final : public EditFollower {
   DrawnCloud& drawn() { return *drawn_; }
   /// Complete frames taken so far, if a source moves the points.
   std::uint64_t frames() const { return frames_; }
+  /// Points of the last one.
+  std::uint64_t framePoints() const { return framePoints_; }
 
  private:
   void followFrames();
@@ -32,7 +34,7 @@ class DrawnFollower final : public EditFollower {
   FramePipeline* sameGpu_ = nullptr;  // of a back end on the same GPU
   std::optional<DrawnCloud> drawn_;
   std::optional<EditLog::Reader> reader_;  // of a back end on the same GPU
-  std::uint64_t frames_ = 0;
+  std::uint64_t frames_ = 0, framePoints_ = 0;
 };
 
 }  // namespace palpate

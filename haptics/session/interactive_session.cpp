@@ -107,8 +107,19 @@ void InteractiveSession::goOnWith(const LeftStrokes& left) {
     const PointState from = before[state.number()];
     if (!(from == state)) changes.push_back({from, state});
   }
-  session_.backend().edits()->change(changes);
+  if (!changes.empty()) session_.backend().edits()->change(changes);
   session_.catchUp();
+  constexpr std::uint64_t kNever = ~std::uint64_t{0};  // the file on disk has what was undone
+  if (left.since.undone > 0) saving_.saved = kNever;
+  const std::size_t depth = session_.strokes().undoCount;
+  since_.before = {.made = left.since.made - std::min(left.since.made, depth), .undone = left.since.undone};
+}
+
+StrokesSince InteractiveSession::strokesSince() {
+  const std::size_t depth = session_.strokes().undoCount;
+  if (!isChanged()) since_ = {.before = {}, .saved = depth, .low = depth};
+  since_.low = std::min(since_.low, depth);
+  return {.made = since_.before.made + depth - since_.low, .undone = since_.before.undone + since_.saved - since_.low};
 }
 
 InteractiveSession::~InteractiveSession() {
@@ -129,7 +140,7 @@ OpenHand InteractiveSession::hand() {
 void InteractiveSession::take(const EditBatch& batch) {
   batch_.points.insert(batch_.points.end(), batch.points.begin(), batch.points.end());
   edits_ += batch.points.size();
-  if (unsaved_) unsaved_->follow(batch, journal().points(), isChanged());
+  if (unsaved_) unsaved_->follow(batch, journal().points(), isChanged(), strokesSince());
 }
 
 void InteractiveSession::takeIn() {
@@ -299,6 +310,7 @@ void InteractiveSession::save(const std::string& file) {
   };
   failed_ ? look() : session_.between(look);
   saving_.version = session_.strokes().version;
+  saving_.depth = session_.strokes().undoCount;
   std::vector<PointState> points(journal().points().begin(), journal().points().end());
   saving_.running = std::async(std::launch::async, [this, file, loaded = this->file(), points = std::move(points),
                                                     present = std::move(present)] {
@@ -317,7 +329,10 @@ std::optional<InteractiveSession::Saved> InteractiveSession::takeSaved() {
   if (!saving_.running.valid() || saving_.running.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
     return std::nullopt;
   const Saved saved = saving_.running.get();
-  if (saved.failure.empty()) saving_.saved = saving_.version;
+  if (saved.failure.empty()) {
+    saving_.saved = saving_.version;
+    since_ = {.before = {}, .saved = saving_.depth, .low = saving_.depth};
+  }
   if (unsaved_ && !isChanged()) unsaved_->saved();
   return saved;
 }

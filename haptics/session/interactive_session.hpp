@@ -161,6 +161,7 @@ class InteractiveSession {
   void keepUnsaved(const SessionConfig& config);
   void goOnWith(const LeftStrokes& left);
   void dropStroke();
+  StrokesSince strokesSince();
   bool undoStrokes(std::size_t undo, std::size_t redo);
 
   Session session_;
@@ -193,7 +194,12 @@ class InteractiveSession {
   struct Saving {
     std::future<Saved> running;
     std::uint64_t version = 0, saved = 0;  // of the strokes: being saved, saved last
+    std::size_t depth = 0;                 // strokes that could be undone when the present save began
   } saving_;
+  struct Since {
+    StrokesSince before;             // in the points that this session began with
+    std::size_t saved = 0, low = 0;  // strokes that could be undone: in the file saved last, fewest since then
+  } since_;
 };
 
 }  // namespace palpate

@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr std::string_view kLog = "strokes-", kEnding = ".log", kKept = "model", kUnchanged = "unchanged",
-                           kDamaged = ".damaged";
+                           kSince = "since", kDamaged = ".damaged";
 
 // The number in the name of a log; 0 for other files.
 unsigned logNumberOf(const std::string& name) {
@@ -82,8 +82,9 @@ LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
   left.edits = std::move(best.edits);
   const std::vector<EditMark>& marks = left.edits.marks;
   const bool isUnderWay = left.edits.points.size() > (marks.empty() ? 0 : marks.back().at);
-  left.strokes =
-      static_cast<std::size_t>(std::ranges::count(marks, EditMark::Kind::stroke, &EditMark::kind)) + isUnderWay;
+  left.since = folder->since().value_or(StrokesSince{
+      .made = static_cast<std::size_t>(std::ranges::count(marks, EditMark::Kind::stroke, &EditMark::kind))});
+  left.since.made += isUnderWay;
   std::error_code ignored;
   left.made = std::filesystem::last_write_time(log, ignored);
   left.folder = std::move(folder);
@@ -139,6 +140,18 @@ void StrokeFolder::setUnchanged(bool on) {
     std::ofstream(path_ / kUnchanged).flush();
   else
     std::filesystem::remove(path_ / kUnchanged, ignored);
+}
+
+std::optional<StrokesSince> StrokeFolder::since() const {
+  StrokesSince since;
+  std::ifstream in(path_ / kSince);
+  return in >> since.made >> since.undone ? std::optional(since) : std::nullopt;
+}
+
+void StrokeFolder::setSince(const StrokesSince& since) {
+  const std::filesystem::path part = path_ / (std::string(kSince) + ".part");
+  std::ofstream(part) << since.made << ' ' << since.undone << '\n';
+  replaceFile(part, path_ / kSince);
 }
 
 void StrokeFolder::keepModel(const std::filesystem::path& file) {
@@ -204,7 +217,7 @@ std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
     }
     try {
       LeftStrokes left = readFolder(folder);
-      if (!left.edits.points.empty())
+      if (!left.edits.points.empty() || left.since.undone > 0)
         all.push_back(std::move(left));
       else if (left.lacks.empty())
         left.folder->remove();

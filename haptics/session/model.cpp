@@ -58,6 +58,9 @@ Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
   return modelOf(loading.fetch(config.file, loading.log), config, loading);
 }
 
+// States, journal and index of a point, measured on the CPU; a GPU has its own memory.
+constexpr std::uint64_t kSessionPerPoint_bytes = 130;
+
 Model readModel(const ModelConfig& config, const ModelLoading& loading) {
   if (isRosModel(config.file)) return fetchModel(config, loading);
   if (isRgbdFolder(config.file))
@@ -65,7 +68,8 @@ Model readModel(const ModelConfig& config, const ModelLoading& loading) {
   StoredCloud stored = readCloud(config.file, &loading.log,
                                  {.normalsFromFaces = config.normals == NormalSource::face,
                                   .pointsOnly = true,
-                                  .keepUnreliable = config.keepUnreliable});
+                                  .keepUnreliable = config.keepUnreliable,
+                                  .memory = {loading.exceeds, kSessionPerPoint_bytes}});
   markNormalsAsEstimated(stored.cloud, false);  // whatever a comment in the file says: they are its own
   if (!stored.leftOut.empty())
     loading.log.warn("{}: left out: {}; the setting keep_unreliable keeps them", config.file, stored.leftOut);

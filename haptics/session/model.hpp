@@ -25,6 +25,7 @@
 namespace palpate {
 
 class TouchBackend;
+struct MemoryNeed;
 
 /// Joins the editing of a shared session: from the points as they were joined, and their back end.
 using SharedMaker = std::function<std::unique_ptr<SharedFollower>(const PointCloud& cloud, TouchBackend& backend)>;
@@ -144,6 +145,8 @@ struct ModelLoading {
   SessionJoiner join = {};  ///< empty: this program cannot join sessions
   CloudFetcher fetch = {};  ///< empty: this program does not support ROS
   FrameWatcher watch = {};  ///< likewise
+  /// MemoryLimit::exceeded: called before a file is read whose session needs more memory than is free.
+  std::function<void(const MemoryNeed&)> exceeds = {};
 };
 /// Makes a model of a cloud in memory, with normals as configured; the configuration's file is only its name.
 Model modelOf(PointCloud cloud, const ModelConfig& config, const ModelLoading& loading);

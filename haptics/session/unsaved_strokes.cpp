@@ -65,6 +65,7 @@ void UnsavedStrokes::adopt(const LeftStrokes& left) {
   number_ = logs.empty() ? 0 : logs.back();
   session_.document = left.document();
   session_.config.model.file = left.session.config.model.file;
+  since_ = left.since;
   begin(left.edits);
 }
 
@@ -130,9 +131,11 @@ void UnsavedStrokes::noteUnchanged(bool on) {
   if (std::exchange(unchanged_, on) != on) folder().setUnchanged(on);
 }
 
-void UnsavedStrokes::follow(const EditBatch& fresh, const PointStates& points, bool isChanged) {
+void UnsavedStrokes::follow(const EditBatch& fresh, const PointStates& points, bool isChanged,
+                            const StrokesSince& since) {
   takeMade();
   if (isChanged) noteUnchanged(false);
+  if (isChanged && !failed_ && since_ != since) folder().setSince(since_ = since);
   if (!isKept()) {
     if (fresh.empty() || failed_) return;
     return begin(wasKept_ ? snapshot(points) : fresh);
@@ -161,6 +164,7 @@ void UnsavedStrokes::remove() {
   if (folder_) folder_->remove();
   folder_.reset();
   unchanged_ = false;
+  since_ = {};
 }
 
 }  // namespace palpate

@@ -25,6 +25,14 @@ class PointStates;
 struct Model;
 struct ModelConfig;
 
+/// What the present points have that the file saved last does not have.
+struct StrokesSince {
+  std::size_t made = 0;    ///< strokes
+  std::size_t undone = 0;  ///< undone strokes that the file contains
+
+  bool operator==(const StrokesSince&) const = default;
+};
+
 /// A folder with the strokes on one model, locked by one program at a time.
 class StrokeFolder {
  public:
@@ -44,6 +52,9 @@ class StrokeFolder {
   /// Whether the logs add nothing to the model's file, e.g. because all strokes are undone.
   bool isUnchanged() const;
   void setUnchanged(bool on);
+  /// What the logs contain; empty where no file was saved, so that their strokes are all.
+  std::optional<StrokesSince> since() const;
+  void setSince(const StrokesSince& since);
   /// Keeps that file before it is replaced. Throws FileError.
   void keepModel(const std::filesystem::path& file);
   /// Removes the folder with its contents.
@@ -63,7 +74,7 @@ struct LeftStrokes {
   std::shared_ptr<StrokeFolder> folder;
   RecordedSession session;
   EditBatch edits;
-  std::size_t strokes = 0;
+  StrokesSince since;
   std::filesystem::file_time_type made;
   std::vector<std::string> lacks;  ///< a sentence for each gap
 
@@ -98,8 +109,8 @@ class UnsavedStrokes {
   /// Continues the strokes of an earlier program, in its folder.
   void adopt(const LeftStrokes& left);
   /// `fresh`: edits since the last call, already in `points`. `isChanged`: whether the points differ from those of
-  /// their file.
-  void follow(const EditBatch& fresh, const PointStates& points, bool isChanged);
+  /// their file, by the strokes `since`.
+  void follow(const EditBatch& fresh, const PointStates& points, bool isChanged, const StrokesSince& since);
   /// Called when the present points have been saved.
   void saved();
   /// Called before the model's file is replaced, from any thread.
@@ -126,6 +137,7 @@ class UnsavedStrokes {
   std::shared_ptr<StrokeFolder> folder_;
   unsigned number_ = 0;     // of the last log
   bool unchanged_ = false;  // as noted in the folder
+  StrokesSince since_;      // likewise
   bool wasKept_ = false;    // if so, the points before the next stroke may differ from the model's
   std::future<std::unique_ptr<SessionWriter>> making_;
   std::unique_ptr<SessionWriter> writer_;

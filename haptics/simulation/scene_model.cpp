@@ -77,7 +77,7 @@ Model softModel(const MatterScene& scene, const ModelConfig& config, const Model
   PointCloud scan;
   if (!scene.model.empty()) {
     planOf(scene);  // before the file is read
-    scan = readCloud(scene.model, &loading.log, {.pointsOnly = true}).cloud;
+    scan = readCloud(scene.model, &loading.log, {.pointsOnly = true, .memory = {loading.exceeds}}).cloud;
   }
   const Stopwatch watch;
   Model model;
@@ -120,8 +120,10 @@ void takeFarScene(Model& model, FarPoints& far, const FarFacts& facts, const Mod
 
 std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const ModelLoading& loading) {
   if (scene.model.empty()) return nullptr;
-  PointCloud cloud = isBuiltInModel(scene.model) ? builtInModel(scene, loading.threads)
-                                                 : readCloud(scene.model, &loading.log, {.pointsOnly = true}).cloud;
+  PointCloud cloud =
+      isBuiltInModel(scene.model)
+          ? builtInModel(scene, loading.threads)
+          : readCloud(scene.model, &loading.log, {.pointsOnly = true, .memory = {loading.exceeds}}).cloud;
   const Stopwatch watch;
   const std::size_t points = cloud.size();
   auto model = std::make_shared<const MatterModel>(std::move(cloud), scene, loading.threads);

@@ -73,6 +73,43 @@ TEST_CASE("two picked positions give a distance, a true length gives the scale, 
   CHECK(reopened["measured"] == two["measured"]);  // the saved file is the model from then on
 }
 
+TEST_CASE("a picked position is a point of the cloud within 5 pixels, else it is rounded to the size of a pixel") {
+  if (!hasDisplay()) return;
+  // Points 2 units apart, which a window shows about 50 pixels apart.
+  const auto grid = [](const std::filesystem::path& folder) {
+    std::ofstream out(folder / "grid.xyz");
+    out << "x y z\n";
+    for (int i = 0; i < 13; ++i)
+      for (int j = 0; j < 13; ++j) out << 2 * i + 0.03125 << ' ' << 2 * j << " 0\n";
+  };
+  std::string script = "0.1 key d\n0.2 key z\n";
+  constexpr int kPicks = 14;
+  for (int i = 0; i < kPicks; ++i)
+    script += fmt::format(
+        "{0:.1f} mouse {1} {2}\n{3:.1f} button left down\n{3:.1f} button left up\n"
+        "{4:.1f} state %/{5}.json\n",
+        0.4 + 0.6 * i, 560 + 4 * i, 300 + 4 * i, 0.6 + 0.6 * i, 0.8 + 0.6 * i, i);
+  const auto played = playWell("%/grid.xyz --size 900x600 --up z --backend cpu", grid, script + "20 quit\n");
+  int snapped = 0, rounded = 0;
+  for (int i = 0; i < kPicks; ++i) {
+    const auto picked = played->state(fmt::format("{}.json", i))["picked"];
+    REQUIRE(!picked.is_null());
+    const DVec3 place(picked["place"][0], picked["place"][1], picked["place"][2]),
+        point(picked["position"][0], picked["position"][1], picked["position"][2]);
+    const double apart = glm::distance(place, point);
+    CAPTURE(apart);
+    if (apart < 1e-5) {
+      ++snapped;
+      continue;
+    }
+    ++rounded;
+    CHECK(apart > 0.1);  // a pixel is about 0.04 units
+    for (int k = 0; k < 3; ++k) CHECK(std::abs(place[k] - std::round(place[k] * 100) / 100) < 1e-6);
+  }
+  CHECK(snapped > 0);
+  CHECK(rounded > 0);
+}
+
 TEST_CASE("a new scale is set only after the user has decided what happens to unsaved changes") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x600 --rate 250 --edit push --backend cpu", sphereOf(3000), R"(

@@ -50,14 +50,14 @@ TEST_CASE("the window reports a tool smaller than the spacing, and no longer rep
   for (int i = 0; i < 12; ++i) script += "0.3 key [\n";
   script += "0.6 state %/small.json\n0.7 mouse 5 5\n";
   for (int i = 0; i < 12; ++i) script += "0.8 key ]\n";
-  script += "1.1 key backspace\n1.3 state %/again.json\n1.4 quit\n";
+  script += "1.1 key backspace\n1.2 key backspace\n1.3 state %/again.json\n1.4 quit\n";
   const auto played = playWell("%/sphere.ply --size 400x300 --edit push", sphereOf(2000), script);
   const std::string large = played->state("large.json")["last_message"];
   CHECK(large.find("smaller than the spacing") == std::string::npos);
   const std::string small = played->state("small.json")["last_message"];
   CHECK_MESSAGE(says(small, "is smaller than the spacing of the points, "), small);
   CHECK(says(small, "make its radius (key ]) "));
-  CHECK(played->state("again.json")["last_message"] == "forces off");
+  CHECK(played->state("again.json")["last_message"] == "forces on");
 }
 
 }  // namespace palpate::view_start_test

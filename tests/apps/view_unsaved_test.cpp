@@ -101,6 +101,36 @@ TEST_CASE("unsaved strokes survive SIGKILL and can be resumed with their points,
   CHECK(contentOf(path / "again.ply") == contentOf(whole->folder.path() / "whole.ply"));
 }
 
+TEST_CASE("the question about unsaved strokes says what they change in the file that was saved last") {
+  if (!hasDisplay()) return;
+  struct Case {
+    const char* name;
+    std::string script;
+    int made, undone, undoCount;
+  };
+  const std::string save = "2.0 key ctrl+s\n";
+  for (const Case& each : {Case{"undone", save + "2.8 key ctrl+z\n", 0, 1, 0},
+                           Case{"all undone", save + "2.8 key ctrl+z\n2.9 key ctrl+z\n", 0, 2, 0},
+                           Case{"another",
+                                save + "2.8 key ctrl+z\n2.9 mouse 390 200\n3.0 key space down\n"
+                                       "3.1 button left down\n3.4 button left up\n3.5 key space up\n",
+                                1, 1, 1},
+                           Case{"undone without a file", "2.8 key ctrl+z\n", 1, 0, 1}}) {
+    CAPTURE(each.name);
+    Struck struck;
+    strike(struck, SIGKILL, kTwoStrokes + each.script);
+    const auto end = jsonOf(struck.folder.path() / "end.json");
+    const auto asked = struck.later("0.2 click Restore them\n0.6 state %/again.json\n0.7 save %/again.ply\n");
+    CHECK(asked["asks_about_strokes"] == true);
+    CHECK(asked["strokes_left"] == each.made);
+    CHECK(asked["strokes_undone"] == each.undone);
+    const auto again = jsonOf(struck.folder.path() / "again.json");
+    CHECK(again["model"] == end["model"]);
+    CHECK(again["changed"] == true);
+    CHECK(again["undo_count"] <= each.undoCount);
+  }
+}
+
 TEST_CASE("strokes of three killed windows are counted, and offered one after another") {
   if (!hasDisplay()) return;
   Struck struck;

@@ -24,7 +24,7 @@ struct Sculpted {
   }
   void take(EditBatch batch) {
     journal.follow(batch);
-    unsaved.follow(batch, journal.points(), journal.version() != 0);
+    unsaved.follow(batch, journal.points(), journal.version() != 0 || since.undone > 0, since);
   }
   // Moves points of the cloud, or appends one.
   void stroke(const std::vector<std::uint32_t>& points, float to) {
@@ -42,6 +42,7 @@ struct Sculpted {
     take(std::move(batch));
   }
 
+  StrokesSince since;
   Model model{.cloud = {.positions = {Vec3(0), Vec3(1)}, .normals = {Vec3(0, 0, 1), Vec3(0, 0, 1)}}};
   Journal journal{model.cloud, kUndo_bytes};
   UnsavedStrokes unsaved;
@@ -73,7 +74,7 @@ TEST_CASE("unsaved strokes are recovered unchanged, including undone and redone 
   sculpted.reset();
   const std::vector<LeftStrokes> left = leftIn(folder.path());
   REQUIRE(left.size() == 1);
-  CHECK(left[0].strokes == 2);
+  CHECK(left[0].since.made == 2);
   CHECK(left[0].document() == (folder / "model.ply").string());
   followAgain(again, left[0].edits);
   checkSame(again, before);
@@ -144,7 +145,7 @@ TEST_CASE("unsaved strokes of the version before are offered, and those of other
   {
     const auto left = leftIn(folder.path());
     REQUIRE(left.size() == 1);
-    CHECK(left[0].strokes == 2);
+    CHECK(left[0].since.made == 2);
     followAgain(again, left[0].edits);
     checkSame(again, before);
   }
@@ -157,6 +158,22 @@ TEST_CASE("unsaved strokes of the version before are offered, and those of other
   CHECK(contentOf(std::filesystem::path(log.parent_path().string() + ".damaged") / log.filename()) == older);
 }
 
+TEST_CASE("what unsaved strokes change in the file saved last is kept with them, also where nothing but undo is left") {
+  const ScratchFolder folder;
+  {
+    Sculpted sculpted(folder.path());
+    sculpted.since = {.made = 1};
+    sculpted.stroke({0}, 3);
+    sculpted.unsaved.saved();
+    sculpted.since = {.made = 0, .undone = 1};
+    sculpted.change(sculpted.journal.undo());
+  }
+  const auto left = leftIn(folder.path());
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].since == StrokesSince{.made = 0, .undone = 1});
+  CHECK(left[0].edits.points.empty());  // the model as it was loaded
+}
+
 TEST_CASE("a stroke in progress is counted among the unsaved strokes") {
   const ScratchFolder folder;
   {
@@ -166,7 +183,7 @@ TEST_CASE("a stroke in progress is counted among the unsaved strokes") {
   }
   const auto left = leftIn(folder.path());
   REQUIRE(left.size() == 1);
-  CHECK(left[0].strokes == 2);
+  CHECK(left[0].since.made == 2);
 }
 
 TEST_CASE("saved strokes are not left, and later ones are relative to the model's file as it was") {
@@ -212,7 +229,7 @@ TEST_CASE("recovered strokes stay recoverable while work continues, and are dele
   }
   std::vector<LeftStrokes> left = leftIn(folder.path());
   REQUIRE(left.size() == 1);
-  CHECK(left[0].strokes == 2);
+  CHECK(left[0].since.made == 2);
   Sculpted last(folder.path());
   last.unsaved.adopt(left[0]);
   left.clear();
@@ -296,7 +313,7 @@ TEST_CASE("a log that a program had no time to begin does not hide the one befor
     std::ofstream(entry.path() / "strokes-2.log") << "torn";
   const std::vector<LeftStrokes> left = leftIn(folder.path());
   REQUIRE(left.size() == 1);
-  CHECK(left[0].strokes == 1);
+  CHECK(left[0].since.made == 1);
 }
 
 }  // namespace palpate::unsaved_strokes_test
