@@ -131,6 +131,9 @@ class PyMesh {
   pp::Mesh mesh_;
 };
 
+/// A function of palpate/_notebook.py.
+py::object helper(const char* name);
+
 void bindClouds(py::module_& module);
 void bindMatter(py::module_& module);
 void bindSessions(py::module_& module);

@@ -87,9 +87,6 @@ py::object placesOf(const py::object& self) {
   return places;
 }
 
-/// A function of the module for notebooks.
-py::object helper(const char* name) { return py::module_::import("palpate._notebook").attr(name); }
-
 void bindMeshes(py::module_& module) {
   py::class_<PyMesh, std::shared_ptr<PyMesh>>(
       module, "Mesh",
@@ -150,6 +147,8 @@ void bindMeshes(py::module_& module) {
 }
 
 }  // namespace
+
+py::object helper(const char* name) { return py::module_::import("palpate._notebook").attr(name); }
 
 std::shared_ptr<PyCloud> PyCloud::of(const py::object& xyz, const py::object& normals, const py::object& colors) {
   const py::array places = threeColumns(xyz, "xyz");

@@ -108,6 +108,7 @@ void bindMatter(py::module_& module) {
   py::class_<PyMatter>(module, "_Matter")
       .def(py::init<const std::string&, const std::optional<std::string>&, std::uint32_t, const std::string&>(),
            py::arg("scene"), py::arg("gpu") = py::none(), py::arg("threads") = 0, py::arg("backend") = "auto")
+      .def("_repr_png_", [](const py::object& self) { return helper("picture_of_matter")(self); })
       .def(
           "close",
           [](PyMatter& self) {

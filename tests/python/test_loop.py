@@ -8,7 +8,7 @@ import time
 import numpy as np
 import palpate as pp
 import pytest
-from conftest import press_path
+from conftest import ball_arrays, press_path
 
 
 def test_a_hand_feels_the_same_pose_by_pose_as_along_a_path(session):
@@ -171,3 +171,13 @@ def test_messages_are_passed_on_with_their_level(ball, capfd):
     with pytest.raises(pp.ArgumentTypeError, match="on_message"):
         pp.Session(bare, gpu="cpu", on_message=3)
     assert capfd.readouterr() == ("", "")
+
+
+def test_ticks_that_would_exceed_their_budget_are_bridged_and_counted():
+    xyz, normals = ball_arrays(200_000)
+    with pp.Session(pp.Cloud(xyz, normals=normals), gpu="cpu", mm_per_unit=1, radius_mm=30, budget_us=50) as s:
+        assert s.bridged_ticks == s.thinned_ticks == 0
+        answers = [s.touch_pose(1e-3 * i, (0, 0, 53 - 0.1 * i)) for i in range(80)]
+        held = sum(each.validity == "held" for each in answers)
+        assert held > 40 and s.bridged_ticks == held and 0 < s.thinned_ticks <= held
+        assert answers[-1].contact and answers[-1].force_N[2] > 0.5

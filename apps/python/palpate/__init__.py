@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from . import _notebook  # for clouds, meshes and matter
 from . import _palpate
 from . import _words
 from ._errors import ArgumentTypeError, ClosedError, Error, UnknownAttributeError, UnknownNameError, UsageError, nearest

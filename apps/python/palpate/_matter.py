@@ -81,12 +81,6 @@ class Matter(_palpate._Matter):
     def __repr__(self) -> str:
         return f"<palpate.Matter {self._scene!r}>"
 
-    def _repr_png_(self) -> bytes | None:
-        """Picture of its particles for a notebook; None where nothing can be drawn."""
-        from ._notebook import picture  # which needs the sessions
-
-        return picture(_palpate.Cloud(self.frame().positions))
-
     def simulate(self, seconds: float) -> None:
         """Advances the scene by so many seconds, rounded to milliseconds, as step() does. Raises UsageError unless they
         are from 0 to 1e9.

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ._errors import Error
-from ._palpate import Cloud, Mesh, read, write
+from ._palpate import Cloud, Mesh, _Matter, read, write
 from ._session import Session
 
 
@@ -25,6 +25,11 @@ def picture(cloud: Cloud) -> bytes | None:
 def picture_of_mesh(mesh: Mesh) -> bytes | None:
     """That of its vertices."""
     return picture(Cloud(mesh.vertices, normals=mesh.normals))
+
+
+def picture_of_matter(matter: _Matter) -> bytes | None:
+    """That of its particles."""
+    return picture(Cloud(matter.frame().positions))
 
 
 def reduced(cloud: Cloud) -> tuple[Any, tuple[Any, ...]]:
