@@ -58,10 +58,10 @@ std::vector<StampedPose> readTimes(const std::filesystem::path& path) {
   while (lines.next()) {
     const auto numbers = numbersIn<8>(lines.rest());
     if (!numbers) lines.fail("expected eight numbers: time, tx ty tz, qx qy qz qw");
-    const auto& [stamp_s, x, y, z, qx, qy, qz, qw] = *numbers;
-    if (!std::isfinite(stamp_s)) lines.fail("the time is not a finite number");
-    const auto make = [&] { return cameraPose({x, y, z}, DQuat(qw, qx, qy, qz)); };
-    poses.push_back({.stamp = stamp_s, .pose = poseAt(path, lines.line(), make), .line = lines.line()});
+    const std::array<double, 8>& row = *numbers;  // time, position, quaternion
+    if (!std::isfinite(row[0])) lines.fail("the time is not a finite number");
+    const auto make = [&] { return cameraPose({row[1], row[2], row[3]}, DQuat(row[7], row[4], row[5], row[6])); };
+    poses.push_back({.stamp = row[0], .pose = poseAt(path, lines.line(), make), .line = lines.line()});
   }
   return poses;
 }
