@@ -1,5 +1,7 @@
 #include "apps/view/viewpoint.hpp"
 
+#include <algorithm>
+
 #include "engine/render/camera_motion.hpp"
 
 namespace palpate {
@@ -9,7 +11,9 @@ void Viewpoint::fit(const Model& model, const ViewSettings& view, const DVec2& w
   fittedUp_ = view.up;
   const UpAxis up = view.upOf(model);
   const double aspect = (free_px.y - free_px.x) / window_px.y;
-  const Framing framing = framingOf(model, up);
+  constexpr double kHand = 0.08;  // of the longest side: room for a stylus around the model
+  Framing framing = framingOf(model, up);
+  if (!model.container()) framing.margin = std::max(framing.margin, kHand * model.shownBounds().longestSide());
   // Its points fill the view, and not the box around them; a container is shown whole.
   camera_ = model.container() ? Camera::fitting(model.shownBounds(), aspect, kHeight_deg, up, framing.margin)
                               : Camera::fitting(model.cloud, aspect, kHeight_deg, framing);

@@ -225,6 +225,7 @@ TEST_CASE("recovered strokes stay recoverable while work continues, and are dele
     Sculpted next(folder.path());
     followAgain(next.journal, left[0].edits);
     next.unsaved.adopt(left[0]);
+    next.since = {.made = 2};
     next.stroke({1}, 4);
   }
   std::vector<LeftStrokes> left = leftIn(folder.path());
