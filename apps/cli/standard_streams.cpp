@@ -31,9 +31,11 @@ std::vector<std::string> formatNames() {
   return names;
 }
 
-std::filesystem::path freshName(const std::string& format) {
+// Messages name it.
+std::filesystem::path freshName(std::string_view stream, const std::string& format) {
   std::random_device random;
-  return std::filesystem::temp_directory_path() / fmt::format("palpate-{:08x}{:08x}.{}", random(), random(), format);
+  return std::filesystem::temp_directory_path() /
+         fmt::format("{} of palpate {:08x}{:08x}.{}", stream, random(), random(), format);
 }
 
 void copy(std::FILE* from, std::string_view source, std::FILE* to, std::string_view target) {
@@ -78,7 +80,7 @@ void StandardStreams::redirect(const Options& command) {
     if (format_.empty())
       throw UsageError("{}: - is {}; name its format, as in --format ply", option.name(), reads ? kInput : kOutput);
     std::optional<TemporaryFile>& file = reads ? input_ : output_;
-    if (!file) file.emplace(freshName(format_));
+    if (!file) file.emplace(freshName(reads ? kInput : kOutput, format_));
     option.replace(std::string(kStream), file->path().string());
   }
   for (const Options* const named : command.named()) redirect(*named);

@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-/// A k-d tree, rebuilt whenever points have moved. Queries are safe from any thread.
+/// A k-d tree, rebuilt whenever points have moved. It keeps a view of the points, which must outlive it. Queries are
+/// safe from any thread.
 class PointTree {
  public:
   explicit PointTree(std::span<const Vec3> points = {});

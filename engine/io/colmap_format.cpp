@@ -57,9 +57,8 @@ std::vector<double> weightsOf(const std::vector<double>& errors, const std::vect
 class CameraPlaces {
  public:
   explicit CameraPlaces(const ColmapModel& model) : model_(model) {
-    std::vector<Vec3> centers;
-    for (const ColmapImage& image : model.images) centers.push_back(local(image.center));
-    tree_.build(centers);
+    for (const ColmapImage& image : model.images) centers_.push_back(local(image.center));
+    tree_.build(centers_);
   }
 
   /// Centre of the nearest camera, if possible of one that looks towards the position.
@@ -81,6 +80,7 @@ class CameraPlaces {
   Vec3 local(const DVec3& place) const { return Vec3(place - model_.images.front().center); }
 
   const ColmapModel& model_;
+  std::vector<Vec3> centers_;
   PointTree tree_;
 };
 

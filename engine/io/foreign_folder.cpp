@@ -63,7 +63,7 @@ void refuseFolder(const std::filesystem::path& folder, const CloudFormats& forma
     throw FileError(folder,
                     "is a folder with a bag of ROS 2, which is not read; play it, and name ros:TOPIC as the model");
   const std::vector<std::string> within = readableIn(folder, formats);
-  throw FileError(folder, fmt::format("is not a folder of COLMAP (points3D.bin or .txt), {}; {}", rgbdLayoutsRead(true),
+  throw FileError(folder, fmt::format("is not a folder of COLMAP, {}; {}", rgbdLayoutsRead(false),
                                       within.empty() ? "name a file in it"
                                                      : fmt::format("name one of {}", fmt::join(within, ", "))));
 }

@@ -229,7 +229,7 @@ TEST_CASE("convert refuses output names of unknown type, and reports what is wro
   checkEnds(2, "convert " + in + " " + (folder / "out.xyzzy").string(), {"clouds are written as .ply"});
   CHECK(palpate("convert " + in).code == 2);
   std::ofstream(in) << "solid cube";
-  checkEnds(1, "convert " + in + " " + (folder / "out.ply").string(), {"that of a PLY file is"});
+  checkEnds(1, "convert " + in + " " + (folder / "out.ply").string(), {"is not a PLY file"});
   CHECK_FALSE(std::filesystem::exists(folder / "out.ply"));
 }
 

@@ -53,7 +53,7 @@ TEST_CASE("a file without a byte is an error in every format, and no cloud of no
 TEST_CASE("info on an unknown folder names the known kinds of folders and what in it can be read") {
   const ScratchFolder folder;
   const auto refused = [&](const std::string& what) { checkEnds(1, "info " + folder.path().string(), {what}); };
-  refused("Redwood (depth/), Replica (results/depthN.png) or 7-Scenes (frame-N.depth.png); name a file in it\n");
+  refused("is not a folder of COLMAP, TUM, ScanNet, Redwood, Replica or 7-Scenes; name a file in it\n");
   std::ofstream(folder / "notes.doc") << "x";
   std::ofstream(folder / "scan.ply") << "ply\n";
   refused("name one of " + (folder / "scan.ply").string() + "\n");

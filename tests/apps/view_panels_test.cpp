@@ -329,7 +329,7 @@ TEST_CASE("a file that could not be opened is not listed among the models, and T
 1.3 quit
 )");
   const auto message = [&](const char* name) { return std::string(played->state(name)["last_message"]); };
-  CHECK(says(message("broken.json"), "that of a PLY file is"));
+  CHECK(says(message("broken.json"), "broken.ply: is not a PLY file"));
   CHECK(says(message("again.json"), "'broken.ply' cannot be clicked"));
   CHECK(says(message("away.json"), "'Models' cannot be clicked"));
   CHECK(message("back.json") == message("away.json"));  // no further message: both clicks hit a control
