@@ -1,6 +1,7 @@
 #include "haptics/library/contact_events.hpp"
 
 #include <algorithm>
+#include <cstdint>
 
 #include "haptics/library/callbacks.hpp"
 

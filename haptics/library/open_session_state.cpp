@@ -1,6 +1,8 @@
 // What an OpenSession answers about itself: its state, pictures, meshes, rows, frames and motion.
+#include "haptics/library/defaults.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/open_session.hpp"
+#include "haptics/library/options.hpp"
 
 namespace palpate::library {
 
