@@ -43,7 +43,7 @@ class GltfFile {
 
   /// The element of a list of the file (for example "meshes") with the index `number`. Throws if there is none.
   const nlohmann::json& named(const char* list, const nlohmann::json& number) const;
-  /// An extension of an object; null if it has none of that name.
+  /// The extension of an object by its name; null: the object lacks it.
   const nlohmann::json* extension(const nlohmann::json& object, const char* name) const;
   /// `perElement`: the allowed numbers of components.
   GltfNumbers numbers(const nlohmann::json& accessor, std::initializer_list<unsigned> perElement);

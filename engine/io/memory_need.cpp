@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint64_t kMostPerByte = 100;   // bytes of memory for one of a file: compressed points, 2 bytes each
+constexpr std::uint64_t kMaxPerByte = 100;    // bytes of memory for one of a file: compressed points, 2 bytes each
 constexpr std::uint64_t kPoint_bytes = 28;    // position, normal, colour
 constexpr std::uint64_t kProperty_bytes = 8;  // of an attribute, as a double
 constexpr std::size_t kPositionProperties = 3;
@@ -66,7 +66,7 @@ std::string MemoryNeed::sentence() const {
 std::optional<MemoryNeed> exceedingNeed(const std::filesystem::path& file, const CloudFormat& format,
                                         std::uint64_t furtherPerPoint_bytes) {
   const std::uint64_t free_bytes = freeMemory_bytes();
-  if (bytesOf(file) < free_bytes / kMostPerByte) return std::nullopt;
+  if (bytesOf(file) < free_bytes / kMaxPerByte) return std::nullopt;
   const Rows rows = rowsOf(file, format);
   const std::uint64_t perPoint_bytes =
       kPoint_bytes + furtherPerPoint_bytes + kProperty_bytes * (rows.properties - kPositionProperties);

@@ -10,6 +10,7 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/touch/blocked_count.hpp"
 #include "engine/touch/cpu_touch.hpp"
+#include "tests/near.hpp"
 #include "tests/touch/back_end.hpp"
 
 namespace palpate::thin_parts_test {
