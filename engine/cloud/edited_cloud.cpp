@@ -7,13 +7,14 @@
 #include "engine/core/check.hpp"
 #include "engine/core/checksum.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/packed_state.hpp"
 
 namespace palpate {
 
 namespace {
 
 // The point of the file from which a point has its other properties.
-std::uint32_t ancestor(std::span<const PointState> points, std::uint32_t point, std::size_t inFile) {
+std::uint64_t ancestor(std::span<const PointState> points, std::uint64_t point, std::size_t inFile) {
   for (std::size_t steps = 0; point >= inFile; ++steps) {
     if (steps == points.size() || point >= points.size())
       throw Error("a new point has no ancestor in the file; the edits are of another model, or are damaged");
@@ -36,11 +37,10 @@ std::uint32_t packedColor(const PointCloud& cloud, std::size_t point) {
 }
 
 std::vector<PointState> statesOf(const PointCloud& file) {
-  PALPATE_CHECK_LT(file.size(), std::size_t{PointState::kGone});
   std::vector<PointState> points(file.size());
-  for (std::uint32_t i = 0; i < points.size(); ++i)
+  for (std::size_t i = 0; i < points.size(); ++i)
     points[i] = {.position = file.positions[i],
-                 .id = i,
+                 .number = i,
                  .normal = file.hasNormals() ? file.normals[i] : Vec3(0),
                  .color = packedColor(file, i),
                  .parent = i};
@@ -51,7 +51,10 @@ std::uint64_t checksumOf(const DVec3& origin, std::span<const PointState> points
   Checksum sum;
   for (int k = 0; k < 3; ++k) sum.addValue(origin[k]);
   for (const PointState& point : points)
-    if (!point.gone()) sum.add(std::as_bytes(std::span(&point, 1)));
+    if (!point.gone) {
+      const PackedState entry = packedState(point);
+      sum.add(std::as_bytes(std::span(&entry, 1)));
+    }
   return sum.value();
 }
 
@@ -59,9 +62,9 @@ std::size_t changedPoints(const PointCloud& file, std::span<const PointState> po
   PALPATE_CHECK_LE(file.size(), points.size());
   std::size_t changed = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
-    changed += i < file.size() ? points[i].gone() || points[i].position != file.positions[i] ||
+    changed += i < file.size() ? points[i].gone || points[i].position != file.positions[i] ||
                                      points[i].color != packedColor(file, i)
-                               : !points[i].gone();
+                               : !points[i].gone;
   return changed;
 }
 
@@ -69,20 +72,20 @@ PointCloud editedCloud(const PointCloud& file, std::span<const PointState> point
   PALPATE_CHECK_LE(file.size(), points.size());
   PointCloud cloud{.origin = file.origin, .storedAs = file.storedAs};
   const auto there =
-      static_cast<std::size_t>(std::ranges::count_if(points, [](const PointState& point) { return !point.gone(); }));
+      static_cast<std::size_t>(std::ranges::count_if(points, [](const PointState& point) { return !point.gone; }));
   const bool colors = file.hasColors() || std::ranges::any_of(points, [](const PointState& point) {
-                        return !point.gone() && point.color != 0;
+                        return !point.gone && point.color != 0;
                       });
   cloud.positions.reserve(there);
   if (file.hasNormals()) cloud.normals.reserve(there);
   if (colors) cloud.colors.reserve(there);
   if (!file.exactPositions.empty()) cloud.exactPositions.reserve(there);
-  std::vector<std::uint32_t> sources;  // for every point: the point in the file with its other properties
+  std::vector<std::uint64_t> sources;  // for every point: the point in the file with its other properties
   sources.reserve(there);
-  for (std::uint32_t i = 0; i < points.size(); ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
     const PointState& point = points[i];
-    PALPATE_CHECK_EQ(point.number(), i);
-    if (point.gone()) continue;
+    PALPATE_CHECK_EQ(point.number, i);
+    if (point.gone) continue;
     sources.push_back(ancestor(points, i, file.size()));
     cloud.positions.push_back(point.position);
     if (file.hasNormals()) cloud.normals.push_back(point.normal);

@@ -74,7 +74,7 @@ void SurfaceIndex::count(std::uint32_t number, bool enters) {
 void SurfaceIndex::follow(std::span<const PointState> states) {
   std::vector<std::uint32_t> changed;
   for (const PointState& state : states) {
-    const std::uint32_t number = state.number();
+    const auto number = static_cast<std::uint32_t>(state.number);
     if (number >= positions_.size()) {
       positions_.resize(number + 1, Vec3(0));
       normals_.resize(number + 1, Vec3(0));
@@ -83,7 +83,7 @@ void SurfaceIndex::follow(std::span<const PointState> states) {
     if (there_[number]) count(number, false);
     positions_[number] = state.position;
     normals_[number] = state.normal;
-    there_[number] = !state.gone();
+    there_[number] = !state.gone;
     if (there_[number]) count(number, true);
     changed.push_back(number);
   }

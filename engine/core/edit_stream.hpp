@@ -27,7 +27,7 @@ struct BlockedMoves {
   std::uint64_t edits = 0;  ///< edits in which nearly all points under the brush were blocked
 };
 
-/// The edits of a cloud, in order, for their followers: a journal, a session log, other machines. All changes of the
+/// The edits of a cloud, in order, for their followers: a history, a session log, other machines. All changes of the
 /// points by other means than a brush go through it, too.
 class EditStream {
  public:

@@ -1,27 +1,37 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "engine/core/vec.hpp"
 
 namespace palpate {
 
-/// A point at one moment of an edited cloud. Its id is its number in the file; new points are numbered after those.
+/// A point at one moment of an edited cloud. It is known by its layer and its number there, which is that in the file;
+/// new points are numbered after those. A back end may number its own points with fewer bits.
 struct PointState {
-  /// Set in the id of a point that does not exist (any more).
-  static constexpr std::uint32_t kGone = 0x80000000u;
-
   Vec3 position{0};  ///< model units, relative to the cloud's origin
-  std::uint32_t id = 0;
-  Vec3 normal{0};            ///< unit
-  std::uint32_t color = 0;   ///< RGBA8; 0 if the cloud has no colours
-  std::uint32_t parent = 0;  ///< the point from which it took its other properties; itself for a point of the file
+  std::uint16_t layer = 0;
+  bool gone = false;  ///< it does not exist (any more)
+  std::uint64_t number = 0;
+  Vec3 normal{0};           ///< unit
+  std::uint32_t color = 0;  ///< RGBA8; 0 if the cloud has no colours
+  std::uint64_t parent =
+      0;  ///< number of the point from which it took its other properties; its own if it is in the file
 
-  bool gone() const { return (id & kGone) != 0; }
-  std::uint32_t number() const { return id & ~kGone; }
   bool operator==(const PointState&) const = default;
 };
+
+/// Compares bits: zero has two signs.
+inline bool isSameToTheBit(const PointState& a, const PointState& b) {
+  const auto bits = [](const Vec3& v) {
+    return std::array{std::bit_cast<std::uint32_t>(v.x), std::bit_cast<std::uint32_t>(v.y),
+                      std::bit_cast<std::uint32_t>(v.z)};
+  };
+  return a.layer == b.layer && a.gone == b.gone && a.number == b.number && a.color == b.color && a.parent == b.parent &&
+         bits(a.position) == bits(b.position) && bits(a.normal) == bits(b.normal);
+}
 
 /// RGBA8 of points without a colour when they are shown, painted over, or written among coloured points: clay.
 inline constexpr std::array<std::uint8_t, 4> kUnpainted{200, 170, 147, 255};

@@ -1,29 +1,36 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
+#include <vector>
+
+#include "engine/core/vec.hpp"
 
 namespace palpate {
 
-/// Counts of strokes.
-struct StrokeCounts {
-  std::uint64_t strokes = 0;  ///< total
-  std::uint64_t dropped = 0;  ///< of these, the oldest ones, which are no longer kept
-  std::size_t undoCount = 0, redoCount = 0;
-  std::uint64_t version = 0;  ///< grows with each stroke, undo and redo
+/// A node of a body and its displacement, m: in the rest shape from the lattice, or of a request, or of a stroke.
+struct RestPlace {
+  std::uint32_t node = 0;
+  Vec3 moved{0};
+
+  bool operator==(const RestPlace&) const = default;
 };
 
-/// Brush strokes that change a shape as a whole, which a journal of points cannot record. They are undone and redone
-/// one by one.
+/// The nodes whose rest places a brush stroke changed, as they are on its other side: before it, or, once undone, after
+/// it.
+struct ShapeStroke {
+  std::vector<RestPlace> places;
+};
+
+/// The brush strokes of a body's rest shape. They change a shape as a whole, and move no points by themselves.
 class ShapeStrokes {
  public:
   virtual ~ShapeStrokes() = default;
 
-  /// For the thread that queries the back end, after its finish(). False if there is no such stroke.
-  virtual bool undo() = 0;
-  virtual bool redo() = 0;
-  /// For any thread.
-  virtual StrokeCounts counts() const = 0;
+  /// Appends the strokes that have ended since the last call, in order. For any thread.
+  virtual void take(std::vector<ShapeStroke>& strokes) = 0;
+  /// Exchanges a stroke's places with those of the shape, bit by bit. For the thread that queries the back end, after
+  /// its finish().
+  virtual void exchange(ShapeStroke& stroke) = 0;
 };
 
 }  // namespace palpate

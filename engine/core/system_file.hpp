@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -13,9 +14,15 @@ namespace palpate {
 /// As std::fopen, for file names in any characters.
 std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcept;
 
+/// Opens a new file in `folder` for writing and reading, which has no name there, or loses it when it is closed or the
+/// program ends. Null: see errno.
+std::FILE* openScratch(const std::filesystem::path& folder) noexcept;
+
 /// Opens a named pipe for reading, as soon as a program writes to it. Null with errno ETIMEDOUT if none does within
-/// `wait_s`, or if the system call fails.
-std::FILE* openPipe(const std::filesystem::path& file, double wait_s) noexcept;
+/// `wait_s`, or if the system call fails. While it waits, the job of this thread may be cut (throws Stopped).
+std::FILE* openPipe(const std::filesystem::path& file, double wait_s);
+/// Waits for bytes in such a pipe, as openPipe() does, and reads what is there; 0 at the end. Nothing: see errno.
+std::optional<std::size_t> readPipe(std::FILE* pipe, std::span<std::byte> bytes);
 
 /// Whether the file is a keyboard, so that reading waits for input.
 bool isTerminal(std::FILE* file) noexcept;

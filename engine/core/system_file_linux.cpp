@@ -8,6 +8,7 @@
 #include <cstring>
 #include <utility>
 
+#include "engine/core/job_stop.hpp"
 #include "engine/core/system_file.hpp"
 
 namespace palpate {
@@ -16,7 +17,27 @@ std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcep
   return std::fopen(file.c_str(), mode);
 }
 
+std::FILE* openScratch(const std::filesystem::path& folder) noexcept {
+  const int descriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (descriptor >= 0) return ::fdopen(descriptor, "w+b");
+  // The file system has no unnamed files.
+  try {
+    std::string name = (folder / "scratch-XXXXXX").string();
+    const int named = ::mkostemp(name.data(), O_CLOEXEC);
+    if (named < 0) return nullptr;
+    ::unlink(name.c_str());
+    return ::fdopen(named, "w+b");
+  } catch (const std::bad_alloc&) {
+    errno = ENOMEM;
+    return nullptr;
+  }
+}
+
 namespace {
+
+constexpr int kStep_ms = 20;  // while a pipe is waited for
+
+bool isCut() noexcept { return jobStop.mayCut && isStopWanted(); }
 
 bool hold(int descriptor) noexcept { return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
 
@@ -32,22 +53,31 @@ bool hasWriter(int pipe) noexcept {
 
 }  // namespace
 
-std::FILE* openPipe(const std::filesystem::path& file, double wait_s) noexcept {
+std::FILE* openPipe(const std::filesystem::path& file, double wait_s) {
   const int pipe = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (pipe < 0) return nullptr;
-  constexpr int kStep_ms = 20;
   bool written = hasWriter(pipe);
-  for (int left = static_cast<int>(1e3 * wait_s) / kStep_ms; left > 0 && !written; --left) {
+  for (int left = static_cast<int>(1e3 * wait_s) / kStep_ms; left > 0 && !written && !isCut(); --left) {
     ::poll(nullptr, 0, kStep_ms);
     written = hasWriter(pipe);
   }
   if (!written) {
     ::close(pipe);
+    throwIfStopWanted();
     errno = ETIMEDOUT;
     return nullptr;
   }
   ::fcntl(pipe, F_SETFL, ::fcntl(pipe, F_GETFL) & ~O_NONBLOCK);
   return ::fdopen(pipe, "rb");
+}
+
+std::optional<std::size_t> readPipe(std::FILE* pipe, std::span<std::byte> bytes) {
+  pollfd wait{.fd = ::fileno(pipe), .events = POLLIN, .revents = 0};
+  while (::poll(&wait, 1, kStep_ms) <= 0) throwIfStopWanted();
+  ssize_t count;
+  do count = ::read(wait.fd, bytes.data(), bytes.size());
+  while (count < 0 && errno == EINTR);
+  return count < 0 ? std::nullopt : std::optional(static_cast<std::size_t>(count));
 }
 
 bool isTerminal(std::FILE* file) noexcept { return ::isatty(::fileno(file)) == 1; }

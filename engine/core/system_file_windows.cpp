@@ -37,7 +37,26 @@ std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcep
   return ::_wfopen(file.c_str(), wide);
 }
 
-std::FILE* openPipe(const std::filesystem::path& file, double) noexcept { return openFile(file, "rb"); }
+std::FILE* openScratch(const std::filesystem::path& folder) noexcept {
+  try {
+    wchar_t name[MAX_PATH]{};
+    if (::GetTempFileNameW(folder.c_str(), L"pal", 0, name) == 0) {
+      errno = EACCES;
+      return nullptr;
+    }
+    return ::_wfopen(name, L"w+bTD");  // removed when it is closed
+  } catch (const std::bad_alloc&) {
+    errno = ENOMEM;
+    return nullptr;
+  }
+}
+
+std::FILE* openPipe(const std::filesystem::path& file, double) { return openFile(file, "rb"); }
+
+std::optional<std::size_t> readPipe(std::FILE* pipe, std::span<std::byte> bytes) {
+  const std::size_t got = std::fread(bytes.data(), 1, bytes.size(), pipe);
+  return got == 0 && std::ferror(pipe) ? std::nullopt : std::optional(got);
+}
 
 bool isTerminal(std::FILE* file) noexcept { return ::_isatty(::_fileno(file)) != 0; }
 

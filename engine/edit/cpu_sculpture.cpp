@@ -158,7 +158,7 @@ void CpuSculpture::takeSwallowed() {
 void CpuSculpture::receive(std::span<const PointChange> changes) {
   for (const PointChange& change : changes) {
     points_.set(change.to);
-    strayed_.push_back(change.to.number());
+    strayed_.push_back(static_cast<std::uint32_t>(change.to.number));
   }
   std::ranges::sort(strayed_);
   strayed_.erase(std::unique(strayed_.begin(), strayed_.end()), strayed_.end());

@@ -16,7 +16,7 @@ constexpr std::uint64_t kPiece = 1 << 18;  // entries copied at a time
 
 EditFetch::EditFetch(Device& device, EditLog& log)
     : device_(device),
-      staging_(Buffer::of<PointState>(device, std::min(log.capacity(), kPiece), Memory::readback, "edit fetch")),
+      staging_(Buffer::of<PackedState>(device, std::min(log.capacity(), kPiece), Memory::readback, "edit fetch")),
       list_(device, device.throughputQueue(), "edit fetch"),
       reader_(log) {}
 
@@ -25,16 +25,16 @@ void EditFetch::take(EditBatch& batch) {
   const std::uint64_t capacity = reader_.log().capacity(), before = batch.points.size();
   PALPATE_CHECK_LE(range.size(), capacity);
   batch.points.resize(before + range.size());
-  const std::span<const PointState> staged = staging_.mapped<PointState>();
+  const std::span<const PackedState> staged = staging_.mapped<PackedState>();
   for (std::uint64_t at = range.begin; at < range.end;) {
     const std::uint64_t slot = at % capacity;
     const std::uint64_t count = std::min({range.end - at, capacity - slot, std::uint64_t{staged.size()}});
     list_.begin();
-    list_.copy(reader_.log().entriesBuffer(), staging_, count * sizeof(PointState), slot * sizeof(PointState), 0);
+    list_.copy(reader_.log().entriesBuffer(), staging_, count * sizeof(PackedState), slot * sizeof(PackedState), 0);
     list_.end();
     device_.throughputQueue().run(list_);
-    std::ranges::copy(staged.first(count),
-                      batch.points.begin() + static_cast<std::ptrdiff_t>(before + at - range.begin));
+    std::ranges::transform(staged.first(count),
+                           batch.points.begin() + static_cast<std::ptrdiff_t>(before + at - range.begin), stateOf);
     at += count;
   }
   const std::size_t marksBefore = batch.marks.size();

@@ -11,7 +11,7 @@ namespace {
 
 // A buffer of slightly less than 4 GiB, the maximum allocation of some drivers. An edit that may write more entries is
 // dropped: it would have to change more than a sixteenth of a cloud with more points than that.
-constexpr std::uint64_t kMaxEntries = std::bit_floor((std::uint64_t{4094} << 20) / sizeof(shared::EditEntry));
+constexpr std::uint64_t kMaxEntries = std::bit_floor((std::uint64_t{4094} << 20) / sizeof(PackedState));
 
 }  // namespace
 
@@ -22,7 +22,7 @@ std::uint64_t EditLog::capacityFor(std::uint64_t points, std::uint64_t slack) {
 
 EditLog::EditLog(Device& device, std::uint64_t points, std::uint64_t slack)
     : capacity_(capacityFor(points, slack)),
-      entries_(Buffer::of<shared::EditEntry>(device, capacity_, Memory::device, "edit log")),
+      entries_(Buffer::of<PackedState>(device, capacity_, Memory::device, "edit log")),
       head_(Buffer::of<std::uint32_t>(device, 1, Memory::device, "edit log head")) {
   upload(device, head_, std::vector<std::uint32_t>{0});
 }

@@ -7,19 +7,20 @@
 #include <vector>
 
 #include "engine/core/edit_batch.hpp"
+#include "engine/core/packed_state.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "shaders/shared/edit_log.h"
 
 namespace palpate {
 
-// The host's states and the GPU's entries are the same bytes.
-static_assert(sizeof(PointState) == sizeof(shared::EditEntry));
-static_assert(offsetof(PointState, position) == offsetof(shared::EditEntry, position));
-static_assert(offsetof(PointState, id) == offsetof(shared::EditEntry, id));
-static_assert(offsetof(PointState, normal) == offsetof(shared::EditEntry, normal));
-static_assert(offsetof(PointState, color) == offsetof(shared::EditEntry, color));
-static_assert(offsetof(PointState, parent) == offsetof(shared::EditEntry, parent));
-static_assert(PointState::kGone == shared::kPointGone);
+// The host's packed states and the GPU's entries are the same bytes.
+static_assert(sizeof(PackedState) == sizeof(shared::EditEntry));
+static_assert(offsetof(PackedState, position) == offsetof(shared::EditEntry, position));
+static_assert(offsetof(PackedState, id) == offsetof(shared::EditEntry, id));
+static_assert(offsetof(PackedState, normal) == offsetof(shared::EditEntry, normal));
+static_assert(offsetof(PackedState, color) == offsetof(shared::EditEntry, color));
+static_assert(offsetof(PackedState, parent) == offsetof(shared::EditEntry, parent));
+static_assert(PackedState::kGone == shared::kPointGone);
 
 /// The interface between the touch side and its followers: a ring of point states on the GPU, written by the edit
 /// passes of the touch side and read by every attached Reader. Positions in the log grow without bound; the slot of a

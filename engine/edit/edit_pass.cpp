@@ -200,8 +200,8 @@ void EditPass::complete(std::vector<PointState>& points) const {
   const auto parents = download<std::uint32_t>(device_, parents_, live_.slots() - live_.count());
   const auto byId = download<std::uint32_t>(device_, colors_, colors_.bytes() / sizeof(std::uint32_t));
   for (PointState& point : points) {
-    if (point.id >= live_.count()) point.parent = parents[point.id - live_.count()];
-    if (!byId.empty()) point.color = byId[point.id];
+    if (point.number >= live_.count()) point.parent = parents[point.number - live_.count()];
+    if (!byId.empty()) point.color = byId[point.number];
   }
 }
 

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "engine/core/check.hpp"
+#include "engine/core/packed_state.hpp"
 #include "engine/gpu/device.hpp"
 #include "shaders/compiled.hpp"
 
@@ -13,10 +14,7 @@ namespace {
 
 constexpr std::uint32_t kMaxChanges = 1 << 16;
 
-static_assert(sizeof(shared::EditEntry) == sizeof(PointState));
-static_assert(shared::kPointGone == PointState::kGone);
-
-shared::EditEntry entryOf(const PointState& point) { return std::bit_cast<shared::EditEntry>(point); }
+shared::EditEntry entryOf(const PointState& point) { return std::bit_cast<shared::EditEntry>(packedState(point)); }
 
 }  // namespace
 
@@ -34,8 +32,8 @@ void GivenChanges::give(std::span<const PointChange> changes, std::uint32_t ids)
   PALPATE_CHECK_LE(changes.size(), most_);
   const auto given = changes_.mapped<shared::GivenChange>();
   for (std::size_t i = 0; i < changes.size(); ++i) {
-    PALPATE_CHECK_EQ(changes[i].from.number(), changes[i].to.number());
-    PALPATE_CHECK_LT(changes[i].to.number(), ids);
+    PALPATE_CHECK_EQ(changes[i].from.number, changes[i].to.number);
+    PALPATE_CHECK_LT(changes[i].to.number, ids);
     given[i] = {.from = entryOf(changes[i].from), .to = entryOf(changes[i].to)};
   }
   count_ = static_cast<std::uint32_t>(changes.size());

@@ -6,8 +6,8 @@ namespace palpate {
 
 PointStates::PointStates(const PointCloud& file) : states_(statesOf(file)), present_(states_.size()) {}
 
-void PointStates::growTo(std::uint32_t point) {
-  while (states_.size() <= point) states_.push_back(never(static_cast<std::uint32_t>(states_.size())));
+void PointStates::growTo(std::uint64_t point) {
+  while (states_.size() <= point) states_.push_back(never(states_.size()));
 }
 
 }  // namespace palpate

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// The present states of all points of an edited cloud, by id; new points after the file's. 40 bytes a point.
+/// The present states of all points of an edited cloud, by number; new points after the file's. 48 bytes a point.
 /// Passes as a std::span<const PointState> to what needs the whole cloud.
 class PointStates {
  public:
@@ -20,15 +20,15 @@ class PointStates {
     for (const PointState& state : states) set(state);
   }
   void set(const PointState& state) {
-    if (state.number() >= states_.size()) growTo(state.number());
-    PointState& point = states_[state.number()];
-    present_ += point.gone();
-    present_ -= state.gone();
+    if (state.number >= states_.size()) growTo(state.number);
+    PointState& point = states_[state.number];
+    present_ += point.gone;
+    present_ -= state.gone;
     point = state;
   }
 
   /// A point that was never set does not exist (PointState::gone()).
-  PointState operator[](std::uint32_t point) const { return point < states_.size() ? states_[point] : never(point); }
+  PointState operator[](std::uint64_t point) const { return point < states_.size() ? states_[point] : never(point); }
   /// Number of states, including those of removed points.
   std::size_t size() const { return states_.size(); }
   const PointState* begin() const { return states_.data(); }
@@ -37,8 +37,8 @@ class PointStates {
   std::size_t present() const { return present_; }
 
  private:
-  static PointState never(std::uint32_t point) { return {.id = point | PointState::kGone, .parent = point}; }
-  void growTo(std::uint32_t point);
+  static PointState never(std::uint64_t point) { return {.gone = true, .number = point, .parent = point}; }
+  void growTo(std::uint64_t point);
 
   std::vector<PointState> states_;
   std::size_t present_;

@@ -79,19 +79,20 @@ SculptedPoints::SculptedPoints(const PointCloud& cloud) : fromFile(static_cast<s
 
 PointState SculptedPoints::state(std::uint32_t point) const {
   return {.position = positions[point],
-          .id = there[point] ? point : point | PointState::kGone,
+          .gone = !there[point],
+          .number = point,
           .normal = normals[point],
           .color = colors[point],
           .parent = parents[point]};
 }
 
 void SculptedPoints::set(const PointState& state) {
-  const std::uint32_t point = state.number();
+  const std::uint64_t point = state.number;
   while (size() <= point) {
     positions.emplace_back(0);
     normals.emplace_back(0);
     colors.push_back(0);
-    parents.push_back(state.parent);
+    parents.push_back(static_cast<std::uint32_t>(state.parent));
     there.push_back(0);
     unsettled.push_back(0);
     founds.emplace_back();
@@ -102,8 +103,8 @@ void SculptedPoints::set(const PointState& state) {
   positions[point] = state.position;
   normals[point] = state.normal;
   colors[point] = state.color;
-  parents[point] = state.parent;
-  there[point] = !state.gone();
+  parents[point] = static_cast<std::uint32_t>(state.parent);
+  there[point] = !state.gone;
   unsettled[point] = 0;
   strokes[point] = 0;
   if (std::isnan(rests[point].x)) rests[point] = state.position;
@@ -113,7 +114,7 @@ std::uint32_t SculptedPoints::insertBetween(std::uint32_t point, std::uint32_t o
                                             const Vec3& position) {
   const auto number = static_cast<std::uint32_t>(size());
   set({.position = position,
-       .id = number,
+       .number = number,
        .normal = middleNormal(normals[point], normals[other]),
        .color = middleColor(colors[point], colors[other]),
        .parent = parents[parent]});

@@ -7,17 +7,12 @@
 #include <span>
 #include <vector>
 
+#include "engine/core/shape_strokes.hpp"
 #include "engine/matter/lanes.hpp"
 #include "engine/matter/soft_lattice.hpp"
 #include "shaders/shared/soft.h"
 
 namespace palpate {
-
-/// Rest displacement of a node from its lattice position, m.
-struct RestPlace {
-  std::uint32_t node = 0;
-  Vec3 moved{0};
-};
 
 /// Rest displacements of the nodes; a cell whose nodes are all undisplaced is a cube, without further cost. The
 /// lattice, the nodes' masses and the cells' fills stay, so that everything based on a node's shares - points, contact,

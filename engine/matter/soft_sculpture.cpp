@@ -11,9 +11,6 @@ namespace palpate {
 
 namespace {
 
-// Maximum number of nodes in all strokes that can be undone: each takes 32 bytes.
-constexpr std::size_t kMaxKept = std::size_t{1} << 23;
-
 // Sum of the weights of positions on a plane, at the distances of a surface's.
 double weightOfPlane(double reach_spacings) {
   const double apart = 1.0 / kPlacesOfSpacing;
@@ -70,46 +67,28 @@ std::size_t SoftSculpture::yield(std::span<const PlaceWay> ways) {
 
 void SoftSculpture::endStroke() {
   if (began_.empty()) return;
-  Stroke stroke;
+  ShapeStroke stroke;
   const std::span<const Vec3> now = body_.rest().displacements();
-  for (std::uint32_t node = 0; node < now.size(); ++node) {
-    if (now[node] == began_[node]) continue;
-    stroke.before.push_back({.node = node, .moved = began_[node]});
-    stroke.after.push_back({.node = node, .moved = now[node]});
-  }
+  for (std::uint32_t node = 0; node < now.size(); ++node)
+    if (now[node] != began_[node]) stroke.places.push_back({.node = node, .moved = began_[node]});
   began_.clear();
-  if (stroke.before.empty()) return;
-  for (; undone_ > 0; --undone_) {
-    kept_ -= strokes_.back().before.size();
-    strokes_.pop_back();
-  }
-  kept_ += stroke.before.size();
-  strokes_.push_back(std::move(stroke));
-  ++made_;
-  forget();
+  if (stroke.places.empty()) return;
+  const std::scoped_lock hold(lock_);
+  ended_.push_back(std::move(stroke));
 }
 
-void SoftSculpture::forget() {
-  for (; kept_ > kMaxKept && !strokes_.empty(); ++dropped_) {
-    kept_ -= strokes_.front().before.size();
-    strokes_.pop_front();
-  }
+void SoftSculpture::take(std::vector<ShapeStroke>& strokes) {
+  const std::scoped_lock hold(lock_);
+  for (ShapeStroke& stroke : ended_) strokes.push_back(std::move(stroke));
+  ended_.clear();
 }
 
-bool SoftSculpture::undo() {
+void SoftSculpture::exchange(ShapeStroke& stroke) {
   PALPATE_CHECK(began_.empty());
-  if (undoCount() == 0) return false;
-  ++undone_;
-  body_.putRest(strokes_[strokes_.size() - undone_].before);
-  return true;
-}
-
-bool SoftSculpture::redo() {
-  PALPATE_CHECK(began_.empty());
-  if (redoCount() == 0) return false;
-  body_.putRest(strokes_[strokes_.size() - undone_].after);
-  --undone_;
-  return true;
+  std::vector<RestPlace> present = stroke.places;
+  for (RestPlace& place : present) place.moved = body_.rest().displacements()[place.node];
+  body_.putRest(stroke.places);
+  stroke.places = std::move(present);
 }
 
 }  // namespace palpate

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <mutex>
 #include <span>
 #include <vector>
 
+#include "engine/core/shape_strokes.hpp"
 #include "engine/matter/soft_surface.hpp"
 
 namespace palpate {
@@ -34,32 +35,23 @@ class SoftSculpture {
   /// Ends the stroke, if one is in progress.
   void endStroke();
 
-  /// Only between strokes: undoes or redoes the last one, bitwise exactly. False if there is none.
-  bool undo();
-  bool redo();
-  std::size_t undoCount() const { return strokes_.size() - undone_; }
-  std::size_t redoCount() const { return undone_; }
-  std::uint64_t strokes() const { return made_; }     ///< total number
-  std::uint64_t dropped() const { return dropped_; }  ///< number of oldest strokes no longer kept
+  /// ShapeStrokes::take().
+  void take(std::vector<ShapeStroke>& strokes);
+  /// ShapeStrokes::exchange(), between strokes.
+  void exchange(ShapeStroke& stroke);
 
  private:
-  struct Stroke {
-    std::vector<RestPlace> before, after;  // rest displacements of the moved nodes
-  };
   struct Near {
     Vec3 place;
     DVec3 way;
   };
   std::vector<Near> placesNear(const DVec3& low, const DVec3& high, std::span<const PlaceWay> ways) const;
-  void forget();
 
   SoftBody& body_;
   const SoftSurface& surface_;
-  std::vector<Vec3> began_;  // rest displacements before the current stroke; empty between strokes
-  std::deque<Stroke> strokes_;
-  std::size_t undone_ = 0;  // number of last strokes undone
-  std::size_t kept_ = 0;    // total number of nodes of all strokes
-  std::uint64_t made_ = 0, dropped_ = 0;
+  std::vector<Vec3> began_;         // rest displacements before the current stroke; empty between strokes
+  std::mutex lock_;                 // protects ended_
+  std::vector<ShapeStroke> ended_;  // and not taken
 };
 
 }  // namespace palpate

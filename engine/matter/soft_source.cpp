@@ -102,40 +102,19 @@ void SoftSource::edit(SoftSculpture& sculpture, double time_s, std::uint32_t ste
 void SoftSource::endStroke() {
   stroke_.end();
   if (SoftSculpture* const sculpture = world_->sculpture()) sculpture->endStroke();
-  countStrokes();
 }
 
-bool SoftSource::turn(bool (*to)(SoftSculpture&)) {
+void SoftSource::takeStrokes(std::vector<ShapeStroke>& strokes) {
+  if (SoftSculpture* const sculpture = world_->sculpture()) sculpture->take(strokes);
+}
+
+void SoftSource::exchange(ShapeStroke& stroke) {
   endStroke();
-  SoftSculpture* const sculpture = world_->sculpture();
-  if (!sculpture) return false;
   world_->beginSculpting();
-  const bool done = to(*sculpture);
+  world_->sculpture()->exchange(stroke);
   world_->endSculpting();
-  if (!done) return false;
   isTurned_ = true;
   beginnings_.fetch_add(1, std::memory_order_relaxed);
-  counts_.version.fetch_add(1, std::memory_order_relaxed);
-  countStrokes();
-  return true;
-}
-
-bool SoftSource::undo() {
-  return turn([](SoftSculpture& sculpture) { return sculpture.undo(); });
-}
-
-bool SoftSource::redo() {
-  return turn([](SoftSculpture& sculpture) { return sculpture.redo(); });
-}
-
-void SoftSource::countStrokes() {
-  const SoftSculpture* const sculpture = world_->sculpture();
-  if (!sculpture) return;
-  const std::uint64_t before = counts_.strokes.exchange(sculpture->strokes(), std::memory_order_relaxed);
-  counts_.version.fetch_add(sculpture->strokes() - before, std::memory_order_relaxed);
-  counts_.dropped.store(sculpture->dropped(), std::memory_order_relaxed);
-  counts_.undoCount.store(sculpture->undoCount(), std::memory_order_relaxed);
-  counts_.redoCount.store(sculpture->redoCount(), std::memory_order_relaxed);
 }
 
 SurfaceHolds SoftSource::surfaceHolds() const noexcept {
@@ -146,15 +125,6 @@ SurfaceHolds SoftSource::surfaceHolds() const noexcept {
 void SoftSource::count(bool isKept, bool gaveWay) noexcept {
   keptTicks_.fetch_add(isKept ? 1 : 0, std::memory_order_relaxed);
   gaveWayTicks_.fetch_add(gaveWay ? 1 : 0, std::memory_order_relaxed);
-}
-
-StrokeCounts SoftSource::strokes() const noexcept {
-  constexpr auto kRelaxed = std::memory_order_relaxed;
-  return {.strokes = counts_.strokes.load(kRelaxed),
-          .dropped = counts_.dropped.load(kRelaxed),
-          .undoCount = counts_.undoCount.load(kRelaxed),
-          .redoCount = counts_.redoCount.load(kRelaxed),
-          .version = counts_.version.load(kRelaxed)};
 }
 
 DVec3 SoftSource::placeOf(const SurfaceTouch& touch, const Slot& slot) const {

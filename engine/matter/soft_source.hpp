@@ -97,13 +97,11 @@ class SoftSource final : public CloudSource, public SteppedControl {
   /// Number of discontinuities of the surface: restarts of the scene, and strokes undone or redone.
   std::uint32_t beginnings() const noexcept { return beginnings_.load(std::memory_order_relaxed); }
 
-  /// Only while no frame is being made. Ends the stroke; undoes or redoes the last one, which the next frame shows.
-  /// False if there is none.
+  /// Ends the stroke. Only while no frame is being made.
   void endStroke();
-  bool undo();
-  bool redo();
-  /// For any thread.
-  StrokeCounts strokes() const noexcept;
+  /// ShapeStrokes::take() and exchange(), which the next frame shows; exchange() only while no frame is being made.
+  void takeStrokes(std::vector<ShapeStroke>& strokes);
+  void exchange(ShapeStroke& stroke);
 
   const MatterSimulation& world() const { return *world_; }
 
@@ -121,8 +119,6 @@ class SoftSource final : public CloudSource, public SteppedControl {
   void follow(double time_s);
   void sculpt(std::uint32_t steps);
   void edit(SoftSculpture& sculpture, double time_s, std::uint32_t steps);
-  bool turn(bool (*to)(SoftSculpture&));
-  void countStrokes();
   void advance(std::uint32_t steps);
   void tellPlaces();
   DVec3 placeOf(const SurfaceTouch& touch, const Slot& slot) const;
@@ -146,10 +142,6 @@ class SoftSource final : public CloudSource, public SteppedControl {
   std::atomic<std::uint64_t> keptTicks_ = 0, gaveWayTicks_ = 0;
   double pace_ = 1;  // ratio of the body's time to the hands' time in the last steps: below 1 if steps were dropped
   bool isTurned_ = false;  // a stroke was undone or redone since the last frame
-  struct Counts {
-    std::atomic<std::uint64_t> strokes = 0, dropped = 0, version = 0;
-    std::atomic<std::size_t> undoCount = 0, redoCount = 0;
-  } counts_;
 };
 
 }  // namespace palpate

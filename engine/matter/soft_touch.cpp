@@ -227,10 +227,9 @@ void SoftTouch::setBrush(const std::optional<BrushOptions>& brush) {
   question_.brush.brush = brush;
 }
 
-// Updates the felt surface to the new shape, for readers before the next tick.
-bool SoftTouch::turned(bool done) {
-  if (done && !poses_.empty()) inner().query(poses_, 0);
-  return done;
+void SoftTouch::exchange(ShapeStroke& stroke) {
+  source_->exchange(stroke);
+  if (!poses_.empty()) inner().query(poses_, 0);  // updates the felt surface, for readers before the next tick
 }
 
 BackendReport SoftTouch::report() const {

@@ -29,7 +29,7 @@ struct HeldSoftSource {
 /// that the body is pressed by the spring and damper that each hand feels. If an answer's points are older than the
 /// tick, as against the clock, they are where they would have moved had the hand continued straight; the surface
 /// yields, according to its compliance, to the hand's depth beyond that. A brush changes the rest shape of the body
-/// (soft_brush.hpp), which no journal of points records: strokes are undone as changes of the shape.
+/// (soft_brush.hpp), whose strokes are changes of the shape, and not of points.
 class SoftTouch final : private HeldSoftSource, public TouchDecorator, private ShapeStrokes {
  public:
   /// `surface` feels the points of `source`, as its own source.
@@ -68,10 +68,8 @@ class SoftTouch final : private HeldSoftSource, public TouchDecorator, private S
   void remember(std::span<const Pose> poses, std::span<const Contact> answers);
   void answer(std::span<const Pose> poses, std::span<const Contact> answers);
   void rememberBrush(const Pose& pose, const Contact& answer);
-  bool undo() override { return turned(source_->undo()); }
-  bool redo() override { return turned(source_->redo()); }
-  StrokeCounts counts() const override { return source_->strokes(); }
-  bool turned(bool done);
+  void take(std::vector<ShapeStroke>& strokes) override { source_->takeStrokes(strokes); }
+  void exchange(ShapeStroke& stroke) override;
   // Deviation of a hand from straight motion since the time of the points.
   DVec3 strayed(const Hand& hand, const Pose& pose, double age_s) const;
   DVec3 hipAt(const Hand& hand, double time_s) const;

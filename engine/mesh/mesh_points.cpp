@@ -78,13 +78,11 @@ std::vector<shared::MeshMove> MeshPoints::movesOf(std::span<const PointState> ed
   std::unordered_map<std::uint32_t, std::size_t> lastOf;
   std::vector<shared::MeshMove> moves;
   for (const PointState& edit : edits) {
-    const std::uint32_t number = edit.number();
-    const std::uint32_t points = placeOf_.empty() ? live_.slots() : static_cast<std::uint32_t>(placeOf_.size());
-    PALPATE_CHECK_LT(number, points);
-    const std::uint32_t place = placeOf_.empty() ? number : placeOf_[number];
+    PALPATE_CHECK_LT(edit.number, placeOf_.empty() ? live_.slots() : placeOf_.size());
+    const std::uint32_t place = placeOf_.empty() ? static_cast<std::uint32_t>(edit.number) : placeOf_[edit.number];
     if (place == kNoPlace) continue;
     const shared::MeshMove move{.from = Vec3(0),
-                                .to = edit.gone() ? Vec3(kNowhere) : edit.position,
+                                .to = edit.gone ? Vec3(kNowhere) : edit.position,
                                 .normal = edit.normal,
                                 .id = place,
                                 .color = edit.color != 0 ? edit.color : packed(kUnpainted)};

@@ -98,13 +98,13 @@ std::uint64_t DrawnCloud::catchUp(EditLog::Reader& reader) {
 
 std::uint64_t DrawnCloud::catchUp(std::span<const PointState> states) {
   if (states.empty()) return 0;
-  if (!fromHost_) fromHost_.emplace(Buffer::of<PointState>(device_, kPiece, Memory::upload, "states from the host"));
-  const std::span<PointState> staged = fromHost_->mapped<PointState>();
-  for (std::span<const PointState> left = states; !left.empty();) {
-    const std::size_t piece = std::min(left.size(), staged.size());
-    std::ranges::copy(left.first(piece), staged.begin());
-    apply({.ring = fromHost_->address(), .slots = kPiece, .count = piece});
-    left = left.subspan(piece);
+  if (!fromHost_) fromHost_.emplace(Buffer::of<PackedState>(device_, kPiece, Memory::upload, "states from the host"));
+  const std::span<PackedState> staged = fromHost_->mapped<PackedState>();
+  for (auto next = states.begin(); next != states.end();) {
+    std::size_t piece = 0;
+    for (; next != states.end() && piece < staged.size(); ++next)
+      if (next->number < count_) staged[piece++] = packedState(*next);
+    if (piece > 0) apply({.ring = fromHost_->address(), .slots = kPiece, .count = piece});
   }
   return states.size();
 }

@@ -80,7 +80,7 @@ class DrawnCloud {
   Buffer colors_, picked_;
   DiscShapes shapes_;
   Buffer latest_;                         // count uint32, zero between calls
-  std::optional<Buffer> fromHost_;        // PointState; allocated at the first use
+  std::optional<Buffer> fromHost_;        // PackedState; allocated at the first use
   std::optional<LiveCloud::Half> frame_;  // likewise
   ComputePipeline claim_, apply_, place_, leave_;
   CommandList list_;

@@ -78,7 +78,7 @@ std::vector<PointState> LiveCloud::points() const {
   for (std::size_t slot = 0; slot < positions.size(); ++slot) {
     const auto id = std::bit_cast<std::uint32_t>(positions[slot].w);
     if (id == shared::kEmptySlot) continue;
-    points.push_back({.position = Vec3(positions[slot]), .id = id, .normal = Vec3(normals[slot]), .parent = id});
+    points.push_back({.position = Vec3(positions[slot]), .number = id, .normal = Vec3(normals[slot]), .parent = id});
   }
   return points;
 }

@@ -139,7 +139,7 @@ std::size_t StrokeJudge::turnedIn(std::span<const PointState> after, std::span<c
   std::vector<std::uint32_t> numbers;
   std::size_t turned = 0;
   for (std::uint32_t i = 0; i < old; ++i) {
-    if (near[i] == 0 || after[i].gone() || !tellsItsSide(before_, tree(), i)) continue;
+    if (near[i] == 0 || after[i].gone || !tellsItsSide(before_, tree(), i)) continue;
     carried[i] = carriedNormal(before_, tree(), after, i);
     if (!carried[i]) continue;
     turned += near[i] == 2 && glm::dot(*carried[i], DVec3(after[i].normal)) < kAgainst && !facesTool(after[i]);
@@ -149,7 +149,7 @@ std::size_t StrokeJudge::turnedIn(std::span<const PointState> after, std::span<c
   if (places.empty()) return turned;
   const PointTree tree(places);
   for (std::size_t i = old; i < after.size(); ++i) {
-    if (near[i] != 2 || after[i].gone()) continue;
+    if (near[i] != 2 || after[i].gone) continue;
     const DVec3 place(after[i].position), normal(after[i].normal);
     const std::uint32_t ancestor = ancestorOf(after, static_cast<std::uint32_t>(i));
     const NearestPoints nearest = nearestTo(tree, place);
@@ -176,7 +176,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
   std::vector<char> touched(after.size(), 0);
   std::vector<std::uint32_t> changed;
   for (std::uint32_t i = 0; i < after.size(); ++i) {
-    const bool there = !after[i].gone();
+    const bool there = !after[i].gone;
     touched[i] = i < old ? !there || after[i].position != before_.positions[i] : there;
     if (!touched[i]) continue;
     changed.push_back(i);
@@ -200,7 +200,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
   std::vector<Vec3> places;
   std::vector<std::uint32_t> numbers;
   for (std::uint32_t i = 0; i < after.size(); ++i)
-    if (!after[i].gone()) {
+    if (!after[i].gone) {
       places.push_back(after[i].position);
       numbers.push_back(i);
     }
@@ -218,7 +218,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
       tree().near(was(i), 2 * kNearby * h, found);
       for (const std::uint32_t j : found) mark(j, glm::distance(was(j), was(i)));
     }
-    if (after[i].gone()) continue;
+    if (after[i].gone) continue;
     const DVec3 place(after[i].position);
     found.clear();
     treeAfter.near(place, 2 * kNearby * h, found);
@@ -235,7 +235,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
       sheet.inRegion.push_back(near[i] == 2);
     };
     if (i < old) add(then, before_.positions[i], before_.normals[i]);
-    if (!after[i].gone()) add(now, after[i].position, after[i].normal);
+    if (!after[i].gone) add(now, after[i].position, after[i].normal);
   }
   const Shreds shredsThen = shredsOf(then), shredsNow = shredsOf(now);
   verdict.region = shredsNow.region, verdict.regionBefore = shredsThen.region;
@@ -271,7 +271,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
   const bool presses = stroke.presses();
   const double highest = presses ? StrokeTolerance::kRaised_mm : stroke.depth_mm + StrokeTolerance::kOverDepth_mm;
   for (const std::uint32_t i : changed) {
-    if (after[i].gone()) continue;
+    if (after[i].gone) continue;
     const DVec3 place(after[i].position);
     const std::uint32_t ancestor = ancestorOf(i);
     const double height = mm * surface_.heightAt(place);
@@ -300,7 +300,7 @@ StrokeVerdict StrokeJudge::judge(std::span<const PointState> after, const Played
     found.clear();
     tree().near(was(i), kPair * reach, found);
     for (const std::uint32_t j : found) {
-      if (j == i || after[j].gone() || glm::dot(faced(i), faced(j)) < 0.5 || (touched[j] && j < i)) continue;
+      if (j == i || after[j].gone || glm::dot(faced(i), faced(j)) < 0.5 || (touched[j] && j < i)) continue;
       DVec3 offset = was(j) - was(i);
       offset -= glm::dot(offset, faced(i)) * faced(i);
       const double squared = glm::dot(offset, offset);

@@ -90,7 +90,7 @@ std::optional<DVec3> carriedNormal(const PointCloud& before, const PointTree& tr
   DVec3 areMean(0);
   for (std::size_t k = 0; k < near.count && were.size() < kOfAFit; ++k) {
     const std::uint32_t other = near.points[k];
-    if (after[other].gone() || glm::dot(DVec3(before.normals[other]), facing) <= 0) continue;
+    if (after[other].gone || glm::dot(DVec3(before.normals[other]), facing) <= 0) continue;
     const DVec3 was = DVec3(before.positions[other]) - place;
     wereMean += were.emplace_back(glm::dot(was, frame.u), glm::dot(was, frame.v));
     areMean += are.emplace_back(DVec3(after[other].position) - moved);

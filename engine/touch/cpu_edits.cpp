@@ -102,7 +102,8 @@ void CpuEdits::carryOut() {
   standing_.clear();
   if (offered_.changesFollowed() == changes_)
     for (const PointChange& change : offered_.changes())
-      if (sculpture_.points().state(change.to.number()) == change.from) standing_.push_back(change);
+      if (sculpture_.points().state(static_cast<std::uint32_t>(change.to.number)) == change.from)
+        standing_.push_back(change);
   if (!standing_.empty()) sculpture_.receive(standing_);
   work_.states += standing_.size();
   if (work_.inStroke) queue_.mark(EditMark::Kind::part);
@@ -170,10 +171,9 @@ void CpuEdits::markStroke() {
 void CpuEdits::change(std::span<const PointChange> changes, double time_s) {
   if (changes.empty()) return;
   const auto isThere = [&](const PointChange& change) {
-    const std::uint32_t number = change.from.number();
-    if (number >= sculpture_.points().size()) return change.from.gone();
-    const PointState state = sculpture_.points().state(number);
-    return state.gone() == change.from.gone() && (state.gone() || state.position == change.from.position);
+    if (change.from.number >= sculpture_.points().size()) return change.from.gone;
+    const PointState state = sculpture_.points().state(static_cast<std::uint32_t>(change.from.number));
+    return state.gone == change.from.gone && (state.gone || state.position == change.from.position);
   };
   if (!std::ranges::all_of(changes, isThere))
     throw Error("a change refers to a point that is not at the stated position; no point was changed");

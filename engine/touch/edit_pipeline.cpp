@@ -337,11 +337,10 @@ std::size_t EditPipeline::readBack(PointCloud& cloud) const {
   auto present = index_.cloud().points();
   pass_.complete(present);
   auto states = statesOf(cloud);
-  for (PointState& state : states) state.id |= PointState::kGone;
+  for (PointState& state : states) state.gone = true;
   for (const PointState& point : present) {
-    for (auto id = static_cast<std::uint32_t>(states.size()); id <= point.id; ++id)
-      states.push_back({.id = id | PointState::kGone});
-    states[point.id] = point;
+    while (states.size() <= point.number) states.push_back({.gone = true, .number = states.size()});
+    states[point.number] = point;
   }
   const std::size_t changed = changedPoints(cloud, states);
   cloud = editedCloud(cloud, states);

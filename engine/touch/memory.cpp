@@ -18,7 +18,7 @@ GpuMemory predictGpuMemory(std::uint64_t points, bool colors) {
           .drawnCloud = (2 * kVec4 + 2 * kWord + (colors ? kWord : 0)) * points,
           .editing = 2 * 2 * kVec4 * spare + SpatialHash::predictedBytes(points, points + spare) - index +
                      EditPass::predictedBytes(points, colors),
-          .editLog = EditLog::capacityFor(points) * sizeof(shared::EditEntry)};
+          .editLog = EditLog::capacityFor(points) * sizeof(PackedState)};
 }
 
 void requireGpuMemory(const Device& device, std::uint64_t points, bool edits) {

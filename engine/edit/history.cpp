@@ -1,0 +1,205 @@
+#include "engine/edit/history.hpp"
+
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+#include "engine/core/check.hpp"
+
+namespace palpate {
+
+namespace {
+
+const std::vector<PointState>& itemsOf(const PointStroke& stroke) { return stroke.points; }
+const std::vector<RestPlace>& itemsOf(const ShapeStroke& stroke) { return stroke.places; }
+
+// What stands before the items of a change in a file. It ends with the program, and so needs no version.
+struct Head {
+  std::uint64_t kind = 0, version = 0, received = 0;
+};
+
+template <class Item>
+std::vector<Item> itemsIn(std::span<const std::byte> bytes) {
+  static_assert(std::is_trivially_copyable_v<Item>);
+  std::vector<Item> items(bytes.size() / sizeof(Item));
+  if (!items.empty()) std::memcpy(items.data(), bytes.data(), items.size() * sizeof(Item));
+  return items;
+}
+
+}  // namespace
+
+std::uint64_t bytesOf(const HistoryChange& change) {
+  return sizeof change +
+         std::visit([](const auto& what) { return std::span(itemsOf(what)).size_bytes(); }, change.what);
+}
+
+std::vector<std::byte> pack(const HistoryChange& change) {
+  const auto* const stroke = std::get_if<PointStroke>(&change.what);
+  const Head head{change.what.index(), change.version, stroke ? stroke->received : 0};
+  return std::visit(
+      [&](const auto& what) {
+        const auto items = std::as_bytes(std::span(itemsOf(what)));
+        std::vector<std::byte> bytes(sizeof head + items.size());
+        std::memcpy(bytes.data(), &head, sizeof head);
+        if (!items.empty()) std::memcpy(bytes.data() + sizeof head, items.data(), items.size());
+        return bytes;
+      },
+      change.what);
+}
+
+bool unpack(std::span<const std::byte> bytes, HistoryChange& change) {
+  Head head;
+  if (bytes.size() < sizeof head) return false;
+  std::memcpy(&head, bytes.data(), sizeof head);
+  const auto items = bytes.subspan(sizeof head);
+  change = {.what = PointStroke(), .version = head.version};
+  if (head.kind == change.what.index())
+    change.what = PointStroke{itemsIn<PointState>(items), head.received};
+  else
+    change.what = ShapeStroke{itemsIn<RestPlace>(items)};
+  return true;
+}
+
+History::History(const PointCloud& file, const UndoBudget& budget)
+    : points_(file), list_(budget), slot_(budget.bytes ? points_.size() : 0) {}
+
+void History::follow(const EditBatch& batch) {
+  const std::span<const PointState> all = batch.points;
+  std::size_t begin = 0;
+  for (const EditMark& mark : batch.marks) {
+    PALPATE_CHECK(begin <= mark.at && mark.at <= all.size());
+    const auto states = all.subspan(begin, mark.at - begin);
+    switch (mark.kind) {
+      case EditMark::Kind::stroke:
+        addToStroke(states);
+        endStroke();
+        break;
+      case EditMark::Kind::change:
+        endStroke();  // in case its end was not marked
+        points_.set(states);
+        break;
+      case EditMark::Kind::part:
+        addToStroke(states);
+        break;
+      case EditMark::Kind::received:
+        receive(states);
+        break;
+    }
+    begin = mark.at;
+  }
+  addToStroke(all.subspan(begin));
+}
+
+void History::follow(std::vector<ShapeStroke> strokes) {
+  for (ShapeStroke& stroke : strokes) {
+    HistoryChange change{std::move(stroke), std::exchange(version_, lastVersion_ + 1)};
+    ++lastVersion_;
+    ++strokes_;
+    if (!list_.keepsAny()) continue;
+    list_.begin();
+    if (list_.makeRoom(bytesOf(change)))
+      list_.add(std::move(change));
+    else
+      list_.addTooLarge();
+  }
+}
+
+void History::receive(std::span<const PointState> states) {
+  if (states.empty()) return;
+  ++received_;
+  points_.set(states);
+  if (!list_.keepsAny()) return;
+  lastReceived_.resize(points_.size(), 0);
+  for (const PointState& state : states) {
+    const std::uint64_t point = state.number;
+    lastReceived_[point] = received_;
+    if (!isInStroke(point)) continue;
+    // From now on the stroke's edits of this point start from the received state.
+    open_.points[slot_[point]] = open_.points.back();
+    slot_[open_.points.back().number] = slot_[point];
+    open_.points.pop_back();
+  }
+}
+
+void History::addToStroke(std::span<const PointState> states) {
+  if (states.empty()) return;
+  if (!std::exchange(inStroke_, true)) {
+    list_.begin();
+    keepsStroke_ = list_.keepsAny();
+    openVersion_ = version_;
+  }
+  version_ = ++lastVersion_;
+  for (const PointState& state : states) {
+    if (keepsStroke_ && !isInStroke(state.number)) keepBefore(state.number);
+    points_.set(state);
+  }
+}
+
+void History::keepBefore(std::uint64_t point) {
+  keepsStroke_ = list_.makeRoom(sizeof(HistoryChange) + (open_.points.size() + 1) * sizeof(PointState));
+  if (!keepsStroke_) {
+    open_ = {};
+    return;
+  }
+  if (point >= slot_.size()) slot_.resize(point + 1);
+  slot_[point] = static_cast<std::uint32_t>(open_.points.size());
+  open_.points.push_back(points_[point]);
+}
+
+void History::endStroke() {
+  if (!std::exchange(inStroke_, false)) return;
+  ++strokes_;
+  if (keepsStroke_) {
+    open_.received = received_;
+    open_.points.shrink_to_fit();
+    list_.add({std::move(open_), openVersion_});
+  } else {
+    list_.addTooLarge();
+  }
+  open_ = {};
+}
+
+bool History::carryOut(PointStroke& stroke, const Carriers& carriers) {
+  std::vector<PointChange> changes;
+  changes.reserve(stroke.points.size());
+  for (const PointState& to : stroke.points) {
+    if (to.number < lastReceived_.size() && lastReceived_[to.number] > stroke.received) continue;  // others changed it
+    changes.push_back({.from = points_[to.number], .to = to});
+  }
+  if (!changes.empty() && !carriers.points(changes)) return false;
+  stroke.points.resize(changes.size());
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    points_.set(changes[i].to);
+    stroke.points[i] = changes[i].from;
+  }
+  stroke.received = received_;
+  return true;
+}
+
+bool History::carryOut(HistoryChange& change, const Carriers& carriers) {
+  auto* const stroke = std::get_if<PointStroke>(&change.what);
+  const bool done = stroke ? carryOut(*stroke, carriers) : carriers.shape(std::get<ShapeStroke>(change.what));
+  if (done) std::swap(version_, change.version);
+  return done;
+}
+
+bool History::undo(const Carriers& carriers) {
+  PALPATE_CHECK(!inStroke_);
+  return list_.undo([&](HistoryChange& change) { return carryOut(change, carriers); });
+}
+
+bool History::redo(const Carriers& carriers) {
+  PALPATE_CHECK(!inStroke_);
+  return list_.redo([&](HistoryChange& change) { return carryOut(change, carriers); });
+}
+
+StrokeCounts History::counts() const {
+  return {.strokes = strokes_,
+          .dropped = list_.dropped(),
+          .tooLarge = list_.tooLarge(),
+          .undoCount = list_.undoCount(),
+          .redoCount = list_.redoCount(),
+          .version = version()};
+}
+
+}  // namespace palpate

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <functional>
+#include <variant>
+
+#include "engine/core/edit_batch.hpp"
+#include "engine/core/shape_strokes.hpp"
+#include "engine/edit/point_states.hpp"
+#include "engine/edit/undo_list.hpp"
+
+namespace palpate {
+
+/// The points that a stroke touched, in the state on its other side: before it, or, once undone, after it.
+struct PointStroke {
+  std::vector<PointState> points;
+  std::uint64_t received = 0;  ///< number of received batches when it was made, undone or redone last
+};
+/// One entry of a history: a change of one kind, and the version on its other side.
+struct HistoryChange {
+  std::variant<PointStroke, ShapeStroke> what;
+  std::uint64_t version = 0;
+};
+std::uint64_t bytesOf(const HistoryChange& change);
+/// To bytes for KeptChanges, and back; false if they are not those of a change.
+std::vector<std::byte> pack(const HistoryChange& change);
+bool unpack(std::span<const std::byte> bytes, HistoryChange& change);
+
+/// Counts of strokes.
+struct StrokeCounts {
+  std::uint64_t strokes = 0;   ///< total
+  std::uint64_t dropped = 0;   ///< of these, those that can no longer be undone because of the budget
+  std::uint64_t tooLarge = 0;  ///< of them, those larger than the whole budget
+  std::size_t undoCount = 0, redoCount = 0;
+  std::uint64_t version = 0;  ///< History::version()
+};
+
+/// The history of a session: what was changed, in order, for undo and redo. Each kind of change stores the other side
+/// of what it has changed, so that undo and redo restore exactly that, bit by bit; further kinds are further
+/// alternatives of HistoryChange. It follows the edits of a TouchBackend and keeps the present states of the points.
+///
+/// Received changes are not part of a stroke: undo and redo skip points that were changed by others since. A stroke
+/// larger than the whole budget cannot be undone, nor can any before it. For one thread.
+class History {
+ public:
+  /// `file`: the cloud before the first edit.
+  explicit History(const PointCloud& file, const UndoBudget& budget = {});
+
+  /// Takes in edits, in order.
+  void follow(const EditBatch& batch);
+  /// Takes in strokes of a body's shape.
+  void follow(std::vector<ShapeStroke> strokes);
+
+  const PointStates& points() const { return points_; }
+
+  /// Carries a change out: of points, each of them once, and reports the resulting edits before any other; or of a
+  /// shape, by exchange. False, or an exception: nothing has changed.
+  struct Carriers {
+    std::function<bool(std::span<const PointChange>)> points;
+    std::function<bool(ShapeStroke&)> shape;
+  };
+  /// Undoes the last stroke. False if there is none, or if it was not carried out; then, and if that throws, the
+  /// history is unchanged. Only between strokes: when all edits so far have been taken in and inStroke() is false
+  /// (EditStream::change() without changes ends a stroke).
+  bool undo(const Carriers& carriers);
+  /// The same for the stroke undone last.
+  bool redo(const Carriers& carriers);
+
+  StrokeCounts counts() const;
+  /// Identifies the state of the points and of the shape: undo and redo restore the version together with the states.
+  std::uint64_t version() const { return version_ + (received_ << 32); }
+  bool inStroke() const { return inStroke_; }
+  /// The stroke in progress can be undone once it has ended.
+  bool isKeepingStroke() const { return inStroke_ && keepsStroke_; }
+  /// Memory of the changes.
+  std::uint64_t bytes() const { return list_.bytes(); }
+
+ private:
+  void receive(std::span<const PointState> states);
+  void addToStroke(std::span<const PointState> states);
+  void endStroke();
+  void keepBefore(std::uint64_t point);
+  bool isInStroke(std::uint64_t point) const {
+    return point < slot_.size() && slot_[point] < open_.points.size() && open_.points[slot_[point]].number == point;
+  }
+  bool carryOut(HistoryChange& change, const Carriers& carriers);
+  bool carryOut(PointStroke& stroke, const Carriers& carriers);
+
+  PointStates points_;
+  UndoList<HistoryChange> list_;
+  PointStroke open_;                 // the stroke in progress
+  std::uint64_t openVersion_ = 0;    // before it
+  std::vector<std::uint32_t> slot_;  // by point: its index in open_, if it is there
+  std::uint64_t version_ = 0, lastVersion_ = 0;
+  std::uint64_t received_ = 0;               // number of received batches with any states
+  std::vector<std::uint64_t> lastReceived_;  // by point: the last of these batches with it; empty before the first
+  bool inStroke_ = false, keepsStroke_ = false;
+  std::uint64_t strokes_ = 0;
+};
+
+}  // namespace palpate
