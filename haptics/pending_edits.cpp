@@ -13,9 +13,9 @@ std::uint64_t mergeEdits(EditBatch& edits) {
   const auto keep = [&](std::size_t begin, std::size_t end) {
     order.resize(end - begin);
     std::iota(order.begin(), order.end(), static_cast<std::uint32_t>(begin));
-    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return all[i].number(); });
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return all[i].number; });
     for (std::size_t i = 0; i < order.size(); ++i)
-      if (i + 1 == order.size() || all[order[i]].number() != all[order[i + 1]].number())
+      if (i + 1 == order.size() || all[order[i]].number != all[order[i + 1]].number)
         edits.points.push_back(all[order[i]]);
   };
   std::size_t begin = 0;

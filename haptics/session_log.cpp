@@ -1,18 +1,21 @@
 #include "haptics/session_log.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
 #include <cstring>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <span>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 
 #include "engine/core/checksum.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/packed_state.hpp"
 
 namespace palpate {
 
@@ -42,20 +45,22 @@ struct Block {
 struct Before {
   std::uint64_t ticks = 0, states = 0;
 };
-static_assert(sizeof(Header) == 24 && sizeof(Block) == 56 && sizeof(Before) == 16 && sizeof(PointState) == 36);
+static_assert(sizeof(Header) == 24 && sizeof(Block) == 56 && sizeof(Before) == 16 && sizeof(PackedState) == 36);
 
 }  // namespace version4
 
-// Nothing for a point that this version cannot have.
-std::optional<PointState> stateOf(const session_file::State& state) {
-  constexpr std::uint64_t kEnd = PointState::kGone;
+// Nothing for a point that no back end can have.
+std::optional<PointState> knownState(const session_file::State& state) {
+  constexpr std::uint64_t kEnd = PackedState::kGone;
   if (state.number >= kEnd || state.parent >= kEnd || state.layer != 0 || state.gone > 1) return std::nullopt;
   return PointState{.position = state.position,
-                    .id = static_cast<std::uint32_t>(state.number) | (state.gone ? PointState::kGone : 0),
+                    .gone = state.gone != 0,
+                    .number = state.number,
                     .normal = state.normal,
                     .color = state.color,
-                    .parent = static_cast<std::uint32_t>(state.parent)};
+                    .parent = state.parent};
 }
+std::optional<PointState> knownState(const PackedState& entry) { return stateOf(entry); }
 
 /// Reads pieces of a file of known size; an incomplete piece appends nothing.
 class Source {
@@ -63,7 +68,8 @@ class Source {
   explicit Source(const std::filesystem::path& file) : in_(file, std::ios::binary) {
     std::error_code error;
     size_ = std::filesystem::file_size(file, error);
-    if (!in_ || error) throw FileError(file, "cannot be opened; check that it exists and may be read");
+    const std::string why = in_ ? error.message() : std::generic_category().message(errno);
+    if (!in_ || error) throw FileError(file, "cannot be opened: " + why);
   }
 
   std::uint64_t size() const { return size_; }
@@ -270,11 +276,9 @@ bool LogReader::isWholeBlock(SomeBlock& block, SomeBefore& before, Content& cont
     return false;
   if constexpr (std::is_same_v<SomeBlock, Block>)
     if (!takeCommands(block, content, sum)) return false;
-  if constexpr (std::is_same_v<SomeState, PointState>)
-    content.states = std::move(states);
-  else
-    for (const SomeState& state : states)
-      if (const auto known = stateOf(state)) content.states.push_back(*known);
+  content.states.reserve(states.size());
+  for (const SomeState& state : states)
+    if (const auto known = knownState(state)) content.states.push_back(*known);
   return sum.value() == checksum && content.states.size() == block.states;
 }
 
@@ -283,7 +287,7 @@ bool LogReader::isWholeBlock(Block& block, Content& content) {
   if (version_ == version4::kVersion) {
     version4::Block older;
     version4::Before before;
-    if (!isWholeBlock<version4::Block, version4::Before, PointState>(older, before, content)) return false;
+    if (!isWholeBlock<version4::Block, version4::Before, PackedState>(older, before, content)) return false;
     block = {.number = older.number,
              .ticks = older.ticks,
              .states = older.states,

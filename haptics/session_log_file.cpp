@@ -23,9 +23,9 @@ std::vector<session_file::State> statesOf(std::span<const PointState> points) {
   std::vector<session_file::State> states;
   states.reserve(points.size());
   for (const PointState& point : points)
-    states.push_back({.number = point.number(),
+    states.push_back({.number = point.number,
                       .parent = point.parent,
-                      .gone = point.gone(),
+                      .gone = point.gone,
                       .position = point.position,
                       .normal = point.normal,
                       .color = point.color});
@@ -68,10 +68,22 @@ SessionLogFile::SessionLogFile(std::filesystem::path file, std::string text,
     probe.write(head);
     probe.flush();
   }
+  keepOlder();
   int error = output_.open(file_);
   if (error == 0) error = output_.write(std::as_bytes(std::span(head)));
   if (error != 0) throw FileError(file_, whyNotWritten(error));
   bytes_ = head.size();
+}
+
+void SessionLogFile::keepOlder() {
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(file_, failed) || std::filesystem::file_size(file_, failed) == 0) return;
+  FileLock lock;  // a log that is being written stays in its place
+  if (!lock.take(file_)) throw FileError(file_, whyNotWritten(EAGAIN));
+  lock.release();
+  keptAs_ = AtomicFile::nameToKeep(file_);
+  std::filesystem::rename(std::filesystem::canonical(file_, failed), keptAs_, failed);
+  if (failed) throw FileError(file_, fmt::format("cannot be kept as {}: {}", keptAs_.string(), failed.message()));
 }
 
 void SessionLogFile::append(const Content& content) {

@@ -139,7 +139,7 @@ Session startSession(Context& context, const Model& model, const BenchBackend& o
   return Session(config, shared,
                  {.backend = context.backends().named(config.backend.name),
                   .threads = context.threads(),
-                  .journal = more.journal,
+                  .keepsPoints = more.keepsPoints,
                   .engine = {.sort = *valueNamed(kSortMethods, options.sort),
                              .spareSlots = options.spareSlots,
                              .wait = valueNamed(kWaits, options.wait)}});

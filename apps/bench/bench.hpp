@@ -63,7 +63,7 @@ std::vector<SubjectMaker> subjectsOf(const BenchOptions& options);
 struct BenchSession {
   std::optional<BrushConfig> brush = {};  ///< if the model is edited
   double rate_Hz = SessionConfig{}.rate_Hz;
-  bool journal = false;  ///< SessionParts
+  bool keepsPoints = false;  ///< SessionParts
 };
 /// A session on a model, which must outlive it: a hundred million points are not copied. Ticks are in virtual time
 /// unless the options say otherwise.

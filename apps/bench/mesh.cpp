@@ -76,7 +76,7 @@ std::vector<PointState> dentAt(const PointCloud& cloud, const MeshPlan& plan, bo
     if (glm::distance(cloud.positions[i], middle) > static_cast<float>(kEdit_radii) * plan.lattice.radius) continue;
     const Vec3 by = back ? Vec3(0) : kDent_radii * plan.lattice.radius * cloud.normals[i];
     edits.push_back({.position = cloud.positions[i] - by,
-                     .id = i,
+                     .number = i,
                      .normal = cloud.normals[i],
                      .color = cloud.hasColors() ? std::bit_cast<std::uint32_t>(cloud.colors[i]) : 0});
   }

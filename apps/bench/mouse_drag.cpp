@@ -83,7 +83,7 @@ std::vector<PointState> playDrag(const SessionConfig& config, const Model& model
   const auto goOn = [&](double duration_s) { session.tickUntil(clock_s += duration_s); };
   goOn(kBefore_s);
   const auto& events = drag.events;
-  const std::size_t first = session.history().rows().size();
+  const std::size_t first = session.recentTicks().rows().size();
   session.press(
       PointerStroke(drag.found, session.strokeOptions(kMousePress_mm), events.front().place_px, events.front().time_s));
   for (std::size_t k = 1; k < events.size(); ++k) {
@@ -98,10 +98,10 @@ std::vector<PointState> playDrag(const SessionConfig& config, const Model& model
     session.drawUntil(events.back().time_s);
     goOn(kFrame_s);
   }
-  const std::size_t end = session.history().rows().size();
+  const std::size_t end = session.recentTicks().rows().size();
   goOn(kAfter_s);
-  for (std::size_t k = first; k < end; ++k) hips.push_back(session.history().rows()[k].hip - model.cloud.origin);
-  return {session.journal().points().begin(), session.journal().points().end()};
+  for (std::size_t k = first; k < end; ++k) hips.push_back(session.recentTicks().rows()[k].hip - model.cloud.origin);
+  return {session.history().points().begin(), session.history().points().end()};
 }
 
 }  // namespace palpate

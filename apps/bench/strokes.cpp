@@ -61,7 +61,7 @@ void save(const std::filesystem::path& folder, const StrokeModel& subject, std::
 std::vector<PointState> playPath(Context& context, const StrokeModel& subject, const BenchBackend& way,
                                  const PlannedStroke& plan) {
   Session session = startSession(context, subject.model(), way,
-                                 {.brush = plan.result.config, .rate_Hz = kHandRate_Hz, .journal = true});
+                                 {.brush = plan.result.config, .rate_Hz = kHandRate_Hz, .keepsPoints = true});
   session.pull({});
   const DVec3 origin = subject.model().cloud.origin;
   std::uint64_t ticks = 0;
@@ -77,7 +77,7 @@ std::vector<PointState> playPath(Context& context, const StrokeModel& subject, c
   }
   session.endPulling();
   session.finish();
-  const auto after = session.journal()->points();
+  const auto after = session.history()->points();
   return {after.begin(), after.end()};
 }
 

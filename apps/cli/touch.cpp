@@ -37,9 +37,9 @@ class Outputs {
   std::string failures_;
 };
 
-/// After a failure of the back end, `error`: saves the points of the journal and throws.
+/// After a failure of the back end, `error`: saves the points of the history and throws.
 [[noreturn]] void saveAndThrow(const std::exception& error, Session& session, const std::string& saveFile) {
-  if (!session.journal() || saveFile.empty()) throw;
+  if (!session.pointHistory() || saveFile.empty()) throw;
   saveKeeping(saveFile, session.sculpted().cloud);
   throw Error("{}; {} contains the last known points", error.what(), saveFile);
 }
@@ -169,7 +169,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                                  .duration_s = durationOf(result.trace()),
                                  .holds = session.simulation()->surfaceHolds(),
                                  .ports = session.simulation()->portEnergies()};
-  if (const ShapeStrokes* const shape = touch.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
+  if (touch.shapeStrokes() && config.brush) report.shape = session.strokes();
   // Not for tools with many points, whose proxy is a mean; not in real time for a motion, whose frames are older than
   // the poses; not for streams, of which only the first frame is known here; not for matter, which has no surface.
   if (touch.points(0).empty() && !model.far() && !config.model.stream && !config.model.matter &&
@@ -242,8 +242,8 @@ SessionParts partsOf(Context& context, const TouchCommandOptions& options, const
   const bool keeps = config.brush && (!options.saveFile.empty() || options.undo.undo > 0);
   return {.backend = context.backends().named(config.backend.name),
           .threads = context.threads(),
-          .journal = keeps || !options.logFile.empty(),
-          .undo_bytes = undoBytes(config.undo),
+          .keepsPoints = keeps || !options.logFile.empty(),
+          .undo = {undoBytes(config.undo)},
           .log = &context.log(),
           .followers = sightFor(context, options.pictureFile, config, sight)};
 }
@@ -351,6 +351,8 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   if (!options.logFile.empty())
     session.record(options.logFile, hands.front(),
                    [&context](const std::string& what) { context.log().say("{}", what); });
+  if (SessionRecording* const begun = session.recording(); begun && !begun->writer().keptAs().empty())
+    context.log().say("{}: the existing log is kept as {}", options.logFile, begun->writer().keptAs().string());
   start.ended("session");
   const StopBySignal stop;  // until all results are written
   const ServoResult result = run(context, session, hands, ros ? &*ros : nullptr, start);
@@ -363,7 +365,7 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   const std::optional<UndoneStrokes> undone = finish(session, options);
   SessionRecording* const recording = session.recording();
   outputs.write([&] {
-    if (recording) recording->finish(checksumOf(session.model().cloud.origin, session.journal()->points()));
+    if (recording) recording->finish(checksumOf(session.model().cloud.origin, session.history()->points()));
   });
 
   const bool changes = config.brush || config.moves() || session.shared() || session.far();

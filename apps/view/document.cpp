@@ -8,6 +8,7 @@
 #include "apps/view/window.hpp"
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/counted.hpp"
+#include "engine/io/file_start.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/simulation.hpp"
@@ -27,6 +28,13 @@ ModelConfig modelNamed(const std::string& file, const WindowOptions& options) {
   return model;
 }
 
+/// Whether it is text with semicolons between columns, as programs in German write them; saved text has commas.
+bool hasSemicolons(const std::string& file) {
+  const auto start = startOf(file);
+  return start && cloudFormats().toRead(file).isText &&
+         start->bytes.substr(0, start->bytes.find('\n')).find(';') != std::string::npos;
+}
+
 std::string nameOf(const std::string& file) { return std::filesystem::path(file).filename().string(); }
 
 }  // namespace
@@ -43,6 +51,15 @@ Document::Document(const DocumentParts& parts, WindowOptions options, bool asks)
 void Document::findLeft() {
   left_ = leftStrokes(options_.live.unsavedIn, [this](const std::string& what) { messages_.say(what); });
   std::erase_if(left_, [&](const LeftStrokes& left) { return putOff_.contains(left.folder->path()); });
+  askFirstAbout(opening_.config.model.file);
+}
+
+// Strokes on the file that is being opened are asked about before all others.
+void Document::askFirstAbout(const std::string& file) {
+  std::stable_partition(left_.begin(), left_.end(), [&](const LeftStrokes& left) {
+    std::error_code ignored;
+    return left.document() == file || std::filesystem::equivalent(left.document(), file, ignored);
+  });
 }
 
 std::optional<LeftQuestion> Document::leftQuestion() const {
@@ -76,8 +93,10 @@ void Document::askFromNowOn() {
   findLeft();
 }
 
-void Document::close() {
-  if (session_) session_->leaveStrokes();
+void Document::close(bool keepsStrokes) {
+  if (!session_) return;
+  if (!keepsStrokes) session_->leaveStrokes();
+  session_->endRecording();
 }
 
 void Document::offer(const std::vector<std::string>& files) {
@@ -88,6 +107,7 @@ void Document::offer(const std::vector<std::string>& files) {
 void Document::open(const std::string& file) {
   WindowOptions options = options_;
   options.config.model = modelNamed(file, options_);
+  askFirstAbout(file);
   read(std::move(options), "opening " + nameOf(file));
 }
 
@@ -240,6 +260,7 @@ void Document::install(std::unique_ptr<WindowSession> session, const std::string
   if (handedOn != HandedOn::no) return;
   mapIsChanged_ = false;
   file_ = file;
+  hadSemicolons_ = hasSemicolons(file);
   session_->setDocument(file_);
   saveFile_ = isLive() ? "camera.ply"
               : session_->config().model.matter || session_->config().model.join || isRosModel(file_)
@@ -273,7 +294,9 @@ void Document::finishSaving(const WindowSession::Saved& saved) {
   const std::string kept = saved.kept.empty() ? "" : "; the old file is kept as " + saved.kept;
   if (saved.failure.empty()) {
     mapIsChanged_ = false;
-    messages_.say(saved.file + " is saved" + kept);
+    const bool isOther = hadSemicolons_ && std::filesystem::path(saved.file).extension() == ".csv";
+    messages_.say(saved.file + " is saved" + (isOther ? ", with decimal points and commas between columns" : "") +
+                  kept);
     becomeFile(saved.file);
     if (std::exchange(othersWait_, false)) findLeft();
   } else {
@@ -295,6 +318,11 @@ void Document::becomeFile(const std::string& file) {
 }
 
 void Document::saveTo(const std::string& file) {
+  // A file of the same format keeps its name, whatever that is; a new name says the format.
+  const std::filesystem::path path = file;
+  std::error_code ignored;
+  const bool isSameFormat = std::filesystem::exists(path, ignored) && whereToSave(path) == path;
+  if (!isSameFormat && path.has_extension()) cloudFormats().toWrite(path, Written::points);
   session_->save(file);
   saving_ = file;
 }
@@ -348,7 +376,8 @@ void Document::answer(Answer answer) {
 void Document::carryOut(ModelCommand command) {
   if (isGivingWay()) return messages_.say(whyWaiting());
   if (!session_) return;
-  if (command == ModelCommand::undo) session_->undo();
+  if (command == ModelCommand::undo && !session_->undo() && session_->isChanged())
+    messages_.say("nothing more can be undone: --undo-memory holds no further stroke");
   if (command == ModelCommand::redo) session_->redo();
   if (command == ModelCommand::save) save();
   if (command == ModelCommand::exportTicks) writeTicks();
@@ -360,8 +389,8 @@ void Document::carryOut(ModelCommand command) {
 }
 
 void Document::record(const std::string& log) {
-  session_->record(log);
-  messages_.say("recording to " + log);
+  const std::filesystem::path kept = session_->record(log);
+  messages_.say("recording to " + log + (kept.empty() ? "" : "; the old log is kept as " + kept.string()));
 }
 
 void Document::play(const std::string& log) {
@@ -378,7 +407,7 @@ std::string Document::freeName(const std::string& what, const std::string& endin
 }
 
 void Document::writeTicks() {
-  const auto& rows = session_->history().rows();
+  const auto& rows = session_->recentTicks().rows();
   const Trace trace{.rows = {rows.begin(), rows.end()}, .virtualTime = false};
   const std::string file = freeName("-ticks", "csv");
   writeTraceCsv(file, trace);

@@ -42,13 +42,6 @@ std::string textOf(const StrokesSince& since) {
          counted(since.undone, "saved stroke");
 }
 
-// Rounded down: 100 only where no tick was late.
-double onTime_percent(const TickHistory& history) {
-  if (history.ticks() == 0) return 100;
-  const double share = 1 - static_cast<double>(history.missed()) / static_cast<double>(history.ticks());
-  return std::max(0.0, std::floor(1000 * share) / 10);
-}
-
 // The last ticks, reduced to kCurve values.
 std::vector<float> curveOf(const std::deque<TraceRow>& rows, auto&& value) {
   std::vector<float> curve;
@@ -84,7 +77,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view) {
   ImGui::SetNextWindowPos({display.x - em(kMargin_em), em(kMargin_em)}, ImGuiCond_Always, {1, 0});
   ImGui::SetNextWindowSize({em(kCurves_em), 0});
   ImGui::Begin("Curves", &view.plots, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
-  const TickHistory& history = status.session->history();
+  const RecentTicks& history = status.session->recentTicks();
   const auto& [perMm, unit] = status.lengths;
   if (!paused_)
     curves_ = {curveOf(history.rows(), [](const TraceRow& row) { return glm::length(row.force_N); }),
@@ -102,7 +95,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view) {
   curve(fmt::format("penetration, {}", unit).c_str(), curves_.penetration, static_cast<float>(perMm), ticks);
   curve("tick, us", curves_.step_us, 100, ticks);
   curve("frame, ms", curves_.picture_ms, 16, fmt::format("{} frames", curves_.picture_ms.size()));
-  ImGui::Text("haptic loop: on time %.3g %%", onTime_percent(history));
+  ImGui::Text("haptic loop: on time %.3g %%", history.onTime_percent());
   help(fmt::format(
       "{} of {} ticks were late, and left out; a tick took {:.0f} us (p50), {:.0f} us at most but for one "
       "in a thousand (p99.9)",
@@ -204,6 +197,25 @@ void Panels::drawHeights(const HeightRange& heights, LengthUnit unit) {
   write(fmt::format("height, {}", nameOf(unit)), right, top - 1.5f * line);
 }
 
+// A letter of the last button's name: its key.
+void Panels::underline(const char* name, std::size_t letter) {
+  const char* const at = name + letter;
+  const ImVec2 from = ImGui::GetItemRectMin(), padding = ImGui::GetStyle().FramePadding;
+  const float below = ImGui::GetItemRectMax().y - padding.y,
+              left = from.x + padding.x + ImGui::CalcTextSize(name, at).x;
+  ImGui::GetWindowDrawList()->AddLine({left, below}, {left + ImGui::CalcTextSize(at, at + 1).x, below},
+                                      ImGui::GetColorU32(ImGuiCol_Text));
+}
+
+// Pressed by a click, or by the letter, which is underlined and no key of the window.
+bool Panels::letterButton(const char* name, char letter) {
+  const bool isClicked = button(name);
+  underline(name, std::string_view(name).find(letter));
+  const bool isTyped = !gui_.wantsKeys() && !ImGui::GetIO().KeyCtrl &&
+                       ImGui::IsKeyPressed(std::toupper(static_cast<unsigned char>(letter)), false);
+  return isClicked || isTyped;
+}
+
 // A question over everything else. `draw` returns whether an answer was chosen.
 void Panels::ask(const char* title, bool asks, const std::function<bool()>& draw) {
   if (asks && !ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
@@ -236,10 +248,7 @@ bool Panels::answers(std::initializer_list<AnswerButton> buttons) {
     if (isChosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
     const bool isClicked = button(each.name);
     if (isChosen) ImGui::PopStyleColor();
-    const ImVec2 from = ImGui::GetItemRectMin(), padding = ImGui::GetStyle().FramePadding;
-    const float below = ImGui::GetItemRectMax().y - padding.y, width = ImGui::CalcTextSize(each.name, each.name + 1).x;
-    ImGui::GetWindowDrawList()->AddLine({from.x + padding.x, below}, {from.x + padding.x + width, below},
-                                        ImGui::GetColorU32(ImGuiCol_Text));
+    underline(each.name, 0);
     const bool isPressed = (isChosen && isEntered) || (each.isEscape && pressed(GLFW_KEY_ESCAPE)) ||
                            pressed(std::toupper(static_cast<unsigned char>(each.name[0])));
     isAnswered |= !isAnswered && post(isClicked || isPressed, each.answer);

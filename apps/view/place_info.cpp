@@ -19,7 +19,7 @@ const PointState* nearestTo(std::span<const PointState> points, const DVec3& pla
   const PointState* nearest = nullptr;
   double least2 = std::numeric_limits<double>::infinity();
   for (const PointState& point : points) {
-    if (point.gone()) continue;
+    if (point.gone) continue;
     const DVec3 apart = DVec3(point.position) - place;
     const double distance2 = glm::dot(apart, apart);
     if (!(distance2 < least2)) continue;
@@ -62,7 +62,7 @@ void findStiffness(const WindowSession& session, PlaceInfo& info) {
 
 PickedPosition pickedAt(const WindowSession& session, const DVec3& place, double pixel) {
   constexpr double kNear_px = 5;
-  const PointState* const point = session.config().moves() ? nullptr : nearestTo(session.journal().points(), place);
+  const PointState* const point = session.config().moves() ? nullptr : nearestTo(session.history().points(), place);
   if (point && glm::distance(DVec3(point->position), place) <= kNear_px * pixel) return {DVec3(point->position), 0};
   const double step = std::pow(10.0, std::floor(std::log10(pixel)));
   const DVec3& origin = session.model().cloud.origin;
@@ -76,9 +76,9 @@ PlaceInfo placeInfo(const WindowSession& session, const PickedPosition& picked) 
   PlaceInfo info{.place = cloud.origin + place, .resolution = std::max(exact, picked.resolution)};
   findStiffness(session, info);
   if (session.config().moves()) return info;
-  const PointState* const point = nearestTo(session.journal().points(), place);
+  const PointState* const point = nearestTo(session.history().points(), place);
   if (point == nullptr) return info;
-  info.point = point->number();
+  info.point = point->number;
   info.position = cloud.origin + DVec3(point->position);
   info.positionResolution = exact;
   info.normal = point->normal;

@@ -52,7 +52,7 @@ WindowSession::WindowSession(Context& context, Device& sight, Model model, const
     : InteractiveSession(configOf(options, brush, feel), std::move(model),
                          {.backend = context.backends().named(options.config.backend.name),
                           .threads = context.threads(),
-                          .undo_bytes = options.undo_bytes,
+                          .undo = options.undo,
                           .followers = {[this, &sight](const Model& touched, TouchBackend& backend) {
                             auto drawn = std::make_unique<DrawnFollower>(sight, touched, backend);
                             follower = drawn.get();

@@ -42,7 +42,7 @@ struct WindowOptions {
   std::string ros;             ///< name under which the camera is published to ROS; empty: not published
   std::string hand;            ///< name of the hand in the joined session; empty: the machine's name
   StreamConfig stream;         ///< of recorded depth cameras
-  std::uint64_t undo_bytes = 1ull << 30;
+  UndoBudget undo{.bytes = 1ull << 30};
   InteractiveOptions live;
 };
 
@@ -63,7 +63,7 @@ class WindowSession final : private DrawnSlot, public InteractiveSession {
   std::uint64_t frames() const { return follower->frames(); }
   /// Number of present points: of a model that moves, those of its newest frame, or of the map made of its frames.
   std::uint64_t presentPoints() const {
-    return follower->frames() > 0 ? follower->framePoints() : journal().points().present();
+    return follower->frames() > 0 ? follower->framePoints() : history().points().present();
   }
   std::string backendName() const { return config().backend.name; }
 

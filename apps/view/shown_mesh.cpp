@@ -28,8 +28,9 @@ bool ShownMesh::follow(const WindowSession& session, std::uint32_t resolution, s
 void ShownMesh::make(const WindowSession& session, std::uint32_t resolution) {
   mesh_.reset();
   const Model& model = session.model();
-  const MeshPlan plan = planMesh(model.shownBounds(), model.spacing, {.resolution = resolution, .room = 0.2});
-  const PointStates& points = session.journal().points();
+  const MeshPlan plan =
+      thinned(planMesh(model.shownBounds(), model.spacing, {.resolution = resolution, .room = 0.2}), model.cloud);
+  const PointStates& points = session.history().points();
   const std::uint64_t spare = std::max<std::uint64_t>(points.size() - model.cloud.size(), model.cloud.size() / 4);
   mesh_ = std::make_unique<MarchingCubes>(sight_, model.cloud, plan, static_cast<std::uint32_t>(spare), true);
   resolution_ = resolution;
@@ -37,10 +38,12 @@ void ShownMesh::make(const WindowSession& session, std::uint32_t resolution) {
   if (session.edits() > 0) mesh_->update(points);
 }
 
-std::filesystem::path ShownMesh::write(const std::string& file) const {
+std::filesystem::path ShownMesh::write(const std::string& file, std::vector<std::string>& lost) const {
   if (triangleCount() == 0) throw Error("{}: there are no triangles to write; press M to make them", file);
   std::filesystem::path kept;
-  writeMesh(file, mesh_->download(), static_cast<double>(mesh_->plan().lattice.cell), false, &kept);
+  const Mesh mesh = mesh_->download();
+  lost = lostInMeshFile(file, mesh);
+  writeMesh(file, mesh, static_cast<double>(mesh_->plan().lattice.cell), false, &kept);
   return kept;
 }
 

@@ -18,7 +18,7 @@ FrameOptions frameOptions(const WindowSession& session, const ViewSettings& view
   options.shown = model.shown;
   options.splatRadius = discRadiusOf(model);
   if (view.discRadius_mm > 0) options.splatRadius = model.scale.toUnits(view.discRadius_mm);
-  const TickHistory& history = session.history();
+  const RecentTicks& history = session.recentTicks();
   if (touched && !history.rows().empty())
     options.overlays = overlaysOf(history.rows().back(), model.cloud.origin, session.longestSide(), session.heldTool());
   return options;

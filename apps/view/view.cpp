@@ -104,7 +104,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   view.session.hidesCamera = options.hidesCamera;
   view.session.ros = options.join.ros.name;
   constexpr double kMiB = 1 << 20;
-  view.session.undo_bytes = static_cast<std::uint64_t>(options.undoMemory_MiB * kMiB);
+  view.session.undo.bytes = static_cast<std::uint64_t>(options.undoMemory_MiB * kMiB);
   for (const auto& [name, kind] : kSurfaceKinds)
     if (options.surface == name) view.feel.surface = kind;
   if (const auto kind = valueNamed(kBrushKinds, options.edit)) {
@@ -115,8 +115,12 @@ void view(Context& context, const ViewCommandOptions& options) {
   hold(options, held);
   if (!realtime) view.session.live.clock = std::make_shared<SteppedClock>();
 
-  if (const std::filesystem::path state = stateFolder(); !state.empty())
+  if (const std::filesystem::path state = stateFolder(); !state.empty()) {
+    constexpr std::uint64_t kDisk = 8;  // in place of each byte of memory
     view.session.live.unsavedIn = state / "palpate" / "unsaved";
+    view.session.undo.folder = state / "palpate";
+    view.session.undo.disk_bytes = kDisk * view.session.undo.bytes;
+  }
 
   const std::unique_ptr<Window> shown = openWindow(view);
   Window& window = *shown;
@@ -140,9 +144,7 @@ void view(Context& context, const ViewCommandOptions& options) {
 void addWindowOptions(Options& sub, ViewCommandOptions& options) {
   sub.add("--size", options.size, "size of the window, WIDTHxHEIGHT, pixels").showDefault();
   sub.add("--script", options.script,
-          fmt::format("play timed events, one per line: TIME_S EVENT; # comments. Events: {} (apps/view/README.md "
-                      "describes each)",
-                      scriptEventNames()))
+          fmt::format("play timed events, one per line: TIME_S EVENT; # comments. Events: {}", scriptEventNames()))
       .typeName("FILE");
   sub.addFlag("--realtime", options.realtime,
               "run the script against the wall clock; otherwise each picture is 0.05 s of script time with "
@@ -208,7 +210,7 @@ void addView(Options& app, Context& context, Command& command) {
       .showDefault();
   addSettingFor<SessionConfig>(sub, options->rate_Hz, "rate_Hz").showDefault();
   addSettingFor<UndoConfig>(sub, options->undoMemory_MiB, "memory_MiB")
-      .describe("memory for strokes that can be undone, MiB")
+      .describe("memory for strokes that can be undone, MiB; the oldest go to the disk, up to eight times as much")
       .showDefault();
   sub.heading("Shared session");
   addJoinOptions(sub, options->join, JoinAs::hand);

@@ -242,16 +242,16 @@ constexpr Reported<OpenModel> kModel[]{
     {"peak_force_N", "N", "largest force of the last ticks",
      [](const OpenModel& m) -> Value {
        double peak_N = 0;
-       for (const TraceRow& row : m.session.history().rows()) peak_N = std::max(peak_N, glm::length(row.force_N));
+       for (const TraceRow& row : m.session.recentTicks().rows()) peak_N = std::max(peak_N, glm::length(row.force_N));
        return peak_N;
      }},
-    {"ticks", "", "ticks so far", [](const OpenModel& m) -> Value { return m.session.history().ticks(); }},
+    {"ticks", "", "ticks so far", [](const OpenModel& m) -> Value { return m.session.recentTicks().ticks(); }},
     {"missed_ticks", "", "ticks skipped because their time had passed",
-     [](const OpenModel& m) -> Value { return m.session.history().missed(); }},
+     [](const OpenModel& m) -> Value { return m.session.recentTicks().missed(); }},
     {"step_us.p50", "us", "time from pose read to force ready, median",
-     [](const OpenModel& m) -> Value { return m.session.history().step_us().quantile_us(0.5); }},
+     [](const OpenModel& m) -> Value { return m.session.recentTicks().step_us().quantile_us(0.5); }},
     {"step_us.p999", "us", "its 99.9th percentile",
-     [](const OpenModel& m) -> Value { return m.session.history().step_us().quantile_us(0.999); }},
+     [](const OpenModel& m) -> Value { return m.session.recentTicks().step_us().quantile_us(0.999); }},
     {"forces_on", "", "whether forces are on", [](const OpenModel& m) -> Value { return m.session.forcesOn(); }},
     {"backend", "", "back end that answers", [](const OpenModel& m) -> Value { return m.session.backendName(); }},
 };
@@ -261,7 +261,7 @@ constexpr Reported<OpenModel> kModel[]{
 Json toJson(const WindowState& state) {
   Json json = jsonBy(kWindow, state);
   if (const WindowSession* const session = state.session()) {
-    const auto& rows = session->history().rows();
+    const auto& rows = session->recentTicks().rows();
     addBy(json, kModel, OpenModel{*session, state.document, state.view, rows.empty() ? TraceRow{} : rows.back()});
   }
   return json;

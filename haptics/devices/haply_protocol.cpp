@@ -60,7 +60,7 @@ const Json& entriesOf(const Json& message, const char* kind) {
   return entries && entries->is_array() ? *entries : kNone;
 }
 
-const Json* entryOf(const Json& message, const char* kind, const std::string& id) {
+const Json* packedState(const Json& message, const char* kind, const std::string& id) {
   for (const Json& entry : entriesOf(message, kind))
     if (textAt(entry, {"device_id"}) == id) return &entry;
   return nullptr;
@@ -205,7 +205,7 @@ State stateIn(std::string_view message, const Choice& choice, const State& last)
     state.trouble = Trouble::unreadable;
     return state;
   }
-  const Json* entry = entryOf(json, "inverse3", choice.id);
+  const Json* entry = packedState(json, "inverse3", choice.id);
   const Json* position = entry ? memberOf(*entry, {"state", "cursor_position"}) : nullptr;
   if (!position) {
     state.trouble = Trouble::gone;
@@ -221,7 +221,7 @@ State stateIn(std::string_view message, const Choice& choice, const State& last)
   const Json* force = memberOf(*entry, {"state", "current_cursor_force"});
   const DVec3 force_N = force ? choice.axes * vectorAt(*force) : DVec3(std::numeric_limits<double>::quiet_NaN());
   state.force_N = isFinite(force_N) ? std::optional(force_N) : std::nullopt;
-  if (const Json* grip = entryOf(json, kindOf(choice.wireless), choice.grip)) readGrip(*grip, choice.axes, state);
+  if (const Json* grip = packedState(json, kindOf(choice.wireless), choice.grip)) readGrip(*grip, choice.axes, state);
   return state;
 }
 

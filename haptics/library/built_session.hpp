@@ -24,9 +24,10 @@ class BuiltSession {
   /// The pointees must outlive this. Nothing is built yet.
   explicit BuiltSession(Parts parts) : parts_(std::move(parts)) {}
 
-  /// With a journal if it is to be recorded, and for all kinds of brushes if it is to be edited. Restores the previous
-  /// session if the new one cannot be built; a stopped call leaves that to ensure(). Throws Error, Stopped.
-  void build(bool journal, bool editable);
+  /// With a history of the points if it is to be recorded, and for all kinds of brushes if it is to be edited. Restores
+  /// the previous session if the new one cannot be built; a stopped call leaves that to ensure(). Throws Error,
+  /// Stopped.
+  void build(bool keepsPoints, bool editable);
   /// Builds the session that a stopped call has left to be restored.
   void ensure();
 
@@ -42,16 +43,17 @@ class BuiltSession {
   bool hasFailed() const { return session_->simulation() && !session_->simulation()->failure().empty(); }
 
  private:
-  void make(SessionConfig config, bool journal, bool editable);
+  void make(SessionConfig config, bool keepsPoints, bool editable);
 
   Parts parts_;
   bool editable_ = false;
   struct Before {
     SessionConfig config;
-    bool journal, editable;
+    bool keepsPoints, editable;
   };
   std::optional<Before> before_;  // to be built by ensure(), if session_ is null
   std::unique_ptr<Session> session_;
+  std::optional<PulledState> pulled_;  // of a session that is being replaced
 };
 
 }  // namespace palpate::library

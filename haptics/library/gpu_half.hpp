@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/core/edit_batch.hpp"
-#include "engine/edit/journal.hpp"
+#include "engine/edit/history.hpp"
 #include "engine/mesh/mesh.hpp"
 #include "engine/mesh/mesh_plan.hpp"
 #include "engine/render/image.hpp"
@@ -49,7 +49,7 @@ class GpuHalf {
   /// Discards the drawn points, because others replace them.
   void forgetPicture();
   /// SessionPicture::draw().
-  Image draw(const Model& model, const Journal* journal, const PictureRequest& request);
+  Image draw(const Model& model, const History* history, const PictureRequest& request);
   /// Meshes by marching cubes. Throws OutOfGpuMemory.
   Mesh mesh(const PointCloud& cloud, const MeshPlan& plan);
 

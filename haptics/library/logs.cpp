@@ -45,14 +45,14 @@ pp_recording_tick tickOf(const LoggedTick& tick) {
 
 pp_recording_edit editOf(const PointState& state) {
   pp_recording_edit told{};
-  told.point = state.number();
+  told.point = state.number;
   told.parent = state.parent;
   for (int k = 0; k < 3; ++k) {
     told.position[k] = state.position[k];
     told.normal[k] = state.normal[k];
   }
   std::memcpy(told.color, &state.color, sizeof told.color);
-  told.gone = state.gone() ? 1 : 0;
+  told.gone = state.gone ? 1 : 0;
   return told;
 }
 
@@ -114,7 +114,7 @@ pp_replay_result replayed(const std::string& file, const pp_replay_options& opti
   result.first_difference_s = found.first_s.value_or(-1);
   result.ends_compared = found.ends;
   if (recorded.endsAsRecorded) result.recorded_edits = *recorded.endsAsRecorded ? 1 : 2;
-  putText(outcome.comparable.because, result.reason);
+  putText(reasonOf(outcome, recorded), result.reason);
   putText(backends.named(recorded.session.config.backend.name).machine(options.threads), result.machine);
   putText(recorded.session.machine, result.recorded_on);
   return result;

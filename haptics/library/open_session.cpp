@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "engine/edit/journal.hpp"
+#include "engine/edit/history.hpp"
 #include "haptics/crash_stop.hpp"
 #include "haptics/devices/path_device.hpp"
 #include "haptics/library/failures.hpp"
@@ -12,6 +12,18 @@
 #include "haptics/session/backend_choice.hpp"
 
 namespace palpate::library {
+
+// While it lives, all waits for other programs share the timeout of one call.
+class OpenSession::OneCall {
+ public:
+  explicit OneCall(std::optional<Stopwatch>& since) : since_(since) { since.emplace(); }
+  ~OneCall() { since_.reset(); }
+  OneCall(const OneCall&) = delete;
+  OneCall& operator=(const OneCall&) = delete;
+
+ private:
+  std::optional<Stopwatch>& since_;
+};
 
 namespace {
 
@@ -91,6 +103,7 @@ SessionConfig OpenSession::takeSooner(const Subject& subject, const pp_session_o
 }
 
 bool OpenSession::end() noexcept {
+  if (std::exchange(hasEnded_, true)) return true;
   bool isDelivered = true;
   try {
     if (live_) live_->stop();
@@ -106,12 +119,12 @@ bool OpenSession::end() noexcept {
 // Delivers this hand's last edits, which may still be in flight.
 bool OpenSession::leave() { return !joined_ || !session_ || session_->deliver(joined_->timeout_s()); }
 
-void OpenSession::limitPatience() {
-  if (joined_) session_->setSharedPatience(std::max(0.0, joined_->timeout_s() - (since_ ? since_->elapsed_s() : 0)));
+double OpenSession::timeLeft_s() const {
+  return std::max(0.0, joined_->timeout_s() - (since_ ? since_->elapsed_s() : 0));
 }
 
 void OpenSession::finish() {
-  limitPatience();
+  if (joined_) session_->setSharedPatience(timeLeft_s());
   session_->finish();
 }
 
@@ -126,7 +139,8 @@ void OpenSession::checkShared() const {
 
 bool OpenSession::settleShared(double seconds) {
   joined();
-  endAsking();
+  requireNotLive();
+  session_->checkPulling();
   session_->backend().finish();
   session_->catchUp();
   checkShared();
@@ -135,14 +149,18 @@ bool OpenSession::settleShared(double seconds) {
   return isSame;
 }
 
-void OpenSession::endAsking() {
+void OpenSession::requireNotLive() const {
   if (isLive()) throw StateError("the session is live; stop it first");
+}
+
+void OpenSession::endAsking() {
   session_->endPulling();
   events_.endAll();
 }
 
 void OpenSession::settle() {
-  endAsking();
+  requireNotLive();
+  session_->checkPulling();
   if (session_.hasFailed()) {
     if (session_->recording()) session_->abandonRecording();  // its end is unknown
     return session_->catchUp();                               // only a reset is possible
@@ -158,20 +176,19 @@ void OpenSession::settleForCommand() {
 void OpenSession::requireRecordable() {
   if (hands() > 1) throw StateError("a session log holds one hand, and this session has {}", hands());
   if (law_.custom()) throw StateError("a session with its own force law cannot be replayed, and so cannot be recorded");
-  const ShapeStrokes* const shape = session_->backend().shapeStrokes();
   if (const Abilities can = session_->abilities(); !can.allow(Action::record))
     throw StateError("{}", can.refusal(Action::record));
-  if (views_.edits() > 0 || (shape && shape->counts().version > 0))
+  if (views_.edits() > 0 || session_->strokes().version > 0)
     throw StateError(
-        "a log begins with the points as they were opened, but these have been edited; save them, and open the "
-        "saved file");
+        "a log begins with the points as they were opened, but this session has edited them, even if all is undone; "
+        "save the points, and open the saved file");
 }
 
 void OpenSession::record(const std::string& file) {
   if (isLive()) {
     if (live_->hasLaw())
       throw StateError("a session with its own force law cannot be replayed, and so cannot be recorded");
-    if (!session_->journal())
+    if (!session_->pointHistory())
       throw StateError("this session was built for feeling; set a brush or record before it is live");
     endRecording();
     takeIn();
@@ -181,7 +198,7 @@ void OpenSession::record(const std::string& file) {
   }
   settle();
   requireRecordable();
-  if (!session_->journal()) session_.build(true, false);
+  if (!session_->pointHistory()) session_.build(true, false);
   nextLog_.set(file);
 }
 
@@ -190,12 +207,9 @@ void OpenSession::endRecording() {
 }
 
 ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional<BrushConfig>& brush) {
-  struct OneCall {
-    explicit OneCall(std::optional<Stopwatch>& since) : since_(since) { since.emplace(); }
-    ~OneCall() { since_.reset(); }
-    std::optional<Stopwatch>& since_;
-  } const call(since_);
+  const OneCall call(since_);
   settle();
+  endAsking();
   checkShared();
   struct BrushBefore {
     ~BrushBefore() {
@@ -220,7 +234,7 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
   }
   finish();
   endRecording();
-  if (joined_ && brush) joined_->requireDelivered(*session_);
+  if (brush) requireDelivered("this stroke");
   return result;
 }
 
@@ -241,7 +255,7 @@ ServoResult OpenSession::follow(const std::vector<Path>& paths) {
   const TickObserver tells = [&](const TraceRow& row) {
     watch_->progressed("touching", duration_s > 0 ? std::min(1.0, (row.time_s - begin_s) / duration_s) : 1.0);
   };
-  limitPatience();
+  if (joined_) session_->setSharedPatience(timeLeft_s());
   ServoResult result = session_->run(
       hands, {.begin_s = begin_s, .observer = watch_->isTold() ? tells : TickObserver(), .law = law_.custom()});
   if (moves()) time_.ended(result, 1 / session_.opened().rate_Hz);
@@ -280,17 +294,12 @@ void OpenSession::setContact(const SurfaceConfig& surface, const ForceOptions& f
 }
 
 std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
+  const OneCall call(since_);
   settleForCommand();
   session_->require(Action::undo, "undo");
-  if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
+  if (!session_->history()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
-  if (joined_ && !isLive()) {
-    session_->settleShared(joined_->timeout_s());
-    if (session_->shared() && !session_->shared()->counts().delivered)
-      messages_.sink().warn(
-          "'{}': the server has not confirmed yet what was undone or redone here; settling waits for it",
-          session_.opened().model.file);
-  }
+  if (joined_ && !isLive()) session_->settleShared(timeLeft_s());
   return strokes.undone + strokes.redone;
 }
 
@@ -307,7 +316,7 @@ PointCloud OpenSession::points() {
   try {
     settle();
   } catch (const std::exception& error) {
-    if (isLive() || !session_->journal() || !hasFailed()) throw;
+    if (isLive() || !session_->pointHistory() || !hasFailed()) throw;
     session_->abandonEdits();
     messages_.sink().warn("these are the last known points, without edits that were in progress: {}", error.what());
   }
@@ -327,6 +336,7 @@ std::optional<std::string> OpenSession::takeLawFault() {
 
 void OpenSession::startLive(const pp_live_options& options) {
   settle();
+  endAsking();
   checkShared();
   live_.reset();
   time_.restart();
@@ -369,7 +379,7 @@ void OpenSession::touch(std::span<const Pose> poses, std::span<pp_contact> conta
         "tick, and may begin again after all hands were lifted",
         poses.front().time_s);
   if (!session_->isPulled()) {
-    if (isLive()) throw StateError("the session is live; stop it first");
+    requireNotLive();
     checkShared();
     session_->pull({.budget_us = budget_us_, .law = law_.custom()});
   }

@@ -23,7 +23,7 @@ std::unique_ptr<SurfaceIndex> indexOf(std::span<const PointState> points, const 
   for (const PointState& point : points) {
     positions.push_back(point.position);
     normals.push_back(point.normal);
-    there.push_back(!point.gone());
+    there.push_back(!point.gone);
   }
   return std::make_unique<SurfaceIndex>(std::move(positions), std::move(normals), std::move(there), options, threads);
 }
@@ -47,8 +47,8 @@ const SurfaceIndex& SessionQueries::surfaceOf(const Session& session, const std:
     options.kind = kind;
     if (frame)
       index_ = indexOf(frame->cloud, options, threads_);
-    else if (const Journal* const journal = session.journal())
-      index_ = indexOf(journal->points(), options, threads_);
+    else if (const History* const history = session.pointHistory())
+      index_ = indexOf(history->points(), options, threads_);
     else
       index_ = indexOf(session.model().cloud, options, threads_);
   }
@@ -59,11 +59,11 @@ const SurfaceIndex& SessionQueries::surfaceOf(const Session& session, const std:
 std::vector<pp_row> SessionQueries::rowsOf(const Session& session) const {
   const PointCloud& opened = session.model().cloud;
   std::vector<pp_row> rows;
-  if (const Journal* const journal = session.journal()) {
-    const PointStates& points = journal->points();
+  if (const History* const history = session.pointHistory()) {
+    const PointStates& points = history->points();
     rows.reserve(points.present());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (points[i].gone()) continue;
+      if (points[i].gone) continue;
       rows.push_back(rowFrom(rows_.of(i)));
       rows.back().changed =
           i >= opened.size() || points[i].position != opened.positions[i] || points[i].color != packedColor(opened, i);

@@ -31,7 +31,7 @@ void SessionViews::forget() {
 PointCloud SessionViews::points(const Session& session, const FrameObject* frame) const {
   const JobStopScope cuts(JobStopScope::cutting());
   const PointCloud& opened = session.model().cloud;
-  if (!frame) return session.journal() ? session.sculpted().cloud : opened;
+  if (!frame) return session.pointHistory() ? session.sculpted().cloud : opened;
   PointCloud cloud = frame->cloud;
   if (cloud.size() == opened.size()) cloud.colors = opened.colors;
   cloud.storedAs.comments = opened.storedAs.comments;
@@ -41,7 +41,7 @@ PointCloud SessionViews::points(const Session& session, const FrameObject* frame
 Image SessionViews::draw(const Session& session, const FrameObject* frame, const PictureRequest& request) {
   const JobStopScope cuts(JobStopScope::cutting());
   try {
-    if (!frame) return gpu_.draw(session.model(), session.journal(), request);
+    if (!frame) return gpu_.draw(session.model(), session.pointHistory(), request);
     gpu_.forgetPicture();
     Model now = session.model();
     now.cloud = points(session, frame);
@@ -56,7 +56,7 @@ Mesh SessionViews::mesh(const Session& session, const FrameObject* frame, const 
   const PointCloud cloud = points(session, frame);
   const JobStopScope cuts(JobStopScope::cutting());
   const Model& model = session.model();
-  return gpu_.mesh(cloud, planMesh(coreBoundsOf(cloud), model.spacing, meshFrom(options, model.scale)));
+  return gpu_.mesh(cloud, thinned(planMesh(coreBoundsOf(cloud), model.spacing, meshFrom(options, model.scale)), cloud));
 }
 
 }  // namespace palpate::library

@@ -15,15 +15,15 @@ constexpr double kBetweenChecks_s = 1.0 / 240;  // of checking whether the back 
 
 }  // namespace
 
-EditRelay::EditRelay(const PointCloud& cloud, EditStream* edits, const RelayOptions& options)
-    : points_(cloud.size()), edits_(edits), options_(options) {
-  if (!options.journal) return;
-  journal_.emplace(cloud, options.undo_bytes);
-  if (edits_) edits_->keep();
+EditRelay::EditRelay(const PointCloud& cloud, EditStream* edits, ShapeStrokes* shape, const RelayOptions& options)
+    : points_(cloud.size()), edits_(edits), shape_(shape), options_(options) {
+  if (!options.keepsPoints && !shape_) return;
+  history_.emplace(options.keepsPoints ? cloud : PointCloud(), options.undo);
+  if (options.keepsPoints && edits_) edits_->keep();
 }
 
 TickObserver EditRelay::begin(double rate_Hz, bool realtime) {
-  if (options_.followers.empty() && !journal_ && !options_.log) return {};
+  if (options_.followers.empty() && !history_ && !options_.log) return {};
   if (!realtime) {
     period_ = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / options_.rate_Hz));
     return [this](const TraceRow& row) { observe(row); };
@@ -65,16 +65,21 @@ void EditRelay::observe(const TraceRow& row) {
 
 void EditRelay::catchUp() {
   batch_.clear();
-  if (journal_ && edits_) edits_->take(batch_);
+  if (keepsPoints() && edits_) edits_->take(batch_);
   if (!batch_.empty()) {
     if (options_.log) options_.log->add(batch_);
-    journal_->follow(batch_);
+    history_->follow(batch_);
+  }
+  if (shape_) {
+    std::vector<ShapeStroke> strokes;
+    shape_->take(strokes);
+    history_->follow(std::move(strokes));
   }
   for (EditFollower*& follower : options_.followers) {
     try {
       follower->catchUp(batch_);
     } catch (...) {
-      follower = nullptr;  // the hand, the journal and the log continue without it
+      follower = nullptr;  // the hand, the history and the log continue without it
       if (!followerFailure_) followerFailure_ = std::current_exception();
     }
   }
@@ -91,41 +96,26 @@ void EditRelay::finish() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
-UndoneStrokes undoStrokes(EditStream& edits, Journal& journal, const std::function<void()>& catchUp, std::size_t undo,
-                          std::size_t redo) {
-  UndoneStrokes strokes;
-  using Turn = std::vector<PointChange> (Journal::*)();
-  const auto apply = [&](std::size_t available, Turn turn, Turn opposite) {
-    if (available == 0) return false;
-    const std::vector<PointChange> changes = (journal.*turn)();
-    if (changes.empty()) return true;  // others have changed all of it since
-    try {
-      edits.change(changes);
-      catchUp();
-    } catch (...) {
-      (journal.*opposite)();
-      throw;
-    }
-    return true;
-  };
-  while (strokes.undone < undo && apply(journal.undoList().undoCount(), &Journal::undo, &Journal::redo))
-    ++strokes.undone;
-  while (strokes.redone < redo && apply(journal.undoList().redoCount(), &Journal::redo, &Journal::undo))
-    ++strokes.redone;
-  strokes.strokes = journal.strokes();
-  strokes.dropped = journal.undoList().dropped();
-  strokes.tooLarge = journal.undoList().tooLarge();
-  return strokes;
-}
-
-UndoneStrokes undoStrokes(ShapeStrokes& shape, std::size_t undo, std::size_t redo) {
-  UndoneStrokes strokes;
-  while (strokes.undone < undo && shape.undo()) ++strokes.undone;
-  while (strokes.redone < redo && shape.redo()) ++strokes.redone;
-  const StrokeCounts counts = shape.counts();
-  strokes.strokes = counts.strokes;
-  strokes.dropped = counts.dropped;
-  return strokes;
+UndoneStrokes EditRelay::undo(std::size_t undo, std::size_t redo) {
+  UndoneStrokes done;
+  if (!history_) return done;
+  const History::Carriers carriers{.points =
+                                       [this](std::span<const PointChange> changes) {
+                                         edits_->change(changes);
+                                         return true;
+                                       },
+                                   .shape =
+                                       [this](ShapeStroke& stroke) {
+                                         shape_->exchange(stroke);
+                                         return true;
+                                       }};
+  for (; done.undone < undo && history_->undo(carriers); ++done.undone) catchUp();
+  for (; done.redone < redo && history_->redo(carriers); ++done.redone) catchUp();
+  const StrokeCounts counts = history_->counts();
+  done.strokes = counts.strokes;
+  done.dropped = counts.dropped;
+  done.tooLarge = counts.tooLarge;
+  return done;
 }
 
 }  // namespace palpate

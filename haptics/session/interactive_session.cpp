@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/io/saving.hpp"
 #include "engine/motion/depth_player.hpp"
 #include "haptics/crash_stop.hpp"
 #include "haptics/devices/replay_device.hpp"
@@ -70,7 +69,7 @@ InteractiveSession::InteractiveSession(const SessionConfig& config, Model model,
                                        const InteractiveOptions& options)
     : session_{withBrush(config, model), withPoints(std::move(model), config.model.file),
                [&] {
-                 parts.journal = parts.paintable = true;
+                 parts.keepsPoints = parts.paintable = true;
                  parts.followers.emplace_back(
                      [this](const Model&, TouchBackend&) { return std::make_unique<Follower>(*this); });
                  return parts;
@@ -99,12 +98,12 @@ void InteractiveSession::keepUnsaved(const SessionConfig& config) {
 }
 
 void InteractiveSession::goOnWith(const LeftStrokes& left) {
-  followAgain(*session_.journal(), left.edits);
+  followAgain(*session_.history(), left.edits);
   if (unsaved_) unsaved_->adopt(left);
   const PointStates before(model().cloud);
   std::vector<PointChange> changes;
-  for (const PointState& state : journal().points()) {
-    const PointState from = before[state.number()];
+  for (const PointState& state : history().points()) {
+    const PointState from = before[state.number];
     if (!(from == state)) changes.push_back({from, state});
   }
   if (!changes.empty()) session_.backend().edits()->change(changes);
@@ -140,13 +139,13 @@ OpenHand InteractiveSession::hand() {
 void InteractiveSession::take(const EditBatch& batch) {
   batch_.points.insert(batch_.points.end(), batch.points.begin(), batch.points.end());
   edits_ += batch.points.size();
-  if (unsaved_) unsaved_->follow(batch, journal().points(), isChanged(), strokesSince());
+  if (unsaved_) unsaved_->follow(batch, history().points(), isChanged(), strokesSince());
 }
 
 void InteractiveSession::takeIn() {
   rows_.clear();
   if (session_.live()) session_.live()->take(rows_);
-  history_.add(rows_);
+  recentTicks_.add(rows_);
   session_.catchUp();
   if (takeFailure_) std::rethrow_exception(std::exchange(takeFailure_, nullptr));
 }
@@ -157,7 +156,7 @@ std::optional<std::string> InteractiveSession::follow() {
   try {
     const bool hasEnded = session_.live()->hasEnded();
     takeIn();
-    const auto& rows = history_.rows();
+    const auto& rows = recentTicks_.rows();
     if (playing_ && !rows.empty() && rows.back().time_s > playing_->end_s) endPlaying();
     if (hasEnded) failure = session_.live()->fault();
   } catch (const std::exception& error) {
@@ -303,7 +302,7 @@ void InteractiveSession::setForces(bool on) {
 
 void InteractiveSession::save(const std::string& file) {
   if (isSaving()) throw Error("{}: the last save is still being written", file);
-  // The journal does not contain the points of a model that moves.
+  // The history does not contain the points of a model that moves.
   std::optional<PointCloud> present;
   const auto look = [&] {
     if (config().moves()) present = session_.sculpted().cloud;
@@ -311,13 +310,15 @@ void InteractiveSession::save(const std::string& file) {
   failed_ ? look() : session_.between(look);
   saving_.version = session_.strokes().version;
   saving_.depth = session_.strokes().undoCount;
-  std::vector<PointState> points(journal().points().begin(), journal().points().end());
+  std::vector<PointState> points(history().points().begin(), history().points().end());
   saving_.running = std::async(std::launch::async, [this, file, loaded = this->file(), points = std::move(points),
                                                     present = std::move(present)] {
     try {
+      // The strokes since are strokes on the model's file, wherever it is saved.
       std::error_code isNone;
-      if (unsaved_ && std::filesystem::equivalent(file, loaded, isNone)) unsaved_->keepModel();
-      const std::filesystem::path kept = saveKeeping(file, present ? *present : editedCloud(model().cloud, points));
+      if (unsaved_ && std::filesystem::is_regular_file(loaded, isNone)) unsaved_->keepModel();
+      const std::filesystem::path kept = saveKeeping(file, present ? *present : editedCloud(model().cloud, points),
+                                                     {.own = &saving_.own, .like = loaded});
       return Saved{file, kept.string(), {}};
     } catch (const std::exception& error) {
       return Saved{file, {}, error.what()};
@@ -349,11 +350,12 @@ std::optional<std::string> InteractiveSession::takeUnsavedFault() {
   return unsaved_ ? unsaved_->takeFault() : std::nullopt;
 }
 
-void InteractiveSession::record(const std::string& log) {
+std::filesystem::path InteractiveSession::record(const std::string& log) {
   if (edits() > 0)
     throw Error("{}: a recording begins with the model as its file has it; save it and open the saved file first", log);
   endRecording();
   session_.record(log, hand());
+  return session_.recording()->writer().keptAs();
 }
 
 std::optional<std::string> InteractiveSession::takeRecordingFault() {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/io/saving.hpp"
 #include "haptics/devices/guided_touch.hpp"
 #include "haptics/devices/turned_device.hpp"
 #include "haptics/session/pointer_stroke.hpp"
@@ -58,7 +59,7 @@ class InteractiveSession {
   std::optional<std::string> follow();
   /// With InteractiveOptions::clock: runs the ticks up to that time, and follows.
   std::optional<std::string> tickUntil(double clock_s);
-  const TickHistory& history() const { return history_; }
+  const RecentTicks& recentTicks() const { return recentTicks_; }
   /// All changes of the points since the last call (edits, undo, others' edits), for a caller with its own drawn copy.
   EditBatch takeBatch() { return std::exchange(batch_, {}); }
   std::uint64_t edits() const { return edits_; }  ///< number of point states so far
@@ -106,7 +107,7 @@ class InteractiveSession {
   bool undo() { return undoStrokes(1, 0); }
   bool redo() { return session_.strokes().redoCount > 0 && undoStrokes(0, 1); }
 
-  const Journal& journal() const { return *session_.journal(); }
+  const History& history() const { return *session_.history(); }
   /// Whether the points, or the rest shape of a soft body, differ from what was loaded or saved last.
   bool isChanged() const { return session_.strokes().version != saving_.saved; }
 
@@ -142,8 +143,9 @@ class InteractiveSession {
   std::optional<std::string> takeUnsavedFault();
 
   /// Records a session log. A log starts from the model's file: it begins before the first edit. It may begin while the
-  /// hand touches, and has all commands from then on. Throws Error.
-  void record(const std::string& log);
+  /// hand touches, and has all commands from then on. Returns where an older log of that name is kept; empty if there
+  /// was none. Throws Error.
+  std::filesystem::path record(const std::string& log);
   void endRecording() { session_.endRecording(); }
   bool isRecording() const { return session_.recording() != nullptr; }
   /// Why the recording cannot be written; returned once.
@@ -176,7 +178,7 @@ class InteractiveSession {
   double clock_s_ = 0;
 
   // Results of the servo thread, as taken in.
-  TickHistory history_;
+  RecentTicks recentTicks_;
   std::vector<TraceRow> rows_;
   EditBatch batch_;
   std::uint64_t edits_ = 0;
@@ -194,7 +196,8 @@ class InteractiveSession {
   struct Saving {
     std::future<Saved> running;
     std::uint64_t version = 0, saved = 0;  // of the strokes: being saved, saved last
-    std::size_t depth = 0;                 // strokes that could be undone when the present save began
+    OwnSave own;
+    std::size_t depth = 0;  // strokes that could be undone when the present save began
   } saving_;
   struct Since {
     StrokesSince before;             // in the points that this session began with

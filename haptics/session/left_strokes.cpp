@@ -1,11 +1,11 @@
-// The part of unsaved strokes that the next program needs: finds the strokes and applies them to a journal.
+// The part of unsaved strokes that the next program needs: finds the strokes and applies them to a history.
 #include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <iterator>
 
 #include "engine/core/error.hpp"
-#include "engine/edit/journal.hpp"
+#include "engine/edit/history.hpp"
 #include "haptics/session/model.hpp"
 #include "haptics/session/unsaved_strokes.hpp"
 
@@ -37,16 +37,6 @@ bool isSame(std::span<const PointState> states, std::span<const PointChange> cha
 bool isBlank(const std::filesystem::path& log) {
   std::ifstream in(log, std::ios::binary);
   return std::all_of(std::istreambuf_iterator<char>(in), {}, [](char byte) { return byte == 0; });
-}
-
-// Whether a change equals an undo (or redo) of the journal; if so, the journal has applied it.
-bool isTurn(Journal& journal, std::span<const PointState> states, std::vector<PointChange> (Journal::*turn)(),
-            std::vector<PointChange> (Journal::*opposite)()) {
-  const std::vector<PointChange> changes = (journal.*turn)();
-  if (changes.empty()) return false;
-  if (isSame(states, changes)) return true;
-  (journal.*opposite)();
-  return false;
 }
 
 LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
@@ -230,21 +220,22 @@ std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
   return all;
 }
 
-void followAgain(Journal& journal, const EditBatch& edits) {
+void followAgain(History& history, const EditBatch& edits) {
   const std::span<const PointState> all = edits.points;
   std::size_t begin = 0;
   for (const EditMark& mark : edits.marks) {
     const auto states = all.subspan(begin, mark.at - begin);
     begin = mark.at;
-    const bool mayBeTurn = mark.kind == EditMark::Kind::change && !journal.inStroke();
-    if (mayBeTurn && isTurn(journal, states, &Journal::undo, &Journal::redo)) continue;
-    if (mayBeTurn && isTurn(journal, states, &Journal::redo, &Journal::undo)) continue;
-    journal.follow({.points = {states.begin(), states.end()}, .marks = {{states.size(), mark.kind}}});
+    const History::Carriers isThat{
+        .points = [&](std::span<const PointChange> changes) { return isSame(states, changes); }};
+    const bool mayBeUndo = mark.kind == EditMark::Kind::change && !history.inStroke();
+    if (mayBeUndo && (history.undo(isThat) || history.redo(isThat))) continue;
+    history.follow({.points = {states.begin(), states.end()}, .marks = {{states.size(), mark.kind}}});
   }
   // The unfinished stroke at the program's end counts as a stroke.
   const auto rest = all.subspan(begin);
   if (!rest.empty())
-    journal.follow({.points = {rest.begin(), rest.end()}, .marks = {{rest.size(), EditMark::Kind::stroke}}});
+    history.follow({.points = {rest.begin(), rest.end()}, .marks = {{rest.size(), EditMark::Kind::stroke}}});
 }
 
 }  // namespace palpate

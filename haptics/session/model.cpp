@@ -58,7 +58,7 @@ Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
   return modelOf(loading.fetch(config.file, loading.log), config, loading);
 }
 
-// States, journal and index of a point, measured on the CPU; a GPU has its own memory.
+// States, history and index of a point, measured on the CPU; a GPU has its own memory.
 constexpr std::uint64_t kSessionPerPoint_bytes = 130;
 
 Model readModel(const ModelConfig& config, const ModelLoading& loading) {
@@ -109,7 +109,8 @@ Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading
   model.spacing = facts.spacing;
   model.wideSpacing = facts.wideSpacing;
   model.noise = facts.noise;
-  model.upright = {.up = facts.up, .why = "as the server says"};
+  model.upright = {
+      .up = facts.up, .why = "as the server says", .sureness = Sureness::known, .front = frontOf(facts.up)};
   model.shown = facts.extent.bounds;
   model.scale = scaleOf(model, config.mm_per_unit);
   FarPoints far{.cloud = std::move(joined.far),

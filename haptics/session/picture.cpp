@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/edit/journal.hpp"
+#include "engine/edit/history.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/render/frame.hpp"
 #include "haptics/session/framing.hpp"
@@ -19,19 +19,19 @@ void SessionPicture::follow(const EditBatch& batch) {
   }
 }
 
-Image SessionPicture::draw(const Model& model, const Journal* journal, const PictureRequest& request) {
+Image SessionPicture::draw(const Model& model, const History* history, const PictureRequest& request) {
   Frame::checkSize(request.width, request.height);
-  if (drawn_ && journal && journal->points().size() > drawn_->count()) drawn_.reset();
+  if (drawn_ && history && history->points().size() > drawn_->count()) drawn_.reset();
   if (!drawn_) {
     constexpr std::size_t kMinNew = 1 << 16;
-    const std::size_t present = journal ? journal->points().size() : model.cloud.size();
-    const std::size_t spare = journal ? std::max(kMinNew, 2 * present - model.cloud.size()) : 0;
+    const std::size_t present = history ? history->points().size() : model.cloud.size();
+    const std::size_t spare = history ? std::max(kMinNew, 2 * present - model.cloud.size()) : 0;
     drawn_.emplace(sight_, model.cloud,
                    DrawnOptions{.spare = static_cast<std::uint32_t>(spare),
-                                .painted = journal != nullptr,
+                                .painted = history != nullptr,
                                 .spacing = model.spacingOfDiscs(),
-                                .edited = journal != nullptr});
-    if (journal && journal->version() > 0) drawn_->catchUp(journal->points());
+                                .edited = history != nullptr});
+    if (history && history->version() > 0) drawn_->catchUp(history->points());
   }
   drawn_->closeSurface();
   const UpAxis up = model.upright.up;

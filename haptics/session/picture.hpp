@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-class Journal;
+class History;
 
 /// Draws the present points as discs on a GPU. Their copy there is made for the first picture, and follows the edits
 /// afterwards. For one thread, the one that takes the session's edits.
@@ -24,7 +24,7 @@ class SessionPicture {
   void follow(const EditBatch& batch);
   /// of the session, whose edits include all that follow() has received; null if nothing is edited. Throws UsageError
   /// for an invalid picture, OutOfGpuMemory.
-  Image draw(const Model& model, const Journal* journal, const PictureRequest& request);
+  Image draw(const Model& model, const History* history, const PictureRequest& request);
 
  private:
   Device& sight_;

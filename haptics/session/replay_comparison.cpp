@@ -3,17 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
 namespace palpate {
 
 namespace {
 
 bool same(const PointState& a, const PointState& b, const Tolerance& tolerance) {
-  if (a.gone() || b.gone()) return a.gone() == b.gone() && a.number() == b.number();
-  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits are meant
-  if (tolerance.value <= 0) return std::memcmp(&a, &b, sizeof a) == 0;
-  return a.id == b.id && a.color == b.color &&
+  if (a.gone || b.gone) return a.gone == b.gone && a.number == b.number;
+  if (tolerance.value <= 0) return isSameToTheBit(a, b);
+  return a.number == b.number && a.color == b.color &&
          tolerance.scale.toMm(glm::distance(DVec3(a.position), DVec3(b.position))) <= tolerance.value;
 }
 
@@ -23,7 +21,7 @@ std::vector<PointState> editsBetween(const EditBatch& edits, std::uint64_t begin
     return edits.points.begin() + static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(place, edits.points.size()));
   };
   std::vector<PointState> between(at(begin), at(end));
-  std::ranges::stable_sort(between, {}, [](const PointState& state) { return state.number(); });
+  std::ranges::stable_sort(between, {}, [](const PointState& state) { return state.number; });
   return between;
 }
 
@@ -87,8 +85,7 @@ Differences compareTicks(const SessionRun& recorded, const SessionRun& again, st
 std::size_t differingPoints(std::span<const PointState> a, std::span<const PointState> b, const Tolerance& tolerance) {
   std::size_t differing = 0;
   for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
-    const auto id = static_cast<std::uint32_t>(i);
-    const PointState none{.id = id | PointState::kGone};
+    const PointState none{.gone = true, .number = i};
     differing += !same(i < a.size() ? a[i] : none, i < b.size() ? b[i] : none, tolerance);
   }
   return differing;

@@ -34,11 +34,11 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       shared_(takePart()),
       sharedPatience_s_(parts.sharedPatience_s),
       log_(parts.log),
-      relay_(model_->cloud, backend_->edits(),
+      relay_(model_->cloud, backend_->edits(), backend_->shapeStrokes(),
              {.followers = followers(),
               .rate_Hz = shared_ ? kSharedRelay_Hz : kRelay_Hz,
-              .journal = (parts.journal || shared_) && kind_.capabilities().keepsEdits,
-              .undo_bytes = parts.undo_bytes}),
+              .keepsPoints = (parts.keepsPoints || shared_) && kind_.capabilities().keepsEdits,
+              .undo = parts.undo}),
       channel_({.config = config_,
                 .settle =
                     [this] {
@@ -227,21 +227,30 @@ void Session::stop() {
   if (live_) live_->pause();
 }
 
-void Session::pull(const PullOptions& options) {
-  pulled_.emplace(
-      PulledParts{.backend = *backend_,
-                  .config = config_,
-                  .scale = model_->scale,
-                  .known = known(),
-                  .others = {shared(), presence(), backend_->hands(), config_.brush.has_value()},
-                  .takesEdits = options.budget_us == 0 ? relay_.begin(config_.rate_Hz, false) : TickObserver()},
-      options);
+PulledParts Session::pulledParts(const PullOptions& options) {
+  return {.backend = *backend_,
+          .config = config_,
+          .scale = model_->scale,
+          .known = known(),
+          .others = {shared(), presence(), backend_->hands(), config_.brush.has_value()},
+          .takesEdits = options.budget_us == 0 ? relay_.begin(config_.rate_Hz, false) : TickObserver()};
+}
+
+void Session::pull(const PullOptions& options) { pulled_.emplace(pulledParts(options), options); }
+
+void Session::resumePulling(PulledState state) {
+  PulledParts parts = pulledParts(state.options);
+  pulled_.emplace(std::move(parts), std::move(state));
 }
 
 void Session::endPulling() {
   if (!pulled_) return;
   const PulledHands ended = *std::exchange(pulled_, std::nullopt);
   ended.check();
+}
+
+void Session::checkPulling() {
+  if (pulled_ && pulled_->hasFailed()) endPulling();
 }
 
 void Session::finish() {
@@ -260,20 +269,11 @@ void Session::require(Action action, std::string_view what) const {
   if (!can.allow(action)) throw Error("{}: {}", what, can.refusal(action));
 }
 
-StrokeCounts Session::strokes() const {
-  if (const ShapeStrokes* const shape = backend_->shapeStrokes()) return shape->counts();
-  const Journal* const kept = journal();
-  if (!kept) return {};
-  return {.strokes = kept->strokes(),
-          .dropped = kept->undoList().dropped(),
-          .undoCount = kept->undoList().undoCount(),
-          .redoCount = kept->undoList().redoCount(),
-          .version = kept->version()};
-}
+StrokeCounts Session::strokes() const { return history() ? history()->counts() : StrokeCounts{}; }
 
 SculptedCloud Session::sculpted() const {
-  if (const Journal* journal = relay_.journal(); journal && !config_.moves() && !isMoved_)
-    return {editedCloud(model_->cloud, journal->points()), changedPoints(model_->cloud, journal->points())};
+  if (pointHistory() && !config_.moves() && !isMoved_)
+    return {editedCloud(model_->cloud, history()->points()), changedPoints(model_->cloud, history()->points())};
   SculptedCloud sculpted{.cloud = model_->cloud};
   sculpted.edited = backend_->readBack(sculpted.cloud);
   return sculpted;

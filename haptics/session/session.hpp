@@ -34,10 +34,10 @@ inline constexpr double kUnheard_s = 5;
 /// Arguments of a session beside its configuration.
 struct SessionParts {
   const BackendKind& backend;
-  unsigned threads = 0;          ///< on the CPU; 0: one per core
-  bool journal = false;          ///< keeps the edits, for undo, saving and logs, if the back end reports them
-  std::uint64_t undo_bytes = 0;  ///< memory for strokes that can be undone
-  bool paintable = false;        ///< keeps colours for a later brush
+  unsigned threads = 0;      ///< on the CPU; 0: one per core
+  bool keepsPoints = false;  ///< follows the edits of points, for undo, saving and logs, if the back end reports them
+  UndoBudget undo;
+  bool paintable = false;  ///< keeps colours for a later brush
   /// Maximum time that run() and finish() wait for the others, if the model is shared.
   double sharedPatience_s = kSharedPatience_s;
   /// Receives messages about frames that are not fused into the map of a depth camera, and about strokes that were not
@@ -45,7 +45,7 @@ struct SessionParts {
   Log* log = nullptr;
   /// Moves the points, if the configuration does not; must outlive the session. Null: nothing moves them.
   CloudSource* source = nullptr;
-  std::vector<FollowerMaker> followers;  ///< beside the journal and the log
+  std::vector<FollowerMaker> followers;  ///< beside the history and the log
   EngineChoices engine;                  ///< of benches
 };
 
@@ -108,9 +108,11 @@ class Session {
   BridgedTicks bridged() const noexcept { return backend_->bridged(); }
   /// Controls the simulation of the model; null if it is not simulated. Thread-safe.
   SimulationControl* simulation() const { return backend_->simulation(); }
-  /// Null if no journal is kept.
-  Journal* journal() { return relay_.journal(); }
-  const Journal* journal() const { return relay_.journal(); }
+  /// What was changed; null if nothing is followed.
+  History* history() { return relay_.history(); }
+  const History* history() const { return relay_.history(); }
+  /// The same; null also if it does not follow the points (SessionParts::keepsPoints).
+  const History* pointHistory() const { return relay_.keepsPoints() ? relay_.history() : nullptr; }
 
   // Run: along paths.
 
@@ -124,9 +126,9 @@ class Session {
   void setSharedPatience(double timeout_s) { sharedPatience_s_ = timeout_s; }
   /// Lets the followers take the edits so far. Throws what taking them throws.
   void catchUp() { relay_.catchUp(); }
-  /// Ends the thread that takes the edits; the journal stays as it is, edits may be missing.
+  /// Ends the thread that takes the edits; the history stays as it is, edits may be missing.
   void abandonEdits() { relay_.stop(); }
-  /// Edits taken last, if there is a journal.
+  /// Edits taken last, if there is a history.
   const EditBatch& lastEdits() const { return relay_.batch(); }
   /// Throws the failure of a follower, which has not followed since; call it once everything else is saved.
   void checkFollower() const { relay_.checkFollower(); }
@@ -192,6 +194,12 @@ class Session {
   void lift() noexcept {
     if (pulled_) pulled_->lift();
   }
+  /// Begins as the session whose state this is, with its contacts and forces. Throws Error for other tools.
+  void resumePulling(PulledState state);
+  /// Empty unless it is pulled. After finish(). Throws errors of earlier queries.
+  std::optional<PulledState> pulledState() const { return pulled_ ? std::optional(pulled_->state()) : std::nullopt; }
+  /// Before a command, with which it goes on. Ends if taking edits has failed, and throws that failure.
+  void checkPulling();
   /// Ends. Throws the failure of taking edits, if there was one.
   void endPulling();
 
@@ -210,17 +218,17 @@ class Session {
   /// Repeats a command of a session log.
   void repeat(const LoggedCommand& command);
   /// After finish(), or live: undoes and redoes strokes of the points, or of the rest shape of a soft body. Throws if
-  /// the back end fails; the journal then matches the points.
+  /// the back end fails; the history then matches the points.
   UndoneStrokes undo(std::size_t strokes, std::size_t redo);
-  /// Strokes of the points, or of that shape; zeros without a journal.
+  /// Strokes of the points, or of that shape; zeros without a history.
   StrokeCounts strokes() const;
-  /// The present points: from the journal, if there is one and nothing moves, else from the back end, between ticks.
+  /// The present points: from the history, if there is one and nothing moves, else from the back end, between ticks.
   SculptedCloud sculpted() const;
 
   /// Begins a session log: before a run, with its rate and clock as in `run`; or in a live session, in contact or not,
   /// whose points have not been edited. `hand`: the first one. `onFault` is called at once, on the log's thread, with
   /// what cannot be written; without it SessionRecording::takeFault() returns that. Throws FileError, and Error if no
-  /// journal is kept.
+  /// history is kept.
   void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {}, const RunOptions& run = {});
   SessionRecording* recording() const { return channel_.recording(); }
   /// Ends the log and records how the session ended. Throws FileError if not everything could be written, unless
@@ -273,6 +281,7 @@ class Session {
   std::vector<HandSpring> springs(std::span<const OpenHand> hands) const;
   std::unique_ptr<SharedFollower> takePart();
   std::unique_ptr<SessionRecording> releaseRecording();
+  PulledParts pulledParts(const PullOptions& options);
   void takeEdits();
   std::string textFor(const SessionConfig& config) const;
   bool settleFar(double timeout_s);

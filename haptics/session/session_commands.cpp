@@ -69,6 +69,7 @@ void Session::setContact(const SurfaceConfig& surface, const ForceOptions& force
   if (isSame && !simulation() && channel_.isFree()) {
     const auto tick = channel_.post([&next](RunningLoop& loop) noexcept { return loop.setForce(next.force); });
     config_ = std::move(next);
+    if (pulled_) pulled_->setForce(config_.force);
     if (tick) channel_.add(*tick, {.kind = LoggedCommand::Kind::contact, .content = std::move(text)});
     return;
   }
@@ -76,6 +77,7 @@ void Session::setContact(const SurfaceConfig& surface, const ForceOptions& force
     if (!isSame) backend_->setContact(next.surface.kind, next.surface.friction, kind_.methodOf(next.backend));
     config_ = std::move(next);
     if (live_ && simulation()) backend_->begin(true, springs(live_->hands()));
+    if (pulled_) pulled_->setForce(config_.force);
     channel_.note(LoggedCommand::Kind::contact, std::move(text));
   });
 }
@@ -103,12 +105,8 @@ void Session::setFrames(Frames frames) {
 UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
   require(Action::undo, "undo");
   return between([&] {
-    ShapeStrokes* const shape = backend_->shapeStrokes();
-    if (!shape && !journal()) throw Error("a session without a journal has no strokes to undo");
-    const UndoneStrokes done =
-        shape ? undoStrokes(*shape, strokes, redo)
-              : undoStrokes(
-                    *backend_->edits(), *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);
+    if (!history()) throw Error("a session without a history has no strokes to undo");
+    const UndoneStrokes done = relay_.undo(strokes, redo);
     if (done.undone > 0) channel_.note(LoggedCommand::Kind::undo, std::to_string(done.undone));
     if (done.redone > 0) channel_.note(LoggedCommand::Kind::redo, std::to_string(done.redone));
     return done;
@@ -124,7 +122,8 @@ std::shared_ptr<PlayedStream> Session::releaseStream(double time_s) {
 
 void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault, const RunOptions& run) {
   require(Action::record, file);
-  if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
+  if (!pointHistory())
+    throw Error("{}: a session without a history cannot be recorded; its end would not be known", file);
   SessionConfig config = config_;
   config.realtime = config.realtime || run.realtime;
   if (run.rate_Hz > 0) config.rate_Hz = run.rate_Hz;
@@ -155,7 +154,7 @@ std::unique_ptr<SessionRecording> Session::releaseRecording() {
 
 void Session::endRecording() {
   const std::unique_ptr<SessionRecording> ended = releaseRecording();
-  if (ended) ended->finish(checksumOf(model_->cloud.origin, journal()->points()));
+  if (ended) ended->finish(checksumOf(model_->cloud.origin, history()->points()));
 }
 
 void Session::repeat(const LoggedCommand& command) {

@@ -4,8 +4,11 @@
 #include <charconv>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <vector>
 
+#include "engine/core/characters.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/packed_state.hpp"
 
 namespace palpate {
 
@@ -24,6 +27,17 @@ std::uint64_t fromHex(const std::string& text) {
   const auto [last, error] = std::from_chars(text.data(), end, value, 16);
   if (error != std::errc() || last != end) throw std::invalid_argument("'" + text + "' is not a checksum");
   return value;
+}
+
+// A file name that may not be UTF-8, which JSON cannot represent, also as its bytes.
+void putBytes(Json& json, const char* key, const std::string& name) {
+  if (std::ranges::count(charactersOf(name), U'\uFFFD') > 0)
+    json[key] = std::vector<unsigned char>(name.begin(), name.end());
+}
+void readBytes(const Json& json, const char* key, std::string& name) {
+  if (!json.contains(key)) return;
+  const auto bytes = json.at(key).get<std::vector<unsigned char>>();
+  name.assign(bytes.begin(), bytes.end());
 }
 
 Json deviceOf(const RecordedSession& session) {
@@ -62,7 +76,7 @@ void readDevice(const Json& device, RecordedSession& session) {
 // Maximum number of states that a log lacks: as its gaps state, or have room for.
 std::uint64_t mostMissingEdits(const SessionRecord& record) {
   std::uint64_t most = 0;
-  for (const LogGap& gap : record.gaps) most += gap.states.value_or((gap.end - gap.begin) / sizeof(PointState));
+  for (const LogGap& gap : record.gaps) most += gap.states.value_or((gap.end - gap.begin) / sizeof(PackedState));
   return most;
 }
 
@@ -79,8 +93,12 @@ std::string headerText(const RecordedSession& session) {
             {"built", Json::parse(configText(session.built))},
             {"paintable", session.paintable},
             {"device", deviceOf(session)}};
-  if (!session.document.empty()) json["document"] = std::filesystem::absolute(session.document).string();
-  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);  // a file name may be no UTF-8
+  const std::string document =
+      session.document.empty() ? std::string() : std::filesystem::absolute(session.document).string();
+  if (!document.empty()) json["document"] = document;
+  putBytes(json, "model_bytes", config.model.file);
+  putBytes(json, "document_bytes", document);
+  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);  // those names
 }
 
 RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text) {
@@ -98,6 +116,8 @@ RecordedSession parseHeader(const std::filesystem::path& log, const std::string&
                             .machine = json.at("machine").get<std::string>(),
                             .palpate = json.at("palpate").get<std::string>()};
     readDevice(json.at("device"), session);
+    readBytes(json, "model_bytes", session.config.model.file);
+    readBytes(json, "document_bytes", session.document);
     return session;
   } catch (const std::exception& error) {  // from JSON or from the configuration
     throw FileError(log, fmt::format("does not say how to run the session again ({}); was it written by another "
@@ -109,9 +129,9 @@ RecordedSession parseHeader(const std::filesystem::path& log, const std::string&
 void requireEditsOf(const std::filesystem::path& log, std::size_t points, const SessionRecord& record) {
   const std::size_t most = points + record.edits.points.size() + mostMissingEdits(record);
   for (const PointState& state : record.edits.points)
-    if (state.number() >= most || state.parent >= most)
+    if (state.number >= most || state.parent >= most)
       throw FileError(log, fmt::format("is damaged: it refers to point {}, but with all its edits there are only {}",
-                                       std::max(state.number(), state.parent), most));
+                                       std::max(state.number, state.parent), most));
 }
 
 void TickTap::ticked(const TraceRow& row, const DeviceState& device) noexcept {

@@ -93,11 +93,15 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
   const ModelLoading loading{.log = parts.log, .threads = parts.threads, .estimate = kind.normalEstimator()};
   recorded.model = isHere ? modelOf(*parts.cloud, model, loading) : loadModel(model, loading);
   recorded.scale = recorded.model.scale;
+  const std::string points = counted(recorded.model.cloud.size(), "point");
+  if (isHere && recorded.model.cloud.size() != recorded.session.points)
+    throw UsageError("cloud: has {}, the model of the session had {}", points, recorded.session.points);
   if (recorded.model.cloud.size() != recorded.session.points)
-    throw FileError(model.file,
-                    fmt::format("has {}, the model of the session had {}; name the right model with {}",
-                                counted(recorded.model.cloud.size(), "point"), recorded.session.points, parts.naming));
-  if (checksumOf(recorded.model) != recorded.session.checksum)
+    throw FileError(model.file, fmt::format("has {}, the model of the session had {}; name the right model with {}",
+                                            points, recorded.session.points, parts.naming));
+  const bool isSame = checksumOf(recorded.model) == recorded.session.checksum;
+  if (!isSame && isHere) throw UsageError("cloud: its points differ from those of the session");
+  if (!isSame)
     throw FileError(
         model.file,
         fmt::format("has changed since the session: its points differ; name the right model with {}", parts.naming));
@@ -125,8 +129,8 @@ SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
       config, std::move(recorded.model),
       {.backend = parts.backends.named(config.backend.name),
        .threads = parts.threads,
-       .journal = true,
-       .undo_bytes = std::max(undoBytes(config.undo), undoOf(record)),
+       .keepsPoints = true,
+       .undo = {std::max(undoBytes(config.undo), undoOf(record))},
        .paintable = recorded.session.paintable,
        .log = &parts.log,
        .followers = {[&](const Model&, TouchBackend&) { return std::make_unique<EditCollector>(again.edits); }}});
@@ -150,8 +154,13 @@ SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
   session.finish();
   if (record.end) session.undo(config.undo.undo, config.undo.redo);
   session.checkFollower();
-  again.points.assign(session.journal()->points().begin(), session.journal()->points().end());
+  again.points.assign(session.history()->points().begin(), session.history()->points().end());
   return again;
+}
+
+std::string reasonOf(const ReplayOutcome& outcome, const Recorded& recorded) {
+  if (outcome.differences.ends || !outcome.comparable.because.empty()) return outcome.comparable.because;
+  return recorded.record.end ? "a part of the log is missing" : "the log does not contain the end of the session";
 }
 
 ReplayOutcome compareRuns(const Recorded& recorded, const SessionAgain& again, double tolerance) {

@@ -1,5 +1,7 @@
 #include "haptics/session/tick_feed.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/core/processor.hpp"
@@ -33,7 +35,13 @@ void TickFeed::take(std::vector<TraceRow>& rows) {
   taken_.store(taken, std::memory_order_release);
 }
 
-void TickHistory::add(const std::vector<TraceRow>& rows) {
+double RecentTicks::onTime_percent() const {
+  if (ticks_ == 0) return 100;
+  const double share = 1 - static_cast<double>(missed_) / static_cast<double>(ticks_);
+  return std::max(0.0, std::floor(1000 * share) / 10);
+}
+
+void RecentTicks::add(const std::vector<TraceRow>& rows) {
   for (const TraceRow& row : rows) {
     ++ticks_;
     missed_ += row.missed;

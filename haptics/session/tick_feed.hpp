@@ -36,7 +36,7 @@ class TickFeed final : public TickRecorder {
 };
 
 /// Statistics and curves of the ticks so far, for display.
-class TickHistory {
+class RecentTicks {
  public:
   /// Maximum number of rows kept for curves and CSV: the last ones.
   static constexpr std::size_t kKept = 60'000;
@@ -46,6 +46,8 @@ class TickHistory {
   const std::deque<TraceRow>& rows() const { return rows_; }
   std::uint64_t ticks() const { return ticks_; }
   std::uint64_t missed() const { return missed_; }
+  /// Share of the ticks that were on time, rounded down to a tenth: 100 only if none was late.
+  double onTime_percent() const;
   const TickHistogram& step_us() const { return step_us_; }
   /// Whether the last row, if there is one, is of a tick in contact.
   bool inContact() const { return !rows_.empty() && rows_.back().contact; }

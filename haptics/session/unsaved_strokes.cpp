@@ -111,7 +111,7 @@ EditBatch UnsavedStrokes::snapshot(const PointStates& points) const {
   const std::vector<PointState> before = statesOf(model_.cloud);
   EditBatch all;
   for (const PointState& state : points)
-    if (state.number() >= before.size() || !(before[state.number()] == state)) all.points.push_back(state);
+    if (state.number >= before.size() || !(before[state.number] == state)) all.points.push_back(state);
   all.marks.push_back({all.points.size(), EditMark::Kind::change});
   return all;
 }

@@ -20,7 +20,7 @@
 
 namespace palpate {
 
-class Journal;
+class History;
 class PointStates;
 struct Model;
 struct ModelConfig;
@@ -89,8 +89,8 @@ struct LeftStrokes {
 /// Folders that cannot be read are renamed and reported to `say`.
 std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
                                      const std::function<void(const std::string&)>& say);
-/// Applies recorded edits to a journal of the model, undone and redone strokes included.
-void followAgain(Journal& journal, const EditBatch& edits);
+/// Applies recorded edits to a history of the model, undone and redone strokes included.
+void followAgain(History& history, const EditBatch& edits);
 
 /// Keeps the strokes of a session. It does not delay the caller: files are made and written on other threads. All but
 /// keepModel() is for one thread.

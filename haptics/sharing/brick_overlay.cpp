@@ -35,7 +35,7 @@ void BrickOverlay::settle(std::span<const std::uint32_t> points) {
 
 void BrickOverlay::make(std::span<const PointChange> changes) {
   for (const PointChange& change : changes) {
-    const std::uint32_t point = change.to.number();
+    const std::uint32_t point = change.to.number;
     const auto [own, isFirst] = own_.try_emplace(point, Own{.state = change.from, .came = keyOf(change.from)});
     if (isFirst)
       touched_.insert(own->second.came = cameIn(point, own->second.came));
@@ -57,16 +57,16 @@ BrickKey BrickOverlay::cameIn(std::uint32_t point, BrickKey where) const {
 }
 
 void BrickOverlay::stand(const PointState& state) {
-  if (state.gone()) return;
+  if (state.gone) return;
   const BrickKey key = keyOf(state);
-  standing_[key].insert(state.number());
+  standing_[key].insert(state.number);
   touched_.insert(key);
 }
 
 void BrickOverlay::leave(const PointState& state) {
-  if (state.gone()) return;
+  if (state.gone) return;
   const auto there = standing_.find(keyOf(state));
-  there->second.erase(state.number());
+  there->second.erase(state.number);
   touched_.insert(there->first);
   if (there->second.empty()) standing_.erase(there);
 }

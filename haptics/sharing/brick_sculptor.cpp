@@ -94,7 +94,7 @@ void BrickSculptor::measureSpacings(CpuSculpture& sculpture) {
   for (std::uint32_t i = 0; i < work_.points.size(); ++i) {
     const DVec3 away = DVec3(work_.points[i].position) - work_.brush->center();
     if (std::max({std::abs(away.x), std::abs(away.y), std::abs(away.z)}) >= 2 * reach) continue;
-    if (const auto known = work_.spacings.find(work_.points[i].number()); known != work_.spacings.end()) {
+    if (const auto known = work_.spacings.find(work_.points[i].number); known != work_.spacings.end()) {
       spacings[i] = known->second;
     } else {
       unknown.push_back(i);
@@ -104,7 +104,7 @@ void BrickSculptor::measureSpacings(CpuSculpture& sculpture) {
   if (!isAnySoon) unknown.clear();
   for (const std::uint32_t i : unknown) spacings[i] = 0;
   sculpture.setSpacings(std::move(spacings));
-  for (const std::uint32_t i : unknown) work_.spacings[work_.points[i].number()] = sculpture.points().spacings[i];
+  for (const std::uint32_t i : unknown) work_.spacings[work_.points[i].number] = sculpture.points().spacings[i];
 }
 
 void BrickSculptor::edit() {
@@ -124,7 +124,7 @@ void BrickSculptor::edit() {
                            {.radius = radius_, .threads = 1, .measures = false});
     measureSpacings(sculpture);
     for (std::uint32_t i = 0; i < work_.points.size(); ++i)
-      if (const auto kept = work_.kept.find(work_.points[i].number()); kept != work_.kept.end())
+      if (const auto kept = work_.kept.find(work_.points[i].number); kept != work_.kept.end())
         sculpture.keep(i, kept->second);
     sculpture.edit(brush);
     work_.measure = sculpture.measure();
@@ -132,13 +132,12 @@ void BrickSculptor::edit() {
     for (const std::uint32_t number : sculpture.changed()) {
       const PointState& from = work_.points[number];
       PointState to = sculpture.points().state(number);
-      to.id = from.number() | (to.id & PointState::kGone);
-      to.parent = from.number();
+      to.number = to.parent = from.number;
       work_.changes.push_back({.from = from, .to = to});
-      work_.ever.insert(from.number());
+      work_.ever.insert(from.number);
     }
     for (std::uint32_t i = 0; i < work_.points.size(); ++i)
-      if (sculpture.points().strokes[i] == brush.stroke()) work_.kept[work_.points[i].number()] = sculpture.kept(i);
+      if (sculpture.points().strokes[i] == brush.stroke()) work_.kept[work_.points[i].number] = sculpture.kept(i);
   }
   if (!work_.changes.empty()) work_.version = source_.make(work_.changes);
   work_.time_us = watch.elapsed_us();

@@ -185,7 +185,7 @@ void BrickServer::follow() {
   while (parts_.points.isBehind(place_)) {
     states_.clear();
     parts_.points.collect(place_, Id{}, kAtOnce, states_);
-    for (const PointState& state : states_) bricks_.follow(state.number());
+    for (const PointState& state : states_) bricks_.follow(state.number);
   }
 }
 

@@ -128,7 +128,7 @@ void BrickSource::pointsIn(const DVec3& low, const DVec3& high, std::vector<Poin
     for (std::size_t i = 0; i < brick.size(); ++i)
       if (isIn(brick.positions[i]))
         points.push_back({.position = brick.positions[i],
-                          .id = brick.ids[i],
+                          .number = brick.ids[i],
                           .normal = brick.normals[i],
                           .color = brick.colors.empty() ? 0 : brick.colors[i],
                           .parent = brick.ids[i]});

@@ -210,7 +210,7 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
       if (heard == EditExchange::Heard::gap) again = true;
       if (heard != EditExchange::Heard::taken) return;
       lastCame = {};
-      for (const PointState& state : come) states[state.number()] = state;
+      for (const PointState& state : come) states[state.number] = state;
       isWhole = isWhole || result.upTo == result.head;
     });
     if (lastCame.elapsed_s() > options.timeout_s)

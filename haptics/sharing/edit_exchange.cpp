@@ -1,22 +1,10 @@
 #include "haptics/sharing/edit_exchange.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include "engine/core/check.hpp"
 
 namespace palpate::sharing {
-
-namespace {
-
-// Compares bits, as the digest does: zero has two signs.
-bool isSameToTheBit(const PointState& a, const PointState& b) {
-  static_assert(sizeof(PointState) == 36);  // no padding
-  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits are meant
-  return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
-}  // namespace
 
 EditExchange::EditExchange(std::vector<PointState> points, std::size_t mostOffered)
     : shown_(std::move(points)), mostOffered_(mostOffered), digest_(shown_) {
@@ -24,15 +12,15 @@ EditExchange::EditExchange(std::vector<PointState> points, std::size_t mostOffer
 }
 
 void EditExchange::set(const PointState& state) {
-  PALPATE_CHECK_LT(state.number(), shown_.size());
-  PointState& shown = shown_[state.number()];
+  PALPATE_CHECK_LT(state.number, shown_.size());
+  PointState& shown = shown_[state.number];
   digest_.replace(shown, state);
   shown = state;
 }
 
 // It comes after all known edits of others, including those in flight to the back end.
 void EditExchange::made(const PointState& state) {
-  const std::uint32_t point = state.number();
+  const std::uint32_t point = state.number;
   set(state);
   waiting_.erase(point);
   if (inFlight_.contains(point)) overtaken_[point] = state;
@@ -41,7 +29,7 @@ void EditExchange::made(const PointState& state) {
 
 void EditExchange::received(std::span<const PointState> states) {
   for (const PointState& state : states) {
-    const std::uint32_t point = state.number();
+    const std::uint32_t point = state.number;
     const auto given = inFlight_.find(point);
     PALPATE_CHECK(given != inFlight_.end());
     set(given->second);  // as offered: the back end may store less of it
@@ -85,7 +73,7 @@ std::span<const PointChange> EditExchange::nextOffer() {
        next = waiting_.erase(next)) {
     const auto& [point, state] = *next;
     // Of a removed point only the removal counts; the back end keeps its other values of that moment.
-    if (isSameToTheBit(shown_[point], state) || (shown_[point].gone() && state.gone())) continue;
+    if (isSameToTheBit(shown_[point], state) || (shown_[point].gone && state.gone)) continue;
     offer_.push_back({.from = shown_[point], .to = state});
     inFlight_.emplace(point, state);
   }
@@ -100,7 +88,7 @@ EditExchange::Heard EditExchange::hear(const Results& results) {
   hasHeard_ = true;
   outbox_.taken(results.acked);
   for (const PointState& state : results.states) {
-    const std::uint32_t point = state.number();
+    const std::uint32_t point = state.number;
     PALPATE_CHECK_LT(point, shown_.size());
     // The hand's edit in flight to the server comes after it.
     if (outbox_.holds(point)) continue;

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "engine/core/checksum.hpp"
+#include "engine/core/packed_state.hpp"
 
 namespace palpate::sharing {
 
@@ -87,7 +88,7 @@ std::string printable(const char* text) {
 }
 
 State stateOf(const PointState& point) {
-  State state{.id = point.id, .color = point.color};
+  State state{.id = packedState(point).id, .color = point.color};
   for (int axis = 0; axis < 3; ++axis) {
     state.position[axis] = point.position[axis];
     state.normal[axis] = point.normal[axis];
@@ -96,11 +97,11 @@ State stateOf(const PointState& point) {
 }
 
 PointState pointOf(const State& state) {
-  return {.position = Vec3(state.position[0], state.position[1], state.position[2]),
-          .id = state.id,
-          .normal = Vec3(state.normal[0], state.normal[1], state.normal[2]),
-          .color = state.color,
-          .parent = state.id & ~PointState::kGone};
+  return palpate::stateOf({.position = Vec3(state.position[0], state.position[1], state.position[2]),
+                           .id = state.id,
+                           .normal = Vec3(state.normal[0], state.normal[1], state.normal[2]),
+                           .color = state.color,
+                           .parent = state.id & ~PackedState::kGone});
 }
 
 std::uint64_t checksumOf(const PointCloud& cloud) {

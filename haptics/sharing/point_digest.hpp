@@ -4,7 +4,7 @@
 #include <span>
 
 #include "engine/core/checksum.hpp"
-#include "engine/core/point_state.hpp"
+#include "engine/core/packed_state.hpp"
 
 namespace palpate::sharing {
 
@@ -19,11 +19,11 @@ class PointDigest {
   std::uint64_t value() const { return sum_; }
 
  private:
-  // A removed point contributes only its id.
+  // A removed point contributes only its number.
   static std::uint64_t of(const PointState& point) {
     Checksum sum;
-    sum.addValue(point.id);
-    if (!point.gone()) {
+    sum.addValue(packedState(point).id);
+    if (!point.gone) {
       for (int axis = 0; axis < 3; ++axis) sum.addValue(point.position[axis]);
       for (int axis = 0; axis < 3; ++axis) sum.addValue(point.normal[axis]);
       sum.addValue(point.color);

@@ -225,7 +225,7 @@ std::vector<std::uint8_t> rosDataOf(std::span<const PointState> points, const DV
   std::vector<std::uint8_t> data(points.size() * kRosPointStep);
   std::uint8_t* to = data.data();
   for (const PointState& point : points) {
-    if (point.gone()) continue;
+    if (point.gone) continue;
     const Vec3 place((origin + DVec3(point.position)) * (mm_per_unit * kMetresPerMm));
     const std::uint32_t c = point.color;  // red in the lowest byte; in ROS blue is
     const std::uint32_t rgb = c == 0 ? kUnpaintedRgb : (c & 0xff) << 16 | (c & 0xff00) | (c >> 16 & 0xff);

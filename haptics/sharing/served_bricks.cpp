@@ -33,7 +33,7 @@ void ServedBricks::build(std::span<const PointState> points) {
   bricks_.clear();
   keys_.assign(points.size(), kNowhere);
   for (std::uint32_t id = 0; id < points.size(); ++id) {
-    if (points[id].gone()) continue;
+    if (points[id].gone) continue;
     keys_[id] = keyOf(points[id]);
     bricks_[keys_[id]].ids.push_back(id);
   }
@@ -41,7 +41,7 @@ void ServedBricks::build(std::span<const PointState> points) {
 }
 
 void ServedBricks::follow(std::uint32_t id) {
-  const BrickKey was = keys_[id], is = points_[id].gone() ? kNowhere : keyOf(points_[id]);
+  const BrickKey was = keys_[id], is = points_[id].gone ? kNowhere : keyOf(points_[id]);
   keys_[id] = is;
   ++version_;
   if (was != kNowhere) {

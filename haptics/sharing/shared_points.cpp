@@ -15,7 +15,7 @@ constexpr float kLongestNormal = 1.01F;
 }  // namespace
 
 bool isWhole(const PointState& state, std::size_t points) {
-  return state.number() < points && isFinite(DVec3(state.position)) && glm::length(state.normal) < kLongestNormal;
+  return state.number < points && isFinite(DVec3(state.position)) && glm::length(state.normal) < kLongestNormal;
 }
 
 SharedPoints::SharedPoints(std::vector<PointState> points)
@@ -36,7 +36,7 @@ SharedPoints::Taken SharedPoints::take(const Id& client, std::uint64_t number, s
   if (own.number == 0) own.number = static_cast<std::uint32_t>(clients_.size());
   own.last = number;
   for (const PointState& state : states) {
-    const std::uint32_t point = state.number();
+    const std::uint32_t point = state.number;
     digest_.replace(points_[point], state);
     points_[point] = state;
     points_[point].parent = point;

@@ -1,5 +1,6 @@
 #include "haptics/sharing/stroke_journal.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -7,6 +8,7 @@
 
 #include "engine/core/checksum.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/packed_state.hpp"
 #include "engine/core/system_file.hpp"
 
 namespace palpate::sharing {
@@ -29,11 +31,11 @@ struct Head {  // of a piece; its states follow
   std::uint64_t checksum = 0;  // of the whole piece, with this field 0
 };
 static_assert(sizeof(Head) == 40);
-static_assert(sizeof(PointState) == 36);
+static_assert(sizeof(PackedState) == 36);
 
 constexpr std::uint64_t kMaxStates = 1024;  // per piece
 
-std::uint64_t checksumOf(Head head, std::span<const PointState> states) {
+std::uint64_t checksumOf(Head head, std::span<const PackedState> states) {
   head.checksum = 0;
   Checksum sum;
   sum.add(std::as_bytes(std::span(&head, 1)));
@@ -78,20 +80,23 @@ void StrokeJournal::goOn(std::uint64_t points, std::uint64_t checksum, const std
                                 header.points));
   session_ = header.session;
   std::uint64_t at = sizeof header;
+  std::vector<PackedState> entries;
   std::vector<PointState> states;
   while (size - at >= sizeof(Head)) {
     Head head;
     if (std::fread(&head, sizeof head, 1, stream) != 1) throw FileError::atByte(file_, at, "cannot be read");
     if (head.states == 0 || head.states > kMaxStates)
       throw FileError::atByte(file_, at, "is damaged: not a piece of a stroke");
-    const std::uint64_t bytes = head.states * sizeof(PointState);
+    const std::uint64_t bytes = head.states * sizeof(PackedState);
     if (size - at - sizeof head < bytes) break;
-    states.resize(head.states);
-    if (std::fread(states.data(), bytes, 1, stream) != 1) throw FileError::atByte(file_, at, "cannot be read");
-    if (checksumOf(head, states) != head.checksum) {
+    entries.resize(head.states);
+    if (std::fread(entries.data(), bytes, 1, stream) != 1) throw FileError::atByte(file_, at, "cannot be read");
+    if (checksumOf(head, entries) != head.checksum) {
       if (at + sizeof head + bytes == size) break;
       throw FileError::atByte(file_, at, "is damaged: a piece of a stroke has a wrong checksum");
     }
+    states.resize(entries.size());
+    std::ranges::transform(entries, states.begin(), [](const PackedState& entry) { return palpate::stateOf(entry); });
     take({.client = head.client, .number = head.number, .states = states});
     ++pieces_;
     at += sizeof head + bytes;
@@ -112,10 +117,12 @@ void StrokeJournal::write(std::span<const std::byte> bytes) {
 
 void StrokeJournal::add(const Piece& piece) {
   Head head{.client = piece.client, .number = piece.number, .states = piece.states.size()};
-  head.checksum = checksumOf(head, piece.states);
-  std::vector<std::byte> bytes(sizeof head + piece.states.size_bytes());
+  std::vector<PackedState> entries(piece.states.size());
+  std::ranges::transform(piece.states, entries.begin(), [](const PointState& state) { return packedState(state); });
+  head.checksum = checksumOf(head, entries);
+  std::vector<std::byte> bytes(sizeof head + entries.size() * sizeof(PackedState));
   std::memcpy(bytes.data(), &head, sizeof head);
-  std::memcpy(bytes.data() + sizeof head, piece.states.data(), piece.states.size_bytes());
+  std::memcpy(bytes.data() + sizeof head, entries.data(), bytes.size() - sizeof head);
   write(bytes);
   ++pieces_;
 }

@@ -11,7 +11,7 @@ constexpr std::size_t kMaxUnackedPieces = 4096;  // meanwhile edits are merged, 
 }  // namespace
 
 void StrokeOutbox::add(const PointState& state) {
-  if (queued_.insert_or_assign(state.number(), state).second) queue_.push_back(state.number());
+  if (queued_.insert_or_assign(state.number, state).second) queue_.push_back(state.number);
 }
 
 const StrokePiece* StrokeOutbox::nextPiece(std::size_t most) {
@@ -36,10 +36,10 @@ std::vector<std::uint32_t> StrokeOutbox::taken(std::uint64_t upTo) {
   std::vector<std::uint32_t> settled;
   while (!unacked_.empty() && unacked_.front().number <= upTo) {
     for (const PointState& state : unacked_.front().states) {
-      const auto own = pending_.find(state.number());
+      const auto own = pending_.find(state.number);
       if (own == pending_.end() || own->second != unacked_.front().number) continue;
       pending_.erase(own);
-      if (!queued_.contains(state.number())) settled.push_back(state.number());
+      if (!queued_.contains(state.number)) settled.push_back(state.number);
     }
     unacked_.pop_front();
     if (toSend_ > 0) --toSend_;
