@@ -10,7 +10,7 @@
 #
 # The header of a patch has three lines before the diff:
 #   Mutation: one sentence that describes the bug
-#   File: the test file, e.g. tests/edit/journal_test.cpp or tests/python/test_sessions.py
+#   File: the test file, e.g. tests/edit/history_test.cpp or tests/python/test_sessions.py
 #   Case: the exact name of a case of doctest (with a * at its end for the cases of a template), or of a function of
 #         pytest
 set -euo pipefail

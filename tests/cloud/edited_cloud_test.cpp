@@ -43,7 +43,7 @@ TEST_CASE("an unchanged cloud is written byte by byte as it was read") {
   const ScratchFolder folder;
   const PointCloud cloud = richCloud();
   auto points = statesOf(cloud);
-  points.push_back({.id = 100 | PointState::kGone, .parent = 5});  // inserted and removed again
+  points.push_back({.gone = true, .number = 100, .parent = 5});  // inserted and removed again
   CHECK(changedPoints(cloud, points) == 0);
   writePly(folder / "a.ply", cloud);
   writePly(folder / "b.ply", editedCloud(cloud, points));
@@ -53,11 +53,11 @@ TEST_CASE("an unchanged cloud is written byte by byte as it was read") {
 TEST_CASE("removed points are left out, and new ones are appended with their parents' properties") {
   const PointCloud cloud = richCloud();
   auto points = statesOf(cloud);
-  points[3].id |= PointState::kGone;
+  points[3].gone = true;
   points[7].position.z += 1;
-  points.push_back({.position = {1, 2, 3}, .id = 100, .normal = {1, 0, 0}, .parent = 3});
-  points.push_back({.position = {4, 5, 6}, .id = 101 | PointState::kGone, .parent = 50});
-  points.push_back({.position = {7, 8, 9}, .id = 102, .normal = {0, 1, 0}, .parent = 101});
+  points.push_back({.position = {1, 2, 3}, .number = 100, .normal = {1, 0, 0}, .parent = 3});
+  points.push_back({.position = {4, 5, 6}, .gone = true, .number = 101, .parent = 50});
+  points.push_back({.position = {7, 8, 9}, .number = 102, .normal = {0, 1, 0}, .parent = 101});
   CHECK(changedPoints(cloud, points) == 4);
   const PointCloud edited = editedCloud(cloud, points);
   REQUIRE(edited.size() == 101);
@@ -95,7 +95,7 @@ TEST_CASE("a cloud without remaining points is written and read") {
   const ScratchFolder folder;
   const PointCloud cloud = richCloud();
   auto points = statesOf(cloud);
-  for (PointState& point : points) point.id |= PointState::kGone;
+  for (PointState& point : points) point.gone = true;
   CHECK(changedPoints(cloud, points) == 100);
   writePly(folder / "none.ply", editedCloud(cloud, points));
   CHECK(readPly(folder / "none.ply").empty());

@@ -228,8 +228,7 @@ TEST_CASE("the nearest point is that of a pass over all points, at any distance,
     const bool stays = i / kPerPiece == 1 || (i / kPerPiece == 2 && i % 2 == 0);
     if (i / kPerPiece == 1) cloud.positions[i] += Vec3(30, -20, 10);
     there[i] = stays;
-    states.push_back(
-        {.position = cloud.positions[i], .id = i | (stays ? 0 : PointState::kGone), .normal = cloud.normals[i]});
+    states.push_back({.position = cloud.positions[i], .gone = !stays, .number = i, .normal = cloud.normals[i]});
   }
   index.follow(states);
   judge();
@@ -243,7 +242,7 @@ TEST_CASE("an index that follows edits answers as one of the edited points, to t
   std::vector<std::uint8_t> there(edited.size(), 1);
   std::vector<PointState> states;
   const auto put = [&](std::uint32_t number, const Vec3& position, bool exists) {
-    states.push_back({.position = position, .id = number | (exists ? 0 : PointState::kGone), .normal = Vec3(0, 0, 1)});
+    states.push_back({.position = position, .gone = !exists, .number = number, .normal = Vec3(0, 0, 1)});
     if (number == edited.size()) {
       edited.positions.emplace_back();
       edited.normals.emplace_back();

@@ -7,7 +7,7 @@
 namespace palpate::edit_queue_test {
 namespace {
 
-PointState numbered(std::uint64_t number) { return {.id = static_cast<std::uint32_t>(number)}; }
+PointState numbered(std::uint64_t number) { return {.number = static_cast<std::uint32_t>(number)}; }
 
 }  // namespace
 
@@ -39,7 +39,7 @@ TEST_CASE("a reader of an edit queue gets all edits in order, each group with it
   EditBatch rest;
   queue.take(rest);
   CHECK(rest.empty());
-  for (std::uint64_t i = 0; i < all.points.size(); ++i) REQUIRE(all.points[i].id == i);
+  for (std::uint64_t i = 0; i < all.points.size(); ++i) REQUIRE(all.points[i].number == i);
 }
 
 TEST_CASE("an edit queue says how much room its reader leaves, and keeps what is appended beyond") {

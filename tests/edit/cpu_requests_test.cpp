@@ -94,7 +94,7 @@ TEST_CASE("of points that have come too near to others one each goes, although n
     if (points.positions[point].z < 0.997f * static_cast<float>(kShapeRadius)) continue;
     while (points.positions[spare].z > 0) ++spare;
     PointState beside = points.state(point);
-    beside.id = beside.parent = spare;
+    beside.number = beside.parent = spare;
     beside.position.x += 0.2f * static_cast<float>(points.spacing(point));
     changes.push_back({points.state(spare++), beside});
   }
@@ -104,7 +104,7 @@ TEST_CASE("of points that have come too near to others one each goes, although n
   for (int tick = 0; tick < 3; ++tick)
     sculpture.edit(brushAt(push, radius, DVec3(0, 0, kShapeRadius - 2), DVec3(0, 0, 2)));
   const auto gone =
-      std::ranges::count_if(changes, [&](const PointChange& change) { return !points.there[change.to.number()]; });
+      std::ranges::count_if(changes, [&](const PointChange& change) { return !points.there[change.to.number]; });
   CHECK(static_cast<std::size_t>(gone) >= changes.size() - 1);
 }
 

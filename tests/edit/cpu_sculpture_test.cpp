@@ -85,7 +85,7 @@ class RandomSculpting {
     std::vector<PointChange> changes;
     for (std::uint32_t i = under + 1; i < under + 6; ++i) {
       changes.push_back({sculpture_.points().state(i), sculpture_.points().state(under)});
-      changes.back().to.id = i;
+      changes.back().to.number = i;
       changes.back().to.parent = i;
     }
     sculpture_.set(changes);
@@ -104,7 +104,7 @@ class RandomSculpting {
       if (i < before_.size())
         then = before_[i];
       else
-        then.id |= PointState::kGone;
+        then.gone = true;
       if (!(then == now)) changes.push_back({now, then});
     }
     sculpture_.set(changes);

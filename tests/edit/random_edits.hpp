@@ -66,22 +66,21 @@ class RandomEdits {
       const Vec3 place = corner ? center + 0.02f * somewhere() : somewhere();
       PointState to{.position = place, .normal = Vec3(0, 0, 1)};
       if (kind == 0 && !gone_.empty()) {
-        to.id = gone_[pick(static_cast<std::uint32_t>(gone_.size()))];
+        to.number = gone_[pick(static_cast<std::uint32_t>(gone_.size()))];
       } else if (kind == 1 && nextId_ < scene_.live().slots() - 200) {
-        to.id = nextId_++;
+        to.number = nextId_++;
       } else {
         auto at = std::next(mirror_.begin(), pick(static_cast<std::uint32_t>(mirror_.size())));
-        to.id = at->first;
+        to.number = at->first;
         if (kind == 3) to.position = at->second.position + 0.01f * somewhere();
-        if (kind == 4 && mirror_.size() > 100) to.id |= PointState::kGone;
+        if (kind == 4 && mirror_.size() > 100) to.gone = true;
       }
-      to.parent = to.number() < scene_.live().count() ? to.number() : 0;
-      const auto before = mirror_.find(to.number());
-      const PointState from = before != mirror_.end()
-                                  ? before->second
-                                  : PointState{.id = to.number() | PointState::kGone, .parent = to.parent};
-      if (from.gone() && to.gone()) continue;
-      changes[to.number()] = {from, to};
+      to.parent = to.number < scene_.live().count() ? to.number : 0;
+      const auto before = mirror_.find(to.number);
+      const PointState from =
+          before != mirror_.end() ? before->second : PointState{.gone = true, .number = to.number, .parent = to.parent};
+      if (from.gone && to.gone) continue;
+      changes[to.number] = {from, to};
     }
     std::vector<PointChange> given;
     for (const auto& [id, each] : changes) given.push_back(each);
@@ -100,13 +99,13 @@ class RandomEdits {
   }
 
   void apply(const PointState& state) {
-    nextId_ = std::max(nextId_, state.number() + 1);  // resampling also adds points
-    if (state.gone()) {
-      mirror_.erase(state.number());
-      gone_.push_back(state.number());
+    nextId_ = std::max(nextId_, static_cast<std::uint32_t>(state.number) + 1);  // resampling also adds points
+    if (state.gone) {
+      mirror_.erase(state.number);
+      gone_.push_back(state.number);
     } else {
-      mirror_[state.id] = state;
-      std::erase(gone_, state.id);
+      mirror_[state.number] = state;
+      std::erase(gone_, state.number);
     }
   }
 

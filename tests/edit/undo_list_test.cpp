@@ -1,11 +1,15 @@
 #include "engine/edit/undo_list.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
+#include <span>
 #include <string>
 #include <variant>
 
+#include "engine/core/error.hpp"
 #include "engine/edit/point_states.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace palpate::undo_list_test {
 
@@ -26,10 +30,28 @@ std::uint64_t bytesOf(const Change& change) {
   return std::visit([](const auto& each) { return bytesOf(each); }, change);
 }
 
+std::vector<std::byte> pack(const Change& change) {
+  std::string text = std::to_string(change.index());
+  if (const auto* const ofNumber = std::get_if<OfNumber>(&change))
+    text += std::to_string(ofNumber->value);
+  else
+    text += std::get<OfWord>(change).value;
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+bool unpack(std::span<const std::byte> bytes, Change& change) {
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with('0'))
+    change = OfNumber{std::stoi(text.substr(1))};
+  else
+    change = OfWord{text.substr(1)};
+  return true;
+}
+
 struct Things {
   int number = 0;
   std::string word;
-  UndoList<Change> list{100};
+  UndoList<Change> list{UndoBudget{100}};
 
   void make(Change change) {
     list.begin();
@@ -40,17 +62,21 @@ struct Things {
       list.addTooLarge();
   }
   bool undo() {
-    return list.undo([this](Change& change) { swap(change); });
+    return list.undo([this](Change& change) { return swap(change); });
   }
   bool redo() {
-    return list.redo([this](Change& change) { swap(change); });
+    return list.redo([this](Change& change) { return swap(change); });
   }
-  void swap(Change& change) {
+  bool swap(Change& change) {
+    if (fails) throw Error("no");
+    if (refuses) return false;
     if (auto* const ofNumber = std::get_if<OfNumber>(&change))
       std::swap(number, ofNumber->value);
     else
       std::swap(word, std::get<OfWord>(change).value);
+    return true;
   }
+  bool fails = false, refuses = false;
 };
 
 }  // namespace
@@ -99,16 +125,75 @@ TEST_CASE("the memory budget of undo is shared by changes of all kinds") {
   CHECK(things.list.tooLarge() == 1);
 }
 
+TEST_CASE("a change that fails or is refused leaves the list as it was") {
+  Things things;
+  things.make(OfNumber{1});
+  things.make(OfWord{"one"});
+  CHECK(things.undo());
+  for (bool* const how : {&things.fails, &things.refuses}) {
+    *how = true;
+    if (things.fails) {
+      CHECK_THROWS_AS(things.undo(), Error);
+      CHECK_THROWS_AS(things.redo(), Error);
+    } else {
+      CHECK_FALSE(things.undo());
+      CHECK_FALSE(things.redo());
+    }
+    *how = false;
+    CHECK(things.list.undoCount() == 1);
+    CHECK(things.list.redoCount() == 1);
+    CHECK(things.list.bytes() == 23);
+  }
+  CHECK(things.redo());
+  CHECK(things.word == "one");
+}
+
+TEST_CASE("the oldest changes go to the disk, come back in order, and are dropped once that is full, too") {
+  const ScratchFolder folder;
+  Things things{.list = UndoList<Change>({100, folder.path() / "new", 400})};
+  for (int i = 1; i <= 60; ++i) {
+    things.make(OfNumber{i});
+    things.make(OfWord{fmt::format("{:040}", i)});
+  }
+  CHECK(things.list.bytes() <= 100);
+  CHECK(things.list.undoCount() > 15);
+  CHECK(things.list.undoCount() < 60);
+  CHECK(things.list.undoCount() + things.list.dropped() == 120);
+  CHECK(std::filesystem::is_empty(folder.path() / "new"));  // no other program can open them
+  const std::size_t count = things.list.undoCount();
+  for (std::size_t i = 0; i < count; ++i) {
+    REQUIRE(things.undo());
+    CHECK(things.number == 60 - static_cast<int>((i + 1) / 2));
+    CHECK(things.word == fmt::format("{:040}", 60 - 1 - static_cast<int>(i / 2)));
+  }
+  CHECK_FALSE(things.undo());
+  CHECK(things.list.bytes() <= 100);
+  for (std::size_t i = 0; i < count; ++i) REQUIRE(things.redo());
+  CHECK(things.list.bytes() <= 100);
+  CHECK(things.number == 60);
+  CHECK(things.word == fmt::format("{:040}", 60));
+}
+
+TEST_CASE("where the disk takes nothing, the oldest changes are dropped and counted") {
+  Things things{.list = UndoList<Change>({100, "/proc/no/such/folder", 1 << 20})};
+  for (int i = 1; i <= 30; ++i) things.make(OfNumber{i});
+  CHECK(things.list.undoCount() == 10);
+  CHECK(things.list.dropped() == 20);
+  for (int i = 0; i < 10; ++i) CHECK(things.undo());
+  CHECK_FALSE(things.undo());
+  CHECK(things.number == 20);
+}
+
 TEST_CASE("points that were never set do not exist, and those before a new one are counted as absent") {
   PointStates points(PointCloud{.positions = {Vec3(1), Vec3(2)}});
-  CHECK(points[5] == PointState{.id = 5 | PointState::kGone, .parent = 5});
+  CHECK(points[5] == PointState{.gone = true, .number = 5, .parent = 5});
   CHECK(points.size() == 2);
-  points.set({.position = Vec3(3), .id = 4});
+  points.set({.position = Vec3(3), .number = 4});
   CHECK(points.size() == 5);
   CHECK(points.present() == 3);
-  CHECK(points[3].gone());
-  points.set(PointState{.id = 1 | PointState::kGone});
-  points.set(PointState{.id = 1 | PointState::kGone});
+  CHECK(points[3].gone);
+  points.set(PointState{.gone = true, .number = 1});
+  points.set(PointState{.gone = true, .number = 1});
   CHECK(points.present() == 2);
 }
 

@@ -19,7 +19,7 @@ std::vector<EditMark> marksOf(EditLog::Reader& reader) {
 
 PointState anyState(std::uint32_t i) {
   const auto f = static_cast<float>(i);
-  return {.position = {f, -f, 0.5f * f}, .id = i % 997, .normal = {0, 0, 1}, .color = i * 7, .parent = i / 2};
+  return {.position = {f, -f, 0.5f * f}, .number = i % 997, .normal = {0, 0, 1}, .color = i * 7, .parent = i / 2};
 }
 
 }  // namespace
@@ -112,11 +112,11 @@ TEST_CASE_FIXTURE(GpuFixture, "a fetch copies all states and marks to the host, 
   EditLog log(device, 1000, 0);
   REQUIRE(log.capacity() == 2048);
   EditFetch fetch(device, log);
-  std::vector<PointState> ring(log.capacity());
+  std::vector<PackedState> ring(log.capacity());
   std::uint32_t head = 0;
   EditBatch all;
   for (const std::uint32_t step : {1u, 1000u, 2048u, 777u, 1500u, 0u, 2047u}) {
-    for (std::uint32_t i = 0; i < step; ++i) ring[(head + i) % ring.size()] = anyState(head + i);
+    for (std::uint32_t i = 0; i < step; ++i) ring[(head + i) % ring.size()] = packedState(anyState(head + i));
     upload(device, log.entriesBuffer(), ring);
     head += step;
     if (step == 777)

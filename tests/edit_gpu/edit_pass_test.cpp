@@ -24,8 +24,8 @@ class EditFixture : public GpuFixture {
 
  protected:
   struct Moved {
-    std::vector<Vec4> positions, normals;    // in id order
-    std::vector<shared::EditEntry> entries;  // in the order of the log
+    std::vector<Vec4> positions, normals;  // in id order
+    std::vector<PointState> entries;       // in the order of the log
   };
 
   // One edited tick for a given contact state, by index update and by full build, which must agree.
@@ -55,7 +55,7 @@ class EditFixture : public GpuFixture {
       moved.positions.emplace_back(point.position, std::bit_cast<float>(id));
       moved.normals.emplace_back(point.normal, 0.0f);
     }
-    for (const PointState& entry : scene.takeLog()) moved.entries.push_back(std::bit_cast<shared::EditEntry>(entry));
+    moved.entries = scene.takeLog();
     return moved;
   }
 };
@@ -98,9 +98,9 @@ TEST_CASE_FIXTURE(EditFixture, "the edit log contains exactly the moved points, 
   const Moved moved = push(scene.cloud, hip, spring, {.yieldDepth = 0.2, .pushRate = 0.3, .radius = 8}, scene.radius);
   std::set<std::uint32_t> ids;
   for (const auto& entry : moved.entries) {
-    CHECK(ids.insert(entry.id).second);
-    CHECK(entry.position == Vec3(moved.positions[entry.id]));
-    CHECK(entry.normal == Vec3(moved.normals[entry.id]));
+    CHECK(ids.insert(entry.number).second);
+    CHECK(entry.position == Vec3(moved.positions[entry.number]));
+    CHECK(entry.normal == Vec3(moved.normals[entry.number]));
   }
   for (std::uint32_t i = 0; i < scene.cloud.size(); ++i) {
     if (!ids.contains(i)) {
@@ -122,7 +122,7 @@ TEST_CASE_FIXTURE(EditFixture, "moved points have the normals of the new shape, 
   double worst_deg = 0;
   std::size_t clear = 0;
   for (const auto& entry : moved.entries) {
-    const DVec3 old(scene.cloud.normals[entry.id]);
+    const DVec3 old(scene.cloud.normals[entry.number]);
     const DVec3 place(entry.position);
     NormalFit fit(scene.radius);
     grid.forEachNear(place, scene.radius,

@@ -79,9 +79,9 @@ bool EditedScene::compactFurther(std::uint32_t steps) {
 std::vector<PointState> EditedScene::takeLog() {
   const auto head = download<std::uint32_t>(device_, log_.headBuffer(), 1)[0];
   PALPATE_CHECK_LE(head - logSeen_, log_.capacity());  // else entries were overwritten before they were read
-  const auto ring = download<PointState>(device_, log_.entriesBuffer(), log_.capacity());
+  const auto ring = download<PackedState>(device_, log_.entriesBuffer(), log_.capacity());
   std::vector<PointState> taken;
-  for (; logSeen_ != head; ++logSeen_) taken.push_back(ring[logSeen_ % log_.capacity()]);
+  for (; logSeen_ != head; ++logSeen_) taken.push_back(stateOf(ring[logSeen_ % log_.capacity()]));
   return taken;
 }
 
@@ -89,7 +89,7 @@ std::map<std::uint32_t, PointState> EditedScene::points() const {
   auto points = live_.points();
   edit_->complete(points);
   std::map<std::uint32_t, PointState> byId;
-  for (const PointState& point : points) byId[point.id] = point;
+  for (const PointState& point : points) byId[point.number] = point;
   return byId;
 }
 

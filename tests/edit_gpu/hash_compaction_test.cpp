@@ -217,7 +217,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points without room in the back half stay unchang
   std::vector<PointChange> goes, comes;
   for (std::uint32_t id = 0; id < 8'000; id += 1'000) {
     PointState gone = full.at(id);
-    gone.id |= PointState::kGone;
+    gone.gone = true;
     goes.push_back({full.at(id), gone});
     comes.push_back({gone, full.at(id)});
   }

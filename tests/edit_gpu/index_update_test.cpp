@@ -17,10 +17,10 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "an edit that removes points empties their slo
       if (id % 20 != first) continue;
       PointState to = point;
       if (id % 40 == first)
-        to.id |= PointState::kGone;
+        to.gone = true;
       else
         to.position = -to.position;
-      left -= to.gone();
+      left -= to.gone;
       changes.push_back({.from = point, .to = to});
     }
     CHECK(edited.change(changes, EditedScene::How::incremental));

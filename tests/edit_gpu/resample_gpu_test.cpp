@@ -56,8 +56,8 @@ TEST_CASE_FIXTURE(GpuFixture, "in a row of crowded points the second is removed,
   const PointCloud cloud = sheetWith({{6.5f, 6.5f, 0}, {7.5f, 6.5f, 0}});
   EditedScene scene(device, cloud, makeHashGrid(Vec3(-10), kRadius, cloud.size()), kRadius, kEverything);
   put(scene, [&](PointState& point) {
-    if (point.id < sheet) return false;
-    point.position = {point.id == sheet ? 6.25f : 6.5f, 6, 0};
+    if (point.number < sheet) return false;
+    point.position = {point.number == sheet ? 6.25f : 6.5f, 6, 0};
     return true;
   });
   CHECK(shake(scene) > 0);

@@ -30,7 +30,8 @@ inline LoggedTick tickAt(std::uint64_t i) {
 
 inline EditBatch editsAt(std::uint32_t i) {
   EditBatch batch;
-  for (std::uint32_t k = 0; k < 3; ++k) batch.points.push_back({.position = {1, 2, 3}, .id = 3 * i + k, .parent = k});
+  for (std::uint32_t k = 0; k < 3; ++k)
+    batch.points.push_back({.position = {1, 2, 3}, .number = 3 * i + k, .parent = k});
   if (i % 10 == 9) batch.marks.push_back({3, EditMark::Kind::stroke});
   return batch;
 }
@@ -56,10 +57,10 @@ inline void checkPieces(const SessionRecord& record) {
     wrong += !sameTick(tick, tickAt(static_cast<std::uint64_t>(std::lround(tick.time_s * 1000))));
   }
   std::uint64_t next = 0;
-  for (const PointState& state : record.edits.points) wrong += state.number() < std::exchange(next, state.number() + 1);
+  for (const PointState& state : record.edits.points) wrong += state.number < std::exchange(next, state.number + 1);
   for (const EditMark& mark : record.edits.marks) {
     wrong += mark.at > record.edits.points.size();
-    if (mark.at > 0) wrong += (record.edits.points[mark.at - 1].number() + 1) % 30 != 0 && record.gaps.empty();
+    if (mark.at > 0) wrong += (record.edits.points[mark.at - 1].number + 1) % 30 != 0 && record.gaps.empty();
   }
   CHECK(wrong == 0);
 }
@@ -69,7 +70,7 @@ inline void checkBeginning(const SessionRecord& record) {
   checkPieces(record);
   const auto& [ticks, edits] = std::tie(record.ticks, record.edits);
   if (!ticks.empty()) CHECK(ticks.back().time_s == tickAt(ticks.size() - 1).time_s);
-  if (!edits.points.empty()) CHECK(edits.points.back().number() == edits.points.size() - 1);
+  if (!edits.points.empty()) CHECK(edits.points.back().number == edits.points.size() - 1);
   for (std::size_t i = 0; i < edits.marks.size(); ++i) CHECK(edits.marks[i].at == 30 * (i + 1));
 }
 

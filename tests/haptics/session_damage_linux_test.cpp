@@ -119,7 +119,7 @@ TEST_CASE("a full disk keeps all but the last block that fits of many edits at o
   const int told = inProcessWithSmallFiles(614'400, [&] {
     SessionWriter writer(folder / "log", "a text");
     EditBatch all;
-    for (std::uint32_t i = 0; i < kEdits; ++i) all.points.push_back({.id = i});
+    for (std::uint32_t i = 0; i < kEdits; ++i) all.points.push_back({.number = i});
     writer.add(all);
     writer.add(tickAt(0));
     try {
@@ -132,7 +132,7 @@ TEST_CASE("a full disk keeps all but the last block that fits of many edits at o
   CHECK(told == 1);
   const SessionRecord record = readSessionLog(folder / "log");
   REQUIRE(record.edits.points.size() > 10'300);  // of 10,900 that fit
-  CHECK(record.edits.points.back().number() == record.edits.points.size() - 1);
+  CHECK(record.edits.points.back().number == record.edits.points.size() - 1);
   CHECK(record.ticks.size() == 1);
   CHECK(missing(record, &LogGap::states) == kEdits - record.edits.points.size());
 }

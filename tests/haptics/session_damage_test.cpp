@@ -165,7 +165,7 @@ TEST_CASE("several gaps are reported one by one, and only the ticks before the f
   CHECK(whatIsMissing(record).size() == 2);
   REQUIRE(record.countedEdits > 0);
   REQUIRE(record.countedEdits < record.edits.points.size());
-  CHECK(record.edits.points[record.countedEdits - 1].number() == record.countedEdits - 1);
+  CHECK(record.edits.points[record.countedEdits - 1].number == record.countedEdits - 1);
 }
 
 TEST_CASE("a log of an older version is refused with both versions") {

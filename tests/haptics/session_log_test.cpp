@@ -63,7 +63,7 @@ TEST_CASE("a missing log, another file and another version are refused with a re
   CHECK_THROWS_AS(SessionWriter(folder / "no" / "where", ""), FileError);
 }
 
-TEST_CASE("a log replaces an older log, but no other file, and none that is being written") {
+TEST_CASE("a log keeps an older log of its name, and replaces no other file and none that is being written") {
   const ScratchFolder folder;
   write(folder / "notes", "notes");
   CHECK_THROWS_WITH_AS(SessionWriter(folder / "notes", ""), doctest::Contains("exists, and is not a session log"),
@@ -79,6 +79,9 @@ TEST_CASE("a log replaces an older log, but no other file, and none that is bein
   }
   writeSession(folder / "log", 20);
   CHECK(readSessionLog(folder / "log").ticks.size() == 20);
+  CHECK(readSessionLog(folder / "log.bak").ticks.size() == 10);
+  CHECK(SessionWriter(folder / "log", "").keptAs() == std::filesystem::canonical(folder.path()) / "log.bak3");
+  CHECK(readSessionLog(folder / "log.bak3").ticks.size() == 20);
 }
 
 TEST_CASE("adding a tick never waits: ticks faster than they can be written are lost and counted") {
@@ -106,7 +109,7 @@ TEST_CASE("edits faster than the disk are merged, and give the same points") {
   for (std::uint32_t stroke = 1; stroke <= 3; ++stroke) {
     for (int i = 0; i < 1'000'000; ++i) {
       const auto id = static_cast<std::uint32_t>(random() % kPoints);
-      all.points.push_back({.id = id, .color = last[id] = ++told % 1'000'003});
+      all.points.push_back({.number = id, .color = last[id] = ++told % 1'000'003});
     }
     all.marks.push_back({all.points.size(), EditMark::Kind::stroke});
   }
@@ -121,7 +124,7 @@ TEST_CASE("edits faster than the disk are merged, and give the same points") {
   for (std::size_t i = 0; i < 3; ++i) CHECK(record.edits.marks[i].at == kPoints * (i + 1));
   std::size_t wrong = 0;
   for (std::size_t i = 2 * kPoints; i < 3 * kPoints; ++i)
-    wrong += record.edits.points[i].color != last[record.edits.points[i].number()];
+    wrong += record.edits.points[i].color != last[record.edits.points[i].number];
   CHECK(wrong == 0);
 }
 

@@ -62,7 +62,7 @@ const Arrows& allowedArrows() {
       {"haptics/library",
        {"haptics/session", "haptics/sharing/network.hpp", "haptics/sharing/server_thread.hpp",
         "haptics/sharing/session_joiner.hpp", "haptics", "engine/core", "engine/cloud", "engine/io",
-        "engine/contact/surface_index.hpp", "engine/edit/journal.hpp", "engine/mesh", "engine/motion/cloud_source.hpp",
+        "engine/contact/surface_index.hpp", "engine/edit/history.hpp", "engine/mesh", "engine/motion/cloud_source.hpp",
         "engine/render/image.hpp", "engine/gpu/device_lookup.hpp", "engine/gpu/host_device.hpp"}},
       {"shaders", {"engine/core/vec.hpp"}},
       {"apps",

@@ -7,6 +7,7 @@
 #include "engine/matter/soft_sculpture.hpp"
 #include "engine/matter/soft_world.hpp"
 #include "tests/edit/tool_at.hpp"
+#include "tests/history_steps.hpp"
 #include "tests/matter/soft_bodies.hpp"
 #include "tests/matter/soft_maker.hpp"
 
@@ -191,26 +192,27 @@ TEST_CASE("a stroke moves only nodes within its reach, is at rest at once, and i
   const std::vector<Vec3> second = copyOf(body.body.rest().displacements());
   CHECK(second != first);
   sculptor.sculpture.endStroke();  // no stroke is in progress
-  CHECK(sculptor.sculpture.strokes() == 2);
-  CHECK(sculptor.sculpture.undo());
+  ShapeHistory strokes(sculptor.sculpture);
+  CHECK(strokes.counts().strokes == 2);
+  CHECK(strokes.undo());
   CHECK(copyOf(body.body.rest().displacements()) == first);
-  CHECK(sculptor.sculpture.undo());
+  CHECK(strokes.undo());
   CHECK(copyOf(body.body.rest().displacements()) == std::vector<Vec3>(first.size(), Vec3(0)));
   for (const Vec3& displacement : body.body.displacements()) CHECK(glm::length(displacement) < 1e-7f);
   CHECK(body.body.rest().stiffest() == 1);
   for (std::size_t cell = 0; cell < body.solid.lattice.cells(); ++cell) CHECK(body.body.rest().ofCell(cell) == nullptr);
-  CHECK_FALSE(sculptor.sculpture.undo());
-  CHECK(sculptor.sculpture.redo());
+  CHECK_FALSE(strokes.undo());
+  CHECK(strokes.redo());
   CHECK(copyOf(body.body.rest().displacements()) == first);
-  CHECK(sculptor.sculpture.redo());
+  CHECK(strokes.redo());
   CHECK(copyOf(body.body.rest().displacements()) == second);
-  CHECK_FALSE(sculptor.sculpture.redo());
+  CHECK_FALSE(strokes.redo());
   // A new stroke replaces the undone ones.
-  sculptor.sculpture.undo();
+  strokes.undo();
   sculptor.sculpture.yield(sculptor.around(body.body, kSoftSpacing_m * DVec3(8, 0, 4), radius, {0, -2e-4, 0}));
   sculptor.sculpture.endStroke();
-  CHECK(sculptor.sculpture.redoCount() == 0);
-  CHECK(sculptor.sculpture.undoCount() == 2);
+  CHECK(strokes.counts().redoCount == 0);
+  CHECK(strokes.counts().undoCount == 2);
 }
 
 TEST_CASE("pinned nodes yield to no brush, and their neighbours do") {

@@ -11,6 +11,7 @@
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/history_steps.hpp"
 #include "tests/matter/soft_scene.hpp"
 #include "tests/near.hpp"
 
@@ -196,7 +197,7 @@ TEST_CASE_FIXTURE(SoftFixture,
   const std::vector<Vec3> dent = shapeOf(gpu);
   CHECK(deepest(dent) > 5e-4);
   CHECK(deepest(dent) == near(deepest(shapeOf(cpu)), 0.03));
-  ShapeStrokes& strokes = *gpu.touch().shapeStrokes();
+  ShapeHistory strokes(*gpu.touch().shapeStrokes());
   CHECK(strokes.counts().strokes == 1);
   const auto topOf = [](SoftScene& scene) {
     const PointCloud now = scene.points();

@@ -2,6 +2,7 @@
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_sculpture.hpp"
 #include "engine/matter/soft_world.hpp"
+#include "tests/history_steps.hpp"
 #include "tests/labels.hpp"
 #include "tests/matter/pressing_hand.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
@@ -79,6 +80,8 @@ TEST_CASE_FIXTURE(GpuFixture,
     return std::vector<Vec3>(rest.begin(), rest.end());
   };
   const std::vector<Vec3> shape = shapeOf(gpu);
+  ShapeHistory ofGpu(*gpu.sculpture()), ofCpu(*cpu.sculpture());
+  const auto strokesOf = [&](const MatterSimulation& world) -> auto& { return &world == &gpu ? ofGpu : ofCpu; };
   MatterScene softer = scene;
   softer.young_Pa = 2e4;
   both([&](MatterSimulation& world) {
@@ -86,17 +89,17 @@ TEST_CASE_FIXTURE(GpuFixture,
     run(world, 3);
   });
   checkAlikeWithin(gpu, cpu, 2e-6);
-  both([](MatterSimulation& world) {
+  both([&](MatterSimulation& world) {
     world.beginSculpting();
-    CHECK(world.sculpture()->undo());
+    CHECK(strokesOf(world).undo());
     world.endSculpting();
     run(world, 2);
   });
   CHECK(shapeOf(gpu) == std::vector<Vec3>(shape.size(), Vec3(0)));
   checkAlikeWithin(gpu, cpu, 2e-6);
-  both([](MatterSimulation& world) {
+  both([&](MatterSimulation& world) {
     world.beginSculpting();
-    CHECK(world.sculpture()->redo());
+    CHECK(strokesOf(world).redo());
     world.endSculpting();
     world.reset();
     CHECK(world.particles() > 0);

@@ -11,7 +11,7 @@ TEST_SUITE_BEGIN(kPortable);
 namespace {
 
 PointState stateOf(const PointCloud& cloud, std::uint32_t i) {
-  return {.position = cloud.positions[i], .id = i, .normal = cloud.normals[i], .color = 0, .parent = i};
+  return {.position = cloud.positions[i], .number = i, .normal = cloud.normals[i], .color = 0, .parent = i};
 }
 
 // Pushes the points near `center` inwards by up to `depth`, as a smooth dent, also in the cloud.
@@ -68,12 +68,12 @@ TEST_CASE_FIXTURE(GpuFixture, "mesh updates handle points that jump, are removed
     for (int k = 0; k < 30; ++k) {
       const auto number = static_cast<std::uint32_t>(random() % (3000 + kSpare));
       PointState state{.position = Vec3{anywhere(random), anywhere(random), anywhere(random)},
-                       .id = number,
+                       .number = number,
                        .normal = Vec3(0, 1, 0)};
       after.positions[number] = state.position;
       after.normals[number] = state.normal;
       if (k % 3 == 0) {
-        state.id |= PointState::kGone;
+        state.gone = true;
         after.positions[number] = Vec3(1e6f);
       }
       edits.push_back(state);
@@ -118,7 +118,7 @@ TEST_CASE_FIXTURE(GpuFixture, "all points may be removed from a mesh and restore
   for (std::uint32_t i = 0; i < scene.cloud.size(); ++i) {
     back.push_back(stateOf(scene.cloud, i));
     gone.push_back(back.back());
-    gone.back().id |= PointState::kGone;
+    gone.back().gone = true;
   }
   cubes.update(gone);
   CHECK(cubes.triangleCount() == 0);

@@ -26,11 +26,11 @@ class Writer {
 
   void write(std::uint32_t id) {
     const Vec3 normal = glm::normalize(Vec3(unit_(random_), unit_(random_), 1.5f));
-    const shared::EditEntry entry{.position = Vec3(unit_(random_), unit_(random_), unit_(random_)),
-                                  .id = id,
-                                  .normal = normal,
-                                  .color = 0,
-                                  .parent = id};
+    const PackedState entry{.position = Vec3(unit_(random_), unit_(random_), unit_(random_)),
+                            .id = id,
+                            .normal = normal,
+                            .color = 0,
+                            .parent = id};
     ring_[head_++ % log_.capacity()] = entry;
     cloud_.positions[id] = entry.position;
     cloud_.normals[id] = entry.normal;
@@ -51,7 +51,7 @@ class Writer {
   EditLog log_;
   EditLog::Reader reader_;
   PointCloud cloud_;
-  std::vector<shared::EditEntry> ring_;
+  std::vector<PackedState> ring_;
   std::uint64_t head_ = 0;
   std::mt19937 random_{9};
   std::uniform_real_distribution<float> unit_{-1, 1};
@@ -68,7 +68,8 @@ class RandomStates {
       const std::uint32_t number = random_() % (places_ + 2);
       const bool gone = random_() % 5 == 0;
       state = {.position = Vec3(unit_(random_), unit_(random_), unit_(random_)),
-               .id = number | (gone ? PointState::kGone : 0),
+               .gone = gone,
+               .number = number,
                .normal = glm::normalize(Vec3(unit_(random_), unit_(random_), 1.5f)),
                .color = static_cast<std::uint32_t>(random_()),
                .parent = number};
@@ -186,8 +187,8 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "states from the host give the same drawn c
   for (const std::size_t count : {1u, 255u, 256u, 257u, 65'535u, 65'536u, 65'537u, 131'072u, 150'001u}) {
     CAPTURE(count);
     const std::vector<PointState> batch = states.take(count);
-    std::vector<PointState> ring(log.capacity());
-    for (const PointState& state : batch) ring[head++ % log.capacity()] = state;
+    std::vector<PackedState> ring(log.capacity());
+    for (const PointState& state : batch) ring[head++ % log.capacity()] = packedState(state);
     upload(device, log.entriesBuffer(), ring);
     log.publish(static_cast<std::uint32_t>(head));
     const auto before = bits(byLog);
@@ -208,7 +209,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "the last of several states of a point coun
   std::vector<PointState> states(100'003);
   for (std::uint32_t i = 0; i < states.size(); ++i) {
     const std::uint32_t id = i < 50'000 ? 7 : i % 3;  // 7 only long before the end
-    states[i] = {.position = Vec3(static_cast<float>(i)), .id = id, .normal = Vec3(0, 0, 1), .parent = id};
+    states[i] = {.position = Vec3(static_cast<float>(i)), .number = id, .normal = Vec3(0, 0, 1), .parent = id};
     expected.positions[id] = states[i].position;
     expected.normals[id] = states[i].normal;
   }
@@ -221,7 +222,9 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "the drawn cloud is built, updated and draw
   EditLog log(device, cloud.size());
   EditLog::Reader reader(log);
   RandomStates states(1000);
-  upload(device, log.entriesBuffer(), states.take(100));
+  std::vector<PackedState> entries(100);
+  std::ranges::transform(states.take(100), entries.begin(), packedState);
+  upload(device, log.entriesBuffer(), entries);
   log.publish(100);
   const Queue::Ticket before = ticketOfTouch();
   DrawnCloud drawn(device, cloud, {.painted = true, .spacing = 0.1, .edited = true});
@@ -245,10 +248,10 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "the drawn cloud follows points that are re
   EditLog::Reader reader(log);
   const Vec3 place(1, 2, 3), normal(0, 0, 1);
   const auto entry = [&](std::uint32_t id, std::uint32_t color) {
-    return shared::EditEntry{.position = place, .id = id, .normal = normal, .color = color, .parent = 0};
+    return PackedState{.position = place, .id = id, .normal = normal, .color = color, .parent = 0};
   };
   upload(device, log.entriesBuffer(),
-         std::vector{entry(7 | shared::kPointGone, 1), entry(302, 0xff00ff00), entry(8 | shared::kPointGone, 0),
+         std::vector{entry(7 | PackedState::kGone, 1), entry(302, 0xff00ff00), entry(8 | PackedState::kGone, 0),
                      entry(8, 5), entry(303, 9)});
   log.publish(5);
   CHECK(drawn.catchUp(reader) == 5);
@@ -277,7 +280,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture,
     const DrawnOptions options{.spacing = 0.1, .edited = true};
     std::vector<PointState> states;
     for (std::uint32_t k = 0; k < count; ++k)
-      states.push_back({.position = moved.positions[k], .id = k, .normal = moved.normals[k], .parent = k});
+      states.push_back({.position = moved.positions[k], .number = k, .normal = moved.normals[k], .parent = k});
     DrawnCloud fromGpu(device, cloud, options), fromHost(device, cloud, options), byEdits(device, cloud, options);
     fromGpu.place(live.front(), live.slots());
     fromHost.place(CloudFrame{.positions = moved.positions, .normals = moved.normals});

@@ -27,20 +27,21 @@ class EditedCloud {
       : loaded_(static_cast<std::uint32_t>(cloud.size())), states_(cloud.size() + spare) {
     for (std::uint32_t id = 0; id < states_.size(); ++id)
       states_[id] = {.position = id < loaded_ ? cloud.positions[id] : Vec3(0),
-                     .id = id < loaded_ ? id : id | PointState::kGone,
+                     .gone = id >= loaded_,
+                     .number = id,
                      .normal = id < loaded_ ? cloud.normals[id] : Vec3(0, 0, 1),
                      .parent = id};
   }
 
   const std::vector<PointState>& states() const { return states_; }
-  static bool isThere(const PointState& state) { return (state.id & PointState::kGone) == 0; }
+  static bool isThere(const PointState& state) { return !state.gone; }
   std::uint32_t places() const { return static_cast<std::uint32_t>(states_.size()); }
 
   void set(std::uint32_t id, const Vec3& position, const Vec3& normal, bool there) {
     before_.push_back(states_[id]);
     states_[id].position = position;
     states_[id].normal = normal;
-    states_[id].id = there ? id : id | PointState::kGone;
+    states_[id].gone = !there;
     changes_.push_back(states_[id]);
   }
   /// A random stroke within `reach` of a random point: points there move, turn or vanish, and new ones appear.
@@ -68,7 +69,7 @@ class EditedCloud {
     const std::vector<PointState> before = std::move(before_);
     before_.clear();
     for (auto state = before.rbegin(); state != before.rend(); ++state)
-      set(state->id & ~PointState::kGone, state->position, state->normal, isThere(*state));
+      set(state->number, state->position, state->normal, isThere(*state));
   }
   std::vector<PointState> takeChanges() { return std::exchange(changes_, {}); }
   void endStroke() { before_.clear(); }
@@ -157,7 +158,7 @@ class SplatIndexFixture : public PictureFixture {
       if (!EditedCloud::isThere(state)) continue;
       present.positions.push_back(state.position);
       present.normals.push_back(state.normal);
-      present.ids.push_back(state.id);
+      present.ids.push_back(state.number);
     }
     DrawnCloud whole(device, loaded, options);
     whole.place(present);
@@ -367,7 +368,7 @@ TEST_CASE_FIXTURE(SplatIndexFixture, "an edit costs what is drawn its own points
     std::vector<PointState> states;
     for (const auto& [distance, id] : std::span(around).first(kEdited))
       states.push_back(
-          {.position = 0.9999f * cloud.positions[id], .id = id, .normal = cloud.normals[id], .parent = id});
+          {.position = 0.9999f * cloud.positions[id], .number = id, .normal = cloud.normals[id], .parent = id});
     const auto edit = [&] {
       drawn.catchUp(states);
       drawn.closeSurface();

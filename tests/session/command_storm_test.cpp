@@ -71,7 +71,7 @@ TEST_CASE("a thousand commands in contact change the force by 60 N/s at most, an
   SessionConfig config = stormy(*kind, (folder / "sphere.ply").string());
   config.model.mm_per_unit = 1;
   Session session(config, sphereModel(),
-                  {.backend = *kind, .threads = 1, .journal = true, .undo_bytes = 1 << 28, .paintable = true});
+                  {.backend = *kind, .threads = 1, .keepsPoints = true, .undo = {1 << 28}, .paintable = true});
   session.setBrush(std::nullopt);
   const PointCloud cloud = session.model().cloud;
   Stepped steps(session);
@@ -112,7 +112,7 @@ TEST_CASE("a thousand commands in contact change the force by 60 N/s at most, an
   CHECK(felt.most_N < kSurface_N + 1e-9);
   CHECK(felt.most_N > 0.5 * kSurface_N);  // the commands were felt
   CHECK(steps.hand.threads() == 1);
-  CHECK(session.journal()->strokes() > (kOnGpu ? 0 : 3));
+  CHECK(session.strokes().strokes > (kOnGpu ? 0 : 3));
   for (const char* log : {"felt0", "felt9", "log"}) {
     CAPTURE(log);
     checkSame(replayed((folder / log).string(), cloud));
@@ -124,7 +124,7 @@ TEST_CASE("a replay switches the forces off and on at the same ticks as the user
   const auto kind = backendKind();
   SessionConfig config = stormy(*kind, (folder / "sphere.ply").string());
   config.model.mm_per_unit = 1;
-  Session session(config, sphereModel(), {.backend = *kind, .threads = 1, .journal = true});
+  Session session(config, sphereModel(), {.backend = *kind, .threads = 1, .keepsPoints = true});
   session.setBrush(std::nullopt);
   std::atomic<bool> on = false;
   Stepped steps(session, &on);
@@ -149,7 +149,7 @@ TEST_CASE("a replay switches the forces off and on at the same ticks as the user
 
 TEST_CASE("a command has its effect at the hand within two ticks") {
   const auto kind = backendKind();
-  Session session(stormy(*kind, "sphere"), sphereModel(), {.backend = *kind, .threads = 1, .journal = true});
+  Session session(stormy(*kind, "sphere"), sphereModel(), {.backend = *kind, .threads = 1, .keepsPoints = true});
   session.setBrush(std::nullopt);
   Stepped steps(session);
   steps.goOn(1.5);

@@ -80,7 +80,7 @@ void checkStorm(const std::function<std::unique_ptr<HapticDevice>()>& open, cons
   SessionConfig config = stormy(*kind, "sphere");
   config.force.stiffness_N_per_mm = kStiffest_N_per_mm;
   Session session(config, sphereModel(),
-                  {.backend = *kind, .threads = 1, .journal = true, .undo_bytes = 1 << 26, .paintable = true});
+                  {.backend = *kind, .threads = 1, .keepsPoints = true, .undo = {1 << 26}, .paintable = true});
   session.setBrush(std::nullopt);
   Watched device(open());
   session.start({{.device = &device, .map = {.scale = 1, .offset = offset}}}, {});

@@ -112,13 +112,13 @@ TEST_CASE("a recorded session with a moving model is replayed from its configura
   SessionConfig config =
       moving({.kind = MotionKind::oscillate, .axis = {0, 0.1, 2}, .amplitude_mm = 1, .frequency_Hz = 5});
   config.model.file = (folder / "model.ply").string();
-  Session session(config, sphereModel(), {.backend = *cpu, .threads = 1, .journal = true});
+  Session session(config, sphereModel(), {.backend = *cpu, .threads = 1, .keepsPoints = true});
   const ServoResult result = runRecorded(session, log, atRest());
 
   SessionRecord record = readSessionLog(log);
   const RecordedSession recorded = parseHeader(log, record.text);
   CHECK(recorded.config == config);
-  Session again(recorded.config, sphereModel(), {.backend = *cpu, .threads = 1, .journal = true});
+  Session again(recorded.config, sphereModel(), {.backend = *cpu, .threads = 1, .keepsPoints = true});
   const ServoResult same = runAgain(again, std::move(record), recorded);
   CHECK(summarize(result.trace()).contactTicks > 60);
   CHECK(sameTrace(result.trace(), same.trace()));
@@ -161,7 +161,7 @@ TEST_CASE("in an endless real-time session a model moves under a stylus at rest 
   session.aim({0, 0, 50.2});
   CHECK_FALSE(session.tickUntil(0.4));
   std::size_t touched = 0, ticks = 0;
-  for (const TraceRow& row : session.history().rows()) {
+  for (const TraceRow& row : session.recentTicks().rows()) {
     ++ticks;
     touched += row.contact;
     CHECK(row.valid);

@@ -112,10 +112,10 @@ Played play(const Subject& subject, BrushKind kind, const std::vector<Event>& ev
   }
   CHECK_FALSE(session.isDrawing());
   goOn(0.002);
-  const std::uint64_t missed = session.history().missed();
+  const std::uint64_t missed = session.recentTicks().missed();
   session.tickUntil(clock_s + after_s);
-  Played played{.points = {session.journal().points().begin(), session.journal().points().end()},
-                .rows = {session.history().rows().begin(), session.history().rows().end()},
+  Played played{.points = {session.history().points().begin(), session.history().points().end()},
+                .rows = {session.recentTicks().rows().begin(), session.recentTicks().rows().end()},
                 .missed = missed};
   CHECK_FALSE(session.follow());
   return played;
@@ -125,7 +125,7 @@ std::size_t changed(const Subject& subject, const Played& played) {
   const PointStates before(subject.model.cloud);
   std::size_t count = 0;
   for (const PointState& state : played.points)
-    count += state.number() >= before.size() || !(before[state.number()] == state);
+    count += state.number >= before.size() || !(before[state.number] == state);
   return count;
 }
 
@@ -187,7 +187,7 @@ TEST_CASE("a drag off an open border leaves no point above its surface") {
       const auto events = drag({{200, y_px}, {300, y_px}, {205, y_px + 5}, {200, 290}}, 4);
       double highest = 0;
       for (const PointState& state : play(subject, kind, events, {}).points)
-        if (!state.gone()) highest = std::max(highest, static_cast<double>(state.position.z));
+        if (!state.gone) highest = std::max(highest, static_cast<double>(state.position.z));
       CHECK(highest <= 0.6);
     }
   }

@@ -41,7 +41,7 @@ bool samePoints(const PointCloud& a, const PointCloud& b) {
 
 TEST_CASE("the force is the force law's spring on the surface, and feeling changes no point") {
   const auto cpu = cpuBackend();
-  Session session(feeling(), sphereModel(), {.backend = *cpu, .journal = true});
+  Session session(feeling(), sphereModel(), {.backend = *cpu, .keepsPoints = true});
   const ServoResult result = runAlone(session, strokeFrom({0, 0, 1}, 1));
   session.finish();
   const TraceSummary summary = summarize(result.trace());
@@ -72,18 +72,18 @@ TEST_CASE("four hands in one session each feel what they would feel alone") {
   }
 }
 
-TEST_CASE("carving reaches journal and follower alike, and undo restores the points bit for bit") {
+TEST_CASE("carving reaches history and follower alike, and undo restores the points bit for bit") {
   const auto cpu = cpuBackend();
   EditBatch followed;
   Session session(
       carving(), sphereModel(),
-      {.backend = *cpu, .journal = true, .undo_bytes = 1 << 24, .followers = {[&](const Model&, TouchBackend&) {
+      {.backend = *cpu, .keepsPoints = true, .undo = {1 << 24}, .followers = {[&](const Model&, TouchBackend&) {
                                                                   return std::make_unique<Collector>(followed);
                                                                 }}});
   runAlone(session, strokeFrom({0, 0, 1}, 2));
   session.finish();
   CHECK(session.sculpted().edited > 20);
-  Journal replayed(session.model().cloud);
+  History replayed(session.model().cloud);
   replayed.follow(followed);
   CHECK(samePoints(editedCloud(session.model().cloud, replayed.points()), session.sculpted().cloud));
 
@@ -103,7 +103,7 @@ TEST_CASE("a recorded session contains its configuration and is replayed with th
   SessionConfig config = carving();
   config.model.file = (folder / "model.ply").string();
   config.surface = {.kind = SurfaceKind::sphere, .friction = 0.2};
-  Session session(config, sphereModel(), {.backend = *cpu, .journal = true});
+  Session session(config, sphereModel(), {.backend = *cpu, .keepsPoints = true});
   const ServoResult result = runRecorded(session, log, strokeFrom({0, 0, 1}, 2));
 
   SessionRecord record = readSessionLog(log);
@@ -112,13 +112,13 @@ TEST_CASE("a recorded session contains its configuration and is replayed with th
   CHECK(recorded.checksum == checksumOf(session.model()));
   REQUIRE(record.end);
   REQUIRE(record.ticks.size() == result.trace().rows.size());
-  Session again(recorded.config, sphereModel(), {.backend = *cpu, .journal = true});
+  Session again(recorded.config, sphereModel(), {.backend = *cpu, .keepsPoints = true});
   const ServoResult same = runAgain(again, std::move(record), recorded);
   again.finish();
   CHECK(sameTrace(result.trace(), same.trace()));
   CHECK(again.sculpted().edited > 20);
   CHECK(samePoints(again.sculpted().cloud, session.sculpted().cloud));
-  CHECK(checksumOf(again.model().cloud.origin, again.journal()->points()) == record.end->points);
+  CHECK(checksumOf(again.model().cloud.origin, again.history()->points()) == record.end->points);
 }
 
 TEST_CASE("a log of an older palpate without a configuration is refused with that palpate's version") {
@@ -140,7 +140,7 @@ TEST_CASE("a back end is selected by name, and refuses what it cannot do before 
   CHECK_THROWS_AS(Session(config, sphereModel(), {.backend = backends.named("cpu")}), ConfigError);
 }
 
-TEST_CASE("a session without a journal refuses recording and undo, and leaves no file") {
+TEST_CASE("a session without a history refuses recording and undo, and leaves no file") {
   const ScratchFolder folder;
   const auto cpu = cpuBackend();
   Session session(carving(), sphereModel(), {.backend = *cpu});

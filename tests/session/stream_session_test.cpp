@@ -132,12 +132,12 @@ TEST_CASE("a recorded session with a recorded camera is replayed from its config
   const auto cpu = cpuBackend();
   SessionConfig config = playing(folder / "wall");
   config.model.stream->speed = 1.7;
-  Session session(config, load(config), {.backend = *cpu, .threads = 1, .journal = true});
+  Session session(config, load(config), {.backend = *cpu, .threads = 1, .keepsPoints = true});
   const ServoResult result = runRecorded(session, log, atRest());
   SessionRecord record = readSessionLog(log);
   const RecordedSession recorded = parseHeader(log, record.text);
   CHECK(recorded.config == config);
-  Session again(recorded.config, load(recorded.config), {.backend = *cpu, .threads = 1, .journal = true});
+  Session again(recorded.config, load(recorded.config), {.backend = *cpu, .threads = 1, .keepsPoints = true});
   CHECK(summarize(result.trace()).contactTicks > 60);
   CHECK(sameTrace(result.trace(), runAgain(again, std::move(record), recorded).trace()));
 }
@@ -221,7 +221,7 @@ TEST_CASE("frames of a recording are held, stepped and resumed under a hand") {
   CHECK(session.holdFrames() == true);
   session.tickUntil(1);
   CHECK(session.session().playCounts()->played == 1);
-  const auto isTouched = [&] { return session.history().rows().back().contact; };
+  const auto isTouched = [&] { return session.recentTicks().rows().back().contact; };
   CHECK_FALSE(isTouched());
   double until_s = 1;
   for (int step = 1; step <= 6; ++step) {
@@ -259,7 +259,7 @@ TEST_CASE("a live camera is felt at its newest frame, from the model's frame on"
   session.aim({0, 0, kRest_m - 1e-3 * kHand_mm});
   session.tickUntil(0.3);
   const auto touched = [&] {
-    return std::ranges::count_if(session.history().rows(), [](const TraceRow& row) { return row.contact; });
+    return std::ranges::count_if(session.recentTicks().rows(), [](const TraceRow& row) { return row.contact; });
   };
   CHECK(touched() == 0);
   for (int k = 1; k <= 5; ++k)

@@ -5,10 +5,12 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/checksum.hpp"
-#include "engine/edit/journal.hpp"
+#include "engine/core/packed_state.hpp"
+#include "engine/edit/history.hpp"
 #include "haptics/session/model.hpp"
 #include "haptics/session/unsaved_strokes.hpp"
 #include "tests/content_of.hpp"
+#include "tests/history_steps.hpp"
 #include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -23,14 +25,14 @@ struct Sculpted {
     unsaved.describe({.config = {.model = {.file = (root / "model.ply").string()}}, .machine = "one", .palpate = "1"});
   }
   void take(EditBatch batch) {
-    journal.follow(batch);
-    unsaved.follow(batch, journal.points(), journal.version() != 0 || since.undone > 0, since);
+    history.follow(batch);
+    unsaved.follow(batch, history.points(), history.version() != 0 || since.undone > 0, since);
   }
   // Moves points of the cloud, or appends one.
   void stroke(const std::vector<std::uint32_t>& points, float to) {
     EditBatch batch;
     for (const std::uint32_t id : points)
-      batch.points.push_back({.position = Vec3(to), .id = id, .normal = {0, 0, 1}, .parent = std::min(id, 1u)});
+      batch.points.push_back({.position = Vec3(to), .number = id, .normal = {0, 0, 1}, .parent = std::min(id, 1u)});
     batch.marks.push_back({batch.points.size(), EditMark::Kind::stroke});
     take(std::move(batch));
   }
@@ -44,7 +46,7 @@ struct Sculpted {
 
   StrokesSince since;
   Model model{.cloud = {.positions = {Vec3(0), Vec3(1)}, .normals = {Vec3(0, 0, 1), Vec3(0, 0, 1)}}};
-  Journal journal{model.cloud, kUndo_bytes};
+  History history{model.cloud, {kUndo_bytes}};
   UnsavedStrokes unsaved;
 };
 
@@ -52,10 +54,19 @@ std::vector<LeftStrokes> leftIn(const std::filesystem::path& root) {
   return leftStrokes(root, [](const std::string& what) { FAIL_CHECK(what); });
 }
 
-void checkSame(const Journal& a, const Journal& b) {
-  CHECK(std::ranges::equal(a.points(), b.points()));
-  CHECK(a.undoList().undoCount() == b.undoList().undoCount());
-  CHECK(a.undoList().redoCount() == b.undoList().redoCount());
+/// What a history has at one moment.
+struct Snapshot {
+  explicit Snapshot(const History& history)
+      : points(history.points().begin(), history.points().end()), counts(history.counts()) {}
+
+  std::vector<PointState> points;
+  StrokeCounts counts;
+};
+
+void checkSame(const History& a, const Snapshot& b) {
+  CHECK(std::ranges::equal(a.points(), b.points));
+  CHECK(a.counts().undoCount == b.counts.undoCount);
+  CHECK(a.counts().redoCount == b.counts.redoCount);
 }
 
 }  // namespace
@@ -65,11 +76,11 @@ TEST_CASE("unsaved strokes are recovered unchanged, including undone and redone 
   std::optional<Sculpted> sculpted(std::in_place, folder.path());
   sculpted->stroke({0}, 3);
   sculpted->stroke({1, 2}, 4);
-  sculpted->change(sculpted->journal.undo());
-  sculpted->change(sculpted->journal.redo());
-  sculpted->change(sculpted->journal.undo());
-  Journal again(sculpted->model.cloud, kUndo_bytes);
-  const Journal before = sculpted->journal;
+  sculpted->change(undone(sculpted->history));
+  sculpted->change(redone(sculpted->history));
+  sculpted->change(undone(sculpted->history));
+  History again(sculpted->model.cloud, {kUndo_bytes});
+  const Snapshot before(sculpted->history);
   CHECK(leftIn(folder.path()).empty());  // while the program runs
   sculpted.reset();
   const std::vector<LeftStrokes> left = leftIn(folder.path());
@@ -78,7 +89,7 @@ TEST_CASE("unsaved strokes are recovered unchanged, including undone and redone 
   CHECK(left[0].document() == (folder / "model.ply").string());
   followAgain(again, left[0].edits);
   checkSame(again, before);
-  again.redo();
+  redone(again);
   CHECK(again.points()[2].position == Vec3(4));
 }
 
@@ -114,12 +125,14 @@ void writeVersion4(const std::filesystem::path& file, std::string text, const Ed
   for (const EditMark& mark : edits.marks) marks.push_back({mark.at, static_cast<std::uint64_t>(mark.kind)});
   block.states = static_cast<std::uint32_t>(edits.points.size());
   block.marks = static_cast<std::uint32_t>(marks.size());
+  std::vector<PackedState> states;
+  for (const PointState& state : edits.points) states.push_back(packedState(state));
   Checksum ofBlock;
   ofBlock.add(std::as_bytes(std::span(&block, 1)));
-  ofBlock.add(std::as_bytes(std::span(edits.points)));
+  ofBlock.add(std::as_bytes(std::span(states)));
   ofBlock.add(std::as_bytes(std::span(marks)));
   block.checksum = ofBlock.value();
-  add(std::span(&block, 1)), add(edits.points), add(marks);
+  add(std::span(&block, 1)), add(states), add(marks);
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
@@ -130,8 +143,8 @@ TEST_CASE("unsaved strokes of the version before are offered, and those of other
   std::optional<Sculpted> sculpted(std::in_place, folder.path());
   sculpted->stroke({0}, 3);
   sculpted->stroke({1, 2}, 4);
-  const Journal before = sculpted->journal;
-  Journal again(sculpted->model.cloud, kUndo_bytes);
+  const Snapshot before(sculpted->history);
+  History again(sculpted->model.cloud, {kUndo_bytes});
   sculpted.reset();
   std::filesystem::path log;
   {
@@ -166,7 +179,7 @@ TEST_CASE("what unsaved strokes change in the file saved last is kept with them,
     sculpted.stroke({0}, 3);
     sculpted.unsaved.saved();
     sculpted.since = {.made = 0, .undone = 1};
-    sculpted.change(sculpted.journal.undo());
+    sculpted.change(undone(sculpted.history));
   }
   const auto left = leftIn(folder.path());
   REQUIRE(left.size() == 1);
@@ -179,7 +192,7 @@ TEST_CASE("a stroke in progress is counted among the unsaved strokes") {
   {
     Sculpted sculpted(folder.path());
     sculpted.stroke({0}, 3);
-    sculpted.take({.points = {{.position = Vec3(4), .id = 1, .normal = {0, 0, 1}, .parent = 1}}});
+    sculpted.take({.points = {{.position = Vec3(4), .number = 1, .normal = {0, 0, 1}, .parent = 1}}});
   }
   const auto left = leftIn(folder.path());
   REQUIRE(left.size() == 1);
@@ -197,7 +210,7 @@ TEST_CASE("saved strokes are not left, and later ones are relative to the model'
   sculpted->unsaved.saved();
   sculpted->unsaved.setDocument((folder / "mine.ply").string());
   sculpted->stroke({1}, 5);
-  const Journal before = sculpted->journal;
+  const Snapshot before(sculpted->history);
   const Model model = sculpted->model;
   sculpted.reset();
   std::vector<LeftStrokes> left = leftIn(folder.path());
@@ -208,9 +221,9 @@ TEST_CASE("saved strokes are not left, and later ones are relative to the model'
   CHECK(kept == "as it was");
   CHECK_NOTHROW(left[0].requireModel(model));
   CHECK_THROWS_WITH_AS(left[0].requireModel(Model{}), doctest::Contains("has changed since"), FileError);
-  Journal again(model.cloud, kUndo_bytes);
+  History again(model.cloud, {kUndo_bytes});
   followAgain(again, left[0].edits);
-  CHECK(std::ranges::equal(again.points(), before.points()));
+  CHECK(std::ranges::equal(again.points(), before.points));
   left[0].folder->remove();
   left.clear();
   CHECK(leftIn(folder.path()).empty());
@@ -223,7 +236,7 @@ TEST_CASE("recovered strokes stay recoverable while work continues, and are dele
     const std::vector<LeftStrokes> left = leftIn(folder.path());
     REQUIRE(left.size() == 1);
     Sculpted next(folder.path());
-    followAgain(next.journal, left[0].edits);
+    followAgain(next.history, left[0].edits);
     next.unsaved.adopt(left[0]);
     next.since = {.made = 2};
     next.stroke({1}, 4);
@@ -270,9 +283,9 @@ TEST_CASE("strokes that were all undone are not offered again; redone ones are")
         }
       };
       look();
-      sculpted.change(sculpted.journal.undo());
+      sculpted.change(undone(sculpted.history));
       look();
-      if (again) sculpted.change(sculpted.journal.redo());
+      if (again) sculpted.change(redone(sculpted.history));
     }
     const std::vector<LeftStrokes> left = leftIn(folder.path());
     const std::size_t count = left.size();

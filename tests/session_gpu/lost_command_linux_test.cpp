@@ -19,7 +19,7 @@ TEST_CASE("a command during which the GPU is lost fails, and the session ends wi
     const auto takeGpu = LostGpuLayer::takeGpu();
     PressingHand hand;
     const auto clock = std::make_shared<SteppedClock>();
-    Session session(stormy(*kind, "sphere"), sphereModel(), {.backend = *kind, .threads = 1, .journal = true});
+    Session session(stormy(*kind, "sphere"), sphereModel(), {.backend = *kind, .threads = 1, .keepsPoints = true});
     session.start({hand.hand()}, {.clock = clock});
     clock->goOnTo(1);
     std::vector<TraceRow> rows;

@@ -21,10 +21,10 @@ class BricksOf {
  public:
   BricksOf(std::span<const PointState> points, const BrickGrid& grid) : grid_(grid) {
     for (const PointState& point : points) {
-      if (point.gone()) continue;
+      if (point.gone) continue;
       auto& brick = all_[grid.keyAt(DVec3(point.position))];
       if (!brick) brick = std::make_shared<Brick>();
-      brick->ids.push_back(point.number());
+      brick->ids.push_back(point.number);
       brick->positions.push_back(point.position);
       brick->normals.push_back(point.normal);
       brick->colors.push_back(point.color);

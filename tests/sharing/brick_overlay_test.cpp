@@ -20,10 +20,10 @@ using Points = std::vector<PointState>;
 
 PointState randomPoint(std::mt19937& random, std::uint32_t id) {
   std::uniform_real_distribution<float> place(0, kSide);
-  PointState point{.id = id, .normal = Vec3(0, 0, 1), .parent = id};
+  PointState point{.number = id, .normal = Vec3(0, 0, 1), .parent = id};
   for (int axis = 0; axis < 3; ++axis) point.position[axis] = place(random);
   point.color = static_cast<std::uint32_t>(random() | 1);
-  if (random() % 8 == 0) point.id |= PointState::kGone;
+  if (random() % 8 == 0) point.gone = true;
   return point;
 }
 
@@ -86,8 +86,7 @@ void makeSome(World& world) {
   for (std::uint32_t id = 0; id < kPoints; ++id) {
     const PointState from = world.shownOf(id);
     // A hand can only edit points of known bricks.
-    if (from.gone() || !world.known.contains(world.grid.keyAt(DVec3(from.position))) || world.random() % 6 != 0)
-      continue;
+    if (from.gone || !world.known.contains(world.grid.keyAt(DVec3(from.position))) || world.random() % 6 != 0) continue;
     const PointState to = randomPoint(world.random, id);
     changes.push_back({.from = from, .to = to});
     world.own[id] = to;
@@ -112,8 +111,8 @@ TEST_CASE("local edits are shown over received bricks until the server has them,
         world.overlay.takeMade(made);
         std::size_t fresh = 0;
         for (const PointState& state : made) {
-          REQUIRE(world.isNew[state.number()]);
-          CHECK(*world.own[state.number()] == state);
+          REQUIRE(world.isNew[state.number]);
+          CHECK(*world.own[state.number] == state);
         }
         for (std::uint32_t id = 0; id < kPoints; ++id) fresh += world.isNew[id];
         CHECK(made.size() == fresh);
@@ -146,7 +145,7 @@ TEST_CASE("a source shows local edits in its next frame, reports their version a
   Points points;
   for (std::uint32_t i = 0; i < 10; ++i)
     points.push_back({.position = Vec3(0.1f * static_cast<float>(i) + 0.05f, 0.5f, 0.5f),
-                      .id = i,
+                      .number = i,
                       .normal = Vec3(0, 0, 1),
                       .color = 7,
                       .parent = i});
@@ -162,7 +161,7 @@ TEST_CASE("a source shows local edits in its next frame, reports their version a
   PointState moved = points[3];
   moved.position.x = 1.5f;
   PointState gone = points[5];
-  gone.id |= PointState::kGone;
+  gone.gone = true;
   const std::uint64_t version =
       source.make(std::vector<PointChange>{{.from = points[3], .to = moved}, {.from = points[5], .to = gone}});
   CHECK(source.versionOf(before.time_s) < version);
@@ -207,7 +206,7 @@ TEST_CASE("a point received in another brick while it is edited exists once") {
   const BrickKey first = BrickGrid::keyOf(IVec3(0)), second = BrickGrid::keyOf(IVec3(1, 0, 0)),
                  third = BrickGrid::keyOf(IVec3(2, 0, 0));
   const auto at = [](float x) {
-    return PointState{.position = Vec3(x, 0.5f, 0.5f), .id = 4, .normal = Vec3(0, 0, 1), .color = 1, .parent = 4};
+    return PointState{.position = Vec3(x, 0.5f, 0.5f), .number = 4, .normal = Vec3(0, 0, 1), .color = 1, .parent = 4};
   };
   BrickOverlay overlay(grid);
   overlay.come(first, BricksOf(Points{at(0.5f)}, grid).at(first));

@@ -222,7 +222,7 @@ TEST_CASE("in virtual time each brush edits the points around a hand as it edits
       std::vector<PointState> made;
       hand.source.takeMade(made);
       std::vector<PointState> states = statesOf(scene.cloud);
-      for (const PointState& state : made) states[state.number()] = state;
+      for (const PointState& state : made) states[state.number] = state;
       const PointCloud here = editedCloud(scene.cloud, states);
       CHECK(here.positions == sculpted.positions);
       CHECK(here.normals == sculpted.normals);
@@ -258,7 +258,7 @@ TEST_CASE("a deep push of a plate whose bricks are joined leaves its far side, a
     CHECK(whole.readBack(there) > 100);
     std::vector<PointState> made, states = statesOf(plate.cloud);
     hand.source.takeMade(made);
-    for (const PointState& state : made) states[state.number()] = state;
+    for (const PointState& state : made) states[state.number] = state;
     const PointCloud here = editedCloud(plate.cloud, states);
     CHECK(here.positions == there.positions);
     std::size_t pressed = 0, through = 0, far = 0, turned = 0;

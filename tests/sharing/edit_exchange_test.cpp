@@ -127,7 +127,7 @@ TEST_CASE("only the last state of a point is forwarded if it changes faster than
   const Id maker{1}, follower{2};
   for (std::uint64_t piece = 1; piece <= 1000; ++piece) {
     const PointState state{
-        .position = Vec3(0, static_cast<float>(piece), 0), .id = 3, .normal = {0, 0, 1}, .parent = 3};
+        .position = Vec3(0, static_cast<float>(piece), 0), .number = 3, .normal = {0, 0, 1}, .parent = 3};
     REQUIRE(points.take(maker, piece, {&state, 1}) == SharedPoints::Taken::taken);
   }
   SharedPoints::Place place;
@@ -155,7 +155,8 @@ TEST_CASE("a client that joins after more edits than the history keeps receives 
   // Two and a half million states: more than the history keeps in order.
   for (std::uint32_t k = 0; k < 2'500'000; ++k) {
     const std::uint32_t point = (k * 7919U) % (count / 2);
-    piece.push_back({.position = Vec3(static_cast<float>(k), 1, 0), .id = point, .normal = {0, 0, 1}, .parent = point});
+    piece.push_back(
+        {.position = Vec3(static_cast<float>(k), 1, 0), .number = point, .normal = {0, 0, 1}, .parent = point});
     if (piece.size() < 1000) continue;
     REQUIRE(points.take(maker, ++number, piece) == SharedPoints::Taken::taken);
     piece.clear();
@@ -169,8 +170,8 @@ TEST_CASE("a client that joins after more edits than the history keeps receives 
     points.collect(place, follower, 36, some);
     CHECK(some.size() <= 36);
     for (const PointState& state : some) {
-      states[state.number()] = state;
-      ++times[state.number()];
+      states[state.number] = state;
+      ++times[state.number];
     }
   }
   CHECK(std::ranges::equal(states, points.points()));
@@ -182,9 +183,9 @@ TEST_CASE("invalid pieces and pieces out of order change nothing") {
   SharedPoints points(pointsOf(10));
   const std::uint64_t before = points.digest();
   const auto take = [&](PointState state, std::uint64_t number = 1) { return points.take(Id{1}, number, {&state, 1}); };
-  const PointState good{.position = {1, 2, 3}, .id = 4, .normal = {0, 0, 1}, .parent = 4};
+  const PointState good{.position = {1, 2, 3}, .number = 4, .normal = {0, 0, 1}, .parent = 4};
   std::array<PointState, 3> bad{good, good, good};
-  bad[0].id = 10;
+  bad[0].number = 10;
   bad[1].position.y = std::numeric_limits<float>::quiet_NaN();
   bad[2].normal.x = 1e30F;
   for (const PointState& each : bad) CHECK(take(each) == SharedPoints::Taken::refused);

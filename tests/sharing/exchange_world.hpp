@@ -23,7 +23,7 @@ inline constexpr std::size_t kAtOnce = 5;  // states of a piece, a result, an of
 inline std::vector<PointState> pointsOf(std::uint32_t count) {
   std::vector<PointState> points;
   for (std::uint32_t i = 0; i < count; ++i)
-    points.push_back({.position = Vec3(static_cast<float>(i), 0, 0), .id = i, .normal = {0, 0, 1}, .parent = i});
+    points.push_back({.position = Vec3(static_cast<float>(i), 0, 0), .number = i, .normal = {0, 0, 1}, .parent = i});
   return points;
 }
 
@@ -38,8 +38,8 @@ class Answering {
     std::uniform_real_distribution<float> way(-1.5F, 1.5F);
     for (int k = 0; k < 3; ++k) {
       PointState& point = points_[dice() % points_.size()];
-      if (point.gone() || dice() % 9 == 0) {
-        point.id ^= PointState::kGone;
+      if (point.gone || dice() % 9 == 0) {
+        point.gone = !point.gone;
       } else {
         point.position += Vec3(way(dice), way(dice), 0);
         point.color = static_cast<std::uint32_t>(dice());
@@ -57,10 +57,10 @@ class Answering {
     if (offered_.empty()) return;
     batch_.marks.push_back({batch_.points.size(), EditMark::Kind::part});
     for (const PointChange& change : offered_) {
-      PointState& point = points_[change.to.number()];
-      CHECK_FALSE((change.from.gone() && change.to.gone()));
+      PointState& point = points_[change.to.number];
+      CHECK_FALSE((change.from.gone && change.to.gone));
       const bool stands =
-          point.gone() == change.from.gone() &&
+          point.gone == change.from.gone &&
           (cells_ ? glm::floor(point.position) == glm::floor(change.from.position) : point == change.from);
       if (!stands) continue;
       point = change.to;
@@ -86,7 +86,7 @@ inline std::vector<PointState> copyOf(std::span<const PointState> points) { retu
 // Removed points are equal if their ids are.
 inline bool same(const std::vector<PointState>& a, std::span<const PointState> b) {
   return std::ranges::equal(
-      a, b, [](const PointState& p, const PointState& q) { return p.gone() && q.gone() ? p.id == q.id : p == q; });
+      a, b, [](const PointState& p, const PointState& q) { return p.gone && q.gone ? p.number == q.number : p == q; });
 }
 
 /// One direction of a link: ordered, each message some steps later; a cut loses all messages in flight.

@@ -37,7 +37,7 @@ class NearSculptor {
   std::vector<PointState> points() const {
     std::vector<PointState> points;
     source().pointsIn(hip_ - kRoom / 2, hip_ + kRoom / 2, points);
-    std::ranges::sort(points, {}, [](const PointState& point) { return point.id; });
+    std::ranges::sort(points, {}, [](const PointState& point) { return point.number; });
     return points;
   }
   /// Some points are moved, a few removed, in one edit.
@@ -49,7 +49,7 @@ class NearSculptor {
       PointState to = from;
       for (int axis = 0; axis < 3; ++axis) to.position[axis] += by(random_);
       to.color = static_cast<std::uint32_t>(random_());
-      if (random_() % 40 == 0) to.id |= PointState::kGone;
+      if (random_() % 40 == 0) to.gone = true;
       changes.push_back({.from = from, .to = to});
     }
     source().make(changes);
@@ -62,7 +62,7 @@ class NearSculptor {
 };
 
 bool isSamePoint(const PointState& a, const PointState& b) {
-  return a.number() == b.number() && a.gone() == b.gone() && a.position == b.position && a.normal == b.normal &&
+  return a.number == b.number && a.gone == b.gone && a.position == b.position && a.normal == b.normal &&
          a.color == b.color;
 }
 
@@ -111,17 +111,17 @@ TEST_CASE("edits of several clients with only nearby points reach the server and
   const std::vector<PointState> before = statesOf(cloud);
   std::size_t changed = 0, wrong = 0;
   std::map<std::uint32_t, PointState> there;
-  for (const PointState& point : seen[0]) there[point.number()] = point;
+  for (const PointState& point : seen[0]) there[point.number] = point;
   for (const PointState& point : served.points()) {
-    const PointState& old = before[point.number()];
+    const PointState& old = before[point.number];
     const bool isFar = glm::distance(DVec3(old.position), DVec3(100, 100, 0)) > 20 &&
                        glm::distance(DVec3(old.position), DVec3(20, 20, 0)) > 20;
     changed += !isSamePoint(point, old);
     if (isFar) wrong += !isSamePoint(point, old);
-    const auto here = there.find(point.number());
+    const auto here = there.find(point.number);
     if (here != there.end()) wrong += !isSamePoint(point, here->second);
     const DVec3 off = glm::abs(DVec3(point.position) - DVec3(100, 100, 0));
-    if (here == there.end() && !point.gone()) wrong += glm::max(glm::max(off.x, off.y), off.z) < kRoom / 2;
+    if (here == there.end() && !point.gone) wrong += glm::max(glm::max(off.x, off.y), off.z) < kRoom / 2;
   }
   CHECK(changed > 100);
   CHECK(wrong == 0);
@@ -175,7 +175,7 @@ TEST_CASE("edits of nearby points during a server outage are applied once, after
   const std::uint64_t sent = hand.far().counts().sent;
   served->end();
   std::size_t wrong = 0;
-  for (const PointState& point : made) wrong += !isSamePoint(served->points()[point.number()], point);
+  for (const PointState& point : made) wrong += !isSamePoint(served->points()[point.number], point);
   CHECK(wrong == 0);
   CHECK(served->end().states == sent);
   // A server that restarts without the journal cannot accept this hand's edits.

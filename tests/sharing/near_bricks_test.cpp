@@ -26,12 +26,12 @@ std::vector<PointState> sheet(int side, unsigned seed) {
   std::vector<PointState> points;
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
-      PointState point{.id = static_cast<std::uint32_t>(points.size()),
+      PointState point{.number = static_cast<std::uint32_t>(points.size()),
                        .normal = Vec3(0, 0, 1),
                        .color = static_cast<std::uint32_t>(points.size() & 0xffffff)};
       point.position = Vec3(static_cast<float>(x) + jitter(random), static_cast<float>(y) + jitter(random),
                             3 * std::sin(0.2f * static_cast<float>(x)));
-      point.parent = point.id;
+      point.parent = point.number;
       points.push_back(point);
     }
   return points;
@@ -46,7 +46,7 @@ std::vector<std::uint32_t> near(const std::vector<PointState>& points, int side,
     for (int x = first(hip.x); x <= last(hip.x); ++x) {
       const PointState& point =
           points[static_cast<std::size_t>(y) * static_cast<std::size_t>(side) + static_cast<std::size_t>(x)];
-      if (!point.gone() && glm::distance(DVec3(point.position), hip) < kSupport) found.push_back(point.number());
+      if (!point.gone && glm::distance(DVec3(point.position), hip) < kSupport) found.push_back(point.number);
     }
   return found;
 }
@@ -115,8 +115,8 @@ Walked walk(const Walk& how, int ticks) {
     if (how.sculpts && tick < ticks / 2 && tick % 10 == 0) {
       PointState& point = points[random() % points.size()];
       point.position += Vec3(0, 0, 0.1f) * static_cast<float>(random() % 100);
-      if (random() % 7 == 0) point.id ^= PointState::kGone;
-      served.follow(point.number());
+      if (random() % 7 == 0) point.gone = !point.gone;
+      served.follow(point.number);
     }
     while (!answers.empty() && answers.front().at_s <= now_s) {
       source.apply(std::move(answers.front().update));

@@ -325,7 +325,7 @@ TEST_CASE("a late reader receives a cloud in its current state") {
   CHECK(glm::distance(DVec3(first.positions[1000]), DVec3(cloud.positions[1000]) * 0.005) < 1e-6);
   CHECK(glm::distance(first.normals[1000], cloud.normals[1000]) < 1e-6f);
   CHECK(scaleSaidIn(first.storedAs.comments) == 1000);
-  points[0].id |= PointState::kGone;
+  points[0].gone = true;
   CHECK(within(5, [&] { return shown.show(points, {}); }));
   CHECK(within(5, [&] { return shown.show(points, {}); }));
   CHECK(shown.shown() == 2);
@@ -335,7 +335,7 @@ TEST_CASE("a late reader receives a cloud in its current state") {
 TEST_CASE("a cloud of a million points is one message") {
   std::vector<PointState> points(1'000'000);
   for (std::uint32_t i = 0; i < points.size(); ++i)
-    points[i] = {.position = Vec3(i, 0, 1), .id = i, .normal = {0, 0, 1}};
+    points[i] = {.position = Vec3(i, 0, 1), .number = i, .normal = {0, 0, 1}};
   RosCloud shown({.network = ownNetwork(), .name = "many", .mm_per_unit = 1000});
   CHECK(shown.show(points, {}));
   const PointCloud heard = hearRosCloud("many/cloud", {.network = ownNetwork()});

@@ -60,8 +60,9 @@ struct Message {
 TEST_CASE("a published cloud is read back in metres, without removed points") {
   std::vector<PointState> points;
   for (std::uint32_t i = 0; i < 100; ++i)
-    points.push_back({.position = Vec3(i, 2.f * i, -3.f), .id = i, .normal = {0, 0.6f, 0.8f}, .color = 0xff332211u});
-  points[7].id |= PointState::kGone;
+    points.push_back(
+        {.position = Vec3(i, 2.f * i, -3.f), .number = i, .normal = {0, 0.6f, 0.8f}, .color = 0xff332211u});
+  points[7].gone = true;
   points[8].color = 0;
   const auto data = rosDataOf(points, DVec3(1000, 0, 0), 2);
   REQUIRE(data.size() == 99 * kRosPointStep);

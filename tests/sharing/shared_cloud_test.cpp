@@ -114,7 +114,7 @@ TEST_CASE("a client that asks for the state is at rest only after the answer, an
 
     void make(std::span<const PointState> states) {
       const EditBatch batch = edits.edit(states);
-      for (const PointState& state : batch.points) points[state.number()] = state;
+      for (const PointState& state : batch.points) points[state.number] = state;
       follower->catchUp(batch);
     }
     bool isSame() {

@@ -55,7 +55,7 @@ TEST_CASE("a soft body is touched, dented and recorded, and a replay gives the s
   const std::string file = (folder / "log").string();
   const auto cpu = cpuBackend();
   const SessionConfig config = softSession();
-  Session session(config, modelOf(config), {.backend = *cpu, .threads = 1, .journal = true});
+  Session session(config, modelOf(config), {.backend = *cpu, .threads = 1, .keepsPoints = true});
   const ServoResult result = runRecorded(session, file, pressed());
   double most_N = 0;
   for (const TraceRow& row : result.trace().rows) {
@@ -80,7 +80,7 @@ TEST_CASE("a sculpted soft body keeps its dent, a replay gives the same forces, 
   config.duration_s = 1;
   const Path path(
       {{0, {50, 33, 50}}, {0.2, {50, 25, 50}}, {0.5, {50, 25, 50}}, {0.6, {50, 40, 50}}, {1, {50, 40, 50}}});
-  Session session(config, modelOf(config), {.backend = *cpu, .threads = 1, .journal = true});
+  Session session(config, modelOf(config), {.backend = *cpu, .threads = 1, .keepsPoints = true, .undo = {1 << 24}});
   const ServoResult result = runRecorded(session, file, path);
   const auto top = [](const PointCloud& cloud) {
     float lowest = 100;

@@ -110,7 +110,7 @@ TEST_CASE("a new point takes its side from the old ones around it") {
     const std::size_t added = 8;
     for (std::size_t k = 0; k < added; ++k)
       stroke.states.push_back({.position = Vec3(-3.5f + static_cast<float>(k), 0.5f, -1.2f),
-                               .id = static_cast<std::uint32_t>(stroke.states.size()),
+                               .number = static_cast<std::uint32_t>(stroke.states.size()),
                                .normal = Vec3(0, 0, facing),
                                .parent = kSide * kSide / 2 + kSide / 2});
     CHECK(stroke.verdict().turned == (facing > 0 ? 0 : added));
@@ -127,7 +127,7 @@ TEST_CASE("a new point has its side also where another part of the surface is fo
     state.normal = -state.normal;
   }
   stroke.states.push_back({.position = Vec3(5.5f, 0.5f, 0),
-                           .id = static_cast<std::uint32_t>(stroke.states.size()),
+                           .number = static_cast<std::uint32_t>(stroke.states.size()),
                            .normal = Vec3(0, 0, 1),
                            .parent = kSide * kSide / 2 + kSide / 2 + 5});
   CHECK(stroke.verdict().turned == 0);
@@ -149,7 +149,7 @@ TEST_CASE("a push that raises the surface, one that leaves flakes, and a far sid
   raised.press(-1);
   CHECK(raised.verdict().raises);
   flakes.press(1.5);
-  flakes.within(4, [](PointState& state) { state.position.z -= state.id % 3 == 0 ? 3.0f : 0.0f; });
+  flakes.within(4, [](PointState& state) { state.position.z -= state.number % 3 == 0 ? 3.0f : 0.0f; });
   CHECK(flakes.verdict().tears);
   far.press(1.5);
   for (std::size_t i = kSide * kSide; i < far.states.size(); ++i)

@@ -105,7 +105,7 @@ TEST_CASE("edits of others are felt, in real time too, while another thread offe
   };
   std::vector<PointChange> lower;
   for (const PointState& point : others.shown()) {
-    if (point.gone() || point.position.z < 40) continue;
+    if (point.gone || point.position.z < 40) continue;
     lower.push_back({point, point});
     lower.back().to.position.z -= 10;
   }

@@ -36,9 +36,9 @@ void checkOffersAmidStrokes(TouchBackend& touch, const PointCloud& cloud, bool e
   others.checkEnd();
   // Only a change that removes the ground under a hand may end its stroke.
   if (everywhere)
-    CHECK(others.journal().strokes() > 0);
+    CHECK(others.history().counts().strokes > 0);
   else
-    CHECK(others.journal().strokes() == kStrokes);
+    CHECK(others.history().counts().strokes == kStrokes);
   CHECK(others.offers() > 50);
   CHECK(others.parts() > 10);
   CHECK(others.taken() > 1000);
@@ -111,7 +111,7 @@ void checkOffersThatAreLate(TouchBackend& touch, const PointCloud& cloud) {
   wrong.from.position += Vec3(30, 30, 30);
   wrong.to.color = 0xff112233;  // a change not applied does not paint either
   gone.from.position += Vec3(-30, 0, 7);
-  gone.to.id |= PointState::kGone;
+  gone.to.gone = true;
   REQUIRE(others.offerThese({moved(0, 5), wrong, gone, moved(3, -5)}));
   CHECK_FALSE(touch.edits()->offer({}, 0));  // one at a time
   rest();
@@ -123,11 +123,11 @@ void checkOffersThatAreLate(TouchBackend& touch, const PointCloud& cloud) {
 
   // Removed, and restored as it was.
   PointChange away = moved(7, 0);
-  away.to.id |= PointState::kGone;
+  away.to.gone = true;
   REQUIRE(others.offerThese({away}));
   rest();
   CHECK(others.lastTaken() == 1);
-  CHECK(state(7).gone());
+  CHECK(state(7).gone);
   // Restored by another change meanwhile: the offer must not duplicate the point.
   std::swap(away.from, away.to);
   touch.edits()->change(std::vector{away});

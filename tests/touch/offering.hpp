@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/edit/journal.hpp"
+#include "engine/edit/history.hpp"
 #include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
@@ -17,7 +17,7 @@ namespace palpate {
 class Offering {
  public:
   Offering(TouchBackend& touch, const PointCloud& cloud, std::uint32_t seed)
-      : touch_(touch), cloud_(cloud), journal_(cloud, 1 << 26), shown_(statesOf(cloud)), dice_(seed) {
+      : touch_(touch), cloud_(cloud), history_(cloud, {1 << 26}), shown_(statesOf(cloud)), dice_(seed) {
     touch.edits()->keep();
   }
 
@@ -33,8 +33,8 @@ class Offering {
       parts_ += mark.kind == EditMark::Kind::part;
       begin = mark.at;
     }
-    for (const PointState& state : batch.points) shown_[state.number()] = state;
-    journal_.follow(batch);
+    for (const PointState& state : batch.points) shown_[state.number] = state;
+    history_.follow(batch);
   }
 
   /// Offers `count` points selected by `chosen`: moved by up to `way`, removed, or restored.
@@ -46,11 +46,11 @@ class Offering {
     std::vector<bool> named(shown_.size());
     for (std::size_t i = 0; i < 50 * count && changes.size() < count; ++i) {
       const PointState& point = shown_[dice_() % shown_.size()];
-      if (named[point.number()] || !chosen(point)) continue;
-      named[point.number()] = true;
+      if (named[point.number] || !chosen(point)) continue;
+      named[point.number] = true;
       PointChange change{point, point};
-      if (point.gone() || dice_() % 5 == 0) change.to.id ^= PointState::kGone;
-      if (!change.to.gone()) change.to.position += Vec3(to(dice_), to(dice_), to(dice_));
+      if (point.gone || dice_() % 5 == 0) change.to.gone = !change.to.gone;
+      if (!change.to.gone) change.to.position += Vec3(to(dice_), to(dice_), to(dice_));
       changes.push_back(change);
     }
     return offerThese(changes);
@@ -67,13 +67,13 @@ class Offering {
     follow();
     PointCloud ended = cloud_;
     touch_.readBack(ended);
-    const PointCloud expected = editedCloud(cloud_, journal_.points());
+    const PointCloud expected = editedCloud(cloud_, history_.points());
     CHECK(ended.positions == expected.positions);
     CHECK(ended.normals == expected.normals);
     CHECK(ended.colors == expected.colors);
   }
 
-  const Journal& journal() const { return journal_; }
+  const History& history() const { return history_; }
   std::span<const PointState> shown() const { return shown_; }
   bool isOffered() const { return isOffered_; }
   std::size_t offers() const { return offers_; }
@@ -96,7 +96,7 @@ class Offering {
 
   TouchBackend& touch_;
   const PointCloud& cloud_;
-  Journal journal_;
+  History history_;
   std::vector<PointState> shown_;
   std::mt19937 dice_;
   std::vector<PointChange> offered_;

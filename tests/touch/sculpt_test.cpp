@@ -210,8 +210,8 @@ TEST_CASE("the edits of the log, applied to the file's points, give the sculpted
   touch.edits()->take(batch);
   std::vector<PointState> points = statesOf(scene.cloud);
   for (const PointState& point : batch.points) {
-    if (point.number() >= points.size()) points.resize(point.number() + 1);
-    points[point.number()] = point;
+    if (point.number >= points.size()) points.resize(point.number + 1);
+    points[point.number] = point;
   }
   const PointCloud followed = editedCloud(scene.cloud, points);
   CHECK(followed.positions == crater.cloud.positions);

@@ -2,10 +2,11 @@
 #include <algorithm>
 
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/edit/journal.hpp"
+#include "engine/edit/history.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/history_steps.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate::change_tool_test {
@@ -39,13 +40,13 @@ Contact press(TouchBackend& touch, const DVec3& direction, double depth, int tic
 }
 
 struct Told {
-  explicit Told(const Scene& scene) : journal(scene.cloud, 1 << 28) {}
-  Journal journal;
+  explicit Told(const Scene& scene) : history(scene.cloud, {1 << 28}) {}
+  History history;
   EditBatch batch;
   void take(TouchBackend& touch) {
     batch.clear();
     touch.edits()->take(batch);
-    journal.follow(batch);
+    history.follow(batch);
   }
 };
 
@@ -69,13 +70,13 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "each brush works after a change of brush, and
     press(*touch, {0, -1, 0}, 3);
     touch->finish();
     told.take(*touch);
-    CHECK(told.journal.strokes() == 4);  // feeling makes no stroke
+    CHECK(told.history.counts().strokes == 4);  // feeling makes no stroke
 
     double lowest = 100, highest = 0, behind = 100, carved = 100;
     std::size_t red = 0;
-    for (const PointState& point : told.journal.points()) {
+    for (const PointState& point : told.history.points()) {
       const DVec3 p(point.position);
-      if (point.gone()) continue;
+      if (point.gone) continue;
       const double r = glm::length(p);
       if (p.z > 45) lowest = std::min(lowest, r);
       if (p.x > 45) highest = std::max(highest, r);
@@ -90,10 +91,10 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "each brush works after a change of brush, and
     CHECK(red > 20);
 
     for (int stroke = 0; stroke < 4; ++stroke) {
-      touch->edits()->change(told.journal.undo());
+      touch->edits()->change(undone(told.history));
       told.take(*touch);
     }
-    CHECK(changedPoints(scene.cloud, told.journal.points()) == 0);
+    CHECK(changedPoints(scene.cloud, told.history.points()) == 0);
     PointCloud back = scene.cloud;
     CHECK(touch->readBack(back) == 0);
   }
@@ -113,7 +114,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a larger tool reaches further than the one before
       told.take(*touch);
       double widest = 0;
       for (const PointState& point : told.batch.points)
-        if (!point.gone()) widest = std::max(widest, glm::length(glm::cross(DVec3(point.position), direction)));
+        if (!point.gone) widest = std::max(widest, glm::length(glm::cross(DVec3(point.position), direction)));
       return widest;
     };
     const double narrow = reach({0, 0, 1});

@@ -89,8 +89,8 @@ TEST_CASE_FIXTURE(GpuFixture, "the points of a moving cloud keep their ids") {
   feelAtRest(touch, {1, 2, 50}, 40);
   touch.finish();
   auto points = touch.live().points();
-  std::ranges::sort(points, {}, &PointState::id);
-  for (std::uint32_t i = 0; i < points.size(); ++i) CHECK(points[i].id == i);
+  std::ranges::sort(points, {}, &PointState::number);
+  for (std::uint32_t i = 0; i < points.size(); ++i) CHECK(points[i].number == i);
   CHECK(points.size() == scene.cloud.size());
 }
 

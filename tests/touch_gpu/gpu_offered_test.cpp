@@ -30,7 +30,7 @@ TEST_CASE_FIXTURE(GpuFixture, "an offer of very many points rebuilds the index i
     std::vector<PointChange> heap;
     for (const PointState& point : others.shown().first(most)) {
       heap.push_back({point, point});
-      heap.back().to.position = place + Vec3(1e-3F * static_cast<float>(point.id % 7), 0, 0);
+      heap.back().to.position = place + Vec3(1e-3F * static_cast<float>(point.number % 7), 0, 0);
     }
     REQUIRE(others.offerThese(heap));
     rest();
@@ -68,7 +68,7 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU offers from another thread are carried
   touch.finish();
   others.checkEnd();
   CHECK(others.offers() - others.reports() <= 1);
-  CHECK(others.journal().strokes() > 0);
+  CHECK(others.history().counts().strokes > 0);
 }
 
 }  // namespace palpate::gpu_offered_test

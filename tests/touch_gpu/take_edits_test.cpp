@@ -1,11 +1,12 @@
-// The edits that the back ends report, and the effect of change(), followed by a journal.
+// The edits that the back ends report, and the effect of change(), followed by a history.
 #include <thread>
 
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/edit/journal.hpp"
+#include "engine/edit/history.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/history_steps.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate::take_edits_test {
@@ -15,7 +16,7 @@ namespace {
 BrushOptions softPush() { return {.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8}; }
 
 // `strokes` presses on the sphere's top, each a little further along, with the hand lifted in between.
-std::vector<Contact> press(TouchBackend& touch, int strokes, Journal* journal = nullptr) {
+std::vector<Contact> press(TouchBackend& touch, int strokes, History* history = nullptr) {
   constexpr int kTicks = 36;
   std::vector<Contact> contacts;
   EditBatch batch;
@@ -23,26 +24,26 @@ std::vector<Contact> press(TouchBackend& touch, int strokes, Journal* journal = 
     const double phase = (i % kTicks) / (0.5 * kTicks), depth = 3 * (phase < 1 ? phase : 2 - phase);
     const double time_s = 1e-3 * i + 0.5 * (i / kTicks);  // far enough apart to be strokes
     contacts.push_back(touch.query({.time_s = time_s, .hip = {6.0 * (i / kTicks), 0, 51 - depth}}, 0));
-    if (!journal) continue;
+    if (!history) continue;
     touch.edits()->take(batch);
-    journal->follow(batch);
+    history->follow(batch);
     batch.clear();
   }
   touch.finish();
-  if (journal) {
+  if (history) {
     touch.edits()->take(batch);
-    journal->follow(batch);
+    history->follow(batch);
   }
   return contacts;
 }
 
-void apply(TouchBackend& touch, Journal& journal, std::span<const PointChange> changes) {
+void apply(TouchBackend& touch, History& history, std::span<const PointChange> changes) {
   touch.edits()->change(changes);
   EditBatch batch;
   touch.edits()->take(batch);
   CHECK(batch.marks.size() == (changes.empty() ? 0 : 1));
   for (const EditMark& mark : batch.marks) CHECK(mark.kind == EditMark::Kind::change);
-  journal.follow(batch);
+  history.follow(batch);
 }
 
 bool same(const PointCloud& a, const PointCloud& b) {
@@ -51,33 +52,33 @@ bool same(const PointCloud& a, const PointCloud& b) {
 
 void checkFollowed(TouchBackend& touch, const PointCloud& cloud) {
   touch.edits()->keep();
-  Journal journal(cloud, 1 << 26);
-  press(touch, 3, &journal);
-  CHECK(journal.strokes() == 3);
-  CHECK_FALSE(journal.inStroke());
+  History history(cloud, {1 << 26});
+  press(touch, 3, &history);
+  CHECK(history.counts().strokes == 3);
+  CHECK_FALSE(history.inStroke());
   CHECK(touch.edits()->progress().states > 300);
   PointCloud ended = cloud;
   const std::size_t changed = touch.readBack(ended);
   CHECK(changed > 50);
-  CHECK(changedPoints(cloud, journal.points()) == changed);
-  CHECK(same(editedCloud(cloud, journal.points()), ended));
+  CHECK(changedPoints(cloud, history.points()) == changed);
+  CHECK(same(editedCloud(cloud, history.points()), ended));
 }
 
 // Two strokes, undone and redone; finally the cloud is as loaded.
 void checkTakenBack(TouchBackend& touch, const PointCloud& cloud) {
   touch.edits()->keep();
-  Journal journal(cloud, 1 << 26);
-  press(touch, 2, &journal);
+  History history(cloud, {1 << 26});
+  press(touch, 2, &history);
   PointCloud sculpted = cloud;
   CHECK(touch.readBack(sculpted) > 50);
   const auto undoBoth = [&] {
-    for (int i = 0; i < 2; ++i) apply(touch, journal, journal.undo());
+    for (int i = 0; i < 2; ++i) apply(touch, history, undone(history));
     PointCloud back = cloud;
     CHECK(touch.readBack(back) == 0);
     CHECK(same(back, cloud));
   };
   undoBoth();
-  for (int i = 0; i < 3; ++i) apply(touch, journal, journal.redo());
+  for (int i = 0; i < 3; ++i) apply(touch, history, redone(history));
   PointCloud redone = cloud;
   touch.readBack(redone);
   CHECK(same(redone, sculpted));
@@ -87,12 +88,12 @@ void checkTakenBack(TouchBackend& touch, const PointCloud& cloud) {
 // Moves all points out by a tenth, except the last, which is said to be where it is not.
 void checkRefused(TouchBackend& touch, const PointCloud& cloud) {
   touch.edits()->keep();
-  Journal journal(cloud, 1 << 26);
-  press(touch, 1, &journal);
+  History history(cloud, {1 << 26});
+  press(touch, 1, &history);
   PointCloud before = cloud;
   touch.readBack(before);
   std::vector<PointChange> changes;
-  for (const PointState& state : journal.points()) {
+  for (const PointState& state : history.points()) {
     changes.push_back({state, state});
     changes.back().to.position *= 1.1F;
   }
@@ -104,22 +105,22 @@ void checkRefused(TouchBackend& touch, const PointCloud& cloud) {
   EditBatch batch;
   touch.edits()->take(batch);
   CHECK(batch.empty());
-  changes.back().from = journal.points().end()[-1];
-  apply(touch, journal, changes);
+  changes.back().from = history.points().end()[-1];
+  apply(touch, history, changes);
   touch.readBack(after);
-  CHECK(same(editedCloud(cloud, journal.points()), after));
+  CHECK(same(editedCloud(cloud, history.points()), after));
   CHECK(glm::distance(after.positions[0], 1.1F * before.positions[0]) < 1e-6F);
 }
 
 }  // namespace
 
-TEST_CASE("a journal that follows the CPU back end has the cloud bit by bit, stroke by stroke") {
+TEST_CASE("a history that follows the CPU back end has the cloud bit by bit, stroke by stroke") {
   const Scene scene = makeScene("sphere", 20'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
   checkFollowed(touch, scene.cloud);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a journal that follows the GPU has the cloud bit by bit, stroke by stroke") {
+TEST_CASE_FIXTURE(GpuFixture, "a history that follows the GPU has the cloud bit by bit, stroke by stroke") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
   checkFollowed(touch, scene.cloud);
@@ -135,20 +136,20 @@ TEST_CASE_FIXTURE(GpuFixture, "points removed by a brush are reported, with an u
       const BrushOptions carve{.kind = BrushKind::carve, .yieldDepth = 0.3, .radius = brushRadius, .strength = 1};
       TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = carve, .index = index});
       touch.edits()->keep();
-      Journal journal(scene.cloud, 1 << 26);
+      History history(scene.cloud, {1 << 26});
       // Steps long enough that points are deep inside the brush.
       const int ticks = brushRadius > 100 ? 16 : 6;
       for (int i = 0; i < ticks; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 53 - 3.0 * i}}, 0);
       touch.finish();
       EditBatch batch;
       touch.edits()->take(batch);
-      journal.follow(batch);
+      history.follow(batch);
       std::size_t gone = 0;
-      for (const PointState& state : journal.points()) gone += (state.id & PointState::kGone) != 0;
+      for (const PointState& state : history.points()) gone += state.gone;
       CHECK(gone > 50);
       PointCloud ended = scene.cloud;
       touch.readBack(ended);
-      CHECK(same(editedCloud(scene.cloud, journal.points()), ended));
+      CHECK(same(editedCloud(scene.cloud, history.points()), ended));
     }
 }
 
@@ -199,19 +200,19 @@ TEST_CASE("points removed by a change are no longer felt on the CPU, and new one
   for (const PointState& state : states) {
     if (state.position.z < 40) continue;
     PointChange change{state, state};
-    change.to.id |= PointState::kGone;
+    change.to.gone = true;
     changes.push_back(change);
     PointState higher = state;  // the same cap, slightly farther out, of new points
-    higher.id = static_cast<std::uint32_t>(states.size() + changes.size() - 1);
-    higher.parent = state.id;
+    higher.number = static_cast<std::uint32_t>(states.size() + changes.size() - 1);
+    higher.parent = state.number;
     higher.position.z += 10;
     changes.push_back({higher, higher});
-    changes.back().from.id |= PointState::kGone;
+    changes.back().from.gone = true;
   }
   // The new points' ids follow the file's without a gap.
   std::uint32_t next = static_cast<std::uint32_t>(states.size());
   for (PointChange& change : changes)
-    if (change.to.number() >= states.size()) change.to.id = next++;
+    if (change.to.number >= states.size()) change.to.number = next++;
   touch.edits()->change(changes);
   CHECK_FALSE(feels(50));
   CHECK(feels(60));
@@ -220,7 +221,7 @@ TEST_CASE("points removed by a change are no longer felt on the CPU, and new one
   CHECK(edited.size() == scene.cloud.size());
   for (PointChange& change : changes) std::swap(change.from, change.to);
   for (PointChange& change : changes)
-    if (change.to.number() >= states.size()) change.to.id = change.from.number() | PointState::kGone;
+    if (change.to.number >= states.size()) change.to = {.gone = true, .number = change.from.number};
   touch.edits()->change(changes);
   CHECK(feels(50));
   CHECK_FALSE(feels(60));

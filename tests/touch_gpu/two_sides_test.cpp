@@ -43,9 +43,9 @@ TEST_CASE_FIXTURE(GpuFixture,
   std::vector<bool> there(drawn.count());
   std::size_t different = 0, moved = 0;
   for (const PointState& point : touch.live().points()) {
-    there[point.id] = true;
-    different += Vec3(positions[point.id]) != point.position || Vec3(normals[point.id]) != point.normal;
-    moved += point.id >= scene.cloud.size() || point.position != scene.cloud.positions[point.id];
+    there[point.number] = true;
+    different += Vec3(positions[point.number]) != point.position || Vec3(normals[point.number]) != point.normal;
+    moved += point.number >= scene.cloud.size() || point.position != scene.cloud.positions[point.number];
   }
   for (std::size_t id = 0; id < there.size(); ++id) different += !there[id] && !std::isnan(positions[id].x);
   CHECK(different == 0);

@@ -1,0 +1,465 @@
+#include "engine/edit/history.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <optional>
+#include <random>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/clock.hpp"
+#include "tests/history_steps.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate::history_test {
+
+namespace {
+
+PointCloud coloredCloud(std::size_t count) {
+  PointCloud cloud;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto f = static_cast<float>(i);
+    cloud.positions.emplace_back(f, 0.5f * f, -f);
+    cloud.normals.emplace_back(0, 0, 1);
+    cloud.colors.push_back({static_cast<std::uint8_t>(i), 1, 2, 255});
+  }
+  return cloud;
+}
+
+/// Acts as a back end with random edits: moves, paints, removes, restores, adds.
+class Editor {
+ public:
+  Editor(const PointCloud& cloud, std::uint32_t seed) : points_(statesOf(cloud)), random_(seed) {}
+
+  std::vector<PointState> tick(std::size_t most) {
+    std::vector<PointState> states;
+    std::vector<bool> named(points_.size() + most);
+    for (std::size_t i = random_() % (most + 1); i > 0; --i) {
+      const bool adds = random_() % 10 == 0;
+      const auto id = static_cast<std::uint32_t>(adds ? points_.size() : random_() % points_.size());
+      if (named[id]) continue;
+      named[id] = true;
+      if (adds) points_.push_back({.number = id, .parent = static_cast<std::uint32_t>(random_() % id)});
+      PointState& point = points_[id];
+      if (!adds && random_() % 6 == 0) {
+        point.gone = !point.gone;
+      } else {
+        point.position += Vec3(unit_(random_), unit_(random_), unit_(random_));
+        point.normal = glm::normalize(Vec3(unit_(random_), unit_(random_), 2));
+        point.color = static_cast<std::uint32_t>(random_());
+      }
+      states.push_back(point);
+    }
+    return states;
+  }
+  std::vector<PointState> change(std::span<const PointChange> changes) {
+    std::vector<PointState> states;
+    for (const PointChange& change : changes) {
+      PointState& point = points_[change.to.number];
+      CHECK(point == change.from);
+      states.push_back(point = change.to);
+    }
+    return states;
+  }
+  const std::vector<PointState>& points() const { return points_; }
+
+ private:
+  std::vector<PointState> points_;
+  std::mt19937 random_;
+  std::uniform_real_distribution<float> unit_{-1, 1};
+};
+
+void append(EditBatch& batch, const std::vector<PointState>& states) {
+  batch.points.insert(batch.points.end(), states.begin(), states.end());
+}
+void give(History& history, EditBatch& batch) {
+  history.follow(batch);
+  batch.clear();
+}
+void mark(EditBatch& batch, EditMark::Kind kind) { batch.marks.push_back({batch.points.size(), kind}); }
+
+// Existing points must be equal in every property; for others it is enough that they do not exist.
+std::size_t differences(std::span<const PointState> a, std::span<const PointState> b) {
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
+    const bool inA = i < a.size() && !a[i].gone, inB = i < b.size() && !b[i].gone;
+    different += inA != inB || (inA && a[i] != b[i]);
+  }
+  return different;
+}
+
+std::vector<PointState> copyOf(std::span<const PointState> points) { return {points.begin(), points.end()}; }
+
+PointState movedTo(float z, PointState point) {
+  point.position.z = z;
+  return point;
+}
+
+EditBatch strokeOf(std::uint32_t first, std::uint32_t count, float z) {
+  EditBatch batch;
+  for (std::uint32_t i = first; i < first + count; ++i) batch.points.push_back({.position = {0, 0, z}, .number = i});
+  mark(batch, EditMark::Kind::stroke);
+  return batch;
+}
+
+}  // namespace
+
+TEST_CASE("undo and redo of random strokes of every kind restore each state bit by bit") {
+  const PointCloud cloud = coloredCloud(257);
+  for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
+    CAPTURE(seed);
+    Editor editor(cloud, seed);
+    History history(cloud, {1 << 30});
+    std::mt19937 random(seed + 100);
+    std::vector<std::vector<PointState>> states{copyOf(editor.points())};   // after each stroke that is not undone
+    std::vector<std::optional<std::uint64_t>> versions{history.version()};  // where examined
+    std::size_t at = 0, walked = 0, metAgain = 0;
+    EditBatch batch;
+    for (int step = 0; step < 400; ++step) {
+      if (random() % 2) {
+        bool any = false;
+        for (std::size_t tick = 1 + random() % 5; tick > 0; --tick) {
+          const auto edited = editor.tick(40);
+          any = any || !edited.empty();
+          append(batch, edited);
+          if (random() % 3 == 0) {  // a reader in the middle of a stroke
+            give(history, batch);
+          }
+        }
+        mark(batch, EditMark::Kind::stroke);
+        if (any) {
+          states.resize(++at);
+          states.push_back(copyOf(editor.points()));
+          versions.resize(at);
+          versions.emplace_back();
+        }
+        if (random() % 2) continue;  // sometimes only after several strokes
+        give(history, batch);
+      } else {
+        give(history, batch);
+        const bool back = random() % 3 != 0;
+        const auto changes = back ? undone(history) : redone(history);
+        if (back ? at > 0 : at + 1 < states.size()) back ? --at : ++at;
+        append(batch, editor.change(changes));
+        if (!changes.empty()) mark(batch, EditMark::Kind::change);
+        give(history, batch);
+        ++walked;
+      }
+      CHECK_FALSE(history.inStroke());
+      CHECK(history.counts().undoCount == at);
+      REQUIRE(differences(history.points(), states[at]) == 0);
+      CHECK(history.points().present() == states[at].size() - std::ranges::count_if(states[at], &PointState::gone));
+      REQUIRE(differences(editor.points(), states[at]) == 0);
+      if (versions[at]) {
+        CHECK(history.version() == *versions[at]);
+        ++metAgain;
+      } else {
+        CHECK(std::ranges::count(versions, std::optional(history.version())) == 0);
+        versions[at] = history.version();
+      }
+    }
+    CHECK(walked > 100);
+    CHECK(metAgain > 50);
+    give(history, batch);
+    while (history.counts().undoCount) editor.change(undone(history));
+    CHECK(history.version() == versions[0]);
+    CHECK(differences(history.points(), statesOf(cloud)) == 0);
+    CHECK(editedCloud(cloud, history.points()).positions == cloud.positions);
+    CHECK(history.counts().dropped == 0);
+  }
+}
+
+TEST_CASE("a new stroke discards the redo strokes and frees their memory") {
+  const PointCloud cloud = coloredCloud(100);
+  History history(cloud, {1 << 20});
+  CHECK(undone(history).empty());
+  CHECK(redone(history).empty());
+  history.follow(strokeOf(0, 10, 1));
+  history.follow(strokeOf(5, 10, 2));
+  const std::uint64_t both = history.bytes();
+  CHECK(undone(history).size() == 10);
+  CHECK(history.bytes() == both);
+  CHECK(history.counts().redoCount == 1);
+  CHECK(history.points()[7].position.z == 1);
+  history.follow(strokeOf(50, 1, 3));
+  CHECK(history.counts().redoCount == 0);
+  CHECK(redone(history).empty());
+  CHECK(history.bytes() < both);
+  CHECK(history.counts().undoCount == 2);
+  CHECK(history.counts().strokes == 3);
+}
+
+TEST_CASE("a stroke keeps a point once, in its state before the first edit") {
+  const PointCloud cloud = coloredCloud(100);
+  History history(cloud, {1 << 20});
+  EditBatch batch;
+  for (int tick = 1; tick <= 500; ++tick)
+    batch.points.push_back(
+        {.position = {0, 0, static_cast<float>(tick)}, .number = static_cast<std::uint32_t>(tick % 7)});
+  history.follow(batch);
+  CHECK(history.inStroke());
+  CHECK(history.counts().undoCount == 0);
+  const std::uint64_t underWay = history.version();
+  history.follow(batch);
+  CHECK(history.version() != underWay);
+  batch.clear();
+  mark(batch, EditMark::Kind::stroke);
+  history.follow(batch);
+  CHECK(history.bytes() < 9 * sizeof(PointState));
+  const auto changes = undone(history);
+  REQUIRE(changes.size() == 7);
+  for (const PointChange& change : changes) {
+    CHECK(change.from.position.z > 493);
+    CHECK(change.to == statesOf(cloud)[change.to.number]);
+  }
+}
+
+TEST_CASE("beyond the budget the oldest strokes are dropped first, and counted") {
+  const PointCloud cloud = coloredCloud(10'000);
+  const std::uint64_t budget = 2500 * sizeof(PointState);
+  History history(cloud, {budget});
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    history.follow(strokeOf(1000 * i, 1000, static_cast<float>(i + 1)));
+    CHECK(history.bytes() <= budget);
+  }
+  CHECK(history.counts().undoCount == 2);
+  CHECK(history.counts().dropped == 8);
+  CHECK(history.counts().tooLarge == 0);
+  CHECK(undone(history).front().to.number == 9000);
+  CHECK(undone(history).front().to.number == 8000);
+  CHECK(undone(history).empty());
+  CHECK(history.points()[7000].position.z == 8);
+  CHECK(history.version() != History(cloud).version());  // the file's points cannot recur
+}
+
+TEST_CASE("a stroke larger than the budget and those before it cannot be undone, those after it can") {
+  const PointCloud cloud = coloredCloud(10'000);
+  History history(cloud, {2500 * sizeof(PointState)});
+  history.follow(strokeOf(0, 100, 1));
+  history.follow(strokeOf(0, 6000, 2));
+  CHECK(history.counts().undoCount == 0);
+  CHECK(history.counts().dropped == 2);
+  CHECK(history.counts().tooLarge == 1);
+  CHECK(history.bytes() == 0);
+  CHECK(history.points()[5999].position.z == 2);
+  history.follow(strokeOf(200, 100, 3));
+  CHECK(undone(history).size() == 100);
+  CHECK(history.points()[200].position.z == 2);
+  CHECK(undone(history).empty());
+}
+
+TEST_CASE("a stroke that removes every point is undone") {
+  const PointCloud cloud = coloredCloud(1000);
+  History history(cloud, {1 << 20});
+  EditBatch batch;
+  for (PointState point : statesOf(cloud)) {
+    point.gone = true;
+    batch.points.push_back(point);
+  }
+  mark(batch, EditMark::Kind::stroke);
+  history.follow(batch);
+  CHECK(editedCloud(cloud, history.points()).empty());
+  CHECK(undone(history).size() == 1000);
+  CHECK(editedCloud(cloud, history.points()).colors == cloud.colors);
+}
+
+TEST_CASE("without a budget the history follows the points and keeps no stroke") {
+  const PointCloud cloud = coloredCloud(100);
+  History history(cloud);
+  history.follow(strokeOf(90, 20, 4));
+  CHECK(history.points().size() == 110);
+  CHECK(history.counts().strokes == 1);
+  CHECK(undone(history).empty());
+  CHECK(history.bytes() == 0);
+  CHECK(history.counts().dropped == 0);
+}
+
+TEST_CASE("a history processes millions of states per second") {
+  const PointCloud cloud = coloredCloud(1'000'000);
+  std::mt19937 random(5);
+  EditBatch batch;
+  for (std::size_t i = 0; i < 2'000'000; ++i)
+    batch.points.push_back({.number = static_cast<std::uint32_t>(random() % cloud.size())});
+  mark(batch, EditMark::Kind::stroke);
+  History history(cloud, {1ull << 30});
+  const Stopwatch watch;
+  history.follow(batch);
+  const double scattered_s = watch.elapsed_s();
+  for (std::size_t i = 0; i < batch.points.size(); ++i)
+    batch.points[i].number = static_cast<std::uint32_t>(400'000 + i % 10'000);
+  const Stopwatch again;
+  history.follow(batch);
+  const double brush_s = again.elapsed_s();
+  const Stopwatch back;
+  const std::size_t both = undone(history).size() + undone(history).size();
+  MESSAGE("states a second: " << 2e6 / scattered_s << " all over the cloud, " << 2e6 / brush_s
+                              << " under a brush; undone: " << static_cast<double>(both) / back.elapsed_s());
+  CHECK(history.counts().undoCount == 0);
+}
+
+TEST_CASE("edits of others belong to no stroke, and stay when a stroke is undone") {
+  const PointCloud cloud = coloredCloud(20);
+  History history(cloud, {1 << 20});
+  const auto file = copyOf(history.points());
+  const auto moved = [&](std::uint32_t point, float z) { return movedTo(z, file[point]); };
+  const auto z = [&](std::uint32_t point) { return history.points()[point].position.z; };
+  EditBatch batch;
+  append(batch, {moved(1, 10), moved(2, 10), moved(3, 10)});
+  mark(batch, EditMark::Kind::part);
+  append(batch, {moved(3, 20), moved(4, 20)});
+  mark(batch, EditMark::Kind::received);
+  append(batch, {moved(4, 30), moved(5, 30)});
+  history.follow(batch);
+  CHECK(history.inStroke());
+  CHECK(history.counts().strokes == 0);
+  batch.clear();
+  mark(batch, EditMark::Kind::stroke);
+  append(batch, {moved(1, 40)});
+  mark(batch, EditMark::Kind::received);
+  history.follow(batch);
+  CHECK(history.counts().strokes == 1);
+  CHECK(z(1) == 40);
+  CHECK(z(4) == 30);
+  const std::uint64_t before = history.version();
+
+  const auto backs = undone(history);
+  // Others changed points 1 and 3 last; point 4 returns to their state of it.
+  REQUIRE(backs.size() == 3);
+  CHECK(z(1) == 40);
+  CHECK(z(2) == file[2].position.z);
+  CHECK(z(3) == 20);
+  CHECK(z(4) == 20);
+  CHECK(z(5) == file[5].position.z);
+  for (const PointChange& change : backs) CHECK(change.to == history.points()[change.to.number]);
+  CHECK(history.version() != before);
+
+  // The same between undo and redo.
+  batch.clear();
+  append(batch, {moved(2, 50)});
+  mark(batch, EditMark::Kind::received);
+  history.follow(batch);
+  CHECK(redone(history).size() == 2);
+  CHECK(z(2) == 50);
+  CHECK(z(4) == 30);
+  CHECK(z(5) == 30);
+  CHECK(history.version() != before);
+  CHECK(undone(history).size() == 2);
+  CHECK(z(2) == 50);
+  CHECK(history.counts().undoCount == 0);
+}
+
+TEST_CASE("a point that a stroke edits before and after an edit of others is undone to its state before the stroke") {
+  History history(coloredCloud(20), {1 << 20});
+  const auto file = copyOf(history.points());
+  const auto moved = [&](std::uint32_t point, float z) { return movedTo(z, file[point]); };
+  EditBatch batch;
+  append(batch, {moved(1, 10), moved(2, 10), moved(3, 10)});
+  mark(batch, EditMark::Kind::part);
+  append(batch, {moved(1, 20)});
+  mark(batch, EditMark::Kind::received);
+  append(batch, {moved(2, 30), moved(3, 30)});
+  mark(batch, EditMark::Kind::stroke);
+  history.follow(batch);
+  CHECK(undone(history).size() == 2);
+  CHECK(history.points()[1] == moved(1, 20));
+  CHECK(history.points()[2] == file[2]);
+  CHECK(history.points()[3] == file[3]);
+  CHECK(redone(history).size() == 2);
+  CHECK(history.points()[3] == moved(3, 30));
+}
+
+TEST_CASE("undoing random strokes amid edits of others restores all points except theirs") {
+  const PointCloud cloud = coloredCloud(301);
+  for (const std::uint32_t seed : {5u, 6u, 7u}) {
+    CAPTURE(seed);
+    Editor editor(cloud, seed);
+    History history(cloud, {1 << 30});
+    std::mt19937 random(seed);
+    std::vector<PointState> expected = copyOf(history.points());  // as in the file, except for others' last changes
+    std::size_t received = 0;
+    for (int step = 0; step < 200; ++step) {
+      EditBatch batch;
+      append(batch, editor.tick(20));
+      if (random() % 3 == 0) {
+        mark(batch, EditMark::Kind::part);
+        const auto theirs = editor.tick(10);
+        append(batch, theirs);
+        mark(batch, EditMark::Kind::received);
+        for (const PointState& state : theirs) {
+          while (expected.size() <= state.number)
+            expected.push_back({.gone = true, .number = static_cast<std::uint32_t>(expected.size())});
+          expected[state.number] = state;
+        }
+        received += theirs.size();
+      }
+      if (random() % 2) mark(batch, EditMark::Kind::stroke);
+      history.follow(batch);
+      REQUIRE(differences(history.points(), editor.points()) == 0);
+    }
+    EditBatch batch;
+    mark(batch, EditMark::Kind::stroke);
+    history.follow(batch);
+    CHECK(received > 100);
+    while (history.counts().undoCount) editor.change(undone(history));
+    CHECK(differences(history.points(), expected) == 0);
+    CHECK(differences(editor.points(), expected) == 0);
+  }
+}
+
+TEST_CASE("strokes that the memory does not hold are undone from the disk, bit by bit") {
+  const ScratchFolder folder;
+  const PointCloud cloud = coloredCloud(400);
+  History history(cloud, {.bytes = 100 * sizeof(PointState), .folder = folder.path(), .disk_bytes = 1 << 24});
+  Editor editor(cloud, 3);
+  std::vector<std::vector<PointState>> states{copyOf(editor.points())};
+  while (states.size() < 60) {
+    EditBatch batch;
+    append(batch, editor.tick(30));
+    if (batch.points.empty()) continue;
+    mark(batch, EditMark::Kind::stroke);
+    give(history, batch);
+    states.push_back(copyOf(editor.points()));
+  }
+  CHECK(history.bytes() <= 100 * sizeof(PointState));
+  CHECK(history.counts().undoCount == states.size() - 1);
+  CHECK(history.counts().dropped == 0);
+  for (std::size_t at = states.size() - 1; at-- > 0;) {
+    REQUIRE(!undone(history).empty());
+    REQUIRE(differences(history.points(), states[at]) == 0);
+  }
+  CHECK(history.version() == 0);
+  for (std::size_t at = 1; at < states.size(); ++at) {
+    REQUIRE(!redone(history).empty());
+    REQUIRE(differences(history.points(), states[at]) == 0);
+  }
+}
+
+TEST_CASE("strokes of a shape and of points are undone in the order in which they were made") {
+  const PointCloud cloud = coloredCloud(4);
+  History history(cloud, {1 << 20});
+  std::vector<RestPlace> shape{{0, Vec3(1)}, {1, Vec3(2)}};
+  const auto exchange = [&](ShapeStroke& stroke) {
+    for (RestPlace& place : stroke.places) std::swap(place.moved, shape[place.node].moved);
+    return true;
+  };
+  std::vector<PointChange> changes;
+  History::Carriers carriers = collecting(changes);
+  carriers.shape = exchange;
+  history.follow(strokeOf(0, 2, 5));
+  history.follow({ShapeStroke{{{1, Vec3(0)}}}, ShapeStroke{{{0, Vec3(-1)}, {1, Vec3(1)}}}});
+  CHECK(history.counts().strokes == 3);
+  const std::uint64_t version = history.version();
+  CHECK(history.undo(carriers));
+  CHECK(shape == std::vector<RestPlace>{{0, Vec3(-1)}, {1, Vec3(1)}});
+  CHECK(history.undo(carriers));
+  CHECK(shape == std::vector<RestPlace>{{0, Vec3(-1)}, {1, Vec3(0)}});
+  CHECK(changes.empty());
+  CHECK(history.undo(carriers));
+  CHECK(changes.size() == 2);
+  CHECK(history.version() == 0);
+  for (int i = 0; i < 3; ++i) CHECK(history.redo(carriers));
+  CHECK(shape == std::vector<RestPlace>{{0, Vec3(1)}, {1, Vec3(2)}});
+  CHECK(history.version() == version);
+}
+
+}  // namespace palpate::history_test
