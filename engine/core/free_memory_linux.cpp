@@ -36,21 +36,28 @@ std::optional<std::uint64_t> freeIn(const char* limit, const char* usage, const 
 
 }  // namespace
 
-std::uint64_t freeMemory_bytes() noexcept {
-  std::uint64_t free = std::numeric_limits<std::uint64_t>::max();
+std::uint64_t freeAddresses_bytes() noexcept {
   try {
-    if (const auto available = numberIn("/proc/meminfo", "MemAvailable:")) free = *available * kKiB;
+    rlimit limit{};
+    const auto pages = numberIn("/proc/self/statm");
+    if (pages && ::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+      const std::uint64_t taken = *pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+      return limit.rlim_cur - std::min<std::uint64_t>(limit.rlim_cur, taken);
+    }
+  } catch (...) {  // unknown: nothing is refused
+  }
+  return std::numeric_limits<std::uint64_t>::max();
+}
+
+std::uint64_t freeMemory_bytes() noexcept {
+  std::uint64_t free = freeAddresses_bytes();
+  try {
+    if (const auto available = numberIn("/proc/meminfo", "MemAvailable:")) free = std::min(free, *available * kKiB);
     for (const auto& container :
          {freeIn("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current", "/sys/fs/cgroup/memory.stat"),
           freeIn("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes",
                  "/sys/fs/cgroup/memory/memory.stat")})
       free = std::min(free, container.value_or(free));
-    rlimit limit{};
-    const auto pages = numberIn("/proc/self/statm");
-    if (pages && ::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
-      const std::uint64_t taken = *pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-      free = std::min(free, limit.rlim_cur - std::min<std::uint64_t>(limit.rlim_cur, taken));
-    }
   } catch (...) {  // unknown: nothing is refused
   }
   return free;

@@ -12,4 +12,6 @@ std::uint64_t freeMemory_bytes() noexcept {
   return ::GlobalMemoryStatusEx(&status) ? status.ullAvailPhys : std::numeric_limits<std::uint64_t>::max();
 }
 
+std::uint64_t freeAddresses_bytes() noexcept { return std::numeric_limits<std::uint64_t>::max(); }
+
 }  // namespace palpate

@@ -5,11 +5,19 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <condition_variable>
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <stop_token>
 #include <string_view>
+#include <thread>
 
+#include "engine/core/free_files.hpp"
+#include "engine/core/free_memory.hpp"
+#include "engine/core/start_thread.hpp"
+#include "engine/core/system_file.hpp"
 #include "haptics/sharing/security.hpp"
 
 namespace palpate {
@@ -43,6 +51,10 @@ constexpr bool kCanEncrypt = false;
 constexpr std::string_view kHasKeys = "palpate=keys;";  // user data of participants with keys
 constexpr std::uint32_t kLastDomain = 230;              // the last one that has ports
 constexpr auto kWriterPatience = DDS_MSECS(0);          // for slow readers: others get their turn meanwhile
+// DDS ends the program where it gets no memory, no thread or no descriptor of a socket. These are more than it was
+// measured to take: stacks and heaps of its threads, of which there are five, and two more with keys.
+constexpr std::uint64_t kMB = 1'000'000, kAddresses_bytes = 600 * kMB;
+constexpr std::size_t kThreads = 8, kFiles = 16;
 
 // Rejects characters that could end the XML around the word.
 std::string plain(const std::string& word, const char* what) {
@@ -51,6 +63,24 @@ std::string plain(const std::string& word, const char* what) {
   });
   if (!isPlain) throw UsageError("{}: '{}' is neither the name of an interface nor an address", what, word);
   return word;
+}
+
+// Throws NetworkError, or Error of startThread().
+void requireResources() {
+  if (!canOpenFiles(kFiles))
+    throw NetworkError(
+        "the network needs {} more open files, and this program's limit leaves fewer; raise it (ulimit -n)", kFiles);
+  const std::uint64_t free_bytes = freeAddresses_bytes();
+  if (free_bytes < kAddresses_bytes)
+    throw NetworkError("the network needs {} MB of addresses, and this program's limit leaves {}; raise it (ulimit -v)",
+                       kAddresses_bytes / kMB, free_bytes / kMB);
+  std::vector<std::jthread> threads;
+  while (threads.size() < kThreads)
+    threads.push_back(startThread([](const std::stop_token& stop) {
+      std::mutex lock;
+      std::unique_lock held(lock);
+      std::condition_variable_any().wait(held, stop, [] { return false; });
+    }));
 }
 
 // Collects the log messages of DDS; the last one is added to our exceptions.
@@ -214,17 +244,30 @@ struct Participant::Domain {
   struct All {
     std::mutex lock;
     std::map<std::uint32_t, Domain> open;
+    std::atomic<int> process = 0;  // whose domains they are; 0: none is open
   };
+
+  // The threads of DDS, and what its locks guard, remain in the parent.
+  static void requireOwn(const All& all) {
+    const int process = all.process;
+    if (process != 0 && process != processNumber())
+      throw NetworkError(
+          "this process was forked while its parent used the network, which it cannot use itself; start it as a "
+          "program of its own, or before the parent serves or joins");
+  }
 
   static std::shared_ptr<Domain> of(const NetworkConfig& network) {
     static All& all = *new All;  // never destroyed, like Remarks
     const std::string config = configOf(network);
+    requireOwn(all);
     const std::scoped_lock hold(all.lock);
     Remarks::all().take();
     auto found = all.open.find(network.domain);
     if (found == all.open.end()) {
+      requireResources();
       try {
         found = all.open.try_emplace(network.domain, network, config).first;
+        all.process = processNumber();
       } catch (const NetworkError& error) {
         const std::string why = Remarks::all().take();
         throw NetworkError("the network of {} cannot be used: {}; is there such an interface, and does it carry IPv4?",
@@ -239,6 +282,7 @@ struct Participant::Domain {
     return {&found->second, [found](Domain* domain) {
               const std::scoped_lock last(all.lock);
               if (--domain->users == 0) all.open.erase(found);
+              if (all.open.empty()) all.process = 0;
             }};
   }
 };
