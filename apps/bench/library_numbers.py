@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Measures the numbers in the READMEs of the library and of the Python module, and prints their table; --write replaces
-those tables. Times are of one core (time of the process, `threads` 1), so that other programs do not count.
+"""Measures the numbers in the READMEs of the library and of the Python module, and prints their tables; --write
+replaces those tables. Times are of one core (time of the process, `threads` 1), so that other programs do not count.
 
     PYTHONPATH=build/release/python python3 apps/bench/library_numbers.py [--write]
 """
@@ -10,7 +10,11 @@ from __future__ import annotations
 import argparse
 import datetime
 import re
+import resource
+import shutil
+import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -70,6 +74,44 @@ def ticks(points: int) -> dict[str, float]:
         return {"a tick, median": float(np.median(times)), "a tick, p99": float(np.percentile(times, 99))}
 
 
+def core_ms(program: str) -> float:
+    """ms of a core of an interpreter that runs a program."""
+    times = []
+    for _ in range(15):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, "-c", program], check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return 1e3 * float(np.median(times))
+
+
+def stripped_bytes(files: list[Path]) -> int:
+    total = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for file in files:
+            copy = Path(folder) / file.name
+            shutil.copyfile(file, copy)
+            if ".so" in file.name:
+                subprocess.run(["strip", copy], check=True)
+            total += copy.stat().st_size
+    return total
+
+
+def package() -> str:
+    """The cost of the Python module before it does anything."""
+    folder = Path(pp.__file__).parent
+    library = next(Path(line.split()[-1]) for line in Path("/proc/self/maps").read_text().splitlines()
+                   if "libpalpate.so" in line)
+    rows = {
+        "`import palpate`, of a core, beside the interpreter's": f"{core_ms('import palpate') - core_ms(''):.0f} ms",
+        "the same of `import numpy`": f"{core_ms('import numpy') - core_ms(''):.0f} ms",
+        "the package, stripped": f"{stripped_bytes([f for f in folder.iterdir() if f.is_file()]) / 1e3:.0f} kB",
+        "the library, stripped": f"{stripped_bytes([library]) / 1e6:.1f} MB",
+    }
+    head = f"| the module, {datetime.date.today()} | |\n|---|---|"
+    return "\n".join([head, *(f"| {name} | {value} |" for name, value in rows.items())])
+
+
 def table(measure: Callable[[int], dict[str, float]]) -> str:
     columns = [measure(points) for points in SIZES]
 
@@ -85,15 +127,19 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true", help="into the READMEs")
     options = parser.parse_args()
-    for file, measure in (("haptics/library/README.md", searches), ("apps/python/README.md", ticks)):
-        measured = table(measure)
+    for file, begin, measure in (
+        ("haptics/library/README.md", "time of a core", lambda: table(searches)),
+        ("apps/python/README.md", "time of a core", lambda: table(ticks)),
+        ("apps/python/README.md", "the module", package),
+    ):
+        measured = measure()
         print(f"{file}\n{measured}\n")
         if not options.write:
             continue
         readme = ROOT / file
-        text, count = re.subn(r"(?m)^\| time of a core, .*\n(\|.*\n)+", measured + "\n", readme.read_text())
+        text, count = re.subn(rf"(?m)^\| {begin}, .*\n(\|.*\n)+", measured + "\n", readme.read_text())
         if count != 1:
-            print(f"library_numbers.py: {file}: {count} tables begin with 'time of a core'; 1 must", file=sys.stderr)
+            print(f"library_numbers.py: {file}: {count} tables begin with '{begin}'; 1 must", file=sys.stderr)
             return 1
         changed = readme.with_suffix(".md.new")
         changed.write_text(text)

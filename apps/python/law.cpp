@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <system_error>
 #include <utility>
 
 namespace palpate::python {
@@ -27,7 +28,6 @@ PythonLaw::PythonLaw(py::object callable) : callable_(std::move(callable)), proc
 
 void PythonLaw::setLive(bool live) {
   if (live == live_) return;
-  live_ = live;
   if (live) {
     begin();
     stop_ = false;
@@ -35,9 +35,18 @@ void PythonLaw::setLive(bool live) {
     last_ = {};
     while (asked_.try_acquire() || answered_.try_acquire()) {
     }
-    thread_ = std::thread([this] { serve(); });
+    try {
+      thread_ = std::thread([this] { serve(); });
+    } catch (const std::system_error& error) {
+      throw Refusal("Error",
+                    "law: the system does not start another thread (" + error.code().message() +
+                        "); raise the limit of threads (ulimit -u)",
+                    PP_ERROR_FAILED);
+    }
+    live_ = true;
     return;
   }
+  live_ = false;
   if (process_ != ::getpid()) return thread_.detach();  // a forked process does not have the thread
   stop_ = true;
   asked_.release();

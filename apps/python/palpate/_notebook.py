@@ -12,13 +12,11 @@ from ._session import Session
 
 
 def picture(cloud: Cloud) -> bytes | None:
-    """PNG; None where nothing can be drawn, as without a GPU."""
-    if len(cloud) == 0:
-        return None
+    """PNG; None where nothing can be drawn, as without points or a GPU."""
     try:
         with Session(cloud) as session:
             return session._repr_png_()
-    except Error:
+    except Error:  # it cannot be opened
         return None
 
 
