@@ -19,6 +19,7 @@ add_library(hostile_types STATIC ${made}/hostile.c ${made}/hostile.h)
 target_include_directories(hostile_types SYSTEM PUBLIC ${CMAKE_CURRENT_BINARY_DIR}/generated)
 target_link_libraries(hostile_types PUBLIC CycloneDDS::ddsc)
 palpate_test_program(hostile_side programs/hostile_side.cpp palpate::sharing hostile_types)
+target_sources(hostile_side PRIVATE thread_sanitizer.cpp)
 set_source_files_properties(sharing/hostile_network_test.cpp PROPERTIES COMPILE_DEFINITIONS
                             PALPATE_HOSTILE_SIDE="$<TARGET_FILE:hostile_side>")
 

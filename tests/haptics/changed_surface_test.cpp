@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "haptics/devices/simulated_touch.hpp"
 #include "haptics/servo_loop.hpp"
@@ -32,6 +33,9 @@ class RisingPlane final : public OneHandQuery {
   double jump_;
   bool isLate_;
 };
+
+/// News of that time are current, however long a test takes.
+const InformationAge::Clock::time_point kAfterTest = InformationAge::Clock::now() + std::chrono::hours(1);
 
 ServoResult pressed(double jump, const InformationAge* known, bool isLate = false, const ForceOptions& force = {},
                     PassivityMode passivity = PassivityMode::observe) {
@@ -67,8 +71,8 @@ double fastest_mm_per_s(const ServoResult& result, double from_s) {
 }  // namespace
 
 TEST_CASE("a raised surface lifts the hand slowly, and one raised by others does not count as energy from the loop") {
-  InformationAge still, changing;
-  changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));  // longer than the test takes
+  InformationAge still(kAfterTest), changing(kAfterTest);
+  changing.changed(kAfterTest);
   const ServoResult own = pressed(0.5, &still), others = pressed(0.5, &changing), rest = pressed(0, &changing);
   // The hand is lifted by the raised surface.
   CHECK(others.trace().rows.back().hip.z > rest.trace().rows.back().hip.z + 0.5);
@@ -83,8 +87,8 @@ TEST_CASE("a raised surface lifts the hand slowly, and one raised by others does
 }
 
 TEST_CASE("a hand gets at most half a millijoule more than it put in, however others raise the surface") {
-  InformationAge changing;
-  changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));
+  InformationAge changing(kAfterTest);
+  changing.changed(kAfterTest);
   for (const double jump : {0.02, 0.1, 0.3, 0.5, 1.0, 2.0})
     for (const bool isLate : {false, true}) {
       CAPTURE(jump);
@@ -105,8 +109,8 @@ TEST_CASE("a hand gets at most half a millijoule more than it put in, however ot
 }
 
 TEST_CASE("with occasional late answers a surface that others could change is felt as any other") {
-  InformationAge still, changing;
-  changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));
+  InformationAge still(kAfterTest), changing(kAfterTest);
+  changing.changed(kAfterTest);
   const ServoResult own = pressed(0, &still, true), others = pressed(0, &changing, true);
   CHECK(own.trace().rows.back().hip == others.trace().rows.back().hip);
   CHECK(*others.counts().leastEnergy_mJ == near(*own.counts().leastEnergy_mJ, 1e-6));
