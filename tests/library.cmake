@@ -10,8 +10,10 @@ endif()
 palpate_tests(library LINKS ${library_links} WITH allocation_count.cpp WITHOUT ${without_matter})
 set_source_files_properties(library/touch_test.cpp PROPERTIES COMPILE_DEFINITIONS
                             PALPATE_OWN_LAW="$<TARGET_FILE:own_law>")
-set_source_files_properties(library/devices_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
-                            PALPATE_HAPLY_SERVICE="$<TARGET_FILE:haply_service>")
+foreach(file devices fork stopped_service)
+  set_source_files_properties(library/${file}_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
+                              PALPATE_HAPLY_SERVICE="$<TARGET_FILE:haply_service>")
+endforeach()
 add_dependencies(tests_library own_law haply_service)
 
 get_property(python GLOBAL PROPERTY PALPATE_PYTHON3)

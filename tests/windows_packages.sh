@@ -49,7 +49,7 @@ feels_a_haply() {  # PROGRAM: taps are felt, and the last force is zero
   rm "$scratch/end"
   wait "$number"
   unset PALPATE_HAPLY_CONFIG
-  read -r most last < <(tail -n 1 "$scratch/service")
+  read -r most last _ < <(tail -n 1 "$scratch/service")
   awk -v most="$most" -v last="$last" 'BEGIN { exit !(most > 0.3 && last == 0) }' ||
     fail "a Haply device felt at most $most N, and $last N at the end"
 }

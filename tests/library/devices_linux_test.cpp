@@ -4,66 +4,15 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <optional>
 #include <span>
 #include <thread>
 
-#include "tests/library/ball.hpp"
+#include "tests/library/desk.hpp"
 #include "tests/near.hpp"
-#include "tests/scratch_folder.hpp"
-#include "tests/surroundings.hpp"
 
 namespace palpate::library_devices_test {
 
 namespace {
-
-/// A Haply service whose hand rests 40 mm above the middle and taps down to 26 mm, and its user's settings.
-class Desk {
- public:
-  Desk() {
-    const std::filesystem::path said = folder_ / "said";
-    service_ = ::popen((std::string(PALPATE_HAPLY_SERVICE) + " > " + said.string()).c_str(), "w");
-    REQUIRE(service_ != nullptr);
-    std::string config;
-    for (int i = 0; i < 500 && config.empty(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      std::ifstream in(said);
-      if (!std::getline(in, config) || in.eof()) config.clear();
-    }
-    REQUIRE_FALSE(config.empty());
-    config_.emplace("PALPATE_HAPLY_CONFIG", config);
-    taps_ = std::filesystem::path(config).replace_filename("taps");
-  }
-  ~Desk() { ::pclose(service_); }
-  Desk(const Desk&) = delete;
-  Desk& operator=(const Desk&) = delete;
-
-  void agree(const std::string& device) const {
-    std::filesystem::create_directories(folder_ / "palpate");
-    std::ofstream(folder_ / "palpate" / "devices.json")
-        << R"({"version": 1, "devices": {"haply:049D": )" << device << "}}";
-  }
-  /// From the next session on. One that began with the hand inside the ball would feel it from there.
-  void rest() const { std::filesystem::remove(taps_); }
-  void tap() const { std::ofstream{taps_}; }
-
- private:
-  ScratchFolder folder_;
-  Variable home_{"XDG_CONFIG_HOME", folder_.path().string()};
-  std::filesystem::path taps_;  // exists while the hand shall tap
-  std::FILE* service_ = nullptr;
-  std::optional<Variable> config_;
-};
-
-/// A ball of 30 mm radius in the hand.
-pp_session_options smallBall() {
-  pp_session_options options = cpuOptions();
-  options.mm_per_unit = 0.6;
-  return options;
-}
 
 struct Taps {
   double up_mm = 0, towards_mm = 0;  // farthest from the middle
@@ -121,12 +70,6 @@ Taps taps(const Desk& desk, pp_session session, const pp_live_options& options, 
     return ticks;
   };
   return tapsOf(desk, stiffness_N_per_mm, read, [&] { PP_REQUIRE_OK(pp_live_stop(session)); });
-}
-
-pp_live_options haply() {
-  pp_live_options options = pp_default_live_options();
-  options.device = "haply";
-  return options;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -15,16 +16,23 @@ import pytest
 
 
 @pytest.fixture
-def desk(tmp_path, monkeypatch):
+def service(tmp_path, monkeypatch):
     """A Haply service whose hand rests 40 mm above the middle, and taps from there down to 26 mm once a session ticks:
-    one that began with the hand inside the ball would feel it from there. Yields the folder of the settings.
+    one that began with the hand inside the ball would feel it from there.
     """
-    service = subprocess.Popen([os.environ["PALPATE_HAPLY_SERVICE"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+    process = subprocess.Popen([os.environ["PALPATE_HAPLY_SERVICE"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                text=True)
-    monkeypatch.setenv("PALPATE_HAPLY_CONFIG", service.stdout.readline().strip())
+    monkeypatch.setenv("PALPATE_HAPLY_CONFIG", process.stdout.readline().strip())
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
-    yield tmp_path
-    service.communicate(timeout=30)
+    yield process
+    if process.poll() is None:
+        process.communicate(timeout=30)
+
+
+@pytest.fixture
+def desk(service, tmp_path):
+    """The folder of the user's settings, with a service."""
+    return tmp_path
 
 
 def stiffness_at_rest(t):
@@ -80,3 +88,48 @@ def test_axes_that_make_no_sense_are_refused(desk, ball):
             session.live("haply", axes="x,y")
         with pytest.raises(ValueError, match="the device path is not in a hand"):
             session.live(builtin="press", axes="x,z,-y")
+
+
+ENDS = """
+import os, sys, threading, time
+from pathlib import Path
+import numpy as np
+import palpate as pp
+from conftest import ball_arrays
+
+xyz, normals = ball_arrays()
+session = pp.Session(pp.Cloud(xyz, normals=normals), gpu="cpu", mm_per_unit=0.6)
+begun, felt, count = threading.Event(), threading.Event(), 0
+def heard(ticks):
+    global count
+    begun.set()
+    count += int((np.linalg.norm(ticks["force_N"], axis=1) > 0.3).sum())
+    if count > 50:
+        felt.set()
+live = session.live("haply", on_ticks=heard)
+assert begun.wait(30)
+Path(os.environ["PALPATE_HAPLY_CONFIG"]).with_name("taps").touch()
+assert felt.wait(30)
+if sys.argv[1] == "fork":
+    child = os.fork()
+    if child == 0:
+        sys.exit(0)  # with everything that an interpreter does at its end
+    assert os.waitpid(child, 0)[1] == 0
+    count = 0
+    felt.clear()
+    assert felt.wait(30)  # the parent's session goes on
+if sys.argv[1] == "exit":
+    sys.exit(3)
+if sys.argv[1] == "raise":
+    raise RuntimeError("ends here")
+"""
+
+
+@pytest.mark.parametrize(("how", "code"), [("end", 0), ("exit", 3), ("raise", 1), ("fork", 0)])
+def test_an_interpreter_that_ends_with_a_live_session_takes_the_force_with_it(service, how, code):
+    folders = [*sys.path, os.path.dirname(__file__)]
+    ended = subprocess.run([sys.executable, "-c", ENDS, how], capture_output=True, text=True, timeout=100, check=False,
+                           env={**os.environ, "PYTHONPATH": os.pathsep.join(folder for folder in folders if folder)})
+    assert ended.returncode == code, ended.stderr
+    most_N, last_N, _, _ = map(float, service.communicate(timeout=30)[0].split())
+    assert most_N > 0.2 and last_N == 0
