@@ -11,10 +11,10 @@ HandSpring springOf(const ForceLaw& law) {
 }
 
 PulledHands::PulledHands(PulledParts parts, const PullOptions& options)
-    : parts_(std::move(parts)), budget_us_(options.budget_us), hands_(parts_.backend.hands()) {
+    : parts_(std::move(parts)), options_(options), hands_(parts_.backend.hands()) {
   TouchBackend& backend = parts_.backend;
   ForceLaw law(parts_.config.force, parts_.scale);
-  backend.begin(budget_us_ > 0, std::vector<HandSpring>(hands_.size(), springOf(law)));
+  begin(law);
   constexpr double kNone = std::numeric_limits<double>::infinity();
   law.setCustom(options.law);
   for (std::size_t i = 0; i < hands_.size(); ++i, law.setCustom({})) {
@@ -27,20 +27,40 @@ PulledHands::PulledHands(PulledParts parts, const PullOptions& options)
   }
 }
 
+PulledHands::PulledHands(PulledParts parts, PulledState state) : PulledHands(std::move(parts), state.options) {
+  parts_.backend.restoreContacts(state.contacts);
+  forces_ = std::move(state.forces);
+  lastTime_s_ = state.lastTime_s;
+}
+
+void PulledHands::begin(const ForceLaw& law) {
+  parts_.backend.begin(options_.budget_us > 0, std::vector<HandSpring>(hands_.size(), springOf(law)));
+}
+
+void PulledHands::setForce(const ForceOptions& options) {
+  for (HandForce& force : forces_) force.setOptions(options);
+  begin(forces_.front().law());
+}
+
+PulledState PulledHands::state() const {
+  return {.options = options_, .forces = forces_, .contacts = parts_.backend.contacts(), .lastTime_s = lastTime_s_};
+}
+
 std::span<const PulledTick> PulledHands::tick(std::span<const Pose> poses) noexcept {
   const double now_s = poses.front().time_s;
   const double dt_s = lastTime_s_ ? now_s - *lastTime_s_ : 1 / parts_.config.rate_Hz;
   lastTime_s_ = now_s;
-  runTick({.query = parts_.backend, .poses = poses, .budget_us = budget_us_, .dt_s = dt_s, .known = parts_.known},
-          forces_, [&] {
-            for (std::size_t i = 0; i < hands_.size(); ++i)
-              hands_[i] = {.contact = forces_[i].contact(),
-                           .force_N = forces_[i].force_N(),
-                           .torque_mNm = forces_[i].torque_mNm(),
-                           .penetration_mm = forces_[i].penetration_mm(),
-                           .withheld = forces_[i].isWithheld()};
-            publish(poses);
-          });
+  runTick(
+      {.query = parts_.backend, .poses = poses, .budget_us = options_.budget_us, .dt_s = dt_s, .known = parts_.known},
+      forces_, [&] {
+        for (std::size_t i = 0; i < hands_.size(); ++i)
+          hands_[i] = {.contact = forces_[i].contact(),
+                       .force_N = forces_[i].force_N(),
+                       .torque_mNm = forces_[i].torque_mNm(),
+                       .penetration_mm = forces_[i].penetration_mm(),
+                       .withheld = forces_[i].isWithheld()};
+        publish(poses);
+      });
   if (!parts_.takesEdits || failure_) return hands_;
   try {
     parts_.takesEdits({.time_s = now_s});

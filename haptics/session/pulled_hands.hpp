@@ -29,6 +29,14 @@ struct PullOptions {
   CustomForce law;  ///< of the first hand, in place of spring and damper
 };
 
+/// What a pulled session continues from on another back end of the same points.
+struct PulledState {
+  PullOptions options;
+  std::vector<HandForce> forces;              // one for each hand
+  std::vector<ProxyTracker::State> contacts;  // TouchBackend::contacts()
+  std::optional<double> lastTime_s;
+};
+
 /// The spring by which a hand with this law presses on a surface that yields.
 HandSpring springOf(const ForceLaw& law);
 
@@ -50,6 +58,8 @@ class PulledHands {
  public:
   /// As many hands as the back end has, initially without contact.
   PulledHands(PulledParts parts, const PullOptions& options);
+  /// They touch as those whose state this is. Throws Error for another number of hands.
+  PulledHands(PulledParts parts, PulledState state);
 
   std::size_t count() const { return hands_.size(); }
   /// Whether poses of this time are later than the last ones since the hands were put down; without time between them
@@ -59,14 +69,20 @@ class PulledHands {
   std::span<const PulledTick> tick(std::span<const Pose> poses) noexcept;
   /// Lifts all hands; the next poses put them down elsewhere.
   void lift() noexcept;
+  /// Replaces the options of the force law. Between ticks.
+  void setForce(const ForceOptions& options);
+  /// The same after finish() of the back end. Throws errors of earlier queries.
+  PulledState state() const;
+  bool hasFailed() const { return failure_ != nullptr; }
   /// Throws the failure of taking edits, if there was one.
   void check() const;
 
  private:
+  void begin(const ForceLaw& law);
   void publish(std::span<const Pose> poses) noexcept;
 
   PulledParts parts_;
-  double budget_us_;
+  PullOptions options_;
   std::vector<HandForce> forces_;     // one for each hand
   std::vector<PulledTick> hands_;     // of the last tick
   std::optional<double> lastTime_s_;  // since the hands were put down

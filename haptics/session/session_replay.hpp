@@ -53,6 +53,8 @@ struct ReplayOutcome {
     return !differences.any() && differences.ends && differences.ticks == recorded.record.ticks.size();
   }
 };
+/// Why not all ticks, or not the points at the end, were compared; empty if all were.
+std::string reasonOf(const ReplayOutcome& outcome, const Recorded& recorded);
 /// `tolerance`: N for forces and mm for points; 0: the same bits.
 ReplayOutcome compareRuns(const Recorded& recorded, const SessionAgain& again, double tolerance);
 

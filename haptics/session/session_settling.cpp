@@ -40,6 +40,7 @@ bool Session::settleShared(double timeout_s, Settling until) {
            since.elapsed_s() > kOthersBusy_s;
   };
   const auto isOver = [&] { return isSettled() || !counts.fault.empty() || goesOnWithoutUs(); };
+  const std::vector<ProxyTracker::State> contacts = backend_->contacts();
   std::vector<Pose> far(backend_->hands());
   // Hands that touch nothing: the changes of others are applied between their answers.
   const Bounds box = boundsOf(model_->cloud);
@@ -61,6 +62,7 @@ bool Session::settleShared(double timeout_s, Settling until) {
   } while (goesOn());
   if (hasAsked)
     for (std::size_t hand = 0; hand < far.size(); ++hand) backend_->resetHand(hand);
+  if (hasAsked && pulled_) backend_->restoreContacts(contacts);
   return isSettled();
 }
 

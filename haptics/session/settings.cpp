@@ -217,8 +217,9 @@ constexpr Setting<MotionConfig> kMotion[]{
 constexpr Setting<StreamConfig> kStream[]{
     {"live", &StreamConfig::live, "--live",
      "live depth camera in place of MODEL: a V4L2 device with the format Z16, ros:TOPIC "
-     "(PointCloud2, or depth Image with camera_info), or - for raw frames on standard input "
-     "(format: apps/README.md)"},
+     "(PointCloud2, or depth Image with camera_info), or - for raw frames on standard input: a line of JSON with "
+     "width, height, fx, fy, cx, cy, depth_scale and format (z16), then for each frame the line 'frame TIME_S' and its "
+     "depths, little-endian"},
     {"speed",
      &StreamConfig::speed,
      "--speed",
