@@ -169,12 +169,12 @@ bool JoinedPart::isDelivered(const Session& session) {
   return !session.shared() || session.shared()->counts().delivered;
 }
 
-void JoinedPart::requireDelivered(const Session& session) const {
+void JoinedPart::requireDelivered(const Session& session, std::string_view what) const {
   if (isDelivered(session)) return;
   throw NetworkError(
-      "'{}': the server has not confirmed this stroke within {:g} s; the stroke is sent again until it answers, and is "
+      "'{}': the server has not confirmed {} within {:g} s; it is sent again until the server answers, and is "
       "lost if it does not: settle to wait for it",
-      name_, how_.timeout_s);
+      name_, what, how_.timeout_s);
 }
 
 void JoinedPart::check(const Session& session) const {

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptics/session/session.hpp"
@@ -46,7 +47,7 @@ class JoinedPart {
   /// Whether the server has confirmed all edits of this program.
   static bool isDelivered(const Session& session);
   /// Throws NetworkError if it has not.
-  void requireDelivered(const Session& session) const;
+  void requireDelivered(const Session& session, std::string_view what) const;
   /// Throws NetworkError if this hand's part has ended permanently.
   void check(const Session& session) const;
 

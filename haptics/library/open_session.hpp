@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -60,6 +61,10 @@ class OpenSession {
   void setContact(const SurfaceConfig& surface, const ForceOptions& force);
   std::size_t undo(std::size_t strokes) { return goBack(strokes, 0); }
   std::size_t redo(std::size_t strokes) { return goBack(0, strokes); }
+  /// Throws NetworkError, which names `what`, if the server of a joined session has not confirmed it; not while live.
+  void requireDelivered(std::string_view what) const {
+    if (joined_ && !isLive()) joined_->requireDelivered(*session_, what);
+  }
   PointCloud points();
   /// Records the next path, or the next live session, or from now on a live session, to this log. Throws StateError;
   /// the recorded call throws FileError.
@@ -125,9 +130,11 @@ class OpenSession {
   // Replaces the GPU by the CPU if that answers sooner, where the program leaves the choice to this library. Returns
   // the configuration with the one chosen.
   SessionConfig takeSooner(const Subject& subject, const pp_session_options& options, SessionConfig config);
-  /// Ends touching tick by tick. Throws StateError while the session is live.
+  /// Throws StateError.
+  void requireNotLive() const;
+  /// Ends touching tick by tick.
   void endAsking();
-  /// endAsking(), then takes in all edits and ends a recording.
+  /// Takes in all edits and ends a recording; touching tick by tick goes on. Throws StateError while it is live.
   void settle();
   /// settle(), except while the session is live.
   void settleForCommand();
@@ -140,9 +147,10 @@ class OpenSession {
   std::shared_ptr<const FrameObject> frameIfMoving() { return moves() ? frame() : nullptr; }
   const JoinedPart& joined() const;
   bool leave();
+  class OneCall;
   /// Session::finish(). What a call waits for other programs is JoinedPart::timeout_s() in all.
   void finish();
-  void limitPatience();
+  double timeLeft_s() const;
   void setBrushBetween(const std::optional<BrushConfig>& brush);
   ServoResult follow(const std::vector<Path>& paths);
 
@@ -150,6 +158,7 @@ class OpenSession {
   Messages messages_;
   Claims claims_;
   double budget_us_;
+  bool hasEnded_ = false;
   std::atomic<bool> forcesOn_ = true, goesOn_ = false;
   std::optional<BrushConfig> brush_;
   std::optional<Stopwatch> since_;  // of a call that waits several times

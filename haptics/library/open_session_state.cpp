@@ -16,7 +16,8 @@ pp_session_info OpenSession::info() const {
   info.radius_mm = scale.toMm(session_->surface().radius);
   info.rate_Hz = session_->config().rate_Hz;
   const StrokeCounts strokes = session_->strokes();
-  info.undo_count = strokes.undoCount;
+  const History* const history = session_->history();
+  info.undo_count = strokes.undoCount + (history && history->isKeepingStroke() ? 1 : 0);
   info.redo_count = strokes.redoCount;
   info.edits = views_.edits();
   const BlockedMoves blocked = session_->blocked();

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/packed_state.hpp"
 #include "haptics/library/gpu_half.hpp"
 #include "haptics/library/linked_fields.hpp"
 #include "haptics/session/bounds.hpp"
@@ -78,6 +79,8 @@ NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name)
 }
 
 CloudArrays arraysFrom(const pp_cloud_arrays& arrays) {
+  constexpr std::uint64_t kMaxPoints = PackedState::kGone - 1;
+  if (arrays.count > kMaxPoints) throw UsageError("count: {} exceeds the maximum of {}", arrays.count, kMaxPoints);
   return {.count = arrays.count,
           .positions = rowsFrom(arrays.positions, false, "positions"),
           .normals = rowsFrom(arrays.normals, false, "normals"),

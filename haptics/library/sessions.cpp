@@ -205,6 +205,7 @@ pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done) 
   return commanding(session, [&](OpenSession& open) {
     const std::uint64_t undone = open.undo(strokes);
     if (done) *done = undone;
+    open.requireDelivered("this undo");
   });
 }
 
@@ -213,6 +214,7 @@ pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done) 
   return commanding(session, [&](OpenSession& open) {
     const std::uint64_t redone = open.redo(strokes);
     if (done) *done = redone;
+    open.requireDelivered("this redo");
   });
 }
 
@@ -331,7 +333,11 @@ pp_status pp_live_get_state(pp_session session, pp_live_state* state) {
 }
 
 pp_status pp_live_set_forces(pp_session session, uint32_t on) {
-  return guarded([&] { objectOf<OpenSession>(session.id)->setForces(on != 0); });
+  return guarded([&] {
+    const auto found = objectOf<OpenSession>(session.id);
+    found->claims().home().require();
+    found->setForces(on != 0);
+  });
 }
 
 pp_status pp_live_stop(pp_session session) {

@@ -70,7 +70,9 @@ typedef struct pp_write_options {
 } pp_write_options;
 PP_OPTIONS(write_options)
 /** Writes a cloud in the format of the file's extension, one of pp_formats_written(). The file appears under its name
- * only when it is complete. Options may be null. PP_ERROR_FILE if it cannot be written. */
+ * only when it is complete. What the format cannot hold is not written: text without names (.pts) has positions,
+ * colours and intensity alone; `palpate convert` names what is lost. Options may be null. PP_ERROR_FILE if it cannot be
+ * written. */
 PP_API pp_status pp_cloud_write(pp_cloud cloud, const char* file, const pp_write_options* options);
 /** Extensions of files, and kinds of folders, that can be read: ".ply, .las, …" */
 PP_API const char* pp_formats_read(void);

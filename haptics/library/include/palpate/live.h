@@ -67,13 +67,15 @@ typedef struct pp_live_state {
 PP_OPTIONS(live_state)
 /** State of the present or last live session. */
 PP_API pp_status pp_live_get_state(pp_session session, pp_live_state* state);
-/** Switches the force off while `on` is 0; when it is 1 again, the force ramps up. May be called from any thread, at
- * the same time as any other call.
+/** Switches the force off while `on` is 0. When it is 1 again, the force waits, as at the start of a session, until the
+ * surface would push with less than 0.1 N, as once the hand has left it, and then ramps up over half a second. May be
+ * called from any thread, at the same time as any other call.
  *
- * A signal that asks the program to end, or a crash, takes the force away before the program's own handler runs; on
- * Windows Ctrl+C and its like. If the program goes on, the ticks report a force of 0 until this is called with 1. A
- * handler that the program installs during a live session is kept, and runs first; from the next live session on it
- * runs after the force is gone. */
+ * With a device in a hand, or sim, a signal that asks the program to end, or a crash, takes the force away before the
+ * program's own handler runs; on Windows Ctrl+C and its like. If the program goes on, the ticks report a force of 0
+ * until this is called with 1. A handler that the program installs during a live session is kept, and runs first; from
+ * the next live session on it runs after the force is gone. A path moves no motor: its ticks report the force that a
+ * hand there would feel, whatever the signal, and the program's signals are left alone. */
 PP_API pp_status pp_live_set_forces(pp_session session, uint32_t on);
 /** Stops the live session after the tick in progress; the device has no force afterwards. Ticks not read yet can still
  * be read. */

@@ -106,7 +106,7 @@ typedef struct pp_replay_result {
   uint32_t ends_compared;    /**< 1: the points at the end were compared */
   /** 1: the edits of the log give the points at the end of the session; 2: they do not; 0: the log has no end. */
   uint32_t recorded_edits;
-  char reason[192];      /**< reason why not all ticks were compared; empty if they were */
+  char reason[192];      /**< reason why not all ticks, or not the points at the end, were compared; empty: all were */
   char machine[112];     /**< name of the machine that replayed; cut off to fit */
   char recorded_on[112]; /**< name of the machine that recorded; cut off to fit */
 } pp_replay_result;

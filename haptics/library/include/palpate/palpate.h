@@ -19,12 +19,12 @@
  * pp_session_raycast(), pp_session_rows(), pp_session_get_info(), pp_session_frame(), the functions that control matter
  * (pp_session_pause() and those after it in matter.h), pp_session_get_sharing(), pp_session_other_hands(),
  * pp_session_cameras(), pp_session_publish_camera(), pp_live_read_ticks(), pp_live_read_rows(), pp_live_get_state().
- * Where budget_us is 0, the first eight and the last three of these conflict with pp_touch(), too. All other calls on a
- * session, and all calls on a pp_matter, need exclusive access. A pp_server may be used by any number of threads. A
- * call that conflicts with one in progress returns PP_ERROR_THREAD and does nothing; between pp_live_start() and
- * pp_live_stop() the commands of a live session, and the functions that look at it, wait instead, 15 s at most
- * (PP_ERROR_TIMEOUT). In a forked process, the parent's sessions, matter and servers give PP_ERROR_STATE, and closing
- * them there does not affect the parent.
+ * Where budget_us is 0, all of these but those that control matter and those of sharing.h conflict with pp_touch(),
+ * too. All other calls on a session, and all calls on a pp_matter, need exclusive access. A pp_server may be used by
+ * any number of threads. A call that conflicts with one in progress returns PP_ERROR_THREAD and does nothing; between
+ * pp_live_start() and pp_live_stop() the commands of a live session, and the functions that look at it, wait instead,
+ * 15 s at most (PP_ERROR_TIMEOUT). In a forked process, the parent's sessions, matter and servers give PP_ERROR_STATE,
+ * and closing them there does not affect the parent; the network gives PP_ERROR_NETWORK if the parent was using it.
  *
  * Memory comes from the C++ library's operator new and, for large arrays, from the system; on a GPU from Vulkan. There
  * is no allocator hook: it would not reach what drivers and other libraries allocate. What can be relied on: opening,

@@ -37,8 +37,9 @@ typedef struct pp_contact {
   uint8_t contact;       /**< 1: the hand touches the surface */
   uint8_t fresh;         /**< 1: from this pose's own query; 0: bridged, because the answer would have been late */
   uint8_t valid;         /**< 0: a fault occurred, and the force is zero */
-  /** 1: in contact, force_N is less than the surface's, because forces are off, or were gone: then they return over
-   * half a second, after a longer absence once the hand has left the surface. A force law is given 0. */
+  /** 1: in contact, force_N is less than the surface's, because forces are off, or were gone: after at most 0.1 s
+   * without an answer they return over half a second; after a longer absence, and after they were switched off, once
+   * the hand has left the surface. A force law is given 0. */
   uint8_t withheld;
   double age_s; /**< age of the data from which it was computed, s: 0 if fresh; negative: there are none */
 } pp_contact;
@@ -73,9 +74,9 @@ typedef struct pp_contact_options {
   const char* surface;       /**< "average", "sphere" or "sharp"; null: average */
   double friction;           /**< coefficient of sliding friction of the proxy; 0: none, at most 10 */
   double radius_mm;          /**< support radius; 0: from the spacing of the points. Fixed once the session is open. */
-  double stiffness_N_per_mm; /**< of the spring from HIP to proxy, N/mm */
-  double damping_N_s_per_mm; /**< of the damper on its change, N s/mm */
-  double max_force_N;        /**< limit of the magnitude, N */
+  double stiffness_N_per_mm; /**< of the spring from HIP to proxy, N/mm; default 0.8 */
+  double damping_N_s_per_mm; /**< of the damper on its change, N s/mm; default 0.002 */
+  double max_force_N;        /**< limit of the magnitude, N; default 3.3 */
 } pp_contact_options;
 PP_OPTIONS(contact_options)
 
@@ -104,12 +105,12 @@ typedef struct pp_session_options {
   double mm_per_unit;
   uint32_t estimate_normals;         /**< 1: even if the cloud has normals */
   uint32_t reserved;                 /**< not used */
-  double rate_Hz;                    /**< ticks per second */
+  double rate_Hz;                    /**< ticks per second; default 1000 */
   const pp_contact_options* contact; /**< null: pp_default_contact_options() */
   /** pp_touch(): time limit of an answer, us, after which the points around the hand that were kept last bridge it, or
    * a share of them if they are too many (pp_session_info.bridged_ticks, thinned_ticks); 0: no limit. */
   double budget_us;
-  double undo_memory_MiB;  /**< memory of strokes that can be undone, MiB; beyond it the oldest are discarded */
+  double undo_memory_MiB;  /**< memory of strokes that can be undone, MiB, default 1024; beyond it the oldest go */
   pp_force_law law;        /**< null: spring and damper */
   void* law_user;          /**< passed to `law` */
   const char* law_library; /**< "libmine.so:function": a force law to load, instead of `law` */
@@ -153,7 +154,7 @@ typedef struct pp_session_info {
   double spacing_mm;      /**< mean distance of neighbouring points, mm */
   double radius_mm;       /**< support radius, mm */
   double rate_Hz;         /**< ticks per second */
-  uint64_t undo_count;    /**< strokes that can be undone */
+  uint64_t undo_count;    /**< strokes that can be undone, with one in progress, of the edits taken in so far */
   uint64_t redo_count;    /**< strokes that can be redone */
   uint64_t edits;         /**< states of points that brushes have made and that have been taken in so far */
   char backend[16];       /**< "vulkan" or "cpu" */

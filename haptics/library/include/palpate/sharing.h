@@ -61,7 +61,7 @@ typedef struct pp_join_options {
   uint32_t read_only;        /**< 1: this hand feels the others' edits, and cannot have a brush */
   const pp_network* network; /**< null: pp_default_network() */
   const char* hand_name;     /**< name of this hand for the others; null: name of the machine */
-  /** Timeout for finding the session, for each further piece of it, and, by path and in pp_session_cloud(), for all
+  /** Timeout for finding the session, for each further piece of it, and, in calls by path and in commands, for all
    * edits to reach all programs; above 0. */
   double timeout_s;
   /** 1: streams only the points around the hands, ahead of them (for models too large to download); strokes cannot be

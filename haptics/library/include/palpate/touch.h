@@ -12,8 +12,8 @@
  * @{ */
 
 /** Path of a hand, model units. With 3 columns x y z: one row for each tick. With 4 columns, seconds first: times
- * increase from 0 or later, the hand moves on straight lines between the rows, and the path has as many ticks as fit
- * into the time of the last row. */
+ * increase from 0 or later, the hand moves on straight lines between the rows, and the last tick is the one
+ * nearest to the time of the last row. */
 typedef struct pp_path {
   uint32_t size;     /**< bytes of this struct */
   int32_t type;      /**< pp_number: PP_FLOAT32 or PP_FLOAT64 */
@@ -35,13 +35,15 @@ PP_API pp_status pp_session_touch(pp_session session, const pp_path* path, pp_ti
                                   uint64_t* count);
 
 /** One tick, for a servo loop of the program, such as one at 1 kHz: takes a pose with its time and returns contact and
- * force. The first one after any other call begins a new contact and may take long: call it before the device has a
- * force. Later ones allocate nothing unless points are edited, take no lock that another thread holds for longer than
- * the copy of a pointer, and with pp_session_options.budget_us wait for no query beyond it: an answer that is late is
- * held (pp_contact). Times increase by the duration of a tick; the first one, also after pp_touch_lift(), is free.
- * Returns PP_OK even if contact->valid is 0; with any other status there is no force. PP_ERROR_ARGUMENT for numbers
- * that are not finite and for a time that is not later than that of the pose before; that pose then counts as not
- * given. */
+ * force. Commands between two ticks (brush, contact, undo, redo, record, settle, copies of the points) leave contact
+ * and force as they are. A path, a live session and pp_touch_lift() end the contact. The first pose after them, and of
+ * a session, may be inside: the hand then touches nothing until it has left the surface, so that no sudden force hits
+ * it. That first call may take long: make it before the device has a force. Later ones allocate nothing unless points
+ * are edited, take no lock that another thread holds for longer than the copy of a pointer, and with
+ * pp_session_options.budget_us wait for no query beyond it: an answer that is late is held (pp_contact). Times increase
+ * by the duration of a tick; the first one, also after pp_touch_lift(), is free. Returns PP_OK even if contact->valid
+ * is 0; with any other status there is no force. PP_ERROR_ARGUMENT for numbers that are not finite and for a time that
+ * is not later than that of the pose before; that pose then counts as not given. */
 PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact);
 /** One tick for all hands of a session: `poses`, `contacts`, `orientations` and `torques_mNm` have an entry for each of
  * the `hands` hands. The time of the first pose is used for all. `orientations`: rotation of each hand's tool, unit
@@ -57,14 +59,15 @@ PP_API pp_status pp_touch_lift(pp_session session);
  * carve move a point only as far as it has seen; without, a deep push moves one side of a thin part through another. */
 typedef struct pp_brush {
   uint32_t size;         /**< bytes of this struct */
-  uint32_t falloff;      /**< falloff towards the rim: (1 - r^2)^falloff; 0 to 16 */
+  uint32_t falloff;      /**< falloff towards the rim: (1 - r^2)^falloff; 0 to 16; default 1 */
   const char* kind;      /**< push carve inflate smooth grab paint flatten; null: push */
-  double yield_depth_mm; /**< depth of the hand from which the surface yields, mm */
-  double push_rate;      /**< push: share of the distance to its target that a point moves in one tick, 0 to 1 */
-  double radius_mm;      /**< reach of the brush, mm in the hand */
-  double strength;       /**< other brushes: share of the full effect applied in one tick, 0 to 1 */
+  double yield_depth_mm; /**< depth of the hand from which the surface yields, mm; default 0.5 */
+  double push_rate;      /**< push: share of the distance to its target per tick, 0 to 1; default 0.1 */
+  double radius_mm;      /**< reach of the brush, mm in the hand; default 6 */
+  double strength;       /**< other brushes: share of the full effect applied in one tick, 0 to 1; default 0.5 */
   uint8_t color[4];      /**< paint: red green blue; the fourth is not used */
-  uint32_t resample;     /**< 1: points are inserted where the surface is stretched, and merged where it is crowded */
+  /** 1: points are inserted where the surface is stretched, and merged where it is crowded; default 1 */
+  uint32_t resample;
 } pp_brush;
 PP_OPTIONS(brush)
 /** Sets the brush of pp_touch(), and of the present or next live hand; null: they only feel. The first brush of a
@@ -88,7 +91,9 @@ PP_API pp_status pp_session_touch_hands(pp_session session, const pp_path* const
                                         const pp_brush* brush, pp_tick* ticks, double* torques_mNm, uint64_t capacity,
                                         uint64_t* count);
 /** Undoes the last strokes; each point is restored to the last bit. `done`: number of strokes undone, fewer than
- * `strokes` if there are no more; may be null. PP_ERROR_ARGUMENT, with the reason, if the model does not allow it. */
+ * `strokes` if there are no more; may be null. PP_ERROR_ARGUMENT, with the reason, if the model does not allow it;
+ * PP_ERROR_NETWORK, with `done`, if the server of a joined session has not confirmed it within
+ * pp_join_options.timeout_s. */
 PP_API pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done);
 /** Redoes the strokes undone last, as pp_session_undo() undoes them. */
 PP_API pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done);
