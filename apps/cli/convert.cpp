@@ -1,5 +1,7 @@
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "apps/cli/context.hpp"
 #include "apps/cli/fused_folder.hpp"
 #include "apps/cli/model.hpp"
@@ -46,17 +48,6 @@ void checkTarget(const Context& context, const ConvertOptions& options) {
 void refuseMissing(const std::string& input) {
   std::error_code ignored;
   if (!std::filesystem::exists(input, ignored)) throw FileError(input, "does not exist");
-}
-
-// Names of the attributes in the file.
-std::vector<std::string> attributesOf(const StoredCloud& stored) {
-  const PointCloud& cloud = stored.cloud;
-  std::vector<std::string> names{"positions"};
-  if (cloud.hasNormals()) names.emplace_back("normals");
-  if (cloud.hasColors()) names.emplace_back("colours");
-  for (const Attribute& attribute : cloud.extra) names.push_back(attribute.name);
-  if (!stored.triangles.empty()) names.push_back(counted(stored.triangles.size(), "triangle"));
-  return names;
 }
 
 // The input, its format, and further counts for the machine-readable result.
@@ -124,7 +115,7 @@ void convert(Context& context, const ConvertOptions& options) {
   if (options.normals == "estimate") estimateNormals(stored.cloud, 16, context.threads());
   std::vector<std::string> lost = lostOnTheWay(stored, to);
   if (!stored.leftOut.empty()) lost.push_back(stored.leftOut + " (--drop-unreliable)");
-  const std::vector<std::string> kept = attributesOf(stored);
+  const std::vector<std::string> kept = keptOnTheWay(stored, to);
   // Reports losses before the file is written.
   if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
   markAsOurs(stored.cloud);
@@ -137,8 +128,7 @@ void convert(Context& context, const ConvertOptions& options) {
            {.ascii = options.ascii,
             .triangles = stored.triangles.empty() ? nullptr : &stored.triangles,
             .keptAs = replaces ? &keptAs : nullptr});
-  if (!keptAs.empty())
-    context.log().say("{}: the existing file is kept as {}", options.output, keepNewest(keptAs).string());
+  if (!keptAs.empty()) context.log().say("{}: the existing file is kept as {}", options.output, keptAs.string());
   context.log().say("{}: {} with {}", options.output, counted(stored.cloud.size(), "point"), fmt::join(kept, ", "));
   Json result{{"input", options.input},
               {"output", options.output},

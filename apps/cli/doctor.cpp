@@ -316,9 +316,10 @@ void doctor(Context& context, const DoctorOptions& options) {
     result["in_use"] = context.device().name();
   } catch (const Error&) {
     context.writeJson(result);
-    fmt::print(out,
-               "No usable GPU: touch, convert, info and simulate work on the processor; pictures and the window "
-               "require a Vulkan driver, which may be a software one (package mesa-vulkan-drivers)\n");
+    if (result["gpus"].size() == 0)
+      fmt::print(out,
+                 "No usable GPU: touch, convert, info and simulate work on the processor; pictures and the window "
+                 "require a Vulkan driver, which may be a software one (package mesa-vulkan-drivers)\n");
     throw;  // reports the reason
   }
   fmt::print(out, "GPU in use: {}. palpate can run here.\n", context.device().name());

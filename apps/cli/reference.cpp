@@ -237,9 +237,8 @@ Json referenceJson(const Options& program) {
 }
 
 void addReference(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand(
-      "reference",
-      "print all options, settings, results and file columns, as Markdown or with --json (apps/REFERENCE.md)");
+  Options& sub = app.addSubcommand("reference",
+                                   "print all options, settings, results and file columns, as Markdown or with --json");
   sub.whenNamed([&] {
     command = [&app, &context] {
       fmt::print(context.tables(), "{}", referencePage(app));

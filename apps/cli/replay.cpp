@@ -44,7 +44,8 @@ void print(std::FILE* out, const Recorded& recorded, const ReplayOutcome* outcom
                                                       record.ticks.size(), outcome->comparable.because)));
   row("force", fmt::format("{} ticks differ, by {} N at most", found.forceTicks, found.largestForce_N));
   row("edits", fmt::format("{} ticks differ", found.editTicks));
-  row("points in the end", found.ends ? fmt::format("{} differ", found.points) : "not compared");
+  row("points in the end",
+      found.ends ? fmt::format("{} differ", found.points) : "not compared: " + reasonOf(*outcome, recorded));
   if (found.first_s) row("first difference", fmt::format("{:.3f} s", *found.first_s));
 }
 
@@ -93,8 +94,8 @@ constexpr Reported<Replayed> kReplay[]{
     {"ends_as_recorded", "", "whether the recorded edits give the recorded final points; null: unknown",
      [](const Replayed& r) -> Value { return orNull(r.recorded.endsAsRecorded); }},
     {"compared_ticks", "", "ticks compared", [](const Replayed& r) { return compared(r, &Differences::ticks); }},
-    {"reason", "", "why later ticks are not compared; empty: all are",
-     [](const Replayed& r) -> Value { return r.outcome ? Value(r.outcome->comparable.because) : std::nullopt; }},
+    {"reason", "", "why later ticks, or the points at the end, are not compared; empty: all are",
+     [](const Replayed& r) -> Value { return r.outcome ? Value(reasonOf(*r.outcome, r.recorded)) : std::nullopt; }},
     {"force_ticks", "", "ticks with another force",
      [](const Replayed& r) { return compared(r, &Differences::forceTicks); }},
     {"largest_force_N", "N", "largest difference of the force",
@@ -130,6 +131,7 @@ void replay(Context& context, const ReplayOptions& options) {
   std::string machine;
   if (options.recover) {
     saveKeeping(options.saveFile, editedCloud(recorded.model.cloud, recorded.points));
+    context.log().say("{}: the points after the recorded edits are saved", options.saveFile);
   } else {
     const SessionAgain again = runAgain(recorded, parts);
     if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, again.result.trace());
@@ -176,7 +178,9 @@ void addReplay(Options& app, Context& context, Command& command) {
       "answer; from there on, and where edits were applied in order of arrival, forces are not "
       "compared, and the report says so. The recorded edits are always compared with the recorded "
       "final points.\n"
-      "Exit code 1 when any difference exceeds the tolerance.\n");
+      "Exit code 1 when any difference exceeds the tolerance, or when the edits of a whole log do not give the "
+      "recorded "
+      "final points. What a truncated or damaged log lacks is reported, and is not a difference.\n");
   sub.whenNamed([&, options] { command = [&context, options] { replay(context, *options); }; });
 }
 

@@ -1,15 +1,17 @@
-# Reads a model, feels and dents it, and saves it: dent.py MODEL OUT
+# Reads a model, feels and dents it where it is nearest to its top, and saves it: dent.py MODEL OUT
 import sys
 
 import numpy as np
 import palpate as pp
 
+if len(sys.argv) != 3:
+    sys.exit("usage: dent.py MODEL OUT")
 cloud = pp.read(sys.argv[1])
 with pp.Session(cloud, gpu="cpu") as session:
-    low, high = cloud.bounds
-    x, y = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2
-    depth = np.linspace(high[2] + 0.5, high[2] - 4, 150)
-    way = np.column_stack([np.full(150, x), np.full(150, y), depth])
+    low, high = np.array(cloud.bounds)
+    found = session.nearest([(*(low + high)[:2] / 2, 2 * high[2] - low[2])])[0]
+    depth_mm = np.linspace(-2, 3, 150)
+    way = found["position"] - np.outer(depth_mm / session.mm_per_unit, found["normal"])
     felt = session.touch(way)
     session.push(way, radius_mm=8)
     pp.write(sys.argv[2], session.cloud())

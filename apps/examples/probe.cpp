@@ -4,7 +4,10 @@
 #include <vector>
 
 int main(int count, char** words) try {
-  if (count != 2) return 2;
+  if (count != 2) {
+    std::fputs("usage: probe MODEL\n", stderr);
+    return 2;
+  }
   const pp::Cloud cloud = pp::Cloud::read(words[1]);
   pp_session_options options = pp_default_session_options();
   options.gpu = "cpu";

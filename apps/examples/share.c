@@ -107,7 +107,10 @@ static void dent(const pp_network* network, double x) {
 }
 
 int main(int argc, char** argv) {
-  if (argc < 3) return 2;
+  if (argc < 3 || (strcmp(argv[1], "serve") != 0 && strcmp(argv[1], "join") != 0)) {
+    fputs("usage: share serve DOMAIN, or share join DOMAIN X\n", stderr);
+    return 2;
+  }
   pp_network network = pp_default_network();
   network.domain = (uint32_t)atoi(argv[2]);
   if (strcmp(argv[1], "serve") == 0)

@@ -7,10 +7,10 @@ namespace palpate::python {
 
 namespace {
 
-// Truth values, texts and complex numbers can be cast to numbers, but are a mistake.
+// Truth values, texts, times and complex numbers can be cast to numbers, but are a mistake.
 void refuseOthers(const py::array& any, const char* name) {
   const char kind = any.dtype().kind();
-  if (any.size() > 0 && std::string_view("bcSUV").find(kind) != std::string_view::npos)
+  if (any.size() > 0 && std::string_view("bcSUVMm").find(kind) != std::string_view::npos)
     refuse(std::string(name) + ": must be real numbers, not of the type " +
            std::string(py::str(static_cast<const py::object&>(any.dtype()))));
 }
@@ -78,6 +78,27 @@ py::array threeColumns(const py::object& given, const char* name, std::optional<
   return py::array(std::move(doubles));
 }
 
+std::array<double, 3> threeNumbers(const py::object& given, const char* name) {
+  refuseMasked(given, name);
+  const auto wrong = [&](const std::string& what) {
+    refuseType(std::string(name) + ": must be three numbers, not " + what);
+  };
+  const py::array any = py::array::ensure(given);
+  if (!any) {
+    PyErr_Clear();
+    wrong(described(given));
+  }
+  if (any.ndim() != 1 || any.shape(0) != 3)
+    wrong(py::isinstance<py::array>(given) ? "an array of shape " + shapeOf(any) : described(given));
+  refuseOthers(any, name);
+  const Doubles numbers = Doubles::ensure(any);
+  if (!numbers) {
+    PyErr_Clear();
+    wrong(described(given));
+  }
+  return {numbers.at(0), numbers.at(1), numbers.at(2)};
+}
+
 namespace {
 
 enum class Ticks { point, tool, live };
@@ -135,6 +156,7 @@ std::string fileOf(const py::object& path) {
   try {
     // As the system has it: a name that is not UTF-8 is bytes, or a text with surrogates.
     const auto file = py::module_::import("os").attr("fsencode")(path).cast<std::string>();
+    if (file.empty()) refuse("file: the name is empty");
     if (file.find('\0') != std::string::npos) refuse("file: contains a NUL, which no file name can have");
     return file;
   } catch (const py::error_already_set& error) {

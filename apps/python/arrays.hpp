@@ -57,6 +57,9 @@ std::string shapeOf(const py::array& array);
 /// Contiguous rows of three: float32 as they are, all other types as float64.
 py::array threeColumns(const py::object& given, const char* name, std::optional<py::ssize_t> rows = std::nullopt);
 
+/// Three numbers in a row, such as a list or an array of shape (3,).
+std::array<double, 3> threeNumbers(const py::object& given, const char* name);
+
 /// A read-only view of memory that `owner` keeps alive.
 template <class Number>
 py::object viewOf(const Number* data, std::vector<py::ssize_t> shape, const py::object& owner) {

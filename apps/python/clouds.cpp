@@ -287,7 +287,9 @@ void bindFiles(py::module_& module) {
       py::arg("file"), py::arg("cloud"), py::arg("ascii") = false, py::arg("backup") = false,
       "write(file, cloud, ascii=False, backup=False)\n\n"
       "Writes a cloud in the format of the file's extension, one of formats_written(). The file appears\n"
-      "under its name only when it is complete. ascii: text, if the format has both. backup: an existing\n"
+      "under its name only when it is complete. What the format cannot hold is not written: .pts has positions,\n"
+      "colours and intensity alone; palpate convert names what is lost. ascii: text, if the format has both. backup: "
+      "an existing\n"
       "file is kept as NAME.EXT.bak. Raises Error with the file.");
 }
 

@@ -50,6 +50,25 @@ void ContactListener::raise() {
   if (const std::exception_ptr raised = std::exchange(raised_, nullptr)) std::rethrow_exception(raised);
 }
 
+namespace {
+
+// As in "(0, 0.5, -1)".
+py::str shown(const double (&v)[3]) { return py::str("({:.4g}, {:.4g}, {:.4g})").format(v[0], v[1], v[2]); }
+
+py::str shownContact(const PyContact& answer) {
+  const pp_contact& c = answer.contact;
+  if (c.contact == 0) return py::str("<palpate.Contact: {}, no contact>").format(validityOf(answer));
+  return py::str("<palpate.Contact: {}, {:.4g} mm deep at {}, force {} N{}>")
+      .format(validityOf(answer), c.penetration_mm, shown(c.proxy), shown(c.force_N), c.withheld ? ", withheld" : "");
+}
+
+py::str shownEvent(const pp_contact_event& e) {
+  return py::str("<palpate.ContactEvent: hand {} {} at {:.4g} s, at {}>")
+      .format(e.hand, e.begins != 0 ? "begins" : "ends", e.t_s, shown(e.proxy));
+}
+
+}  // namespace
+
 void bindContacts(py::module_& module) {
   py::class_<pp_contact_event>(
       module, "ContactEvent",
@@ -70,7 +89,8 @@ void bindContacts(py::module_& module) {
           "normal", [](const pp_contact_event& e) { return vectorOf(e.normal); }, "Three floats, unit length, outward.")
       .def_property_readonly(
           "force_N", [](const pp_contact_event& e) { return vectorOf(e.force_N); },
-          "Force on the hand: three floats, N.");
+          "Force on the hand: three floats, N.")
+      .def("__repr__", &shownEvent);
   py::class_<PyContact>(
       module, "Contact",
       "Answer to one pose, of Session.touch_pose(): validity, age_s, contact, proxy and normal (model\n"
@@ -94,8 +114,8 @@ void bindContacts(py::module_& module) {
           "Force on the hand: three floats, N.")
       .def_property_readonly(
           "withheld", [](const PyContact& c) { return c.contact.withheld != 0; },
-          "True if in contact force_N is less than the surface's, because forces were gone: they return over\n"
-          "half a second, after a longer absence once the hand has left the surface.")
+          "True if in contact force_N is less than the surface's, because forces were gone: after at most\n"
+          "0.1 s without an answer they return over half a second, otherwise once the hand has left the surface.")
       .def_property_readonly(
           "torque_mNm", [](const PyContact& c) { return vectorOf(c.torque_mNm); },
           "Torque about the hip, of a tool of many points or of a ball in matter: three floats, mN m.")
@@ -103,7 +123,8 @@ void bindContacts(py::module_& module) {
           "penetration_mm", [](const PyContact& c) { return c.contact.penetration_mm; }, "From hip to proxy, mm.")
       .def_property_readonly(
           "neighbours", [](const PyContact& c) { return c.contact.neighbours; },
-          "Number of points within the support radius.");
+          "Number of points within the support radius.")
+      .def("__repr__", &shownContact);
 }
 
 }  // namespace palpate::python

@@ -74,14 +74,14 @@ py::array rowsOf(const py::dtype& type, const void* rows, std::uint64_t count, c
   return view;
 }
 
-py::dict replayed(const py::object& log, const std::shared_ptr<PyCloud>& cloud, const py::object& model,
+py::dict replayed(const py::object& log, const std::optional<std::shared_ptr<PyCloud>>& cloud, const py::object& model,
                   const std::optional<std::string>& gpu, std::uint32_t threads, double tolerance) {
   const std::string file = fileOf(log), name = model.is_none() ? std::string() : fileOf(model);
   pp_replay_options options = pp_default_replay_options();
   options.threads = threads;
   options.gpu = gpu ? gpu->c_str() : nullptr;
   options.model = name.empty() ? nullptr : name.c_str();
-  if (cloud) options.cloud = cloud->cloud().handle();
+  if (cloud) options.cloud = (*cloud)->cloud().handle();
   options.tolerance = tolerance;
   pp_replay_result result = pp_default_replay_result();
   {
@@ -151,7 +151,8 @@ void bindLogs(py::module_& module) {
           "Scale and offset: model units = scale * device + offset, until a clutch was used.")
       .def("_header", [](const PyLog& log) { return std::string(log.view().header); })
       .def("_missing", [](const PyLog& log) { return std::string(log.view().missing); });
-  module.def("_replay", &replayed);
+  module.def("_replay", &replayed, py::arg("file"), py::arg("cloud"), py::arg("model"), py::arg("gpu"),
+             py::arg("threads"), py::arg("tolerance"));
 }
 
 }  // namespace palpate::python

@@ -21,10 +21,18 @@ void translate(const Refusal& refusal) {
 
 /// The library's messages begin with the name of an option in C; the keywords in Python are shorter.
 std::string inPython(std::string text) {
-  constexpr std::pair<std::string_view, std::string_view> kNames[]{
-      {"tool.kind", "tool"}, {"tool.", "tool_"}, {"surface.kind", "surface"},
-      {"contact.", ""},      {"brush.", ""},     {"model.", ""},
-      {"hands.", ""},        {"network.", ""},   {"surface.", ""}};
+  constexpr std::pair<std::string_view, std::string_view> kNames[]{{"tool.kind", "tool"},
+                                                                   {"tool.", "tool_"},
+                                                                   {"surface.kind", "surface"},
+                                                                   {"contact.", ""},
+                                                                   {"brush.", ""},
+                                                                   {"model.", ""},
+                                                                   {"hands.", ""},
+                                                                   {"network.", ""},
+                                                                   {"surface.", ""},
+                                                                   {"force.max_N", "max_force_N"},
+                                                                   {"force.", ""},
+                                                                   {"undo.", "undo_"}};
   for (const auto& [name, ours] : kNames)
     if (text.starts_with(name)) return text.replace(0, name.size(), ours);
   return text;

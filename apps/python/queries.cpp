@@ -38,7 +38,7 @@ py::array surfacePoints(std::uint64_t rows) {
 }  // namespace
 
 std::vector<PyContact> PySession::touchPoses(std::vector<pp_pose> poses, const std::vector<double>& orientations) {
-  if (listener_ && listener_->hasFailed()) throw Refusal("Error", listener_->sentence(), PP_ERROR_STATE);
+  refuseDeaf();
   std::vector<pp_contact> contacts(poses.size());
   std::vector<double> torques_mNm(3 * poses.size());
   const auto ask = [&] {
@@ -111,7 +111,8 @@ void bindSessionsTicks(py::class_<PySession>& session) {
   session
       .def(
           "touch_pose",
-          [](PySession& self, double t_s, const std::array<double, 3>& hip, bool edit) {
+          [](PySession& self, double t_s, const py::object& given, bool edit) {
+            const std::array<double, 3> hip = threeNumbers(given, "hip");
             pp_pose pose{.t_s = t_s, .hip = {hip[0], hip[1], hip[2]}, .no_edit = edit ? 0u : 1u, .reserved = 0};
             return self.touchPoses({pose}, {}).front();
           },
@@ -124,8 +125,10 @@ void bindSessionsTicks(py::class_<PySession>& session) {
           "longer than that: it is then held, fades, and says how old it is; another thread may meanwhile\n"
           "call apply_edits(), which is needed some thirty times a second with a brush, render(), mesh(),\n"
           "nearest() and raycast(). Without it threads wait for one another. A fault gives no force and the\n"
-          "validity \"none\"; an exception gives no Contact, and so no force. The first pose after another\n"
-          "call begins a new contact and may take long. Python itself may delay a tick by 5 ms when other\n"
+          "validity \"none\"; an exception gives no Contact, and so no force. Commands between two ticks\n"
+          "leave the contact as it is. A path, live() and lift() end it: the first pose after them, and of a session,\n"
+          "may take long, and if it is inside, the hand touches nothing until it has left the surface. Python itself "
+          "may delay a tick by 5 ms when other\n"
           "threads run: for a device at 1 kHz use live(), or the C interface.")
       .def(
           "touch_poses",

@@ -177,6 +177,7 @@ py::array PySession::stroke(const py::object& path, const std::string& kind, con
 
 py::array PySession::along(const py::object& given, const pp_brush* brush) {
   const auto paths = pathsOf(given, hands_);
+  refuseDeaf();
   if (law_.python()) law_.python()->begin();
   std::vector<const pp_path*> pointers;
   pointers.reserve(paths.size());
@@ -271,7 +272,7 @@ void PySession::startLive(const std::optional<std::string>& device, double rate,
     options.path = hands[i].path ? &hands[i].path->path : nullptr;
     if (i + 1 < hands.size()) options.next = &hands[i + 1].options;
   }
-  if (listener_ && listener_->hasFailed()) throw Refusal("Error", listener_->sentence(), PP_ERROR_STATE);
+  refuseDeaf();
   Law own(law, allowPython);
   pp_live_options& first = hands.front().options;
   first.rate_Hz = rate;
@@ -294,6 +295,10 @@ void PySession::startLive(const std::optional<std::string>& device, double rate,
     if (slow) slow->setLive(false);
     throw;
   }
+}
+
+void PySession::refuseDeaf() const {
+  if (listener_ && listener_->hasFailed()) throw Refusal("Error", listener_->sentence(), PP_ERROR_STATE);
 }
 
 void PySession::stopLive() {

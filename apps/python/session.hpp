@@ -84,6 +84,8 @@ class PySession {
                  const py::object& path, const py::object& law, bool allowPython, const py::list& others,
                  const std::optional<std::string>& axes);
   void stopLive();
+  /// Throws palpate.Error once the function of on_contact() has raised.
+  void refuseDeaf() const;
   py::array readTicks();
   /// Throws the exception that the force law has raised in a live session.
   void raiseOfLaw();
@@ -94,6 +96,8 @@ class PySession {
   void forget();
 
   void close();
+  /// False in a process that was forked since.
+  bool isHere() const { return home_.isHere(); }
   py::list messages() const { return told(heard_); }
   pp::Session& session() { return session_; }
   double mm_per_unit();

@@ -57,7 +57,8 @@ void bindTouch(py::class_<PySession>& session) {
           },
           py::arg("kind"),
           "set_brush(kind, **brush)\n\n"
-          "Sets the brush of touch(), and of the present or next live hand, as for stroke(); kind None: they only "
+          "Sets the brush of touch_pose() and touch_poses(), and of the present or next live hand, as for stroke(); "
+          "kind None: they only "
           "feel. The first brush of a session is set before it is live.")
       .def(
           "undo",
@@ -67,7 +68,8 @@ void bindTouch(py::class_<PySession>& session) {
           py::arg("strokes") = 1,
           "undo(strokes=1) -> int\n\n"
           "Undoes the last strokes, each point to the last bit, and returns their number. A stroke consists\n"
-          "of all edits in one contact, with gaps of up to 0.3 s.")
+          "of all edits in one contact, with gaps of up to 0.3 s. Raises Error, with the status \"network\", if the\n"
+          "server of a joined session has not confirmed it within timeout_s; it is undone here all the same.")
       .def(
           "redo",
           [](PySession& self, std::uint64_t strokes) {
@@ -113,6 +115,7 @@ void bindLive(py::class_<PySession>& session) {
       .def("_live_read_ticks", &PySession::readTicks)
       .def("_live_missed",
            [](PySession& self) { return self.with([](pp::Session& open) { return open.liveState().missed; }); })
+      .def("_is_here", [](const PySession& self) { return self.isHere(); })
       .def("_live_running",
            [](PySession& self) { return self.with([](pp::Session& open) { return open.liveState().running != 0; }); })
       .def("_live_forces", [](PySession& self, bool on) { pp::check(pp_live_set_forces(self.session().handle(), on)); })

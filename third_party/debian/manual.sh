@@ -22,9 +22,11 @@ mkdir -p "$(dirname "$page")"
     printf '.SS palpate %s\n' "$command"
     "$program" "$command" --help-all | shown
   done
-  printf '.SH EXIT STATUS\n0: done; 1: failed, one line states what, where and what to do; 2: wrong usage.\n'
+  printf '.SH EXIT STATUS\n0: done; 1: failed, one line states what, where and what to do; 2: wrong usage;\n'
+  printf '130, 143: ended by SIGINT, SIGTERM.\n'
   printf '.SH ENVIRONMENT\n.TP\n.B PALPATE_GPU\n'
-  printf 'The GPU, by number or part of its name, if\n.B \\-\\-gpu\nis not given.\n'
+  printf 'The GPU, by number or part of its name, where one is used and\n.B \\-\\-gpu\nis not given.\n'
+  printf 'Unlike that option it does not make\n.B touch\nuse a GPU.\n'
   printf '.TP\n.BR PALPATE_HD_LIBRARY ", " PALPATE_DHD_LIBRARY\n'
   printf "Libraries of haptic devices in place of the vendors'.\n"
   printf '.SH COPYRIGHT\nNo licence has been chosen by the owner of palpate.\n'

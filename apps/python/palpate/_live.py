@@ -122,7 +122,9 @@ class Live:
         return self._session._live_missed()
 
     def set_forces(self, on: bool) -> None:
-        """Switches the force on or off; when it is on again, it ramps up."""
+        """Switches the force on or off. When it is on again, it returns once the hand has left the surface, and ramps
+        up over half a second.
+        """
         self._session._live_forces(on)
 
     __setattr__ = refuse_attribute

@@ -47,7 +47,7 @@ class Replay:
         points: points that differ at the end; None if they were not compared.
         first_difference_s: time of the first difference, s; None without one.
         recorded_edits_agree: whether the log's edits give the points at its end; None if the log has no end.
-        reason: reason why not all ticks were compared; "" if they were.
+        reason: reason why not all ticks, or not the points at the end, were compared; "" if all were.
         machine: machine of the replay.
         recorded_on: machine of the recording.
     """

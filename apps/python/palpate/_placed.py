@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -29,6 +30,9 @@ def placed_clouds(
     clouds: Sequence[_palpate.Cloud], poses: Sequence[Pose | None] | None
 ) -> list[tuple[_palpate.Cloud, Sequence[float], Sequence[float]]]:
     """Each cloud with its position and orientation. Raises UsageError."""
+    if not isinstance(clouds, Iterable):
+        raise ArgumentTypeError(f"clouds: must be a list of Cloud, not {described(clouds)}")
+    clouds = list(clouds)
     placed = list(poses) if poses is not None else [None] * len(clouds)
     if len(placed) != len(clouds):
         raise UsageError(f"poses: {len(placed)} are given for {len(clouds)} clouds")

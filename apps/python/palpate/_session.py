@@ -38,7 +38,7 @@ class Session(_palpate._Session):
         backend: "vulkan" (a GPU), "cpu" (double precision), or "auto": "vulkan" if a GPU is named or there is one other
             than a software driver, else "cpu" (default "auto"). With "auto", budget_us and no named GPU, a cloud at
             rest is answered by the one of both that takes less time for a tick with an edit, which is measured for up
-            to a second, reported in messages, and remembered in the user's cache folder.
+            to two seconds, reported in messages, and remembered in the user's cache folder.
         surface: surface that the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges)
             (default "average").
         radius_mm: support radius, mm in the hand; None: from the spacing of the points (default None).
@@ -227,7 +227,7 @@ class Session(_palpate._Session):
         """Closes the session, and ends its live session; its clouds, meshes and arrays remain valid. Raises Error with
         the status "network" if the server of a joined session has not confirmed all its strokes; it is closed then.
         """
-        if self._live is not None:
+        if self._live is not None and self._is_here():
             self._live._end(closing=True)
         super().close()
 
@@ -405,9 +405,12 @@ class Session(_palpate._Session):
             return f"<palpate.Session: {error}>"
         return f"<palpate.Session of {info['points']} points on {info['machine']}, {info['undo_count']} strokes>"
 
-    def _repr_png_(self) -> bytes:
-        """Picture for a notebook."""
-        return png_of(self.render((640, 400)))
+    def _repr_png_(self) -> bytes | None:
+        """Picture for a notebook; None where nothing can be drawn, as without a GPU."""
+        try:
+            return png_of(self.render((640, 400)))
+        except Error:
+            return None
 
 
 def _with_radius(radius_mm: float | None, brush: dict[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import _ending, _palpate
-from ._errors import Error, refuse_attribute
+from ._errors import ArgumentTypeError, Error, described, refuse_attribute
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -315,4 +315,6 @@ def discover(network: Network = Network(), seconds: float = 2) -> list[SessionIn
 
     Raises Error, and UsageError. Other threads run meanwhile.
     """
+    if not isinstance(network, Network):
+        raise ArgumentTypeError(f"network: must be a Network, not {described(network)}")
     return [SessionInfo(*seen) for seen in _palpate._discover(network._told(), seconds)]

@@ -141,6 +141,8 @@ def _misfit(parameters: list[_Parameter], args: tuple[Any, ...], settings: dict[
         value = given.get(each.name)
         if each.type == "int" and value is not None and value < 0:
             return f"{each.name} must be a whole number of 0 or more, not {value}"
+        if each.type == "int" and value is not None and value >= 1 << 32:
+            return f"{each.name} is too large"
     return None
 
 
