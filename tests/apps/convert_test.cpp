@@ -179,6 +179,10 @@ TEST_CASE("convert keeps points, properties and faces, and names what is lost") 
                            "\n400000.123456789 0 0 1 2 3 7 0.5\n", "\n400001 1 0 1 1 1 -1 2\n", "\n3 0 1 2\n3 1 3 2\n"})
     CHECK_MESSAGE(content.find(line) != std::string::npos, line << "\n" << content);
   CHECK(content.find("nx") == std::string::npos);
+
+  const std::string bare = (folder / "bare.pts").string();
+  checkEnds(0, "convert " + in + " " + bare + " --json " + (folder / "p.json").string(), {"the column 'heat'"});
+  CHECK(jsonOf(folder / "p.json")["kept"] == std::vector<std::string>{"positions", "colours"});
 }
 
 TEST_CASE("convert adds normals only on request") {

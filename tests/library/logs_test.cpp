@@ -134,7 +134,8 @@ TEST_CASE("a log contains the name of its model file, and is replayed without na
   pp_replay_options wrong = pp_default_replay_options();
   wrong.cloud = other.cloud;
   pp_replay_result result = pp_default_replay_result();
-  PP_CHECK_FAILS(pp_recording_replay(file.string().c_str(), &wrong, &result), PP_ERROR_FILE, "4999 points");
+  PP_CHECK_FAILS(pp_recording_replay(file.string().c_str(), &wrong, &result), PP_ERROR_ARGUMENT,
+                 "cloud: has 4999 points");
   std::filesystem::remove(model);
   PP_CHECK_FAILS(pp_recording_replay(file.string().c_str(), nullptr, &result), PP_ERROR_FILE, "does not exist");
   PP_REQUIRE_OK(pp_cloud_close(cloud));

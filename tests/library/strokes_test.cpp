@@ -113,6 +113,7 @@ TEST_CASE("a session's brush sculpts tick by tick, but not where the pose says t
   PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));
   const auto before = placesOf(ball.session);
   for (const std::uint32_t noEdit : {1u, 0u}) {
+    PP_REQUIRE_OK(pp_touch_lift(ball.session));
     for (std::size_t i = 0; i < path.size() / 3; ++i) {
       const pp_pose pose{.t_s = 1e-3 * static_cast<double>(i),
                          .hip = {path[3 * i], path[3 * i + 1], path[3 * i + 2]},

@@ -48,10 +48,25 @@ def test_a_recorded_session_comes_out_the_same_to_the_last_bit(recorded, ball):
     assert again.first_difference_s is None and again.recorded_edits_agree and again.reason == ""
     with pytest.raises(pp.Error, match="does not exist"):
         pp.replay(file)
-    with pytest.raises(pp.Error, match="points"):
+    with pytest.raises(pp.UsageError, match="^cloud: has .* points, the model of the session had"):
         pp.replay(file, pp.Cloud(ball.xyz[:-1]))
-    with pytest.raises(pp.Error, match="changed"):
+    with pytest.raises(pp.UsageError, match="^cloud: its points differ"):
         pp.replay(file, pp.Cloud(ball.xyz + 1e-3))
+    for settings, words in (({"threads": -1}, "threads must be a whole number of 0 or more, not -1"),
+                            ({"threads": "x"}, "threads must be a whole number"),
+                            ({"tolerance": "x"}, "tolerance must be a number"),
+                            ({"cloud": 5}, "cloud must be a Cloud")):
+        with pytest.raises(pp.UsageError, match=words):
+            pp.replay(file, **settings)
+
+
+def test_a_log_that_is_cut_off_says_why_its_end_is_not_compared(recorded, ball, tmp_path):
+    whole = recorded[0].read_bytes()
+    cut = tmp_path / "cut.session"
+    cut.write_bytes(whole[:-1])
+    again = pp.replay(cut, ball)
+    assert not again.identical and again.points is None and again.force_ticks == again.edit_ticks == 0
+    assert "end of the session" in again.reason
 
 
 def test_the_program_runs_again_what_python_recorded(recorded, ball, tmp_path):

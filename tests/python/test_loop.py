@@ -35,8 +35,39 @@ def test_a_pose_that_cannot_be_answered_gives_no_force(session):
         session.touch_pose(0.002, [np.nan, 0, 0])
     with pytest.raises(pp.UsageError, match="not later than"):
         session.touch_pose(0.001, [0, 0, 52])  # the time stands still
-    with pytest.raises(TypeError, match="three numbers"):
-        session.touch_pose(0.003, [1, 2])
+    for hip in ([1, 2], "123", None, np.zeros((3, 1)), [[0, 0, 1]]):
+        with pytest.raises(TypeError, match="hip: must be three numbers"):
+            session.touch_pose(0.003, hip)
+    for hip in ([True, False, True], [1j, 0, 0], np.zeros(3, "M8[s]"), ["1", "2", "3"]):
+        with pytest.raises(pp.UsageError, match="hip: must be real numbers"):
+            session.touch_pose(0.003, hip)
+    with pytest.raises(pp.UsageError, match="hips: must be real numbers"):
+        session.touch_poses(0.003, np.zeros((1, 3), "M8[s]"))
+
+
+def test_a_command_between_two_poses_leaves_contact_and_force(session):
+    path = press_path(1)
+    for i, hip in enumerate(path):
+        before = session.touch_pose(i / 1000, hip)
+    assert before.contact
+    commands = (session.undo, session.cloud, lambda: session.set_brush("paint", yield_depth_mm=5),
+                lambda: session.set_brush(None), lambda: session.set_contact(stiffness_N_per_mm=0.4))
+    for k, command in enumerate(commands):
+        command()
+        after = session.touch_pose(1 + k / 1000, path[-1])
+        assert after.contact and not after.withheld and after.penetration_mm == pytest.approx(before.penetration_mm)
+    for k in range(20):  # the force changes gradually
+        after = session.touch_pose(1.1 + k / 1000, path[-1])
+    assert after.force_N[2] == pytest.approx(before.force_N[2] / 2, rel=0.05)
+
+
+def test_a_stroke_in_progress_counts_as_one_that_can_be_undone(session):
+    session.set_brush("push", radius_mm=4)
+    for i, hip in enumerate(press_path(3)):
+        session.touch_pose(i / 1000, hip)
+    session.apply_edits()
+    assert session.undo_count == 1
+    assert session.undo() == 1 and session.undo_count == 0
 
 
 def test_several_hands_are_answered_at_once(ball):
@@ -100,8 +131,11 @@ def test_an_exception_at_a_contact_ends_the_force_with_a_sentence(session, kind)
     assert caught.type is kind
     with pytest.raises(pp.Error, match=f"on_contact: its function has raised {kind.__name__}: no bell.*no force"):
         session.touch_pose(1, [0.3, -0.2, 49])
+    with pytest.raises(pp.Error, match="on_contact: its function has raised"):
+        session.touch(press_path(1))
     session.on_contact(None)
-    assert session.touch_pose(1.001, [0.3, -0.2, 49]).validity == "fresh"
+    felt = session.touch_pose(1.001, [0.3, -0.2, 49])
+    assert felt.validity == "fresh" and repr(felt).startswith("<palpate.Contact: fresh, ")
     with pytest.raises(pp.ArgumentTypeError, match="a function"):
         session.on_contact(3)
 

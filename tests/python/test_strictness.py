@@ -289,3 +289,17 @@ def test_a_session_after_fork_is_an_error_and_does_not_hang(ball, gpu):
             os._exit(status)
         assert os.waitpid(child, 0)[1] == 0
         assert s.touch(press_path(1, 10, 5)).shape == (15,)
+
+
+def test_a_live_session_is_closed_in_a_forked_child_without_an_error(ball):
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s, s.live(path=press_path(1, 10, 5)) as live:
+        child = os.fork()
+        if child == 0:
+            signal.alarm(20)
+            status = 1
+            try:
+                s.close()
+                status = 0
+            finally:
+                os._exit(status)
+        assert os.waitpid(child, 0)[1] == 0 and live.running

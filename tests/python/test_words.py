@@ -86,6 +86,12 @@ from conftest import ball_arrays, press_path
      "spatula"),
     (lambda s: pp.Session(s.cloud(), gpu="cpu", mm_per_unit=-1), "mm_per_unit: -1 is not between"),
     (lambda s: s.push(press_path(1), radius_mm=-3), "radius_mm: -3 is not between"),
+    (lambda s: s.set_contact(stiffness_N_per_mm=1e9), "stiffness_N_per_mm: "),
+    (lambda s: s.set_contact(max_force_N=-1), "max_force_N: "),
+    (lambda s: pp.discover(5), "network: must be a Network, not 5"),
+    (lambda s: pp.Session.of_clouds(s.cloud()), "clouds: must be a list of Cloud, not a Cloud"),
+    (lambda s: pp.Session(s.cloud(), gpu="cpu", threads=1 << 70), "Session(): threads is too large"),
+    (lambda s: pp.Cloud(np.zeros((5, 3), "M8[s]")), "xyz: must be real numbers, not of the type datetime64[s]"),
 ])
 def test_a_call_that_does_not_fit_says_what_was_meant(session, call, told):
     with pytest.raises(pp.UsageError) as caught:

@@ -62,7 +62,13 @@ TEST_CASE("a configuration writes a file name that is not UTF-8 with replaced ch
   SessionConfig config;
   config.model.file = "scan\xff.ply";
   CHECK(configText(config).find("scan\xef\xbf\xbd.ply") != std::string::npos);
-  CHECK(headerText({.config = config, .machine = "one", .palpate = "1"}).find(".ply") != std::string::npos);
+  const std::string header =
+      headerText({.config = config, .document = "saved\xfe.ply", .machine = "one", .palpate = "1"});
+  CHECK(header.find("scan\xef\xbf\xbd.ply") != std::string::npos);
+  // A log finds such a file again.
+  const RecordedSession recorded = parseHeader("a.log", header);
+  CHECK(recorded.config.model.file == std::filesystem::absolute("scan\xff.ply").string());
+  CHECK(recorded.document == std::filesystem::absolute("saved\xfe.ply").string());
 }
 
 TEST_CASE("every configuration is unchanged by conversion to text and back") {
