@@ -10,6 +10,7 @@
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/console.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/shown_names.hpp"
 #include "engine/core/system_file.hpp"
 #include "engine/gpu/device_lookup.hpp"
 #include "engine/io/memory_need.hpp"
@@ -100,7 +101,7 @@ void Context::arrange(QueueArrangement queues) {
 void Context::writeJson(const Json& result) const {
   if (json_.empty()) return;
   hasResult_ = true;
-  const std::string text = result.dump(2) + "\n";
+  const std::string text = withShownNames(result.dump(2) + "\n");
   if (json_ == "-") {
     std::fwrite(text.data(), 1, text.size(), stdout);
     return;

@@ -11,6 +11,7 @@
 #include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/named_values.hpp"
+#include "engine/core/shown_names.hpp"
 #include "engine/core/units.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
@@ -105,9 +106,9 @@ void printPoints(std::FILE* out, const ModelInfo& info) {
   if (info.outliers > 0)
     fmt::print(out, "  outliers: {}, far from all others; touch scale, paths and pictures fit the rest, ({}) to ({})\n",
                counted(info.outliers, "point"), inShown(shown.min), inShown(shown.max));
-  fmt::print(out, "  up: {} ({}); heights from {} to {} {}\n", nameOf(info.upright.up), info.upright.why,
-             coordinateText(info.heights.low, resolution), coordinateText(info.heights.high, resolution),
-             nameOf(info.unit));
+  fmt::print(out, "  up: {} ({}, {}); heights from {} to {} {}\n", nameOf(info.upright.up), info.upright.why,
+             nameOf(info.upright.sureness), coordinateText(info.heights.low, resolution),
+             coordinateText(info.heights.high, resolution), nameOf(info.unit));
   fmt::print(out, "  mean spacing: {}\n", lengthText(info.spacings.mean, info.unit));
   fmt::print(out, "  touch scale: {}\n", touchScaleText(info.scale, shown.longestSide(), info.unit));
   fmt::print(out, "  noise of the positions: {:.3f} spacings\n", info.spacings.noise);
@@ -115,7 +116,7 @@ void printPoints(std::FILE* out, const ModelInfo& info) {
 }
 
 void print(std::FILE* out, const std::string& file, const ModelInfo& info) {
-  fmt::print(out, "{}: {}, {}\n", file, counted(info.model.cloud.size(), "point"), info.format);
+  fmt::print(out, "{}: {}, {}\n", withShownNames(file), counted(info.model.cloud.size(), "point"), info.format);
   if (!info.contents.madeFrom.empty()) fmt::print(out, "  made from: {}\n", info.contents.madeFrom);
   for (const FileElement& element : info.contents.elements) {
     fmt::print(out, "  element {}: {}", element.name, element.count);
@@ -168,6 +169,12 @@ constexpr Reported<ModelInfo> kModelInfo[]{
      [](const ModelInfo& i) -> Value { return i.unit == LengthUnit::unknown ? Json(nullptr) : Json(nameOf(i.unit)); }},
     {"up", "", "up axis", [](const ModelInfo& i) -> Value { return nameOf(i.upright.up); }},
     {"up_reason", "", "reason for it", [](const ModelInfo& i) -> Value { return i.upright.why; }},
+    {"up_sureness", "", "known, likely, or unsure",
+     [](const ModelInfo& i) -> Value { return nameOf(i.upright.sureness); }},
+    {"front", "", "axis towards a viewer in front of the model",
+     [](const ModelInfo& i) -> Value { return nameOf(axisOf(i.upright.front)); }},
+    {"front_sureness", "", "known, likely, or unsure",
+     [](const ModelInfo& i) -> Value { return nameOf(i.upright.frontSureness); }},
     {"heights", "file units", "lowest and highest point along up",
      [](const ModelInfo& i) -> Value {
        return Json{i.heights.low, i.heights.high};
@@ -203,7 +210,7 @@ void printColumns(std::FILE* out, const std::string& file, const CloudFormat& fo
   const auto rows = start ? start->lines(kRows) : std::vector<std::vector<std::string>>{};
   std::size_t columns = names.size();
   for (const auto& row : rows) columns = std::max(columns, row.size());
-  fmt::print(out, "{}: {}, columns as understood\n", file, format.name);
+  fmt::print(out, "{}: {}, columns as understood\n", withShownNames(file), format.name);
   for (std::size_t k = 0; k < columns; ++k) {
     fmt::print(out, "  {:>2}  {:<16}", k + 1, k < names.size() ? names[k] : "?");
     for (const auto& row : rows) fmt::print(out, "  {:<14}", k < row.size() ? row[k] : "");

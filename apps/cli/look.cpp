@@ -26,7 +26,7 @@ std::optional<UpAxis> upNamed(std::string_view name) { return valueNamed(kUpAxes
 std::optional<LengthUnit> unitNamed(std::string_view name) { return valueNamed(kLengthUnits, name); }
 
 Upright uprightOf(const Model& model, const LookOptions& options) {
-  if (const auto up = upNamed(options.up)) return {*up, "as --up says"};
+  if (const auto up = upNamed(options.up)) return {*up, "as --up says", Sureness::known, model.upright.frontFor(*up)};
   return model.upright;
 }
 

@@ -13,6 +13,7 @@
 #include "apps/cli/standard_streams.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "engine/core/counted.hpp"
+#include "engine/core/shown_names.hpp"
 
 namespace palpate {
 namespace {
@@ -137,7 +138,7 @@ int run(std::vector<std::string> arguments) {
   // Prints the error and returns the exit code: an interrupted run returns the code that shells expect.
   const auto fail = [&, words = arguments](std::string_view what, int failed) {
     const int code = StopBySignal::requested() ? StopBySignal::exitCode() : failed;
-    fmt::print(stderr, "palpate: {}\n", what);
+    fmt::print(stderr, "palpate: {}\n", withShownNames(std::string(what)));
     context.writeFailure(what, code, words);
     return code;
   };

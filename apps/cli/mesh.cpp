@@ -1,3 +1,5 @@
+#include <fmt/ranges.h>
+
 #include "apps/cli/mesh_options.hpp"
 #include "apps/cli/output.hpp"
 #include "apps/cli/progress.hpp"
@@ -48,15 +50,21 @@ void mesh(Context& context, const MeshCommandOptions& options) {
     throw Error("{}: no surface within {:.3g} mm (in the hand) of its {}; try a larger --radius", options.model.file,
                 model.scale.toMm(static_cast<double>(plan.lattice.radius)), counted(model.cloud.size(), "point"));
   const double cell = static_cast<double>(plan.lattice.cell);
+  const std::vector<std::string> lost = lostInMeshFile(options.output, result);
+  if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
   markAsOurs(result.vertices);
   std::filesystem::path kept;
   writeMesh(options.output, result, cell, options.ascii, whereToKeep(options.output, kept, context.log()));
-  keepNewest(kept);
   const MeshReport report = examine(result);
   context.log().say("{}: {}, {} in {}, {}; {}, {:.1f} MiB, {:.1f} ms", options.output,
                     counted(report.vertices, "vertex", "vertices"), counted(report.triangles, "triangle"),
                     counted(report.parts, "part"), inWords(report), counted(step.blocks, "block"),
                     static_cast<double>(cubes.bytes()) / (1 << 20), wall_us * 1e-3);
+  // A radius of less than two spacings leaves holes between the points of a sparse part.
+  const double bridging = static_cast<double>(shared::kSupportSpacings) * model.wideSpacing;
+  if (!report.closed() && 0.5 * bridging > static_cast<double>(plan.lattice.radius))
+    context.log().say("{}: its sparse parts have points {:.3g} mm apart; --radius {:.3g} closes the holes there",
+                      options.output, model.scale.toMm(model.wideSpacing), model.scale.toMm(bridging));
   const double mm = model.scale.mm_per_unit;
   context.writeJson({{"file", options.output},
                      {"points", model.cloud.size()},

@@ -29,10 +29,11 @@ MeshSurface meshSurfaceNamed(const std::string& name) {
 }
 
 MeshPlan planFor(const Model& model, const MeshChoices& choices) {
-  return planMesh(model.shownBounds(), model.spacing,
-                  {.resolution = static_cast<std::uint32_t>(choices.resolution),
-                   .surface = meshSurfaceNamed(choices.surface),
-                   .radius = choices.radius == "auto" ? 0 : supportRadius(choices.radius, model)});
+  const MeshPlan plan = planMesh(model.shownBounds(), model.spacing,
+                                 {.resolution = static_cast<std::uint32_t>(choices.resolution),
+                                  .surface = meshSurfaceNamed(choices.surface),
+                                  .radius = choices.radius == "auto" ? 0 : supportRadius(choices.radius, model)});
+  return thinned(plan, model.cloud);
 }
 
 MarchingCubes makeCubes(Context& context, const Model& model, const MeshPlan& plan) {

@@ -11,6 +11,7 @@
 
 #include "apps/cli/command_line.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/shown_names.hpp"
 #include "engine/core/system_file.hpp"
 #include "engine/io/cloud_formats.hpp"
 
@@ -31,7 +32,6 @@ std::vector<std::string> formatNames() {
   return names;
 }
 
-// Messages name it.
 std::filesystem::path freshName(std::string_view stream, const std::string& format) {
   std::random_device random;
   return std::filesystem::temp_directory_path() /
@@ -80,7 +80,10 @@ void StandardStreams::redirect(const Options& command) {
     if (format_.empty())
       throw UsageError("{}: - is {}; name its format, as in --format ply", option.name(), reads ? kInput : kOutput);
     std::optional<TemporaryFile>& file = reads ? input_ : output_;
-    if (!file) file.emplace(freshName(reads ? kInput : kOutput, format_));
+    if (!file) {
+      file.emplace(freshName(reads ? kInput : kOutput, format_));
+      showAs(file->path().string(), std::string(reads ? kInput : kOutput));
+    }
     option.replace(std::string(kStream), file->path().string());
   }
   for (const Options* const named : command.named()) redirect(*named);

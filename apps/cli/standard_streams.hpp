@@ -13,7 +13,8 @@ class StandardStreams {
  public:
   /// Adds --format.
   void addOption(Options& program);
-  /// Replaces each "-" that names a cloud on the command line by a temporary file. Throws UsageError without --format.
+  /// Replaces each "-" that names a cloud on the command line by a temporary file, which messages name by its stream.
+  /// Throws UsageError without --format.
   void redirect(const Options& program);
   /// Reads standard input into its file, if it is named. Throws UsageError for a terminal, and FileError.
   void read();

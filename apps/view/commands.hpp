@@ -15,7 +15,7 @@ namespace palpate {
 /// or not at all (putAway).
 enum class StylusCommand { hold, letGo, lockOrUnlock, putAway };
 
-/// Commands to the window; the last three do nothing without a model.
+/// Commands to the window; the last four do nothing without a model.
 enum class WindowCommand {
   quit,
   stopReading,
@@ -24,6 +24,7 @@ enum class WindowCommand {
   forgetMeasure,
   copyPlaces,
   resetView,
+  turnModel,
   screenshot
 };
 

@@ -23,6 +23,7 @@ inline std::vector<std::pair<std::string, std::string>> keyHelp() {
       {"wheel", "zoom to the cursor"},
       {"double click", "look at the point under the cursor"},
       {"R;  X  Y  Z", "reset the view;  look along an axis (Shift: from behind)"},
+      {"U", "turn the model by 90 degrees, clockwise"},
       {"Ctrl+1 to Ctrl+7", "look at the front, back, left, right, top, bottom, or isometric"},
       {fmt::format("1 to {}", kBrushes.size() + 1), fmt::format("{}", fmt::join(namesOf(kBrushKinds, {"feel"}), ", "))},
       {"[  ]", "smaller, larger brush"},

@@ -47,6 +47,7 @@ ViewCommands Keyboard::bound(int key) const {
                                       {GLFW_KEY_Q, true, {}, WindowCommand::quit},
                                       {GLFW_KEY_Q, false, {}, WindowCommand::quit},
                                       {GLFW_KEY_R, false, {}, WindowCommand::resetView},
+                                      {GLFW_KEY_U, false, {}, WindowCommand::turnModel},
                                       {GLFW_KEY_P, false, {}, WindowCommand::screenshot},
                                       {GLFW_KEY_K, false, {}, ModelCommand::pause},
                                       {GLFW_KEY_PERIOD, false, {}, ModelCommand::step},

@@ -35,6 +35,7 @@ void Messages::tryTo(const std::function<void()>& act) {
 
 void Messages::add(const std::string& text) {
   last_ = text;
+  std::erase_if(remarks_, [&](const Remark& remark) { return remark.text == text; });
   remarks_.push_back({text, {}});
 }
 

@@ -184,9 +184,11 @@ void Panels::drawModel(const ViewStatus& status) {
   if (status.session) {
     ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
     help(status.model);
-    ImGui::TextDisabled("%llu points, up is %s", static_cast<unsigned long long>(status.session->presentPoints()),
-                        nameOf(status.up).data());
-    help((status.isUpTurned ? "as chosen" : "automatic: " + status.upright.why) + "; change it with up in Look");
+    ImGui::TextDisabled("%llu points", static_cast<unsigned long long>(status.session->presentPoints()));
+    ImGui::TextDisabled("%s", status.orientation.c_str());
+    ImGui::SameLine();
+    post(button("Turn"), WindowCommand::turnModel);
+    help("U: by 90 degrees, clockwise; up is " + status.orientationWhy);
     const Model& model = status.session->model();
     const double side = model.container() ? model.container()->longestSide() : status.session->longestSide();
     ImGui::TextDisabled("feels %.3g mm long (%.3g %s)", model.scale.toMm(side), side, nameOf(status.unit).data());
@@ -347,8 +349,7 @@ void Panels::drawMatter(const ViewStatus& status) {
 void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
   if (!header("Look")) return;
   choose("colour by", kColors, view.color);
-  chooseOrAuto("up", kUpAxes, view.up, nameOf(status.upright.up));
-  help(fmt::format("auto: up is {}, {}", nameOf(status.upright.up), status.upright.why));
+  chooseOrAuto("up", kUpAxes, view.up, nameOf(status.upFound));
   chooseOrAuto("unit", kLengthUnits, view.unit, nameOf(status.unit));
   help("unit of the file's lengths, for display only; it does not change the scale");
   dragLength("point radius", view.discRadius_mm, 0.01, {0, 5}, status, view.discRadius_mm > 0 ? "" : "auto");
@@ -420,7 +421,7 @@ void Panels::drawSession(const ViewStatus& status) {
   const bool entered = field("other.ply", saveAs_);
   help(where);
   ImGui::SameLine();
-  post((button(replaces ? "Replace" : "Save as") || (entered && !replaces)) && saveAs_[0],
+  post((button(replaces ? "Replace" : "Save as") || (entered && !replaces)),
        FileCommand{FileTask::saveAs, saveAs_.data()});
   if (replaces) ImGui::TextWrapped("%s", whatIsReplaced(saveAs_.data(), status).c_str());
   if (button("Save to...")) browse(FileTask::saveAs, status);
@@ -434,7 +435,7 @@ void Panels::drawSession(const ViewStatus& status) {
   } else {
     const bool isThereLog = isThere(log_.data());
     ImGui::BeginDisabled(isThereLog);
-    post(button("Record") && log_[0], FileCommand{FileTask::record, log_.data()});
+    post(button("Record"), FileCommand{FileTask::record, log_.data()});
     ImGui::EndDisabled();
     help(isThereLog ? "this file exists: Play plays it" : "records the hand; Play, or palpate replay, runs it again");
   }
@@ -442,7 +443,7 @@ void Panels::drawSession(const ViewStatus& status) {
   if (session.isPlaying()) {
     post(button("Stop##play"), ModelCommand::endPlaying);
   } else {
-    post(button("Play") && log_[0], FileCommand{FileTask::play, log_.data()});
+    post(button("Play"), FileCommand{FileTask::play, log_.data()});
   }
 }
 

@@ -50,9 +50,9 @@ struct ViewStatus {
     double width_px = 0, length = 0;  ///< length in file units
   };
   std::optional<ScaleBar> scaleBar;  ///< at the depth of the camera's target
-  Upright upright;                   ///< up axis found from the model's shape
-  UpAxis up = UpAxis::y;             ///< up axis in use
-  bool isUpTurned = false;           ///< the user has set the up axis
+  UpAxis upFound{};                  ///< from the model's shape
+  std::string orientation;           ///< up and front in a few words, and how sure they are
+  std::string orientationWhy;
   LengthUnit unit = LengthUnit::unknown;
   ViewSettings::ShownLength lengths;   ///< of the hand
   std::optional<PlaceInfo> picked;     ///< the last picked position
@@ -157,6 +157,8 @@ class Panels {
     Answer answer;
     bool isEscape = false;
   };
+  static void underline(const char* name, std::size_t letter);
+  bool letterButton(const char* name, char letter);
   void ask(const char* title, bool asks, const std::function<bool()>& draw);
   bool answers(std::initializer_list<AnswerButton> buttons);
   void drawQuestions(const ViewStatus& status);

@@ -82,7 +82,7 @@ void Panels::drawDeviceState(const HeldDevice& held) {
 }
 
 void Panels::drawDeviceTest(const DeviceCheckQuery& test) {
-  post(button("Stop##test"), DeviceCommand::endTest);
+  post(letterButton("Stop##test", 'S'), DeviceCommand::endTest);
   help("ends the test with what it has found");
   line(std::string(instructionOf(test.stage())));
   if (test.stage() == DeviceCheckStage::lean || test.stage() == DeviceCheckStage::leanAgain)
@@ -97,16 +97,16 @@ void Panels::drawDeviceFindings(const DeviceCheckResult& found, const OpenedDevi
   } else {
     if (stiffness) {
       line(fmt::format("Never stiffer than {:.2f} N/mm with this device from now on?", *stiffness));
-      post(button("Use this stiffness"), DeviceCommand::useStiffness);
+      post(letterButton("Use this stiffness", 's'), DeviceCommand::useStiffness);
       help("remembers it for the device");
     }
     if (axes) {
       line(fmt::format("Axes {} with this device from now on?", axes->after(opened.axes).text()));
-      post(button("Use these axes"), DeviceCommand::useAxes);
+      post(letterButton("Use these axes", 'a'), DeviceCommand::useAxes);
       help("remembers them for the device, so that the stylus moves as your hand does");
     }
   }
-  post(button("Close##result"), DeviceCommand::closeResult);
+  post(letterButton("Close##result", 'o'), DeviceCommand::closeResult);
   help("leaves what is remembered as it is");
   ImGui::SameLine();
   if (noted("result", ImGui::TreeNode("result"))) {

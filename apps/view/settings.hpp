@@ -13,7 +13,8 @@ namespace palpate {
 /// How the model is shown, and how the mouse holds the stylus.
 struct ViewSettings {
   ColorBy color = ColorBy::rgb;
-  std::optional<UpAxis> up;  ///< nothing: by the model's shape
+  std::optional<UpAxis> up;    ///< nothing: by the model's shape
+  std::optional<DVec3> front;  ///< of a model that was turned; nothing: by its shape
   std::optional<LengthUnit> unit;
   double discRadius_mm = 0;  ///< 0: automatic, so that the discs close the surface
   bool smoothOutlines = false, scaleBar = true, dark = true;
@@ -27,6 +28,10 @@ struct ViewSettings {
   bool panels = true, plots = false, help = false;
 
   UpAxis upOf(const Model& model) const { return up.value_or(model.upright.up); }
+  DVec3 frontFor(const Model& model) const {
+    const UpAxis shown = upOf(model);
+    return front && glm::dot(*front, directionOf(shown)) == 0 ? *front : model.upright.frontFor(shown);
+  }
   LengthUnit unitOf(const Model& model) const { return unit.value_or(unitSaidIn(model.cloud.storedAs.comments)); }
   /// A length in the hand as text: in the model's unit, or as a part of the model where that is unknown.
   std::string lengthText(double mm, const WindowSession& session) const {

@@ -1,9 +1,12 @@
 #include "apps/view/viewer.hpp"
 
+#include <fmt/ranges.h>
+
 #include <filesystem>
 #include <utility>
 
 #include "apps/cli/stop_by_signal.hpp"
+#include "engine/core/error.hpp"
 
 namespace palpate {
 
@@ -35,7 +38,9 @@ Viewer::~Viewer() { screen_.waitForLast(); }
 
 void Viewer::run() {
   while (closing_ != Closing::done && !StopBySignal::requested()) step();
-  if (closing_ == Closing::done) return document_.close();
+  const bool isDone = closing_ == Closing::done;
+  document_.close(!isDone);
+  if (isDone) return;
   if (document_.session() && document_.session()->isChanged())
     messages_.say("unsaved changes of " + document_.file() + " are kept, and offered when the window is opened again");
 }
@@ -211,8 +216,10 @@ void Viewer::carryOut(const ViewCommand& command) {
   WindowSession* session = document_.session();
   if (!session) return;
   const UpAxis up = settings_.view.upOf(session->model());
-  if (const auto* side = std::get_if<ModelSide>(&command)) viewpoint_.lookFrom(*side, up);
-  if (const auto* look = std::get_if<LookAlong>(&command)) viewpoint_.lookAlong(look->axis, !look->fromBehind, up);
+  const DVec3 front = settings_.view.frontFor(session->model());
+  if (const auto* side = std::get_if<ModelSide>(&command)) viewpoint_.lookFrom(*side, up, front);
+  if (const auto* look = std::get_if<LookAlong>(&command))
+    viewpoint_.lookAlong(look->axis, !look->fromBehind, up, front);
   if (const auto* set = std::get_if<SetParameter>(&command)) session->setParameter(set->name, set->value);
   // Opens the model again at the scale that gives the measure this length.
   if (const auto* length = std::get_if<SetTrueLength>(&command)) document_.openAtScale(measure_.scaleFor(length->text));
@@ -230,6 +237,7 @@ void Viewer::carryOut(WindowCommand command) {
   if (!document_.session()) return;
   if (command == WindowCommand::copyPlaces) copyPlaces();
   if (command == WindowCommand::resetView) fitCamera();
+  if (command == WindowCommand::turnModel) turnModel();
   if (command == WindowCommand::screenshot) screen_.keep(document_.freeName("", "png"), Screen::Of::model);
 }
 
@@ -253,6 +261,7 @@ void Viewer::carryOut(DeviceCommand command) {
 }
 
 void Viewer::carryOut(const FileCommand& command) {
+  if (command.file.empty()) throw Error("type the name of a file into the field first");
   if (command.task == FileTask::open) return document_.open(command.file);
   if (!document_.session()) return;
   if (command.task == FileTask::saveAs) document_.saveTo(command.file);
@@ -263,8 +272,17 @@ void Viewer::carryOut(const FileCommand& command) {
 
 void Viewer::exportMesh(const std::string& file) {
   screen_.waitForLast();
-  const std::filesystem::path kept = shown_.mesh().write(file);
+  std::vector<std::string> lost;
+  const std::filesystem::path kept = shown_.mesh().write(file, lost);
+  if (!lost.empty()) messages_.say(fmt::format("{}: not kept: {}", file, fmt::join(lost, ", ")));
   messages_.say(file + " is written" + (kept.empty() ? "" : "; the old file is kept as " + kept.string()));
+}
+
+void Viewer::turnModel() {
+  const Model& model = document_.session()->model();
+  ViewSettings& view = settings_.view;
+  view.front = view.frontFor(model);
+  view.up = turnedUp(view.upOf(model), *view.front);
 }
 
 // The GPU draws nothing of the present model until the next one is there: its last picture stays.

@@ -75,6 +75,7 @@ class Viewer {
   void fitCamera();
   void copyPlaces();
   void exportMesh(const std::string& file);
+  void turnModel();
   void findPlaceInfo();
   Pointed pointed();
   ViewStatus status();

@@ -66,9 +66,12 @@ ViewStatus Viewer::status() {
     if (const SharedPresence* const presence = session->session().presence())
       status.others = {.counts = {}, .hands = presence->hands(), .cameras = presence->cameras()};
     if (const SharedFollower* const shared = session->session().shared()) status.others->counts = shared->counts();
-    status.upright = session->model().upright;
-    status.up = view.upOf(session->model());
-    status.isUpTurned = view.up.has_value();
+    const Upright& upright = session->model().upright;
+    status.upFound = upright.up;
+    status.orientation = view.up ? fmt::format("up {}, as chosen", nameOf(*view.up))
+                                 : fmt::format("up {} {}, front {}", nameOf(upright.up), nameOf(upright.sureness),
+                                               nameOf(upright.frontSureness));
+    status.orientationWhy = view.up ? "as chosen" : upright.why;
     status.unit = view.unitOf(session->model());
     status.lengths = view.shownLength(*session);
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();

@@ -13,6 +13,7 @@ void Viewpoint::fit(const Model& model, const ViewSettings& view, const DVec2& w
   const double aspect = (free_px.y - free_px.x) / window_px.y;
   constexpr double kHand = 0.08;  // of the longest side: room for a stylus around the model
   Framing framing = framingOf(model, up);
+  framing.front = view.frontFor(model);
   if (!model.container()) framing.margin = std::max(framing.margin, kHand * model.shownBounds().longestSide());
   // Its points fill the view, and not the box around them; a container is shown whole.
   camera_ = model.container() ? Camera::fitting(model.shownBounds(), aspect, kHeight_deg, up, framing.margin)
@@ -23,8 +24,6 @@ void Viewpoint::fit(const Model& model, const ViewSettings& view, const DVec2& w
 void Viewpoint::centerIn(const DVec2& free_px, double width_px) {
   camera_.center.x = 0.5 * (free_px.x + free_px.y) / width_px;
 }
-
-void Viewpoint::lookAlong(int axis, bool fromAbove, UpAxis up) { camera_ = alongAxis(camera_, axis, fromAbove, up); }
 
 void Viewpoint::lookAt(const DVec3& place) { camera_ = recentred(camera_, place); }
 

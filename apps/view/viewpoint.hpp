@@ -21,8 +21,10 @@ class Viewpoint {
   void centerIn(const DVec2& free_px, double width_px);
   void setDepthRange(const Bounds& bounds, double size) { camera_.setDepthRange(bounds, size); }
 
-  void lookAlong(int axis, bool fromAbove, UpAxis up);
-  void lookFrom(ModelSide side, UpAxis up) { camera_ = fromSide(camera_, side, up); }
+  void lookAlong(int axis, bool fromAbove, UpAxis up, const DVec3& front) {
+    camera_ = alongAxis(camera_, axis, fromAbove, up, front);
+  }
+  void lookFrom(ModelSide side, UpAxis up, const DVec3& front) { camera_ = fromSide(camera_, side, up, front); }
   void lookAt(const DVec3& place);
   /// Rotates about the target.
   void turn(const DVec2& way_px, const DVec2& size_px);

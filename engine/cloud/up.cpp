@@ -18,8 +18,10 @@ constexpr double kFlat = 0.005;       // of the longest side: the orientation of
 constexpr double kThin = 0.35;        // of the next longer side: a thinner shape may be ground
 constexpr double kMaxLayers = 1.4;    // of a sheet, along its thin side
 constexpr double kOneSided = 0.2;     // mean of the normals, along the thin side
-constexpr double kMin = 0.12;         // minimum score of a standing shape
+constexpr double kBaseFilled = 0.3;   // relative to the outline: a base rather than a round end
+constexpr double kMin = 0.16;         // minimum score of a standing shape
 constexpr double kClearly = 1.15;     // factor by which another axis must beat y
+constexpr double kSure = 2;           // factor to the next axis, if the orientation is likely
 constexpr double kLikelyY = 1.0, kLikelyZ = 0.97, kUnlikely = 0.9;  // prior weights by how files mostly are
 
 double likely(UpAxis up) { return up == UpAxis::y ? kLikelyY : up == UpAxis::z ? kLikelyZ : kUnlikely; }
@@ -33,7 +35,7 @@ std::optional<Upright> asSheet(const UprightShape& shape) {
     if (extent[k] < extent[thin]) thin = k;
   const double next = std::min(extent[(thin + 1) % 3], extent[(thin + 2) % 3]);
   if (extent[thin] > kThin * next) return std::nullopt;
-  if (extent[thin] < kFlat * next) return Upright{UpAxis::y, "a flat sheet, which is ambiguous"};
+  if (extent[thin] < kFlat * next) return Upright{UpAxis::y, "a flat sheet, which is ambiguous", Sureness::guessed};
   if (shape.layers(thin) > kMaxLayers) return std::nullopt;
   if (shape.isFacade(thin)) return Upright{thin == 1 ? UpAxis::z : UpAxis::y, "a wall with straight openings"};
   const auto positive = static_cast<UpAxis>(thin);
@@ -100,7 +102,6 @@ std::optional<Upright> asInterior(const UprightShape& shape) {
 /// along it, starting from the larger cut.
 std::optional<Upright> asCutBody(const UprightShape& shape) {
   constexpr double kMore = 1.5;
-  constexpr double kBaseFilled = 0.3;  // relative to the outline: a base rather than a round end
   std::array<double, 6> cuts;
   std::size_t count = 0;
   UpAxis only = UpAxis::y;
@@ -178,27 +179,95 @@ std::optional<Upright> asAirborne(const UprightShape& shape) {
   return std::nullopt;
 }
 
-Upright byStand(const UprightShape& shape) {
-  std::array<Stand, 6> stands;
-  UpAxis best = UpAxis::y;
-  const auto scoreOf = [&](UpAxis up) { return likely(up) * stands[static_cast<std::size_t>(up)].score; };
-  for (const auto& [name, up] : kUpAxes) stands[static_cast<std::size_t>(up)] = shape.standing(up);
-  for (const auto& [name, up] : kUpAxes)
-    if (scoreOf(up) > scoreOf(best)) best = up;
-  const auto number = [](UpAxis up) { return static_cast<std::size_t>(up); };
-  if (scoreOf(best) < kMin) return {UpAxis::y, "the shape is ambiguous"};
-  if (shape.isSymmetric(static_cast<int>(best) % 3)) return {UpAxis::y, "the shape is the same upside down"};
-  if (best != UpAxis::y && scoreOf(best) < kClearly * scoreOf(UpAxis::y))
-    return {UpAxis::y, "the shape is as stable in another direction"};
-  const Stand& stand = stands[number(best)];
-  constexpr double kFloor = 0.3;  // share of all positions
+/// What surrounds or underlies the rest: a sheet, a room, ground, or the view of a camera.
+std::optional<Upright> asSurroundings(const PointCloud& cloud, const VoxelSample& sample, const UprightShape& shape) {
+  if (auto sheet = asSheet(shape)) return sheet;
+  if (auto room = asRoom(shape)) return room;
+  if (auto interior = sample.normals.empty() ? std::nullopt : asInterior(shape)) return interior;
+  if (auto view = asCameraView(cloud, sample, shape)) return view;
+  return asAirborne(shape);
+}
+
+/// Towards the viewer of a standing object, which is seen from outside and open behind; else of its wider side.
+void findFront(Upright& found, const UprightShape& shape) {
+  constexpr double kOpen = 0.25;   // difference of what is seen from outside, between a side and the opposite one
+  constexpr double kWider = 0.95;  // of the longer horizontal extent: the model is as wide along both
+  constexpr double kMoreDetail = 1.2;
+  const Sides up = sidesOf(found.up);
+  std::array<SeenSide, 6> seen;
+  const auto of = [&](UpAxis side) -> SeenSide& { return seen[static_cast<std::size_t>(side)]; };
+  std::optional<UpAxis> open;
+  for (const auto& [name, side] : kUpAxes)
+    if (sidesOf(side).axis != up.axis) of(side) = shape.seenFrom(side);
+  for (const auto& [name, side] : kUpAxes)
+    if (of(side).outside > of(opposite(side)).outside + kOpen && (!open || of(side).detail > of(*open).detail))
+      open = side;
   const DVec3 extent = shape.extent();
-  const int axis = sidesOf(best).axis;
-  const bool wide = extent[axis] < std::min(extent[(axis + 1) % 3], extent[(axis + 2) % 3]);
-  return {best, wide && stand.share > kFloor ? "guessed from its floor" : "guessed from its flat base"};
+  const double shorter = std::min(extent[up.across], extent[up.along]);
+  UpAxis front = axisOf(found.front);
+  if (open) {
+    front = *open;
+  } else if (shorter < kWider * std::max(extent[up.across], extent[up.along])) {
+    const int axis = extent[up.across] == shorter ? up.across : up.along;
+    if (axis != sidesOf(front).axis) front = static_cast<UpAxis>(axis);
+  }
+  if (!open && of(opposite(front)).detail > kMoreDetail * of(front).detail) front = opposite(front);
+  found.front = directionOf(front);
+  if (open || of(front).detail > kMoreDetail * of(opposite(front)).detail) found.frontSureness = Sureness::likely;
+}
+
+/// Detail below, relative to that above: standing objects and skulls are smoother above. 1 if unknown.
+double smootherAbove(const UprightShape& shape, UpAxis up) {
+  const double above = shape.seenFrom(up).detail, below = shape.seenFrom(opposite(up)).detail;
+  return above > 0 && below > 0 ? below / above : 1;
+}
+
+/// A shape on a base: a flat one, or legs and edges under what is smoother above.
+std::optional<Upright> byStand(const UprightShape& shape) {
+  std::array<Stand, 6> stands;
+  const auto of = [&](UpAxis up) -> Stand& { return stands[static_cast<std::size_t>(up)]; };
+  UpAxis best = UpAxis::y;
+  for (const auto& [name, up] : kUpAxes) {
+    of(up) = shape.standing(up);
+    of(up).score *= likely(up);
+    if (of(up).score > 0 && of(up).filled < kBaseFilled) of(up).score *= std::min(1.0, smootherAbove(shape, up));
+  }
+  for (const auto& [name, up] : kUpAxes)
+    if (of(up).score > of(best).score) best = up;
+  if (of(best).score < kMin || shape.isSymmetric(sidesOf(best).axis)) return std::nullopt;
+  if (of(best).score < kClearly * of(UpAxis::y).score) best = UpAxis::y;
+  constexpr double kFloor = 0.3;  // share of all positions
+  double next = 0;
+  for (const auto& [name, up] : kUpAxes)
+    if (up != best) next = std::max(next, of(up).score);
+  const Sides sides = sidesOf(best);
+  const DVec3 extent = shape.extent();
+  const bool isFloor =
+      extent[sides.axis] < std::min(extent[sides.across], extent[sides.along]) && of(best).share > kFloor;
+  return Upright{best, isFloor ? "guessed from its floor" : "guessed from its flat base",
+                 of(best).score > kSure * next ? Sureness::likely : Sureness::guessed};
+}
+
+/// A shape without a base, such as a skull.
+std::optional<Upright> bySmoothness(const UprightShape& shape) {
+  constexpr double kSmoother = 1.5;
+  UpAxis best = UpAxis::y;
+  double most = 0;
+  for (const auto& [name, up] : kUpAxes) {
+    const double ratio = likely(up) * smootherAbove(shape, up);
+    if (ratio > most) best = up;
+    most = std::max(most, ratio);
+  }
+  if (most < kSmoother) return std::nullopt;
+  return Upright{best, "smoother above than below", Sureness::guessed};
 }
 
 }  // namespace
+
+std::string_view nameOf(Sureness sureness) {
+  constexpr std::array<std::string_view, 3> kNames{"known", "likely", "unsure"};
+  return kNames[static_cast<std::size_t>(sureness)];
+}
 
 std::string_view nameOf(UpAxis up) { return kUpAxes[static_cast<std::size_t>(up)].first; }
 
@@ -222,13 +291,21 @@ DVec3 frontOf(UpAxis up) {
   }
 }
 
+UpAxis axisOf(const DVec3& direction) {
+  UpAxis nearest = UpAxis::x;
+  for (const auto& [name, axis] : kUpAxes)
+    if (glm::dot(directionOf(axis), direction) > glm::dot(directionOf(nearest), direction)) nearest = axis;
+  return nearest;
+}
+
+UpAxis turnedUp(UpAxis up, const DVec3& front) { return axisOf(glm::cross(front, directionOf(up))); }
+
 std::optional<UpAxis> upOfCameras(const DVec3& meanUp) {
   constexpr double kUpright = 0.8;  // minimum length of the mean, and minimum cosine between it and the axis
   const double size = glm::length(meanUp);
   if (!(size > kUpright)) return std::nullopt;
-  for (const auto& [name, axis] : kUpAxes)
-    if (glm::dot(directionOf(axis), meanUp) > kUpright * size) return axis;
-  return std::nullopt;
+  const UpAxis axis = axisOf(meanUp);
+  return glm::dot(directionOf(axis), meanUp) > kUpright * size ? std::optional(axis) : std::nullopt;
 }
 
 std::optional<UpAxis> upSaidIn(std::span<const std::string> comments) {
@@ -243,17 +320,20 @@ std::optional<UpAxis> upSaidIn(std::span<const std::string> comments) {
 }
 
 Upright findUp(const PointCloud& cloud) {
-  if (const auto said = upSaidIn(cloud.storedAs.comments)) return {*said, "the file says so"};
+  const auto said = upSaidIn(cloud.storedAs.comments);
+  if (said) return {*said, "the file says so", Sureness::known, frontOf(*said)};
   const VoxelSample sample = voxelSampleOf(cloud);
-  if (sample.places.size() < kFewest) return {UpAxis::y, "too few points to tell"};
+  if (sample.places.size() < kFewest) return {UpAxis::y, "too few points to tell", Sureness::guessed};
   const UprightShape shape(sample);
-  if (auto sheet = asSheet(shape)) return *sheet;
-  if (auto room = asRoom(shape)) return *room;
-  if (auto interior = sample.normals.empty() ? std::nullopt : asInterior(shape)) return *interior;
-  if (auto view = asCameraView(cloud, sample, shape)) return *view;
-  if (auto airborne = asAirborne(shape)) return *airborne;
-  if (auto body = asCutBody(shape)) return *body;
-  return byStand(shape);
+  std::optional<Upright> found = asSurroundings(cloud, sample, shape);
+  const bool isObject = !found;
+  if (!found) found = asCutBody(shape);
+  if (!found) found = byStand(shape);
+  if (!found) found = bySmoothness(shape);
+  if (!found) return {UpAxis::y, "the shape is ambiguous", Sureness::guessed};
+  found->front = frontOf(found->up);
+  if (isObject) findFront(*found, shape);
+  return *found;
 }
 
 }  // namespace palpate

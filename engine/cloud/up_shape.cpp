@@ -14,8 +14,10 @@ namespace {
 constexpr double kBase = 0.02;      // of the height: the lowest layer, on which a shape stands
 constexpr double kContact = 0.015;  // minimum share of the positions in such a base
 constexpr double kSteady = 0.15;  // tangent of the tilt at which it would fall; larger values do not improve the score
-constexpr double kOpenBelow = 1.5;  // weight of the mean normal: open shapes are open below
-constexpr double kFacing = 0.85;    // cosine of 32 degrees: a normal within it faces a direction
+constexpr double kOpenBelow = 1.5;   // weight of the mean normal: open shapes are open below
+constexpr double kFacing = 0.85;     // cosine of 32 degrees: a normal within it faces a direction
+constexpr double kMaxColumns = 256;  // along a side of what is seen
+constexpr std::uint32_t kNone = ~0u;
 constexpr double kAlike = 0.03;  // share of the positions by which a symmetric shape may differ from itself upside down
 
 double cross(const DVec2& a, const DVec2& b) { return a.x * b.y - a.y * b.x; }
@@ -202,6 +204,52 @@ double UprightShape::cutBelow(UpAxis up) const {
     aside += std::abs(double{normal[sides.axis]}) / static_cast<double>(lowest.size());
   }
   return aside < kAside ? share : 0;
+}
+
+SeenSide UprightShape::seenFrom(UpAxis side) const {
+  constexpr std::size_t kEnough = 5;  // of the nine columns around one
+  if (sample_.normals.empty()) return {};
+  const Sides sides = sidesOf(side);
+  const DVec2 low = flat(low_, sides), extent = flat(high_, sides) - low;
+  const double width = std::max(widthOfColumn(sides.axis), std::max(extent.x, extent.y) / kMaxColumns);
+  if (!(width > 0)) return {};
+  const int columns = static_cast<int>(extent.x / width) + 1, rows = static_cast<int>(extent.y / width) + 1;
+  const auto numberOf = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
+  };
+  std::vector<std::uint32_t> nearest(numberOf(0, rows), kNone);
+  for (std::uint32_t i = 0; i < sample_.places.size(); ++i) {
+    const DVec2 at = glm::floor((flat(sample_.places[i], sides) - low) / width);
+    if (at.x < 0 || at.y < 0 || at.x >= columns || at.y >= rows) continue;
+    std::uint32_t& seen = nearest[numberOf(static_cast<int>(at.x), static_cast<int>(at.y))];
+    const auto depth = [&](std::uint32_t k) { return sides.sign * double{sample_.places[k][sides.axis]}; };
+    if (seen == kNone || depth(i) > depth(seen)) seen = i;
+  }
+  const auto facesViewer = [&](std::uint32_t i) { return sides.sign * double{sample_.normals[i][sides.axis]} > 0; };
+  std::size_t count = 0, outside = 0, varied = 0;
+  double detail = 0;
+  for (int y = 1; y + 1 < rows; ++y)
+    for (int x = 1; x + 1 < columns; ++x) {
+      const std::uint32_t middle = nearest[numberOf(x, y)];
+      if (middle == kNone) continue;
+      ++count;
+      if (!facesViewer(middle)) continue;
+      ++outside;
+      DVec3 sum(0);
+      std::size_t around = 0;
+      for (int k = 0; k < 9; ++k) {
+        const std::uint32_t i = nearest[numberOf(x + k % 3 - 1, y + k / 3 - 1)];
+        if (i == kNone || !facesViewer(i)) continue;
+        sum += DVec3(sample_.normals[i]);
+        ++around;
+      }
+      if (around < kEnough) continue;
+      ++varied;
+      detail += 1 - glm::length(sum) / static_cast<double>(around);
+    }
+  if (varied == 0) return {};
+  return {.outside = static_cast<double>(outside) / static_cast<double>(count),
+          .detail = detail / static_cast<double>(varied)};
 }
 
 bool UprightShape::isFacade(int thin) const {

@@ -41,6 +41,12 @@ struct Stand {
   double filled = 0;  // occupied area of the base, relative to the outline
 };
 
+/// What is seen of the shape from one side, by its normals.
+struct SeenSide {
+  double outside = 1;  // share of what is seen that faces the viewer: less where the shape is open
+  double detail = 0;   // mean variation of the normals between adjacent columns
+};
+
 class UprightShape {
  public:
   explicit UprightShape(const VoxelSample& sample);
@@ -79,6 +85,9 @@ class UprightShape {
   /// If a plane across an axis cuts the shape, the share of positions in the rim of the cut: a rim surrounds the low
   /// end of a direction and faces sideways, where a base faces down. 0 without one.
   double cutBelow(UpAxis up) const;
+
+  /// Without normals nothing is known: {1, 0}.
+  SeenSide seenFrom(UpAxis side) const;
 
   /// Of the positions that do not face the thin side, whether most face along one of the other two axes: window reveals
   /// do, slopes of ground face anywhere.

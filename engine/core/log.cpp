@@ -4,12 +4,14 @@
 
 #include "engine/core/console.hpp"
 #include "engine/core/job_stop.hpp"
+#include "engine/core/shown_names.hpp"
 
 namespace palpate {
 
 Log::Log(bool quiet) : quiet_(quiet), terminal_(isErrorConsole()) {}
 
-void Log::write(std::string_view line, void (LogListener::*how)(std::string_view)) {
+void Log::write(std::string_view text, void (LogListener::*how)(std::string_view)) {
+  const std::string line = withShownNames(std::string(text));
   const std::scoped_lock lock(lock_);
   if (listener_) (listener_->*how)(line);
   if (quiet_) return;

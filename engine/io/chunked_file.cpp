@@ -22,9 +22,9 @@ ChunkedFile::ChunkedFile(std::filesystem::path file) : path_(std::move(file)), b
   std::error_code unknown;
   if (std::filesystem::is_directory(path_, unknown)) throw FileError(path_, "is a folder; name a file in it");
   constexpr double kPipeWait_s = 2;
-  const bool isPipe = std::filesystem::is_fifo(path_, unknown);
-  file_ = isPipe ? openPipe(path_, kPipeWait_s) : openFile(path_, "rb");
-  if (!file_ && isPipe && errno == ETIMEDOUT)
+  isPipe_ = std::filesystem::is_fifo(path_, unknown);
+  file_ = isPipe_ ? openPipe(path_, kPipeWait_s) : openFile(path_, "rb");
+  if (!file_ && isPipe_ && errno == ETIMEDOUT)
     throw FileError(path_, fmt::format("is a pipe to which no program has written for {} s", kPipeWait_s));
   if (file_ && isTerminal(file_)) {
     std::fclose(file_);
@@ -54,23 +54,30 @@ void ChunkedFile::fill(std::size_t wanted) {
     // Doubling keeps long lines linear; the buffer grows only after it was filled with bytes that exist.
     if (buffer_.size() - end_ < kMinRoom) buffer_.resize(2 * buffer_.size());
     const std::size_t got = readRaw(buffer_.data() + end_, buffer_.size() - end_);
-    if (got == 0) {
-      if (std::ferror(file_))
-        throw FileError::atByte(path_, offset_ + end_, fmt::format("cannot be read: {}", std::strerror(errno)));
-      atEnd_ = true;
-    }
+    atEnd_ = got == 0;
     end_ += got;
   }
   sayProgress();
 }
 
+/// 0 at the end of the file.
+std::size_t ChunkedFile::readBytes(std::span<std::byte> to) {
+  if (!isPipe_) {
+    const std::size_t got = std::fread(to.data(), 1, to.size(), file_);
+    if (got > 0 || !std::ferror(file_)) return got;
+  } else if (const auto got = readPipe(file_, to)) {
+    return *got;
+  }
+  throw FileError::atByte(path_, offset_ + end_, fmt::format("cannot be read: {}", std::strerror(errno)));
+}
+
 /// With conversion of UTF-16 to UTF-8; 0 at the end of the file.
 std::size_t ChunkedFile::readRaw(std::byte* to, std::size_t most) {
-  if (!utf16_) return std::fread(to, 1, most, file_);
+  if (!utf16_) return readBytes({to, most});
   constexpr std::size_t kGrowth = 3;  // 2 bytes of UTF-16 to 3 of UTF-8; half a surrogate pair from before
   BareVector<std::byte> raw(2 * ((most - kGrowth) / kGrowth)), text;
   while (text.empty()) {
-    const std::size_t got = std::fread(raw.data(), 1, raw.size(), file_);
+    const std::size_t got = readBytes(raw);
     if (got == 0) break;
     utf16_->decode({raw.data(), got}, text);
   }

@@ -72,9 +72,11 @@ class ChunkedFile {
   void sayProgress() const;
   char lineEndOfFirstLine(std::size_t longest);
   std::size_t readRaw(std::byte* to, std::size_t most);
+  std::size_t readBytes(std::span<std::byte> to);
 
   std::filesystem::path path_;
   std::FILE* file_ = nullptr;
+  bool isPipe_ = false;
   std::optional<std::uint64_t> size_;
   std::function<void(double)> onProgress_;
   BareVector<std::byte> buffer_;

@@ -28,7 +28,7 @@ E57Pages::E57Pages(const std::filesystem::path& file, Log* log) : file_(file) {
   constexpr std::string_view kSignature = "ASTM-E57";
   const auto begin = input.peek(kHeader);
   if (begin.size() < kSignature.size() || std::memcmp(begin.data(), kSignature.data(), kSignature.size()) != 0)
-    throw FileError::atByte(file, 0, "not an E57 file: it does not begin with 'ASTM-E57'");
+    throw FileError(file, "is not an E57 file");
   checkPages(input.peek(std::numeric_limits<std::size_t>::max() / 2));
   readHeader(bytes_.size() / kChecked * kPage);
 }

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Foreign text for a message: truncated, printable, in quotes.
+/// Foreign text for a message: truncated, printable, in quotes; bytes that are not text are not shown.
 std::string inQuotes(std::string_view text);
 
 }  // namespace palpate

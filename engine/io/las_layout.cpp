@@ -165,9 +165,7 @@ void addCore(LasPointFormat& format, bool extended) {
 
 LasHeader readLasHeader(const std::filesystem::path& file, std::span<const std::byte> begin) {
   const std::string magic = textAt(begin, 0, std::min<std::size_t>(4, begin.size()));
-  if (magic != "LASF")
-    throw FileError::atByte(file, 0,
-                            fmt::format("not a LAS file: it begins with {}, expected 'LASF'", inQuotes(magic)));
+  if (magic != "LASF") throw FileError(file, "is not a LAS file");
   const auto need = [&](std::size_t bytes) {
     if (begin.size() < bytes)
       throw FileError::atByte(file, begin.size(), fmt::format("the file ends inside the header of {} bytes", bytes));

@@ -39,7 +39,7 @@ class PcdHeaderLines {
         remark(*line);
       } else {
         if (first && words[0] != "VERSION" && words[0] != "FIELDS" && words[0] != "COLUMNS")
-          fail(fmt::format("not a PCD file: found {}, expected 'VERSION'", inQuotes(words[0])));
+          throw FileError(file_.path(), "is not a PCD file");
         first = false;
         take(words);
         if (words[0] == "DATA") return finish();

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/even_points.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
 
@@ -21,7 +22,10 @@ constexpr std::uint64_t kChoice = 0x6d657368;  // seed for the choice of points
 
 }  // namespace
 
-bool MeshPlan::uses(std::uint32_t point) const { return share >= 1 || randomUnit(kChoice, point) < share; }
+bool MeshPlan::uses(std::uint32_t point) const {
+  if (point < chosen.size()) return chosen[point];
+  return share >= 1 || randomUnit(kChoice, point) < share;
+}
 
 MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& options) {
   PALPATE_CHECK_LE(1u, options.resolution);
@@ -56,6 +60,21 @@ MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& optio
                   .radius = static_cast<float>(radius),
                   .reach = static_cast<float>(reach),
                   .densityScale = static_cast<float>(7 / std::numbers::pi * std::pow(usedSpacing / radius, 2))};
+  return plan;
+}
+
+MeshPlan thinned(MeshPlan plan, const PointCloud& cloud) {
+  constexpr double kNearlyAll = 0.9;
+  const auto distance = static_cast<float>(plan.lattice.radius / kMaxSpacings);
+  if (plan.surface == MeshSurface::density || cloud.empty() || !(distance > 0)) return plan;
+  const BareVector<std::uint32_t> even = evenlySpaced(cloud.positions, cloud.normals, distance);
+  plan.share = static_cast<double>(even.size()) / static_cast<double>(cloud.size());
+  if (plan.share > kNearlyAll) {
+    plan.share = 1;
+    return plan;
+  }
+  plan.chosen.assign(cloud.size(), false);
+  for (const std::uint32_t point : even) plan.chosen[point] = true;
   return plan;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "shaders/shared/mesh.h"
@@ -47,6 +48,7 @@ struct MeshPlan {
   /// Share of the points that is used: on a coarse lattice a support radius holds more points than needed, so a subset
   /// suffices. A point's number alone decides whether it is in the subset.
   double share = 1;
+  std::vector<bool> chosen;  ///< the subset of the first points (thinned()); further ones are used by chance
 
   bool uses(std::uint32_t point) const;
 };
@@ -54,5 +56,9 @@ struct MeshPlan {
 /// `spacing`: meanSpacing() of the cloud, model units; 0 if undefined. Throws Error if the lattice needs more blocks
 /// than can be numbered.
 MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& options);
+
+/// The plan with a subset of the cloud's points as even as their density permits: dense parts and duplicates are
+/// thinned, sparse parts are not. Not for the density, which counts points. Requires normals.
+MeshPlan thinned(MeshPlan plan, const PointCloud& cloud);
 
 }  // namespace palpate

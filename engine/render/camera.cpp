@@ -66,12 +66,12 @@ Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double 
 }
 
 /// At the origin, looking from the front and slightly from above.
-Camera frontCamera(const Bounds& bounds, double fov_deg, UpAxis up) {
+Camera frontCamera(const Bounds& bounds, double fov_deg, UpAxis up, const DVec3& front) {
   const DVec3 top = directionOf(up), side = bounds.max - bounds.min;
   const double height = std::abs(glm::dot(side, top)), width = bounds.longestSide();
   const double flat = width > 0 ? std::max(0.0, 1 - height / (kLow * width)) : 0;
   const double elevation = glm::radians(glm::mix(kFrontElevation_deg, kFlatElevation_deg, flat));
-  return {.eye = std::sin(elevation) * top + std::cos(elevation) * frontOf(up), .up = top, .fov_deg = fov_deg};
+  return {.eye = std::sin(elevation) * top + std::cos(elevation) * front, .up = top, .fov_deg = fov_deg};
 }
 
 bool parallel(const DVec3& a, const DVec3& b) {
@@ -132,12 +132,12 @@ CameraRequest parseCamera(std::string_view text) {
 }  // namespace
 
 Camera Camera::fitting(const Bounds& bounds, double aspect, double fov_deg, UpAxis up, double margin) {
-  return fitted(frontCamera(bounds, fov_deg, up), bounds, cornersOf(bounds), aspect, margin);
+  return fitted(frontCamera(bounds, fov_deg, up, frontOf(up)), bounds, cornersOf(bounds), aspect, margin);
 }
 
 Camera Camera::fitting(const PointCloud& cloud, double aspect, double fov_deg, const Framing& framing) {
   const Bounds all = boundsOf(cloud), shown = framing.shown.value_or(all);
-  const Camera front = frontCamera(shown, fov_deg, framing.up);
+  const Camera front = frontCamera(shown, fov_deg, framing.up, framing.front);
   if (shown == all) return fitted(front, all, cloud.positions, aspect, framing.margin);
   std::vector<Vec3> inside;
   for (const Vec3& p : cloud.positions)
@@ -165,7 +165,7 @@ Camera Camera::asked(const CameraRequest& given, const PointCloud& cloud, double
     if (glm::length(camera.up) == 0 || parallel(camera.up, direction))
       throw UsageError("camera: up must be a direction that is not along the view");
   } else if (parallel(camera.up, direction)) {
-    camera.up = -frontOf(framing.up);  // looking straight down or up: the model's front is at the bottom of the picture
+    camera.up = -framing.front;  // looking straight down or up: the model's front is at the bottom of the picture
   }
   const Bounds all = boundsOf(cloud);
   camera.setDepthRange(all, sizeOf(framing.shown.value_or(all)));

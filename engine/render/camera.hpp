@@ -13,7 +13,8 @@ namespace palpate {
 struct Framing {
   std::optional<Bounds> shown;  ///< box of the points to show (coreBoundsOf()); all points if not set
   UpAxis up = UpAxis::y;
-  double margin = 0;  ///< around each point, model units: radius of its disc
+  DVec3 front = frontOf(up);  ///< unit: towards the viewer
+  double margin = 0;          ///< around each point, model units: radius of its disc
 };
 
 /// Parameters of a camera; missing ones come from Camera::fitting(). Positions in file coordinates.
@@ -35,7 +36,7 @@ struct Camera {
 
   bool operator==(const Camera&) const = default;
 
-  /// Views everything from the front (frontOf()), slightly from above, and from higher above if the model is flat, in a
+  /// Views everything from the front, slightly from above, and from higher above if the model is flat, in a
   /// picture of aspect ratio `aspect` (width / height): a whole box, or all points of a cloud, which fills the picture
   /// better. The target is at the depth of the box's centre.
   static Camera fitting(const Bounds& bounds, double aspect, double fov_deg = 45, UpAxis up = UpAxis::y,

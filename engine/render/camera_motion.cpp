@@ -66,14 +66,14 @@ Camera recentred(const Camera& camera, const DVec3& point) {
 namespace {
 
 // Looks at the target from a direction (unit vector).
-Camera lookingFrom(const Camera& camera, DVec3 side, UpAxis up) {
+Camera lookingFrom(const Camera& camera, DVec3 side, UpAxis up, const DVec3& front) {
   Camera result = camera;
   result.up = directionOf(up);
   constexpr double kAlong = 1 - 1e-9;
   if (const double along = glm::dot(side, result.up); std::abs(along) > kAlong) {
-    // tilted slightly, so that a later rotation has an axis
-    constexpr double kSteep = 0.99;
-    side = kSteep * side + std::sqrt(1 - kSteep * kSteep) * frontOf(up);
+    // tilted by a millionth, so that a later rotation has an axis
+    constexpr double kSteep = 1 - 1e-12;
+    side = kSteep * side + std::sqrt(1 - kSteep * kSteep) * front;
   }
   result.eye = camera.target + glm::distance(camera.eye, camera.target) * side;
   return result;
@@ -81,31 +81,31 @@ Camera lookingFrom(const Camera& camera, DVec3 side, UpAxis up) {
 
 }  // namespace
 
-Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up) {
+Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up, const DVec3& front) {
   DVec3 side(0);
   side[axis] = fromAbove ? 1 : -1;
-  return lookingFrom(camera, side, up);
+  return lookingFrom(camera, side, up, front);
 }
 
-Camera fromSide(const Camera& camera, ModelSide side, UpAxis up) {
-  const DVec3 top = directionOf(up), front = frontOf(up), right = glm::cross(top, front);
+Camera fromSide(const Camera& camera, ModelSide side, UpAxis up, const DVec3& front) {
+  const DVec3 top = directionOf(up), right = glm::cross(top, front);
   switch (side) {
     case ModelSide::front:
-      return lookingFrom(camera, front, up);
+      return lookingFrom(camera, front, up, front);
     case ModelSide::back:
-      return lookingFrom(camera, -front, up);
+      return lookingFrom(camera, -front, up, front);
     case ModelSide::left:
-      return lookingFrom(camera, -right, up);
+      return lookingFrom(camera, -right, up, front);
     case ModelSide::right:
-      return lookingFrom(camera, right, up);
+      return lookingFrom(camera, right, up, front);
     case ModelSide::top:
-      return lookingFrom(camera, top, up);
+      return lookingFrom(camera, top, up, front);
     case ModelSide::bottom:
-      return lookingFrom(camera, -top, up);
+      return lookingFrom(camera, -top, up, front);
     case ModelSide::iso:
       break;
   }
-  return lookingFrom(camera, glm::normalize(front + right + top), up);
+  return lookingFrom(camera, glm::normalize(front + right + top), up, front);
 }
 
 }  // namespace palpate

@@ -21,8 +21,8 @@ Camera zoomed(const Camera& camera, const DVec3& point, double factor, double ne
 Camera recentred(const Camera& camera, const DVec3& point);
 
 /// Looks at the target along `axis` (0, 1, 2: x, y, z) from its positive side if `fromAbove`, else from its negative
-/// side, at the same distance. `up` is upwards in the picture; from above, the front is at the bottom.
-Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up = UpAxis::y);
+/// side, at the same distance. `up` is upwards in the picture; from above, `front` is at the bottom.
+Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up, const DVec3& front);
 
 /// Sides from which a model is viewed: right is to the right of a viewer in front of it.
 enum class ModelSide : std::uint8_t { front, back, left, right, top, bottom, iso };
@@ -33,7 +33,7 @@ inline constexpr std::array<std::pair<std::string_view, ModelSide>, 7> kModelSid
                                                                                     {"top", ModelSide::top},
                                                                                     {"bottom", ModelSide::bottom},
                                                                                     {"iso", ModelSide::iso}}};
-/// Looks at the target from that side, at the same distance.
-Camera fromSide(const Camera& camera, ModelSide side, UpAxis up);
+/// Looks at the target from that side, at the same distance. `front`: unit, from the model.
+Camera fromSide(const Camera& camera, ModelSide side, UpAxis up, const DVec3& front);
 
 }  // namespace palpate

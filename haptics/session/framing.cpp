@@ -12,7 +12,7 @@ constexpr double kAroundLone = 1, kLone = 0.3;
 }  // namespace
 
 Framing framingOf(const Model& model, UpAxis up) {
-  Framing framing{.shown = model.shown, .up = up};
+  Framing framing{.shown = model.shown, .up = up, .front = model.upright.frontFor(up)};
   if (!(model.spacing > 0)) framing.margin = kAroundLone;
   // The discs of many points are smaller than the picture's own margin.
   constexpr double kFew = 0.02, kWidest = 0.1;  // of the longest side: a spacing, and the radius of a disc
