@@ -46,12 +46,15 @@ TEST_CASE("info reports the up direction with its reason, and the unit") {
     CHECK(info(file + " --up -z")["up"] == "-z");
     CHECK(info(file + " --up=-z --unit ft")["unit"] == "ft");
     const Outcome text = palpate("info " + file);
-    CHECK(says(text.text, std::string("up: ") + name + " (guessed from its flat base"));
+    CHECK(says(text.text, std::string("up: ") + name + " (guessed from its flat base, likely)"));
+    CHECK(said["up_sureness"] == "likely");
+    CHECK(said["front_sureness"] == "unsure");  // a cone looks the same from all sides
     CHECK(says(text.text, "cm"));
   }
   works("--quiet make sphere -n 2000 -o " + (folder / "s.ply").string());
   const auto sphere = info((folder / "s.ply").string());
   CHECK(sphere["up"] == "y");
+  CHECK(sphere["up_sureness"] == "unsure");
   CHECK(sphere["unit"].is_null());
   for (const char* wrong : {"--up w", "--up +y", "--unit parsec"})
     CHECK(palpate(std::string("info ") + (folder / "s.ply").string() + " " + wrong).code == 2);
@@ -210,6 +213,31 @@ TEST_CASE("a few points are drawn as separate discs, and none is cut off") {
     CHECK(lit < 200 * 150 / 2);
     CHECK(atBorder == 0);
   }
+}
+
+TEST_CASE("a model turns by 90 degrees with a click or a key, and the panel says how sure its orientation is") {
+  if (!hasDisplay()) return;
+  const auto played = playWell(
+      "%/cone.ply --size 560x640 --backend cpu",
+      [](const std::filesystem::path& folder) { writeCone(folder / "cone.ply", 2, 1); }, R"(
+0.2 state %/first.json
+0.3 click Turn
+0.6 state %/once.json
+0.7 key u
+1.0 state %/twice.json
+1.1 key u
+1.3 key u
+1.6 state %/whole.json
+1.7 quit
+)");
+  const auto up = [&](const char* file) { return played->state(file)["up"].get<std::string>(); };
+  CHECK(up("first.json") == "z");
+  CHECK(up("once.json") == "-x");  // what was at the left is above
+  CHECK(up("twice.json") == "-z");
+  CHECK(up("whole.json") == "z");
+  // The same side stays in front.
+  const auto eye = [&](const char* file) { return played->state(file)["camera"]["eye"][1].get<double>(); };
+  for (const char* file : {"first.json", "once.json", "twice.json", "whole.json"}) CHECK(eye(file) < -1);
 }
 
 TEST_CASE("the window draws a model upright, turns it upside down on demand, and shows paint") {

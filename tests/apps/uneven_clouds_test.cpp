@@ -6,6 +6,7 @@
 #include "engine/io/cloud_formats.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/near.hpp"
+#include "tests/says.hpp"
 
 namespace palpate::uneven_clouds_test {
 
@@ -62,6 +63,11 @@ class Clouds {
     return jsonOf(json);
   }
 
+  Outcome meshSays(const std::string& name, const std::string& options) const {
+    return palpate("mesh " + (folder_ / name).string() + " --mm-per-unit 1 --resolution 64 --force " + options +
+                   " -o " + (folder_ / "mesh.ply").string());
+  }
+
  private:
   ScratchFolder folder_;
 };
@@ -112,6 +118,21 @@ TEST_CASE("a cloud whose halves differ a hundredfold in density is felt on both"
       CHECK(touched > 100);
       CHECK(worst < (side < 0 ? 0.15 : 0.4));
     }
+}
+
+TEST_CASE(
+    "a cloud whose halves differ a hundredfold in density is meshed without holes, or with the radius that is named") {
+  const Clouds clouds;
+  clouds.write("halves.ply", unevenHalves());
+  CHECK(clouds.meshed("halves.ply")["closed"] == true);
+  const Outcome open = clouds.meshSays("halves.ply", "");
+  CHECK(says(open.text, "open, "));
+  const std::string sign = "--radius ";
+  const std::size_t at = open.text.rfind(sign);
+  REQUIRE(at != open.text.npos);
+  const std::string radius = std::to_string(std::stod(open.text.substr(at + sign.size())));
+  const Outcome closed = clouds.meshSays("halves.ply", "--radius " + radius);
+  CHECK_MESSAGE(says(closed.text, "closed, Euler number 2"), closed.text);
 }
 
 TEST_CASE("a mesh leaves out far outliers, as touch does") {

@@ -65,7 +65,7 @@ TEST_CASE(
     kClock) {
   if (!hasDisplay()) return;
   const Tested tested(R"(3.1 screenshot %/found.png
-3.2 click Use this stiffness
+3.2 key s
 6 state %/stiffness.json
 6.1 click Use these axes
 9 state %/axes.json

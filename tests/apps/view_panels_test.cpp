@@ -228,6 +228,35 @@ TEST_CASE("a failed save keeps the changes and the window open") {
   CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));
 }
 
+TEST_CASE("a message that is repeated is shown once") {
+  if (!hasDisplay()) return;
+  const auto played = playWell("%/sphere.ply --size 480x360 --backend cpu", makeTwo,
+                               "0.2 key ctrl+s\n0.5 key ctrl+s\n0.8 state %/state.json\n0.9 quit\n");
+  const auto messages = played->state("state.json")["messages"];
+  std::size_t shown = 0;
+  for (const auto& message : messages) shown += says(message.get<std::string>(), "there is nothing to save");
+  CHECK(shown == 1);
+}
+
+TEST_CASE("settings for experts are shown under more, and not before it is opened") {
+  if (!hasDisplay()) return;
+  const auto played = playWell("%/sphere.ply --size 480x600 --backend cpu --edit push", makeTwo, R"(
+0.2 click size
+0.4 state %/usual.json
+0.5 click speed
+1.0 state %/closed.json
+1.1 click more
+1.5 click speed
+2.0 click resistance
+2.5 state %/open.json
+2.6 quit
+)");
+  const auto misses = [&](const char* file) { return played->state(file)["errors"].size(); };
+  CHECK(misses("usual.json") == 0);
+  CHECK(misses("closed.json") == 1);
+  CHECK(misses("open.json") == 1);
+}
+
 TEST_CASE("the panels choose the surface, save under another name, record and replay") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x600 --rate 250 --edit push", makeTwo, R"(

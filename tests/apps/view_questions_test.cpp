@@ -19,9 +19,9 @@ constexpr const char* kOff = "[\"forces off (Backspace)\"]";
 
 // Extent of what differs from the background, pixels, in a window of 900 x 600.
 int extentOf(const Picture& picture, int from, int to, bool isAcross) {
-  const auto background = picture.at(to - 1, 40);
   int low = 1 << 20, high = -1;
-  for (int y = 40; y < 540; ++y)
+  for (int y = 40; y < 540; ++y) {
+    const auto background = picture.at(to - 1, y);  // it becomes lighter towards the bottom
     for (int x = from; x < to; ++x) {
       const auto pixel = picture.at(x, y);
       int apart = 0;
@@ -30,6 +30,7 @@ int extentOf(const Picture& picture, int from, int to, bool isAcross) {
       low = std::min(low, isAcross ? x : y);
       high = std::max(high, isAcross ? x : y);
     }
+  }
   return high - low;
 }
 

@@ -101,6 +101,23 @@ TEST_CASE("unsaved strokes survive SIGKILL and can be resumed with their points,
   CHECK(contentOf(path / "again.ply") == contentOf(whole->folder.path() / "whole.ply"));
 }
 
+TEST_CASE("strokes after a save under another name can be resumed without the first file") {
+  if (!hasDisplay()) return;
+  Struck struck;
+  strike(struck, SIGKILL,
+         std::string(kTwoStrokes) +
+             "2.0 save %/n.ply\n2.9 mouse 390 200\n3.0 key space down\n3.1 button left down\n3.4 button left up\n"
+             "3.5 key space up\n");
+  const std::filesystem::path& path = struck.folder.path();
+  std::filesystem::rename(path / "sphere.ply", path / "elsewhere.ply");
+  struck.later("0.2 click Restore them\n0.8 state %/again.json\n1.0 save %/again.ply\n");
+  const auto end = jsonOf(path / "end.json"), again = jsonOf(path / "again.json");
+  for (const char* what : {"model", "save_file", "points", "changed"}) {
+    CAPTURE(what);
+    CHECK(again[what] == end[what]);
+  }
+}
+
 TEST_CASE("the question about unsaved strokes says what they change in the file that was saved last") {
   if (!hasDisplay()) return;
   struct Case {
@@ -261,7 +278,7 @@ TEST_CASE("a click or key press shorter than a frame is not lost, in a panel or 
   const auto played =
       playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", sphereOf(2000), std::string(kTwoStrokes) + R"(
 2 state %/before.json
-2.1 tap 160 158
+2.1 tap 160 183
 2.3 state %/tool.json
 2.4 tap d
 2.6 tap 353 160

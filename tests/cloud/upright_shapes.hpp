@@ -198,6 +198,24 @@ inline PointCloud roomFromWithin() {
   return cloud;
 }
 
+/// A skull without a jaw: a smooth egg with eye sockets and a nose at +z, broken bone below, and nothing flat under it.
+inline PointCloud skull() {
+  PointCloud cloud;
+  Dice dice;
+  for (int i = 0; i < 30000; ++i) {
+    const double y = dice(-1, 1), angle = dice(0, 2 * std::numbers::pi), r = std::sqrt(1 - y * y);
+    const DVec3 n(r * std::cos(angle), y, r * std::sin(angle));
+    const auto dented = [&](const DVec3& at) { return glm::dot(n, glm::normalize(at)) > 0.95; };
+    const bool isSocket = dented({0.5, -0.1, 1}) || dented({-0.5, -0.1, 1}) || dented({0, -0.6, 1});
+    const double rough = y < -0.4 ? 0.08 * std::sin(25 * n.x) * std::sin(25 * n.z) : isSocket ? -0.2 : 0;
+    const DVec3 tilt = y < -0.4   ? DVec3(std::cos(25 * n.x), 0, std::cos(25 * n.z))
+                       : isSocket ? DVec3(std::sin(40 * n.x), std::sin(40 * n.y), 0)
+                                  : DVec3(0);
+    add(cloud, (1 + rough) * n * DVec3(0.7, 0.75, 0.9), n / DVec3(0.7, 0.75, 0.9) + tilt);
+  }
+  return cloud;
+}
+
 struct Named {
   std::string_view name;
   std::function<PointCloud()> make;
@@ -214,6 +232,15 @@ inline PointCloud turned(PointCloud cloud, UpAxis up) {
   const auto turn = [&](Vec3& v) { v = Vec3(double{v.x} * x + double{v.y} * y + double{v.z} * z); };
   for (Vec3& p : cloud.positions) turn(p);
   for (Vec3& n : cloud.normals) turn(n);
+  return cloud;
+}
+
+/// Rotates a cloud about y by quarters of a turn: the front moves from +z to +x.
+inline PointCloud headed(PointCloud cloud, int quarters) {
+  for (int k = 0; k < quarters; ++k) {
+    for (Vec3& p : cloud.positions) p = Vec3(p.z, p.y, -p.x);
+    for (Vec3& n : cloud.normals) n = Vec3(n.z, n.y, -n.x);
+  }
   return cloud;
 }
 

@@ -232,9 +232,9 @@ TEST_CASE("the intrinsics of an RGB-D folder may lie beside it, and those of ano
   }
 }
 
-TEST_CASE("an RGB-D folder without intrinsics has the camera of its data set") {
-  for (const auto& [write, focal, width, height] :
-       {std::tuple{&writeSevenScenes, 585.0, 640u, 480u}, std::tuple{&writeReplica, 600.0, 1200u, 680u}}) {
+TEST_CASE("an RGB-D folder without intrinsics has the camera and the depth scale of its data set") {
+  for (const auto& [write, focal, width, height, scale] : {std::tuple{&writeSevenScenes, 585.0, 640u, 480u, 1000.0},
+                                                           std::tuple{&writeReplica, 600.0, 1200u, 680u, 6553.5}}) {
     const ScratchFolder folder;
     write(folder.path());
     for (const char* name : {"camera-intrinsics.txt", "cam_params.json"}) std::filesystem::remove(folder / name);
@@ -242,6 +242,7 @@ TEST_CASE("an RGB-D folder without intrinsics has the camera of its data set") {
     for (const char* first : {"frame-000000.depth.png", "results/depth000000.png"})
       if (std::filesystem::exists(folder / first)) writeFile(folder / first, blank);
     CHECK(RgbdFolder(folder.path()).camera().fx == focal);
+    CHECK(RgbdFolder(folder.path()).depthScale() == scale);
   }
 }
 

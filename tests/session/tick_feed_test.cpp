@@ -55,4 +55,20 @@ TEST_CASE("a full feed drops ticks with all their hands, and later ticks are com
   CHECK(rows.back().time_s == static_cast<double>(kMore));
 }
 
+TEST_CASE("the share of ticks on time is 100 % only if none was late") {
+  const auto onTime_percent = [](std::size_t ticks, std::size_t late) {
+    std::vector<TraceRow> rows(ticks);
+    for (std::size_t i = 0; i < late; ++i) rows[i].missed = 1;
+    RecentTicks history;
+    history.add(rows);
+    return history.onTime_percent();
+  };
+  CHECK(onTime_percent(0, 0) == 100);
+  CHECK(onTime_percent(100, 0) == 100);
+  CHECK(onTime_percent(100, 2) == 98);
+  CHECK(onTime_percent(10'000, 1) == 99.9);
+  CHECK(onTime_percent(3, 1) == 66.6);
+  CHECK(onTime_percent(10, 10) == 0);
+}
+
 }  // namespace palpate::tick_feed_test
