@@ -110,8 +110,11 @@ struct CloudFormat {
   StoredCloud (*read)(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) = nullptr;
   /// The file appears under its name only when it is complete. Throws FileError.
   void (*write)(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options) = nullptr;
-  /// Parts of a cloud that the format cannot store, in words.
-  std::vector<std::string> (*lacks)(const StoredCloud& stored) = nullptr;
+  /// Parts of a cloud other than triangles that the format cannot store, in words.
+  std::vector<std::string> (*lacks)(const PointCloud& cloud) = nullptr;
+  /// Attributes that the format stores beside positions, normals and colours; null: attributesBeside().
+  std::vector<const Attribute*> (*attributes)(const PointCloud& cloud) = nullptr;
+  bool keepsNormals = true, keepsColors = true;
   bool hasComments = false;  ///< comments are written and read
   /// Format family whose baggage the writer keeps (FormatBaggage::format); empty: its own name.
   std::string_view family = {};

@@ -7,6 +7,7 @@
 
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/check.hpp"
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/colmap_dense_format.hpp"
 #include "engine/io/colmap_format.hpp"
@@ -21,6 +22,7 @@
 #include "engine/io/npy_format.hpp"
 #include "engine/io/pcd_format.hpp"
 #include "engine/io/ply_format.hpp"
+#include "engine/io/ply_writer.hpp"
 #include "engine/io/ptx_format.hpp"
 #include "engine/io/xyz_format.hpp"
 
@@ -43,10 +45,11 @@ const CloudFormat* named(std::span<const CloudFormat> formats, const std::filesy
   return found;
 }
 
+bool holdsTriangles(const CloudFormat& format) { return format.ofTriangles || format.keepsTriangles; }
 bool any(const CloudFormat&) { return true; }
 bool isWritten(const CloudFormat& format, Written what) {
   if (!format.write || what == Written::copy) return format.write != nullptr;
-  if (what == Written::mesh) return format.ofTriangles || format.keepsTriangles;
+  if (what == Written::mesh) return holdsTriangles(format);
   return !format.onlyCopied && !format.ofTriangles;
 }
 bool isSaved(const CloudFormat& format) { return format.write && !format.onlyCopied; }
@@ -115,8 +118,7 @@ const CloudFormat& CloudFormats::toSave(const std::filesystem::path& file, bool 
 }
 
 std::string CloudFormats::endingToSave(const std::filesystem::path& file) const {
-  const CloudFormat* format = named(formats_, file, any);
-  if (!format || named(formats_, file, isSaved) == &toSave(file)) return file.extension().string();
+  if (named(formats_, file, isSaved) == &toSave(file)) return file.extension().string();
   return std::string(formats_.front().endings.front());
 }
 
@@ -148,11 +150,23 @@ const CloudFormats& cloudFormats() {
 
 std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudFormat& to) {
   std::vector<std::string> lost = stored.lost;
-  for (std::string& what : to.lacks(stored)) lost.push_back(std::move(what));
+  if (!stored.triangles.empty() && !holdsTriangles(to)) lost.push_back(counted(stored.triangles.size(), "triangle"));
+  for (std::string& what : to.lacks(stored.cloud)) lost.push_back(std::move(what));
   const auto& baggage = stored.cloud.storedAs.baggage;
   const std::string_view keeps = to.family.empty() ? to.name : to.family;
   if (baggage && baggage->format != keeps && !baggage->sentence.empty()) lost.push_back(baggage->sentence);
   return lost;
+}
+
+std::vector<std::string> keptOnTheWay(const StoredCloud& stored, const CloudFormat& to) {
+  const PointCloud& cloud = stored.cloud;
+  std::vector<std::string> names{"positions"};
+  if (cloud.hasNormals() && to.keepsNormals) names.emplace_back("normals");
+  if (cloud.hasColors() && to.keepsColors) names.emplace_back("colours");
+  for (const Attribute* attribute : to.attributes ? to.attributes(cloud) : attributesBeside(cloud))
+    names.push_back(attribute->name);
+  if (!stored.triangles.empty() && holdsTriangles(to)) names.push_back(counted(stored.triangles.size(), "triangle"));
+  return names;
 }
 
 namespace {

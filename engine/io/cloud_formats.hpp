@@ -44,6 +44,9 @@ const CloudFormats& cloudFormats();
 /// Parts of a file that was read which writing in the format `to` loses, in words.
 std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudFormat& to);
 
+/// Names of what a file in the format `to` then has: "positions", "colours", "intensity", "12 triangles".
+std::vector<std::string> keptOnTheWay(const StoredCloud& stored, const CloudFormat& to);
+
 /// Contents that the file declares. Throws FileError.
 FileContents contentsOf(const std::filesystem::path& file, const CloudFormats& formats = cloudFormats());
 

@@ -99,6 +99,7 @@ CloudFormat gaussianFormat() {
           .read = readGaussians,
           .write = writeGaussians,
           .lacks = lacksOfGaussians,
+          .attributes = [](const PointCloud&) { return std::vector<const Attribute*>{}; },
           .hasComments = true,
           .onlyCopied = true};
 }

@@ -66,10 +66,8 @@ void writeGaussians(const std::filesystem::path& path, const PointCloud& cloud, 
   out.finish(options.keptAs);
 }
 
-std::vector<std::string> lacksOfGaussians(const StoredCloud& stored) {
+std::vector<std::string> lacksOfGaussians(const PointCloud& cloud) {
   std::vector<std::string> lost;
-  const PointCloud& cloud = stored.cloud;
-  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
   if (cloud.origin != DVec3(0) || !cloud.exactPositions.empty())
     lost.emplace_back("coordinates finer than single precision");
   if (cloud.hasColors() && cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");

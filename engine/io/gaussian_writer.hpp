@@ -11,6 +11,6 @@ namespace palpate {
 /// normals.
 void writeGaussians(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
 
-std::vector<std::string> lacksOfGaussians(const StoredCloud& stored);
+std::vector<std::string> lacksOfGaussians(const PointCloud& cloud);
 
 }  // namespace palpate

@@ -71,6 +71,7 @@ CloudFormat lasFormat() {
           .read = readLas,
           .write = writeLas,
           .lacks = lacksOfLas,
+          .attributes = attributesOfLas,
           .hasComments = true,
           .family = kFamily};
 }
@@ -84,6 +85,7 @@ CloudFormat lazFormat() {
           .read = readLas,
           .write = writeLaz,
           .lacks = lacksOfLas,
+          .attributes = attributesOfLas,
           .hasComments = true,
           .family = kFamily};
 }

@@ -110,13 +110,20 @@ void writeLaz(const std::filesystem::path& path, const PointCloud& cloud, const 
   finish(file, plan, options);
 }
 
-std::vector<std::string> lacksOfLas(const StoredCloud& stored) {
+std::vector<const Attribute*> attributesOfLas(const PointCloud& cloud) {
+  const std::vector<std::string> givingWay = lasNamesGivingWay(cloud);
+  std::vector<const Attribute*> attributes;
+  for (const Attribute& attribute : cloud.extra)
+    if (std::ranges::find(givingWay, attribute.name) == givingWay.end()) attributes.push_back(&attribute);
+  return attributes;
+}
+
+std::vector<std::string> lacksOfLas(const PointCloud& cloud) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
-  if (stored.cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
-  if (const LasGrid grid = lasGridFor(stored.cloud); !grid.exact) {
+  if (cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
+  if (const LasGrid grid = lasGridFor(cloud); !grid.exact) {
     const double step = std::abs(grid.grid.step.x);
-    const auto& known = stored.cloud.storedAs.grid;
+    const auto& known = cloud.storedAs.grid;
     const bool refined = known && step < std::abs(known->step.x);
     lost.push_back(fmt::format("coordinates finer than {:.3g}", 0.5 * step) +
                    (refined
@@ -124,9 +131,9 @@ std::vector<std::string> lacksOfLas(const StoredCloud& stored) {
                                       step, std::abs(known->step.x))
                         : ""));
   }
-  for (const Attribute& attribute : stored.cloud.extra)
+  for (const Attribute& attribute : cloud.extra)
     if (attribute.name.size() > 32) lost.push_back(fmt::format("the end of the name '{}'", attribute.name));
-  for (const std::string& name : lasNamesGivingWay(stored.cloud))
+  for (const std::string& name : lasNamesGivingWay(cloud))
     lost.push_back(fmt::format("the attribute '{}', because another one is written under its name", name));
   return lost;
 }

@@ -13,6 +13,7 @@ void writeLas(const std::filesystem::path& path, const PointCloud& cloud, const 
 /// Points with wave packets are rejected.
 void writeLaz(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
 
-std::vector<std::string> lacksOfLas(const StoredCloud& stored);
+std::vector<std::string> lacksOfLas(const PointCloud& cloud);
+std::vector<const Attribute*> attributesOfLas(const PointCloud& cloud);
 
 }  // namespace palpate

@@ -40,7 +40,7 @@ ImportedMesh importedBy(Import import, const std::filesystem::path& file) {
   if (bad.triangles > 0)
     mesh.lost.push_back(fmt::format("{} with a corner that is not finite", counted(bad.triangles, "triangle")));
   else if (bad.corners > 0)
-    mesh.lost.push_back(fmt::format("{} without a finite position", counted(bad.corners, "point")));
+    mesh.lost.push_back(fmt::format("{} without a finite position below 1e30", counted(bad.corners, "point")));
   return mesh;
 }
 
@@ -98,7 +98,12 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
   }
   if (options.normalsFromFaces) mesh.soup.normals.clear();
   if (options.asTriangles) {
-    for (std::string& what : colorCorners(mesh.soup)) mesh.lost.push_back(std::move(what));
+    const std::size_t textures = mesh.soup.textures.size();
+    const std::vector<std::string> unread = colorCorners(mesh.soup);
+    if (textures > unread.size())
+      mesh.lost.push_back(
+          fmt::format("the colours of {} between the corners", counted(textures - unread.size(), "texture")));
+    mesh.lost.insert(mesh.lost.end(), unread.begin(), unread.end());
     PointCloud corners = cornersOf(mesh.soup, log);
     if (options.normalsFromFaces) {
       PlyFaces faces(corners.size());
@@ -164,6 +169,8 @@ bool beginsAsGltf(const FileStart& start) {
          start.bytes.find("\"asset\"") != std::string::npos;
 }
 
+std::vector<const Attribute*> noAttributes(const PointCloud&) { return {}; }
+
 }  // namespace
 
 CloudFormat objFormat() {
@@ -174,6 +181,7 @@ CloudFormat objFormat() {
           .read = readMesh<importObj>,
           .write = writeObj,
           .lacks = lacksOfObj,
+          .attributes = noAttributes,
           .ofTriangles = true};
 }
 
@@ -185,6 +193,9 @@ CloudFormat stlFormat() {
           .read = readMesh<importStl>,
           .write = writeStl,
           .lacks = lacksOfStl,
+          .attributes = noAttributes,
+          .keepsNormals = false,
+          .keepsColors = false,
           .ofTriangles = true};
 }
 
@@ -196,6 +207,9 @@ CloudFormat offFormat() {
           .read = readMesh<importOff>,
           .write = writeOff,
           .lacks = lacksOfOff,
+          .attributes = noAttributes,
+          .keepsNormals = false,
+          .keepsColors = false,
           .ofTriangles = true};
 }
 

@@ -42,9 +42,8 @@ void putFacet(RowOutput& out, const std::array<DVec3, 3>& corners, const Vec3& n
     out.value(std::uint16_t{0});
 }
 
-std::vector<std::string> lacksOfMesh(const StoredCloud& stored, bool normals, bool colors) {
+std::vector<std::string> lacksOfMesh(const PointCloud& cloud, bool normals, bool colors) {
   std::vector<std::string> lost;
-  const PointCloud& cloud = stored.cloud;
   if (!normals && cloud.hasNormals()) lost.emplace_back("normals of corners");
   if (!colors && cloud.hasColors()) lost.emplace_back("colours");
   if (colors && cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
@@ -120,14 +119,14 @@ void writeOff(const std::filesystem::path& path, const PointCloud& cloud, const 
   out.finish(options.keptAs);
 }
 
-std::vector<std::string> lacksOfObj(const StoredCloud& stored) { return lacksOfMesh(stored, true, true); }
+std::vector<std::string> lacksOfObj(const PointCloud& cloud) { return lacksOfMesh(cloud, true, true); }
 
-std::vector<std::string> lacksOfStl(const StoredCloud& stored) {
-  std::vector<std::string> lost = lacksOfMesh(stored, false, false);
-  if (isWide(stored.cloud, {})) lost.emplace_back("coordinates finer than single precision");
+std::vector<std::string> lacksOfStl(const PointCloud& cloud) {
+  std::vector<std::string> lost = lacksOfMesh(cloud, false, false);
+  if (isWide(cloud, {})) lost.emplace_back("coordinates finer than single precision");
   return lost;
 }
 
-std::vector<std::string> lacksOfOff(const StoredCloud& stored) { return lacksOfMesh(stored, false, false); }
+std::vector<std::string> lacksOfOff(const PointCloud& cloud) { return lacksOfMesh(cloud, false, false); }
 
 }  // namespace palpate

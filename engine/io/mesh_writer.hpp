@@ -15,8 +15,8 @@ void writeStl(const std::filesystem::path& path, const PointCloud& cloud, const 
 /// Writes positions as text.
 void writeOff(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
 
-std::vector<std::string> lacksOfObj(const StoredCloud& stored);
-std::vector<std::string> lacksOfStl(const StoredCloud& stored);
-std::vector<std::string> lacksOfOff(const StoredCloud& stored);
+std::vector<std::string> lacksOfObj(const PointCloud& cloud);
+std::vector<std::string> lacksOfStl(const PointCloud& cloud);
+std::vector<std::string> lacksOfOff(const PointCloud& cloud);
 
 }  // namespace palpate

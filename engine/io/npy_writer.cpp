@@ -97,11 +97,10 @@ bool isTakenInNpz(const std::string& name) {
   return name.empty() || name.find_first_of("/\\") != name.npos || std::ranges::find(kTaken, name) != kTaken.end();
 }
 
-std::vector<std::string> lacksOf(const StoredCloud& stored) {
+std::vector<std::string> lacksOf(const PointCloud& cloud) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
-  if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
-  for (const std::string& name : namesGivingWay(stored.cloud))
+  if (!cloud.storedAs.comments.empty()) lost.emplace_back("comments");
+  for (const std::string& name : namesGivingWay(cloud))
     lost.push_back(fmt::format("the field '{}', because another one is written under its name", name));
   return lost;
 }
@@ -168,16 +167,16 @@ void writeNpz(const std::filesystem::path& path, const PointCloud& cloud, const 
   out.finish(options.keptAs);
 }
 
-std::vector<std::string> lacksOfNpy(const StoredCloud& stored) {
-  std::vector<std::string> lost = lacksOf(stored);
-  for (const Attribute& attribute : stored.cloud.extra)
+std::vector<std::string> lacksOfNpy(const PointCloud& cloud) {
+  std::vector<std::string> lost = lacksOf(cloud);
+  for (const Attribute& attribute : cloud.extra)
     if (!canBeQuoted(attribute.name)) lost.push_back(fmt::format("the quotes in the name {}", attribute.name));
   return lost;
 }
 
-std::vector<std::string> lacksOfNpz(const StoredCloud& stored) {
-  std::vector<std::string> lost = lacksOf(stored);
-  for (const Attribute* attribute : attributesBeside(stored.cloud))
+std::vector<std::string> lacksOfNpz(const PointCloud& cloud) {
+  std::vector<std::string> lost = lacksOf(cloud);
+  for (const Attribute* attribute : attributesBeside(cloud))
     if (isTakenInNpz(attribute->name))
       lost.push_back(fmt::format("the attribute '{}', because the archive uses its name", attribute->name));
   return lost;

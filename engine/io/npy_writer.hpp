@@ -13,7 +13,7 @@ void writeNpy(const std::filesystem::path& path, const PointCloud& cloud, const 
 /// float32; `colors`, (N, 3), uint8; and the other attributes, (N,), under their names. Each array is built in memory.
 void writeNpz(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
 
-std::vector<std::string> lacksOfNpy(const StoredCloud& stored);
-std::vector<std::string> lacksOfNpz(const StoredCloud& stored);
+std::vector<std::string> lacksOfNpy(const PointCloud& cloud);
+std::vector<std::string> lacksOfNpz(const PointCloud& cloud);
 
 }  // namespace palpate

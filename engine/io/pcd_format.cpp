@@ -237,11 +237,17 @@ void writePcd(const std::filesystem::path& path, const PointCloud& cloud, const 
   out.finish(options.keptAs);
 }
 
-std::vector<std::string> lacksOfPcd(const StoredCloud& stored) {
+std::vector<const Attribute*> attributesOfPcd(const PointCloud& cloud) {
+  std::vector<const Attribute*> attributes;
+  for (const Attribute& attribute : cloud.extra)
+    if (!fieldGivesWay(cloud, attribute.name)) attributes.push_back(&attribute);
+  return attributes;
+}
+
+std::vector<std::string> lacksOfPcd(const PointCloud& cloud) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
-  for (const Attribute& attribute : stored.cloud.extra)
-    if (fieldGivesWay(stored.cloud, attribute.name))
+  for (const Attribute& attribute : cloud.extra)
+    if (fieldGivesWay(cloud, attribute.name))
       lost.push_back(fmt::format("the field '{}', because another one is written under its name", attribute.name));
   return lost;
 }
@@ -261,6 +267,7 @@ CloudFormat pcdFormat() {
           .read = readPcd,
           .write = writePcd,
           .lacks = lacksOfPcd,
+          .attributes = attributesOfPcd,
           .hasComments = true};
 }
 

@@ -33,7 +33,6 @@ std::vector<std::string> lostByReading(const PlyInfo& info, const StoredCloud& s
     lost.push_back(fmt::format("the outlines of {}, which become {}", counted(faces, "face"),
                                counted(stored.triangles.size(), "triangle")));
   const StoredAs& as = stored.cloud.storedAs;
-  if (stored.cloud.hasColors() && as.color != ScalarType::u8) lost.emplace_back("colours finer than 8 bits a channel");
   if (stored.cloud.hasNormals() && as.normal == ScalarType::f64)
     lost.emplace_back("normals finer than single precision");
   return lost;
@@ -65,9 +64,9 @@ StoredCloud readPlyFile(const std::filesystem::path& file, Log* log, const Cloud
   return stored;
 }
 
-std::vector<std::string> lacksOfPly(const StoredCloud& stored) {
+std::vector<std::string> lacksOfPly(const PointCloud& cloud) {
   std::vector<std::string> lost;
-  for (const std::string& name : namesGivingWay(stored.cloud))
+  for (const std::string& name : namesGivingWay(cloud))
     lost.push_back(fmt::format("property '{}' of vertex, because another one is written under its name", name));
   return lost;
 }

@@ -176,8 +176,15 @@ void PlyVertices::moveRow(std::size_t from, std::size_t to) {
 }
 
 std::vector<std::string> PlyVertices::lost() const {
+  std::vector<std::string> lost = lostPoints();
+  if (hasFineColors_) lost.emplace_back("colours finer than 8 bits a channel");
+  return lost;
+}
+
+std::vector<std::string> PlyVertices::lostPoints() const {
   std::vector<std::string> lost;
-  if (!leftOut_.empty()) lost.push_back(fmt::format("{} without a finite position", counted(leftOut_.size(), "point")));
+  if (!leftOut_.empty())
+    lost.push_back(fmt::format("{} without a finite position below 1e30", counted(leftOut_.size(), "point")));
   if (darkColors_ > 0)
     lost.push_back(fmt::format("colours of {} that are not numbers, which are black", counted(darkColors_, "point")));
   return lost;
@@ -253,7 +260,7 @@ PointCloud PlyVertices::finish(Log* log) {
   if (wide_) placeOrigin();
   if (rawColors_) settleColors();
   if (log)
-    for (const std::string& what : lost()) log->warn("{}: not kept: {}", file_.filename().string(), what);
+    for (const std::string& what : lostPoints()) log->warn("{}: not kept: {}", file_.filename().string(), what);
   if (!zeroNormals_.empty()) fillMissingNormals(cloud_, zeroNormals_, file_.filename().string(), log);
   return std::move(cloud_);
 }
@@ -267,12 +274,15 @@ void PlyVertices::settleColors() {
   const double full = scale.full(whole), fullAlpha = alphas.full(whole);
   const ScalarType stored = scale.storedAs(whole);
   if (stored != ScalarType::f32 || wholeColors_) cloud_.storedAs.color = stored;
+  constexpr double kRounded = 1e-3;  // in bytes; a step of 16 bits is 4e-3
   cloud_.colors.resize(raw_.size());
   for (std::size_t i = 0; i < raw_.size(); ++i) {
     bool dark = false;
     for (std::size_t k = 0; k < 3; ++k) {
       dark = dark || std::isnan(raw_[i][k]);
       cloud_.colors[i][k] = colorByte(raw_[i][k], full);
+      const double inBytes = 255 * raw_[i][k] / full;
+      hasFineColors_ = hasFineColors_ || std::abs(inBytes - cloud_.colors[i][k]) > kRounded;
     }
     cloud_.colors[i][3] = hasAlpha ? colorByte(raw_[i][3], fullAlpha) : std::uint8_t{255};
     darkColors_ += dark;

@@ -37,7 +37,7 @@ class PlyVertices final : public PlyRowSink {
 
   /// Row numbers (from 0, ascending) that are left out.
   const std::vector<std::uint64_t>& leftOut() const { return leftOut_; }
-  /// "3 points without a finite position"; empty if there are none.
+  /// "3 points without a finite position below 1e30", "colours finer than 8 bits a channel"; empty if all is kept.
   std::vector<std::string> lost() const;
 
   /// Returns the cloud. Normals are normalised; zero normals are replaced by that of the nearest point that has one. If
@@ -53,6 +53,7 @@ class PlyVertices final : public PlyRowSink {
     std::size_t index;  // component, or index in cloud_.extra
     std::string name;
   };
+  std::vector<std::string> lostPoints() const;
   std::vector<Column>::iterator named(std::string_view name);
   void resize(std::size_t count);
   void leaveOutBadRows(std::size_t base);
@@ -77,6 +78,7 @@ class PlyVertices final : public PlyRowSink {
   std::size_t count_ = 0;
   std::uint64_t rows_ = 0;  // including those left out
   std::vector<std::uint64_t> leftOut_;
+  bool hasFineColors_ = false;
   std::uint64_t darkColors_ = 0;  // number of colours that are NaN
   std::vector<std::size_t> zeroNormals_;
   PointCloud cloud_;

@@ -53,35 +53,12 @@ FileInTheWay fileInTheWay(const std::filesystem::path& file, const CloudFormats&
   return found;
 }
 
-namespace {
-
-bool isReplaceable(const std::filesystem::path& file, const CloudFormats& formats) {
-  return !file.empty() && !fileInTheWay(file, formats).losesSomething();
-}
-
-/// The first of the names of kept files, up to `last`, that is a cloud of palpate; `last` if there is none.
-std::filesystem::path firstOurs(const std::filesystem::path& last, const CloudFormats& formats) {
-  const std::string text = last.string();
-  const std::string base = text.substr(0, text.rfind(".bak")) + ".bak";
-  std::error_code ignored;
-  for (int number = 1;; ++number) {
-    const std::filesystem::path name = number == 1 ? base : fmt::format("{}{}", base, number);
-    if (name == last || !std::filesystem::exists(name, ignored) || isReplaceable(name, formats)) return name;
-  }
-}
-
-std::filesystem::path nameToKeep(const std::filesystem::path& file) {
-  const std::filesystem::path name = AtomicFile::nameToKeep(file);
-  return isReplaceable(file, cloudFormats()) ? firstOurs(name, cloudFormats()) : name;
-}
-
-}  // namespace
-
 void sayWhatIsLost(const std::filesystem::path& file, Log& log) {
   const FileInTheWay inTheWay = fileInTheWay(file);
   if (inTheWay.name.empty()) return;
   log.say("{}; the existing file is kept as {}",
-          inTheWay.losesSomething() ? inTheWay.sentence() : inTheWay.name + " exists", nameToKeep(file).string());
+          inTheWay.losesSomething() ? inTheWay.sentence() : inTheWay.name + " exists",
+          AtomicFile::nameToKeep(file).string());
 }
 
 std::filesystem::path* whereToKeep(const std::filesystem::path& file, std::filesystem::path& kept, Log& log) {
@@ -89,16 +66,8 @@ std::filesystem::path* whereToKeep(const std::filesystem::path& file, std::files
   if (inTheWay.name.empty()) return nullptr;
   inTheWay.more.clear();  // ours, or kept in any case
   log.say("{}; it is kept as {}", inTheWay.losesSomething() ? inTheWay.sentence() : inTheWay.name + " exists",
-          nameToKeep(file).string());
+          AtomicFile::nameToKeep(file).string());
   return &kept;
-}
-
-std::filesystem::path keepNewest(const std::filesystem::path& kept, const CloudFormats& formats) {
-  if (kept.empty() || !isReplaceable(kept, formats)) return kept;
-  std::filesystem::path name = firstOurs(kept, formats);
-  std::error_code error;
-  if (name != kept) std::filesystem::rename(kept, name, error);
-  return error ? kept : name;
 }
 
 bool isOurs(std::span<const std::string> comments) { return std::ranges::find(comments, kOurs) != comments.end(); }
@@ -108,20 +77,46 @@ void markAsOurs(PointCloud& cloud) {
   if (!isOurs(comments)) comments.emplace_back(kOurs);
 }
 
-std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const CloudFormats& formats) {
+namespace {
+
+/// Whether it is a PLY or PCD file with its numbers in text.
+bool isAscii(const std::filesystem::path& file) {
+  const auto start = startOf(file);
+  if (!start) return false;
+  const std::string_view bytes = start->bytes, head = bytes.substr(0, bytes.find("end_header"));
+  return start->startsWith("ply") ? head.find("\nformat ascii") != head.npos : bytes.find("\nDATA ascii") != bytes.npos;
+}
+
+}  // namespace
+
+std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const SaveOptions& options) {
+  OwnSave* const own = options.own;
   markAsOurs(cloud);
   if (areNormalsEstimated(cloud)) cloud.normals.clear();
   markNormalsAsEstimated(cloud, false);
   std::filesystem::path kept;
-  writeCloud(file, cloud, {.keptAs = fileInTheWay(file, formats).name.empty() ? nullptr : &kept}, formats);
-  return keepNewest(kept, formats);
+  std::error_code ignored;
+  const bool isOwn =
+      own && own->file == file && std::filesystem::last_write_time(file, ignored) == own->written && !ignored;
+  writeCloud(file, cloud,
+             {.ascii = isAscii(options.like.empty() ? file : options.like),
+              .keptAs = fileInTheWay(file, options.formats).name.empty() ? nullptr : &kept},
+             options.formats);
+  if (!own) return kept;
+  std::error_code failed;
+  if (isOwn && !own->kept.empty() && !kept.empty()) std::filesystem::rename(kept, own->kept, failed);
+  if (isOwn && !own->kept.empty() && !failed) kept = own->kept;
+  *own = {.file = file,
+          .written = std::filesystem::last_write_time(file, ignored),
+          .kept = isOwn ? kept : std::filesystem::path()};
+  return kept;
 }
 
 std::filesystem::path whereToSave(const std::filesystem::path& file) {
-  const CloudFormat& format = cloudFormats().toRead(file);
+  const CloudFormats& formats = cloudFormats();
   std::error_code isNone;
   const bool isFolder = std::filesystem::is_directory(file, isNone);
-  return !isFolder && format.write && !format.ofTriangles && !format.onlyCopied ? file : nameBeside(file);
+  return !isFolder && &formats.toSave(file) == &formats.toRead(file) ? file : nameBeside(file);
 }
 
 std::filesystem::path nameBeside(const std::filesystem::path& file) {

@@ -39,17 +39,24 @@ void markAsOurs(PointCloud& cloud);
 /// now; null if there is none.
 std::filesystem::path* whereToKeep(const std::filesystem::path& file, std::filesystem::path& kept, Log& log);
 
-/// Call after writing, with the name of the kept file. Of kept files that palpate wrote only the newest stays, under
-/// the first of their names; all others stay. Returns its name.
-std::filesystem::path keepNewest(const std::filesystem::path& kept, const CloudFormats& formats = cloudFormats());
+/// What one session saved last.
+struct OwnSave {
+  std::filesystem::path file;
+  std::filesystem::file_time_type written;  ///< of the file, after this save; another program may change it
+  std::filesystem::path kept;               ///< its version before, if the session wrote that too
+};
 
-/// Writes `cloud`, marked as ours, and without normals that are marked as estimates; keeps an existing file
-/// (keepNewest()). Returns the kept file's new path, or an empty path. Throws FileError.
-std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud,
-                                  const CloudFormats& formats = cloudFormats());
+struct SaveOptions {
+  OwnSave* own = nullptr;           ///< of this session; becomes this save
+  std::filesystem::path like = {};  ///< file that the cloud was read from: if it is ASCII, `file` will be
+  const CloudFormats& formats = cloudFormats();
+};
+/// Writes `cloud`, marked as ours, and without normals that are marked as estimates; keeps an existing file as
+/// AtomicFile::commitAndKeep() does. Of the versions that a session wrote itself only the newest is kept. Returns the
+/// kept file's new path, or an empty path. Throws FileError.
+std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const SaveOptions& options = {});
 
-/// Default path for saving a sculpted cloud of `file`: the same, or beside it if its format is read only, and saving
-/// would convert it.
+/// Default path for saving a sculpted cloud of `file`: the same, or beside it if it would be saved in another format.
 std::filesystem::path whereToSave(const std::filesystem::path& file);
 
 /// NAME-sculpted.EXT beside `file`, or NAME-sculpted-2.EXT and so on: the first name that does not exist.

@@ -1,5 +1,7 @@
 #include "engine/io/text_rows.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -57,6 +59,16 @@ std::vector<std::string> columnNames(const std::vector<std::string_view>& words)
     if (known && std::ranges::find(names, shared[k]) == names.end()) names[k] = shared[k];
   }
   return names;
+}
+
+double millimetresPer(LengthUnit unit) {
+  constexpr std::array<std::pair<LengthUnit, double>, 5> kLengths{{{LengthUnit::mm, 1},
+                                                                   {LengthUnit::cm, 10},
+                                                                   {LengthUnit::m, 1000},
+                                                                   {LengthUnit::inch, 25.4},
+                                                                   {LengthUnit::foot, 304.8}}};
+  const auto found = std::ranges::find(kLengths, unit, &std::pair<LengthUnit, double>::first);
+  return found == kLengths.end() ? 0 : found->second;
 }
 
 /// Whether a whole number is not exact in double precision.
@@ -134,6 +146,8 @@ double TextRows::number(std::size_t column) {
   const std::string_view word = words()[column];
   if (const auto value = textNumber<double>(word)) {
     if (word.size() > 15 && isRounded(word, *value)) ++wordsIn_[column].rounded;
+    for (const Scaled& scaled : scaled_)
+      if (scaled.column == column) return *value * scaled.times / scaled.per;
     return *value;
   }
   if (!isMissing(word)) {
@@ -170,6 +184,11 @@ std::vector<std::string> TextRows::lost() const {
 void TextRows::checkColumns() {
   spreadHexColor();
   const auto fits = [&] { return words().size() == names_.size(); };
+  if (const std::string& number = words_.contradiction(); !number.empty())
+    fail(
+        fmt::format("found '{}' where the commas of other numbers {}; write decimal points, and nothing between "
+                    "thousands",
+                    number, words_.hasDecimalCommas() ? "may be decimal ones" : "stand between thousands"));
   if (words_.endsOpen() && words().size() + 1 == names_.size()) words_.addEmpty();
   if (!fits() && words_.cutAtMarks()) spreadHexColor();  // words of several parts
   if (fits()) return;
@@ -273,8 +292,21 @@ bool TextRows::takeNames(std::vector<std::string_view> words) {
   for (std::size_t k = 0; k < words.size(); ++k)
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (names_[k] == std::array{"x", "y", "z"}[axis]) units[axis] = unitInName(words[k]);
-  if (units[0] == units[1] && units[1] == units[2]) unit_ = units[0];
+  if (std::ranges::find(units, LengthUnit::unknown) == units.end()) useUnits(units);
   return true;
+}
+
+/// Lengths of all axes become those of the x axis.
+void TextRows::useUnits(const std::array<LengthUnit, 3>& units) {
+  unit_ = units[0];
+  for (std::size_t axis = 1; axis < 3; ++axis) {
+    if (units[axis] == unit_) continue;
+    const std::string_view name = std::array{"x", "y", "z"}[axis];
+    const auto column = static_cast<std::size_t>(std::ranges::find(names_, name) - names_.begin());
+    scaled_.push_back({.column = column, .times = millimetresPer(units[axis]), .per = millimetresPer(unit_)});
+    remarks_.push_back(fmt::format("{} is in {} and x in {}; {} is scaled to {}", name, nameOf(units[axis]),
+                                   nameOf(unit_), name, nameOf(unit_)));
+  }
 }
 
 /// Advances to the first point, past titles and the line that names the columns.
@@ -284,11 +316,11 @@ void TextRows::begin() {
   std::string title;
   std::size_t titleWords = 0;
   const auto refuseTitle = [&] {
-    throw FileError::atLine(
-        file_.path(), titleLine,
-        fmt::format("found {}, expected the coordinates of a point, or names of columns with x, y and z among "
-                    "them; --columns x,y,z names them in their place",
-                    inQuotes(title)));
+    const std::string expected =
+        names_.empty() ? "the coordinates of a point, or names of columns with x, y and z among them; --columns x,y,z "
+                         "names them in their place"
+                       : fmt::format("a point of the columns {}", fmt::join(names_, ","));
+    throw FileError::atLine(file_.path(), titleLine, fmt::format("found {}, expected {}", inQuotes(title), expected));
   };
   while (const auto line = file_.readLine(kMaxTextRow)) {
     const std::size_t first = line->find_first_not_of(" \t");
@@ -298,6 +330,10 @@ void TextRows::begin() {
     if (remark && isHexRow()) return;
     if (remark) words_.split(line->substr(std::min(line->find_first_not_of("#/", first), line->size())));
     if (words_.empty() || isCount() || takeNames(words_.words()) || remark) continue;
+    // Words of several parts, as in "2024-01-01 10:00:00,1,2,3".
+    if (!names_.empty() && words_.words().size() != names_.size() && words_.cutAtMarks() &&
+        words_.words().size() != names_.size())
+      words_.split(*line);
     if (isPoint()) {
       // A line of as many words as the points have columns names them, but not x, y and z.
       if (names_.empty() && titles_ > 0 && titleWords == words_.words().size()) refuseTitle();

@@ -32,6 +32,8 @@ class TextRows {
   bool hasWholeColors() const { return unnamed_ ? unnamed_->hasWholeColors() : wholeColors_; }
   /// Unit of length in the names of x, y and z.
   LengthUnit unit() const { return unit_; }
+  /// What is said of the columns: axes that were scaled to the unit of another.
+  const std::vector<std::string>& remarks() const { return remarks_; }
   /// Words of the current point's row; empty after the last. A colour as on the web, #rrggbb, is three words.
   const std::vector<std::string_view>& words() const { return hexAt_ ? row_ : words_.words(); }
   void next();
@@ -50,8 +52,14 @@ class TextRows {
     std::uint64_t count = 0, rounded = 0, line = 0;  // rounded: whole numbers beyond 2^53; line of the first word
     std::string first = {};
   };
+  /// An axis whose unit is not that of x.
+  struct Scaled {
+    std::size_t column;
+    double times, per;
+  };
   void begin();
   bool takeNames(std::vector<std::string_view> words);
+  void useUnits(const std::array<LengthUnit, 3>& units);
   bool isPoint() const;
   bool isHexRow() const;
   bool isCount();
@@ -73,6 +81,8 @@ class TextRows {
   TextKind kind_;
   bool named_;  // by the caller
   LengthUnit unit_ = LengthUnit::unknown;
+  std::vector<Scaled> scaled_;
+  std::vector<std::string> remarks_;
   std::optional<UnnamedColumns> unnamed_;
   std::uint64_t firstLine_ = 0, titles_ = 0;
   bool wholeColors_ = true;

@@ -18,47 +18,77 @@ bool isNumberStart(std::string_view text) {
   return isDigit(c) || c == '-' || c == '+' || c == '.' || c == ',' || c == ';';
 }
 
-/// Whether commas stand between groups of three digits: "5,231,100.25".
-bool hasThousands(std::string_view word) {
+/// Whether `mark` stands between groups of three digits, and nothing else in the word: "5,231,100".
+bool hasThousands(std::string_view word, char mark) {
   if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
-  word = word.substr(0, word.find('.'));
-  const std::size_t first = word.find(',');
+  const std::size_t first = word.find(mark);
   if (first == word.npos || first == 0 || first > 3 || word[0] == '0') return false;
   for (std::size_t at = 0; at < word.size(); ++at)
-    if (at % 4 == first % 4 ? word[at] != ',' : !isDigit(word[at])) return false;
+    if (at % 4 == first % 4 ? word[at] != mark : !isDigit(word[at])) return false;
   return (word.size() - first) % 4 == 0;
 }
 
 bool hasDecimalComma(std::string_view word) {
   const std::size_t comma = word.find(',');
   return word.find(',', comma + 1) == word.npos && word.find('.') == word.npos && comma + 1 < word.size() &&
-         isDigit(word[comma + 1]) && (comma == 0 || isDigit(word[comma - 1]) || comma == 1);
+         isDigit(word[comma + 1]) && (comma == 0 || isDigit(word[comma - 1]) || comma == 1) &&
+         word.find_first_not_of("0123456789+-,eEdD") == word.npos;
+}
+
+/// Position of the quote that ends the word; a doubled one is part of it.
+std::size_t closingQuote(std::string_view text, std::size_t at) {
+  while ((at = text.find('"', at)) != text.npos && at + 1 < text.size() && text[at + 1] == '"') at += 2;
+  return at;
+}
+
+/// What commas and points of a number mean.
+enum class Form { other, plain, decimalComma, thousandsComma, eitherComma, thousandsPoint, eitherPoint };
+
+Form formOf(std::string_view word) {
+  if (!isNumberStart(word)) return Form::other;
+  const std::size_t comma = word.find(','), point = word.find('.');
+  if (comma == word.npos) {
+    if (!hasThousands(word, '.')) return Form::plain;
+    return point == word.rfind('.') ? Form::eitherPoint : Form::thousandsPoint;
+  }
+  if (point == word.npos) {
+    if (hasThousands(word, ',')) return comma == word.rfind(',') ? Form::eitherComma : Form::thousandsComma;
+    return hasDecimalComma(word) ? Form::decimalComma : Form::other;
+  }
+  if (comma < point) {
+    const bool isDecimal = word.find_first_not_of("0123456789eEdD+-", point + 1) == word.npos;
+    return isDecimal && hasThousands(word.substr(0, point), ',') ? Form::thousandsComma : Form::other;
+  }
+  return hasThousands(word.substr(0, comma), '.') && hasDecimalComma(word.substr(comma)) ? Form::thousandsPoint
+                                                                                         : Form::other;
 }
 
 }  // namespace
 
 void TextWords::split(std::string_view line) {
   text_.assign(line);
-  const bool hasComma = text_.find(',') != text_.npos;
-  if (hasComma && commas_ == Commas::unknown) {
+  contradiction_.clear();
+  if (commas_ == Commas::unknown && text_.find(',') != text_.npos) {
     cut(false);
     const auto numbers = std::ranges::count_if(words_, isNumberStart);
-    if (isNumberLine() || (numbers >= 3 && text_.find(';') != text_.npos)) commas_ = meaningOfCommas();
+    if ((!words_.empty() && isNumberStart(words_.front())) || (numbers >= 3 && text_.find(';') != text_.npos))
+      commas_ = commasAreInNumbers() ? Commas::inNumbers : Commas::separate;
   }
-  const bool inNumbers = commas_ == Commas::decimal || commas_ == Commas::thousands;
-  cut(!inNumbers);
-  if (hasComma && inNumbers) plainNumbers();
+  cut(commas_ != Commas::inNumbers);
+  readPlain();
   if (std::ranges::all_of(words_, &std::string_view::empty)) words_.clear();
 }
 
 bool TextWords::cutAtMarks() {
   if (text_.find_first_of(",;\t") == text_.npos) return false;
-  cut(commas_ == Commas::unknown || commas_ == Commas::separate, true);
+  cut(commas_ != Commas::inNumbers, true);
+  readPlain();
   return true;
 }
 
 void TextWords::cut(bool commasSeparate, bool onlyAtMarks) {
   words_.clear();
+  hasQuotes_ = false;
   const std::string_view text = text_;
   const auto isComma = [&](char c) { return c == ';' || (commasSeparate && c == ','); };
   const bool anyComma = std::ranges::any_of(text, isComma), anyMark = anyComma || text.find('\t') != text.npos;
@@ -76,18 +106,11 @@ void TextWords::cut(bool commasSeparate, bool onlyAtMarks) {
       continue;
     }
     open = false;
-    const std::size_t quoted = text[at] == '"' ? text.find('"', at + 1) : text.npos;
+    const std::size_t quoted = text[at] == '"' ? closingQuote(text, at + 1) : text.npos;
     if (quoted != text.npos) {
       // Inside quotes a comma is not a separator.
-      const auto begin = text_.begin() + static_cast<std::ptrdiff_t>(at) + 1,
-                 end = text_.begin() + static_cast<std::ptrdiff_t>(quoted);
-      std::size_t length = quoted - at - 1;
-      const std::string_view word = text.substr(at + 1, length);
-      if (hasThousands(word) && std::ranges::count_if(word, [](char c) { return c == ',' || c == '.'; }) > 1)
-        length = static_cast<std::size_t>(std::remove(begin, end, ',') - begin);
-      else if (word.find_first_not_of("0123456789+-,eE") == word.npos)
-        std::replace(begin, end, ',', '.');
-      words_.push_back(text.substr(at + 1, length));
+      words_.push_back(text.substr(at + 1, quoted - at - 1));
+      hasQuotes_ = true;
       at = quoted + 1;
       continue;
     }
@@ -100,30 +123,62 @@ void TextWords::cut(bool commasSeparate, bool onlyAtMarks) {
   endsOpen_ = open && passedMark;
 }
 
-bool TextWords::isNumberLine() const { return !words_.empty() && isNumberStart(words_.front()); }
-
 /// Requires words that were split at everything except commas.
-TextWords::Commas TextWords::meaningOfCommas() const {
-  if (words_.size() < 3) return Commas::separate;
-  const auto all = [&](auto&& is) {
-    return std::ranges::all_of(
-        words_, [&](std::string_view word) { return !isNumberStart(word) || word.find(',') == word.npos || is(word); });
-  };
-  if (all(hasDecimalComma)) return Commas::decimal;
-  return all(hasThousands) ? Commas::thousands : Commas::separate;
+bool TextWords::commasAreInNumbers() const {
+  return words_.size() >= 3 && std::ranges::none_of(words_, [](std::string_view word) {
+           return isNumberStart(word) && word.find(',') != word.npos && formOf(word) == Form::other;
+         });
 }
 
-/// Writes the numbers of the line with decimal points, and without commas between thousands.
-void TextWords::plainNumbers() {
-  for (std::string_view& word : words_) {
-    if (!isNumberStart(word) || word.find(',') == word.npos) continue;
-    if (commas_ == Commas::decimal && !hasThousands(word)) areDecimal_ = true;
-    const auto begin = text_.begin() + (word.data() - text_.data());
-    const auto end = begin + static_cast<std::ptrdiff_t>(word.size());
-    if (commas_ == Commas::decimal) std::replace(begin, end, ',', '.');
-    if (commas_ == Commas::thousands && hasThousands(word))
-      word = word.substr(0, static_cast<std::size_t>(std::remove(begin, end, ',') - begin));
+/// Makes of the numbers of the line such with a decimal point and nothing else, and of doubled quotes single ones.
+void TextWords::readPlain() {
+  const bool mayHaveCommas = commas_ == Commas::inNumbers || hasQuotes_;
+  if (!mayHaveCommas && notation_ == Notation::unknown) return;
+  plain_.clear();
+  plain_.reserve(text_.size());  // so that words of it stay valid
+  findNotation();
+  for (std::string_view& word : words_) word = plain(word);
+}
+
+void TextWords::findNotation() {
+  std::string_view decimal, thousands, either, point;
+  for (const std::string_view word : words_) {
+    const Form form = formOf(word);
+    if (form == Form::decimalComma || form == Form::thousandsPoint) decimal = word;
+    if (form == Form::thousandsComma) thousands = word;
+    if (form == Form::eitherComma) either = word;
+    if (form == Form::eitherPoint) point = word;
+    if (form == Form::thousandsPoint) hasThousandsPoint_ = true;
   }
+  const bool wereDecimal = hasDecimalCommas(), wereThousands = notation_ == Notation::thousandsComma;
+  if (!thousands.empty() && (wereDecimal || !decimal.empty())) contradiction_ = thousands;
+  if (!decimal.empty() && wereThousands) contradiction_ = decimal;
+  if (!contradiction_.empty() && notation_ != Notation::unknown) return;
+  if (!thousands.empty()) notation_ = Notation::thousandsComma;
+  if (!decimal.empty()) notation_ = Notation::decimalComma;
+  if (!either.empty() && notation_ == Notation::unknown) notation_ = Notation::ambiguous;
+  if (!point.empty() && notation_ == Notation::decimalComma && !hasThousandsPoint_) contradiction_ = point;
+}
+
+std::string_view TextWords::plain(std::string_view word) {
+  if (hasQuotes_ && word.find("\"\"") != word.npos) return unquoted(word);
+  const bool commaIsDecimal = notation_ != Notation::thousandsComma;
+  const char between = commaIsDecimal ? '.' : ',';
+  const Form form = formOf(word);
+  if (form == Form::other || form == Form::plain || (form == Form::eitherPoint && !hasThousandsPoint_)) return word;
+  const std::size_t begin = plain_.size();
+  for (const char c : word)
+    if (c != between) plain_ += c == ',' ? '.' : c;
+  return std::string_view(plain_).substr(begin);
+}
+
+std::string_view TextWords::unquoted(std::string_view word) {
+  const std::size_t begin = plain_.size();
+  for (std::size_t at = 0; at < word.size(); ++at) {
+    plain_ += word[at];
+    if (word[at] == '"') ++at;
+  }
+  return std::string_view(plain_).substr(begin);
 }
 
 }  // namespace palpate

@@ -123,6 +123,47 @@ std::array<std::uint8_t, 4> colorAt(const TriangleSoup& soup, const Spot& spot) 
 
 }  // namespace
 
+namespace {
+
+/// Whether colours differ by more than the two sides of a seam in a picture do.
+bool areDifferent(const Rgba& a, const Rgba& b) {
+  constexpr int kSeam = 4;
+  for (std::size_t k = 0; k < 4; ++k)
+    if (std::abs(a[k] - b[k]) > kSeam) return true;
+  return false;
+}
+
+/// Gives each corner its colour; one of several colours becomes several, behind the others.
+void divideByColor(TriangleSoup& soup, std::span<const Rgba> colors) {
+  constexpr std::uint32_t kNone = 0xffffffff;
+  const std::size_t before = soup.corners.size();
+  std::vector<std::uint32_t> next(before, kNone);  // the same corner in another colour
+  std::vector<bool> isColored(before, false);
+  soup.colors.resize(before, Rgba{255, 255, 255, 255});
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::uint32_t& corner = soup.triangles[t][k];
+      const Rgba& color = colors[3 * t + k];
+      if (!isColored[corner]) {
+        isColored[corner] = true;
+        soup.colors[corner] = color;
+        continue;
+      }
+      while (areDifferent(soup.colors[corner], color) && next[corner] != kNone) corner = next[corner];
+      if (!areDifferent(soup.colors[corner], color)) continue;
+      if (soup.corners.size() == kNone) throw Error("a mesh has more than 4,294,967,295 corners");
+      next[corner] = static_cast<std::uint32_t>(soup.corners.size());
+      next.push_back(kNone);
+      isColored.push_back(true);
+      soup.corners.push_back(DVec3(soup.corners[corner]));
+      if (!soup.normals.empty()) soup.normals.push_back(Vec3(soup.normals[corner]));
+      soup.colors.push_back(color);
+      corner = next[corner];
+    }
+}
+
+}  // namespace
+
 BadCorners leaveOutBadCorners(TriangleSoup& soup) {
   constexpr std::uint32_t kGone = 0xffffffff;
   std::vector<std::uint32_t> numbers(soup.corners.size());
@@ -159,13 +200,17 @@ BadCorners leaveOutBadCorners(TriangleSoup& soup) {
 
 std::vector<std::string> colorCorners(TriangleSoup& soup) {
   if (soup.textures.empty()) return {};
-  std::vector<TextureSpot> spots(soup.corners.size());
+  // All corners of all triangles, each with its colour.
+  std::vector<TextureSpot> spots;
+  std::vector<Rgba> colors;
   for (std::size_t t = 0; t < soup.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
-      TextureSpot& spot = spots[soup.triangles[t][k]];
-      if (spot.texture == kNoTexture) spot = {soup.textured[t].texture, soup.textured[t].uv[k]};
+      spots.push_back({soup.textured[t].texture, soup.textured[t].uv[k]});
+      if (!soup.colors.empty()) colors.push_back(soup.colors[soup.triangles[t][k]]);
     }
-  return multiplied(soup, spots, soup.colors, 0);
+  std::vector<std::string> unread = multiplied(soup, spots, colors, 0);
+  if (!colors.empty()) divideByColor(soup, colors);
+  return unread;
 }
 
 SampledSoup sampleSoup(const TriangleSoup& soup, std::size_t count, std::uint64_t seed, unsigned threads) {

@@ -33,8 +33,9 @@ struct BadCorners {
 /// Removes corners without finite coordinates below 1e30, and their triangles.
 BadCorners leaveOutBadCorners(TriangleSoup& soup);
 
-/// Multiplies the colours of corners by the textures, at the coordinates of the first triangle of each corner. Returns
-/// the textures that could not be read; if no texture could be, and corners had no colours, they still have none.
+/// Multiplies the colours of corners by the textures. A corner at which triangles have different colours becomes
+/// several. Returns the textures that could not be read; if no texture could be, and corners had no colours, they still
+/// have none.
 std::vector<std::string> colorCorners(TriangleSoup& soup);
 
 struct SampledSoup {

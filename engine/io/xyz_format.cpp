@@ -135,6 +135,8 @@ StoredCloud readText(const std::filesystem::path& path, Log* log, const CloudRea
   for (std::string& what : rows.lost()) stored.lost.push_back(std::move(what));
   for (const std::string& words : rows.wordColumns())
     std::erase_if(stored.cloud.extra, [&](const Attribute& attribute) { return attribute.name == words; });
+  for (const std::string& remark : rows.remarks())
+    if (log) log->say("{}: {}", name, remark);
   if (rows.unit() != LengthUnit::unknown) sayUnit(stored.cloud.storedAs.comments, rows.unit());
   if (!rows.hasUnnamed()) return stored;
   UnnamedAttributes(stored.cloud, name, log).become(layout, rows.hasWholeColors());
@@ -185,9 +187,17 @@ void writeText(const std::filesystem::path& path, const PointCloud& cloud, const
   out.finish(options.keptAs);
 }
 
+/// Also as CloudCompare calls it.
 const Attribute* intensityOf(const PointCloud& cloud) {
-  const auto found = std::ranges::find(cloud.extra, "intensity", &Attribute::name);
-  return found == cloud.extra.end() ? nullptr : &*found;
+  for (const std::string_view name : {"intensity", "scalar_intensity"})
+    for (const Attribute& attribute : cloud.extra)
+      if (sharedColumnName(attribute.name) == name) return &attribute;
+  return nullptr;
+}
+
+std::vector<const Attribute*> attributesOfPts(const PointCloud& cloud) {
+  const Attribute* intensity = intensityOf(cloud);
+  return intensity ? std::vector{intensity} : std::vector<const Attribute*>{};
 }
 
 /// Colours are preceded by an intensity, 0 if the cloud has none.
@@ -209,24 +219,22 @@ void writePts(const std::filesystem::path& path, const PointCloud& cloud, const 
   out.finish(options.keptAs);
 }
 
-std::vector<std::string> lacksOfText(const StoredCloud& stored) {
+std::vector<std::string> lacksOfText(const PointCloud& cloud) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
-  if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
-  for (const std::string& name : namesGivingWay(stored.cloud))
+  if (!cloud.storedAs.comments.empty()) lost.emplace_back("comments");
+  for (const std::string& name : namesGivingWay(cloud))
     lost.push_back(fmt::format("the column '{}', because another one is written under its name", name));
-  if (stored.cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
+  if (cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
   return lost;
 }
 
-std::vector<std::string> lacksOfPts(const StoredCloud& stored) {
+std::vector<std::string> lacksOfPts(const PointCloud& cloud) {
   std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(counted(stored.triangles.size(), "triangle"));
-  if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
-  if (stored.cloud.hasNormals()) lost.emplace_back("normals");
-  for (const Attribute& attribute : stored.cloud.extra)
-    if (&attribute != intensityOf(stored.cloud)) lost.push_back(fmt::format("the column '{}'", attribute.name));
-  if (stored.cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
+  if (!cloud.storedAs.comments.empty()) lost.emplace_back("comments");
+  if (cloud.hasNormals()) lost.emplace_back("normals");
+  for (const Attribute& attribute : cloud.extra)
+    if (&attribute != intensityOf(cloud)) lost.push_back(fmt::format("the column '{}'", attribute.name));
+  if (cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
   return lost;
 }
 
@@ -286,7 +294,9 @@ CloudFormat ptsFormat() {
           .contents = contentsOfText<TextKind::pts>,
           .read = readText<TextKind::pts>,
           .write = writePts,
-          .lacks = lacksOfPts};
+          .lacks = lacksOfPts,
+          .attributes = attributesOfPts,
+          .keepsNormals = false};
 }
 
 }  // namespace palpate

@@ -83,6 +83,10 @@ MeshReport examine(const Mesh& mesh) {
   return report;
 }
 
+std::vector<std::string> lostInMeshFile(const std::filesystem::path& file, const Mesh& mesh) {
+  return cloudFormats().toWrite(file, Written::mesh).lacks(mesh.vertices);
+}
+
 void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell, bool ascii,
                std::filesystem::path* keptAs) {
   cloudFormats().toWrite(file, Written::mesh);  // refuses formats that cannot hold triangles

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -34,6 +35,9 @@ struct MeshReport {
   }
 };
 MeshReport examine(const Mesh& mesh);
+
+/// What a file of that name cannot hold of the mesh, in words: "colours".
+std::vector<std::string> lostInMeshFile(const std::filesystem::path& file, const Mesh& mesh);
 
 /// Writes vertices (x y z nx ny nz [red green blue]) and faces (a list of three each). Coordinates are doubles if
 /// single precision cannot resolve a thousandth of `cell` (of the lattice, model units). The file appears under its
