@@ -12,8 +12,9 @@ namespace palpate {
 /// dropped and counted; later data are written again once that is possible. Not thread-safe.
 class SessionLogFile {
  public:
-  /// `text`: of the header. `onFailure` is called once, at the first failure, with a message for the user. Throws
-  /// FileError if the file cannot be created.
+  /// `text`: of the header. `onFailure` is called once, at the first failure, with a message for the user. An older log
+  /// of that name is kept as NAME.bak and so on (AtomicFile::nameToKeep()). Throws FileError if the file cannot be
+  /// created.
   SessionLogFile(std::filesystem::path file, std::string text, std::function<void(const std::string&)> onFailure);
 
   struct Content {
@@ -32,16 +33,18 @@ class SessionLogFile {
   void close();
 
   bool isOpen() const { return output_.isOpen(); }
+  const std::filesystem::path& keptAs() const { return keptAs_; }  ///< the older log; empty if there was none
   std::uint64_t bytes() const { return bytes_; }
 
  private:
   void fail(int error);
+  void keepOlder();
   // Truncates the file after the last complete write.
   void takeBackTorn();
   // The same before the last block. False if there is none.
   bool takeBackLast();
 
-  std::filesystem::path file_;
+  std::filesystem::path file_, keptAs_;
   UnbufferedFile output_;
   std::function<void(const std::string&)> onFailure_;
   std::uint32_t blocks_ = 0;

@@ -40,6 +40,7 @@ class SessionWriter {
   /// could be written; the session itself was not affected.
   void finish(std::uint64_t pointsChecksum);
 
+  const std::filesystem::path& keptAs() const { return file_.keptAs(); }  ///< an older log of that name
   std::uint64_t lostTicks() const { return ticks_.lost(); }
   std::uint64_t mergedEdits() const { return mergedEdits_; }  ///< after finish()
   std::uint64_t bytes() const { return file_.bytes(); }       ///< of the file; after finish()

@@ -44,7 +44,6 @@ void make(Context& context, const MakeOptions& options) {
              {.ascii = options.ascii,
               .keptAs = whereToKeep(options.output, kept, context.log()),
               .progress = [&](double share) { progress.set(kSampling + (1 - kSampling) * share); }});
-  keepNewest(kept);
   context.log().say("{}: {} of {} in {:.2f} s", options.output, counted(cloud.size(), "point"), options.shape,
                     watch.elapsed_s());
   context.writeJson({{"file", options.output}, {"shape", options.shape}, {"points", cloud.size()}});

@@ -83,8 +83,8 @@ class Document {
   std::string freeName(const std::string& what, const std::string& ending) const;
 
   void askFromNowOn();
-  /// Closes the model on purpose: no unsaved strokes are kept for the next program.
-  void close();
+  /// Closes the model and ends its recording. `keepsStrokes`: unsaved strokes are kept for the next program.
+  void close(bool keepsStrokes);
   bool asksAboutChanges() const { return afterQuestion_ != nullptr && !isSavingForIt_; }
   /// Text of the question about unsaved changes; empty where no question is pending.
   std::string changesQuestion() const;
@@ -121,6 +121,7 @@ class Document {
   // Gives the points to a session of the same model.
   void handOn(HandedOn to, const WindowOptions& options);
   void findLeft();
+  void askFirstAbout(const std::string& file);
   void goOnWith(LeftStrokes left);
   // For a camera: pauses or resumes its frames; a paused frame is sculpted once a brush is chosen.
   void pause();
@@ -143,6 +144,7 @@ class Document {
   std::vector<std::string> offered_;
   Loader loader_;
   std::unique_ptr<WindowSession> session_, parked_;  // parked while the next one is built
+  bool hadSemicolons_ = false;                       // the file that was opened
   WindowOptions opened_, opening_;                   // options of the present model and the next one
   HandedOn handedOn_ = HandedOn::no;                 // points are passed from session to session
   std::optional<WindowOptions> before_;              // of the model that was closed to free memory for the next one

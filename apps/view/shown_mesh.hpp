@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "engine/mesh/marching_cubes.hpp"
 #include "engine/render/frame.hpp"
@@ -26,9 +28,9 @@ class ShownMesh {
   std::uint64_t triangleCount() const { return mesh_ ? mesh_->triangleCount() : 0; }
   std::uint64_t version() const { return version_; }  ///< increases with each change
   double time_ms() const { return time_ms_; }         ///< duration of the last change
-  /// Writes the present triangles; returns the name under which an existing file is kept. Throws FileError, and Error
-  /// without triangles.
-  std::filesystem::path write(const std::string& file) const;
+  /// Writes the present triangles; returns the name under which an existing file is kept. `lost`: see lostInMeshFile().
+  /// Throws FileError, and Error without triangles.
+  std::filesystem::path write(const std::string& file, std::vector<std::string>& lost) const;
   /// Requires triangles.
   DrawnMesh drawn(const Bounds& bounds) const;
 
