@@ -164,8 +164,8 @@ TEST_CASE("the reference lists exactly the keys of the window's state") {
 }
 
 TEST_CASE("the comments of the C headers state the bounds of the settings") {
-  // Bounds in a comment, as in "falloff ...; 0 to 16".
-  static const std::regex field(R"(^  \w+ (\w+); */\*.*[ ;,](\d+) to (\d+) \*/)");
+  // Bounds in a comment, as in "falloff ...; 0 to 16; default 1".
+  static const std::regex field(R"(^  \w+ (\w+); */\*.*[ ;,](\d+) to (\d+)(?:; default [^;]*)? \*/)");
   std::map<std::string, std::string> bounds;
   for (const Result& setting : reference()["settings"]) {
     const std::string key = setting["key"];

@@ -1,6 +1,7 @@
 // Saving in the window: the user is asked before a file would lose something, and no work of the user is lost.
 #include "engine/io/ply_reader.hpp"
 #include "engine/io/ply_writer.hpp"
+#include "haptics/session_log.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/says.hpp"
 
@@ -176,6 +177,51 @@ TEST_CASE("undone strokes are not unsaved changes, redo restores them, and chang
   CHECK(changed("same.json") == false);
   CHECK_FALSE(exists(*played, "after.json"));  // the window was closed without a question
   CHECK(fileOf(*played, "sphere.ply") != fileOf(*played, "kept.ply"));
+}
+
+TEST_CASE("a window that closes ends its recording, and keeps an older log of that name") {
+  if (!hasDisplay()) return;
+  const auto played = playWell("%/sphere.ply --size 480x360 --edit push", sphereOf(2000),
+                               "0.1 record %/take.log\n0.4 record\n0.5 record %/take.log\n0.5 state %/again.json\n" +
+                                   strokeAt(0.6) + "2.0 quit\n");
+  const auto& folder = played->folder.path();
+  CHECK(says(std::string(played->state("again.json")["last_message"]), "take.log.bak"));
+  const SessionRecord last = readSessionLog(folder / "take.log"), older = readSessionLog(folder / "take.log.bak");
+  REQUIRE(older.end);
+  REQUIRE(last.end);
+  CHECK(last.edits.points.size() > 0);
+  CHECK(older.edits.points.empty());
+}
+
+TEST_CASE("saving under a name that says no format is refused, and a change of notation is said") {
+  if (!hasDisplay()) return;
+  const auto played = playWell(
+      "%/german.csv --size 480x600",
+      [](const auto& folder) {
+        std::ofstream out(folder / "german.csv");
+        out << "x;y;z\n";
+        for (int k = 0; k < 100; ++k) out << k % 10 << ",5;" << k / 10 << ",25;0,5\n";
+      },
+      R"(
+0.1 click Feel
+0.2 click Look
+0.3 click Look
+0.4 click Save and record
+0.6 click Save as
+0.8 state %/none.json
+1.0 click other.ply
+1.1 text a.tsv
+1.2 click Save as
+1.4 state %/refused.json
+1.5 save %/copy.csv
+2.5 state %/saved.json
+2.6 quit
+)");
+  const auto lastMessage = [&](const char* state) { return std::string(played->state(state)["last_message"]); };
+  CHECK(says(lastMessage("none.json"), "type the name of a file"));
+  CHECK(says(lastMessage("refused.json"), "a.tsv: clouds are written as"));
+  CHECK_FALSE(exists(*played, "a.tsv"));
+  CHECK(says(lastMessage("saved.json"), "copy.csv is saved, with decimal points and commas between columns"));
 }
 
 TEST_CASE("a recording on a full disk gives one message, and the session continues") {

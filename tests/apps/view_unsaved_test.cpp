@@ -31,13 +31,13 @@ struct Struck {
     std::error_code none;
     return std::filesystem::directory_iterator(unsaved(), none) != std::filesystem::directory_iterator();
   }
-  // Opens another window, which offers the strokes.
-  Result later(const std::string& script) const {
+  // Opens another window, with that model or without one, which offers the strokes.
+  Result later(const std::string& script, const std::string& model = "") const {
     const std::filesystem::path& path = folder.path();
     std::ofstream(path / "later.txt") << inFolder("0 ask\n0.1 state %/asked.json\n" + script + "9 quit\n", path);
     const Outcome outcome = run(inFolder("cd % && XDG_STATE_HOME=%/state xvfb-run -a timeout 120 ", path) +
-                                std::filesystem::absolute(program()).string() +
-                                " view --size 480x360 --rate 250 --edit push --script later.txt");
+                                std::filesystem::absolute(program()).string() + " view " + model +
+                                " --size 480x360 --rate 250 --edit push --script later.txt");
     CAPTURE(outcome.text);
     CHECK(outcome.code == 0);
     return jsonOf(path / "asked.json");
@@ -45,15 +45,17 @@ struct Struck {
 };
 
 // Runs the program in its folder and on a display of its own, and sends it `signal` after its script.
-void strike(Struck& struck, int signal, const std::string& script, const std::string& options = "") {
+void strike(Struck& struck, int signal, const std::string& script, const std::string& options = "",
+            const std::string& model = "sphere.ply") {
   const std::filesystem::path& path = struck.folder.path();
   makeSphere(path, 2000);
+  if (model != "sphere.ply") std::filesystem::copy(path / "sphere.ply", path / model);
   std::ofstream(path / "script.txt") << inFolder(script + "4 state %/end.json\n4 await %/never\n", path);
   // The shell reports the process id of the window: xvfb-run is its parent.
   const std::string command =
       inFolder("cd % && echo $$ > pid && XDG_STATE_HOME=%/state exec env --default-signal=HUP " +
-                   std::filesystem::absolute(program()).string() +
-                   " view %/sphere.ply --size 480x360 --rate 250 --edit push --script %/script.txt " + options,
+                   std::filesystem::absolute(program()).string() + " view %/" + model +
+                   " --size 480x360 --rate 250 --edit push --script %/script.txt " + options,
                path);
   std::ofstream(path / "window.sh") << command << "\n";
   std::thread display([&] { run(inFolder("xvfb-run -a sh %/window.sh > %/said 2>&1", path)); });
@@ -179,6 +181,19 @@ TEST_CASE("strokes of three killed windows are counted, and offered one after an
   CHECK(contentOf(path / "one.ply").size() > 10'000);
   CHECK(contentOf(path / "two.ply").size() > 10'000);
   CHECK_FALSE(struck.keepsSomething());
+}
+
+TEST_CASE("strokes on the file that is opened are offered before later ones on another file") {
+  if (!hasDisplay()) return;
+  Struck struck;
+  strike(struck, SIGKILL, kTwoStrokes);
+  std::filesystem::remove(struck.folder.path() / "end.json");
+  const std::string two = kTwoStrokes;
+  strike(struck, SIGKILL, two.substr(0, two.find("1.0 key")), "", "other.ply");
+  const auto asked = struck.later("0.2 click Discard them\n0.4 state %/second.json\n", "sphere.ply");
+  CHECK(asked["strokes_waiting"] == 1);
+  CHECK(asked["strokes_left"] == 2);
+  CHECK(jsonOf(struck.folder.path() / "second.json")["strokes_left"] == 1);
 }
 
 TEST_CASE("a window ended by SIGTERM keeps its strokes, which can be discarded or offered again later") {

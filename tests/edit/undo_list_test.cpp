@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <fstream>
 #include <span>
 #include <string>
 #include <variant>
@@ -175,7 +176,9 @@ TEST_CASE("the oldest changes go to the disk, come back in order, and are droppe
 }
 
 TEST_CASE("where the disk takes nothing, the oldest changes are dropped and counted") {
-  Things things{.list = UndoList<Change>({100, "/proc/no/such/folder", 1 << 20})};
+  const ScratchFolder folder;
+  std::ofstream(folder / "file") << "no folder";
+  Things things{.list = UndoList<Change>({100, folder.path() / "file" / "below", 1 << 20})};
   for (int i = 1; i <= 30; ++i) things.make(OfNumber{i});
   CHECK(things.list.undoCount() == 10);
   CHECK(things.list.dropped() == 20);

@@ -49,9 +49,9 @@ void writeTally(const std::filesystem::path& file, const PointCloud& cloud, cons
     out.commit();
 }
 
-std::vector<std::string> lacksOfTally(const StoredCloud& stored) {
+std::vector<std::string> lacksOfTally(const PointCloud& cloud) {
   std::vector<std::string> lost;
-  if (stored.cloud.hasNormals()) lost.emplace_back("normals");
+  if (cloud.hasNormals()) lost.emplace_back("normals");
   return lost;
 }
 
@@ -168,6 +168,36 @@ TEST_CASE("the longer of two endings of a file name counts, and COPC is refused 
   CHECK(cloudFormats().endingToSave("a.e57") == ".ply");
 }
 
+TEST_CASE("what a file in another format has is what it keeps") {
+  StoredCloud stored{.cloud = threePoints(), .triangles = {{0, 1, 2}}, .lost = {}};
+  stored.cloud.normals.assign(3, Vec3(0, 0, 1));
+  stored.cloud.colors.assign(3, {1, 2, 3, 255});
+  stored.cloud.extra = {{"scalar_Intensity", ScalarType::u8, std::vector<std::byte>(3)},
+                        {"ring", ScalarType::u8, std::vector<std::byte>(3)}};
+  const auto kept = [&](const char* file) { return keptOnTheWay(stored, cloudFormats().toWrite(file)); };
+  using Names = std::vector<std::string>;
+  CHECK(kept("a.ply") == Names{"positions", "normals", "colours", "scalar_Intensity", "ring", "1 triangle"});
+  CHECK(kept("a.xyz") == Names{"positions", "normals", "colours", "scalar_Intensity", "ring"});
+  CHECK(kept("a.pts") == Names{"positions", "colours", "scalar_Intensity"});
+  CHECK(kept("a.stl") == Names{"positions", "1 triangle"});
+  CHECK(kept("a.obj") == Names{"positions", "normals", "colours", "1 triangle"});
+  CHECK(lostOnTheWay(stored, cloudFormats().toWrite("a.pts")) == Names{"1 triangle", "normals", "the column 'ring'"});
+}
+
+TEST_CASE("colours of 16 bits that are 8 bits are kept as they are, and finer ones are named") {
+  const ScratchFolder folder;
+  const auto lost = [&](const char* file, const std::string& text) {
+    std::ofstream(folder / file) << text;
+    return readCloud(folder / file).lost;
+  };
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+      "property ushort red\nproperty ushort green\nproperty ushort blue\nend_header\n";
+  CHECK(lost("a.ply", ply + "0 0 0 257 65535 2570\n1 0 0 0 514 771\n").empty());
+  CHECK(lost("a.ply", ply + "0 0 0 257 65535 2570\n1 0 0 0 514 772\n") ==
+        std::vector<std::string>{"colours finer than 8 bits a channel"});
+}
+
 TEST_CASE("a format added to the table is read, written and saved like the built-in ones") {
   const ScratchFolder folder;
   const PointCloud cloud = threePoints();
@@ -176,11 +206,11 @@ TEST_CASE("a format added to the table is read, written and saved like the built
   CHECK(contentsOf(folder / "a.tally", kTable).elements.at(0).count == 3);
   CHECK(cloudFormats().toRead(folder / "a.tally").name == "PTS");  // as without that table
   CHECK(kTable.toWrite("a.TLY").name == "tally");
-  CHECK(kTable.toWrite("a.tly").lacks({.cloud = cloud}).empty());
+  CHECK(kTable.toWrite("a.tly").lacks(cloud).empty());
 
   // The format cannot hold the mark that palpate wrote the file, so the existing file is kept as a backup.
   CHECK(fileInTheWay(folder / "a.tally", kTable).sentence() == "a.tally was not written by palpate");
-  CHECK(saveKeeping(folder / "a.tally", cloud, kTable) == folder / "a.tally.bak");
+  CHECK(saveKeeping(folder / "a.tally", cloud, {.formats = kTable}) == folder / "a.tally.bak");
   CHECK(readCloud(folder / "a.tally", nullptr, {}, kTable).cloud.positions == cloud.positions);
 }
 

@@ -138,17 +138,19 @@ TEST_CASE("rows without a finite position are left out and counted: PLY, PCD, te
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
   const std::string rows = "1 2 3\nnan nan nan\n1 inf 0\n4 5 6\n-nan 0 -inf\n";
-  checkTwoPoints(readingFile("a.ply", ply + rows), "3 points without a finite position");
+  checkTwoPoints(readingFile("a.ply", ply + rows), "3 points without a finite position below 1e30");
   const std::string pcd =
       "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 5\nHEIGHT 1\nPOINTS 5\nDATA ascii\n";
-  checkTwoPoints(readingFile("a.pcd", pcd + rows), "3 points without a finite position");
-  checkTwoPoints(readingFile("a.xyz", rows), "3 points without a finite position");
+  checkTwoPoints(readingFile("a.pcd", pcd + rows), "3 points without a finite position below 1e30");
+  checkTwoPoints(readingFile("a.xyz", rows), "3 points without a finite position below 1e30");
   checkTwoPoints(readingFile("a.csv", "x,y,z\n1,2,3\n1.#QNAN,0,0\n4,5,6\n7,,8\nNA,1,1\n"),
-                 "3 points without a finite position");
-  checkTwoPoints(readingFile("a.obj", "v 1 2 3\nv nan 0 0\nv 4 5 6\n"), "1 point without a finite position");
-  checkTwoPoints(readingFile("a.off", "OFF\n3 0 0\n1 2 3\ninf 0 0\n4 5 6\n"), "1 point without a finite position");
+                 "3 points without a finite position below 1e30");
+  checkTwoPoints(readingFile("a.obj", "v 1 2 3\nv nan 0 0\nv 4 5 6\n"), "1 point without a finite position below 1e30");
+  checkTwoPoints(readingFile("a.off", "OFF\n3 0 0\n1 2 3\ninf 0 0\n4 5 6\n"),
+                 "1 point without a finite position below 1e30");
   const std::string values = npy::bytes({1.f, 2.f, 3.f, NAN, 0.f, 0.f, 4.f, 5.f, 6.f});
-  checkTwoPoints(readingFile("a.npy", npy::array("'<f4'", "(3, 3)", values)), "1 point without a finite position");
+  checkTwoPoints(readingFile("a.npy", npy::array("'<f4'", "(3, 3)", values)),
+                 "1 point without a finite position below 1e30");
 }
 
 TEST_CASE("faces keep their vertices when invalid rows are left out, and faces of such rows are dropped") {

@@ -323,7 +323,7 @@ TEST_CASE("points written as Gaussians are read again as the same surface, with 
     CHECK(turned_deg < 5);
     CHECK(faded < 8);
   }
-  CHECK(gaussianFormat().lacks({.cloud = cloud}).empty());
+  CHECK(gaussianFormat().lacks(cloud).empty());
   CHECK(whereToSave(folder / "a.3dgs.ply") == folder / "a.3dgs-sculpted.ply");
   cloud.normals.clear();
   CHECK_THROWS_WITH_AS(gaussianFormat().write(folder / "b.3dgs.ply", cloud, {}),

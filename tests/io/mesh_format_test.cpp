@@ -217,8 +217,8 @@ TEST_CASE("mesh formats require triangles, and a sculpted cloud of a mesh file i
   StoredCloud stored{.cloud = box.corners, .triangles = box.triangles};
   stored.cloud.colors.resize(8);
   stored.cloud.extra.push_back({"heat", ScalarType::f32, std::vector<std::byte>(32)});
-  CHECK(stlFormat().lacks(stored) == std::vector<std::string>{"colours", "the attribute 'heat'"});
-  CHECK(objFormat().lacks(stored) == std::vector<std::string>{"the attribute 'heat'"});
+  CHECK(stlFormat().lacks(stored.cloud) == std::vector<std::string>{"colours", "the attribute 'heat'"});
+  CHECK(objFormat().lacks(stored.cloud) == std::vector<std::string>{"the attribute 'heat'"});
 }
 
 TEST_CASE("a mesh read as triangles keeps its corners, from any mesh format into any other") {
@@ -234,7 +234,7 @@ TEST_CASE("a mesh read as triangles keeps its corners, from any mesh format into
       writeCloud(folder / to, mesh.cloud, {.triangles = &mesh.triangles});
       const StoredCloud again = readCloud(folder / to, nullptr, {.asTriangles = true});
       CHECK(again.cloud.origin == DVec3(0));
-      CHECK(stlFormat().lacks(mesh).empty());
+      CHECK(stlFormat().lacks(mesh.cloud).empty());
       REQUIRE(again.triangles.size() == 12);
       for (std::size_t t = 0; t < 12; ++t)
         for (std::size_t k = 0; k < 3; ++k)
@@ -248,7 +248,7 @@ TEST_CASE("a mesh read as triangles keeps its corners, from any mesh format into
   std::ofstream(folder / "far.off") << "OFF\n3 1 0\n5000000.125 0 0\n5000001.001 0 0\n5000000 1 0\n3 0 1 2\n";
   const StoredCloud far = readCloud(folder / "far.off", nullptr, {.asTriangles = true});
   CHECK(far.cloud.fileCoordinates(1) == DVec3(5000001.001, 0, 0));
-  CHECK(stlFormat().lacks(far) == std::vector<std::string>{"coordinates finer than single precision"});
+  CHECK(stlFormat().lacks(far.cloud) == std::vector<std::string>{"coordinates finer than single precision"});
   for (const char* nowhere : {"nan", "inf", "1e37"}) {
     std::ofstream(folder / "none.off") << "OFF\n3 1 0\n" << nowhere << " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     CHECK_THROWS_WITH_AS(readCloud(folder / "none.off", nullptr, {.asTriangles = true}),

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <fstream>
 #include <sstream>
 
@@ -52,7 +53,8 @@ TEST_CASE("losses of a file that a sculpted cloud would replace are named: eleme
   CHECK_FALSE(fileInTheWay(folder.path()).losesSomething());
 }
 
-TEST_CASE("a replaced file is always kept as a backup; of palpate's own backups the newest stays, all others stay") {
+TEST_CASE(
+    "a replaced file is kept as a backup; of the versions that a session wrote the newest is kept, and all others") {
   const ScratchFolder folder;
   const auto file = write(folder / "mesh.ply", kMesh);
   write(folder / "mesh.ply.bak", "of long ago");
@@ -65,15 +67,24 @@ TEST_CASE("a replaced file is always kept as a backup; of palpate's own backups 
   CHECK_FALSE(ours.losesSomething());
   std::string saved = contentOf(file);
   PointCloud moved = readPly(file);
+  OwnSave own;
+  const std::string opened = saved;
   for (int k = 0; k < 3; ++k) {
     moved.positions[0].x += 1;
-    CHECK(saveKeeping(file, moved) == folder / "mesh.ply.bak3");
-    CHECK(contentOf(folder / "mesh.ply.bak3") == saved);
+    const auto kept = folder / (k == 0 ? "mesh.ply.bak3" : "mesh.ply.bak4");
+    CHECK(saveKeeping(file, moved, {.own = &own}) == kept);
+    CHECK(contentOf(kept) == saved);
     saved = contentOf(file);
   }
+  CHECK(contentOf(folder / "mesh.ply.bak3") == opened);
   CHECK(saved.find("written by palpate") == saved.rfind("written by palpate"));  // the mark is written once
   CHECK(contentOf(folder / "mesh.ply.bak2") == kMesh);
-  CHECK(filesIn(folder) == 4);
+  CHECK(filesIn(folder) == 5);
+  // Another program's version is not the session's.
+  write(file, opened);
+  std::filesystem::last_write_time(file, own.written + std::chrono::seconds(2));
+  CHECK(saveKeeping(file, moved, {.own = &own}) == folder / "mesh.ply.bak5");
+  CHECK(contentOf(folder / "mesh.ply.bak5") == opened);
   CHECK(saveKeeping(folder / "new.ply", cloud).empty());
 
   // A mesh written by palpate loses its faces, too.
@@ -91,7 +102,28 @@ TEST_CASE("the name for saving beside a file is an unused one") {
   CHECK(nameBeside(folder / "a.b.ply") == folder / "a.b-sculpted.ply");
   write(folder / "a.b-sculpted.ply", "");
   CHECK(nameBeside(folder / "a.b.ply") == folder / "a.b-sculpted-2.ply");
-  CHECK(nameBeside("scan") == "scan-sculpted");
+  CHECK(nameBeside("scan") == "scan-sculpted.ply");
+}
+
+TEST_CASE("a file in ASCII stays one, and so does its copy under another name") {
+  const ScratchFolder folder;
+  const auto file = write(folder / "mesh.ply", kMesh);
+  const PointCloud cloud = readPly(file);
+  saveKeeping(file, cloud);
+  saveKeeping(folder / "copy.ply", cloud, {.like = file});
+  saveKeeping(folder / "new.ply", cloud);
+  for (const char* name : {"mesh.ply", "copy.ply"})
+    CHECK(contentOf(folder / name).starts_with("ply\nformat ascii 1.0\n"));
+  CHECK(contentOf(folder / "new.ply").starts_with("ply\nformat binary_little_endian 1.0\n"));
+}
+
+TEST_CASE("a file is saved under its name only in its own format") {
+  const ScratchFolder folder;
+  for (const char* name : {"a.tsv", "a.dat", "a"}) {
+    CHECK(whereToSave(write(folder / name, "x\ty\tz\n1\t2\t3\n")) == folder / "a-sculpted.ply");
+    CHECK(whereToSave(write(folder / name, kMesh)) == folder / name);
+  }
+  CHECK(whereToSave(write(folder / "a.csv", "x,y,z\n1,2,3\n")) == folder / "a.csv");
 }
 
 }  // namespace palpate::saving_test

@@ -2,6 +2,7 @@
 // dates and colours as on the web among them.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 
 #include "engine/cloud/length_unit.hpp"
@@ -142,6 +143,41 @@ TEST_CASE("commas between thousands are read, and commas that may be decimal one
   CHECK(second("a.txt", "412,050 231,100 88\n0,125 231,101 89\n") == DVec3(0.125, 231.101, 89));
   CHECK(second("a.txt", "412,050 231,100 88\n1412,05 231,101 89\n") == DVec3(1412.05, 231.101, 89));
   CHECK(second("a.csv", "what;x;y;z\ntree 1;1,5;2,5;3,5\ntree 2;4,5;5,5;6,5\n") == DVec3(4.5, 5.5, 6.5));
+}
+
+TEST_CASE("quoted numbers, and points between thousands, are read as they stand") {
+  const auto second = [](const std::string& text) { return readingFile("a.csv", text).cloud.fileCoordinates(1); };
+  CHECK(second("x,y,z\n\"1,234,567\",\"5,399,957\",\"292\"\n\"1,234,568\",\"5,399,957\",\"292\"\n") ==
+        DVec3(1234568, 5399957, 292));
+  CHECK(second("x,y,z\n\"1,234,567\",\"12,345\",\"2\"\n\"1,234,568\",\"12,346\",\"3\"\n") == DVec3(1234568, 12346, 3));
+  CHECK(second("x;y;z\n\"1,5\";\"2,5\";\"3,5\"\n\"4,25\";\"5\";\"6\"\n") == DVec3(4.25, 5, 6));
+  CHECK(second("1.999,5;2.000,25;3,5\n1.998,5;2.000,5;3,75\n") == DVec3(1998.5, 2000.5, 3.75));
+  CHECK(second("x;y;z\n1.234.567,89;5.000.123,25;12,5\n1.234.568,89;5.000.124;1.013\n") ==
+        DVec3(1234568.89, 5000124, 1013));
+  CHECK(second("999,5;2;3,5\n1.001,5;2;3\n") == DVec3(1001.5, 2, 3));
+  for (const char* text : {"x,y,z\n\"12,345\",\"1,000\",\"1,500\"\n\"12,346\",\"1,001\",\"1,501\"\n",
+                           "x;y;z\n1,234;2,345;3,456\n1,235;2,346;3,457\n"})
+    refuses("a.csv", text, ":2: commas that may be decimal ones...");
+  refuses("a.csv", "x;y;z\n1,234;2;3\n1,234,567;2;3\n",
+          ":3: found '1,234,567' where the commas of other numbers may be decimal ones...");
+  refuses("a.csv", "x;y;z\n1,234,567;2;3\n1,5;2;3\n",
+          ":3: found '1,5' where the commas of other numbers stand between thousands...");
+  refuses("a.csv", "x;y;z\n1,5;2;3\n1.234;2;3\n", ":3: found '1.234' where...");
+  const StoredCloud names = readingFile("a.csv", "\"x\",\"y\",\"z\",\"name\"\n\"1\",\"2\",\"3\",\"c \"\"q\"\"\"\n");
+  CHECK(isSaid(names, "'name', which has words like 'c \"q\"'"));
+}
+
+TEST_CASE("axes of different units become those of x, and German names are known") {
+  const StoredCloud mixed = readingFile("a.csv", "x (m);y (m);z (mm)\n-25.5;-42.25;-7919.5\n");
+  CHECK(mixed.cloud.fileCoordinates(0) == DVec3(-25.5, -42.25, -7.9195));
+  CHECK(unitSaidIn(mixed.cloud.storedAs.comments) == LengthUnit::m);
+  const PointCloud german =
+      readingFile("a.csv", "Punkt;Rechts;Hoch;Höhe;Rot;Grün;Blau\nP1;3500000,12;5400000,5;100,5;9;8;7\n").cloud;
+  CHECK(german.fileCoordinates(0) == DVec3(3500000.12, 5400000.5, 100.5));
+  CHECK(german.colors.at(0) == std::array<std::uint8_t, 4>{9, 8, 7, 255});
+  const StoredCloud dates = readingFile("a.csv", "time,x,y,z\n2024-01-01 10:00:00,1,2,3\n2024-01-01 10:00:01,4,5,6\n");
+  CHECK(dates.cloud.fileCoordinates(1) == DVec3(4, 5, 6));
+  refuses("a.csv", "x,y,z\nP1,P2,P3\n", ":2: found 'P1', expected a point of the columns x,y,z");
 }
 
 TEST_CASE("lines of titles and separators may precede the names, and a DOS end sign follows the points") {

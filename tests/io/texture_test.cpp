@@ -173,6 +173,28 @@ TEST_CASE("OBJ: points have the colours of their texture") {
   checkColors(readObj(files, "map_Kd C:\\scans\\of today\\a.png\n").cloud, {});
 }
 
+TEST_CASE("OBJ: a corner of two colours becomes two, and what a texture has between corners is named") {
+  Files files;
+  files.add("a.png", picture());
+  const std::string two = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0.1 0.9\nvt 0.9 0.1\nvt 0.5 0.5\n";
+  const StoredCloud mesh = readObj(files, "map_Kd a.png\n", two,
+                                   "usemtl a\nf 1/1 2/1 3/1\nf 2/2 4/2 3/2\nf 1/1 2/1 4/3\n", {.asTriangles = true});
+  REQUIRE(mesh.triangles.size() == 3);
+  REQUIRE(mesh.cloud.hasColors());
+  const auto colorAt = [&](std::size_t triangle, std::size_t k) {
+    return mesh.cloud.colors[mesh.triangles[triangle][k]];
+  };
+  CHECK(mesh.cloud.size() == 7);
+  for (std::size_t k = 1; k < 3; ++k) {
+    CHECK(colorAt(0, k) == colorAt(0, 0));
+    CHECK(colorAt(1, k) == colorAt(1, 0));
+  }
+  CHECK(colorAt(0, 0) != colorAt(1, 0));
+  CHECK(mesh.triangles[2][1] == mesh.triangles[0][1]);
+  CHECK(mesh.cloud.fileCoordinates(mesh.triangles[1][0]) == DVec3(1, 0, 0));
+  CHECK(named(mesh.lost, "between") == "the colours of 1 texture between the corners");
+}
+
 TEST_CASE("OBJ: a texture that is not used is named with its reason") {
   Files files;
   files.add("a.png", picture()).add("text.png", "not a picture");

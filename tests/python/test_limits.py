@@ -81,7 +81,7 @@ elif limit == "files":
     hard = resource.getrlimit(before)[1]
     resource.setrlimit(before, (3, hard))
 elif limit == "threads":
-    if os.getuid() == 0:  # for whom the limit does not count
+    if os.getuid() == 0:  # the limit does not apply to root
         os.chmod(".", 0o777)
         os.setuid(65534)
     hard = resource.getrlimit(before)[1]
