@@ -14,24 +14,20 @@ constexpr std::size_t kMaxBricks = 200'000;  // known, or in one step
 }  // namespace
 
 std::uint32_t BrickAssembly::begin() {
-  ++epoch_;
-  taken_ = 0;
   before_.insert(known_.begin(), known_.end());
   coming_.clear();
   comingPoints_ = 0;
   next_ = {};
   ready_.reset();
-  return epoch_;
+  return order_.begin();
 }
 
 void BrickAssembly::require(bool holds, const char* what) const {
   if (!holds) throw NetworkError("received invalid points around a hand: {}", what);
 }
 
-BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
-  if (sample.epoch != epoch_) return Heard::old;
-  if (sample.sample <= taken_) return Heard::old;
-  if (sample.sample != taken_ + 1) return Heard::gap;
+Heard BrickAssembly::hear(const Points& sample) {
+  if (const Heard heard = order_.judge(sample.epoch, sample.sample); heard != Heard::taken) return heard;
   PALPATE_CHECK(!ready_);
   const std::size_t points = sample.points._length;
   require(sample.ids._length == points, "not every point has an id");
@@ -53,8 +49,8 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
     add(part, sample, at);
     at += part.count;
   }
-  require(at == points, "points belong to no brick");
-  ++taken_;
+  require(at == points && sample.states._length == 0, "points belong to no brick");
+  order_.take();
   next_.true_s = sample.true_s;
   for (std::size_t i = 0; i < forces.size(); ++i) next_.force_N[i / 3][static_cast<int>(i % 3)] = forces[i];
   if (!sample.last) return Heard::taken;
@@ -63,7 +59,7 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
   return Heard::taken;
 }
 
-void BrickAssembly::add(const BrickPart& part, const Bricks& sample, std::size_t at) {
+void BrickAssembly::add(const BrickPart& part, const Points& sample, std::size_t at) {
   Coming& coming = coming_[part.key];
   require(coming_.size() <= kMaxBricks, "too many bricks");
   if (!coming.brick) coming = {.total = part.total, .brick = std::make_shared<Brick>()};

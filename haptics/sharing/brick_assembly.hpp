@@ -8,6 +8,7 @@
 
 #include "haptics/sharing/brick_source.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/sample_order.hpp"
 
 namespace palpate::sharing {
 
@@ -20,32 +21,27 @@ class BrickAssembly {
   /// Starts a new epoch, in which everything is requested again. Known bricks stay until they are received again, or
   /// until a whole update of the new epoch lacks them.
   std::uint32_t begin();
-  std::uint32_t epoch() const { return epoch_; }
+  std::uint32_t epoch() const { return order_.epoch(); }
   /// Samples received in this epoch.
-  std::uint64_t taken() const { return taken_; }
+  std::uint64_t taken() const { return order_.taken(); }
 
-  enum class Heard {
-    taken,
-    old,  ///< of an earlier epoch
-    gap   ///< samples are missing: call begin()
-  };
-  /// Requires that takeUpdate() has returned the previous completed step. Throws NetworkError if the sample is not a
-  /// valid part of such a cloud.
-  Heard hear(const Bricks& sample);
+  /// A gap: call begin(). Requires that takeUpdate() has returned the previous completed step. Throws NetworkError if
+  /// the sample is not a valid part of such a cloud.
+  Heard hear(const Points& sample);
   /// Last piece of this client's strokes that the sender has taken; the received bricks contain its effect.
   std::uint64_t acked() const { return acked_; }
   /// The completed step, with the sender's time; returned once.
   std::optional<BrickUpdate> takeUpdate();
 
  private:
-  void add(const BrickPart& part, const Bricks& sample, std::size_t at);
+  void add(const BrickPart& part, const Points& sample, std::size_t at);
   void require(bool holds, const char* what) const;
   void finish(bool whole);
 
   BrickGrid grid_;
   std::size_t room_;
-  std::uint32_t epoch_ = 0;
-  std::uint64_t taken_ = 0, acked_ = 0;
+  SampleOrder order_;
+  std::uint64_t acked_ = 0;
   struct Coming {
     std::uint32_t total = 0;
     std::shared_ptr<Brick> brick;

@@ -12,6 +12,7 @@
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/session_notices.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
+#include "haptics/sharing/wanted_points.hpp"
 
 namespace palpate {
 
@@ -20,122 +21,113 @@ using namespace sharing;
 namespace {
 
 constexpr double kEndPoll_s = 0.05;      // how often a requested stop is checked
-constexpr double kAskAgain_s = 3;        // until missing blocks are requested again; DDS itself resends lost frames
 constexpr double kSecondServer_s = 0.3;  // time to find another session of the same name
-constexpr double kFewestAhead = 64, kMaxAhead = 4096;  // blocks requested and not received
 
-/// Fetches the points of a session, block by block.
+/// Receives the points of a session, block by block, and the edits since, if they are wanted.
 class Fetch {
  public:
   /// `every`: fetches each n-th point.
-  Fetch(const Participant& participant, const Topics& topics, const SessionNotice& notice, const JoinOptions& options,
-        std::uint64_t every)
+  Fetch(const JoinedSession& session, const SessionNotice& notice, const JoinOptions& options, std::uint32_t every,
+        bool edits)
       : notice_(notice),
-        every_(every),
-        points_((notice.points + every - 1) / every),
         options_(options),
-        requests_(participant, topics.requests, reliableQos(false)),
-        wait_(participant),
-        blocks_(blocksOf(points_)) {
-    std::uint8_t own[16];
-    set(own, client_);
-    reader_ = Reader<Block>(participant, topics.blocks, reliableQos(false, partitionOf(own)));
-    wait_.attach(reader_);
+        count_((notice.points + every - 1) / every),
+        stream_(session.participant, session.topics, notice.session, freshId()),
+        wait_(session.participant),
+        wanted_{.every = every, .edits = edits} {
+    stream_.attach(wait_);
     joined_.cloud.origin = notice.origin;
     joined_.mm_per_unit = notice.mm_per_unit;
     joined_.host = notice.host;
     joined_.model = notice.model;
+    begin();
   }
 
   JoinedCloud run() {
-    while (complete_ < blocks_) {
-      if (options_.stop && options_.stop()) throw NetworkError("interrupted after {} of {} points", taken_, points_);
-      ask();
+    while (received() < count_ || (wanted_.edits && !isWhole_)) {
+      if (options_.stop && options_.stop()) throw NetworkError("interrupted after {} of {} points", received(), count_);
+      wanted_.taken = order_.taken();
+      stream_.ask(wanted_);
       wait_.sleep(kEndPoll_s);
-      const std::uint64_t before = taken_;
-      reader_.take([&](const Block& block) { take(block); });
-      if (taken_ != before) lastCame_ = {};
+      bool gap = false;
+      stream_.take([&](const Points& sample) { gap = gap || take(sample) == Heard::gap; });
+      if (gap) begin();
       if (lastCame_.elapsed_s() > options_.timeout_s)
-        throw NetworkError("'{}' of {}: nothing received for {:.0f} s, after {} of {} points; is it still served?",
-                           notice_.name, notice_.host, options_.timeout_s, taken_, points_);
-      if (options_.log && points_ > 0)
-        options_.log->progress(notice_.name, static_cast<double>(taken_) / static_cast<double>(points_));
+        throw NetworkError("'{}' of {}: nothing received for {:.0f} s, after {} of {} points{}; is it still served?",
+                           notice_.name, notice_.host, options_.timeout_s, received(), count_,
+                           received() < count_ ? "" : ", before all edits");
+      if (options_.log && count_ > 0)
+        options_.log->progress(notice_.name, static_cast<double>(received()) / static_cast<double>(count_));
     }
+    wanted_.taken = order_.taken();
+    stream_.ask(wanted_);  // lets the server end the stream
     if (options_.log) options_.log->endProgress();
-    if (every_ == 1 && sharing::checksumOf(joined_.cloud) != notice_.checksum)
+    if (wanted_.every == 1 && sharing::checksumOf(joined_.cloud) != notice_.checksum)
       throw NetworkError("'{}' of {}: the received points are not those that were announced", notice_.name,
                          notice_.host);
+    if (wanted_.edits) joined_.cloud = editedCloud(joined_.cloud, states_);
     return std::move(joined_);
   }
 
  private:
-  // Requests as much ahead as the link has carried so far; blocks that were not received in time are requested again.
-  void ask() {
-    const bool again = lastAsked_.elapsed_s() > kAskAgain_s && lastCame_.elapsed_s() > kAskAgain_s;
-    if (again) ahead_ = std::max(kFewestAhead, ahead_ / 2);
-    const std::uint64_t end = std::min(blocks_, complete_ + static_cast<std::uint64_t>(ahead_));
-    const std::uint64_t begin = again ? complete_ : asked_;
-    // A quarter of `ahead_` at a time: a request costs as much as a frame.
-    if (end <= begin || (!again && static_cast<double>(end - begin) < ahead_ / 4 && end != blocks_)) return;
-    Request request{};
-    set(request.session, notice_.session);
-    set(request.client, client_);
-    put(request.host, host_);
-    request.first = static_cast<std::uint32_t>(begin);
-    request.count = static_cast<std::uint32_t>(end - begin);
-    request.every = static_cast<std::uint32_t>(every_);
-    if (requests_.write(request)) asked_ = std::max(asked_, end);
-    lastAsked_ = {};
-    came_.resize(std::max(came_.size(), static_cast<std::size_t>(end)), 0);
-    const std::size_t points = static_cast<std::size_t>(std::min(points_, end * kBlockPoints));
-    if (joined_.cloud.positions.size() >= points) return;
-    joined_.cloud.positions.resize(points);
-    joined_.cloud.normals.resize(points);
-    if (notice_.colored) joined_.cloud.colors.resize(points);
+  std::uint64_t received() const { return joined_.cloud.size(); }
+
+  // Begins the stream, or begins it again from what is here.
+  void begin() {
+    wanted_.epoch = order_.begin();
+    wanted_.first = static_cast<std::uint32_t>(blocksOf(received()));
+    states_.clear();
   }
 
-  void take(const Block& block) {
-    if (!isSame(block.session, notice_.session) || block.every != every_ || block.number >= came_.size() ||
-        came_[block.number])
-      return;
-    const std::uint32_t count = pointsIn(block.number, points_);
-    if (block.points._length != count)
-      throw NetworkError("'{}' of {}: block {} has {} points instead of {}", notice_.name, notice_.host, block.number,
-                         block.points._length, count);
+  Heard take(const Points& sample) {
+    const Heard heard = order_.judge(sample.epoch, sample.sample);
+    if (heard != Heard::taken) return heard;
+    order_.take();
+    lastCame_ = {};
+    if (sample.points._length > 0) addBlock({sample.points._buffer, sample.points._length});
+    if (wanted_.edits && received() == count_) addEdits(sample);
+    return heard;
+  }
+
+  void addBlock(std::span<const Point> block) {
+    const std::uint64_t number = blocksOf(received());
+    const std::uint32_t count = received() < count_ ? pointsIn(number, count_) : 0;
+    if (block.size() != count)
+      throw NetworkError("'{}' of {}: block {} has {} points instead of {}", notice_.name, notice_.host, number,
+                         block.size(), count);
     PointCloud& cloud = joined_.cloud;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const Point& point = block.points._buffer[i];
-      const std::size_t at = std::size_t{block.number} * kBlockPoints + i;
-      cloud.positions[at] = Vec3(point.position[0], point.position[1], point.position[2]);
-      cloud.normals[at] = Vec3(point.normal[0], point.normal[1], point.normal[2]);
-      if (notice_.colored)
-        for (unsigned k = 0; k < 4; ++k) cloud.colors[at][k] = static_cast<std::uint8_t>(point.color >> (8 * k));
-      constexpr double kLongest = 1.01;  // maximum length of a unit normal
-      if (!isFinite(DVec3(cloud.positions[at])) || !(glm::length(cloud.normals[at]) < kLongest))
+    for (const Point& point : block) {
+      const Vec3 position(point.position[0], point.position[1], point.position[2]),
+          normal(point.normal[0], point.normal[1], point.normal[2]);
+      constexpr float kLongest = 1.01f;  // maximum length of a unit normal
+      if (!isFinite(position) || !(glm::length(normal) < kLongest))
         throw NetworkError("'{}' of {}: point {} is invalid: it has no position or no normal", notice_.name,
-                           notice_.host, at);
+                           notice_.host, received());
+      cloud.positions.push_back(position);
+      cloud.normals.push_back(normal);
+      if (notice_.colored) cloud.colors.push_back(unpackedColor(point.color));
     }
-    came_[block.number] = 1;
-    ahead_ = std::min(kMaxAhead, ahead_ + 1);  // doubles with each round trip: fills a link without flooding it
-    taken_ += count;
-    while (complete_ < came_.size() && came_[complete_]) ++complete_;
+  }
+
+  void addEdits(const Points& sample) {
+    if (states_.empty()) states_ = statesOf(joined_.cloud);
+    const std::optional<Results> results = resultsOf(sample, count_, come_);
+    if (!results) throw NetworkError("'{}' of {}: an edit is invalid", notice_.name, notice_.host);
+    for (const PointState& state : come_) states_[state.number] = state;
+    isWhole_ = sample.whole && sample.upTo == sample.head;
   }
 
   const SessionNotice& notice_;
-  std::uint64_t every_, points_;  // points_: number to fetch
   const JoinOptions& options_;
-  Id client_ = freshId();
-  std::string host_ = ownHost();
-  Writer<Request> requests_;
-  Reader<Block> reader_;
+  std::uint64_t count_;  // of the points to fetch
+  WantedPoints stream_;
   ReaderWait wait_;
+  Wanted wanted_;
+  SampleOrder order_;
   JoinedCloud joined_;
-  std::uint64_t blocks_;                    // total
-  std::uint64_t asked_ = 0, complete_ = 0;  // all blocks before it are requested, received
-  std::uint64_t taken_ = 0;                 // points
-  double ahead_ = kFewestAhead;
-  std::vector<std::uint8_t> came_;
-  Stopwatch lastAsked_, lastCame_;
+  std::vector<PointState> states_, come_;  // as edited
+  bool isWhole_ = false;
+  Stopwatch lastCame_;
 };
 
 // Hint that programs with keys are present: without their keys this program cannot receive from them.
@@ -186,47 +178,10 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
   return found;
 }
 
-// Applies the edits made so far, once.
-void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOptions& options) {
-  const Writer<ResumeRequest> requests(session.participant, session.topics.resumes, reliableQos(false));
-  std::uint8_t own[16];
-  set(own, session.client);
-  const Reader<Result> results(session.participant, session.topics.results, reliableQos(false, partitionOf(own)));
-  ReaderWait wait(session.participant);
-  wait.attach(results);
-  EditExchange exchange(statesOf(cloud), 1);
-  std::vector<PointState> states = statesOf(cloud), come;
-  const auto ask = [&] { requests.write(requestOf(session, exchange.resume())); };
-  ask();
-  Stopwatch lastCame, lastAsked;
-  for (bool isWhole = false; !isWhole;) {
-    throwIfStopped(options.stop);
-    wait.sleep(kEndPoll_s);
-    bool again = lastAsked.elapsed_s() > kAskAgain_s && lastCame.elapsed_s() > kAskAgain_s;
-    results.take([&](const Result& result) {
-      const std::optional<Results> said = resultsOf(session, result, states.size(), come);
-      if (!said) return;
-      const EditExchange::Heard heard = exchange.hear(*said);
-      if (heard == EditExchange::Heard::gap) again = true;
-      if (heard != EditExchange::Heard::taken) return;
-      lastCame = {};
-      for (const PointState& state : come) states[state.number] = state;
-      isWhole = isWhole || result.upTo == result.head;
-    });
-    if (lastCame.elapsed_s() > options.timeout_s)
-      throw NetworkError("'{}' of {}: its edits were not received within {:.0f} s", session.name, session.host,
-                         options.timeout_s);
-    if (!again || isWhole) continue;
-    ask();
-    lastAsked = {};
-  }
-  cloud = editedCloud(cloud, states);
-}
-
 // For a cloud streamed around the hands: a subsample for orientation.
-std::uint64_t everyFor(std::uint64_t points) {
+std::uint32_t everyFor(std::uint64_t points) {
   constexpr std::uint64_t kOverview = 8192;
-  return std::max<std::uint64_t>(1, (points + kOverview - 1) / kOverview);
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, (points + kOverview - 1) / kOverview));
 }
 
 }  // namespace
@@ -244,16 +199,16 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
     throw NetworkError("'{}' of {}: does not describe its model; is it still served?", notice.name, notice.host);
   const bool isNear = options.partial || (facts->moves && !options.present);
   // Bodies that stand in matter are not subsampled.
-  const std::uint64_t every = isNear && facts->standing == 0 ? everyFor(notice.points) : 1;
-  JoinedCloud joined = Fetch(session->participant, session->topics, notice, options, every).run();
+  const std::uint32_t every = isNear && facts->standing == 0 ? everyFor(notice.points) : 1;
+  const bool edits = options.present && notice.sculptable && !isNear;
+  JoinedCloud joined = Fetch(*session, notice, options, every, edits).run();
   joined.sculptable = notice.sculptable && !isNear;
   describe(joined.cloud, facts->file);
   joined.unsent = facts->file.unsent;
   if (isNear) {
     joined.facts = facts;
     joined.far = openFarCloud({.session = session, .notice = notice, .facts = *facts, .log = options.log});
-  } else if (options.present && notice.sculptable)
-    bringUpToDate(joined.cloud, *session, options);
+  }
   joined.session = std::move(session);
   return joined;
 }
@@ -263,7 +218,7 @@ NetworkSurvey discoverSessions(const NetworkConfig& network, double seconds, con
   const Topics topics(participant);
   SessionNotices notices(participant, topics);
   const Writer<Ping> pings(participant, topics.pings, bestEffortQos());
-  const Reader<Ping> echoes(participant, topics.echoes, bestEffortQos());
+  const Reader<Ping> echoes(participant, topics.pings, bestEffortQos(kEchoes));
   ReaderWait wait(participant);
   wait.attach(echoes);
   const std::vector<SessionNotice> known = notices.listen(seconds, stop);

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <deque>
-#include <map>
 #include <optional>
 #include <vector>
 
@@ -9,9 +7,9 @@
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/counted.hpp"
-#include "haptics/sharing/brick_server.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/motion_thread.hpp"
+#include "haptics/sharing/point_server.hpp"
 #include "haptics/sharing/session_name.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/stroke_server.hpp"
@@ -24,15 +22,9 @@ using namespace sharing;
 namespace {
 
 constexpr std::size_t kLongestName = 200;
-constexpr std::size_t kMaxFollowers = 64;    // at a time; one more replaces the client that was idle for longest,
-constexpr double kFollowerTimeout_s = 5;     // if it was idle for this long: waiting clients ask again sooner
-constexpr double kFull_s = 0.002;            // until links without room are tried again
-constexpr std::int32_t kMaxRequests = 4096;  // requests and pings queued
-// Blocks kept for clients that may not have them yet, 1.4 KB each: maximum of all together, and what each client may
-// have in any case.
-constexpr std::uint64_t kMaxUnacked = 65'536, kMinUnacked = 512;
-constexpr double kServerPoll_s = 0.05;  // how often a requested stop is checked
-constexpr double kFrameLook_s = 0.004;  // how often a new frame is looked for
+constexpr std::int32_t kMaxPings = 4096;  // queued
+constexpr double kServerPoll_s = 0.05;    // how often a requested stop is checked
+constexpr double kFrameLook_s = 0.004;    // how often a new frame is looked for
 
 void requireSessionName(const std::string& name) {
   if (name.empty() || name.size() > kLongestName || printable(name.c_str()) != name)
@@ -60,39 +52,28 @@ FarFacts factsOf(const PointCloud& cloud, const CloudServer::Parts& parts) {
 }  // namespace
 
 struct CloudServer::Link {
-  struct Range {
-    std::uint32_t first, end, every;
-  };
-  struct Client {
-    Writer<Block> blocks;  // in its partition
-    Stopwatch lastAsked;
-    std::uint64_t unacked = 0;  // blocks written since all were acknowledged; an upper bound
-    std::deque<Range> asked;    // not written yet; written as fast as the link accepts them
-  };
-
   Link(const PointCloud& served, Parts given)
       : cloud(served),
         parts(std::move(given)),
         participant(parts.network),
         topics(participant),
         name(participant, topics, parts.name, parts.log),
-        echoes(participant, topics.echoes, bestEffortQos()),
-        requests(participant, topics.requests, keepingLast(reliableQos(false), kMaxRequests)),
-        pings(participant, topics.pings, keepingLast(bestEffortQos(), kMaxRequests)),
+        echoes(participant, topics.pings, bestEffortQos(kEchoes)),
+        pings(participant, topics.pings, keepingLast(bestEffortQos(), kMaxPings)),
         versions(participant),
         wait(participant),
         shared(statesOf(cloud)) {
-    wait.attach(requests);
     wait.attach(pings);
     if (parts.sculptable) goOn();
-    near.emplace(BrickServer::Parts{.participant = participant,
-                                    .topics = topics,
-                                    .session = session,
-                                    .facts = factsOf(cloud, parts),
-                                    .file = servedFileOf(cloud),
-                                    .points = shared,
-                                    .log = parts.log});
-    near->attach(wait);
+    streams.emplace(PointServer::Parts{.participant = participant,
+                                       .topics = topics,
+                                       .session = session,
+                                       .cloud = cloud,
+                                       .facts = factsOf(cloud, parts),
+                                       .file = servedFileOf(cloud),
+                                       .points = shared,
+                                       .log = parts.log});
+    streams->attach(wait);
     if (parts.motion)
       moving.emplace(MotionThread::Parts{.motion = parts.motion,
                                          .rate_Hz = parts.motion_Hz,
@@ -153,96 +134,6 @@ struct CloudServer::Link {
     name.announce(notice);
   }
 
-  // Null if there are too many clients and all are active.
-  Client* clientOf(const Request& request) {
-    const Id id = idOf(request.client);
-    if (const auto there = clients.find(id); there != clients.end()) return &there->second;
-    if (clients.size() >= kMaxFollowers) {
-      const auto last =
-          std::ranges::max_element(clients, {}, [](const auto& entry) { return entry.second.lastAsked.elapsed_s(); });
-      if (last->second.lastAsked.elapsed_s() < kFollowerTimeout_s) return nullptr;
-      unacked -= last->second.unacked;
-      clients.erase(last);
-    }
-    ++counts.clients;
-    if (parts.log) parts.log->say("{}: {} fetches the points", parts.name, printable(request.host));
-    Client client;
-    client.blocks = Writer<Block>(participant, topics.blocks, reliableQos(false, partitionOf(request.client)));
-    return &clients.emplace(id, std::move(client)).first->second;
-  }
-
-  void answer(const Request& request) {
-    if (!isSame(request.session, session)) return;  // another server's
-    const std::uint32_t every = std::max(1U, request.every);
-    const std::uint64_t blocks = blocksOf((cloud.size() + every - 1) / every);
-    if (request.count == 0 || request.count > kMaxRequested || request.first >= blocks ||
-        request.count > blocks - request.first) {
-      ++counts.refused;
-      return;
-    }
-    Client* const client = clientOf(request);
-    if (!client) {
-      ++counts.refused;
-      return;
-    }
-    ++counts.requests;
-    client->lastAsked = {};
-    constexpr std::size_t kMaxRanges = 64;  // a client with more requests pending keeps the last ones
-    if (client->asked.size() >= kMaxRanges) client->asked.pop_front();
-    client->asked.push_back({request.first, request.first + request.count, every});
-  }
-
-  // Some blocks for each client in turn, as long as its link accepts them. Returns the seconds until there is more to
-  // do.
-  double write() {
-    constexpr std::uint32_t kInTurn = 64;  // blocks
-    bool isLeft = false;
-    const std::uint64_t before = counts.blocks;
-    if (unacked >= kMaxUnacked) countUnacked();
-    for (auto& [id, client] : clients) {
-      for (std::uint32_t i = 0; i < kInTurn && !client.asked.empty(); ++i) {
-        Range& range = client.asked.front();
-        if (unacked >= kMaxUnacked && client.unacked >= kMinUnacked) break;
-        if (!writeBlock(client, range.first, range.every)) break;
-        ++unacked;
-        ++client.unacked;
-        if (++range.first == range.end) client.asked.pop_front();
-      }
-      isLeft = isLeft || !client.asked.empty();
-    }
-    return !isLeft ? kServerPoll_s : counts.blocks == before ? kFull_s : 0;
-  }
-
-  // DDS no longer keeps blocks that all their readers have received.
-  void countUnacked() {
-    unacked = 0;
-    for (auto& [id, client] : clients) {
-      if (client.blocks.isAcked()) client.unacked = 0;
-      unacked += client.unacked;
-    }
-  }
-
-  bool writeBlock(const Client& client, std::uint32_t number, std::uint32_t every) {
-    const std::uint32_t count = pointsIn(number, (cloud.size() + every - 1) / every);
-    points.resize(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const std::size_t at = (std::size_t{number} * kBlockPoints + i) * every;
-      for (int axis = 0; axis < 3; ++axis) {
-        points[i].position[axis] = cloud.positions[at][axis];
-        points[i].normal[axis] = cloud.normals[at][axis];
-      }
-      points[i].color = packedColor(cloud, at);
-    }
-    Block block{};
-    set(block.session, session);
-    block.number = number;
-    block.every = every;
-    give(block.points, points);
-    const bool isWritten = client.blocks.write(block);
-    counts.blocks += isWritten;
-    return isWritten;
-  }
-
   const PointCloud& cloud;
   Parts parts;
   Participant participant;
@@ -250,19 +141,15 @@ struct CloudServer::Link {
   Id session = freshId();
   SessionName name;
   Writer<Ping> echoes;
-  Reader<Request> requests;
   Reader<Ping> pings;
   VersionWatch versions;
   ReaderWait wait;
-  std::map<Id, Client> clients;
-  std::uint64_t unacked = 0;  // of all clients
-  std::vector<Point> points;  // of the block that is being written
   SharedPoints shared;
   std::optional<StrokeJournal> journal;
   std::optional<StrokeServer> strokes;
-  std::optional<BrickServer> near;
+  std::optional<PointServer> streams;
   std::optional<MotionThread> moving;
-  ServedCounts counts;
+  std::uint64_t answered = 0;  // pings
 };
 
 CloudServer::CloudServer(const PointCloud& cloud, Parts parts) {
@@ -284,34 +171,35 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
   double next_s = 0;
   while (!stop && !(seconds > 0 && since.elapsed_s() >= seconds)) {
     if (next_s > 0) link_->wait.sleep(std::min(kServerPoll_s, next_s));
+    PointServer& streams = *link_->streams;
     link_->pings.take([&](const Ping& ping) {
       if (!isSame(ping.session, link_->session)) return;
       link_->echoes.write(ping);
-      ++link_->counts.pings;
-      if (link_->strokes) link_->strokes->heard(idOf(ping.client));
+      ++link_->answered;
+      streams.heard(idOf(ping.client));
     });
     link_->sayVersions();
     link_->name.watch();
-    link_->requests.take([&](const Request& request) { link_->answer(request); });
     if (link_->strokes) link_->strokes->take();
-    next_s = link_->write();
-    if (link_->strokes) next_s = std::min(next_s, link_->strokes->write());
-    if (link_->parts.restarts) link_->near->tell(link_->parts.restarts());
-    link_->near->take();
+    if (link_->parts.restarts) streams.tell(link_->parts.restarts());
+    streams.take();
     if (link_->moving)
-      if (auto moved = link_->moving->newest(); moved.frame) link_->near->show(std::move(moved.frame), moved.hands);
-    next_s = std::min(next_s, link_->near->write());
-    if (link_->moving && !link_->near->isIdle()) next_s = std::min(next_s, kFrameLook_s);
+      if (auto moved = link_->moving->newest(); moved.frame) streams.show(std::move(moved.frame), moved.hands);
+    next_s = streams.write();
+    if (link_->moving && !streams.isIdle()) next_s = std::min(next_s, kFrameLook_s);
   }
 }
 
 ServedCounts CloudServer::counts() const {
-  ServedCounts counts = link_->counts;
-  const BrickCounts& near = link_->near->counts();
-  counts.partial = near.clients;
-  counts.partialPoints = near.points;
-  counts.partialSteps = near.steps;
-  counts.refused += near.refused;
+  const StreamCounts& streams = link_->streams->counts();
+  ServedCounts counts{.clients = streams.whole,
+                      .samples = streams.samples,
+                      .pings = link_->answered,
+                      .refused = streams.refused,
+                      .sent = streams.states,
+                      .partial = streams.near,
+                      .partialPoints = streams.nearPoints,
+                      .partialSteps = streams.nearSteps};
   if (link_->moving) counts.frames = link_->moving->frames();
   if (!link_->strokes) return counts;
   const StrokeTally& strokes = link_->strokes->counts();
@@ -320,7 +208,6 @@ ServedCounts CloudServer::counts() const {
   counts.states = strokes.states;
   counts.again = strokes.again;
   counts.refused += strokes.refused;
-  counts.sent = strokes.sent;
   return counts;
 }
 

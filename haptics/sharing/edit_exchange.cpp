@@ -80,11 +80,9 @@ std::span<const PointChange> EditExchange::nextOffer() {
   return offer_;
 }
 
-EditExchange::Heard EditExchange::hear(const Results& results) {
-  if (results.epoch != epoch_) return Heard::old;
-  if (results.counter <= counter_) return Heard::old;
-  if (results.counter != counter_ + 1) return Heard::gap;
-  counter_ = results.counter;
+Heard EditExchange::hear(const Results& results) {
+  if (const Heard heard = order_.judge(results.epoch, results.sample); heard != Heard::taken) return heard;
+  order_.take();
   hasHeard_ = true;
   outbox_.taken(results.acked);
   for (const PointState& state : results.states) {
@@ -111,10 +109,8 @@ Resume EditExchange::resume() {
 }
 
 Resume EditExchange::ask() {
-  ++epoch_;
-  counter_ = 0;
   hasHeard_ = false;
-  return {.epoch = epoch_, .upTo = upTo_};
+  return {.epoch = order_.begin(), .upTo = upTo_};
 }
 
 }  // namespace palpate::sharing

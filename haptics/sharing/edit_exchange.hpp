@@ -11,18 +11,19 @@
 
 #include "engine/core/edit_batch.hpp"
 #include "haptics/sharing/point_digest.hpp"
+#include "haptics/sharing/sample_order.hpp"
 #include "haptics/sharing/stroke_outbox.hpp"
 
 namespace palpate::sharing {
 
 /// Message of the server to one client.
 struct Results {
-  std::uint32_t epoch = 0;    ///< of the request that it answers
-  std::uint64_t counter = 0;  ///< number in that epoch, from 1
-  std::uint64_t acked = 0;    ///< last piece of this client that the server has taken
-  std::uint64_t upTo = 0;     ///< position in the common order up to which changes are known
-  std::uint64_t head = 0;     ///< end of the common order
-  std::uint64_t digest = 0;   ///< checksum of all points, at `head`
+  std::uint32_t epoch = 0;   ///< of the request that it answers
+  std::uint64_t sample = 0;  ///< number in that epoch, from 1
+  std::uint64_t acked = 0;   ///< last piece of this client that the server has taken
+  std::uint64_t upTo = 0;    ///< position in the common order up to which changes are known
+  std::uint64_t head = 0;    ///< end of the common order
+  std::uint64_t digest = 0;  ///< checksum of all points, at `head`
   std::span<const PointState> states;
 };
 
@@ -53,11 +54,7 @@ class EditExchange {
   bool isOffering() const { return isOffered_ || !inFlight_.empty(); }
 
   // The server's side.
-  enum class Heard {
-    taken,
-    old,  ///< of an earlier epoch
-    gap   ///< messages are missing: call resume()
-  };
+  /// A gap: call resume().
   Heard hear(const Results& results);
   /// Requests missing changes. Pieces that were sent and not taken are sent again.
   Resume resume();
@@ -81,6 +78,8 @@ class EditExchange {
   std::span<const PointState> points() const { return shown_; }
   std::uint64_t digest() const { return digest_.value(); }
   std::uint64_t upTo() const { return upTo_; }
+  /// Messages received in this epoch.
+  std::uint64_t taken() const { return order_.taken(); }
   std::uint64_t sentStates() const { return outbox_.sentStates(); }  ///< of this hand, each piece once
   std::uint64_t receivedStates() const { return receivedStates_; }   ///< of others, counted when they take effect here
   std::uint64_t resent() const { return outbox_.resent(); }          ///< pieces sent more than once
@@ -103,8 +102,8 @@ class EditExchange {
   bool isOffered_ = false;
   std::uint64_t changesFollowed_ = 0;
 
-  std::uint32_t epoch_ = 0;
-  std::uint64_t counter_ = 0, upTo_ = 0, head_ = 0, serverDigest_ = 0;
+  SampleOrder order_;
+  std::uint64_t upTo_ = 0, head_ = 0, serverDigest_ = 0;
   bool hasHeard_ = false;  // a message of this epoch
   std::uint64_t receivedStates_ = 0;
 };

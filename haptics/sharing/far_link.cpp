@@ -1,7 +1,6 @@
 #include "haptics/sharing/far_link.hpp"
 
 #include <algorithm>
-#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -10,10 +9,8 @@
 #include "haptics/sharing/brick_assembly.hpp"
 #include "haptics/sharing/hand_balls.hpp"
 #include "haptics/sharing/joined_session.hpp"
-#include "haptics/sharing/link_messages.hpp"
-#include "haptics/sharing/link_probe.hpp"
 #include "haptics/sharing/restart_watch.hpp"
-#include "haptics/sharing/stroke_sender.hpp"
+#include "haptics/sharing/server_link.hpp"
 
 namespace palpate {
 
@@ -23,13 +20,8 @@ namespace {
 
 constexpr std::size_t kRoom = 1 << 18;  // points known at once, twice what a server sends
 constexpr double kHandPoll_s = 0.004;   // polling interval of the hands' positions
-constexpr double kAsk_s = 0.05;         // between two requests if nothing is new
-constexpr double kNews_s = 0.005;       // and if something is
-constexpr double kServerTimeout_s = 3;  // then another server of the same points is searched for
-constexpr double kStrokeTimeout_s = 5;  // then unacknowledged strokes are sent again
-constexpr int kMaxStrokeRetries = 12;   // maximum number of these in a row while the server sends messages
 constexpr int kMaxSpoilt = 100;         // invalid samples before one step is complete
-constexpr double kFirstTrip_s = 0.1;    // until one is measured
+constexpr double kFirstTrip_ms = 100;   // until one is measured
 constexpr double kMinSpeed_mm_s = 60;   // of a hand that may start to move
 constexpr double kFastestOf_s = 5;      // how long the fastest transmission from the server counts
 
@@ -56,35 +48,25 @@ class FarLink final : public BrickCloud {
  public:
   explicit FarLink(const FarParts& parts)
       : parts_(parts),
-        messages_(parts.log),
         to_(*parts.session),
-        server_(to_.session),
         source_(
             {.edge = parts.facts.edge, .points = kRoom, .moves = parts.facts.moves, .colored = parts.notice.colored}),
+        link_(to_, parts.log, [this] { source_.giveUp(); }),
         assembly_(parts.facts.edge, kRoom),
         balls_(parts.facts.edge, kMinSpeed_mm_s / parts.notice.mm_per_unit),
-        nears_(to_.participant, to_.topics.nears, bestEffortQos()),
-        strokes_(to_),
-        probe_(to_),
-        notices_(to_.participant, to_.topics),
-        restarts_(std::in_place, to_.participant, server_),
-        wait_(std::in_place, to_.participant) {
-    std::uint8_t own[16];
-    set(own, to_.client);
-    bricks_ = Reader<Bricks>(to_.participant, to_.topics.bricks, reliableQos(false, partitionOf(own)));
-    wait_->attach(bricks_);
+        restarts_(std::in_place, to_.participant, to_.session) {
     assembly_.begin();
-    counts_.resumed = 0;
-    thread_ = startThread([this](const std::stop_token& stop) { run(stop); });
+    thread_ =
+        startThread([this](const std::stop_token& stop) { link_.run(stop, kHandPoll_s, nullptr, [this] { turn(); }); });
   }
 
   BrickSource& source() override { return source_; }
   bool moves() const override { return parts_.facts.moves; }
-  const InformationAge& known() const override { return known_; }
+  const InformationAge& known() const override { return link_.known(); }
   bool isSculptable() const override { return parts_.notice.sculptable && !moves(); }
 
   FarCounts counts() const override {
-    const std::scoped_lock hold(lock_);
+    const std::scoped_lock hold(link_.lock());
     FarCounts counts = counts_;
     const BrickSource::Known known = source_.known();
     counts.bricks = known.bricks;
@@ -92,45 +74,26 @@ class FarLink final : public BrickCloud {
     counts.sent = outbox_.sentStates();
     counts.resent = outbox_.resent();
     counts.delivered = outbox_.isEmpty() && known.allTaken;
-    counts.silent_s = lastHeard_.elapsed_s();
-    counts.longestSilent_s = std::max(counts.longestSilent_s, counts.silent_s);
-    const LinkCounts link = probe_.counts();
+    counts.silent_s = link_.silent_s();
+    counts.longestSilent_s = link_.longestSilent_s();
+    const LinkCounts link = link_.counts();
     counts.pings = link.pings;
     counts.answered = link.answered;
     counts.roundTrip_ms = link.roundTrip_ms;
     return counts;
   }
 
-  std::vector<std::string> takeSaid() override { return messages_.take(); }
+  std::vector<std::string> takeSaid() override { return link_.takeSaid(); }
 
   void check() const override {
-    const std::scoped_lock hold(lock_);
-    if (!fault_.empty()) throw NetworkError("{}", fault_);
+    const std::scoped_lock hold(link_.lock());
+    if (!link_.fault().empty()) throw NetworkError("{}", link_.fault());
   }
 
  private:
-  void run(const std::stop_token& stop) {
-    try {
-      while (!stop.stop_requested() && fault_.empty()) {  // only this thread sets fault_
-        wait_->sleep(kHandPoll_s);
-        {
-          const std::scoped_lock hold(lock_);
-          turn();
-        }
-        messages_.log();
-      }
-    } catch (const std::exception& error) {
-      const std::scoped_lock hold(lock_);
-      fail(fmt::format("'{}' of {}: {}", to_.name, to_.host, error.what()));
-    }
-    messages_.log();
-    wait_.reset();
-    bricks_ = {};
-  }
-
   void turn() {
     hear();
-    probe();
+    if (link_.probe()) link_.heard();
     watchServer();
     hearRestarts();
     send();
@@ -139,8 +102,8 @@ class FarLink final : public BrickCloud {
 
   void hear() {
     bool gap = false;
-    bricks_.take([&](const Bricks& sample) {
-      if (gap || !isSame(sample.session, server_)) return;
+    link_.points().take([&](const Points& sample) {
+      if (gap) return;
       try {
         gap = !take(sample);
       } catch (const Error&) {
@@ -153,23 +116,19 @@ class FarLink final : public BrickCloud {
   }
 
   // False if an earlier sample is missing.
-  bool take(const Bricks& sample) {
-    const BrickAssembly::Heard heard = assembly_.hear(sample);
-    if (heard == BrickAssembly::Heard::old) return true;
-    if (heard == BrickAssembly::Heard::gap) return false;
+  bool take(const Points& sample) {
+    const Heard heard = assembly_.hear(sample);
+    if (heard != Heard::taken) return heard == Heard::old;
     ++counts_.samples;
     counts_.points += sample.points._length;
-    isHeardNow();
+    link_.heard();
     if (auto update = assembly_.takeUpdate()) {
       update->true_s = way_.arrived(steadyNow_s(), update->true_s);
       update->settled = outbox_.taken(assembly_.acked());
       // While more bricks of an update are pending, the server acknowledges no strokes.
-      if (!update->whole || std::exchange(lastAcked_, assembly_.acked()) != assembly_.acked()) {
-        progressed_ = {};
-        stuck_ = 0;
-      }
+      if (!update->whole || std::exchange(lastAcked_, assembly_.acked()) != assembly_.acked()) progresses_ = true;
       const bool isChanged = source_.apply(std::move(*update));
-      if (isChanged && !moves()) known_.changed();
+      if (isChanged && !moves()) link_.changed();
       spoilt_ = 0;
       ++counts_.updates;
       counts_.mostKnown = std::max(counts_.mostKnown, source_.known().points);
@@ -177,144 +136,66 @@ class FarLink final : public BrickCloud {
     return true;
   }
 
-  // Sends the strokes of hands here to the server, and again if it does not acknowledge them.
+  // Sends the strokes of hands here to the server.
   void send() {
     made_.clear();
     source_.takeMade(made_);
     for (const PointState& state : made_) outbox_.add(state);
-    if (outbox_.isEmpty() || lastHeard_.elapsed_s() > kServerTimeout_s) progressed_ = {};
-    if (progressed_.elapsed_s() > kStrokeTimeout_s) {
-      if (++stuck_ > kMaxStrokeRetries)
-        return fail(fmt::format("'{}' of {} accepts no edits of this hand; join it again", to_.name, to_.host));
-      sendAgain();
-      progressed_ = {};
-    }
-    strokes_.send(outbox_, server_);
+    link_.send(outbox_, std::exchange(progresses_, false));
   }
-
-  void sendAgain() { outbox_.sendAgain(); }
 
   void restart() {
     assembly_.begin();
-    sendAgain();
+    outbox_.sendAgain();
     ++counts_.resumed;
-    isNew_ = true;
   }
 
-  void isHeardNow() {
-    counts_.longestSilent_s = std::max(counts_.longestSilent_s, lastHeard_.elapsed_s());
-    lastHeard_ = {};
-    known_.heard();
-  }
-
-  void probe() {
-    if (!probe_.turn()) return;
-    isHeardNow();
-    trip_s_ = 1e-3 * probe_.counts().roundTrip_ms.value();
-    known_.setRoundTrip(trip_s_);
-  }
-
-  // Logs silence and its end. A new server of the same points is as good as the previous one.
+  // A new server of the same points is as good as the previous one.
   void watchServer() {
-    const double silent_s = lastHeard_.elapsed_s();
-    const bool isWhole = known_.share() >= 1;
-    if (isWhole && !std::exchange(wasWhole_, true))
-      messages_.add(fmt::format("messages from {} of {} arrive again", to_.name, to_.host));
-    if (!isWhole && std::exchange(wasWhole_, false))
-      messages_.add(fmt::format("no message from {} of {} for {:.1f} s: the force fades until the next message",
-                                to_.name, to_.host, silent_s));
-    if (silent_s <= kServerTimeout_s) return;
-    for (const SessionNotice& notice : notices_.known()) {
-      if (notice.name != to_.name || notice.session == server_ || left_.contains(notice.session)) continue;
-      if (notice.checksum != parts_.notice.checksum || notice.version != kVersion)
-        return fail(fmt::format("'{}' of {} has other points now; join it again", to_.name, notice.host));
-      if (outbox_.lastPiece() > 0)
-        return fail(
-            fmt::format("'{}' of {} was restarted without its edits: those of this hand cannot be sent; join it again",
-                        to_.name, notice.host));
-      left_.insert(server_);
-      server_ = notice.session;
-      probe_.follow(server_);
-      restarts_.emplace(to_.participant, server_);
-      way_ = {};  // its clock differs
-      ++counts_.servers;
-      return restart();
-    }
+    const std::optional<SessionNotice> other = link_.isSilent() ? link_.successor() : std::nullopt;
+    if (!other) return;
+    if (other->checksum != parts_.notice.checksum || other->version != kVersion)
+      return link_.fail(fmt::format("'{}' of {} has other points now; join it again", to_.name, other->host));
+    if (outbox_.lastPiece() > 0)
+      return link_.fail(
+          fmt::format("'{}' of {} was restarted without its edits: those of this hand cannot be sent; join it again",
+                      to_.name, other->host));
+    link_.follow(other->session);
+    restarts_.emplace(to_.participant, link_.server());
+    way_ = {};  // its clock differs
+    ++counts_.servers;
+    restart();
   }
 
   void hearRestarts() {
     const std::optional<Restarts> fresh = restarts_->fresh();
     if (!fresh) return;
     counts_.restarts += fresh->count;
-    messages_.add(fmt::format("the simulation of '{}' has restarted at {}{}: it {}", to_.name, to_.host,
-                              fresh->count > 1 ? fmt::format(", {} times", fresh->count) : std::string(), fresh->why));
+    link_.add(fmt::format("the simulation of '{}' has restarted at {}{}: it {}", to_.name, to_.host,
+                          fresh->count > 1 ? fmt::format(", {} times", fresh->count) : std::string(), fresh->why));
   }
 
   void ask(const HandReaches& hands) {
-    std::vector<Ball> balls = balls_.around(hands, trip_s_);
-    isNew_ = isNew_ || balls != asked_ || assembly_.taken() != told_;
-    if (lastAsked_.elapsed_s() < (isNew_ ? kNews_s : kAsk_s)) return;
-    isNew_ = false;
-    lastAsked_ = {};
-    asked_ = std::move(balls);
-    told_ = assembly_.taken();
-    std::vector<palpate_sharing_Ball> said;
-    for (const Ball& ball : asked_)
-      said.push_back({.center = {ball.center.x, ball.center.y, ball.center.z}, .radius = ball.radius});
-    Near near{};
-    set(near.session, server_);
-    set(near.client, to_.client);
-    put(near.host, host_);
-    near.number = ++questions_;
-    near.epoch = assembly_.epoch();
-    near.taken = told_;
-    give(near.balls, said);
-    nears_.write(near);
-  }
-
-  void fail(const std::string& why) {
-    if (!fault_.empty()) return;
-    fault_ = why;
-    known_.fail();
-    source_.giveUp();
-    messages_.add(why);
+    const double trip_s = link_.counts().roundTrip_ms.value_or(kFirstTrip_ms) * 1e-3;
+    link_.points().ask(
+        {.epoch = assembly_.epoch(), .taken = assembly_.taken(), .every = 0, .balls = balls_.around(hands, trip_s)});
   }
 
   const FarParts parts_;
-  LinkMessages messages_;
   const JoinedSession& to_;
-  Id server_;
-  std::set<Id> left_;  // previous sessions
-  std::string host_ = ownHost();
   BrickSource source_;
 
-  mutable std::mutex lock_;  // of all members below, unless stated otherwise
+  ServerLink link_;  // its lock guards all members below
   BrickAssembly assembly_;
   HandBalls balls_;
-  Writer<Near> nears_;
-  StrokeSender strokes_;
   StrokeOutbox outbox_;
   std::vector<PointState> made_;
-  Stopwatch progressed_;  // since strokes were last taken or none was pending
-  int stuck_ = 0;
   std::uint64_t lastAcked_ = 0;
-  LinkProbe probe_;
-  Reader<Bricks> bricks_;
-  SessionNotices notices_;
+  bool progresses_ = false;
   std::optional<RestartWatch> restarts_;
-  std::optional<ReaderWait> wait_;  // used by the thread only
   FastestWay way_;
   FarCounts counts_;
-  std::string fault_;
-  int spoilt_ = 0;  // invalid samples since the last complete step
-  double trip_s_ = kFirstTrip_s;
-  std::vector<Ball> asked_;
-  std::uint64_t told_ = 0;
-  bool isNew_ = true;
-  std::uint32_t questions_ = 0;
-  Stopwatch lastHeard_, lastAsked_;
-  InformationAge known_;
-  bool wasWhole_ = true;
+  int spoilt_ = 0;       // invalid samples since the last complete step
   std::jthread thread_;  // destroyed first
 };
 

@@ -29,11 +29,9 @@ class JoinedSession {
   std::uint64_t checksum = 0;  ///< of the served points
 };
 
-/// Request to its server.
-sharing::ResumeRequest requestOf(const JoinedSession& session, const sharing::Resume& asked);
-/// Message of its server about a cloud of that many points; the result refers to `states`. Nothing if it belongs to
-/// another session or contains an invalid state: no palpate server sends that, so it is ignored.
-std::optional<sharing::Results> resultsOf(const JoinedSession& session, const sharing::Result& said, std::size_t points,
+/// Edits of others in a sample of its server, of a cloud of that many points; the result refers to `states`. Nothing if
+/// it contains an invalid state: no palpate server sends that, so it is ignored.
+std::optional<sharing::Results> resultsOf(const sharing::Points& sample, std::size_t points,
                                           std::vector<PointState>& states);
 
 }  // namespace palpate

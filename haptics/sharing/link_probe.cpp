@@ -13,7 +13,7 @@ LinkProbe::LinkProbe(const JoinedSession& session)
     : server_(session.session),
       client_(session.client),
       pings_(session.participant, session.topics.pings, bestEffortQos()),
-      echoes_(session.participant, session.topics.echoes, bestEffortQos()) {}
+      echoes_(session.participant, session.topics.pings, bestEffortQos(kEchoes)) {}
 
 bool LinkProbe::turn() {
   bool isAnswered = false;

@@ -11,18 +11,13 @@ namespace palpate::sharing {
 
 Topics::Topics(dds_entity_t participant)
     : notices(participant, palpate_sharing_Notice_desc, "palpate/notice"),
-      requests(participant, palpate_sharing_Request_desc, fmt::format("palpate/{}/request", kVersion)),
-      blocks(participant, palpate_sharing_Block_desc, fmt::format("palpate/{}/block", kVersion)),
+      facts(participant, palpate_sharing_Facts_desc, fmt::format("palpate/{}/facts", kVersion)),
+      wants(participant, palpate_sharing_Want_desc, fmt::format("palpate/{}/want", kVersion)),
+      points(participant, palpate_sharing_PointsSample_desc, fmt::format("palpate/{}/points", kVersion)),
       strokes(participant, palpate_sharing_Stroke_desc, fmt::format("palpate/{}/stroke", kVersion)),
-      results(participant, palpate_sharing_Result_desc, fmt::format("palpate/{}/result", kVersion)),
-      resumes(participant, palpate_sharing_Resume_desc, fmt::format("palpate/{}/resume", kVersion)),
       hands(participant, palpate_sharing_Hand_desc, fmt::format("palpate/{}/hand", kVersion)),
       cameras(participant, palpate_sharing_Camera_desc, fmt::format("palpate/{}/camera", kVersion)),
-      facts(participant, palpate_sharing_Facts_desc, fmt::format("palpate/{}/facts", kVersion)),
-      nears(participant, palpate_sharing_Near_desc, fmt::format("palpate/{}/near", kVersion)),
-      bricks(participant, palpate_sharing_Bricks_desc, fmt::format("palpate/{}/bricks", kVersion)),
-      pings(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/ping", kVersion)),
-      echoes(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/echo", kVersion)) {}
+      pings(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/ping", kVersion)) {}
 
 Topic<Facts> factsOf(dds_entity_t participant, const Id& session) {
   Topic<Facts> facts(participant, palpate_sharing_Facts_desc, fmt::format("palpate/{}/facts", kVersion));
@@ -41,7 +36,7 @@ Id freshId() {
   return id;
 }
 
-std::string partitionOf(const std::uint8_t (&id)[16]) {
+std::string partitionOf(const Id& id) {
   std::string name;
   for (const std::uint8_t byte : id) name += fmt::format("{:02x}", byte);
   return name;

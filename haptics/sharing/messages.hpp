@@ -16,28 +16,23 @@
 namespace palpate::sharing {
 
 using Notice = palpate_sharing_Notice;
-using Request = palpate_sharing_Request;
 using Point = palpate_sharing_Point;
-using Block = palpate_sharing_Block;
 using State = palpate_sharing_State;
 using Stroke = palpate_sharing_Stroke;
-using Result = palpate_sharing_Result;
-using ResumeRequest = palpate_sharing_Resume;
 using HandSample = palpate_sharing_Hand;
 using Camera = palpate_sharing_Camera;
 using Facts = palpate_sharing_Facts;
-using Near = palpate_sharing_Near;
+using Want = palpate_sharing_Want;
 using BrickPart = palpate_sharing_BrickPart;
-using Bricks = palpate_sharing_Bricks;
+using Points = palpate_sharing_PointsSample;
 using Ping = palpate_sharing_Ping;
 
 /// Version of the network protocol; raised with each change of a type.
-inline constexpr std::uint32_t kVersion = 7;
+inline constexpr std::uint32_t kVersion = 8;
 /// Points of a block, which fits into one Ethernet frame: DDS resends one fragment of a split sample per round trip,
 /// but all lost whole samples at once.
-inline constexpr std::uint32_t kBlockPoints = 45;
-inline constexpr std::uint32_t kMaxRequested = 4096;  // blocks per request
-/// States of a stroke or a result, which fit into one Ethernet frame, too.
+inline constexpr std::uint32_t kBlockPoints = 43;
+/// States of a stroke, or edits of others, which fit into one Ethernet frame, too.
 inline constexpr std::uint32_t kStates = 36;
 
 /// The `total` in a brick's head that says that the brick is no longer updated.
@@ -47,17 +42,13 @@ inline constexpr std::uint32_t kBrickDropped = 0xffffffff;
 struct Topics {
   explicit Topics(dds_entity_t participant);
   Topic<Notice> notices;
-  Topic<Request> requests;
-  Topic<Block> blocks;
+  Topic<Facts> facts;
+  Topic<Want> wants;
+  Topic<Points> points;
   Topic<Stroke> strokes;
-  Topic<Result> results;
-  Topic<ResumeRequest> resumes;
   Topic<HandSample> hands;
   Topic<Camera> cameras;
-  Topic<Facts> facts;
-  Topic<Near> nears;
-  Topic<Bricks> bricks;
-  Topic<Ping> pings, echoes;
+  Topic<Ping> pings;
 };
 
 /// Facts of that session only, however many others are announced. The id must outlive the readers of this topic.
@@ -65,8 +56,10 @@ Topic<Facts> factsOf(dds_entity_t participant, const Id& session);
 
 /// A unique id.
 Id freshId();
+/// Partition of the echoes of pings.
+inline constexpr const char* kEchoes = "echoes";
 /// Partition of the client with that id.
-std::string partitionOf(const std::uint8_t (&id)[16]);
+std::string partitionOf(const Id& id);
 inline void set(std::uint8_t (&to)[16], const Id& id) { std::memcpy(to, id.data(), id.size()); }
 inline bool isSame(const std::uint8_t (&a)[16], const Id& b) { return std::memcmp(a, b.data(), b.size()) == 0; }
 inline Id idOf(const std::uint8_t (&id)[16]) { return std::to_array(id); }

@@ -65,14 +65,12 @@ class AnyBytes {
       writers.emplace_back(*participants_.back(), raw, as, name, qos);
     };
     add(palpate_sharing_Notice_desc, "palpate/notice", reliableQos(true));
-    add(palpate_sharing_Request_desc, topic("request"), reliableQos(false));
+    add(palpate_sharing_Want_desc, topic("want"), bestEffortQos());
     add(palpate_sharing_Stroke_desc, topic("stroke"), reliableQos(false));
-    add(palpate_sharing_Resume_desc, topic("resume"), reliableQos(false));
     add(palpate_sharing_Hand_desc, topic("hand"), bestEffortQos());
-    add(palpate_sharing_Near_desc, topic("near"), bestEffortQos());
     add(palpate_sharing_Facts_desc, topic("facts"), reliableQos(true));
     add(palpate_sharing_Ping_desc, topic("ping"), bestEffortQos());
-    add(palpate_sharing_Ping_desc, topic("echo"), bestEffortQos());
+    add(palpate_sharing_Ping_desc, topic("ping"), bestEffortQos(kEchoes));
   }
 
   template <class Raw>
@@ -94,21 +92,17 @@ class AnyBytes {
 
 struct Writers {
   Writers(dds_entity_t participant, const Topics& topics)
-      : requests(participant, topics.requests, reliableQos(false)),
+      : wants(participant, topics.wants, bestEffortQos()),
         strokes(participant, topics.strokes, reliableQos(false)),
-        resumes(participant, topics.resumes, reliableQos(false)),
         notices(participant, topics.notices, reliableQos(true)),
         hands(participant, topics.hands, bestEffortQos()),
-        nears(participant, topics.nears, bestEffortQos()),
         facts(participant, topics.facts, reliableQos(true)),
         pings(participant, topics.pings, bestEffortQos()),
-        echoes(participant, topics.echoes, bestEffortQos()) {}
-  Writer<Request> requests;
+        echoes(participant, topics.pings, bestEffortQos(kEchoes)) {}
+  Writer<Want> wants;
   Writer<Stroke> strokes;
-  Writer<ResumeRequest> resumes;
   Writer<Notice> notices;
   Writer<HandSample> hands;
-  Writer<Near> nears;
   Writer<Facts> facts;
   Writer<Ping> pings, echoes;
 };
@@ -121,7 +115,7 @@ class HostileSide {
         dice_(seed),
         writers_(participant_, topics_),
         heardHands_(participant_, topics_.hands, bestEffortQos()),
-        heardNears_(participant_, topics_.nears, bestEffortQos()),
+        heardWants_(participant_, topics_.wants, bestEffortQos()),
         bytes_(domain) {}
 
   /// Finds the session that is served in this domain.
@@ -135,7 +129,7 @@ class HostileSide {
         points_ = static_cast<std::uint32_t>(notice.points);
       });
       dds_publication_matched_status_t status{};
-      if (isFound && dds_get_publication_matched_status(writers_.requests, &status) == 0 && status.current_count > 0)
+      if (isFound && dds_get_publication_matched_status(writers_.wants, &status) == 0 && status.current_count > 0)
         return true;
     }
     return false;
@@ -191,36 +185,42 @@ class HostileSide {
     return kEdges[roll() % kEdges.size()];
   }
 
+  Want wantOf(const Id& client, const std::string& host) {
+    Want want{};
+    set(want.session, idOf(session_));
+    set(want.client, client);
+    put(want.host, host);
+    want.number = ++wants_;
+    return want;
+  }
+
+  // All points, from any block on, again and again.
   void request(const Id& client) {
-    Request request{};
-    set(request.session, idOf(session_));
-    set(request.client, client);
-    put(request.host, "a flood");
-    const std::uint32_t blocks = static_cast<std::uint32_t>(blocksOf(points_));
-    request.first = roll() % 8 ? 0 : roll();
-    request.count = roll() % 8 ? std::min(blocks, kMaxRequested) : roll();
-    writers_.requests.write(request);
+    Want want = wantOf(client, "a flood");
+    want.epoch = 1 + wants_ / 16;
+    want.every = roll() % 8 ? 1 : roll();
+    want.first = roll() % 8 ? 0 : roll();
+    writers_.wants.write(want);
   }
 
   // Readers of 64 clients that are present but read nothing, like clients on a suspended machine.
   void unread() {
     constexpr std::size_t kReaders = 64;
     if (unread_.size() < kReaders) {
-      std::uint8_t id[16];
-      set(id, idNumber(unread_.size()));
-      unread_.emplace_back(participant_, topics_.blocks, reliableQos(false, partitionOf(id)));
+      unread_.emplace_back(participant_, topics_.points, reliableQos(false, partitionOf(idNumber(unread_.size()))));
     }
     request(idNumber(roll() % unread_.size()));
   }
 
+  // The edits of others, from any position of the order on.
   void resume(const Id& client) {
-    ResumeRequest request{};
-    set(request.session, idOf(session_));
-    set(request.client, client);
-    put(request.host, std::string(200, 'x'));
-    request.epoch = ++epoch_;
-    request.upTo = roll() % 2 ? 0 : any64();
-    writers_.resumes.write(request);
+    Want want = wantOf(client, std::string(200, 'x'));
+    want.epoch = ++epoch_;
+    want.every = 1;
+    want.first = static_cast<std::uint32_t>(blocksOf(points_)) + (roll() % 8 ? 0 : roll());
+    want.edits = true;
+    want.upTo = roll() % 2 ? 0 : any64();
+    writers_.wants.write(want);
   }
 
   void stroke(const Id& client, std::uint64_t number, bool isGood) {
@@ -244,9 +244,7 @@ class HostileSide {
   void result() {
     heardHands_.take([&](const HandSample& hand) { victim_ = idOf(hand.client); });
     if (!victim_) return;
-    std::uint8_t partition[16];
-    set(partition, *victim_);
-    if (!results_) results_.emplace(participant_, topics_.results, reliableQos(false, partitionOf(partition)));
+    if (!results_) results_.emplace(participant_, topics_.points, reliableQos(false, partitionOf(*victim_)));
     std::vector<State> states(1 + roll() % kStates);
     for (State& state : states)
       state = {.id = roll() % points_, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = roll()};
@@ -261,10 +259,10 @@ class HostileSide {
       default:
         bad.normal[roll() % 3] = 1e30F;
     }
-    Result result{};
+    Points result{};
     set(result.session, idOf(session_));
     result.epoch = roll() % 8 ? 1 + roll() % 3 : roll();  // the first epochs
-    result.counter = roll() % 2 ? roll() % 1000 : any64();
+    result.sample = roll() % 2 ? roll() % 1000 : any64();
     result.acked = any64();
     result.upTo = any64();
     result.head = any64();
@@ -293,26 +291,23 @@ class HostileSide {
     std::vector<palpate_sharing_Ball> balls(8);
     for (palpate_sharing_Ball& ball : balls)
       ball = {.center = {1.0 * (roll() % 1000), 1.0 * (roll() % 1000), 0}, .radius = 1e6};
-    Near near{};
-    set(near.session, idOf(session_));
-    set(near.client, client);
-    put(near.host, std::string(200, 'x'));
-    near.number = ++nears_;
-    near.epoch = 1 + nears_ / 256;
-    near.taken = any64();
-    give(near.balls, balls);
-    writers_.nears.write(near);
+    Want want = wantOf(client, std::string(200, 'x'));
+    want.epoch = 1 + wants_ / 256;
+    want.taken = any64();
+    give(want.balls, balls);
+    writers_.wants.write(want);
   }
 
   // In the name of the server, to a client near its hand, with the next sample number that it expects: invalid bricks.
   void bricks() {
-    heardNears_.take([&](const Near& near) {
-      if (isSame(near.session, idOf(session_))) heard_ = near;
+    heardWants_.take([&](const Want& want) {
+      if (isSame(want.session, idOf(session_)) && want.every == 0) heard_ = want;
     });
     if (!heard_) return;
-    if (!bricksTo_) bricksTo_.emplace(participant_, topics_.bricks, reliableQos(false, partitionOf(heard_->client)));
+    if (!bricksTo_)
+      bricksTo_.emplace(participant_, topics_.points, reliableQos(false, partitionOf(idOf(heard_->client))));
     BrickPart part{.key = any64(), .total = roll() % 3, .count = roll() % 3};
-    Bricks bricks{};
+    Points bricks{};
     set(bricks.session, idOf(session_));
     bricks.epoch = heard_->epoch;
     bricks.sample = heard_->taken + 1 + (roll() % 4 ? 0 : roll());
@@ -358,15 +353,15 @@ class HostileSide {
   std::mt19937 dice_;
   Writers writers_;
   Reader<HandSample> heardHands_;
-  Reader<Near> heardNears_;
+  Reader<Want> heardWants_;
   AnyBytes bytes_;
-  std::vector<Reader<Block>> unread_;
+  std::vector<Reader<Points>> unread_;
   std::optional<Id> victim_;
-  std::optional<Writer<Result>> results_;
-  std::optional<Near> heard_;  // without its balls, which belong to DDS
-  std::optional<Writer<Bricks>> bricksTo_;
+  std::optional<Writer<Points>> results_;
+  std::optional<Want> heard_;  // without its balls, which belong to DDS
+  std::optional<Writer<Points>> bricksTo_;
   std::uint8_t session_[16] = {};
-  std::uint32_t points_ = 1, epoch_ = 0, nears_ = 0;
+  std::uint32_t points_ = 1, epoch_ = 0, wants_ = 0;
   std::uint64_t number_ = 0;
 };
 

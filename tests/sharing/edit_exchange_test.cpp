@@ -72,11 +72,11 @@ TEST_CASE("a zero of opposite sign is a different state, as in the digest") {
   SharedPoints server(points);
   REQUIRE(server.take(Id{1}, 1, {&other, 1}) == SharedPoints::Taken::taken);
   CHECK(exchange.hear({.epoch = asked.epoch,
-                       .counter = 1,
+                       .sample = 1,
                        .upTo = 1,
                        .head = 1,
                        .digest = server.digest(),
-                       .states = {&other, 1}}) == EditExchange::Heard::taken);
+                       .states = {&other, 1}}) == Heard::taken);
   carryOutOneOffer(exchange);
 }
 
@@ -87,7 +87,7 @@ TEST_CASE("a client that asks for the state is at rest only after the answer, no
   EditExchange exchange(points, kAtOnce);
   SharedPoints::Place place;
   const Resume first = exchange.resume();
-  REQUIRE(hear(exchange, resultFor(server, place, client, first, 1)) == EditExchange::Heard::taken);
+  REQUIRE(hear(exchange, resultFor(server, place, client, first, 1)) == Heard::taken);
   REQUIRE(exchange.isAtRest());
   // The server takes a stroke of another hand and reports it to that hand; its result for this one is still in flight.
   PointState moved = points[1];
@@ -98,9 +98,9 @@ TEST_CASE("a client that asks for the state is at rest only after the answer, no
   const Resume asked = exchange.ask();
   CHECK_FALSE(exchange.isInEffect());
   CHECK_FALSE(exchange.isAtRest());
-  CHECK(hear(exchange, underWay) == EditExchange::Heard::old);
+  CHECK(hear(exchange, underWay) == Heard::old);
   place = {.upTo = asked.upTo, .ownUpTo = 0};
-  CHECK(hear(exchange, resultFor(server, place, client, asked, 1)) == EditExchange::Heard::taken);
+  CHECK(hear(exchange, resultFor(server, place, client, asked, 1)) == Heard::taken);
   CHECK_FALSE(exchange.isAtRest());  // until that stroke is in effect here
   carryOutOneOffer(exchange);
 }

@@ -119,11 +119,11 @@ struct Told {
 
 /// The next result for a client; `place` advances.
 inline Told resultFor(SharedPoints& points, SharedPoints::Place& place, const Id& client, const Resume& asked,
-                      std::uint64_t counter) {
+                      std::uint64_t sample) {
   Told told;
   points.collect(place, client, kAtOnce, told.states);
   told.results = {.epoch = asked.epoch,
-                  .counter = counter,
+                  .sample = sample,
                   .acked = points.lastOf(client),
                   .upTo = place.upTo,
                   .head = points.head(),
@@ -131,7 +131,7 @@ inline Told resultFor(SharedPoints& points, SharedPoints::Place& place, const Id
                   .states = {}};
   return told;
 }
-inline EditExchange::Heard hear(EditExchange& exchange, const Told& told) {
+inline Heard hear(EditExchange& exchange, const Told& told) {
   Results results = told.results;
   results.states = told.states;
   return exchange.hear(results);
@@ -209,8 +209,8 @@ class World {
     client.results.arrive(now_, [&](const Told& told) {
       if (gap) return;
       const auto heard = hear(client.exchange, told);
-      if (heard == EditExchange::Heard::taken) client.lastHeard = now_;
-      gap = heard == EditExchange::Heard::gap;
+      if (heard == Heard::taken) client.lastHeard = now_;
+      gap = heard == Heard::gap;
     });
     if (gap || now_ - client.lastHeard > 60) {
       resume(client);

@@ -77,17 +77,17 @@ TEST_CASE("invalid requests for nearby points are counted and change nothing") {
   {
     const Participant participant(ownNetwork());
     const Topics topics(participant);
-    const Writer<Near> nears(participant, topics.nears, bestEffortQos());
+    const Writer<Want> wants(participant, topics.wants, bestEffortQos());
     const Facts facts = announcedFacts(participant, topics);
     std::uint32_t number = 0;
     const auto send = [&](std::vector<palpate_sharing_Ball> balls) {
-      Near near{};
+      Want near{};
       std::memcpy(near.session, facts.session, sizeof near.session);
       near.epoch = 1;
       near.number = ++number;
       near.taken = ~std::uint64_t{0};
       give(near.balls, balls);
-      nears.write(near);
+      wants.write(near);
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     };
     const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -22,22 +22,24 @@ namespace {
 /// A participant that forges the server's next sample for a client near its hand.
 class Forger {
  public:
-  Forger() : participant_(ownNetwork()), topics_(participant_), nears_(participant_, topics_.nears, bestEffortQos()) {}
+  Forger() : participant_(ownNetwork()), topics_(participant_), wants_(participant_, topics_.wants, bestEffortQos()) {}
 
   /// Sends an invalid sample for each expected one until `holds` is true.
   bool forge(double seconds, const std::function<bool()>& holds) {
     return within(seconds, [&] {
-      nears_.take([&](const Near& near) { heard_ = near; });
+      wants_.take([&](const Want& want) {
+        if (want.every == 0) heard_ = want;
+      });
       if (heard_) write(*heard_);
       return holds();
     });
   }
 
  private:
-  void write(const Near& near) {
-    if (!bricks_) bricks_.emplace(participant_, topics_.bricks, reliableQos(false, partitionOf(near.client)));
+  void write(const Want& near) {
+    if (!bricks_) bricks_.emplace(participant_, topics_.points, reliableQos(false, partitionOf(idOf(near.client))));
     BrickPart part{.key = ~BrickKey{0}, .total = 1, .count = 0};
-    Bricks sample{};
+    Points sample{};
     std::memcpy(sample.session, near.session, sizeof sample.session);
     sample.epoch = near.epoch;
     sample.sample = near.taken + 1;
@@ -47,9 +49,9 @@ class Forger {
 
   Participant participant_;
   Topics topics_;
-  Reader<Near> nears_;
-  std::optional<Near> heard_;  // without its balls, whose memory DDS owns
-  std::optional<Writer<Bricks>> bricks_;
+  Reader<Want> wants_;
+  std::optional<Want> heard_;  // without its balls, whose memory DDS owns
+  std::optional<Writer<Points>> bricks_;
 };
 
 /// At each message, queries the connection's state on another thread and waits for the answer.

@@ -169,21 +169,21 @@ TEST_CASE("a served and sculpted session continues amid corrupted samples") {
   Mutant mutant(1);
   const Topics& topics = mutant.topics();
   constexpr int kTimes = 4000;
-  mutant.write(palpate_sharing_Request_desc, topics.requests, reliableQos(false), kTimes, [&](Request& request) {
-    mutant.setClient(request.client);
-    put(request.host, "mutant");
-    request.count = 1 + mutant.roll() % 100;
-  });
+  for (const bool edits : {false, true})
+    mutant.write(palpate_sharing_Want_desc, topics.wants, bestEffortQos(), kTimes, [&](Want& want) {
+      mutant.setClient(want.client);
+      put(want.host, "mutant");
+      want.number = mutant.roll();
+      want.epoch = mutant.roll() % 100;
+      want.every = 1 + mutant.roll() % 2;
+      want.first = mutant.roll() % 100;
+      want.edits = edits;
+      want.upTo = mutant.roll() % 1000;
+    });
   mutant.write(palpate_sharing_Stroke_desc, topics.strokes, reliableQos(false), kTimes, [&](Stroke& stroke) {
     mutant.setClient(stroke.client);
     stroke.number = mutant.roll() % 50;  // in any order, with duplicates
     mutant.giveStates(stroke.states, 5000);
-  });
-  mutant.write(palpate_sharing_Resume_desc, topics.resumes, reliableQos(false), kTimes, [&](ResumeRequest& resume) {
-    mutant.setClient(resume.client);
-    put(resume.host, "mutant");
-    resume.epoch = mutant.roll() % 100;
-    resume.upTo = mutant.roll() % 1000;
   });
   mutant.write(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes, [&](sharing::HandSample& shown) {
     mutant.setClient(shown.client);
@@ -207,8 +207,8 @@ TEST_CASE("a served and sculpted session continues amid corrupted samples") {
     }
   });
   CHECK(cameras > 0);
-  for (const Topic<Ping>* topic : {&topics.pings, &topics.echoes})
-    mutant.write(palpate_sharing_Ping_desc, *topic, bestEffortQos(), kTimes,
+  for (const char* partition : {"", kEchoes})
+    mutant.write(palpate_sharing_Ping_desc, topics.pings, bestEffortQos(partition), kTimes,
                  [&](Ping& ping) { mutant.setClient(ping.client); });
   mutant.write(palpate_sharing_Notice_desc, topics.notices, reliableQos(true), kTimes, [&](Notice& notice) {
     notice = mutant.notice();
@@ -220,10 +220,8 @@ TEST_CASE("a served and sculpted session continues amid corrupted samples") {
     hands.take([&](const sharing::HandSample& shown) {
       if (std::string(shown.name) == "honest") victim = idOf(shown.client);
     });
-  std::uint8_t partition[16];
-  set(partition, *victim);
-  mutant.write(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes,
-               [&](Result& result) {
+  mutant.write(palpate_sharing_PointsSample_desc, topics.points, reliableQos(false, partitionOf(*victim)), kTimes,
+               [&](Points& result) {
                  result.epoch = 1;
                  result.head = mutant.roll();
                  mutant.giveStates(result.states, 5000);
@@ -247,7 +245,7 @@ TEST_CASE("a client that joins amid corrupted blocks receives the announced poin
   const PointCloud cloud = flatCloud(kPoints);
   Served served(cloud, "mutated");
   Mutant mutant(2);
-  const Reader<Request> requests(mutant.participant(), mutant.topics().requests, reliableQos(false));
+  const Reader<Want> wants(mutant.participant(), mutant.topics().wants, bestEffortQos());
   int whole = 0, told = 0, other = 0;
   std::jthread joining([&](const std::stop_token& end) {
     while (!end.stop_requested()) try {
@@ -261,16 +259,16 @@ TEST_CASE("a client that joins amid corrupted blocks receives the announced poin
   });
   std::vector<Point> points;
   for (const Stopwatch since; since.elapsed_s() < byTier(2.0, 4.0);) {
-    std::optional<Request> asked;
-    requests.take([&](const Request& request) { asked = request; });
+    std::optional<Want> asked;
+    wants.take([&](const Want& want) { asked = want; });
     if (!asked) continue;
-    mutant.write(
-        palpate_sharing_Block_desc, mutant.topics().blocks, reliableQos(false, partitionOf(asked->client)), 400,
-        [&](Block& block) {
-          block.number = mutant.roll() % static_cast<std::uint32_t>(blocksOf(kPoints));
-          points.assign(pointsIn(block.number, kPoints), Point{.position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0});
-          give(block.points, points);
-        });
+    mutant.write(palpate_sharing_PointsSample_desc, mutant.topics().points,
+                 reliableQos(false, partitionOf(idOf(asked->client))), 400, [&](Points& block) {
+                   block.epoch = asked->epoch;
+                   block.sample = asked->taken + 1 + mutant.roll() % 100;
+                   points.assign(kBlockPoints, Point{.position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0});
+                   give(block.points, points);
+                 });
   }
   joining.request_stop();
   joining.join();
@@ -288,7 +286,7 @@ TEST_CASE("a client with only nearby points continues amid corrupted requests, f
   const Topics& topics = mutant.topics();
   constexpr int kTimes = 2000;
   std::vector<palpate_sharing_Ball> balls(8);
-  mutant.write(palpate_sharing_Near_desc, topics.nears, bestEffortQos(), kTimes, [&](Near& near) {
+  mutant.write(palpate_sharing_Want_desc, topics.wants, bestEffortQos(), kTimes, [&](Want& near) {
     near.client[0] = static_cast<std::uint8_t>(1 + mutant.roll() % 40);
     put(near.host, "mutant");
     near.number = mutant.roll();
@@ -302,20 +300,20 @@ TEST_CASE("a client with only nearby points continues amid corrupted requests, f
     facts.points = 20'000;
     facts.spacing = facts.edge = 1;
   });
-  const Reader<Near> nears(mutant.participant(), topics.nears, bestEffortQos());
+  const Reader<Want> wants(mutant.participant(), topics.wants, bestEffortQos());
   std::array part{BrickPart{.key = BrickGrid::keyOf(IVec3(0)), .total = 1, .count = 1}};
   std::array id{std::uint32_t{0}};
   std::array point{Point{.position = {1, 2, 0}, .normal = {0, 0, 1}, .color = 0}};
   int rounds = 0;
   for (const Stopwatch since; since.elapsed_s() < 1.5 || (rounds == 0 && since.elapsed_s() < 30);) {
-    std::optional<Near> asked;
-    nears.take([&](const Near& near) {
-      if (std::string(near.host) != "mutant") asked = near;
+    std::optional<Want> asked;
+    wants.take([&](const Want& want) {
+      if (std::string(want.host) != "mutant") asked = want;
     });
     if (!asked) continue;
     ++rounds;
-    mutant.write(palpate_sharing_Bricks_desc, topics.bricks, reliableQos(false, partitionOf(asked->client)), 200,
-                 [&](Bricks& bricks) {
+    mutant.write(palpate_sharing_PointsSample_desc, topics.points, reliableQos(false, partitionOf(idOf(asked->client))),
+                 200, [&](Points& bricks) {
                    bricks.epoch = asked->epoch + mutant.roll() % 2;
                    bricks.sample = asked->taken + 1;
                    give(bricks.parts, part);

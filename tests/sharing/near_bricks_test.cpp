@@ -242,7 +242,7 @@ struct OneSample {
     sample.sample = 1;
     sample.last = sample.whole = true;
   }
-  BrickAssembly::Heard hear(BrickAssembly& assembly) {
+  Heard hear(BrickAssembly& assembly) {
     give(sample.parts, parts);
     give(sample.ids, ids);
     give(sample.points, points);
@@ -250,7 +250,7 @@ struct OneSample {
     give(sample.forces, forces);
     return assembly.hear(sample);
   }
-  Bricks sample{};
+  Points sample{};
   std::vector<BrickPart> parts{{.key = BrickGrid::keyOf(IVec3(0)), .total = 2, .count = 2}};
   std::vector<std::uint32_t> ids{3, 8};
   std::vector<Point> points{{.position = {0.5, 0.5, 0.5}, .normal = {0, 0, 1}, .color = 0x030201},
@@ -280,11 +280,11 @@ TEST_CASE("a step is assembled from its samples; a missing sample is detected, a
   second.parts.push_back({.key = BrickGrid::keyOf(IVec3(1, 0, 0)), .total = 0, .count = 0});
   second.forces.assign(3 * kMaxHands, 0);
   second.forces[4] = 2;
-  CHECK(second.hear(assembly) == BrickAssembly::Heard::gap);
-  CHECK(first.hear(assembly) == BrickAssembly::Heard::taken);
-  CHECK(first.hear(assembly) == BrickAssembly::Heard::old);
+  CHECK(second.hear(assembly) == Heard::gap);
+  CHECK(first.hear(assembly) == Heard::taken);
+  CHECK(first.hear(assembly) == Heard::old);
   CHECK_FALSE(assembly.takeUpdate());
-  CHECK(second.hear(assembly) == BrickAssembly::Heard::taken);
+  CHECK(second.hear(assembly) == Heard::taken);
   const auto update = assembly.takeUpdate();
   REQUIRE(update);
   REQUIRE(update->bricks.size() == 2);
@@ -296,9 +296,9 @@ TEST_CASE("a step is assembled from its samples; a missing sample is detected, a
   // After a restart received bricks stay until they are received again; those not received with the rest are dropped.
   CHECK(assembly.begin() == 2);
   OneSample again;
-  CHECK(again.hear(assembly) == BrickAssembly::Heard::old);
+  CHECK(again.hear(assembly) == Heard::old);
   again.sample.epoch = 2;
-  CHECK(again.hear(assembly) == BrickAssembly::Heard::taken);
+  CHECK(again.hear(assembly) == Heard::taken);
   const auto restarted = assembly.takeUpdate();
   REQUIRE(restarted);
   CHECK(restarted->bricks.size() == 1);
@@ -314,7 +314,7 @@ TEST_CASE("invalid brick samples are refused") {
   };
   BrickAssembly roomy = freshAssembly(), small = freshAssembly(1);
   OneSample good, large;
-  CHECK(good.hear(roomy) == BrickAssembly::Heard::taken);
+  CHECK(good.hear(roomy) == Heard::taken);
   CHECK_THROWS_AS(large.hear(small), NetworkError);
   refuses([](OneSample& one) { one.ids.pop_back(); });
   refuses([](OneSample& one) { one.ids = {8, 8}; });
@@ -352,7 +352,7 @@ TEST_CASE("random brick samples cause no failure and stay bounded") {
       one.points.push_back({.position = {0.5f, 0.5f, random() % 9 ? 0.5f : -7.0f}, .normal = {0, 0, 1}});
     }
     try {
-      taken += one.hear(assembly) == BrickAssembly::Heard::taken;
+      taken += one.hear(assembly) == Heard::taken;
     } catch (const NetworkError&) {
     }
   }
