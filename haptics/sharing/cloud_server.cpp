@@ -193,7 +193,8 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
 ServedCounts CloudServer::counts() const {
   const StreamCounts& streams = link_->streams->counts();
   ServedCounts counts{.clients = streams.whole,
-                      .samples = streams.samples,
+                      .requests = streams.requests,
+                      .blocks = streams.blocks,
                       .pings = link_->answered,
                       .refused = streams.refused,
                       .sent = streams.states,

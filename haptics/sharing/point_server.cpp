@@ -70,6 +70,7 @@ void PointServer::take(const Want& want) {
     ++counts_.refused;
     return;
   }
+  ++counts_.requests;
   const ClientStream::Asked asked = client->stream.take(want);
   if (asked == ClientStream::Asked::old) return;
   if (asked == ClientStream::Asked::fresh) begin(*client, want);
@@ -90,7 +91,8 @@ PointServer::Client* PointServer::clientOf(const Want& want) {
     if (last->second.stream.silent_s() < kActive_s) return nullptr;
     clients_.erase(last);
   }
-  ++(isNear(want) ? counts_.near : want.edits ? counts_.followers : counts_.whole);
+  counts_.near += isNear(want);
+  counts_.whole += want.first < blocksOf(parts_.cloud.size()) && !isNear(want);
   if (parts_.log)
     parts_.log->say("{} {}", printable(want.host),
                     isNear(want) ? "streams the points around its hands"
@@ -173,9 +175,11 @@ double PointServer::write(ClientStream& stream, Served& feed) {
       stream.probe();
       return stream.hasRoom(window) ? feed.due_s() : kIdle_s;
     }
-    ++counts_.samples;
     counts_.states += stream.last().states.size();
-    if (kNear) counts_.nearPoints += stream.last().points.size();
+    if (kNear)
+      counts_.nearPoints += stream.last().points.size();
+    else
+      counts_.blocks += !stream.last().points.empty();
   }
   return 0;
 }

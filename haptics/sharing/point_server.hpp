@@ -14,8 +14,8 @@
 namespace palpate::sharing {
 
 struct StreamCounts {
-  std::uint64_t whole = 0, near = 0, followers = 0;  ///< streams ever begun: points as served, around hands, edits
-  std::uint64_t samples = 0;                         ///< sent
+  std::uint64_t whole = 0, near = 0;       ///< clients that have ever wanted points as served; around their hands
+  std::uint64_t requests = 0, blocks = 0;  ///< valid requests; blocks of points as served
   std::uint64_t nearPoints = 0, nearSteps = 0;
   std::uint64_t states = 0;   ///< of edits, to all clients together
   std::uint64_t refused = 0;  ///< invalid requests, and those of clients beyond the maximum

@@ -22,8 +22,8 @@ namespace palpate {
 
 /// Counts of what was served.
 struct ServedCounts {
-  std::uint64_t clients = 0;  ///< clients that have ever requested points
-  std::uint64_t samples = 0, pings = 0;
+  std::uint64_t clients = 0;                          ///< clients that have ever requested points
+  std::uint64_t requests = 0, blocks = 0, pings = 0;  ///< taken; of points as served; answered
   /// Invalid requests and pieces of strokes, and requests of clients beyond the maximum.
   std::uint64_t refused = 0;
   std::uint64_t sculptors = 0;  ///< clients whose strokes were taken, including those before a restart of the server

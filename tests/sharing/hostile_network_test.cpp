@@ -124,9 +124,9 @@ Outcome attacked(const std::string& attack, double seconds) {
   outcome.served = served.end();
   MESSAGE(
       fmt::format("{}: at most {:.1f} MB; longest silence {:.2f} s, round trip {:.1f} ms, {} sent, {} received; "
-                  "{} samples, {} refused, {} sculptors, {} pieces, {} duplicates, {} clients",
+                  "{} blocks, {} refused, {} sculptors, {} pieces, {} duplicates, {} clients",
                   attack, outcome.grown_MB, outcome.hand.longestSilent_s, outcome.hand.link.roundTrip_ms.value_or(-1),
-                  outcome.hand.sent, outcome.hand.received, outcome.served.samples, outcome.served.refused,
+                  outcome.hand.sent, outcome.hand.received, outcome.served.blocks, outcome.served.refused,
                   outcome.served.sculptors, outcome.served.pieces, outcome.served.again, outcome.served.clients));
   CHECK(outcome.hand.delivered);
   CHECK(outcome.hand.same);
@@ -271,8 +271,8 @@ TEST_CASE("suspended readers with undelivered data delay no other client" * kClo
   CHECK(side.end(SIGKILL) != 0);
   const ServedCounts handed = served.end();
   MESSAGE(fmt::format(
-      "suspended reader: at most {:.0f} MB, longest silence {:.2f} s, round trip {:.1f} ms, {} samples to {} clients",
-      grown_MB, counts.longestSilent_s, counts.link.roundTrip_ms.value_or(-1), handed.samples, handed.clients));
+      "suspended reader: at most {:.0f} MB, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients",
+      grown_MB, counts.longestSilent_s, counts.link.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
   CHECK(counts.same);
   CHECK(counts.longestSilent_s < 2);
   CHECK(grown_MB < 400);
