@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/bench/plot.hpp"
+#include "apps/bench/tables.hpp"
 #include "apps/cli/backend.hpp"
 #include "apps/cli/results.hpp"
 #include "engine/core/clock.hpp"

@@ -261,11 +261,9 @@ Json benchCoexist(Context& context, const CoexistBenchOptions& options) {
       }
     }
   }
-  fmt::print(context.tables(),
-             "\ncoexist, {} x {}, samples of a pixel: {}; {:g} ticks per second, us from pose to force\n", width,
-             height, options.samples, realtimeRate_Hz(options));
-  printCoexistences(context.tables(), all);
-  return toJson({width, height, options.samples, std::move(all)});
+  Json json = toJson({width, height, options.samples, std::move(all)});
+  printTables(context.tables(), "coexist", json);
+  return json;
 }
 
 void addOptions(Options& bench, CoexistBenchOptions& options) {

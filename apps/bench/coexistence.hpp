@@ -1,4 +1,4 @@
-// Results of `bench coexist`: touch beside pictures that are drawn as fast as possible; their table.
+// Results of `bench coexist`: touch beside pictures that are drawn as fast as possible.
 #pragma once
 
 #include "apps/cli/context.hpp"
@@ -33,8 +33,6 @@ struct Coexistence {
   double brushRadius_mm = 0;     ///< 0 without edits
   std::optional<SightPace> sight;
 };
-
-void printCoexistences(std::FILE* out, const std::vector<Coexistence>& all);
 
 struct CoexistenceResults {
   std::uint32_t width = 0, height = 0, samples = 1;  ///< of the pictures; samples of a pixel

@@ -303,8 +303,9 @@ Json benchEdit(Context& context, const EditBenchOptions& options) {
     }
   }
   if (costs.empty()) throw UsageError("bench edit: --touched exceeds half the points of each model");
-  printEditTables(context.tables(), costs);
-  return toJson(costs);
+  Json result = toJson(costs);
+  printTables(context.tables(), "edit", result);
+  return result;
 }
 
 void addOptions(Options& bench, EditBenchOptions& options) {

@@ -11,51 +11,6 @@ namespace palpate {
 
 namespace {
 
-std::string times(const Summary& s) {
-  if (s.count == 0) return "–";
-  const int decimals = s.p999 < 1e4 ? 1 : 0;
-  return fmt::format("{:.{}f} / {:.{}f}", s.p50, decimals, s.p999, decimals);
-}
-
-struct EditColumn {
-  const char* title;
-  int width;
-  std::function<std::string(const EditCost&)> text;
-};
-
-void print(std::FILE* out, const std::string& title, const std::vector<EditColumn>& columns,
-           const std::vector<EditCost>& costs) {
-  fmt::print(out, "\n{}\n", title);
-  for (const EditColumn& column : columns) fmt::print(out, "{:>{}}", column.title, column.width);
-  fmt::print(out, "\n");
-  for (const EditCost& cost : costs) {
-    for (const EditColumn& column : columns) fmt::print(out, "{:>{}}", column.text(cost), column.width);
-    fmt::print(out, "\n");
-  }
-}
-
-std::vector<EditColumn> commonColumns() {
-  return {{"model", 18, [](const EditCost& c) { return c.subject; }},
-          {"back end", 10, [](const EditCost& c) { return c.backend; }},
-          {"points", 11, [](const EditCost& c) { return fmt::format("{}", c.points); }},
-          {"asked", 8, [](const EditCost& c) { return fmt::format("{}", c.asked); }},
-          {"touched", 9, [](const EditCost& c) { return fmt::format("{:.0f}", c.touched.p50); }},
-          {"index", 13, [](const EditCost& c) { return c.index; }}};
-}
-
-std::vector<EditColumn> with(std::vector<EditColumn> columns, std::initializer_list<EditColumn> more) {
-  columns.insert(columns.end(), more);
-  return columns;
-}
-
-// The costs measured in virtual time, or those in real time.
-std::vector<EditCost> only(const std::vector<EditCost>& costs, bool realtime) {
-  std::vector<EditCost> chosen;
-  std::ranges::copy_if(costs, std::back_inserter(chosen),
-                       [&](const EditCost& cost) { return cost.stroke.has_value() == realtime; });
-  return chosen;
-}
-
 // At most one in this many updates may have needed a build: their median is still that of updates.
 constexpr std::uint64_t kUpdatesPerBuild = 10;
 
@@ -123,58 +78,6 @@ std::vector<EditGrowth> growths(const std::vector<EditCost>& costs) {
                          .to = end.second->points,
                          .factor = end.second->step_us.p50 / end.first->step_us.p50});
   return results;
-}
-
-void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
-  const auto paced = only(costs, false), realtime = only(costs, true);
-  if (!paced.empty()) {
-    print(out, fmt::format("edited step, {}; us, median / p99.9", paced.front().brush),
-          with(commonColumns(),
-               {{"query", 19, [](const EditCost& c) { return times(c.query_us); }},
-                {"edit", 19, [](const EditCost& c) { return times(c.edit_us); }},
-                {"both", 19, [](const EditCost& c) { return times(c.indexed_us); }},
-                {"then requests", 19, [](const EditCost& c) { return times(c.requests_us); }},
-                {"step, in all", 19, [](const EditCost& c) { return times(c.step_us); }},
-                {"edits", 7, [](const EditCost& c) { return fmt::format("{}", c.edits); }},
-                {"builds", 8, [](const EditCost& c) { return fmt::format("{}", c.builds); }},
-                {"compactions", 13, [](const EditCost& c) { return fmt::format("{}", c.compactions); }},
-                {"step that compacts", 21, [](const EditCost& c) { return times(c.compactingStep_us); }},
-                {"index MiB", 11,
-                 [](const EditCost& c) {
-                   return fmt::format("{:.1f}", static_cast<double>(c.memory.ofIndex()) / (1 << 20));
-                 }},
-                {"/ plain", 9, [](const EditCost& c) { return fmt::format("{:.2f}", c.memory.overPlain()); }}}),
-          paced);
-    for (const EditGrowth& growth : growths(paced))
-      fmt::print(out, "{}, {}, edits of {} points: a step on {} points takes {:.2f} times one on {}\n", growth.backend,
-                 growth.index, growth.asked, growth.to, growth.factor, growth.from);
-    for (const EditCrossover& crossover : crossovers(paced))
-      fmt::print(out, "{}, {}, {} points: a full build is cheaper from {}{:.2g} of the points on\n", crossover.backend,
-                 crossover.subject, crossover.points, crossover.found ? "" : "more than ", crossover.share);
-  }
-  if (realtime.empty()) return;
-  const EditStroke& stroke = *realtime.front().stroke;
-  print(out,
-        fmt::format("pose to force while sculpting, {}; {:g} s at {:g} Hz; us, median / p99.9", realtime.front().brush,
-                    stroke.duration_s, stroke.rate_Hz),
-        with(commonColumns(),
-             {{"step", 19, [](const EditCost& c) { return times(c.step_us); }},
-              {"p99", 9, [](const EditCost& c) { return fmt::format("{:.0f}", c.step_us.p99); }},
-              {"edit", 19, [](const EditCost& c) { return times(c.edit_us); }},
-              {"then requests", 19, [](const EditCost& c) { return times(c.requests_us); }},
-              {"edits/s", 9, [](const EditCost& c) { return fmt::format("{:.0f}", c.stroke->editsPerSecond); }},
-              {"fresh", 8, [](const EditCost& c) { return fmt::format("{:.1f} %", 100 * c.stroke->freshShare); }},
-              {"left out", 10, [](const EditCost& c) { return fmt::format("{}", c.stroke->leftOut); }},
-              {"held up", 9, [](const EditCost& c) { return fmt::format("{}", c.stroke->heldUp); }},
-              {"missed", 8, [](const EditCost& c) { return fmt::format("{}", c.stroke->missedTicks); }},
-              {"builds", 8, [](const EditCost& c) { return fmt::format("{}", c.builds); }},
-              {"compactions", 13, [](const EditCost& c) { return fmt::format("{}", c.compactions); }},
-              {"step meanwhile", 19, [](const EditCost& c) { return times(c.compactingStep_us); }},
-              {"longest end", 13,
-               [](const EditCost& c) {
-                 return c.compactions ? fmt::format("{:.1f}", c.longestCompactionEnd_us) : std::string("–");
-               }}}),
-        realtime);
 }
 
 namespace {

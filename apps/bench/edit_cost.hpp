@@ -68,6 +68,4 @@ struct EditGrowth {
 };
 std::vector<EditGrowth> growths(const std::vector<EditCost>& costs);
 
-void printEditTables(std::FILE* out, const std::vector<EditCost>& costs);
-
 }  // namespace palpate

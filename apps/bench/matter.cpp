@@ -291,41 +291,6 @@ MatterCost measure(Context& context, const MatterCase& one, const MatterBenchOpt
   return cost;
 }
 
-std::string said(const Summary& s) { return s.count == 0 ? "–" : fmt::format("{:.1f} / {:.1f}", s.p50, s.p999); }
-
-// Bytes that a pass moves, and its bandwidth while it worked.
-std::string inWords(const PassBytes& bytes, const Summary& time_us) {
-  const double worked_us = bytes.earlyExit ? time_us.max : time_us.p50;
-  return fmt::format("  {:.1f} MB moved, {:.3g} GB/s; {:.1f} MB requested", bytes.moved * 1e-6,
-                     bytes.moved * 1e-3 / std::max(worked_us, 1e-3), bytes.asked * 1e-6);
-}
-
-void print(std::FILE* out, const std::vector<MatterCost>& costs) {
-  fmt::print(out, "\nmatter that a ball stirs or presses: us, median / p99.9\n{:<8}{:<9}{:>11}{:>11}{:>10}", "", "",
-             "particles", "depth, mm", "substeps");
-  for (const char* column : {"step, on the GPU", "in all", "substep, on the GPU", "in all"})
-    fmt::print(out, "{:>24}", column);
-  fmt::print(out, "\n");
-  for (const MatterCost& cost : costs) {
-    fmt::print(out, "{:<8}{:<9}{:>11}{:>11.0f}{:>10}", cost.matter, cost.backend, cost.particles, cost.depth_mm,
-               cost.substeps);
-    for (const Spans& spans : {cost.step, cost.substep})
-      fmt::print(out, "{:>24}{:>24}", said(spans.gpu_us), said(spans.wall_us));
-    fmt::print(out, "\n");
-    if (cost.frame)
-      fmt::print(out, "  a frame of {} points: {} on the GPU, {} in all, {} on the host\n", cost.frame->points,
-                 said(cost.frame->made.gpu_us), said(cost.frame->made.wall_us), said(cost.frame->fetched_us));
-    if (cost.compliance_us)
-      fmt::print(out, "  compliance query with {} presses: {} in all\n", cost.presses, said(*cost.compliance_us));
-    for (const auto& [name, time_us] : cost.passes_us) {
-      fmt::print(out, "  {:<24}{:>24}", name, said(time_us));
-      if (const auto bytes = cost.passes_bytes.find(name); bytes != cost.passes_bytes.end())
-        fmt::print(out, "{}", inWords(bytes->second, time_us));
-      fmt::print(out, "\n");
-    }
-  }
-}
-
 using Value = std::optional<Json>;
 
 constexpr Reported<FrameCost> kFrame[]{
@@ -394,8 +359,9 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
             measure(context, {.scene = scene, .backend = backend, .points = options.points, .presses = options.presses},
                     options));
       }
-  print(context.tables(), costs);
-  return arrayBy(kMatterBench, costs);
+  Json json = arrayBy(kMatterBench, costs);
+  printTables(context.tables(), "matter", json);
+  return json;
 }
 
 }  // namespace

@@ -83,8 +83,6 @@ std::vector<PointState> dentAt(const PointCloud& cloud, const MeshPlan& plan, bo
   return edits;
 }
 
-std::string inMs(const Summary& us) { return fmt::format("{:.2f} / {:.2f}", us.p50 * 1e-3, us.p999 * 1e-3); }
-
 MeshCost measure(Context& context, const Subject& subject, std::int64_t resolution, const std::string& surface,
                  const BenchOptions& options) {
   const PointCloud& cloud = subject.model.cloud;
@@ -125,23 +123,6 @@ MeshCost measure(Context& context, const Subject& subject, std::int64_t resoluti
           .edit_us = summarize(samples["edited"])};
 }
 
-void printTimes(std::FILE* out, const std::vector<MeshCost>& costs, std::int64_t resolution,
-                const std::string& surface) {
-  fmt::print(out, "\nmesh, resolution {}, {}: ms on the GPU, median / p99.9\n", resolution, surface);
-  fmt::print(out, "{:<24}{:>10}{:>9}{:>9}{:>11}", "model", "points", "MiB", "FPS", "triangles");
-  constexpr std::array passes{"in all", "index", "list", "field", "classify", "scan", "vertices", "triangles"};
-  for (const char* pass : passes) fmt::print(out, "{:>20}", pass);
-  fmt::print(out, "{:>20}{:>16}\n", "after an edit", "blocks of all");
-  for (const MeshCost& cost : costs) {
-    if (cost.resolution != resolution || cost.surface != surface) continue;
-    const double all_us = cost.pass_us("in all").p50;
-    fmt::print(out, "{:<24}{:>10}{:>9.1f}{:>9.1f}{:>11}", cost.subject, cost.points,
-               static_cast<double>(cost.gpuBytes) / (1 << 20), all_us > 0 ? 1e6 / all_us : 0.0, cost.triangles);
-    for (const char* pass : passes) fmt::print(out, "{:>20}", inMs(cost.pass_us(pass)));
-    fmt::print(out, "{:>20}{:>16}\n", inMs(cost.edit_us), fmt::format("{} of {}", cost.treatedBlocks, cost.blocks));
-  }
-}
-
 // Compares a mesh of a known shape with the shape. Shapes are 100 units long, which are mm.
 MeshQuality judge(Context& context, const std::string& name, std::size_t points, std::int64_t resolution,
                   const std::string& surface) {
@@ -177,18 +158,6 @@ MeshQuality judge(Context& context, const std::string& name, std::size_t points,
           .normalMean_deg = normals.mean,
           .normalP95_deg = quantileOfSorted(angles, 0.95),
           .normalMax_deg = normals.max};
-}
-
-void printTruth(std::FILE* out, const std::vector<MeshQuality>& qualities) {
-  fmt::print(out, "\nmesh against the shape: distance of the vertices, error of their normals\n");
-  fmt::print(out, "{:<14}{:>9}{:>12}{:>10}{:>8}{:>7}{:>11}{:>11}{:>15}{:>15}{:>24}\n", "shape", "points", "resolution",
-             "surface", "closed", "Euler", "RMS, mm", "max, mm", "RMS, spacings", "max, spacings",
-             "mean / p95 / max, deg");
-  for (const MeshQuality& q : qualities)
-    fmt::print(out, "{:<14}{:>9}{:>12}{:>10}{:>8}{:>7}{:>11.5f}{:>11.5f}{:>15.5f}{:>15.5f}{:>24}\n", q.shape, q.points,
-               q.resolution, q.surface, q.mesh.closed() ? "yes" : "no", q.mesh.euler(), q.distanceRms_mm,
-               q.distanceMax_mm, q.inSpacings(q.distanceRms_mm), q.inSpacings(q.distanceMax_mm),
-               fmt::format("{:.3f} / {:.3f} / {:.2f}", q.normalMean_deg, q.normalP95_deg, q.normalMax_deg));
 }
 
 using Value = std::optional<Json>;
@@ -244,7 +213,6 @@ constexpr Reported<MeshResults> kMeshBench[]{
 };
 
 Json benchMesh(Context& context, const MeshBenchOptions& options) {
-  std::FILE* out = context.tables();
   MeshResults results;
   for (const SubjectMaker& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);
@@ -256,18 +224,16 @@ Json benchMesh(Context& context, const MeshBenchOptions& options) {
         results.costs.push_back(measure(context, subject, resolution, surface, options));
       }
   }
-  for (const std::int64_t resolution : options.resolutions)
-    for (const std::string& surface : options.surfaces) printTimes(out, results.costs, resolution, surface);
-  if (options.truthPoints == 0) return jsonBy(kMeshBench, results);
-  for (const std::string& shape : options.shapes)
+  for (const std::string& shape : options.truthPoints > 0 ? options.shapes : std::vector<std::string>())
     for (const std::int64_t resolution : options.resolutions)
       for (const std::string& surface : options.surfaces) {
         context.log().say("mesh: {} against the shape, resolution {}, {}", shape, resolution, surface);
         results.qualities.push_back(
             judge(context, shape, static_cast<std::size_t>(options.truthPoints), resolution, surface));
       }
-  printTruth(out, results.qualities);
-  return jsonBy(kMeshBench, results);
+  Json json = jsonBy(kMeshBench, results);
+  printTables(context.tables(), "mesh", json);
+  return json;
 }
 
 void addOptions(Options& bench, MeshBenchOptions& options) {

@@ -79,29 +79,10 @@ constexpr Reported<ReadRecord> kRead[]{
      [](const ReadRecord& r) -> Value { return r.perSecond(static_cast<double>(r.bytes)); }},
 };
 
-void printStages(std::FILE* out, const ReadRecord& record) {
-  fmt::print(out, "  header {:.3f} s, points {:.3f} s (waited for memory: {:.3f} s of {} threads together), ",
-             record.stages[0], record.stages[1], record.stages[4], record.threads);
-  fmt::print(out, "places {:.3f} s, freed {:.3f} s", record.stages[2], record.stages[3]);
-  if (record.faults) fmt::print(out, ", page faults {:.0f}", *record.faults);
-  fmt::print(out, "\n");
-}
-
-Json benchRead(Context& context, const BenchOptions& options, bool withStages) {
+Json benchRead(Context& context, const BenchOptions& options) {
   Json records = Json::array();
-  std::FILE* out = context.tables();
-  fmt::print(out, "{:<32} {:<6} {:>12} {:>8} {:>9} {:>9} {:>12} {:>8}\n", "file", "format", "points", "reads", "p50 s",
-             "max s", "M points/s", "GB/s");
-  for (const std::string& file : options.models) {
-    const ReadRecord record = measure(context, file, options);
-    const double points = record.perSecond(static_cast<double>(record.points)) * 1e-6;
-    const double bytes = record.perSecond(static_cast<double>(record.bytes)) * 1e-9;
-    fmt::print(out, "{:<32} {:<6} {:>12} {:>8} {:>9.3f} {:>9.3f} {:>12.1f} {:>8.2f}\n",
-               std::filesystem::path(file).filename().string(), record.format, record.points, record.time_s.count,
-               record.time_s.p50, record.time_s.max, points, bytes);
-    if (withStages) printStages(out, record);
-    records.push_back(jsonBy(kRead, record));
-  }
+  for (const std::string& file : options.models) records.push_back(jsonBy(kRead, measure(context, file, options)));
+  printTables(context.tables(), "read", records);
   return records;
 }
 
@@ -120,13 +101,11 @@ void addReadBench(Options& bench, Context& context, Command& command) {
   options->repeat = 20;
   sub.add("file", options->models, cloudFormats().namesRead() + " files").required().typeName("FILE...");
   addRepeatOptions(sub, *options);
-  const auto stages = std::make_shared<bool>(false);
-  sub.addFlag("--stages", *stages, "print the median time of each stage (LAS and LAZ)");
   sub.footer(
       "Each file is read once before it is measured. --threads sets the number of threads for LAS and LAZ only.\n");
-  sub.whenNamed([&, options, stages] {
-    command = [&context, options, stages] {
-      measureAlone(context, *options, "read", [&] { return benchRead(context, *options, *stages); });
+  sub.whenNamed([&, options] {
+    command = [&context, options] {
+      measureAlone(context, *options, "read", [&] { return benchRead(context, *options); });
     };
   });
 }

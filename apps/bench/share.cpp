@@ -217,24 +217,6 @@ Summary beyondTrip_ms(const ShareRecord& record) {
   return summarize(beyond_ms);
 }
 
-void print(std::FILE* out, const ShareRecord& record) {
-  const auto pair = [](const Summary& summary) { return fmt::format("{:.1f} / {:.1f}", summary.p50, summary.p99); };
-  fmt::print(out, "{:<8} {:>14.1f} {:>8.1f} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", record.backend, record.trip_ms,
-             record.rests.link.lost_percent.value_or(0), record.felt.after_ms.size(),
-             pair(summarize(record.felt.after_ms)), pair(beyondTrip_ms(record)), record.felt.notFelt,
-             fmt::format("{} of {}", record.missed, record.ticks + record.missed), record.aged);
-  if (record.felt.unsteady > 0)
-    fmt::print(out, "  at {} positions the hand did not settle, so nothing was pressed\n", record.felt.unsteady);
-  if (record.felt.notPressed > 0)
-    fmt::print(out, "  {} presses did not edit the surface, and there was nothing to feel\n", record.felt.notPressed);
-  if (record.editsTooSlow > 0)
-    fmt::print(
-        out,
-        "  edits were dropped or postponed in {} ticks, because an edit took longer than a force can be held: presses "
-        "may be felt late\n",
-        record.editsTooSlow);
-}
-
 using Value = std::optional<Json>;
 
 constexpr Reported<ShareRecord> kShare[]{
@@ -262,14 +244,9 @@ constexpr Reported<ShareRecord> kShare[]{
 
 Json benchShare(Context& context, const BenchOptions& options, const ShareOptions& share) {
   Json records = Json::array();
-  std::FILE* out = context.tables();
-  fmt::print(out, "{:<8} {:>14} {:>8} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", "", "round trip ms", "lost %",
-             "presses", "felt p50 / p99 ms", "beyond it p50 / p99 ms", "not felt", "ticks missed", "faded");
-  for (const std::string& backend : options.backends) {
-    const ShareRecord record = measureShare(context, share, backend, options.repeat);
-    print(out, record);
-    records.push_back(jsonBy(kShare, record));
-  }
+  for (const std::string& backend : options.backends)
+    records.push_back(jsonBy(kShare, measureShare(context, share, backend, options.repeat)));
+  printTables(context.tables(), "share", records);
   return records;
 }
 

@@ -190,86 +190,6 @@ void judgeScan(Context& context, const Subject& subject, const UVec2& size, cons
   judgeWays(context, subject.name, "scan", subject.model, truth, options, results);
 }
 
-std::string shortName(std::string name) {
-  for (const std::string_view prefix : {"render_", "fill frame "})
-    if (name.starts_with(prefix)) name.erase(0, prefix.size());
-  return name;
-}
-
-std::string cell(const Summary& s) { return fmt::format("{:.3f} / {:.3f}", s.p50, s.p999); }
-
-// One row per model, as in the thesis's Table 3.2, and one column per pass.
-void printPassCosts(std::FILE* out, const std::vector<SplatCost>& costs, const std::string& raster, const UVec2& size,
-                    std::uint32_t samples) {
-  const auto first = std::ranges::find(costs, raster, &SplatCost::raster);
-  fmt::print(out, "\nsplat, {}, {} x {}, samples of a pixel: {}, ms on the GPU by pass, median / p99.9\n{:<20}{:>11}",
-             raster, size.x, size.y, samples, "model", "points");
-  for (const auto& [name, unused] : first->times.passes) fmt::print(out, "{:>22}", shortName(name));
-  fmt::print(out, "\n");
-  for (const SplatCost& cost : costs) {
-    if (cost.raster != raster) continue;
-    fmt::print(out, "{:<20}{:>11}", cost.subject, cost.points);
-    for (const auto& [name, time] : cost.times.passes) fmt::print(out, "{:>22}", cell(time));
-    fmt::print(out, "\n");
-  }
-}
-
-void printCosts(std::FILE* out, const std::vector<SplatCost>& costs) {
-  fmt::print(out, "\n{:<20}{:<16}{:>11}{:>22}{:>22}{:>10}{:>10}\n", "model", "raster", "points", "all passes, ms",
-             "picture, ms", "fps", "MiB");
-  for (const SplatCost& cost : costs)
-    fmt::print(out, "{:<20}{:<16}{:>11}{:>22}{:>22}{:>10.0f}{:>10.0f}\n", cost.subject, cost.raster, cost.points,
-               cell(cost.times.gpu_ms), cell(cost.times.wall_ms), cost.fps(),
-               static_cast<double>(cost.bytes) / (1 << 20));
-}
-
-// As in the thesis's Tables 3.1 and 3.2: discs beside meshes, their cost and their accuracy.
-void printWays(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size, std::uint32_t samples) {
-  fmt::print(out, "\nsplat and mesh, {} x {}, samples of a pixel: {}; against truth with one\n", size.x, size.y,
-             samples);
-  fmt::print(out, "{:<14}{:<10}{:<12}{:>8}{:>10}{:>20}{:>20}{:>8}{:>16}{:>8}{:>8}{:>12}{:>22}{:>22}\n", "shape",
-             "cloud", "way", "smooth", "points", "mesh made, ms", "picture, ms", "fps", "fps, remeshed", "MiB", "holes",
-             "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
-  for (const SplatQuality& q : qualities)
-    fmt::print(out, "{:<14}{:<10}{:<12}{:>8}{:>10}{:>20}{:>20}{:>8.0f}{:>16.0f}{:>8.0f}{:>8}{:>12.2f}{:>22.3f}{:>22}\n",
-               q.shape, q.condition, q.raster, q.smooth_px, q.points,
-               q.cost->made_ms.count > 0 ? cell(q.cost->made_ms) : "", cell(q.cost->times.gpu_ms), q.cost->fps(),
-               q.cost->fpsRemeshed(), static_cast<double>(q.cost->bytes) / (1 << 20), q.picture.holes,
-               q.picture.overlap, q.picture.depthRms,
-               fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
-}
-
-void printQualities(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size) {
-  if (qualities.empty()) return;
-  fmt::print(out, "\nsplat, {} x {}, against truth, one sample a pixel\n", size.x, size.y);
-  fmt::print(out, "{:<14}{:<10}{:<16}{:>10}{:>10}{:>10}{:>8}{:>12}{:>22}{:>22}\n", "shape", "cloud", "raster", "smooth",
-             "points", "pixels", "holes", "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
-  for (const SplatQuality& q : qualities)
-    fmt::print(out, "{:<14}{:<10}{:<16}{:>10}{:>10}{:>10}{:>8}{:>12.2f}{:>22.3f}{:>22}\n", q.shape, q.condition,
-               q.raster, q.smooth_px, q.points, q.picture.pixels, q.picture.holes, q.picture.overlap,
-               q.picture.depthRms, fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
-}
-
-void printLives(std::FILE* out, const std::vector<SplatCost>& costs) {
-  const auto compute = std::ranges::find(costs, "compute", &SplatCost::raster);
-  if (compute == costs.end()) return;
-  if (compute->lives.empty()) {
-    fmt::print(out,
-               "\nsplat, the longest lifetime of a workgroup: unknown, because this GPU's shaders share no clock\n");
-    return;
-  }
-  fmt::print(out, "\nsplat, compute, the longest lifetime of a workgroup in twenty pictures, us\n{:<20}{:>11}", "model",
-             "points");
-  for (const auto& life : compute->lives) fmt::print(out, "{:>24}", shortName(life.pass));
-  fmt::print(out, "\n");
-  for (const SplatCost& cost : costs) {
-    if (cost.raster != compute->raster) continue;
-    fmt::print(out, "{:<20}{:>11}", cost.subject, cost.points);
-    for (const auto& life : cost.lives) fmt::print(out, "{:>24.1f}", life.longest_us);
-    fmt::print(out, "\n");
-  }
-}
-
 // Without extremes.
 Json middleQuantilesOf(const Summary& s) { return {{"n", s.count}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}}; }
 
@@ -364,17 +284,9 @@ Json benchSplat(Context& context, const SplatBenchOptions& options) {
   }
   std::ranges::stable_sort(costs, {}, &SplatCost::points);
   if (!options.quick && !scan) judgeShapes(context, size, options, qualities);
-  std::vector<std::string> ways;
-  for (const SplatCost& cost : costs)
-    if (std::ranges::find(ways, cost.raster) == ways.end()) ways.push_back(cost.raster);
-  for (const std::string& way : ways) printPassCosts(context.tables(), costs, way, size, options.samples);
-  printCosts(context.tables(), costs);
-  printLives(context.tables(), costs);
-  if (options.meshes.empty())
-    printQualities(context.tables(), qualities, size);
-  else if (!qualities.empty())
-    printWays(context.tables(), qualities, size, options.samples);
-  return jsonBy(kSplatBench, SplatResults{size, options.samples, std::move(costs), std::move(qualities)});
+  Json json = jsonBy(kSplatBench, SplatResults{size, options.samples, std::move(costs), std::move(qualities)});
+  printTables(context.tables(), "splat", json);
+  return json;
 }
 
 void addOptions(Options& bench, SplatBenchOptions& options) {

@@ -245,11 +245,6 @@ constexpr Reported<StreamResults> kStreamBench[]{
 Json benchStream(Context& context, const StreamBenchOptions& options) {
   const auto shape = makeShape("sphere", kSize_m);
   StreamResults results;
-  fmt::print(context.tables(),
-             "\nstream: depth frames into a map, us, median / p99.9\n{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n", "frames",
-             "surfels", "matched", "fuse", "index", "arrival to index");
-  const auto pair = [](const Summary& us) { return fmt::format("{:.1f} / {:.1f}", us.p50, us.p999); };
-  std::vector<std::function<void()>> reports;  // printed after the table
   const auto felt = [&](const std::string& size, const PointCloud& map, const DepthCamera& camera,
                         const std::vector<DepthFrame>& frames) {
     const auto all = feelStreams(context, {.map = map,
@@ -260,7 +255,6 @@ Json benchStream(Context& context, const StreamBenchOptions& options) {
                                            .spacing_m = spacingOf(map),
                                            .duration_s = options.felt_s});
     std::ranges::copy(all, std::back_inserter(results.felt));
-    reports.push_back([&context, all] { printFeltStreams(context.tables(), all); });
   };
   for (const std::string& size : options.frames) {
     const DepthCamera camera = cameraOf(size);
@@ -273,21 +267,15 @@ Json benchStream(Context& context, const StreamBenchOptions& options) {
       warmUp(context, options);
       Fused fused = fuse(context.device(), map, camera, frames, options);
       fused.frames = size;
-      fmt::print(context.tables(), "{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n", size, surfels, fused.counts.matched,
-                 pair(fused.fuse_us), pair(fused.index_us), pair(fused.arrival_us));
       results.fused.push_back(std::move(fused));
       if (options.felt_s > 0) felt(size, map, camera, frames);
     }
     results.qualities.push_back(judge(*shape, camera, frames, context.threads()));
     results.qualities.back().size = size;
   }
-  for (const auto& report : reports) report();
-  fmt::print(context.tables(), "\nagainst the shape, from an empty map, mm RMS\n{:<12}{:>8}{:>10}{:>10}{:>10}\n",
-             "frames", "views", "points", "depths", "map");
-  for (const StreamQuality& q : results.qualities)
-    fmt::print(context.tables(), "{:<12}{:>8}{:>10}{:>10.2f}{:>10.2f}\n", q.size, q.frames, q.points, q.depthRms_mm,
-               q.mapRms_mm);
-  return jsonBy(kStreamBench, results);
+  Json json = jsonBy(kStreamBench, results);
+  printTables(context.tables(), "stream", json);
+  return json;
 }
 
 }  // namespace

@@ -162,17 +162,4 @@ std::vector<FeltStream> feelStreams(Context& context, const FeltScene& scene) {
   return all;
 }
 
-void printFeltStreams(std::FILE* out, const std::vector<FeltStream>& all) {
-  fmt::print(out,
-             "\nfelt at 1000 ticks a second while frames come at {:g} Hz and pictures of {} x {} are drawn, us from "
-             "pose to force\n{:<10}{:>9}{:>8}{:>9}{:>9}{:>9}{:>9}{:>10}{:>9}{:>9}{:>9}{:>9}\n",
-             kCameraRate_Hz, kWidth_px, kHeight_px, "cloud", "ticks", "missed", "p50", "p99", "p99.9", "max", "in time",
-             "touched", "frames", "drawn", "fps");
-  for (const FeltStream& felt : all)
-    fmt::print(out, "{:<10}{:>9}{:>8}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.2f}%{:>9}{:>9}{:>9}{:>9.0f}\n",
-               felt.situation, felt.ticks, felt.missedTicks, felt.step_us.p50, felt.step_us.p99, felt.step_us.p999,
-               felt.step_us.max, 100 * felt.freshShare, felt.contactTicks, felt.frames, felt.framesDrawn,
-               felt.pictures_per_s);
-}
-
 }  // namespace palpate

@@ -37,6 +37,4 @@ struct FeltScene {
 /// Without frames, with the newest frame as the cloud, and with frames fused into the map.
 std::vector<FeltStream> feelStreams(Context& context, const FeltScene& scene);
 
-void printFeltStreams(std::FILE* out, const std::vector<FeltStream>& all);
-
 }  // namespace palpate

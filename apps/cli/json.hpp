@@ -65,6 +65,10 @@ class Json {
   const Json* end() const { return elements().data() + size(); }
 
   bool is_null() const { return std::holds_alternative<std::nullptr_t>(value_); }
+  bool isReal() const { return std::holds_alternative<double>(value_); }
+  bool isText() const { return std::holds_alternative<std::string>(value_); }
+  bool isArray() const { return std::holds_alternative<std::vector<Json>>(value_); }
+  bool isObject() const { return std::holds_alternative<std::vector<Member>>(value_); }
   /// Throws std::exception if the type differs. For std::string, bool, int, std::int64_t, std::uint64_t and double.
   template <typename T>
   T get() const;

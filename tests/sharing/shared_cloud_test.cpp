@@ -14,6 +14,8 @@
 #include "engine/io/saving.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/session_notices.hpp"
+#include "haptics/sharing/wanted_points.hpp"
 #include "tests/error_of.hpp"
 #include "tests/says.hpp"
 #include "tests/sharing/honest_hand.hpp"
@@ -90,6 +92,45 @@ TEST_CASE("several clients join at once, and each receives the whole cloud") {
   CHECK(counts.clients == 4);
   CHECK(counts.refused == 0);
   CHECK(counts.blocks == 4 * 931);
+}
+
+TEST_CASE("a server sends what its client acknowledges, begins again on request, and ends a stream that is complete") {
+  constexpr std::uint64_t kBlocks = 1000;
+  const PointCloud cloud = cloudOf(sharing::kBlockPoints * kBlocks);
+  Served served(cloud, "held");
+  const sharing::Participant participant(ownNetwork());
+  const sharing::Topics topics(participant);
+  sharing::SessionNotices notices(participant, topics);
+  REQUIRE(within(20, [&] { return !notices.listenFor("held", 0.1).empty(); }));
+  sharing::WantedPoints stream(participant, topics, notices.known().front().session, sharing::freshId());
+  std::uint64_t received = 0, blocks = 0;
+  // Samples of the epoch until there are so many and no more come.
+  const auto receives = [&](const sharing::Wanted& wanted, std::uint64_t expected) {
+    const bool all = within(20, [&] {
+      stream.ask(wanted);
+      stream.take([&](const sharing::Points& sample) {
+        if (sample.epoch != wanted.epoch) return;
+        CHECK(sample.sample == received + 1);
+        CHECK(sample.whole == (wanted.first + blocks + 1 == kBlocks));
+        received = sample.sample;
+        blocks += sample.points._length > 0;
+      });
+      return received >= expected;
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    stream.take([&](const sharing::Points&) { ++received; });
+    return all && received == expected;
+  };
+  CHECK(receives({.epoch = 1}, 256));
+  CHECK(receives({.epoch = 1, .taken = 256}, 256 + 512));  // each acknowledged sample widens the window
+  received = blocks = 0;
+  CHECK(receives({.epoch = 2, .first = 900}, 100));  // begins again from there
+  CHECK(blocks == 100);
+  stream.ask({.epoch = 2, .taken = 100, .first = 900});
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  received = blocks = 0;
+  CHECK(receives({.epoch = 1, .first = 990}, 10));  // its stream has ended, so that it is a new client
+  CHECK(served.end().clients == 2);
 }
 
 TEST_CASE("a session name is unique, and an unknown name is reported with the existing ones") {
