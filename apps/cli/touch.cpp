@@ -379,7 +379,9 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   if (session.shared()) report.shared = checkShared(outputs, session, options);
   if (recording) report.log = reportOf(recording->writer());
   outputs.write([&] {
-    if (!options.saveFile.empty()) saveKeeping(options.saveFile, end.cloud);
+    if (options.saveFile.empty()) return;
+    saveKeeping(options.saveFile, end.cloud);
+    if (!end.remark.empty()) context.log().say("{}: {}", options.saveFile, end.remark);
   });
   outputs.write([&] {
     if (options.pictureFile.empty()) return;

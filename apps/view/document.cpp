@@ -296,7 +296,7 @@ void Document::finishSaving(const WindowSession::Saved& saved) {
     mapIsChanged_ = false;
     const bool isOther = hadSemicolons_ && std::filesystem::path(saved.file).extension() == ".csv";
     messages_.say(saved.file + " is saved" + (isOther ? ", with decimal points and commas between columns" : "") +
-                  kept);
+                  (saved.remark.empty() ? "" : ": " + saved.remark) + kept);
     becomeFile(saved.file);
     if (std::exchange(othersWait_, false)) findLeft();
   } else {

@@ -58,11 +58,14 @@ void findStiffness(const WindowSession& session, PlaceInfo& info) {
       fmt::format("the hand's spring, {:.3g} N/mm, in series with a half-space, {:.3g} N/mm", hand, body.N_per_mm);
 }
 
+/// The history has the present state of each point.
+bool knowsAll(const WindowSession& session) { return !session.config().moves() && session.session().pointHistory(); }
+
 }  // namespace
 
 PickedPosition pickedAt(const WindowSession& session, const DVec3& place, double pixel) {
   constexpr double kNear_px = 5;
-  const PointState* const point = session.config().moves() ? nullptr : nearestTo(session.history().points(), place);
+  const PointState* const point = knowsAll(session) ? nearestTo(session.history().points(), place) : nullptr;
   if (point && glm::distance(DVec3(point->position), place) <= kNear_px * pixel) return {DVec3(point->position), 0};
   const double step = std::pow(10.0, std::floor(std::log10(pixel)));
   const DVec3& origin = session.model().cloud.origin;
@@ -75,7 +78,7 @@ PlaceInfo placeInfo(const WindowSession& session, const PickedPosition& picked) 
   const double exact = resolutionOf(session.bounds());
   PlaceInfo info{.place = cloud.origin + place, .resolution = std::max(exact, picked.resolution)};
   findStiffness(session, info);
-  if (session.config().moves()) return info;
+  if (!knowsAll(session)) return info;
   const PointState* const point = nearestTo(session.history().points(), place);
   if (point == nullptr) return info;
   info.point = point->number;

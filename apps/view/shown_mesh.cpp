@@ -31,7 +31,8 @@ void ShownMesh::make(const WindowSession& session, std::uint32_t resolution) {
   const MeshPlan plan =
       thinned(planMesh(model.shownBounds(), model.spacing, {.resolution = resolution, .room = 0.2}), model.cloud);
   const PointStates& points = session.history().points();
-  const std::uint64_t spare = std::max<std::uint64_t>(points.size() - model.cloud.size(), model.cloud.size() / 4);
+  const std::uint64_t most = std::max(points.size(), model.cloud.size());
+  const std::uint64_t spare = std::max<std::uint64_t>(most - model.cloud.size(), model.cloud.size() / 4);
   mesh_ = std::make_unique<MarchingCubes>(sight_, model.cloud, plan, static_cast<std::uint32_t>(spare), true);
   resolution_ = resolution;
   mesh_->build();

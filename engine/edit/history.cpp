@@ -60,8 +60,8 @@ bool unpack(std::span<const std::byte> bytes, HistoryChange& change) {
   return true;
 }
 
-History::History(const PointCloud& file, const UndoBudget& budget)
-    : points_(file), list_(budget), slot_(budget.bytes ? points_.size() : 0) {}
+History::History(PointStates points, const UndoBudget& budget)
+    : points_(std::move(points)), list_(budget), slot_(budget.bytes ? points_.size() : 0) {}
 
 void History::follow(const EditBatch& batch) {
   const std::span<const PointState> all = batch.points;
@@ -105,18 +105,21 @@ void History::follow(std::vector<ShapeStroke> strokes) {
 }
 
 void History::receive(std::span<const PointState> states) {
-  if (states.empty()) return;
-  ++received_;
-  points_.set(states);
-  if (!list_.keepsAny()) return;
-  lastReceived_.resize(points_.size(), 0);
+  bool isCounted = false;
   for (const PointState& state : states) {
     const std::uint64_t point = state.number;
-    lastReceived_[point] = received_;
+    const bool isChange = points_.knows(point);  // else it is the point's first state
+    points_.set(state);
+    if (!isChange) continue;
+    if (!std::exchange(isCounted, true)) ++received_;
+    if (!list_.keepsAny()) continue;
+    const std::size_t at = points_.indexOf(point);
+    if (at >= lastReceived_.size()) lastReceived_.resize(points_.size(), 0);
+    lastReceived_[at] = received_;
     if (!isInStroke(point)) continue;
     // From now on the stroke's edits of this point start from the received state.
-    open_.points[slot_[point]] = open_.points.back();
-    slot_[open_.points.back().number] = slot_[point];
+    open_.points[slot_[at]] = open_.points.back();
+    slot_[points_.indexOf(open_.points.back().number)] = slot_[at];
     open_.points.pop_back();
   }
 }
@@ -141,8 +144,9 @@ void History::keepBefore(std::uint64_t point) {
     open_ = {};
     return;
   }
-  if (point >= slot_.size()) slot_.resize(point + 1);
-  slot_[point] = static_cast<std::uint32_t>(open_.points.size());
+  const std::size_t at = points_.indexOf(point);
+  if (at >= slot_.size()) slot_.resize(at + 1);
+  slot_[at] = static_cast<std::uint32_t>(open_.points.size());
   open_.points.push_back(points_[point]);
 }
 
@@ -163,7 +167,8 @@ bool History::carryOut(PointStroke& stroke, const Carriers& carriers) {
   std::vector<PointChange> changes;
   changes.reserve(stroke.points.size());
   for (const PointState& to : stroke.points) {
-    if (to.number < lastReceived_.size() && lastReceived_[to.number] > stroke.received) continue;  // others changed it
+    const std::size_t at = points_.indexOf(to.number);
+    if (at < lastReceived_.size() && lastReceived_[at] > stroke.received) continue;  // others changed it
     changes.push_back({.from = points_[to.number], .to = to});
   }
   if (!changes.empty() && !carriers.points(changes)) return false;

@@ -43,7 +43,10 @@ struct StrokeCounts {
 class History {
  public:
   /// `file`: the cloud before the first edit.
-  explicit History(const PointCloud& file, const UndoBudget& budget = {});
+  explicit History(const PointCloud& file, const UndoBudget& budget = {}) : History(PointStates(file), budget) {}
+  /// `points`: before the first edit. If only a part of the cloud is known, edits report the state of a point before
+  /// its first edit as received, which is no change by others.
+  explicit History(PointStates points, const UndoBudget& budget = {});
 
   /// Takes in edits, in order.
   void follow(const EditBatch& batch);
@@ -80,7 +83,8 @@ class History {
   void endStroke();
   void keepBefore(std::uint64_t point);
   bool isInStroke(std::uint64_t point) const {
-    return point < slot_.size() && slot_[point] < open_.points.size() && open_.points[slot_[point]].number == point;
+    const std::size_t at = points_.indexOf(point);
+    return at < slot_.size() && slot_[at] < open_.points.size() && open_.points[slot_[at]].number == point;
   }
   bool carryOut(HistoryChange& change, const Carriers& carriers);
   bool carryOut(PointStroke& stroke, const Carriers& carriers);
@@ -89,10 +93,10 @@ class History {
   UndoList<HistoryChange> list_;
   PointStroke open_;                 // the stroke in progress
   std::uint64_t openVersion_ = 0;    // before it
-  std::vector<std::uint32_t> slot_;  // by point: its index in open_, if it is there
+  std::vector<std::uint32_t> slot_;  // as points_: its index in open_, if it is there
   std::uint64_t version_ = 0, lastVersion_ = 0;
-  std::uint64_t received_ = 0;               // number of received batches with any states
-  std::vector<std::uint64_t> lastReceived_;  // by point: the last of these batches with it; empty before the first
+  std::uint64_t received_ = 0;               // number of received batches with states of known points
+  std::vector<std::uint64_t> lastReceived_;  // as points_: the last of these batches with it; 0 behind the end
   bool inStroke_ = false, keepsStroke_ = false;
   std::uint64_t strokes_ = 0;
 };

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -8,10 +10,13 @@
 
 namespace palpate {
 
-/// The present states of all points of an edited cloud, by number; new points after the file's. 48 bytes a point.
-/// Passes as a std::span<const PointState> to what needs the whole cloud.
+/// The present states of the points of an edited cloud: of all, by number, new points after the file's; or, of a cloud
+/// of which only a part is known, of those that were set, in that order. 48 bytes a point. Passes as a
+/// std::span<const PointState>, of a whole cloud to what needs all points.
 class PointStates {
  public:
+  /// Of a cloud of which no point is known yet.
+  PointStates() : index_(std::in_place) {}
   /// `file`: the cloud before the first edit.
   explicit PointStates(const PointCloud& file);
 
@@ -20,15 +25,27 @@ class PointStates {
     for (const PointState& state : states) set(state);
   }
   void set(const PointState& state) {
-    if (state.number >= states_.size()) growTo(state.number);
-    PointState& point = states_[state.number];
+    const std::size_t at = indexOf(state.number);
+    if (at >= states_.size()) grow(state.number);
+    PointState& point = states_[at];
     present_ += point.gone;
     present_ -= state.gone;
     point = state;
   }
 
   /// A point that was never set does not exist (PointState::gone()).
-  PointState operator[](std::uint64_t point) const { return point < states_.size() ? states_[point] : never(point); }
+  PointState operator[](std::uint64_t point) const {
+    const std::size_t at = indexOf(point);
+    return at < states_.size() ? states_[at] : never(point);
+  }
+  /// Index of a point's state; that of a point that was not set is where set() puts it, at size() or behind.
+  std::size_t indexOf(std::uint64_t point) const {
+    if (!index_) return point;
+    const auto there = index_->find(point);
+    return there == index_->end() ? states_.size() : there->second;
+  }
+  /// Always true of a whole cloud, whose other points do not exist.
+  bool knows(std::uint64_t point) const { return !index_ || index_->contains(point); }
   /// Number of states, including those of removed points.
   std::size_t size() const { return states_.size(); }
   const PointState* begin() const { return states_.data(); }
@@ -38,10 +55,11 @@ class PointStates {
 
  private:
   static PointState never(std::uint64_t point) { return {.gone = true, .number = point, .parent = point}; }
-  void growTo(std::uint64_t point);
+  void grow(std::uint64_t point);
 
   std::vector<PointState> states_;
-  std::size_t present_;
+  std::optional<std::unordered_map<std::uint64_t, std::size_t>> index_;  // by number; of a part alone
+  std::size_t present_ = 0;
 };
 
 }  // namespace palpate

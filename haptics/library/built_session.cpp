@@ -40,7 +40,7 @@ void BuiltSession::make(SessionConfig config, bool keepsPoints, bool editable) {
   session_ = std::make_unique<Session>(config, parts_.model,
                                        SessionParts{.backend = parts_.backend,
                                                     .threads = parts_.threads,
-                                                    .keepsPoints = keepsPoints,
+                                                    .keepsPoints = keepsPoints || parts_.model->far(),
                                                     .undo = {undoBytes(undo)},
                                                     .paintable = editable,
                                                     .sharedPatience_s = parts_.sharedPatience_s,

@@ -1,5 +1,7 @@
 #include "haptics/library/session_queries.hpp"
 
+#include <cstring>
+
 #include "engine/cloud/edited_cloud.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/options.hpp"
@@ -59,6 +61,16 @@ const SurfaceIndex& SessionQueries::surfaceOf(const Session& session, const std:
 std::vector<pp_row> SessionQueries::rowsOf(const Session& session) const {
   const PointCloud& opened = session.model().cloud;
   std::vector<pp_row> rows;
+  if (session.far()) {
+    const Attribute numbers = session.sculpted().cloud.extra.back();
+    rows.resize(numbers.data.size() / sizeOf(numbers.type));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      std::uint32_t number = 0;
+      std::memcpy(&number, numbers.data.data() + i * sizeof number, sizeof number);
+      rows[i] = {.row = number, .cloud = 0, .changed = session.history() && session.history()->points().knows(number)};
+    }
+    return rows;
+  }
   if (const History* const history = session.pointHistory()) {
     const PointStates& points = history->points();
     rows.reserve(points.present());

@@ -31,7 +31,7 @@ void SessionViews::forget() {
 PointCloud SessionViews::points(const Session& session, const FrameObject* frame) const {
   const JobStopScope cuts(JobStopScope::cutting());
   const PointCloud& opened = session.model().cloud;
-  if (!frame) return session.pointHistory() ? session.sculpted().cloud : opened;
+  if (!frame) return session.pointHistory() || session.far() ? session.sculpted().cloud : opened;
   PointCloud cloud = frame->cloud;
   if (cloud.size() == opened.size()) cloud.colors = opened.colors;
   cloud.storedAs.comments = opened.storedAs.comments;

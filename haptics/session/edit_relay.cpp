@@ -18,7 +18,7 @@ constexpr double kBetweenChecks_s = 1.0 / 240;  // of checking whether the back 
 EditRelay::EditRelay(const PointCloud& cloud, EditStream* edits, ShapeStrokes* shape, const RelayOptions& options)
     : points_(cloud.size()), edits_(edits), shape_(shape), options_(options) {
   if (!options.keepsPoints && !shape_) return;
-  history_.emplace(options.keepsPoints ? cloud : PointCloud(), options.undo);
+  history_.emplace(options.keepsPoints && !options.isPart ? PointStates(cloud) : PointStates(), options.undo);
   if (options.keepsPoints && edits_) edits_->keep();
 }
 
@@ -70,6 +70,7 @@ void EditRelay::catchUp() {
     if (options_.log) options_.log->add(batch_);
     history_->follow(batch_);
   }
+  if (options_.isPart) batch_.clear();
   if (shape_) {
     std::vector<ShapeStroke> strokes;
     shape_->take(strokes);

@@ -18,6 +18,7 @@ struct RelayOptions {
   std::vector<EditFollower*> followers;  ///< take the edits after the history
   double rate_Hz = 30;                   ///< how often edits are taken against the clock
   bool keepsPoints = false;              ///< the history follows the points
+  bool isPart = false;                   ///< only a part of the cloud is known; other followers do not get its edits
   UndoBudget undo;                       ///< of the history
   SessionWriter* log = nullptr;          ///< receives the edits, if the history follows them; flushed in virtual time
 };

@@ -302,10 +302,11 @@ void InteractiveSession::setForces(bool on) {
 
 void InteractiveSession::save(const std::string& file) {
   if (isSaving()) throw Error("{}: the last save is still being written", file);
-  // The history does not contain the points of a model that moves.
-  std::optional<PointCloud> present;
+  session_.require(Action::save, file);
+  // The history does not contain the points of a model that moves, nor all of one that is elsewhere.
+  std::optional<SculptedCloud> present;
   const auto look = [&] {
-    if (config().moves()) present = session_.sculpted().cloud;
+    if (config().moves() || session_.far()) present = session_.sculpted();
   };
   failed_ ? look() : session_.between(look);
   saving_.version = session_.strokes().version;
@@ -317,11 +318,11 @@ void InteractiveSession::save(const std::string& file) {
       // The strokes since are strokes on the model's file, wherever it is saved.
       std::error_code isNone;
       if (unsaved_ && std::filesystem::is_regular_file(loaded, isNone)) unsaved_->keepModel();
-      const std::filesystem::path kept = saveKeeping(file, present ? *present : editedCloud(model().cloud, points),
-                                                     {.own = &saving_.own, .like = loaded});
-      return Saved{file, kept.string(), {}};
+      const std::filesystem::path kept = saveKeeping(
+          file, present ? present->cloud : editedCloud(model().cloud, points), {.own = &saving_.own, .like = loaded});
+      return Saved{file, kept.string(), {}, present ? present->remark : std::string()};
     } catch (const std::exception& error) {
-      return Saved{file, {}, error.what()};
+      return Saved{file, {}, error.what(), {}};
     }
   });
 }

@@ -129,9 +129,9 @@ class InteractiveSession {
   /// Writes the present points on another thread. A file that would lose data by this is kept under another name.
   void save(const std::string& file);
   bool isSaving() const { return saving_.running.valid(); }
-  /// Result of save(): the file and the name that an older one is kept under, or the failure.
+  /// Result of save(): the file and the name that an older one is kept under, or the failure; SculptedCloud::remark.
   struct Saved {
-    std::string file, kept, failure;
+    std::string file, kept, failure, remark;
   };
   std::optional<Saved> takeSaved();
 

@@ -38,6 +38,7 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
              {.followers = followers(),
               .rate_Hz = shared_ ? kSharedRelay_Hz : kRelay_Hz,
               .keepsPoints = (parts.keepsPoints || shared_) && kind_.capabilities().keepsEdits,
+              .isPart = farTouch_ != nullptr,
               .undo = parts.undo}),
       channel_({.config = config_,
                 .settle =
@@ -273,9 +274,15 @@ StrokeCounts Session::strokes() const { return history() ? history()->counts() :
 
 SculptedCloud Session::sculpted() const {
   if (pointHistory() && !config_.moves() && !isMoved_)
-    return {editedCloud(model_->cloud, history()->points()), changedPoints(model_->cloud, history()->points())};
+    return {editedCloud(model_->cloud, history()->points()), changedPoints(model_->cloud, history()->points()), {}};
   SculptedCloud sculpted{.cloud = model_->cloud};
   sculpted.edited = backend_->readBack(sculpted.cloud);
+  if (!model_->far() || model_->far()->moves()) return sculpted;
+  sculpted.remark = fmt::format(
+      "{} of {} points, those known around the hands; the field 'number' has their numbers among all, and the "
+      "server saves all of them (palpate serve --save)",
+      sculpted.cloud.size(), model_->extent()->points);
+  sculpted.cloud.storedAs.comments.push_back("comment palpate: " + sculpted.remark);
   return sculpted;
 }
 

@@ -71,6 +71,7 @@ struct RunOptions {
 struct SculptedCloud {
   PointCloud cloud;
   std::size_t edited = 0;  ///< points that are moved, recoloured, removed or new, compared with the file
+  std::string remark;      ///< that these are not all points, in words; empty: they are
 };
 
 /// A model that hands touch: *run* along paths, in virtual time or against the clock; *live*, on a servo thread of its
@@ -111,8 +112,8 @@ class Session {
   /// What was changed; null if nothing is followed.
   History* history() { return relay_.history(); }
   const History* history() const { return relay_.history(); }
-  /// The same; null also if it does not follow the points (SessionParts::keepsPoints).
-  const History* pointHistory() const { return relay_.keepsPoints() ? relay_.history() : nullptr; }
+  /// The same; null also if it does not follow the points (SessionParts::keepsPoints), or not all of them (far()).
+  const History* pointHistory() const { return relay_.keepsPoints() && !farTouch_ ? relay_.history() : nullptr; }
 
   // Run: along paths.
 

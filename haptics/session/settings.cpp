@@ -254,8 +254,8 @@ constexpr Setting<JoinConfig> kJoin[]{
      "authority can join"},
     {"partial", &JoinConfig::partial, "--partial",
      "stream only the points around the hand, for models too large to download; they can be "
-     "sculpted, but not saved or undone. Moving models are always joined so, and cannot be "
-     "sculpted"},
+     "sculpted, and a file saved here has only the known ones. Moving models are always joined "
+     "so, and cannot be sculpted"},
 };
 
 constexpr Setting<HandConfig> kHand[]{

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/contact_query.hpp"
 #include "haptics/sharing/served_bricks.hpp"
 
 namespace palpate::sharing {

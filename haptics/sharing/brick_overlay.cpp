@@ -14,13 +14,7 @@ void BrickOverlay::come(BrickKey key, std::shared_ptr<const Brick> brick) {
 }
 
 void BrickOverlay::drop(BrickKey key) {
-  come_.erase(key);
-  touched_.insert(key);
-}
-
-void BrickOverlay::forget() {
-  for (const auto& [key, brick] : come_) touched_.insert(key);
-  come_.clear();
+  if (come_.erase(key) > 0) touched_.insert(key);
 }
 
 void BrickOverlay::settle(std::span<const std::uint32_t> points) {

@@ -1,4 +1,4 @@
-// A client's own edits on top of the bricks received from the server that holds the cloud.
+// A client's own edits on top of the bricks of a store.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,10 @@
 #include <unordered_map>
 #include <vector>
 
+#include "engine/cloud/point_store.hpp"
 #include "engine/core/point_state.hpp"
-#include "haptics/sharing/brick_grid.hpp"
 
 namespace palpate {
-
-/// Points of a brick by ascending id (their number in the whole cloud). Positions are relative to the cloud's origin.
-struct Brick {
-  std::vector<std::uint32_t> ids;
-  std::vector<Vec3> positions, normals;
-  std::vector<Vec3> velocities;       ///< empty where points do not move
-  std::vector<std::uint32_t> colors;  ///< RGBA8, red in the lowest byte; 0: no colour. Empty if no point has a colour
-
-  std::size_t size() const { return ids.size(); }
-  bool operator==(const Brick&) const = default;
-};
 
 /// Points edited here take effect at once and override received data until the server confirms that its data contains
 /// the edits (settle()). For one thread at a time.
@@ -31,11 +20,9 @@ class BrickOverlay {
  public:
   explicit BrickOverlay(const BrickGrid& grid) : grid_(grid) {}
 
-  // Data received from the server.
+  // Data of the store.
   void come(BrickKey key, std::shared_ptr<const Brick> brick);
   void drop(BrickKey key);
-  /// Discards all received bricks; local edits stay.
-  void forget();
   /// The received bricks contain the edits of these points: only edits made since the last takeMade() stay.
   void settle(std::span<const std::uint32_t> points);
 

@@ -82,6 +82,7 @@ void BrickSculptor::finish() {
   finishedWithin(0);
   while (brush_ && stroke_.hasWay()) start(time_s_ + 1e-3, false);
   stroke_.end();
+  source_.endStroke();
 }
 
 // Spacings of the points that this edit may move. They are measured before the stroke changes any point around them, of
@@ -139,7 +140,7 @@ void BrickSculptor::edit() {
     for (std::uint32_t i = 0; i < work_.points.size(); ++i)
       if (sculpture.points().strokes[i] == brush.stroke()) work_.kept[work_.points[i].number] = sculpture.kept(i);
   }
-  if (!work_.changes.empty()) work_.version = source_.make(work_.changes);
+  if (!work_.changes.empty()) work_.version = source_.make(work_.changes, brush.stroke());
   work_.time_us = watch.elapsed_us();
 }
 

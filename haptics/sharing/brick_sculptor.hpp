@@ -38,6 +38,8 @@ class BrickSculptor {
   const TouchStatistics& statistics() const { return statistics_; }
   /// Number of point changes by edits; a point counts each time.
   std::uint64_t states() const { return states_; }
+  /// Points were changed by other means: the next edit waits until a frame of that version is felt. After finish().
+  void setVersion(std::uint64_t version) { work_.version = version; }
   /// Number of distinct points changed by edits. After finish().
   std::size_t points() const { return work_.ever.size(); }
 
@@ -67,7 +69,7 @@ class BrickSculptor {
     std::unordered_map<std::uint32_t, float> spacings;
     std::uint32_t stroke = 0;
     double time_us = 0;
-    std::uint64_t version = 0;  // version of the bricks that contains the edit
+    std::uint64_t version = 0;  // version of the bricks that contains the last edit
     std::vector<PointState> points;
     std::vector<PointChange> changes;
     std::unordered_set<std::uint32_t> ever;  // points that were changed

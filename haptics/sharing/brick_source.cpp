@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
+#include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
 
 namespace palpate {
@@ -12,6 +15,7 @@ namespace palpate {
 namespace {
 
 constexpr double kMaxBricks = 1 << 15;  // maximum number of bricks that a hand may reach at a tick
+constexpr double kStorePoll_s = 1e-3;   // of a store whose news are not reported
 
 }  // namespace
 
@@ -55,12 +59,80 @@ bool BrickSource::await(const HandReaches& hands, double timeout_s) { return awa
 
 bool BrickSource::await(const HandReaches& hands, const HandReaches& wide, double timeout_s) {
   std::unique_lock hold(lock_);
-  const auto enough = [&] { return isOver_ || (knows(hands) && (isWhole_ || knows(wide))); };
-  came_.wait_for(hold, std::chrono::duration<double>(timeout_s), enough);
+  want(wide);
+  waitFor(hold, timeout_s, [&] { return knows(hands) && (isWhole_ || knows(wide)); });
   if (!knows(hands)) return false;
   awaitedFor_s_ = hands.time_s;
   if (awaited_.version != now_.version) awaited_ = now_;
   return true;
+}
+
+// Takes in what comes meanwhile. Returns whether it holds.
+template <class Holds>
+bool BrickSource::waitFor(std::unique_lock<std::mutex>& hold, double timeout_s, const Holds& holds) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
+  for (;;) {
+    takeNews();
+    compose(From::store);
+    if (isOver_ || holds()) return holds();
+    const std::chrono::duration<double> left = end - std::chrono::steady_clock::now();
+    if (left.count() <= 0) return false;
+    came_.wait_for(hold, std::min(left, std::chrono::duration<double>(kStorePoll_s)));
+  }
+}
+
+// Requests the bricks that the hands reach, the nearest to the middle of a reach first, after those of a change.
+void BrickSource::want(const HandReaches& hands) {
+  std::vector<std::pair<double, BrickKey>> reached;
+  for (std::uint32_t i = 0; i < hands.count; ++i) {
+    const HandReach& hand = hands.hands[i];
+    const BrickBox box = grid_.boxOf(hand.low, hand.high);
+    if (!isFinite(hand.low) || !isFinite(hand.high) || box.count() > kMaxBricks) continue;
+    box.forEach([&](const IVec3& brick) {
+      reached.emplace_back(grid_.distance(brick, 0.5 * (hand.low + hand.high)), BrickGrid::keyOf(brick));
+    });
+  }
+  std::ranges::sort(reached);
+  std::vector<BrickKey> keys = fetched_;
+  for (const auto& [distance, key] : reached) keys.push_back(key);
+  if (keys == wanted_) return;
+  wanted_ = std::move(keys);
+  store_.want(wanted_);
+  for (const BrickKey key : wanted_)
+    if (!now_.bricks.contains(key)) take(key);
+}
+
+void BrickSource::take(BrickKey key) {
+  std::optional<PointBlock> block = store_.get(key);
+  if (block && checksumOf(*block->points) != block->checksum) {
+    const IVec3 at = BrickGrid::brickOf(key);
+    said_.push_back(
+        fmt::format("the points of the block ({}, {}, {}) are damaged, and count as missing", at.x, at.y, at.z));
+    block.reset();
+  }
+  if (block)
+    overlay_.come(key, std::move(block->points));
+  else
+    overlay_.drop(key);
+}
+
+void BrickSource::takeNews() {
+  news_.clear();
+  store_.takeNews(news_);
+  for (const BrickKey key : news_) take(key);
+}
+
+std::vector<BrickKey> BrickSource::missing() const {
+  const std::scoped_lock hold(lock_);
+  std::vector<BrickKey> keys;
+  for (const BrickKey key : wanted_)
+    if (!now_.bricks.contains(key)) keys.push_back(key);
+  return keys;
+}
+
+std::vector<std::string> BrickSource::takeSaid() {
+  const std::scoped_lock hold(lock_);
+  return std::exchange(said_, {});
 }
 
 void BrickSource::giveUp() {
@@ -78,11 +150,13 @@ bool BrickSource::isReached(const HandReaches& hands, BrickKey key) const {
 }
 
 // A brick that was not known, or has the same contents again, changes nothing under a hand.
-bool BrickSource::compose() {
+bool BrickSource::compose(From changes) {
   const auto hands = asked_.load();
-  bool isChanged = false;
+  bool isChanged = false, isAny = false;
   for (const BrickKey key : overlay_.takeTouched()) {
+    isAny = true;
     std::shared_ptr<const Brick> brick = overlay_.shown(key);
+    if (brick && changes == From::store) followed_.show(key, *brick);
     const auto known = now_.bricks.find(key);
     if (known != now_.bricks.end()) {
       isChanged = isChanged || (brick && hands && *brick != *known->second && isReached(*hands, key));
@@ -95,17 +169,20 @@ bool BrickSource::compose() {
     points_ += brick->size();
     now_.bricks.emplace(key, std::move(brick));
   }
-  ++now_.version;
+  followed_.endStep();
+  if (isAny) ++now_.version;
   return isChanged;
 }
 
 bool BrickSource::apply(BrickUpdate update) {
   const std::scoped_lock hold(lock_);
-  for (const BrickKey key : update.dropped) overlay_.drop(key);
-  for (auto& [key, brick] : update.bricks) overlay_.come(key, std::move(brick));
+  PALPATE_CHECK(&store_ == &received_);
+  for (const BrickKey key : update.dropped) received_.drop(key);
+  for (auto& [key, brick] : update.bricks) received_.receive(key, std::move(brick));
+  takeNews();
   overlay_.settle(update.settled);
-  const bool isChanged = compose();
-  now_.true_s = update.true_s;
+  const bool isChanged = compose(From::store);
+  if (std::exchange(now_.true_s, update.true_s) != update.true_s) ++now_.version;
   forces_.store({.true_s = update.true_s, .force_N = update.force_N});
   isWhole_ = update.whole;
   came_.notify_all();
@@ -114,8 +191,9 @@ bool BrickSource::apply(BrickUpdate update) {
 
 void BrickSource::forget() {
   const std::scoped_lock hold(lock_);
-  overlay_.forget();
-  compose();
+  received_.clear();
+  takeNews();
+  compose(From::store);
 }
 
 void BrickSource::pointsIn(const DVec3& low, const DVec3& high, std::vector<PointState>& points) const {
@@ -142,10 +220,73 @@ void BrickSource::pointsIn(const DVec3& low, const DVec3& high, std::vector<Poin
   });
 }
 
-std::uint64_t BrickSource::make(std::span<const PointChange> changes) {
+PointCloud BrickSource::cloud() const {
+  std::vector<std::pair<std::uint32_t, std::pair<const Brick*, std::size_t>>> points;
+  const std::scoped_lock hold(lock_);
+  for (const auto& [key, brick] : now_.bricks)
+    for (std::size_t i = 0; i < brick->size(); ++i) points.push_back({brick->ids[i], {brick.get(), i}});
+  std::ranges::sort(points, {}, [](const auto& point) { return point.first; });
+  PointCloud cloud;
+  Attribute numbers{.name = "number", .type = ScalarType::u32, .data = {}};
+  for (const auto& [number, where] : points) {
+    const auto& [brick, i] = where;
+    cloud.positions.push_back(brick->positions[i]);
+    cloud.normals.push_back(brick->normals[i]);
+    if (options_.colored) cloud.colors.push_back(unpackedColor(brick->colors.empty() ? 0 : brick->colors[i]));
+    const auto bytes = std::as_bytes(std::span(&number, 1));
+    numbers.data.insert(numbers.data.end(), bytes.begin(), bytes.end());
+  }
+  cloud.extra.push_back(std::move(numbers));
+  return cloud;
+}
+
+std::uint64_t BrickSource::make(std::span<const PointChange> changes, std::uint32_t stroke) {
   const std::scoped_lock hold(lock_);
   overlay_.make(changes);
-  compose();
+  compose(From::here);
+  followed_.edited(changes, stroke);
+  return now_.version;
+}
+
+void BrickSource::keepEdits() {
+  const std::scoped_lock hold(lock_);
+  followed_.keep();
+}
+
+void BrickSource::takeEdits(EditBatch& batch) {
+  const std::scoped_lock hold(lock_);
+  followed_.take(batch);
+}
+
+void BrickSource::endStroke() {
+  const std::scoped_lock hold(lock_);
+  followed_.endStroke();
+}
+
+// What is known of others' changes to points that are not here is as old as when their bricks were.
+void BrickSource::fetch(std::unique_lock<std::mutex>& hold, std::span<const PointChange> changes, double timeout_s) {
+  for (const PointChange& change : changes) fetched_.push_back(grid_.keyAt(DVec3(change.from.position)));
+  std::ranges::sort(fetched_);
+  fetched_.erase(std::unique(fetched_.begin(), fetched_.end()), fetched_.end());
+  const auto request = [&] { want(asked_.load().value_or(HandReaches{})); };
+  waitFor(hold, timeout_s, [&] {
+    std::erase_if(fetched_, [&](BrickKey key) { return now_.bricks.contains(key); });
+    request();
+    return fetched_.empty();
+  });
+  fetched_.clear();
+  request();
+}
+
+std::uint64_t BrickSource::change(std::span<const PointChange> changes, double timeout_s) {
+  std::unique_lock hold(lock_);
+  fetch(hold, changes, timeout_s);
+  std::vector<PointChange> standing;
+  for (const PointChange& change : changes)
+    if (followed_.stands(change.from)) standing.push_back(change);
+  overlay_.make(standing);
+  compose(From::here);
+  followed_.changed(standing);
   return now_.version;
 }
 
@@ -161,6 +302,9 @@ BrickSource::Known BrickSource::known() const {
 
 bool BrickSource::hasNewer(double time_s, double /*than_s*/) {
   const std::scoped_lock hold(lock_);
+  if (const auto hands = asked_.load()) want(*hands);
+  takeNews();
+  compose(From::store);
   return stateFor(time_s).version != made_;
 }
 

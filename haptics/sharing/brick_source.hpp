@@ -1,4 +1,4 @@
-// A cloud of which only the bricks around the hands are present: received bricks are a source of frames.
+// A cloud of which only the bricks around the hands are present: the bricks of a store are a source of frames.
 #pragma once
 
 #include <array>
@@ -9,13 +9,17 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/cloud/point_cloud.hpp"
 #include "engine/core/contact_query.hpp"
 #include "engine/core/latest_value.hpp"
 #include "engine/motion/cloud_source.hpp"
 #include "haptics/sharing/brick_overlay.hpp"
+#include "haptics/sharing/followed_points.hpp"
+#include "haptics/sharing/received_bricks.hpp"
 
 namespace palpate {
 
@@ -52,20 +56,24 @@ struct HandReaches {
   std::array<HandReach, kMaxHands> hands{};
 };
 
-/// Received bricks as frames: the points of all known bricks in the order of the whole cloud, so that sums over
-/// neighbours equal those over the whole cloud, bit by bit. A point's number in a frame is its index there.
-/// The next frame contains the changes of apply(). ask(), covers() and await() are for one thread, makeFrame() and
-/// hasNewer() for another one, all other functions for any thread.
+/// The bricks of a store as frames: the points of all known bricks in the order of the whole cloud, so that sums over
+/// neighbours equal those over the whole cloud, bit by bit. A point's number in a frame is its index there. A brick
+/// whose checksum does not fit its points counts as missing, and is named (takeSaid()).
+/// The next frame contains the changes of apply() and of the store. ask(), covers() and await() are for one thread,
+/// makeFrame() and hasNewer() for another one, all other functions for any thread.
 class BrickSource final : public CloudSource {
  public:
   /// Memory is reserved for `points` points.
   struct Options {
-    double edge = 1;         ///< of a brick, model units
+    double edge = 1;         ///< of a brick, model units; of received ones alone
     std::size_t points = 1;  ///< maximum number of points known at once
     bool moves = false;      ///< frames are true for the times of their updates only
     bool colored = false;    ///< their frames have colours
   };
-  explicit BrickSource(const Options& options) : options_(options), grid_(options.edge), overlay_(grid_) {}
+  /// Of bricks that are received by apply().
+  explicit BrickSource(const Options& options) : BrickSource(options, nullptr) {}
+  /// Of the bricks of a store, which must outlive it, and which it alone uses.
+  BrickSource(const Options& options, PointStore& store) : BrickSource(options, &store) {}
   const BrickGrid& grid() const { return grid_; }
   bool moves() const { return options_.moves; }
   bool isColored() const { return options_.colored; }
@@ -90,11 +98,28 @@ class BrickSource final : public CloudSource {
   /// Discards all known bricks.
   void forget();
 
+  /// Bricks that the hands reach, or change() needs, and that are not here, the most urgent first.
+  std::vector<BrickKey> missing() const;
+  /// Messages about damaged bricks since the last call.
+  std::vector<std::string> takeSaid();
+
   // Local edits of points that do not move: frames made after an edit contain it.
   /// Appends the current points of a box relative to the cloud's origin.
   void pointsIn(const DVec3& low, const DVec3& high, std::vector<PointState>& points) const;
-  /// Returns the version of frames that contain the edit. Throws Error if the points exceed the reserved memory.
-  std::uint64_t make(std::span<const PointChange> changes);
+  /// All points that are known, by number, which is a field of its own.
+  PointCloud cloud() const;
+  /// An edit of the stroke of that number. Returns the version of frames that contain it. Throws Error if the points
+  /// exceed the reserved memory.
+  std::uint64_t make(std::span<const PointChange> changes, std::uint32_t stroke = 0);
+  /// From now on the edits are kept for takeEdits().
+  void keepEdits();
+  /// EditStream::take(): with the state of each point before its first edit, and what others make of it later.
+  void takeEdits(EditBatch& batch);
+  void endStroke();
+  /// Sets points as EditStream::change() does, of kept edits. First waits up to `timeout_s` for the bricks that they
+  /// were last in, as others may have changed them; points that others have changed stay as they are, and are reported
+  /// as received. Returns as make().
+  std::uint64_t change(std::span<const PointChange> changes, double timeout_s);
   /// BrickOverlay::takeMade().
   void takeMade(std::vector<PointState>& states);
   /// Version of the frame that is true for `frame_s`, one of the last ones made; 0: it is not one of those.
@@ -126,9 +151,23 @@ class BrickSource final : public CloudSource {
     double true_s = 0;
     std::uint64_t version = 0;
   };
+  BrickSource(const Options& options, PointStore* store)
+      : options_(options),
+        grid_(store ? store->grid() : BrickGrid(options.edge)),
+        received_(grid_),
+        store_(store ? *store : received_),
+        overlay_(grid_),
+        followed_(grid_) {}
   bool knows(const HandReaches& hands) const;
   bool isReached(const HandReaches& hands, BrickKey key) const;
-  bool compose();
+  void want(const HandReaches& hands);
+  void take(BrickKey key);
+  void takeNews();
+  template <class Holds>
+  bool waitFor(std::unique_lock<std::mutex>& hold, double timeout_s, const Holds& holds);
+  void fetch(std::unique_lock<std::mutex>& hold, std::span<const PointChange> changes, double timeout_s);
+  enum class From { here, store };
+  bool compose(From changes);
   const Made* madeFor(double frame_s) const noexcept;
   const State& stateFor(double time_s) const { return awaitedFor_s_ == time_s ? awaited_ : now_; }
   double frameTime(double time_s, double true_s);
@@ -140,9 +179,15 @@ class BrickSource final : public CloudSource {
 
   mutable std::mutex lock_;  // guards the members up to isOver_
   std::condition_variable came_;
+  ReceivedBricks received_;
+  PointStore& store_;
+  std::vector<BrickKey> fetched_, wanted_;  // by change(); of the store: those, and what the hands reach
+  std::vector<BrickKey> news_;
+  std::vector<std::string> said_;
   State now_{.version = 1};
   std::size_t points_ = 0;
   BrickOverlay overlay_;
+  FollowedPoints followed_;
   State awaited_;
   std::optional<double> awaitedFor_s_;
   bool isWhole_ = false, isOver_ = false;

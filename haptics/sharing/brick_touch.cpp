@@ -26,6 +26,7 @@ namespace {
 // In support radii: the margin around the paths of the hand and its proxy that an answer depends on; the margin
 // requested before the proxy's path is known; and the margin around a script's start.
 constexpr double kMadeOf = 1.25, kMayGo = 3, kAtFirst = 12;
+constexpr double kFetch_s = 2;  // maximum wait for points that are changed and not loaded
 
 }  // namespace
 
@@ -136,8 +137,18 @@ void BrickTouch::finish() {
 }
 
 std::size_t BrickTouch::readBack(PointCloud& cloud) const {
-  const std::size_t placed = inner().readBack(cloud);
-  return source_.moves() ? placed : sculptor_.points();
+  if (source_.moves()) return inner().readBack(cloud);
+  PointCloud known = source_.cloud();
+  known.origin = cloud.origin;
+  known.storedAs = std::move(cloud.storedAs);
+  cloud = std::move(known);
+  return sculptor_.points();
+}
+
+void BrickTouch::change(std::span<const PointChange> changes) {
+  sculptor_.finish();
+  const bool isHeard = !options_.known || options_.known->share() >= 1;
+  sculptor_.setVersion(source_.change(changes, isHeard ? kFetch_s : 0));
 }
 
 void BrickTouch::setBrush(const std::optional<BrushOptions>& brush) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/edit_stream.hpp"
+#include "haptics/information_age.hpp"
 #include "haptics/session/far_touch.hpp"
 #include "haptics/sharing/brick_sculptor.hpp"
 #include "haptics/sharing/brick_source.hpp"
@@ -21,6 +23,7 @@ struct BrickTouchOptions {
   double timeout_s = 10;                   ///< timeout of virtual time, which waits for unknown points
   std::optional<BrushOptions> brush = {};  ///< of the first hand
   std::string fixed = {};                  ///< error text if the points cannot be sculpted; empty: they can
+  const InformationAge* known = nullptr;   ///< of a link: while it is silent, nothing waits for it; null: always heard
 };
 
 /// Wraps the back end that feels the points of a BrickSource, and sculpts them: it sends the source the positions of
@@ -28,7 +31,9 @@ struct BrickTouchOptions {
 /// nothing, its tick counts as one without data, and the hand is reset when points are known again. Against the clock
 /// no tick waits; in virtual time each tick waits for its points, so that it is answered as if the whole cloud were
 /// loaded.
-class BrickTouch final : public FarTouch {
+/// Its edits are those of the hands here, undone ones included; points of others are in them where a hand here has
+/// edited the same ones.
+class BrickTouch final : public FarTouch, public EditStream {
  public:
   /// `surface` feels the points of `source`, which must outlive it.
   BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surface, const BrickTouchOptions& options);
@@ -41,12 +46,23 @@ class BrickTouch final : public FarTouch {
   void resetHand(std::size_t hand) noexcept override;
   /// Throws Error if virtual time ran into its timeout.
   void finish() override;
-  /// Reads back only the loaded points; returns the number of all points that a hand here has changed.
+  /// Reads back only the loaded points, with their numbers as a field unless they move; returns the number of all
+  /// points that a hand here has changed.
   std::size_t readBack(PointCloud& cloud) const override;
   /// Throws UsageError if the points cannot be sculpted.
   void setBrush(const std::optional<BrushOptions>& brush) override;
-  EditStream* edits() noexcept override { return nullptr; }
+  EditStream* edits() noexcept override { return options_.fixed.empty() && !source_.moves() ? this : nullptr; }
   BackendReport report() const override;
+
+  void keep() override { source_.keepEdits(); }
+  void take(EditBatch& batch) override { source_.takeEdits(batch); }
+  EditProgress progress() const noexcept override { return {.states = sculptor_.states(), .dropped = 0}; }
+  /// Points that others have changed since the last take() stay as they are, which take() reports. Where points are no
+  /// longer loaded, waits for them as long as a link may take.
+  void change(std::span<const PointChange> changes) override;
+  /// Edits of others are received with the bricks.
+  bool offer(std::span<const PointChange>, std::uint64_t) override { return false; }
+  std::size_t mostOffered() const override { return 0; }
 
  private:
   struct Hand {

@@ -96,6 +96,7 @@ class FarLink final : public BrickCloud {
     if (link_.probe()) link_.heard();
     watchServer();
     hearRestarts();
+    for (std::string& damaged : source_.takeSaid()) link_.add(std::move(damaged));
     send();
     if (const auto hands = source_.asked()) ask(*hands);
   }
@@ -177,8 +178,24 @@ class FarLink final : public BrickCloud {
 
   void ask(const HandReaches& hands) {
     const double trip_s = link_.counts().roundTrip_ms.value_or(kFirstTrip_ms) * 1e-3;
-    link_.points().ask(
-        {.epoch = assembly_.epoch(), .taken = assembly_.taken(), .every = 0, .balls = balls_.around(hands, trip_s)});
+    Wanted wanted{.epoch = assembly_.epoch(),
+                  .taken = assembly_.taken(),
+                  .every = 0,
+                  .balls = balls_.around(hands, trip_s)};
+    addMissing(source_.missing(), wanted.balls);
+    link_.points().ask(wanted);
+  }
+
+  // Points beyond the balls of the hands: a small ball around each of the most urgent bricks.
+  void addMissing(const std::vector<BrickKey>& missing, std::vector<Ball>& balls) const {
+    const BrickGrid& grid = source_.grid();
+    for (const BrickKey key : missing) {
+      if (balls.size() >= kMaxBalls) return;
+      const IVec3 brick = BrickGrid::brickOf(key);
+      const auto isIn = [&](const Ball& ball) { return grid.distance(brick, ball.center) <= ball.radius; };
+      if (std::ranges::any_of(balls, isIn)) continue;
+      balls.push_back({.center = (DVec3(brick) + 0.5) * grid.edge(), .radius = grid.edge()});
+    }
   }
 
   const FarParts parts_;

@@ -2,29 +2,11 @@
 
 #include <algorithm>
 
-#include "engine/core/checksum.hpp"
-
 namespace palpate::sharing {
 
 namespace {
 
 constexpr BrickKey kNowhere = ~BrickKey{0};
-
-template <class T>
-void add(Checksum& sum, const std::vector<T>& values) {
-  sum.addValue(std::uint64_t{values.size()});
-  sum.add(std::as_bytes(std::span(values)));
-}
-
-std::uint64_t checksumOf(const Brick& brick) {
-  Checksum sum;
-  add(sum, brick.ids);
-  add(sum, brick.positions);
-  add(sum, brick.normals);
-  add(sum, brick.velocities);
-  add(sum, brick.colors);
-  return sum.value();
-}
 
 }  // namespace
 
@@ -47,11 +29,13 @@ void ServedBricks::follow(std::uint32_t id) {
   if (was != kNowhere) {
     Kept& before = bricks_[was];
     ++before.version;
+    changed(was);
     if (is != was) before.ids.erase(std::ranges::lower_bound(before.ids, id));
   }
   if (is == kNowhere || is == was) return;
   Kept& now = bricks_[is];
   ++now.version;
+  changed(is);
   now.ids.insert(std::ranges::lower_bound(now.ids, id), id);
 }
 
@@ -82,6 +66,7 @@ void ServedBricks::show(const CloudFrame& frame, const std::unordered_set<BrickK
                  .ids = {},
                  .checksum = checksum,
                  .moving = std::move(brick)};
+    if (!isSame) changed(key);
   }
   bricks_ = std::move(next);
   true_s_ = frame.time_s;
@@ -97,6 +82,17 @@ std::size_t ServedBricks::sizeOf(BrickKey key) const {
   const auto there = bricks_.find(key);
   if (there == bricks_.end()) return 0;
   return there->second.moving ? there->second.moving->size() : there->second.ids.size();
+}
+
+std::optional<PointBlock> ServedBricks::get(BrickKey key) const {
+  if (!knows(key)) return std::nullopt;
+  const std::shared_ptr<const Brick> points = brick(key);
+  return PointBlock{.points = points, .version = versionOf(key), .checksum = checksumOf(*points)};
+}
+
+void ServedBricks::takeNews(std::vector<BrickKey>& keys) {
+  keys.insert(keys.end(), news_.begin(), news_.end());
+  news_.clear();
 }
 
 std::shared_ptr<const Brick> ServedBricks::brick(BrickKey key) const {

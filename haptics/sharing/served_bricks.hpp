@@ -3,22 +3,28 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
+#include "engine/cloud/point_store.hpp"
 #include "engine/core/point_state.hpp"
-#include "haptics/sharing/brick_source.hpp"
+#include "engine/motion/cloud_source.hpp"
 
 namespace palpate::sharing {
 
-/// Each brick has a version, which grows with every change of its points. All bricks of static points are kept and
-/// follow the edits; of moving points only the wanted bricks are kept, frame by frame.
-class ServedBricks {
+/// A store of a whole cloud in memory. Each brick has a version, which grows with every change of its points. All
+/// bricks of static points are kept and follow the edits; of moving points only the wanted bricks are kept, frame by
+/// frame.
+class ServedBricks final : public PointStore {
  public:
   explicit ServedBricks(double edge) : grid_(edge) {}
-  const BrickGrid& grid() const { return grid_; }
+  const BrickGrid& grid() const override { return grid_; }
+  void want(std::span<const BrickKey> keys) override { wanted_.insert(keys.begin(), keys.end()); }
+  std::optional<PointBlock> get(BrickKey key) const override;
+  void takeNews(std::vector<BrickKey>& keys) override;
 
   /// For static points, by id; `points` must outlive it.
   void build(std::span<const PointState> points);
@@ -47,11 +53,15 @@ class ServedBricks {
     std::shared_ptr<const Brick> moving;
   };
   BrickKey keyOf(const PointState& point) const { return grid_.keyAt(DVec3(point.position)); }
+  void changed(BrickKey key) {
+    if (wanted_.contains(key)) news_.insert(key);
+  }
 
   BrickGrid grid_;
   std::span<const PointState> points_;
   std::vector<BrickKey> keys_;  // by id: brick that holds the point; kNowhere if it is removed
   std::unordered_map<BrickKey, Kept> bricks_;
+  std::unordered_set<BrickKey> wanted_, news_;  // by want(), ever; of these: since takeNews()
   std::uint64_t version_ = 1;
   bool moves_ = false;
   double true_s_ = 0;

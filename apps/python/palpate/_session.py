@@ -191,8 +191,9 @@ class Session(_palpate._Session):
             read_only: this hand feels the others' edits, and cannot have a brush.
             timeout_s: timeout, s, for finding the session, for each further piece of it, and, by path and in cloud(),
                 for all edits to reach all programs.
-            partial: streams only the points around the hands, ahead of them; they can be sculpted, but no stroke can be
-                undone. Moving points are always streamed this way, and can be felt live.
+            partial: streams only the points around the hands, ahead of them; they can be sculpted, and cloud() has the
+                known ones, with their numbers among all (`number`). Moving points are always streamed this way, and
+                can be felt live.
             gpu, options: as for Session().
         """
         joining = (name, network._told(), hand_name, read_only, timeout_s, partial)

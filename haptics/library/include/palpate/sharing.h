@@ -64,8 +64,9 @@ typedef struct pp_join_options {
   /** Timeout for finding the session, for each further piece of it, and, in calls by path and in commands, for all
    * edits to reach all programs; above 0. */
   double timeout_s;
-  /** 1: streams only the points around the hands, ahead of them (for models too large to download); strokes cannot be
-   * undone, and nothing is recorded. Moving points are always streamed this way, and can be felt live. */
+  /** 1: streams only the points around the hands, ahead of them (for models too large to download); pp_session_cloud()
+   * has the known ones, with their numbers among all as a field, and nothing is recorded. Moving points are always
+   * streamed this way, and can be felt live. */
   uint32_t partial;
 } pp_join_options;
 PP_OPTIONS(join_options)

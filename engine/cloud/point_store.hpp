@@ -1,0 +1,48 @@
+// Where the points of a cloud come from, block by block: a seam for code that needs only a part of them at a time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/cloud/brick_grid.hpp"
+
+namespace palpate {
+
+/// Points of a brick by ascending id (their number in the whole cloud). Positions are relative to the cloud's origin.
+struct Brick {
+  std::vector<std::uint32_t> ids;
+  std::vector<Vec3> positions, normals;
+  std::vector<Vec3> velocities;       ///< empty where points do not move
+  std::vector<std::uint32_t> colors;  ///< RGBA8, red in the lowest byte; 0: no colour. Empty if no point has a colour
+
+  std::size_t size() const { return ids.size(); }
+  bool operator==(const Brick&) const = default;
+};
+
+std::uint64_t checksumOf(const Brick& brick);
+
+/// A brick as a store has it.
+struct PointBlock {
+  std::shared_ptr<const Brick> points;
+  std::uint64_t version = 0;   ///< differs for every content that the block has had in its store
+  std::uint64_t checksum = 0;  ///< checksumOf(*points), by the store
+};
+
+/// The points of a cloud by brick. A brick without points is a block, too. For one thread at a time.
+class PointStore {
+ public:
+  virtual ~PointStore() = default;
+  virtual const BrickGrid& grid() const = 0;
+  /// Requests blocks, the most urgent first, in place of those requested before.
+  virtual void want(std::span<const BrickKey> keys) = 0;
+  /// Nothing: it is not here yet.
+  virtual std::optional<PointBlock> get(BrickKey key) const = 0;
+  /// Appends the bricks of which, since the last call, a block has come, has changed or is no longer here. Blocks that
+  /// want() finds here are not among them.
+  virtual void takeNews(std::vector<BrickKey>& keys) = 0;
+};
+
+}  // namespace palpate
