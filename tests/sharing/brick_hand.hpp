@@ -62,9 +62,12 @@ struct BrickHand {
     double edge_radii = 3, widening = 1, timeout_s = 30;
     std::optional<BrushOptions> brush = {};
     std::string fixed = {};
+    const InformationAge* known = nullptr;
   };
-  BrickHand(const Scene& scene, const How& how)
-      : source({.edge = how.edge_radii * scene.radius, .points = 2 * scene.cloud.size()}),
+  /// `store`: has the bricks, in place of the test; null: the test gives them.
+  BrickHand(const Scene& scene, const How& how, PointStore* store = nullptr)
+      : source(store ? BrickSource({.points = 2 * scene.cloud.size()}, *store)
+                     : BrickSource({.edge = how.edge_radii * scene.radius, .points = 2 * scene.cloud.size()})),
         bricks(statesOf(scene.cloud), source.grid()) {
     PointCloud few;  // never felt
     few.origin = scene.cloud.origin;
@@ -83,7 +86,8 @@ struct BrickHand {
                           .origin = scene.cloud.origin,
                           .timeout_s = how.timeout_s,
                           .brush = how.brush,
-                          .fixed = how.fixed});
+                          .fixed = how.fixed,
+                          .known = how.known});
   }
   BrickSource source;
   BricksOf bricks;
