@@ -124,7 +124,7 @@ void checkPictureOptions(const PictureOptions& options) {
 
 bool showsPaint(const PictureOptions& options) {
   const ImagePass pass = imagePassNamed(options.pass);
-  return colorByNamed(options.color) == ColorBy::rgb && (pass == ImagePass::final || pass == ImagePass::color);
+  return colorByNamed(options.color) == ColorSource::rgb && (pass == ImagePass::final || pass == ImagePass::color);
 }
 
 void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
@@ -175,7 +175,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   Image image = frame.readColor();
   if (options.scaleBar) drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), lengthText(bar, unit));
   const bool showsHeights = frameOf.pass == ImagePass::final || frameOf.pass == ImagePass::color;
-  if (showsHeights && frameOf.color == ColorBy::height && !model.cloud.empty())
+  if (showsHeights && frameOf.color == ColorBy(ColorSource::height) && !model.cloud.empty())
     drawLegend(image, heightsOf(model, upright.up), unit);
   writeImage(file, image);
   if (!options.depthFile.empty()) writePfm(options.depthFile, frame.readDepth());

@@ -23,8 +23,9 @@ void BrushNotes::noteSize(const WindowSession& session, const ViewSettings& view
 void BrushNotes::notePaint(const WindowSession& session, ViewSettings& view, Messages& messages) {
   const bool begins = session.history().inStroke() && !inStroke_;
   inStroke_ = session.history().inStroke();
-  if (!begins || !brushHas(session.brushSettings().kind, shared::kPaintsPoints) || view.color == ColorBy::rgb) return;
-  view.color = ColorBy::rgb;
+  if (!begins || !brushHas(session.brushSettings().kind, shared::kPaintsPoints) || view.color == ColorSource::rgb)
+    return;
+  view.color = ColorSource::rgb;
   messages.say("colours: the points' own, so that the paint is visible");
 }
 

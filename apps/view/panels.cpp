@@ -15,8 +15,10 @@ namespace palpate {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, ColorBy>, 4> kColors{
-    {{"colour", ColorBy::rgb}, {"normal", ColorBy::normal}, {"depth", ColorBy::depth}, {"height", ColorBy::height}}};
+constexpr std::array<std::pair<std::string_view, ColorSource>, 4> kColors{{{"colour", ColorSource::rgb},
+                                                                           {"normal", ColorSource::normal},
+                                                                           {"depth", ColorSource::depth},
+                                                                           {"height", ColorSource::height}}};
 
 template <class Section>
 const Range& sliderOf(std::string_view name) {

@@ -12,7 +12,7 @@ namespace palpate {
 
 /// How the model is shown, and how the mouse holds the stylus.
 struct ViewSettings {
-  ColorBy color = ColorBy::rgb;
+  ColorSource color = ColorSource::rgb;
   std::optional<UpAxis> up;    ///< nothing: by the model's shape
   std::optional<DVec3> front;  ///< of a model that was turned; nothing: by its shape
   std::optional<LengthUnit> unit;

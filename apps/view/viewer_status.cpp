@@ -76,7 +76,7 @@ ViewStatus Viewer::status() {
     status.lengths = view.shownLength(*session);
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
     status.measuredAt_px = middleOfMeasure_px();
-    if (view.color == ColorBy::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));
+    if (view.color == ColorSource::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));
   }
   status.changesQuestion = document_.changesQuestion();
   status.isChanged = document_.isChanged();

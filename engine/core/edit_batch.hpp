@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "engine/core/attribute_change.hpp"
 #include "engine/core/point_state.hpp"
 
 namespace palpate {
@@ -23,15 +24,18 @@ struct EditMark {
 
 /// A section of a cloud's edit history: setting the points to these states, in order, gives the cloud as it was then.
 /// The states of one tick name each point once. States after the last mark belong to a stroke that continues in the
-/// next batch.
+/// next batch. A follower ignores the kinds of changes that it does not show, keep or send.
 struct EditBatch {
   std::vector<PointState> points;
-  std::vector<EditMark> marks;  ///< in order
+  std::vector<EditMark> marks;              ///< in order
+  std::vector<AttributeChange> attributes;  ///< after the points, in order
 
-  bool empty() const { return points.empty() && marks.empty(); }
+  bool changesPoints() const { return !points.empty() || !marks.empty(); }
+  bool empty() const { return !changesPoints() && attributes.empty(); }
   void clear() {
     points.clear();
     marks.clear();
+    attributes.clear();
   }
 };
 

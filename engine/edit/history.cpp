@@ -5,15 +5,20 @@
 #include <utility>
 
 #include "engine/core/check.hpp"
+#include "engine/edit/attribute_bytes.hpp"
 
 namespace palpate {
 
 namespace {
 
-const std::vector<PointState>& itemsOf(const PointStroke& stroke) { return stroke.points; }
-const std::vector<RestPlace>& itemsOf(const ShapeStroke& stroke) { return stroke.places; }
+std::span<const std::byte> contentOf(const PointStroke& stroke) { return std::as_bytes(std::span(stroke.points)); }
+std::span<const std::byte> contentOf(const ShapeStroke& stroke) { return std::as_bytes(std::span(stroke.places)); }
+std::vector<std::byte> contentOf(const AttributeChange& change) { return bytesIn(change); }
 
-// What stands before the items of a change in a file. It ends with the program, and so needs no version.
+std::uint64_t sizeOfContent(const auto& stroke) { return contentOf(stroke).size(); }
+std::uint64_t sizeOfContent(const AttributeChange& change) { return bytesOf(change); }
+
+// What stands before the content of a change in a file. It ends with the program, and so needs no version.
 struct Head {
   std::uint64_t kind = 0, version = 0, received = 0;
 };
@@ -29,8 +34,7 @@ std::vector<Item> itemsIn(std::span<const std::byte> bytes) {
 }  // namespace
 
 std::uint64_t bytesOf(const HistoryChange& change) {
-  return sizeof change +
-         std::visit([](const auto& what) { return std::span(itemsOf(what)).size_bytes(); }, change.what);
+  return sizeof change + std::visit([](const auto& what) { return sizeOfContent(what); }, change.what);
 }
 
 std::vector<std::byte> pack(const HistoryChange& change) {
@@ -38,10 +42,10 @@ std::vector<std::byte> pack(const HistoryChange& change) {
   const Head head{change.what.index(), change.version, stroke ? stroke->received : 0};
   return std::visit(
       [&](const auto& what) {
-        const auto items = std::as_bytes(std::span(itemsOf(what)));
-        std::vector<std::byte> bytes(sizeof head + items.size());
+        const auto content = contentOf(what);
+        std::vector<std::byte> bytes(sizeof head + content.size());
         std::memcpy(bytes.data(), &head, sizeof head);
-        if (!items.empty()) std::memcpy(bytes.data() + sizeof head, items.data(), items.size());
+        if (!content.empty()) std::memcpy(bytes.data() + sizeof head, content.data(), content.size());
         return bytes;
       },
       change.what);
@@ -51,12 +55,14 @@ bool unpack(std::span<const std::byte> bytes, HistoryChange& change) {
   Head head;
   if (bytes.size() < sizeof head) return false;
   std::memcpy(&head, bytes.data(), sizeof head);
-  const auto items = bytes.subspan(sizeof head);
+  const auto content = bytes.subspan(sizeof head);
   change = {.what = PointStroke(), .version = head.version};
-  if (head.kind == change.what.index())
-    change.what = PointStroke{itemsIn<PointState>(items), head.received};
+  if (head.kind == 0)
+    change.what = PointStroke{itemsIn<PointState>(content), head.received};
+  else if (head.kind == 1)
+    change.what = ShapeStroke{itemsIn<RestPlace>(content)};
   else
-    change.what = ShapeStroke{itemsIn<RestPlace>(items)};
+    return readChange(content, change.what.emplace<AttributeChange>());
   return true;
 }
 
@@ -92,16 +98,25 @@ void History::follow(const EditBatch& batch) {
 
 void History::follow(std::vector<ShapeStroke> strokes) {
   for (ShapeStroke& stroke : strokes) {
-    HistoryChange change{std::move(stroke), std::exchange(version_, lastVersion_ + 1)};
-    ++lastVersion_;
     ++strokes_;
-    if (!list_.keepsAny()) continue;
-    list_.begin();
-    if (list_.makeRoom(bytesOf(change)))
-      list_.add(std::move(change));
-    else
-      list_.addTooLarge();
+    keep({std::move(stroke), std::exchange(version_, ++lastVersion_)});
   }
+}
+
+void History::follow(AttributeChange change) {
+  PALPATE_CHECK(!inStroke_);
+  const std::uint64_t before = version_;
+  if (std::holds_alternative<FieldChange>(change)) version_ = ++lastVersion_;
+  keep({std::move(change), before});
+}
+
+void History::keep(HistoryChange change) {
+  if (!list_.keepsAny()) return;
+  list_.begin();
+  if (list_.makeRoom(bytesOf(change)))
+    list_.add(std::move(change));
+  else
+    list_.addTooLarge();
 }
 
 void History::receive(std::span<const PointState> states) {
@@ -183,7 +198,10 @@ bool History::carryOut(PointStroke& stroke, const Carriers& carriers) {
 
 bool History::carryOut(HistoryChange& change, const Carriers& carriers) {
   auto* const stroke = std::get_if<PointStroke>(&change.what);
-  const bool done = stroke ? carryOut(*stroke, carriers) : carriers.shape(std::get<ShapeStroke>(change.what));
+  auto* const shape = std::get_if<ShapeStroke>(&change.what);
+  const bool done = stroke  ? carryOut(*stroke, carriers)
+                    : shape ? carriers.shape(*shape)
+                            : carriers.attributes(std::get<AttributeChange>(change.what));
   if (done) std::swap(version_, change.version);
   return done;
 }

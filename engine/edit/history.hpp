@@ -17,7 +17,7 @@ struct PointStroke {
 };
 /// One entry of a history: a change of one kind, and the version on its other side.
 struct HistoryChange {
-  std::variant<PointStroke, ShapeStroke> what;
+  std::variant<PointStroke, ShapeStroke, AttributeChange> what;
   std::uint64_t version = 0;
 };
 std::uint64_t bytesOf(const HistoryChange& change);
@@ -52,24 +52,28 @@ class History {
   void follow(const EditBatch& batch);
   /// Takes in strokes of a body's shape.
   void follow(std::vector<ShapeStroke> strokes);
+  /// Takes in a change of a mask or a field, as it undoes that. Only between strokes.
+  void follow(AttributeChange change);
 
   const PointStates& points() const { return points_; }
 
   /// Carries a change out: of points, each of them once, and reports the resulting edits before any other; or of a
-  /// shape, by exchange. False, or an exception: nothing has changed.
+  /// shape, a mask or a field, by exchange. False, or an exception: nothing has changed.
   struct Carriers {
     std::function<bool(std::span<const PointChange>)> points;
     std::function<bool(ShapeStroke&)> shape;
+    std::function<bool(AttributeChange&)> attributes;
   };
-  /// Undoes the last stroke. False if there is none, or if it was not carried out; then, and if that throws, the
+  /// Undoes the last change. False if there is none, or if it was not carried out; then, and if that throws, the
   /// history is unchanged. Only between strokes: when all edits so far have been taken in and inStroke() is false
   /// (EditStream::change() without changes ends a stroke).
   bool undo(const Carriers& carriers);
-  /// The same for the stroke undone last.
+  /// The same for the change undone last.
   bool redo(const Carriers& carriers);
 
   StrokeCounts counts() const;
-  /// Identifies the state of the points and of the shape: undo and redo restore the version together with the states.
+  /// Identifies the state of the points, the shape and the fields, which a file can have: undo and redo restore the
+  /// version together with the states. A mask is in no file.
   std::uint64_t version() const { return version_ + (received_ << 32); }
   bool inStroke() const { return inStroke_; }
   /// The stroke in progress can be undone once it has ended.
@@ -88,6 +92,7 @@ class History {
   }
   bool carryOut(HistoryChange& change, const Carriers& carriers);
   bool carryOut(PointStroke& stroke, const Carriers& carriers);
+  void keep(HistoryChange change);
 
   PointStates points_;
   UndoList<HistoryChange> list_;

@@ -54,6 +54,7 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
               Buffer::of<Vec4>(device, count_, Memory::device, "drawn normals"), 1},
       colors_(Buffer::of<std::uint32_t>(device, hasColors_ ? count_ : 0, Memory::device, "drawn colors")),
       picked_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "picked splats")),
+      attributes_(device, count_),
       shapes_(device, count_),
       latest_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn latest")),
       claim_(device, shader_code::render_drawn_cloud_claim, {.pushBytes = sizeof(shared::CatchUpArgs)}),
@@ -190,7 +191,7 @@ void DrawnCloud::closeSurface() {
 
 std::uint64_t DrawnCloud::bytes() const {
   return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + shapes_.bytes() + picked_.bytes() +
-         latest_.bytes() + (fromHost_ ? fromHost_->bytes() : 0) +
+         latest_.bytes() + attributes_.bytes() + (fromHost_ ? fromHost_->bytes() : 0) +
          (frame_ ? frame_->positions.bytes() + frame_->normals.bytes() : 0) + (measured_ ? measured_->bytes() : 0) +
          (radii_ ? radii_->bytes() : 0);
 }

@@ -7,6 +7,7 @@
 #include "engine/core/cloud_frame.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/gpu/command_list.hpp"
+#include "engine/render/drawn_attributes.hpp"
 #include "engine/render/splat_radii.hpp"
 
 namespace palpate {
@@ -33,6 +34,9 @@ class DrawnCloud {
   /// The same with states from the host (EditStream::take()), first to last: for a cloud touched on another GPU,
   /// or on the CPU. Ignores states of points beyond count(). The first call may throw OutOfGpuMemory.
   std::uint64_t catchUp(std::span<const PointState> states);
+  /// Its masks and its field.
+  DrawnAttributes& attributes() { return attributes_; }
+  const DrawnAttributes& attributes() const { return attributes_; }
   /// If all points move: takes the points of a live cloud on the same GPU, in any order, or of a frame on the host, on
   /// the throughput queue, and waits. Points beyond count() are ignored, and points missing from the input are removed.
   /// A disc is kept if its point is at or near the position where it was measured. `colored`: the live normals carry
@@ -78,6 +82,7 @@ class DrawnCloud {
   double spacing_, largestRadius_ = 0;
   LiveCloud::Half points_;
   Buffer colors_, picked_;
+  DrawnAttributes attributes_;
   DiscShapes shapes_;
   Buffer latest_;                         // count uint32, zero between calls
   std::optional<Buffer> fromHost_;        // PackedState; allocated at the first use

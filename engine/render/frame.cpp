@@ -40,7 +40,7 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
   if (options.raster != Raster::compute) {
     recordHardware(list, cloud, target, about, camera, options);
   } else {
-    recordClear(list, cloud.hasColors());
+    recordClear(list, about.hasColors);
     raster_.record(list, cloud, target);
   }
   shading_.record(list, target, camera, options);

@@ -129,16 +129,28 @@ PixelRectangle overlayRectangle(const Overlays& overlays, const Camera& camera, 
 }
 
 Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
-  return {.bounds = cloud.bounds(),
-          .count = cloud.count(),
-          .hasColors = cloud.hasColors(),
-          .widest = 0,
-          .splatRadius = options.splatRadius,
-          .widestSplat = options.splatRadius > 0 ? options.splatRadius : cloud.largestRadius(),
-          .usualRadius = usualRadius(cloud, options),
-          .closeHoles = options.closeHoles,
-          .inSample = cloud.count(),
-          .everyPoint = options.everyPoint || options.raster == Raster::hardware};
+  Drawn drawn{.bounds = cloud.bounds(),
+              .count = cloud.count(),
+              .hasColors = false,
+              .widest = 0,
+              .splatRadius = options.splatRadius,
+              .widestSplat = options.splatRadius > 0 ? options.splatRadius : cloud.largestRadius(),
+              .usualRadius = usualRadius(cloud, options),
+              .closeHoles = options.closeHoles,
+              .inSample = cloud.count(),
+              .everyPoint = options.everyPoint || options.raster == Raster::hardware};
+  if (cloud.hasColors()) drawn.shown |= shared::kShownColors;
+  const auto show = [&](const Buffer* buffer, std::uint32_t what, DeviceAddress& address) {
+    if (!buffer) return;
+    drawn.shown |= what;
+    address = buffer->address();
+  };
+  const DrawnAttributes& attributes = cloud.attributes();
+  show(attributes.mask(MaskRole::selected), shared::kShownSelected, drawn.selected);
+  show(attributes.mask(MaskRole::hidden), shared::kShownHidden, drawn.hidden);
+  if (std::holds_alternative<FieldColors>(options.color)) show(attributes.values(), shared::kShownField, drawn.values);
+  drawn.hasColors = (drawn.shown & ~shared::kShownHidden) != 0;
+  return drawn;
 }
 
 Drawn drawn(const DrawnMesh& mesh) {
@@ -167,6 +179,8 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
   const Bounds shown = options.shown.value_or(drawn.bounds);
   const DVec2 depths = depthRangeOf(camera, shown);
   const double usual = usualDrawnRadius(drawn, camera, size.height * size.supersample);
+  const auto* const source = std::get_if<ColorSource>(&options.color);
+  const FieldColors range = source ? FieldColors() : std::get<FieldColors>(options.color);
   shared::RenderFrame frame{.view = viewOf(camera, size),
                             .overlays = overlaysOf(options.overlays),
                             .boundsMin = Vec3(shown.min),
@@ -182,15 +196,20 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .count = drawn.count,
                             .triangleTiles = tiles,
                             .imagePass = static_cast<std::uint32_t>(options.pass),
-                            .colorBy = static_cast<std::uint32_t>(options.color),
+                            .colorBy = source ? static_cast<std::uint32_t>(*source) : shared::kColorByFile,
                             .hasColors = drawn.hasColors,
                             .material = kClay,
-                            .unused = 0,
+                            .shown = drawn.shown,
                             .backgroundTop = kBackgroundTop,
                             .occlusionRadius = static_cast<float>(kOcclusionRadius * shown.longestSide()),
                             .backgroundBottom = kBackgroundBottom,
                             .holeReach_px = 0,
-                            .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMaxSmooth_px)};
+                            .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMaxSmooth_px),
+                            .selected = drawn.selected,
+                            .hidden = drawn.hidden,
+                            .values = drawn.values,
+                            .lowValue = static_cast<float>(range.low),
+                            .highValue = static_cast<float>(range.high)};
   if (drawn.closeHoles) {
     const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));

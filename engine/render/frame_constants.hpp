@@ -22,15 +22,17 @@ PixelRectangle overlayRectangle(const Overlays& overlays, const Camera& camera, 
 /// Input of a frame, for its constants.
 struct Drawn {
   Bounds bounds;
-  std::uint32_t count;  ///< points or triangles
-  bool hasColors;
-  double widest;           ///< longest side of a point or triangle, model units
-  double splatRadius;      ///< common radius of all discs, model units; 0: each disc has its own
-  double widestSplat;      ///< largest radius of a disc, model units
-  double usualRadius;      ///< typical radius of discs, or deviation of triangles from the true surface, model units
-  bool closeHoles;         ///< close gaps between discs
-  std::uint32_t inSample;  ///< maximum number that may add up in one sample
-  bool everyPoint;         ///< draw every point, however fine
+  std::uint32_t count;      ///< points or triangles
+  bool hasColors;           ///< colours are summed
+  double widest;            ///< longest side of a point or triangle, model units
+  double splatRadius;       ///< common radius of all discs, model units; 0: each disc has its own
+  double widestSplat;       ///< largest radius of a disc, model units
+  double usualRadius;       ///< typical radius of discs, or deviation of triangles from the true surface, model units
+  bool closeHoles;          ///< close gaps between discs
+  std::uint32_t inSample;   ///< maximum number that may add up in one sample
+  bool everyPoint;          ///< draw every point, however fine
+  std::uint32_t shown = 0;  ///< kShown* of the points, and where it is, else 0
+  DeviceAddress selected = 0, hidden = 0, values = 0;
 };
 Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options);
 Drawn drawn(const DrawnMesh& mesh);

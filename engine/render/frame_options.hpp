@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -25,13 +26,23 @@ enum class ImagePass : std::uint32_t {
   position = shared::kPassPosition,        ///< 0 to 1 along each side of the model's box
 };
 
-/// Source of the surface colour.
-enum class ColorBy : std::uint32_t {
+/// Source of the surface colour that every model has.
+enum class ColorSource : std::uint32_t {
   rgb = shared::kColorByFile,  ///< the file's colours, or one material if it has none
   normal = shared::kColorByNormal,
   depth = shared::kColorByDepth,
   height = shared::kColorByHeight,  ///< along FrameOptions::up
 };
+
+/// The field that DrawnAttributes shows, through a ramp of colours over this range; NaN: the point's own colour.
+struct FieldColors {
+  double low = 0, high = 1;
+
+  bool operator==(const FieldColors&) const = default;
+};
+/// What the surface's colour shows. Selected points are tinted where it is of the points themselves, not of the surface
+/// (normal, depth, height).
+using ColorBy = std::variant<ColorSource, FieldColors>;
 
 /// Rasteriser of discs. The pictures are equal except for samples on the rims of discs.
 enum class Raster : std::uint32_t {
@@ -43,12 +54,14 @@ enum class Raster : std::uint32_t {
 inline constexpr std::uint32_t kMaxSide_px = 16'384;
 
 /// Names on the command line.
-inline constexpr std::array<std::pair<std::string_view, ColorBy>, 4> kColorNames{
-    {{"rgb", ColorBy::rgb}, {"normal", ColorBy::normal}, {"depth", ColorBy::depth}, {"height", ColorBy::height}}};
+inline constexpr std::array<std::pair<std::string_view, ColorSource>, 4> kColorNames{{{"rgb", ColorSource::rgb},
+                                                                                      {"normal", ColorSource::normal},
+                                                                                      {"depth", ColorSource::depth},
+                                                                                      {"height", ColorSource::height}}};
 
 /// By their names on the command line. Throw UsageError that lists the valid names.
 ImagePass imagePassNamed(std::string_view name);
-ColorBy colorByNamed(std::string_view name);
+ColorSource colorByNamed(std::string_view name);
 Raster rasterNamed(std::string_view name);
 
 /// Drawn over the surface; parts behind the surface shine through. Model units relative to the cloud's origin.
@@ -98,7 +111,7 @@ struct SpaceLine {
 
 struct FrameOptions {
   ImagePass pass = ImagePass::final;
-  ColorBy color = ColorBy::rgb;
+  ColorBy color = ColorSource::rgb;
   double splatRadius = 0;   ///< common radius of all points, model units; 0: each has its own (DrawnOptions::spacing)
   bool everyPoint = false;  ///< draws all points, even if a subset suffices because many share a sample
   bool closeHoles = true;   ///< fills gaps of a few spacings from the surface around them, also in depth

@@ -85,9 +85,9 @@ void GpuHalf::follow(const EditBatch& batch) noexcept {
 
 void GpuHalf::forgetPicture() { state_->picture.reset(); }
 
-Image GpuHalf::draw(const Model& model, const History* history, const PictureRequest& request) {
+Image GpuHalf::draw(const Layer& layer, const History* history, const PictureRequest& request) {
   if (!state_->picture) state_->picture.emplace(state_->opened());
-  return state_->picture->draw(model, history, request);
+  return state_->picture->draw(layer, history, request);
 }
 
 Mesh GpuHalf::mesh(const PointCloud& cloud, const MeshPlan& plan) {

@@ -14,6 +14,7 @@
 #include "engine/render/image.hpp"
 #include "haptics/session/backends.hpp"
 #include "haptics/session/picture_request.hpp"
+#include "haptics/session/scene.hpp"
 
 namespace palpate::library {
 
@@ -49,7 +50,7 @@ class GpuHalf {
   /// Discards the drawn points, because others replace them.
   void forgetPicture();
   /// SessionPicture::draw().
-  Image draw(const Model& model, const History* history, const PictureRequest& request);
+  Image draw(const Layer& layer, const History* history, const PictureRequest& request);
   /// Meshes by marching cubes. Throws OutOfGpuMemory.
   Mesh mesh(const PointCloud& cloud, const MeshPlan& plan);
 

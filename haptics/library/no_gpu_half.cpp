@@ -25,7 +25,7 @@ GpuHalf::~GpuHalf() = default;
 std::unique_ptr<BackendKind> GpuHalf::backend() { refuse("a session on a GPU"); }
 void GpuHalf::follow(const EditBatch&) noexcept {}
 void GpuHalf::forgetPicture() {}
-Image GpuHalf::draw(const Model&, const History*, const PictureRequest&) { refuse("a picture"); }
+Image GpuHalf::draw(const Layer&, const History*, const PictureRequest&) { refuse("a picture"); }
 Mesh GpuHalf::mesh(const PointCloud&, const MeshPlan&) { refuse("a mesh"); }
 
 }  // namespace palpate::library

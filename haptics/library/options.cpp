@@ -164,7 +164,7 @@ PictureRequest pictureFrom(const pp_picture_options& options) {
   if (options.has_target) request.camera.target = vectorFrom(options.target, "target");
   if (options.has_up) request.camera.up = vectorFrom(options.up, "up");
   request.camera.fov_deg = options.fov_deg;
-  request.color = chosen(kColorNames, options.color, ColorBy::rgb, "color");
+  request.color = chosen(kColorNames, options.color, ColorSource::rgb, "color");
   if (options.has_background)
     request.background = {options.background[0], options.background[1], options.background[2]};
   return request;

@@ -12,12 +12,13 @@ namespace {
 
 PlacedCloud placedFrom(const pp_placed_cloud& given, const PointCloud& cloud, std::uint64_t index) {
   const auto& [w, x, y, z] = given.orientation;
-  PlacedCloud placed{.cloud = &cloud, .offset = {given.position[0], given.position[1], given.position[2]}};
-  if (w != 0 || x != 0 || y != 0 || z != 0) placed.turn = {w, x, y, z};
-  if (!isFinite(placed.offset))
+  PlacedCloud placed{.cloud = &cloud,
+                     .placement = {.offset = {given.position[0], given.position[1], given.position[2]}}};
+  if (w != 0 || x != 0 || y != 0 || z != 0) placed.placement.rotation = {w, x, y, z};
+  if (!isFinite(placed.placement.offset))
     throw UsageError("clouds: {}: its position {}, {}, {} is not finite", index, given.position[0], given.position[1],
                      given.position[2]);
-  if (!isTurn(placed.turn))
+  if (!isTurn(placed.placement.rotation))
     throw UsageError("clouds: {}: its orientation {}, {}, {}, {} is not a unit quaternion", index, w, x, y, z);
   return placed;
 }

@@ -41,11 +41,11 @@ PointCloud SessionViews::points(const Session& session, const FrameObject* frame
 Image SessionViews::draw(const Session& session, const FrameObject* frame, const PictureRequest& request) {
   const JobStopScope cuts(JobStopScope::cutting());
   try {
-    if (!frame) return gpu_.draw(session.model(), session.pointHistory(), request);
+    if (!frame) return gpu_.draw(session.scene().layers[0], session.pointHistory(), request);
     gpu_.forgetPicture();
     Model now = session.model();
     now.cloud = points(session, frame);
-    return gpu_.draw(now, nullptr, request);
+    return gpu_.draw({std::make_shared<const Model>(std::move(now))}, nullptr, request);
   } catch (const Stopped&) {
     gpu_.forgetPicture();  // it may be incomplete
     throw;

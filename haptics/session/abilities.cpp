@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
 #include "haptics/session/model.hpp"
 
 namespace palpate {
@@ -21,41 +23,65 @@ constexpr std::string_view kPlaying =
     "them into a file (palpate convert)";
 constexpr std::string_view kOnlyPartial = "only the points around the hand are in this program; join without --partial";
 constexpr std::string_view kPlaced = "a joined model cannot be moved";
+constexpr std::string_view kRenumbered =
+    "each frame of a depth camera has other points, so none can be selected; pause playback (key K of the window)";
+constexpr std::string_view kOwnFields =
+    "fields are not sent to the server; change them in the program that serves the model";
 
-// All actions that are not listed are allowed. Where sculpting is refused, carving, painting and inserting points are,
-// too.
+// All actions that are not listed are allowed, and some refusals include others (alsoRefused()).
 constexpr Refusal kRefusals[] = {
     {ModelKind::moved, Action::sculpt, kMoving},
+    {ModelKind::moved, Action::select, "points of a moving model cannot be selected"},
+    {ModelKind::moved, Action::place, "a moving model cannot be placed"},
     {ModelKind::frames, Action::sculpt, kPlaying},
+    {ModelKind::frames, Action::select, kRenumbered},
     {ModelKind::frames, Action::move, "the frames of a depth camera move already"},
     {ModelKind::liveFrames, Action::sculpt, kPlaying},
+    {ModelKind::liveFrames, Action::select, kRenumbered},
     {ModelKind::liveFrames, Action::move, "the frames of a depth camera move already"},
     {ModelKind::liveFrames, Action::record, "live frames cannot be played again, so the session cannot be recorded"},
     {ModelKind::pausedFrames, Action::record, "paused frames are in no file yet; save the points and open that file"},
     {ModelKind::programFrames, Action::sculpt, "frames from the host program cannot be sculpted"},
     {ModelKind::programFrames, Action::record, "frames from the host program cannot be recorded"},
+    {ModelKind::programFrames, Action::select, "points of frames from the host program cannot be selected"},
+    {ModelKind::programFrames, Action::place, "the host program places the points of its frames"},
     {ModelKind::fluid, Action::sculpt, "water and sand cannot be sculpted; the hand moves them"},
     {ModelKind::fluid, Action::move, "a simulated scene moves already"},
+    {ModelKind::fluid, Action::select, "particles of water and sand cannot be selected"},
     {ModelKind::soft, Action::carve, "a soft body cannot be carved, because it keeps its cells; use push"},
     {ModelKind::soft, Action::paint, "a soft body cannot be painted; paint its model first"},
     {ModelKind::soft, Action::move, "a simulated scene moves already"},
+    {ModelKind::soft, Action::select, "points of a soft body cannot be selected"},
     {ModelKind::shared, Action::insertPoints, "points cannot be inserted where several hands sculpt"},
     {ModelKind::shared, Action::move, kPlaced},
+    {ModelKind::shared, Action::field, kOwnFields},
     {ModelKind::shared, Action::record, "the strokes of others cannot be recorded; serve the model with --read-only"},
     {ModelKind::readOnly, Action::sculpt, kReadOnly},
     {ModelKind::readOnly, Action::move, kPlaced},
+    {ModelKind::readOnly, Action::field, kOwnFields},
     {ModelKind::partial, Action::insertPoints, "points cannot be inserted where several hands sculpt"},
     {ModelKind::partial, Action::move, kPlaced},
     {ModelKind::partial, Action::record, kOnlyPartial},
+    {ModelKind::partial, Action::select, kOnlyPartial},
     {ModelKind::partialReadOnly, Action::sculpt, kReadOnly},
     {ModelKind::partialReadOnly, Action::move, kPlaced},
     {ModelKind::partialReadOnly, Action::record, kOnlyPartial},
+    {ModelKind::partialReadOnly, Action::select, kOnlyPartial},
     {ModelKind::partialMoving, Action::sculpt, kMoving},
     {ModelKind::partialMoving, Action::move, kPlaced},
     {ModelKind::partialMoving, Action::undo, kMoving},
     {ModelKind::partialMoving, Action::save, "a moving model that was joined cannot be saved"},
     {ModelKind::partialMoving, Action::record, kOnlyPartial},
+    {ModelKind::partialMoving, Action::select, kOnlyPartial},
 };
+
+// What a model that refuses the action refuses for the same reason.
+std::vector<Action> alsoRefused(Action action) {
+  if (action == Action::sculpt) return {Action::carve, Action::paint, Action::insertPoints};
+  if (action == Action::move) return {Action::place};
+  if (action == Action::select) return {Action::field};
+  return {};
+}
 
 }  // namespace
 
@@ -88,13 +114,11 @@ Abilities::Abilities(ModelKind kind, const TouchCapabilities& can, std::string_v
   for (const Refusal& row : kRefusals) {
     if (row.kind != kind) continue;
     refuse(row.action, row.reason);
-    if (row.action != Action::sculpt) continue;
-    for (const Action brush : {Action::carve, Action::paint, Action::insertPoints}) refuse(brush, row.reason);
+    for (const Action other : alsoRefused(row.action)) refuse(other, row.reason);
   }
   if (can.keepsEdits) return;
   const std::string deaf = fmt::format("back end {} does not report its edits; use vulkan or cpu", backend);
-  refuse(Action::undo, deaf);
-  refuse(Action::record, deaf);
+  for (const Action action : {Action::undo, Action::record, Action::select, Action::field}) refuse(action, deaf);
 }
 
 void Abilities::require(Action action, std::string_view what) const {

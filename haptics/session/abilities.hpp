@@ -32,8 +32,20 @@ enum class ModelKind {
 };
 inline constexpr std::size_t kModelKinds = static_cast<std::size_t>(ModelKind::partialMoving) + 1;  // the last
 
-enum class Action { sculpt, carve, paint, insertPoints, move, undo, save, record };
-inline constexpr std::size_t kActions = static_cast<std::size_t>(Action::record) + 1;  // the last
+enum class Action {
+  sculpt,
+  carve,
+  paint,
+  insertPoints,
+  move,  ///< by a motion
+  undo,
+  save,
+  record,
+  select,  ///< set a mask of points: selected, hidden, locked or within
+  field,   ///< set numbers of points
+  place,   ///< give the model another pose among others
+};
+inline constexpr std::size_t kActions = static_cast<std::size_t>(Action::place) + 1;  // the last
 
 /// The action that a brush requires: carve and paint for themselves, Action::sculpt for all others.
 Action actionOf(BrushKind kind);

@@ -45,8 +45,9 @@ void DrawnFollower::catchUp(const EditBatch& batch) {
     followFrames();
     if (reader_)
       drawn_->catchUp(*reader_);
-    else if (!batch.empty())
+    else
       drawn_->catchUp(batch.points);
+    drawn_->attributes().follow(batch.attributes);
   } catch (...) {
     reader_.reset();  // or the back end would wait for this reader forever
     throw;

@@ -15,8 +15,9 @@ constexpr double kBetweenChecks_s = 1.0 / 240;  // of checking whether the back 
 
 }  // namespace
 
-EditRelay::EditRelay(const PointCloud& cloud, EditStream* edits, ShapeStrokes* shape, const RelayOptions& options)
-    : points_(cloud.size()), edits_(edits), shape_(shape), options_(options) {
+EditRelay::EditRelay(const PointCloud& cloud, LayerAttributes& attributes, EditStream* edits, ShapeStrokes* shape,
+                     const RelayOptions& options)
+    : points_(cloud.size()), attributes_(attributes), edits_(edits), shape_(shape), options_(options) {
   if (!options.keepsPoints && !shape_) return;
   history_.emplace(options.keepsPoints && !options.isPart ? PointStates(cloud) : PointStates(), options.undo);
   if (options.keepsPoints && edits_) edits_->keep();
@@ -65,9 +66,11 @@ void EditRelay::observe(const TraceRow& row) {
 
 void EditRelay::catchUp() {
   batch_.clear();
+  batch_.attributes = std::exchange(changed_, {});
   if (keepsPoints() && edits_) edits_->take(batch_);
-  if (!batch_.empty()) {
+  if (batch_.changesPoints()) {
     if (options_.log) options_.log->add(batch_);
+    attributes_.follow(batch_, history_->points());
     history_->follow(batch_);
   }
   if (options_.isPart) batch_.clear();
@@ -97,21 +100,44 @@ void EditRelay::finish() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
+void EditRelay::exchange(AttributeChange& change) {
+  AttributeChange done = change;
+  attributes_.exchange(change);
+  changed_.push_back(std::move(done));
+}
+
+void EditRelay::change(AttributeChange change) {
+  catchUp();
+  exchange(change);
+  history_->follow(std::move(change));
+  catchUp();
+}
+
 UndoneStrokes EditRelay::undo(std::size_t undo, std::size_t redo) {
   UndoneStrokes done;
   if (!history_) return done;
+  std::size_t edits = 0;
   const History::Carriers carriers{.points =
-                                       [this](std::span<const PointChange> changes) {
+                                       [&](std::span<const PointChange> changes) {
                                          edits_->change(changes);
+                                         ++edits;
                                          return true;
                                        },
                                    .shape =
-                                       [this](ShapeStroke& stroke) {
+                                       [&](ShapeStroke& stroke) {
                                          shape_->exchange(stroke);
+                                         ++edits;
+                                         return true;
+                                       },
+                                   .attributes =
+                                       [&](AttributeChange& change) {
+                                         exchange(change);
                                          return true;
                                        }};
   for (; done.undone < undo && history_->undo(carriers); ++done.undone) catchUp();
+  done.undoneEdits = std::exchange(edits, 0);
   for (; done.redone < redo && history_->redo(carriers); ++done.redone) catchUp();
+  done.redoneEdits = edits;
   const StrokeCounts counts = history_->counts();
   done.strokes = counts.strokes;
   done.dropped = counts.dropped;

@@ -9,6 +9,7 @@
 #include "engine/core/edit_stream.hpp"
 #include "engine/core/shape_strokes.hpp"
 #include "engine/edit/history.hpp"
+#include "engine/edit/layer_attributes.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/session_writer.hpp"
 
@@ -27,6 +28,8 @@ struct RelayOptions {
 struct UndoneStrokes {
   std::uint64_t strokes = 0;  ///< of the session
   std::size_t undone = 0, redone = 0;
+  /// Of these, those of points or of a shape, which a log repeats.
+  std::size_t undoneEdits = 0, redoneEdits = 0;
   std::uint64_t dropped = 0;   ///< that cannot be undone, because they exceeded the history's budget
   std::uint64_t tooLarge = 0;  ///< of them, those larger than the whole budget
 };
@@ -37,9 +40,10 @@ struct UndoneStrokes {
 /// the thread, checkFollower() those of a follower.
 class EditRelay {
  public:
-  /// `edits`: null where the points are never edited; `shape`: null where no shape is. Before the first query. All
-  /// arguments must outlive this object.
-  EditRelay(const PointCloud& cloud, EditStream* edits, ShapeStrokes* shape, const RelayOptions& options);
+  /// `attributes`: of the points of `cloud`; `edits`: null where the points are never edited; `shape`: null where no
+  /// shape is. Before the first query. All arguments must outlive this object.
+  EditRelay(const PointCloud& cloud, LayerAttributes& attributes, EditStream* edits, ShapeStrokes* shape,
+            const RelayOptions& options);
 
   /// Begins. The observer is for virtual time; it is empty against the clock, or if there are no followers.
   TickObserver begin(double rate_Hz, bool realtime);
@@ -58,7 +62,10 @@ class EditRelay {
   History* history() { return history_ ? &*history_ : nullptr; }
   const History* history() const { return history_ ? &*history_ : nullptr; }
   bool keepsPoints() const { return options_.keepsPoints; }
-  /// Undoes up to `undo` strokes and redoes up to `redo` of them, between strokes, once all edits were taken. If one
+  /// Changes a mask or a field, which can be undone, between strokes. Requires keepsPoints(), since new points take the
+  /// masks and values of their parents.
+  void change(AttributeChange change);
+  /// Undoes up to `undo` changes and redoes up to `redo` of them, between strokes, once all edits were taken. If one
   /// fails, the history stays as after the last one that did not.
   UndoneStrokes undo(std::size_t undo, std::size_t redo);
   /// Throws the failure of a follower; call it once everything else is saved.
@@ -66,16 +73,19 @@ class EditRelay {
 
  private:
   void observe(const TraceRow& row);
+  void exchange(AttributeChange& change);
   // Whether an edit log of bounded size may soon have no room for another edit.
   bool isNearlyFull() const;
   bool isHalfFull() const;
 
   std::size_t points_;
+  LayerAttributes& attributes_;
   EditStream* edits_;
   ShapeStrokes* shape_;
   RelayOptions options_;
   std::optional<History> history_;
   EditBatch batch_;
+  std::vector<AttributeChange> changed_;  // for the next batch
   std::uint64_t ticks_ = 0, period_ = 1;
   double lastFlush_s_ = 0;
   std::exception_ptr failure_, followerFailure_;  // the first one of each

@@ -10,16 +10,18 @@
 namespace palpate {
 
 void SessionPicture::follow(const EditBatch& batch) {
-  if (!drawn_ || batch.points.empty()) return;
+  if (!drawn_ || batch.empty()) return;
   try {
     drawn_->catchUp(batch.points);
+    drawn_->attributes().follow(batch.attributes);
   } catch (...) {
     drawn_.reset();  // the next picture copies all points again
     throw;
   }
 }
 
-Image SessionPicture::draw(const Model& model, const History* history, const PictureRequest& request) {
+Image SessionPicture::draw(const Layer& layer, const History* history, const PictureRequest& request) {
+  const Model& model = *layer.model;
   Frame::checkSize(request.width, request.height);
   if (drawn_ && history && history->points().size() > drawn_->count()) drawn_.reset();
   if (!drawn_) {
@@ -32,6 +34,7 @@ Image SessionPicture::draw(const Model& model, const History* history, const Pic
                                 .spacing = model.spacingOfDiscs(),
                                 .edited = history != nullptr});
     if (history && history->version() > 0) drawn_->catchUp(history->points());
+    drawn_->attributes().follow(layer.attributes.masks());
   }
   drawn_->closeSurface();
   const UpAxis up = model.upright.up;

@@ -6,8 +6,8 @@
 #include "engine/core/edit_batch.hpp"
 #include "engine/render/drawn_cloud.hpp"
 #include "engine/render/image.hpp"
-#include "haptics/session/model.hpp"
 #include "haptics/session/picture_request.hpp"
+#include "haptics/session/scene.hpp"
 
 namespace palpate {
 
@@ -22,9 +22,9 @@ class SessionPicture {
 
   /// Applies the edits since the last call or picture.
   void follow(const EditBatch& batch);
-  /// of the session, whose edits include all that follow() has received; null if nothing is edited. Throws UsageError
-  /// for an invalid picture, OutOfGpuMemory.
-  Image draw(const Model& model, const History* history, const PictureRequest& request);
+  /// `history`: of the session, whose edits include all that follow() has received; null if nothing is edited. Throws
+  /// UsageError for an invalid picture, OutOfGpuMemory.
+  Image draw(const Layer& layer, const History* history, const PictureRequest& request);
 
  private:
   Device& sight_;

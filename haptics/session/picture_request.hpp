@@ -14,7 +14,7 @@ struct PictureRequest {
   std::uint32_t width = 1280, height = 720;  ///< pixels
   std::uint32_t samples = 4;                 ///< per pixel: 1 or 4
   CameraRequest camera;                      ///< default: the model from the front, a little above
-  ColorBy color = ColorBy::rgb;
+  ColorBy color = ColorSource::rgb;
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; empty: a quiet gradient
 };
 

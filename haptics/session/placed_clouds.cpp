@@ -33,9 +33,9 @@ PointCloud mergedCloud(std::span<const PlacedCloud> clouds, NormalSource normals
   const bool isColored = std::ranges::any_of(clouds, [](const PlacedCloud& each) { return each.cloud->hasColors(); });
   for (const PlacedCloud& placed : clouds) {
     const PointCloud& cloud = *placed.cloud;
-    for (std::size_t i = 0; i < cloud.size(); ++i)
-      positions.push_back(placed.turn * cloud.fileCoordinates(i) + placed.offset);
-    for (const Vec3& normal : normalsOf(cloud, normals, loading)) facing.emplace_back(placed.turn * DVec3(normal));
+    for (std::size_t i = 0; i < cloud.size(); ++i) positions.push_back(placed.placement(cloud.fileCoordinates(i)));
+    for (const Vec3& normal : normalsOf(cloud, normals, loading))
+      facing.emplace_back(placed.placement.rotation * DVec3(normal));
     if (!isColored) continue;
     if (cloud.hasColors()) colors.insert(colors.end(), cloud.colors.begin(), cloud.colors.end());
     colors.resize(positions.size(), kUnpainted);

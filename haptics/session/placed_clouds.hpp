@@ -5,15 +5,13 @@
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
-#include "haptics/session/model.hpp"
+#include "haptics/session/scene.hpp"
 
 namespace palpate {
 
-/// A cloud and its pose: position = turn * position in the cloud + offset, in double precision.
 struct PlacedCloud {
   const PointCloud* cloud = nullptr;
-  DQuat turn{1, 0, 0, 0};  ///< unit
-  DVec3 offset{0};         ///< model units
+  Placement placement = {};
 };
 
 /// All points, cloud after cloud, with their normals and, if any cloud has them, colours; points of the others are

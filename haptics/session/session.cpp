@@ -22,11 +22,12 @@ constexpr double kSharedRelay_Hz = 400;  // and if others wait for them
 Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const SessionParts& parts)
     : kind_(parts.backend),
       config_(checked(std::move(config), kind_)),
-      model_(std::move(model)),
-      surface_(kind_.surface(*model_, config_.surface)),
-      stream_(takeStream(config_, *model_)),
-      fusion_(fusedStream(config_, model_, stream_, parts.threads, parts.log)),
-      source_(fusion_ && kind_.capabilities().fusesFrames ? nullptr : makeSource(config_, *model_, stream_, fusion_)),
+      scene_{{Layer{std::move(model)}}},
+      surface_(kind_.surface(this->model(), config_.surface)),
+      stream_(takeStream(config_, this->model())),
+      fusion_(fusedStream(config_, scene_.layers[0].model, stream_, parts.threads, parts.log)),
+      source_(fusion_ && kind_.capabilities().fusesFrames ? nullptr
+                                                          : makeSource(config_, this->model(), stream_, fusion_)),
       isMoved_(parts.source != nullptr),
       backend_(makeTouch(parts)),
       machine_(backend_->report().machine),
@@ -34,7 +35,7 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       shared_(takePart()),
       sharedPatience_s_(parts.sharedPatience_s),
       log_(parts.log),
-      relay_(model_->cloud, backend_->edits(), backend_->shapeStrokes(),
+      relay_(this->model().cloud, scene_.layers[0].attributes, backend_->edits(), backend_->shapeStrokes(),
              {.followers = followers(),
               .rate_Hz = shared_ ? kSharedRelay_Hz : kRelay_Hz,
               .keepsPoints = (parts.keepsPoints || shared_) && kind_.capabilities().keepsEdits,
@@ -48,7 +49,7 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
                 .log = log_}),
       isPaintable_(parts.paintable) {
   // No file tells a replay the scale, so the configuration must.
-  if (config_.model.join) config_.model.mm_per_unit = model_->scale.mm_per_unit;
+  if (config_.model.join) config_.model.mm_per_unit = this->model().scale.mm_per_unit;
   built_ = config_;
 }
 
@@ -63,7 +64,7 @@ Session::~Session() {
 std::unique_ptr<TouchBackend> Session::makeTouch(const SessionParts& parts) {
   MadeBackend made = makeBackend({.kind = kind_,
                                   .config = config_,
-                                  .model = *model_,
+                                  .model = model(),
                                   .surface = surface_,
                                   .threads = parts.threads,
                                   .paintable = parts.paintable,
@@ -77,7 +78,7 @@ std::unique_ptr<TouchBackend> Session::makeTouch(const SessionParts& parts) {
 std::vector<std::unique_ptr<EditFollower>> Session::make(const std::vector<FollowerMaker>& makers) const {
   std::vector<std::unique_ptr<EditFollower>> made;
   made.reserve(makers.size());
-  for (const FollowerMaker& each : makers) made.push_back(each(*model_, *backend_));
+  for (const FollowerMaker& each : makers) made.push_back(each(model(), *backend_));
   return made;
 }
 
@@ -89,9 +90,9 @@ std::vector<EditFollower*> Session::followers() const {
 }
 
 std::unique_ptr<SharedFollower> Session::takePart() {
-  const SharedMaker share = model_->share();
+  const SharedMaker share = model().share();
   if (!share) {
-    if (config_.model.join && config_.brush && !model_->far()) throw Error("{}", fixedBecause(config_, *model_));
+    if (config_.model.join && config_.brush && !model().far()) throw Error("{}", fixedBecause(config_, model()));
     return nullptr;
   }
   if (!backend_->edits() || backend_->edits()->mostOffered() == 0)
@@ -99,7 +100,7 @@ std::unique_ptr<SharedFollower> Session::takePart() {
         "{}: '{}' is sculpted by others, which {} cannot follow; use another back end, or serve the model with "
         "--read-only",
         config_.backend.name, config_.model.file, config_.backend.name);
-  return share(model_->cloud, *backend_);
+  return share(model().cloud, *backend_);
 }
 
 std::optional<PlayCounts> Session::playCounts() const {
@@ -123,7 +124,7 @@ double Session::durationOf(std::span<const OpenHand> hands) const {
 std::vector<HandSpring> Session::springs(std::span<const OpenHand> hands) const {
   std::vector<HandSpring> springs;
   for (const OpenHand& hand : hands) {
-    ForceLaw law(config_.force, model_->scale);
+    ForceLaw law(config_.force, model().scale);
     const DeviceLimits limits = hand.device->limits();
     law.limitTo(limits.peakForce_N, limits.mostStiffness_N_per_mm);
     springs.push_back(springOf(law));
@@ -140,23 +141,23 @@ void Session::awaitPoints(std::span<const OpenHand> hands, const RunOptions& opt
   }
   constexpr double kBefore_s = 1e-6;  // before the first tick
   farTouch_->awaitAt(options.begin_s - kBefore_s, hips, sharedPatience_s_);
-  model_->far()->check();
+  model().far()->check();
 }
 
 const InformationAge* Session::known() const {
   if (shared_) return &shared_->known();
-  return model_->far() ? &model_->far()->known() : nullptr;
+  return model().far() ? &model().far()->known() : nullptr;
 }
 
 ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& options) {
   const bool realtime = config_.realtime || options.realtime;
-  if (model_->far() && model_->far()->moves() && !realtime)
+  if (model().far() && model().far()->moves() && !realtime)
     throw Error("'{}' moves in real time; join it with --realtime", config_.model.file);
   backend_->begin(realtime, springs(hands));
   std::vector<SessionHand> touching;
   for (const OpenHand& hand : hands)
     touching.push_back({.device = *hand.device,
-                        .law = ForceLaw(config_.force, model_->scale),
+                        .law = ForceLaw(config_.force, model().scale),
                         .options = {.map = hand.map, .passivity = hand.passivity}});
   if (!touching.empty()) touching.front().law.setCustom(options.law);
   const double rate_Hz = options.rate_Hz > 0 ? options.rate_Hz : config_.rate_Hz;
@@ -231,7 +232,7 @@ void Session::stop() {
 PulledParts Session::pulledParts(const PullOptions& options) {
   return {.backend = *backend_,
           .config = config_,
-          .scale = model_->scale,
+          .scale = model().scale,
           .known = known(),
           .others = {shared(), presence(), backend_->hands(), config_.brush.has_value()},
           .takesEdits = options.budget_us == 0 ? relay_.begin(config_.rate_Hz, false) : TickObserver()};
@@ -255,14 +256,14 @@ void Session::checkPulling() {
 }
 
 void Session::finish() {
-  if (model_->far()) model_->far()->check();
+  if (model().far()) model().far()->check();
   backend_->finish();
   relay_.finish();
   settleShared(sharedPatience_s_);
 }
 
 Abilities Session::abilities() const {
-  return Abilities(modelKindOf(config_, *model_, isMoved_), kind_.capabilities(), kind_.name());
+  return Abilities(modelKindOf(config_, model(), isMoved_), kind_.capabilities(), kind_.name());
 }
 
 void Session::require(Action action, std::string_view what) const {
@@ -273,15 +274,20 @@ void Session::require(Action action, std::string_view what) const {
 StrokeCounts Session::strokes() const { return history() ? history()->counts() : StrokeCounts{}; }
 
 SculptedCloud Session::sculpted() const {
-  if (pointHistory() && !config_.moves() && !isMoved_)
-    return {editedCloud(model_->cloud, history()->points()), changedPoints(model_->cloud, history()->points()), {}};
-  SculptedCloud sculpted{.cloud = model_->cloud};
+  SculptedCloud sculpted{.cloud = model().cloud};
+  if (pointHistory() && !config_.moves() && !isMoved_) {
+    const PointStates& points = history()->points();
+    sculpted.cloud = editedCloud(model().cloud, points);
+    sculpted.edited = changedPoints(model().cloud, points);
+    addFields(scene_.layers[0].attributes.fields(), points, sculpted.cloud);
+    return sculpted;
+  }
   sculpted.edited = backend_->readBack(sculpted.cloud);
-  if (!model_->far() || model_->far()->moves()) return sculpted;
+  if (!model().far() || model().far()->moves()) return sculpted;
   sculpted.remark = fmt::format(
       "{} of {} points, those known around the hands; the field 'number' has their numbers among all, and the "
       "server saves all of them (palpate serve --save)",
-      sculpted.cloud.size(), model_->extent()->points);
+      sculpted.cloud.size(), model().extent()->points);
   sculpted.cloud.storedAs.comments.push_back("comment palpate: " + sculpted.remark);
   return sculpted;
 }

@@ -20,6 +20,7 @@
 #include "haptics/session/live_run.hpp"
 #include "haptics/session/moving_model.hpp"
 #include "haptics/session/pulled_hands.hpp"
+#include "haptics/session/scene.hpp"
 
 namespace palpate {
 
@@ -92,7 +93,8 @@ class Session {
   // What it is made of.
 
   const SessionConfig& config() const { return config_; }
-  const Model& model() const { return *model_; }
+  const Model& model() const { return *scene_.layers[0].model; }
+  const SessionScene& scene() const { return scene_; }
   /// As felt, model units.
   const SurfaceOptions& surface() const { return surface_; }
   std::string method() const { return kind_.methodOf(config_.backend); }
@@ -216,10 +218,20 @@ class Session {
   enum class Frames { play, pause, step };
   /// Between ticks. No effect where no frames are played.
   void setFrames(Frames frames);
+  /// Sets a mask of the points, until undo(). Threads and times as for undo(). Throws Error where the model refuses it,
+  /// or the points are not followed.
+  void setMask(MaskRole role, const PointSet& points);
+  /// Number of the field of that name. The first call makes it, of the file's property or with zeros; throws as
+  /// setMask().
+  std::uint32_t fieldNamed(std::string_view name, ScalarType type = ScalarType::f32);
+  /// Sets values of the field: one for each of the points, ascending, in native byte order. Otherwise as setMask();
+  /// throws Error also if a point has no number yet, or values are missing.
+  void setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values);
   /// Repeats a command of a session log.
   void repeat(const LoggedCommand& command);
-  /// After finish(), or live: undoes and redoes strokes of the points, or of the rest shape of a soft body. Throws if
-  /// the back end fails; the history then matches the points.
+  /// After finish(), or live: undoes and redoes strokes of the points or of the rest shape of a soft body, and changes
+  /// of masks and fields, in the order in which they were made. Throws if the back end fails; the history then matches
+  /// the points.
   UndoneStrokes undo(std::size_t strokes, std::size_t redo);
   /// Strokes of the points, or of that shape; zeros without a history.
   StrokeCounts strokes() const;
@@ -256,10 +268,10 @@ class Session {
   /// Exchange of edits with them; null if the model is not shared.
   SharedFollower* shared() const { return shared_.get(); }
   /// Hands and cameras of the others and of this program; null if the model was not joined.
-  SharedPresence* presence() const { return model_->presence(); }
+  SharedPresence* presence() const { return model().presence(); }
   /// Fetches the points around the hands, if another program has all of them, and the ticks that lacked some; null and
   /// zero if all points are here.
-  FarCloud* far() const { return model_->far(); }
+  FarCloud* far() const { return model().far(); }
   UnknownTicks unknownTicks() const { return farTouch_ ? farTouch_->counts() : UnknownTicks{}; }
   /// Age of the information about the surface, if another program has it; else null.
   const InformationAge* known() const;
@@ -285,12 +297,13 @@ class Session {
   PulledParts pulledParts(const PullOptions& options);
   void takeEdits();
   std::string textFor(const SessionConfig& config) const;
+  LayerAttributes& attributesFor(Action action, std::string_view what);
   bool settleFar(double timeout_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
 
   const BackendKind& kind_;
   SessionConfig config_;
-  std::shared_ptr<const Model> model_;
+  SessionScene scene_;
   SurfaceOptions surface_;
   std::shared_ptr<PlayedStream> stream_;  // if frames are played
   std::optional<FusedStream> fusion_;     // if they are fused

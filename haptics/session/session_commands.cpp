@@ -48,7 +48,7 @@ void Session::setBrush(const std::optional<BrushConfig>& brush) {
   next.brush = brush;
   next = checked(std::move(next), kind_);
   std::optional<BrushOptions> options;
-  if (brush) options = brushOptions(*brush, model_->scale);
+  if (brush) options = brushOptions(*brush, model().scale);
   between([&] {
     std::string text = textFor(next);
     backend_->setBrush(options);
@@ -107,9 +107,46 @@ UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
   return between([&] {
     if (!history()) throw Error("a session without a history has no strokes to undo");
     const UndoneStrokes done = relay_.undo(strokes, redo);
-    if (done.undone > 0) channel_.note(LoggedCommand::Kind::undo, std::to_string(done.undone));
-    if (done.redone > 0) channel_.note(LoggedCommand::Kind::redo, std::to_string(done.redone));
+    if (done.undoneEdits > 0) channel_.note(LoggedCommand::Kind::undo, std::to_string(done.undoneEdits));
+    if (done.redoneEdits > 0) channel_.note(LoggedCommand::Kind::redo, std::to_string(done.redoneEdits));
     return done;
+  });
+}
+
+LayerAttributes& Session::attributesFor(Action action, std::string_view what) {
+  require(action, what);
+  if (!pointHistory()) throw Error("{}: the session does not follow its points", what);
+  return scene_.layers[0].attributes;
+}
+
+void Session::setMask(MaskRole role, const PointSet& points) {
+  const LayerAttributes& attributes = attributesFor(Action::select, "select");
+  between([&] {
+    MaskFlip flip{.role = role, .points = attributes.mask(role)};
+    flip.points.flip(points);
+    if (!flip.points.empty()) relay_.change(std::move(flip));
+  });
+}
+
+std::uint32_t Session::fieldNamed(std::string_view name, ScalarType type) {
+  LayerAttributes& attributes = attributesFor(Action::field, name);
+  if (const auto number = attributes.fieldNamed(name)) return *number;
+  return between([&] { return attributes.add(initialField(model().cloud, history()->points(), name, type)); });
+}
+
+void Session::setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values) {
+  const std::vector<Field>& fields = attributesFor(Action::field, "field").fields();
+  if (field >= fields.size())
+    throw Error("field: the model has {} fields, and none with number {}", fields.size(), field);
+  between([&] {
+    const Attribute& had = fields[field].values;
+    const std::size_t bytes = sizeOf(had.type);
+    if (points.end() * bytes > had.data.size())
+      throw Error("{}: the model has no point {}", had.name, points.end() - 1);
+    if (points.count() * bytes != values.size())
+      throw Error("{}: {} points require {} bytes, not {}", had.name, points.count(), points.count() * bytes,
+                  values.size());
+    if (!points.empty()) relay_.change(FieldChange{.field = field, .points = points, .values = std::move(values)});
   });
 }
 
@@ -132,8 +169,8 @@ void Session::record(const std::string& file, const OpenHand& hand, RecordingFau
                                                   RecordedSession{.config = config,
                                                                   .built = built_,
                                                                   .paintable = isPaintable_,
-                                                                  .points = model_->cloud.size(),
-                                                                  .checksum = checksumOf(*model_),
+                                                                  .points = model().cloud.size(),
+                                                                  .checksum = checksumOf(model()),
                                                                   .machine = machine_,
                                                                   .palpate = PALPATE_VERSION,
                                                                   .limits = hand.device->limits(),
@@ -154,7 +191,7 @@ std::unique_ptr<SessionRecording> Session::releaseRecording() {
 
 void Session::endRecording() {
   const std::unique_ptr<SessionRecording> ended = releaseRecording();
-  if (ended) ended->finish(checksumOf(model_->cloud.origin, history()->points()));
+  if (ended) ended->finish(checksumOf(model().cloud.origin, history()->points()));
 }
 
 void Session::repeat(const LoggedCommand& command) {

@@ -18,15 +18,15 @@ constexpr double kOthersBusy_s = 1;  // maximum wait for others who still edit, 
 bool Session::settleFar(double timeout_s) {
   backend_->finish();  // the edit in progress
   const Stopwatch since;
-  while (!model_->far()->counts().delivered && !isStopWanted() && since.elapsed_s() < timeout_s) {
-    model_->far()->check();
+  while (!model().far()->counts().delivered && !isStopWanted() && since.elapsed_s() < timeout_s) {
+    model().far()->check();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  return model_->far()->counts().delivered;
+  return model().far()->counts().delivered;
 }
 
 bool Session::settleShared(double timeout_s, Settling until) {
-  if (model_->far()) return settleFar(timeout_s);
+  if (model().far()) return settleFar(timeout_s);
   if (!shared_) return true;
   const Stopwatch since;
   relay_.catchUp();
@@ -43,9 +43,9 @@ bool Session::settleShared(double timeout_s, Settling until) {
   const std::vector<ProxyTracker::State> contacts = backend_->contacts();
   std::vector<Pose> far(backend_->hands());
   // Hands that touch nothing: the changes of others are applied between their answers.
-  const Bounds box = boundsOf(model_->cloud);
+  const Bounds box = boundsOf(model().cloud);
   constexpr double kFar = 1e3;  // longest sides
-  const DVec3 nowhere = model_->cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
+  const DVec3 nowhere = model().cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
   for (Pose& pose : far) pose = {.time_s = last_s_, .hip = nowhere, .sculpts = false};
   bool hasAsked = false;
   const auto goesOn = [&] { return !isOver() && !isStopWanted() && since.elapsed_s() < timeout_s; };
@@ -67,10 +67,10 @@ bool Session::settleShared(double timeout_s, Settling until) {
 }
 
 bool Session::deliver(double timeout_s, double unheard_s) {
-  if (!shared_ && !model_->far()) return true;
+  if (!shared_ && !model().far()) return true;
   backend_->finish();
   relay_.catchUp();
-  const auto isDelivered = [&] { return shared_ ? shared_->counts().delivered : model_->far()->counts().delivered; };
+  const auto isDelivered = [&] { return shared_ ? shared_->counts().delivered : model().far()->counts().delivered; };
   const auto isHeard = [&] { return known()->isTrue() && known()->share() > 0; };
   for (const Stopwatch since; !isDelivered();) {
     if (isStopWanted() || since.elapsed_s() >= timeout_s || (since.elapsed_s() >= unheard_s && !isHeard())) {

@@ -137,7 +137,7 @@ void UnsavedStrokes::follow(const EditBatch& fresh, const PointStates& points, b
   if (isChanged) noteUnchanged(false);
   if (isChanged && !failed_ && since_ != since) folder().setSince(since_ = since);
   if (!isKept()) {
-    if (fresh.empty() || failed_) return;
+    if (!fresh.changesPoints() || failed_) return;
     return begin(wasKept_ ? snapshot(points) : fresh);
   }
   append(pending_, fresh);

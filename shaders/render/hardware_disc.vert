@@ -4,6 +4,7 @@
 // if the GPU's maximum point size is too small for the largest disc.
 #define HARDWARE_DISC out
 #include "shaders/render/hardware_disc.glsl"
+#include "shaders/render/shown.glsl"
 
 const float kDepthSlack = 1e-5;  // of the centre's depth: more than the rounding error of a fragment's depth
 
@@ -17,7 +18,7 @@ void main() {
   gl_PointSize = 1;
   const uint shares = args.tiles * args.tiles;
   const uint point = gl_VertexIndex / shares;
-  if (point >= args.count) return;
+  if (point >= args.count || isHidden(args.frame, point)) return;
   const RenderView view = args.frame.at[0].view;
   Disc disc;
   if (!placeDisc(view, args.positions.at[point].xyz, disc)) return;
@@ -41,5 +42,5 @@ void main() {
   drawn.shading = disc.shading;
   drawn.centerPixel = disc.centerPixel;
   drawn.box = ivec4(box.first, box.last);
-  drawn.color = args.frame.at[0].hasColors != 0 ? args.colors.at[point] : 0;
+  drawn.color = args.frame.at[0].hasColors != 0 ? shownColor(args.frame, args.colors, point) : 0;
 }

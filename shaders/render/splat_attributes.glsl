@@ -1,5 +1,6 @@
 // Surface splatting in compute, pass 4: fragments close behind the nearest one add their normal and colour, weighted by
 // a smooth falloff, so that neighbouring discs blend into one surface.
+#include "shaders/render/shown.glsl"
 #include "shaders/render/splat.glsl"
 #include "shaders/render/sums.glsl"
 
@@ -15,7 +16,7 @@ void main() {
   // If many points make the unit coarse, at most the weight of a rim.
   const float leastWeight = min(kMinWeight / scale, kRimWeight);
   const bool hasColors = args.frame.at[0].hasColors != 0;
-  const vec3 color = hasColors ? unpackUnorm4x8(args.colors.at[splat.point]).rgb : vec3(0);
+  const vec3 color = hasColors ? unpackUnorm4x8(shownColor(args.frame, args.colors, splat.point)).rgb : vec3(0);
   const uint samples = view.size_px.x * view.size_px.y;
   for (; splat.pixel.y <= splat.box.last.y; goOn(splat)) {
     Fragment fragment;

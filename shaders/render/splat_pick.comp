@@ -7,6 +7,7 @@
 // The lists are in the order of arrival, on which no picture depends. Most points of a large cloud are not drawn, which
 // their position and their lot show: a workgroup looks at those of several points for each invocation, whose reads are
 // in flight together, and measures the discs of the others side by side.
+#include "shaders/render/shown.glsl"
 #include "shaders/render/splat.glsl"
 
 // Points that may be drawn.
@@ -85,7 +86,7 @@ void main() {
   }
   [[unroll]] for (uint k = 0; k < kPickPoints; ++k) {
     const uint point = first + k * gl_WorkGroupSize.x;
-    listCandidates(point < end && mayBeDrawn(view, point, positions[k]), point);
+    listCandidates(point < end && mayBeDrawn(view, point, positions[k]) && !isHidden(args.frame, point), point);
   }
   barrier();
   // Every round but the last is full.

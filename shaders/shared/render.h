@@ -79,6 +79,15 @@ const uint kColorByNormal = 1;
 const uint kColorByDepth = 2;
 const uint kColorByHeight = 3;
 
+// What the points of a cloud have (RenderFrame::shown).
+const uint kShownColors = 1;    // colours of their own
+const uint kShownSelected = 2;  // a mask: tinted
+const uint kShownHidden = 4;    // a mask: not drawn
+const uint kShownField = 8;     // numbers, shown in place of their own colours
+// Colour of selected points, sRGB, and its share.
+const vec3 kSelectedColor = vec3(1.0f, 0.55f, 0.1f);
+const float kSelectedShare = 0.6f;
+
 // A pinhole camera. Eye space: x right, y up, depth along `forward`; pixel (x, y) has its centre at (x + 0.5, y + 0.5),
 // y downwards. Positions are model units relative to the cloud's origin.
 struct RenderView {
@@ -135,19 +144,23 @@ struct RenderFrame {
   uint triangleTiles;  // tiles along each side of the largest triangle
   uint imagePass;
   uint colorBy;
-  uint hasColors;
-  vec3 material;  // of points without colour, linear light
-  uint unused;
+  uint hasColors;         // not 0: colours are summed
+  vec3 material;          // of points without colour, linear light
+  uint shown;             // kShown* of the points
   vec3 backgroundTop;     // linear light
   float occlusionRadius;  // model units; 0: none
   vec3 backgroundBottom;
   uint holeReach_px;  // radius of the gaps that are closed, samples; 0: no closing
   uint smooth_px;  // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
+  PALPATE_ADDRESS(Uints) selected;  // a bit for each point, like the next
+  PALPATE_ADDRESS(Uints) hidden;
+  PALPATE_ADDRESS(Uints) values;  // bits of a float for each point, like the next two; NaN: it has its own colour
+  float lowValue, highValue;      // ends of the ramp
 };
-PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52);
+PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52 + 32);
 
 #ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RenderFrames { RenderFrame at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RenderFrames { RenderFrame at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Floats { float at[]; };
 #endif
 

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace palpate {
+
+/// A set of points by number, as pages of bits: a page with none of its points takes no memory, and one with all of
+/// them a word. Equal sets have equal pages.
+class PointSet {
+ public:
+  static constexpr std::uint64_t kPage = 4096;  ///< points of a page
+
+  PointSet() = default;
+  /// The points from `begin` to before `end`.
+  static PointSet range(std::uint64_t begin, std::uint64_t end);
+
+  bool test(std::uint64_t point) const {
+    const auto page = pages_.find(point / kPage);
+    return page != pages_.end() && (wordOf(page->second, point % kPage / kBits) >> point % kBits & 1) != 0;
+  }
+  void set(std::uint64_t point, bool on = true);
+  bool empty() const { return pages_.empty(); }
+  std::uint64_t count() const;
+  /// The number after that of the last point; 0 without points.
+  std::uint64_t end() const;
+  /// Becomes the symmetric difference with `other`; the same call again undoes that. Keeps its points if memory is out.
+  void flip(const PointSet& other);
+
+  /// Calls use(k, word) with the points from 64 k on, the first one in the lowest bit, for the words that are not zero,
+  /// ascending.
+  template <class Use>
+  void forWords(Use&& use) const {
+    for (const auto& [number, page] : pages_)
+      for (std::uint64_t k = 0; k < kWords; ++k)
+        if (const std::uint64_t word = wordOf(page, k)) use(number * kWords + k, word);
+  }
+  /// Calls use(point) for each point, ascending.
+  template <class Use>
+  void forEach(Use&& use) const {
+    forWords([&](std::uint64_t k, std::uint64_t word) {
+      for (; word != 0; word &= word - 1) use(k * kBits + static_cast<std::uint64_t>(std::countr_zero(word)));
+    });
+  }
+
+  /// Memory.
+  std::uint64_t bytes() const;
+  /// To words for a file, and back: removes them from the front of `words`. False if they are not those of a set.
+  std::vector<std::uint64_t> words() const;
+  bool read(std::span<const std::uint64_t>& words);
+
+  bool operator==(const PointSet&) const = default;
+
+ private:
+  static constexpr std::uint64_t kBits = 64, kWords = kPage / kBits;
+  static constexpr std::uint64_t kAll = ~std::uint64_t{0};
+  using Page = std::vector<std::uint64_t>;  // kWords, or one that stands for all of them
+  static std::uint64_t wordOf(const Page& page, std::uint64_t k) {
+    return page.empty() ? 0 : page[page.size() == 1 ? 0 : k];
+  }
+  static void widen(Page& page, std::size_t words);
+  void tidy(std::map<std::uint64_t, Page>::iterator page);
+
+  std::map<std::uint64_t, Page> pages_;  // by number; none is without points
+};
+
+}  // namespace palpate

@@ -1,0 +1,31 @@
+// What masks and a field show of a point (RenderFrame::shown).
+#ifndef PALPATE_RENDER_SHOWN_GLSL
+#define PALPATE_RENDER_SHOWN_GLSL
+#include "shaders/shared/brush.h"
+#include "shaders/shared/ramp.h"
+#include "shaders/shared/render.h"
+
+// `word`: of a mask, with the point's bit.
+bool isIn(uint word, uint point) { return (word >> point % 32 & 1) != 0; }
+
+bool isHidden(RenderFrames frame, uint point) {
+  return (frame.at[0].shown & kShownHidden) != 0 && isIn(frame.at[0].hidden.at[point / 32], point);
+}
+
+// RGBA8. `colors`: the points' own, if they have any.
+uint shownColor(RenderFrames frame, Uints colors, uint point) {
+  const uint shown = frame.at[0].shown;
+  const uint color = (shown & kShownColors) != 0 ? colors.at[point] : kUnpainted;
+  if ((shown & (kShownField | kShownSelected)) == 0) return color;
+  vec3 result = unpackUnorm4x8(color).rgb;
+  if ((shown & kShownField) != 0) {
+    const float value = uintBitsToFloat(frame.at[0].values.at[point]);
+    const float low = frame.at[0].lowValue, high = frame.at[0].highValue;
+    if (!isnan(value)) result = rampColor((value - low) / max(high - low, 1e-30));
+  }
+  if ((shown & kShownSelected) != 0 && isIn(frame.at[0].selected.at[point / 32], point))
+    result = mix(result, kSelectedColor, kSelectedShare);
+  return packUnorm4x8(vec4(result, 1));
+}
+
+#endif
