@@ -114,7 +114,7 @@ TEST_CASE("a stroke keeps a point once, in its state before the first edit") {
   batch.clear();
   mark(batch, EditMark::Kind::stroke);
   history.follow(batch);
-  CHECK(history.bytes() < 9 * sizeof(PointState));
+  CHECK(history.bytes() < sizeof(HistoryChange) + 8 * sizeof(PointState));
   const auto changes = undone(history);
   REQUIRE(changes.size() == 7);
   for (const PointChange& change : changes) {

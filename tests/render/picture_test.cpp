@@ -225,7 +225,7 @@ TEST_CASE_FIXTURE(PictureFixture, "every pass and every colouring produces a pic
   std::vector<Image> seen;
   for (const auto pass : {ImagePass::final, ImagePass::depth, ImagePass::normal, ImagePass::color, ImagePass::position})
     seen.push_back(picture(cloud, camera, optionsFor(cloud, pass), kWidth, kHeight));
-  for (const auto color : {ColorBy::normal, ColorBy::depth, ColorBy::height}) {
+  for (const auto color : {ColorSource::normal, ColorSource::depth, ColorSource::height}) {
     FrameOptions options = optionsFor(cloud);
     options.color = color;
     seen.push_back(picture(cloud, camera, options, kWidth, kHeight));
@@ -237,7 +237,7 @@ TEST_CASE_FIXTURE(PictureFixture, "every pass and every colouring produces a pic
 TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "colours by height follow the up axis and span the shown range") {
   const PointCloud cloud = sphereCloud(4000);
   FrameOptions options = optionsFor(cloud, ImagePass::color);
-  options.color = ColorBy::height;
+  options.color = ColorSource::height;
   const auto close = [](const DVec3& seen, float share) {
     return glm::distance(seen, DVec3(shared::rampColor(share))) < 0.04;
   };
@@ -358,7 +358,7 @@ TEST_CASE_FIXTURE(PictureFixture, "picture sizes that cannot be drawn are refuse
                        UsageError);
   CHECK_THROWS_WITH_AS(colorByNamed("taste"), doctest::Contains("rgb, normal, depth, height"), UsageError);
   CHECK(imagePassNamed("position") == ImagePass::position);
-  CHECK(colorByNamed("height") == ColorBy::height);
+  CHECK(colorByNamed("height") == ColorSource::height);
 }
 
 TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "a picture preempted by touch is the same bit by bit") {

@@ -1,0 +1,169 @@
+// Masks and a field in pictures: a plane that faces the camera, whose left half has what its right half has not.
+#include "engine/render/drawn_attributes.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "shaders/shared/ramp.h"
+#include "tests/labels.hpp"
+#include "tests/render/picture_fixture.hpp"
+
+namespace palpate::drawn_attributes_test {
+
+TEST_SUITE_BEGIN(kPortable);
+
+namespace {
+
+constexpr std::uint32_t kSide_px = 64;
+constexpr int kRow = 41;
+constexpr std::array<std::uint8_t, 4> kGreen{40, 160, 80, 255};
+
+PointCloud planeCloud(bool colored) {
+  PointCloud cloud;
+  for (int y = 0; y < kRow; ++y)
+    for (int x = 0; x < kRow; ++x) {
+      cloud.positions.emplace_back(static_cast<float>(x - kRow / 2) * 0.05f, static_cast<float>(y - kRow / 2) * 0.05f,
+                                   0);
+      cloud.normals.emplace_back(0, 0, 1);
+      if (colored) cloud.colors.push_back(kGreen);
+    }
+  return cloud;
+}
+
+/// The points of the left half.
+PointSet leftOf(const PointCloud& cloud) {
+  PointSet left;
+  for (std::size_t i = 0; i < cloud.size(); ++i) left.set(i, cloud.positions[i].x < -0.02f);
+  return left;
+}
+
+struct Seen {
+  Image color;
+  DepthImage depth;
+
+  DVec3 at(std::uint32_t x) const {
+    const auto& pixel = color.rgba[std::size_t{kSide_px / 2} * kSide_px + x];
+    return DVec3(pixel[0], pixel[1], pixel[2]) / 255.0;
+  }
+  bool isCovered(std::uint32_t x) const { return depth.depth[std::size_t{kSide_px / 2} * kSide_px + x] > 0; }
+  DVec3 left() const { return at(kSide_px / 2 - 12); }
+  DVec3 right() const { return at(kSide_px / 2 + 12); }
+};
+
+bool isColor(const DVec3& seen, const DVec3& expected) { return glm::distance(seen, expected) < 0.02; }
+DVec3 encoded(const std::array<std::uint8_t, 4>& color) { return DVec3(color[0], color[1], color[2]) / 255.0; }
+DVec3 tinted(const DVec3& color) {
+  return glm::mix(color, DVec3(shared::kSelectedColor), static_cast<double>(shared::kSelectedShare));
+}
+
+class AttributesFixture : public PictureFixture {
+ protected:
+  Seen see(const DrawnCloud& cloud, const ColorBy& color = ColorSource::rgb, Raster raster = Raster::compute) {
+    Frame& frame = frameOf(kSide_px, kSide_px, 1);
+    FrameOptions options{.pass = ImagePass::color, .color = color, .splatRadius = 0.04, .raster = raster};
+    options.closeHoles = false;
+    draw(frame, cloud, Camera{.eye = {0, 0, 3}}, options);
+    return {frame.readColor(), frame.readDepth()};
+  }
+  std::vector<Raster> rasters() {
+    if (!device.draws()) return {Raster::compute};
+    return {Raster::compute, Raster::hardware};
+  }
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(AttributesFixture, "selected points are tinted and hidden ones are not drawn, until that is undone") {
+  for (const bool colored : {false, true}) {
+    const PointCloud cloud = planeCloud(colored);
+    const DVec3 own = encoded(colored ? kGreen : kUnpainted);
+    for (const Raster raster : rasters()) {
+      CAPTURE(colored);
+      CAPTURE(static_cast<int>(raster));
+      DrawnCloud drawn(device, cloud);
+      const std::uint64_t bytes = drawn.bytes();
+      const Seen before = see(drawn, ColorSource::rgb, raster);
+      CHECK(isColor(before.left(), own));
+      const std::vector<AttributeChange> selects{MaskFlip{.role = MaskRole::selected, .points = leftOf(cloud)}};
+      const std::vector<AttributeChange> hides{MaskFlip{.role = MaskRole::hidden, .points = leftOf(cloud)}};
+      const std::vector<AttributeChange> locks{MaskFlip{.role = MaskRole::locked, .points = leftOf(cloud)}};
+      drawn.attributes().follow(locks);
+      CHECK(drawn.bytes() == bytes);
+
+      drawn.attributes().follow(selects);
+      const Seen selected = see(drawn, ColorSource::rgb, raster);
+      CHECK(isColor(selected.left(), tinted(own)));
+      CHECK(isColor(selected.right(), own));
+      CHECK(selected.depth.depth == before.depth.depth);
+
+      drawn.attributes().follow(hides);
+      const Seen hidden = see(drawn, ColorSource::rgb, raster);
+      CHECK_FALSE(hidden.isCovered(kSide_px / 2 - 12));
+      CHECK(hidden.isCovered(kSide_px / 2 + 12));
+      CHECK(isColor(hidden.right(), own));
+
+      drawn.attributes().follow(hides);
+      CHECK(see(drawn, ColorSource::rgb, raster).color.rgba == selected.color.rgba);
+      drawn.attributes().follow(selects);
+      CHECK(see(drawn, ColorSource::rgb, raster).color.rgba == before.color.rgba);
+      CHECK(drawn.attributes().mask(MaskRole::selected) == nullptr);
+    }
+  }
+}
+
+TEST_CASE_FIXTURE(AttributesFixture, "a field is drawn through a ramp over its range, and follows its changes") {
+  const PointCloud cloud = planeCloud(true);
+  Field field{.values = {"temperature", ScalarType::f64, {}}, .unit = "K"};
+  const auto put = [](std::vector<std::byte>& to, double value) {
+    const auto bytes = std::as_bytes(std::span(&value, 1));
+    to.insert(to.end(), bytes.begin(), bytes.end());
+  };
+  for (const Vec3& position : cloud.positions)
+    put(field.values.data, position.x < 0 ? 280 : std::numeric_limits<double>::quiet_NaN());
+  const PointSet left = leftOf(cloud);
+  std::vector<std::byte> warmer;
+  left.forEach([&](std::uint64_t) { put(warmer, 320); });
+  const auto ramp = [](float share) { return DVec3(shared::rampColor(share)); };
+  for (const Raster raster : rasters()) {
+    CAPTURE(static_cast<int>(raster));
+    const FieldColors colors{.low = 260, .high = 340};
+    DrawnCloud drawn(device, cloud);
+    const Seen own = see(drawn, colors, raster);  // no field is shown
+    CHECK(isColor(own.left(), encoded(kGreen)));
+    drawn.attributes().show(3, &field);
+    const Seen seen = see(drawn, colors, raster);
+    CHECK(isColor(seen.left(), ramp(0.25f)));
+    CHECK(isColor(seen.right(), encoded(kGreen)));
+    CHECK(see(drawn, ColorSource::rgb, raster).color.rgba == own.color.rgba);
+    const auto changes = [&](std::uint32_t number) {
+      return std::vector<AttributeChange>{FieldChange{.field = number, .points = left, .values = warmer}};
+    };
+    drawn.attributes().follow(changes(2));
+    CHECK(see(drawn, colors, raster).color.rgba == seen.color.rgba);
+    drawn.attributes().follow(changes(3));
+    CHECK(isColor(see(drawn, colors, raster).left(), ramp(0.75f)));
+    const std::vector<AttributeChange> selects{MaskFlip{.points = left}};
+    drawn.attributes().follow(selects);
+    CHECK(isColor(see(drawn, colors, raster).left(), tinted(ramp(0.75f))));
+    drawn.attributes().show(0, nullptr);
+    drawn.attributes().follow(selects);
+    CHECK(see(drawn, colors, raster).color.rgba == own.color.rgba);
+  }
+}
+
+TEST_CASE_FIXTURE(AttributesFixture, "points of masks and fields that the drawn cloud cannot hold are ignored") {
+  const PointCloud cloud = planeCloud(false);
+  DrawnCloud drawn(device, cloud);
+  const Seen before = see(drawn);
+  Field field{.values = {"x", ScalarType::u8, std::vector<std::byte>(100)}};  // shorter than the cloud
+  drawn.attributes().show(0, &field);
+  const std::vector<AttributeChange> changes{
+      MaskFlip{.role = MaskRole::hidden, .points = PointSet::range(1'000'000, 1'010'000)},
+      FieldChange{.field = 0, .points = PointSet::range(90'000, 90'002), .values = {{}, {}}}};
+  drawn.attributes().follow(changes);
+  CHECK(see(drawn).color.rgba == before.color.rgba);
+}
+
+TEST_SUITE_END();
+
+}  // namespace palpate::drawn_attributes_test

@@ -1,0 +1,77 @@
+// Masks and fields of a session, in its pictures.
+#include "engine/render/frame.hpp"
+#include "haptics/session/drawn_follower.hpp"
+#include "haptics/session/picture.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
+#include "tests/session/session_scene.hpp"
+
+namespace palpate::scene_picture_test {
+
+TEST_SUITE_BEGIN(kPortable);
+
+namespace {
+
+constexpr std::uint32_t kSide_px = 64;
+
+std::size_t coveredPixels(const Image& image, const std::array<std::uint8_t, 4>& background) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(image.rgba, [&](const auto& pixel) { return pixel != background; }));
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "both pictures of a session show its masks and fields, whenever they begin to follow") {
+  const auto cpu = cpuBackend();
+  DrawnFollower* follower = nullptr;
+  SessionPicture early(device);
+  class Early final : public EditFollower {
+   public:
+    explicit Early(SessionPicture& picture) : picture_(picture) {}
+    void catchUp(const EditBatch& batch) override { picture_.follow(batch); }
+
+   private:
+    SessionPicture& picture_;
+  };
+  Session session({.backend = {.name = "cpu"}, .hands = std::vector<HandConfig>(1)}, sphereModel(2000),
+                  {.backend = *cpu,
+                   .keepsPoints = true,
+                   .undo = {1 << 24},
+                   .followers = {[&](const Model& model, TouchBackend& backend) {
+                                   auto made = std::make_unique<DrawnFollower>(device, model, backend);
+                                   follower = made.get();
+                                   return made;
+                                 },
+                                 [&](const Model&, TouchBackend&) { return std::make_unique<Early>(early); }}});
+  const Layer& layer = session.scene().layers[0];
+  const PictureRequest request{.width = kSide_px, .height = kSide_px, .samples = 1, .background = {{0, 0, 0}}};
+  const auto seen = [&](SessionPicture& picture) { return picture.draw(layer, session.history(), request); };
+  const Image before = seen(early);
+  const std::array<std::uint8_t, 4> black = before.rgba.front();
+  REQUIRE(coveredPixels(before, black) > 500);
+
+  session.setMask(MaskRole::hidden, PointSet::range(0, layer.model->cloud.size()));
+  CHECK(coveredPixels(seen(early), black) == 0);
+  SessionPicture late(device);
+  CHECK(coveredPixels(seen(late), black) == 0);
+  CHECK(follower->drawn().attributes().mask(MaskRole::hidden));
+  session.undo(1, 0);
+  CHECK(seen(early).rgba == before.rgba);
+  CHECK_FALSE(follower->drawn().attributes().mask(MaskRole::hidden));
+
+  const std::uint32_t field = session.fieldNamed("heat");
+  follower->drawn().attributes().show(field, &layer.attributes.fields()[field]);
+  const float hot = 5;
+  const auto bytes = std::as_bytes(std::span(&hot, 1));
+  session.setField(field, PointSet::range(7, 8), {bytes.begin(), bytes.end()});
+  const auto shown = [&] { return follower->drawn().attributes().values()->mapped<float>(); };
+  CHECK(shown()[7] == 5);
+  CHECK(shown()[8] == 0);
+  session.undo(1, 0);
+  CHECK(shown()[7] == 0);
+}
+
+TEST_SUITE_END();
+
+}  // namespace palpate::scene_picture_test
