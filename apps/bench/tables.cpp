@@ -112,7 +112,7 @@ void printTables(std::FILE* out, const std::string& title, const Json& result) {
   Json rest = Json::object();
   for (const auto& [name, value] : result.items())
     if (isList(value))
-      printTables(out, title + ", " + name, value);
+      printTables(out, fmt::format("{}, {}", title, name), value);
     else if (!value.isArray())
       rest[name] = value;
   Cells cells;

@@ -116,8 +116,6 @@ class Writer {
   void writeAt(const T& sample, dds_time_t moment) const {
     checked(dds_write_ts(writer_, &sample, moment), "a sample");
   }
-  /// All written samples were received by their readers.
-  bool isAcked() const { return dds_wait_for_acks(writer_, 0) == DDS_RETCODE_OK; }
   operator dds_entity_t() const { return writer_; }  // NOLINT: as above
 
  private:

@@ -178,10 +178,8 @@ class FarLink final : public BrickCloud {
 
   void ask(const HandReaches& hands) {
     const double trip_s = link_.counts().roundTrip_ms.value_or(kFirstTrip_ms) * 1e-3;
-    Wanted wanted{.epoch = assembly_.epoch(),
-                  .taken = assembly_.taken(),
-                  .every = 0,
-                  .balls = balls_.around(hands, trip_s)};
+    Wanted wanted{
+        .epoch = assembly_.epoch(), .taken = assembly_.taken(), .every = 0, .balls = balls_.around(hands, trip_s)};
     addMissing(source_.missing(), wanted.balls);
     link_.points().ask(wanted);
   }
