@@ -113,7 +113,7 @@ void printTables(std::FILE* out, const std::string& title, const Json& result) {
   for (const auto& [name, value] : result.items())
     if (isList(value))
       printTables(out, fmt::format("{}, {}", title, name), value);
-    else if (!value.isArray())
+    else if (!value.isArray() || value.size() > 0)
       rest[name] = value;
   Cells cells;
   addCells(cells, "", rest);
