@@ -87,7 +87,7 @@ TEST_CASE("holders of keys join, sculpt and have the same points; without these 
   CHECK(placesIn(heard, cloud) == 0);
   CHECK(heard.find("clay") == std::string::npos);
   CHECK(heard.find("m.ply") == std::string::npos);
-  CHECK(heard.find("/block") == std::string::npos);
+  CHECK(heard.find("/points") == std::string::npos);
   // The same without keys: every listener can read all of it.
   WireCapture clear(ownDomain());
   Serving open(in("m.ply") + " --name clay", folder / "open.said");
@@ -95,7 +95,7 @@ TEST_CASE("holders of keys join, sculpt and have the same points; without these 
   CHECK(open.program.wait(SIGINT) == 0);
   const std::string& all = clear.end();
   CHECK(placesIn(all, cloud) > 150);
-  CHECK(all.find("/block") != std::string::npos);
+  CHECK(all.find("/points") != std::string::npos);
 }
 
 TEST_CASE("unusable keys and invalid names are refused before anything is sent") {
