@@ -34,8 +34,8 @@ std::string textOf(const Json& value) {
   if (value.isReal()) return brief(value.get<double>());
   if (value.isText()) return value.get<std::string>();
   if (!value.isArray()) return value.dump();
-  constexpr std::size_t kMostShown = 4;
-  if (value.size() > kMostShown) return fmt::format("{} values", value.size());
+  constexpr std::size_t kMaxShown = 4;
+  if (value.size() > kMaxShown) return fmt::format("{} values", value.size());
   std::string all;
   for (const Json& each : value) all += (all.empty() ? "" : ", ") + textOf(each);
   return all;

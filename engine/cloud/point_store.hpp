@@ -40,8 +40,8 @@ class PointStore {
   virtual void want(std::span<const BrickKey> keys) = 0;
   /// Nothing: it is not here yet.
   virtual std::optional<PointBlock> get(BrickKey key) const = 0;
-  /// Appends the bricks of which, since the last call, a block has come, has changed or is no longer here. Blocks that
-  /// want() finds here are not among them.
+  /// Appends the keys of blocks that were received, changed or dropped since the last call, without those that want()
+  /// finds here.
   virtual void takeNews(std::vector<BrickKey>& keys) = 0;
 };
 

@@ -45,7 +45,7 @@ class History {
   /// `file`: the cloud before the first edit.
   explicit History(const PointCloud& file, const UndoBudget& budget = {}) : History(PointStates(file), budget) {}
   /// `points`: before the first edit. If only a part of the cloud is known, edits report the state of a point before
-  /// its first edit as received, which is no change by others.
+  /// its first edit as received, which does not count as a change by others.
   explicit History(PointStates points, const UndoBudget& budget = {});
 
   /// Takes in edits, in order.

@@ -67,7 +67,7 @@ bool BrickSource::await(const HandReaches& hands, const HandReaches& wide, doubl
   return true;
 }
 
-// Takes in what comes meanwhile. Returns whether it holds.
+// Receives blocks meanwhile. Returns whether the condition holds.
 template <class Holds>
 bool BrickSource::waitFor(std::unique_lock<std::mutex>& hold, double timeout_s, const Holds& holds) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr Id kClient{1}, kOther{2};
 
-/// A served square, and a stream to one client, which nobody receives.
+/// A served square, and a stream to one client without a reader.
 struct World {
   PointCloud cloud = square();
   SharedPoints points{statesOf(cloud)};
