@@ -18,9 +18,11 @@ using Cells = std::vector<std::pair<std::string, std::string>>;  // of one colum
 
 bool isList(const Json& json) { return json.isArray() && json.size() > 0 && json.begin()->isObject(); }
 
-bool isSummary(const Json& json) {
-  return json.isObject() && std::ranges::any_of(json.items(), [](const auto& item) { return item.first == "p999"; });
+bool has(const Json& json, std::string_view key) {
+  return std::ranges::any_of(json.items(), [&](const auto& item) { return item.first == key; });
 }
+
+bool isSummary(const Json& json) { return json.isObject() && has(json, "p50") && has(json, "p999"); }
 
 // About four digits.
 std::string brief(double value) {
