@@ -40,7 +40,7 @@ float sectorSpacing() {
   float all[kGapSectors];
   uint filled = 0;
   [[unroll]] for (uint s = 0; s < kGapSectors; ++s) {
-    all[s] = subgroupMin(nearest[s]);
+    all[s] = reduceMin(nearest[s]);
     filled += all[s] < kFar ? 1 : 0;
   }
   float median = 0.0;
@@ -81,7 +81,7 @@ void main() {
   frameAround(selfNormal, axisU, axisV);
   radius = args.radius;
   while (!visitAll(position.xyz) && radius > 2.0 * least) radius *= 0.5;
-  const float spacing = max(spacingFrom(radius, max(subgroupAdd(weights), kMinWeights)), sectorSpacing());
+  const float spacing = max(spacingFrom(radius, max(reduceAdd(weights), kMinWeights)), sectorSpacing());
   if (subgroupElect())
     args.tables.at[0].spacings.at[selfId] = clamp(spacing, least, kMaxSpacing * args.radius);
 }

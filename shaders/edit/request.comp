@@ -229,10 +229,10 @@ void begin() {
 
 // Finds the first of the points that crowd this one, which is removed unless that one has to yield itself.
 bool findFirst() {
-  const uint least = subgroupMin(firstRank);
+  const uint least = reduceMin(firstRank);
   crowded = least != kNobody;
   if (!crowded) return false;
-  const uint slot = subgroupMin(firstRank == least ? firstSlot : kNobody);
+  const uint slot = reduceMin(firstRank == least ? firstSlot : kNobody);
   const vec4 position = args.cloud.positions.at[slot];
   const uint id = floatBitsToUint(position.w);
   first = Seen(position.xyz - center, args.cloud.normals.at[slot].xyz, rests.at[id], targetOf(id), least);
@@ -291,7 +291,7 @@ bool placeInGaps() {
 
 // The sector with the narrowest gap that no point fills yet; kGapSectors if there is none.
 uint openGap() {
-  const uint taken = subgroupOr(blocked);
+  const uint taken = reduceOr(blocked);
   uint best = kGapSectors;
   float narrowest = kFar;
   for (uint s = 0; s < kGapSectors; ++s) {
@@ -415,7 +415,7 @@ void requestForAll() {
       subgroupShares();
     }
     if (looks) {
-      free = subgroupMin(free);
+      free = reduceMin(free);
       if (subgroupElect()) args.tables.at[0].founds.at[id].room = free;
     }
     const bool isTurned = bends && noteSide() && requests && tool.closes == 0;

@@ -28,7 +28,7 @@ Surface surfaceAbout(vec3 place) {
   sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
   visitNeighbours(place, radius, kNeighbourWorkBudget);
   const SurfaceSums all =
-      SurfaceSums(subgroupAdd(sums.offsets), subgroupAdd(sums.normals), subgroupAdd(sums.products));
+      SurfaceSums(reduceAdd(sums.offsets), reduceAdd(sums.normals), reduceAdd(sums.products));
   return surfaceFrom(all, radius, kSurfaceSphere);
 }
 

@@ -4,10 +4,10 @@
 #define PALPATE_LIB_AWAIT_QUESTION_GLSL
 
 #extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/lib/contact_buffers.glsl"
+#include "shaders/lib/subgroup_reduce.glsl"
 
 const uint kSmallestSubgroup = 4;
 const uint kWordsEach = (kQuestionWords + kSmallestSubgroup - 1) / kSmallestSubgroup;
@@ -18,7 +18,7 @@ uint awaitedPlace(uint k) { return k * gl_SubgroupSize + gl_SubgroupInvocationID
 uint awaitedWord(uint place) {
   uint word = 0;
   [[unroll]] for (uint k = 0; k < kWordsEach; ++k) word += awaitedPlace(k) == place ? awaitedWords[k] : 0;
-  return subgroupAdd(word);
+  return reduceAdd(word);
 }
 
 // Whether a question of that probe other than the last one has arrived. The whole subgroup calls it together.
@@ -32,7 +32,7 @@ bool pollQuestion(QuestionWords question, uint probe, uint lastTick) {
     if (place == kQuestionSealAt) missing -= awaitedWords[k];
     newer = newer || (place == kQuestionTickAt && awaitedWords[k] != lastTick);
   }
-  return subgroupAdd(missing) == 0 && subgroupAny(newer);
+  return reduceAdd(missing) == 0 && subgroupAny(newer);
 }
 
 #endif

@@ -37,7 +37,7 @@ void noteThrough(uint slot, vec3 d) {
 }
 
 bool hasRisen(float share) {
-  const vec2 all = subgroupAdd(votes);
+  const vec2 all = reduceAdd(votes);
   return all.x > share * all.y;
 }
 
@@ -45,7 +45,7 @@ bool hasRisen(float share) {
 void noteThickness() {
   const uint id = self.rank & ~kExamined;
   const bool isNoted = args.tables.at[0].founds.at[id].stroke == tool.stroke;
-  free = subgroupMin(free);
+  free = reduceMin(free);
   if (free == kUnseen && isNoted) free = args.tables.at[0].founds.at[id].room;
   else if (isNoted && subgroupElect()) args.tables.at[0].founds.at[id].room = free;
 }

@@ -6,9 +6,9 @@
 
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 
+#include "shaders/lib/subgroup_reduce.glsl"
 #include "shaders/shared/spatial_hash.h"
 
 // Cost of one round of the walk, in units of its budget: one point for each invocation of the subgroup.
@@ -70,9 +70,8 @@ void lookUpCells() {
   if (c < walkCells) range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cell)];
   const uint count = min(range.y - range.x, walkedInBucket());
   walkIsCut = walkIsCut || count < range.y - range.x;
-  walkStart = subgroupExclusiveAdd(count);
+  walkStart = subgroupScan(count, walkTotal);
   walkSlotAtZero = range.x - walkStart;
-  walkTotal = subgroupShuffle(walkStart + count, gl_SubgroupSize - 1);
   walkTaken = 0;
   walkNextCell += gl_SubgroupSize;
   walkWork += kNeighbourRoundWork;

@@ -3,6 +3,7 @@
 #define PALPATE_LIB_SELECT_MOVES_GLSL
 
 #include "shaders/lib/brush_reach.glsl"
+#include "shaders/lib/subgroup_reduce.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 
 shared uint cellStart[kMaxSelectCells];  // points in the preceding cells
@@ -36,12 +37,12 @@ void measure(bool counts, vec3 position, FoundPoint found) {
     if (isActedOn(found)) point = measured(brush, tool, found);
     near = entered(brush, tool, position, found);
   }
-  const uint cell = near % kSheetCells, nearest = subgroupMin(near);
+  const uint cell = near % kSheetCells, nearest = reduceMin(near);
   if (near != kOutsideSheet) atomicOr(args.update.at[0].seen[cell / 32], 1u << cell % 32);
   if (nearest != kOutsideSheet && subgroupElect()) atomicMin(args.update.at[0].nearest, nearest);
   if (!subgroupAny(point.weight != 0)) return;
-  const int weights = subgroupAdd(point.weight), heights = subgroupAdd(point.height);
-  const ivec3 normals = subgroupAdd(point.normal);
+  const int weights = reduceAdd(point.weight), heights = reduceAdd(point.height);
+  const ivec3 normals = reduceAdd(point.normal);
   if (!subgroupElect()) return;
   atomicAdd(args.update.at[0].weights, uint(weights));
   for (uint k = 0; k < 3; ++k) atomicAdd(args.update.at[0].normals[k], uint(normals[k]));

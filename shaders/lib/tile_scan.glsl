@@ -52,9 +52,10 @@ void scanTile(Uints values, Uints tileSums, uint tile, uint count) {
   uint running = sumBefore(tileSums, tile, sum);
   [[unroll]] for (uint item = 0; item < kScanItems; ++item) {
     const uint i = first + item * gl_SubgroupSize;
-    const uint before = running + subgroupExclusiveAdd(own[item]);
+    uint total;
+    const uint before = running + subgroupScan(own[item], total);
     if (i < count) values.at[i] = before;
-    running += subgroupAdd(own[item]);
+    running += total;
   }
 }
 

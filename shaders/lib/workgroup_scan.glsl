@@ -4,9 +4,9 @@
 #define PALPATE_LIB_WORKGROUP_SCAN_GLSL
 
 #extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_EXT_control_flow_attributes : require
+#include "shaders/lib/subgroup_reduce.glsl"
 
 const uint kMaxSubgroups = 64;       // 256 invocations in subgroups of 4
 const uint kMaxScanSubgroups = 128;  // 512 invocations, for which only counts and sums are used
@@ -36,12 +36,13 @@ uint sumBefore(out uint total) {
 // Sum of `value` over the invocations before this one; `total` over all. Invocations are ordered by (gl_SubgroupID,
 // gl_SubgroupInvocationID), as callers index their data.
 uint workgroupExclusiveScan(uint value, out uint total) {
-  const uint upToHere = subgroupInclusiveAdd(value);
-  if (gl_SubgroupInvocationID == gl_SubgroupSize - 1) subgroupSums[gl_SubgroupID].sum = upToHere;
+  uint sum;
+  const uint inSubgroup = subgroupScan(value, sum);
+  if (subgroupElect()) subgroupSums[gl_SubgroupID].sum = sum;
   barrier();
   const uint before = sumBefore(total);
   barrier();
-  return before + upToHere - value;
+  return before + inSubgroup;
 }
 
 // The same for a value of 0 or 1.

@@ -20,7 +20,7 @@ Brick brickAround(vec3 place, bool wanted) {
   Brick brick;
   for (uint k = 0; k < 3; ++k) {
     const uint raised = floatBitsToUint(place[k] + kRaise);
-    const uint low = subgroupMin(wanted ? raised : 0xffffffffu), high = subgroupMax(wanted ? raised : 0);
+    const uint low = reduceMin(wanted ? raised : 0xffffffffu), high = reduceMax(wanted ? raised : 0);
     if (gl_SubgroupInvocationID % kBrick != 0) continue;
     atomicMin(brickLow[first + k], low);
     atomicMax(brickHigh[first + k], high);

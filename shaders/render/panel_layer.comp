@@ -1,13 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference_uvec2 : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // The layer over a window's picture: the triangles of its panels, blended from the lowest to the topmost. One workgroup
 // for each tile to draw, one invocation for each pixel. A pixel belongs to a triangle if its middle does; a middle on
 // the edge between two belongs to one of them.
 #include "shaders/lib/index.glsl"
+#include "shaders/lib/subgroup_reduce.glsl"
 #include "shaders/shared/panels.h"
 
 layout(push_constant, scalar) uniform Push { PanelLayerArgs args; };
@@ -86,7 +86,7 @@ void main() {
   const uint tile = args.tiles.at[workgroupIndex()], columns = (args.size_px.x + kPanelTile_px - 1) / kPanelTile_px;
   const uvec2 inTile = uvec2(gl_LocalInvocationIndex % kPanelTile_px, gl_LocalInvocationIndex / kPanelTile_px);
   const uvec2 pixel = uvec2(tile % columns, tile / columns) * kPanelTile_px + inTile;
-  const vec2 p = vec2(pixel) + 0.5, low = subgroupMin(p), high = subgroupMax(p);
+  const vec2 p = vec2(pixel) + 0.5, low = reduceMin(p), high = reduceMax(p);
   const uint end = args.starts.at[tile + 1];
   vec4 color = vec4(0, 0, 0, 1);
   for (uint first = args.starts.at[tile]; first < end; first += gl_SubgroupSize) {

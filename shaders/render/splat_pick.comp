@@ -1,12 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_EXT_control_flow_attributes : require
 // Surface splatting in compute, pass 1: lists the visible splats, the small ones and the large ones with their tiles.
 // The lists are in the order of arrival, on which no picture depends. Most points of a large cloud are not drawn, which
 // their position and their lot show: a workgroup looks at those of several points for each invocation, whose reads are
 // in flight together, and measures the discs of the others side by side.
+#include "shaders/lib/subgroup_reduce.glsl"
 #include "shaders/render/shown.glsl"
 #include "shaders/render/splat.glsl"
 
@@ -42,7 +42,8 @@ void listSplats(RenderView view, uint candidate) {
   const uint shares = tiles.x * tiles.y;
 
   const uvec4 smalls = subgroupBallot(seen && !large), larges = subgroupBallot(large);
-  const uint sharesBefore = subgroupExclusiveAdd(shares), sharesInAll = subgroupAdd(shares);
+  uint sharesInAll;
+  const uint sharesBefore = subgroupScan(shares, sharesInAll);
   const uint firstPlace = gl_SubgroupID * gl_SubgroupSize;  // of this subgroup
   points[firstPlace + gl_SubgroupInvocationID] = point;
   subgroupStarts[firstPlace + gl_SubgroupInvocationID] = sharesBefore;

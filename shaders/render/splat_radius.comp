@@ -101,10 +101,10 @@ uint visitNeighbours(vec3 center, float radius, uint most) {
 void search(vec3 center, float radius) {
   neighbours = 0;
   visits += visitNeighbours(center, radius, splatMostVisits(gl_SubgroupSize) - visits);
-  aheadA = subgroupMax(aheadA);
-  aheadB = subgroupMax(aheadB);
-  behindA = subgroupMax(behindA);
-  behindB = subgroupMax(behindB);
+  aheadA = reduceMax(aheadA);
+  aheadB = reduceMax(aheadB);
+  behindA = reduceMax(behindA);
+  behindB = reduceMax(behindB);
 }
 
 // The nearest line along which the disc is clipped, in the tangent plane and in radii: for a position beyond it the dot
@@ -115,11 +115,11 @@ vec2 clipLine(vec3 center, float radius) {
   clipDirection = vec2(0);
   clipId = kEmptySlot;
   visitNeighbours(center, kSplatEdgeReach * radius, splatMostEdgeVisits(gl_SubgroupSize));
-  const float nearest = subgroupMax(clipCloseness);
+  const float nearest = reduceMax(clipCloseness);
   if (nearest * radius <= 1) return vec2(0);
   const bool isNearest = clipCloseness == nearest;
-  const uint id = subgroupMin(isNearest ? clipId : kEmptySlot);
-  const uint owner = subgroupMin(isNearest && clipId == id ? gl_SubgroupInvocationID : gl_SubgroupSize);
+  const uint id = reduceMin(isNearest ? clipId : kEmptySlot);
+  const uint owner = reduceMin(isNearest && clipId == id ? gl_SubgroupInvocationID : gl_SubgroupSize);
   return nearest * radius * vec2(subgroupShuffle(clipDirection.x, owner), subgroupShuffle(clipDirection.y, owner));
 }
 
@@ -195,7 +195,7 @@ void main() {
       const float unseen = 2 / reach;
       enough = leastCloseness() >= unseen || open >= unseen;
     } else {
-      met += subgroupAdd(neighbours);
+      met += reduceAdd(neighbours);
       radius = min(kSplatWithoutPlane * reach * sqrt(3.14159265 / float(met + 1)), 2 * radiusAlone());
       enough = met >= kSplatFewest;
     }

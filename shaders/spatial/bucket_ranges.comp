@@ -23,11 +23,12 @@ void main() {
   uint running = sumBefore(args.tileSums, tile, sum);
   [[unroll]] for (uint item = 0; item < kScanItems; ++item) {
     const uint i = first + item * gl_SubgroupSize;
-    const uint start = running + subgroupExclusiveAdd(counts[item]);
+    uint total;
+    const uint start = running + subgroupScan(counts[item], total);
     if (i < args.count) {
       args.ranges.at[i] = uvec2(start, start + counts[item]);
       args.counts.at[i] = 0;
     }
-    running += subgroupAdd(counts[item]);
+    running += total;
   }
 }

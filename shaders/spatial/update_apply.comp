@@ -4,11 +4,11 @@
 // gap, and arriving points follow in the order of their ids, or all are kept in that order: in its slots or, if it
 // outgrows them, in new ones. One subgroup for each bucket. If the update is refused it only clears the marks.
 #extension GL_EXT_buffer_reference_uvec2 : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_KHR_shader_subgroup_vote : require
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_update.glsl"
+#include "shaders/lib/subgroup_reduce.glsl"
 
 layout(push_constant, scalar) uniform Push { HashUpdateArgs args; };
 
@@ -234,7 +234,7 @@ void update(uint bucket) {
   if (first == range.x)
     for (uint slot = end + gl_SubgroupInvocationID; slot < range.y; slot += gl_SubgroupSize) leaveEmpty(slot);
   if (kInOrder != 0) subgroupShares();
-  const uint more = subgroupAdd(takeIn(mark, uvec2(first, kept)) - gone);
+  const uint more = reduceAdd(takeIn(mark, uvec2(first, kept)) - gone);
   if (!subgroupElect()) return;
   if (more != 0) atomicAdd(args.update.at[0].points, more);
   if (args.update.at[0].compacting != 0) noteDirty(bucket);
