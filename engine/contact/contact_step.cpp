@@ -93,7 +93,7 @@ ContactStep::ContactStep(Device& device, const ContactOptions& options, const Ha
       forms_(fusedForms(options, cells_)),
       step_(device, shader_code::contact_contact_step, stepOptions(device, options)),
       await_(device, shader_code::contact_await_question,
-             {.workgroupSize = shared::kContactWorkgroup / (options.probes > 1 ? 1 : 8),
+             {.workgroupSize = options.probes > 1 ? shared::kContactWorkgroup : std::max(32u, device.subgroupSize()),
               .pushBytes = sizeof(shared::AwaitQuestionArgs)}),
       put_(questionBytes(options.probes) / sizeof(std::uint32_t)),
       pose_(device, questionBytes(options.probes), Memory::upload, "contact pose"),
@@ -221,8 +221,9 @@ bool ContactStep::hasAnswered(std::uint32_t tick) const {
   return true;
 }
 
-void ContactStep::awaitAnother() {
+void ContactStep::awaitAnother(bool rehearses) {
   write(offsetof(shared::QuestionHead, lastTick) / sizeof(std::uint32_t), std::array{question_.tick});
+  write(offsetof(shared::QuestionHead, rehearses) / sizeof(std::uint32_t), std::array{std::uint32_t{rehearses}});
   sample_.mapped<shared::StepTicks>()[0] = {};
 }
 

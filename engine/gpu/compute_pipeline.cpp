@@ -39,16 +39,17 @@ PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const Pi
   makeLayout(device, VK_SHADER_STAGE_COMPUTE_BIT, options.pushBytes, options.images, compiled);
   std::vector<std::uint32_t> constants{options.workgroupSize};
   constants.insert(constants.end(), options.constants.begin(), options.constants.end());
-  const ShaderStage shader(device, code, std::move(constants), life);
-  // Full subgroups need a workgroup size that is a multiple of the subgroup size; every size up to 128 divides or
-  // exceeds ours.
+  ShaderStage shader(device, code, std::move(constants), life);
+  // Full subgroups need a workgroup size that is a multiple of the subgroup size; a smaller workgroup uses no
+  // subgroups.
   const bool full = options.workgroupSize % device.subgroupSize() == 0;
   const VkComputePipelineCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
       .pNext = nullptr,
       .flags = VK_PIPELINE_CREATE_DISPATCH_BASE_BIT,  // CommandList splits dispatches into slices
       .stage = shader.info(VK_SHADER_STAGE_COMPUTE_BIT,
-                           full ? VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT : 0),
+                           full ? VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT : 0,
+                           full && device.requiresSubgroupSize() ? device.subgroupSize() : 0),
       .layout = compiled.layout,
       .basePipelineHandle = VK_NULL_HANDLE,
       .basePipelineIndex = -1};
@@ -69,11 +70,6 @@ PipelineStore::Key keyOf(const ShaderCode& code, const PipelineOptions& options,
 
 }  // namespace
 
-std::uint32_t widestWorkgroup(const Device& device) {
-  const VkPhysicalDeviceLimits& limits = device.properties().limits;
-  return std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
-}
-
 std::uint32_t sharedBytes(const Device& device) { return device.properties().limits.maxComputeSharedMemorySize; }
 
 ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const PipelineOptions& options)
@@ -83,7 +79,7 @@ ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const P
       pushBytes_(options.pushBytes) {
   PALPATE_CHECK_LE(pushBytes_, kMaxPushBytes);
   PALPATE_CHECK_EQ(workgroupSize_ % 32, 0u);  // lavapipe's subgroup operations are wrong otherwise
-  const std::uint32_t most = widestWorkgroup(device);
+  const std::uint32_t most = device.widestWorkgroup();
   if (workgroupSize_ > most)
     throw GpuError("{}: {} needs workgroups of {} invocations; the device supports {} at most", device.name(), name_,
                    workgroupSize_, most);

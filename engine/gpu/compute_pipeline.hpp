@@ -8,8 +8,7 @@
 
 namespace palpate {
 
-/// Device limits to which passes adapt: invocations per workgroup, and bytes of shared memory.
-std::uint32_t widestWorkgroup(const Device& device);
+/// Bytes of shared memory, to which passes adapt.
 std::uint32_t sharedBytes(const Device& device);
 
 struct PipelineOptions {

@@ -68,6 +68,7 @@ void enable(const FeatureChain& available, Validation validation, FeatureChain& 
   enabled.clock.shaderDeviceClock = available.clock.shaderDeviceClock;
   enabled.v13.synchronization2 = VK_TRUE;
   enabled.v13.computeFullSubgroups = VK_TRUE;
+  enabled.v13.subgroupSizeControl = available.v13.subgroupSizeControl;
   enabled.v12.bufferDeviceAddress = VK_TRUE;
   enabled.v12.scalarBlockLayout = VK_TRUE;
   if (validation != Validation::full) return;
@@ -155,16 +156,12 @@ void Device::readProperties() {
                                                         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
   VkPhysicalDeviceVulkan13Properties v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES,
                                          .pNext = &allocation};
-  VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
-                                              .pNext = &v13};
-  VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
-                                          .pNext = &subgroup};
+  VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES, .pNext = &v13};
   VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   properties_ = properties.properties;
   name_ = properties_.deviceName;
   driverId_ = driver.driverID;
-  subgroupSize_ = subgroup.subgroupSize;
   largestBuffer_ = std::min(v13.maxBufferSize, allocation.maxMemoryAllocationSize);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 }
@@ -231,6 +228,15 @@ void Device::takeUp(const Features& enabled) {
   draws_ = roles_.draws && enabled.dynamicRendering && enabled.largePoints && !stops;
   hasWideAtomics_ = enabled.bufferInt64Atomics && enabled.int64;
   hasClock_ = enabled.clocks;
+  SubgroupSizes sizes = subgroupSizesOf(physical_);
+  sizes.canRequire = sizes.canRequire && enabled.subgroupSizeControl;
+  subgroupSize_ = chooseSubgroupSize(sizes, properties_.vendorID);
+  requiresSubgroupSize_ = sizes.canRequire && sizes.min < sizes.max;
+  const VkPhysicalDeviceLimits& limits = properties_.limits;
+  widestWorkgroup_ = std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
+  if (requiresSubgroupSize_)
+    widestWorkgroup_ = static_cast<std::uint32_t>(
+        std::min<std::uint64_t>(widestWorkgroup_, std::uint64_t{subgroupSize_} * sizes.mostInWorkgroup));
 }
 
 void Device::createQueues(const QueueHandles& handles, const MakeQueue& make) {

@@ -57,7 +57,12 @@ class Device {
 
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
+  /// Of all pipelines.
   std::uint32_t subgroupSize() const { return subgroupSize_; }
+  /// Whether pipelines have to require it: the driver has others.
+  bool requiresSubgroupSize() const { return requiresSubgroupSize_; }
+  /// Maximum number of invocations of a workgroup.
+  std::uint32_t widestWorkgroup() const { return widestWorkgroup_; }
   /// Whether shaders support 64-bit atomic additions in buffers.
   bool hasWideAtomics() const { return hasWideAtomics_; }
   /// Whether shaders can read a device-wide clock.
@@ -110,8 +115,8 @@ class Device {
   std::string name_;
   VkPhysicalDeviceProperties properties_{};
   VkPhysicalDeviceMemoryProperties memory_{};
-  std::uint32_t subgroupSize_ = 0;
-  bool hasWideAtomics_ = false, hasClock_ = false;
+  std::uint32_t subgroupSize_ = 0, widestWorkgroup_ = 0;
+  bool hasWideAtomics_ = false, hasClock_ = false, requiresSubgroupSize_ = false;
   VkDriverId driverId_ = {};
   std::uint64_t largestBuffer_ = 0;
   bool draws_ = false, shows_ = false, presents_ = false;

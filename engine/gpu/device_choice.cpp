@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cctype>
 #include <charconv>
 #include <map>
@@ -117,6 +118,31 @@ std::vector<FamilyQueues> queuesFor(const QueueRoles& roles, QueueArrangement ar
   return queues;
 }
 
+SubgroupSizes subgroupSizesOf(VkPhysicalDevice device) {
+  VkPhysicalDeviceVulkan13Properties v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+  VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
+                                              .pNext = &v13};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  return {.usual = subgroup.subgroupSize,
+          .min = v13.minSubgroupSize,
+          .max = v13.maxSubgroupSize,
+          .mostInWorkgroup = v13.maxComputeWorkgroupSubgroups,
+          .canRequire = (v13.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0};
+}
+
+std::uint32_t chooseSubgroupSize(const SubgroupSizes& sizes, std::uint32_t vendor) {
+  constexpr std::uint32_t kIntel = 0x8086, kOfIntel = 16;
+  const auto fits = [&](std::uint32_t size) {
+    return std::has_single_bit(size) && size >= kNarrowestSubgroup && size <= kWidestSubgroup &&
+           (size == sizes.usual || (sizes.canRequire && size >= sizes.min && size <= sizes.max));
+  };
+  if (vendor == kIntel && fits(kOfIntel)) return kOfIntel;
+  for (const std::uint32_t size : {sizes.usual, kWidestSubgroup, sizes.min})
+    if (fits(size)) return size;
+  return 0;
+}
+
 std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device) {
   VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
   VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
@@ -128,14 +154,13 @@ std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device) {
   if (has13) vkGetPhysicalDeviceFeatures2(device, &features);
 
   constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
-                                               VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
-                                               VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+                                               VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
   std::vector<FeatureState> states{{"Vulkan 1.3", has13},
                                    {"bufferDeviceAddress", v12.bufferDeviceAddress == VK_TRUE},
                                    {"scalarBlockLayout", v12.scalarBlockLayout == VK_TRUE},
                                    {"synchronization2", v13.synchronization2 == VK_TRUE},
                                    {"computeFullSubgroups", v13.computeFullSubgroups == VK_TRUE},
-                                   {"subgroup basic, vote, arithmetic, ballot and shuffle in compute shaders",
+                                   {"subgroup basic, vote, ballot and shuffle in compute shaders",
                                     (subgroup.supportedOperations & kSubgroup) == kSubgroup &&
                                         (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0}};
   const auto atLeast = [&](const char* limit, std::uint32_t is, std::uint32_t least) {
@@ -145,8 +170,11 @@ std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device) {
   atLeast("maxComputeWorkGroupInvocations", limits.maxComputeWorkGroupInvocations, kFewestInvocations);
   atLeast("maxComputeWorkGroupSize[0]", limits.maxComputeWorkGroupSize[0], kFewestInvocations);
   atLeast("maxComputeSharedMemorySize", limits.maxComputeSharedMemorySize, kMinSharedBytes);
-  states.push_back({fmt::format("subgroupSize from 4 to 128 (it is {})", subgroup.subgroupSize),
-                    subgroup.subgroupSize >= 4 && subgroup.subgroupSize <= 128});
+  const SubgroupSizes sizes = subgroupSizesOf(device);
+  const std::string range = sizes.canRequire ? fmt::format(", {} to {}", sizes.min, sizes.max) : "";
+  states.push_back({fmt::format("a subgroup size from {} to {} (it is {}{})", kNarrowestSubgroup, kWidestSubgroup,
+                                sizes.usual, range),
+                    chooseSubgroupSize(sizes, properties.properties.vendorID) != 0});
   return states;
 }
 

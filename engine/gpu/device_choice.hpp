@@ -69,6 +69,19 @@ struct FamilyQueues {
 /// The queues that the roles need, by family.
 std::vector<FamilyQueues> queuesFor(const QueueRoles& roles, QueueArrangement arrangement);
 
+/// Subgroup sizes that a GPU has, in compute shaders.
+struct SubgroupSizes {
+  std::uint32_t usual = 0;              ///< if none is required
+  std::uint32_t min = 0, max = 0;       ///< powers of two
+  std::uint32_t mostInWorkgroup = ~0u;  ///< subgroups, if a pipeline requires their size
+  bool canRequire = false;              ///< pipelines can require one of them
+};
+SubgroupSizes subgroupSizesOf(VkPhysicalDevice device);
+inline constexpr std::uint32_t kNarrowestSubgroup = 4, kWidestSubgroup = 64;
+/// The size that all pipelines have: the usual one, and at most kWidestSubgroup. Of Intel's GPUs 16: their compiler has
+/// the most registers for it, and full subgroups without a required size would get 32. 0 if there is no such size.
+std::uint32_t chooseSubgroupSize(const SubgroupSizes& sizes, std::uint32_t vendor);
+
 /// The limits that every pipeline fits or adapts to: Vulkan itself guarantees only 128 invocations.
 inline constexpr std::uint32_t kFewestInvocations = 256, kMinSharedBytes = 16 * 1024;
 

@@ -52,7 +52,7 @@ PipelineStore::Compiled compile(Device& device, const ShaderCode& vertex, const 
                                 const GraphicsOptions& options) {
   PipelineStore::Compiled compiled;
   makeLayout(device, GraphicsPipeline::kStages, options.pushBytes, 0, compiled);
-  const ShaderStage vertexStage(device, vertex, options.constants), fragmentStage(device, fragment, options.constants);
+  ShaderStage vertexStage(device, vertex, options.constants), fragmentStage(device, fragment, options.constants);
   const std::array stages{vertexStage.info(VK_SHADER_STAGE_VERTEX_BIT),
                           fragmentStage.info(VK_SHADER_STAGE_FRAGMENT_BIT)};
   const FixedStates states(options);

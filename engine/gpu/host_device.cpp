@@ -25,6 +25,7 @@ Features featuresIn(const VkPhysicalDeviceFeatures2& features) {
         const auto& v13 = *static_cast<const VkPhysicalDeviceVulkan13Features*>(is);
         note(found.synchronization2, v13.synchronization2);
         note(found.computeFullSubgroups, v13.computeFullSubgroups);
+        note(found.subgroupSizeControl, v13.subgroupSizeControl);
         note(found.dynamicRendering, v13.dynamicRendering);
         break;
       }
@@ -43,6 +44,8 @@ Features featuresIn(const VkPhysicalDeviceFeatures2& features) {
       case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES:
         note(found.computeFullSubgroups,
              static_cast<const VkPhysicalDeviceSubgroupSizeControlFeatures*>(is)->computeFullSubgroups);
+        note(found.subgroupSizeControl,
+             static_cast<const VkPhysicalDeviceSubgroupSizeControlFeatures*>(is)->subgroupSizeControl);
         break;
       case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_ATOMIC_INT64_FEATURES:
         note(found.bufferInt64Atomics,

@@ -42,6 +42,7 @@ struct HostDevice {
 /// The features that palpate uses, either supported by a device or enabled on one.
 struct Features {
   bool bufferDeviceAddress = false, scalarBlockLayout = false, synchronization2 = false, computeFullSubgroups = false;
+  bool subgroupSizeControl = false;
   bool bufferInt64Atomics = false, int64 = false, clocks = false, dynamicRendering = false, largePoints = false;
 };
 /// The features in a chain.

@@ -70,10 +70,11 @@ ShaderStage::~ShaderStage() {
   if (!isKept_) device_.vk().vkDestroyShaderModule(device_.handle(), module_, nullptr);
 }
 
-VkPipelineShaderStageCreateInfo ShaderStage::info(VkShaderStageFlagBits stage,
-                                                  VkPipelineShaderStageCreateFlags flags) const {
+VkPipelineShaderStageCreateInfo ShaderStage::info(VkShaderStageFlagBits stage, VkPipelineShaderStageCreateFlags flags,
+                                                  std::uint32_t subgroupSize) {
+  required_.requiredSubgroupSize = subgroupSize;
   return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-          .pNext = nullptr,
+          .pNext = subgroupSize > 0 ? &required_ : nullptr,
           .flags = flags,
           .stage = stage,
           .module = module_,

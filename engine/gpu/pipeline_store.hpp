@@ -57,14 +57,17 @@ class ShaderStage {
   ShaderStage(const ShaderStage&) = delete;
   ShaderStage& operator=(const ShaderStage&) = delete;
 
-  /// Points into this object.
-  VkPipelineShaderStageCreateInfo info(VkShaderStageFlagBits stage, VkPipelineShaderStageCreateFlags flags = 0) const;
+  /// Points into this object. `subgroupSize`: required; 0: any.
+  VkPipelineShaderStageCreateInfo info(VkShaderStageFlagBits stage, VkPipelineShaderStageCreateFlags flags = 0,
+                                       std::uint32_t subgroupSize = 0);
 
  private:
   Device& device_;
   std::vector<std::uint32_t> constants_;
   std::vector<VkSpecializationMapEntry> entries_;
   VkSpecializationInfo specialization_{};
+  VkPipelineShaderStageRequiredSubgroupSizeCreateInfo required_{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO};
   bool isKept_;
   VkShaderModule module_ = VK_NULL_HANDLE;
 };

@@ -28,7 +28,7 @@ std::uint64_t threadsFor(std::uint64_t places, std::uint64_t rows) {
 constexpr std::uint32_t kPiece = 512, kSmallPiece = 256, kPieceBytes = 20 * 1024;
 
 std::uint32_t fieldWorkgroup(const Device& device) {
-  const bool wide = widestWorkgroup(device) >= shared::kMeshFieldWorkgroup && sharedBytes(device) >= kPieceBytes;
+  const bool wide = device.widestWorkgroup() >= shared::kMeshFieldWorkgroup && sharedBytes(device) >= kPieceBytes;
   return wide ? shared::kMeshFieldWorkgroup : kFewestInvocations;
 }
 std::uint32_t pieceFor(const Device& device) { return sharedBytes(device) >= kPieceBytes ? kPiece : kSmallPiece; }

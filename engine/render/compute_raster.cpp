@@ -30,7 +30,7 @@ const ShaderCode& attributesCode(const Device& device, bool wideAtomics) {
 ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
     : device_(device),
       pick_(device, shader_code::render_splat_pick,
-            {.workgroupSize = std::min(shared::kPickWorkgroup, widestWorkgroup(device) / 32 * 32),
+            {.workgroupSize = std::min(shared::kPickWorkgroup, device.widestWorkgroup() / 32 * 32),
              .pushBytes = sizeof(shared::SplatArgs),
              .sliceThreads = kPickSlice}),
       plan_(device, shader_code::render_splat_plan, {.workgroupSize = 32, .pushBytes = sizeof(shared::SplatPlanArgs)}),

@@ -47,7 +47,7 @@ std::optional<Shape> shapeFor(const Device& device, std::uint32_t keyBits) {
     for (const std::uint32_t workgroup : kSweepWorkgroups) {
       Shape shape{.workgroup = workgroup, .digits = radixDigits(keyBits, bits)};
       static_assert(shared::kSortRadix <= kSweepWorkgroups[1]);  // one invocation for each digit
-      if (workgroup > widestWorkgroup(device) || workgroup % device.subgroupSize() != 0) continue;
+      if (workgroup > device.widestWorkgroup() || workgroup % device.subgroupSize() != 0) continue;
       if (fitsShared(device, shape)) return shape;
     }
   return std::nullopt;
@@ -63,7 +63,7 @@ PipelineOptions histogramOptions(const Device& device, std::uint32_t keyBits) {
   const std::uint64_t counters = std::min(kHistogramBytes, sharedBytes(device)) / kCounterBytes;
   const auto copies =
       static_cast<std::uint32_t>(std::min<std::uint64_t>(32, std::bit_floor(counters / passes >> mostBits)));
-  return {.workgroupSize = std::min(kHistogramWorkgroup, std::bit_floor(widestWorkgroup(device))),
+  return {.workgroupSize = std::min(kHistogramWorkgroup, std::bit_floor(device.widestWorkgroup())),
           .pushBytes = sizeof(shared::RadixHistogramArgs),
           .constants = {keyBits, passes, mostBits, copies}};
 }

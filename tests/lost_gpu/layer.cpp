@@ -1,7 +1,8 @@
 // A Vulkan layer that simulates the loss of a GPU: it sits between a program and its driver, forwards all calls, and
 // from a given submission on returns VK_ERROR_DEVICE_LOST, so that the program's real code runs to the last call. The
 // submission is given by PALPATE_LOST_GPU ("submit:300", "fence:300") or by palpateLoseGpu(). Other modes keep the
-// device: "count" reports the number of submissions at the end; "display" simulates NVIDIA's driver on an X server
+// device: "count" reports the number of submissions, and the pipelines by their required subgroup size, at the end (so
+// does PALPATE_COUNT_PIPELINES in any mode); "display" simulates NVIDIA's driver on an X server
 // without its extension, which crashes on a query about a surface; "coarse" says that a timestamp counts microseconds;
 // "minimum" reduces the GPU to the minimum of Vulkan, "minimum:NAME=VALUE,..." with the given exceptions
 // (made_up_gpu.hpp).
@@ -15,6 +16,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <string_view>
 #include <type_traits>
@@ -35,6 +38,7 @@ PFN_vkGetPhysicalDeviceQueueFamilyProperties nextFamilies = nullptr;
 PFN_vkEnumerateDeviceExtensionProperties nextExtensions = nullptr;
 PFN_vkGetInstanceProcAddr nextInstanceProc = nullptr;
 PFN_vkGetDeviceProcAddr nextDeviceProc = nullptr;
+PFN_vkCreateComputePipelines nextPipelines = nullptr;
 PFN_vkQueueSubmit2 nextSubmit = nullptr;
 PFN_vkGetFenceStatus nextFenceStatus = nullptr;
 PFN_vkWaitForFences nextWaitForFences = nullptr;
@@ -47,9 +51,14 @@ std::atomic<bool> lost = false;
 struct Tally {
   ~Tally() {
     if (says) std::fprintf(stderr, "%ld submissions\n", submissions.load());
+    if (says)
+      for (const auto& [size, count] : pipelines)
+        std::fprintf(stderr, "%d pipelines of subgroups of %u\n", count, size);
   }
   bool says = false;
   std::atomic<long> submissions = 0;
+  std::mutex guard;
+  std::map<std::uint32_t, int> pipelines;  // by the required subgroup size; 0: none is required
 } tally;
 
 void readEnvironment() {
@@ -57,7 +66,7 @@ void readEnvironment() {
   submissionsLeft = kNever;
   const char* text = std::getenv("PALPATE_LOST_GPU");
   if (!text) return;
-  tally.says = std::strcmp(text, "count") == 0;
+  tally.says = std::strcmp(text, "count") == 0 || std::getenv("PALPATE_COUNT_PIPELINES");
   failsAtSubmit = std::strncmp(text, "submit:", 7) == 0;
   if (failsAtSubmit || std::strncmp(text, "fence:", 6) == 0) submissionsLeft = std::atol(std::strchr(text, ':') + 1);
 }
@@ -70,6 +79,20 @@ VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const 
     return failsAtSubmit ? VK_ERROR_DEVICE_LOST : VK_SUCCESS;  // the hung submission never runs
   }
   return nextSubmit(queue, count, infos, fence);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL createPipelines(VkDevice device, VkPipelineCache cache, std::uint32_t count,
+                                               const VkComputePipelineCreateInfo* infos,
+                                               const VkAllocationCallbacks* allocator, VkPipeline* made) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::uint32_t size = 0;
+    for (auto* each = static_cast<const VkBaseInStructure*>(infos[i].stage.pNext); each; each = each->pNext)
+      if (each->sType == VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO)
+        size = reinterpret_cast<const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo*>(each)->requiredSubgroupSize;
+    const std::scoped_lock hold(tally.guard);
+    ++tally.pipelines[size];
+  }
+  return nextPipelines(device, cache, count, infos, allocator, made);
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL fenceStatus(VkDevice device, VkFence fence) {
@@ -105,8 +128,7 @@ void readMadeUp() {
 
 VKAPI_ATTR void VKAPI_CALL madeUpFirstProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties* told) {
   nextFirstProperties(gpu, told);
-  madeUp->amend(told->limits);
-  madeUp->amend(told->deviceType);
+  madeUp->amend(*told);
 }
 
 VKAPI_ATTR void VKAPI_CALL madeUpProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* told) {
@@ -227,6 +249,7 @@ VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice gpu, const VkDevice
   const VkResult result = create(gpu, &asked, allocator, device);
   if (result != VK_SUCCESS) return result;
   const auto get = [&](const char* name) { return nextDeviceProc(*device, name); };
+  nextPipelines = reinterpret_cast<PFN_vkCreateComputePipelines>(get("vkCreateComputePipelines"));
   nextSubmit = reinterpret_cast<PFN_vkQueueSubmit2>(get("vkQueueSubmit2"));
   nextFenceStatus = reinterpret_cast<PFN_vkGetFenceStatus>(get("vkGetFenceStatus"));
   nextWaitForFences = reinterpret_cast<PFN_vkWaitForFences>(get("vkWaitForFences"));
@@ -237,6 +260,7 @@ VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice gpu, const VkDevice
 
 PFN_vkVoidFunction deviceCommand(const char* name) {
   const std::string_view wanted = name;
+  if (wanted == "vkCreateComputePipelines") return reinterpret_cast<PFN_vkVoidFunction>(createPipelines);
   if (wanted == "vkQueueSubmit2") return reinterpret_cast<PFN_vkVoidFunction>(submit);
   if (wanted == "vkGetFenceStatus") return reinterpret_cast<PFN_vkVoidFunction>(fenceStatus);
   if (wanted == "vkWaitForFences") return reinterpret_cast<PFN_vkVoidFunction>(waitForFences);

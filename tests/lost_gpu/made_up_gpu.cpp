@@ -37,6 +37,10 @@ Gpu::Gpu(const std::string& text)
               {"maxMemoryAllocationSize", 1 << 30},
               {"maxBufferSize", 1 << 30},
               {"subgroupSize", 128},
+              {"minSubgroupSize", 0},
+              {"maxSubgroupSize", 0},
+              {"subgroupArithmetic", 0},
+              {"vendorID", 0},
               {"deviceType", 0},
               {"queueCount", 1},
               {"timestampValidBits", 0},
@@ -91,13 +95,20 @@ void Gpu::amend(VkPhysicalDeviceLimits& limits) const {
   limits.bufferImageGranularity = 131'072;
 }
 
-void Gpu::amend(VkPhysicalDeviceType& type) const {
-  if (const std::uint64_t made = values_.at("deviceType")) type = static_cast<VkPhysicalDeviceType>(made);
+void Gpu::amend(VkPhysicalDeviceProperties& properties) const {
+  amend(properties.limits);
+  if (const std::uint64_t type = values_.at("deviceType"))
+    properties.deviceType = static_cast<VkPhysicalDeviceType>(type);
+  if (const std::uint64_t vendor = values_.at("vendorID")) properties.vendorID = static_cast<std::uint32_t>(vendor);
+}
+
+void Gpu::withoutArithmetic(VkSubgroupFeatureFlags& operations) const {
+  if (!values_.at("subgroupArithmetic"))
+    operations &= ~VkSubgroupFeatureFlags{VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_CLUSTERED_BIT};
 }
 
 void Gpu::amend(VkPhysicalDeviceProperties2& properties) const {
-  amend(properties.properties.limits);
-  amend(properties.properties.deviceType);
+  amend(properties.properties);
   const void* chain = properties.pNext;
   if (auto* each = inChain<VkPhysicalDeviceMaintenance3Properties>(
           chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES))
@@ -106,13 +117,21 @@ void Gpu::amend(VkPhysicalDeviceProperties2& properties) const {
           inChain<VkPhysicalDeviceVulkan11Properties>(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES)) {
     each->maxMemoryAllocationSize = least(each->maxMemoryAllocationSize, "maxMemoryAllocationSize");
     each->subgroupSize = static_cast<std::uint32_t>(least(each->subgroupSize, "subgroupSize"));
+    withoutArithmetic(each->subgroupSupportedOperations);
   }
   if (auto* each =
-          inChain<VkPhysicalDeviceVulkan13Properties>(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES))
+          inChain<VkPhysicalDeviceVulkan13Properties>(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES)) {
     each->maxBufferSize = least(each->maxBufferSize, "maxBufferSize");
+    if (const std::uint64_t min = values_.at("minSubgroupSize"))
+      each->minSubgroupSize = static_cast<std::uint32_t>(min);
+    if (const std::uint64_t max = values_.at("maxSubgroupSize"))
+      each->maxSubgroupSize = static_cast<std::uint32_t>(max);
+  }
   if (auto* each =
-          inChain<VkPhysicalDeviceSubgroupProperties>(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES))
+          inChain<VkPhysicalDeviceSubgroupProperties>(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES)) {
     each->subgroupSize = static_cast<std::uint32_t>(least(each->subgroupSize, "subgroupSize"));
+    withoutArithmetic(each->supportedOperations);
+  }
 }
 
 void Gpu::amend(VkPhysicalDeviceFeatures& features) const {

@@ -53,7 +53,8 @@ TEST_CASE("a GPU below the requirements is refused, and all that it lacks is nam
   CHECK(least.find("maxComputeSharedMemorySize") == std::string::npos);
   CHECK(says(complaint(kMinGpu + ",maxComputeSharedMemorySize=8192"),
              "maxComputeSharedMemorySize of 16384 at least (it is 8192)"));
-  CHECK(says(complaint(kMinGpu + ",subgroupSize=2"), "subgroupSize from 4 to 128 (it is 2)"));
+  CHECK(says(complaint(kMinGpu + ",subgroupSize=2,minSubgroupSize=1,maxSubgroupSize=2"),
+             "a subgroup size from 4 to 64 (it is 2, 1 to 2)"));
   for (const char* feature : {"bufferDeviceAddress", "synchronization2", "computeFullSubgroups"})
     CHECK(says(complaint(kMinGpu + "," + feature + "=0"), " lacks " + std::string(feature) + ";"));
   CHECK(complaint(kMinGpu) == "it is taken");

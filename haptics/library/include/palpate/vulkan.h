@@ -20,7 +20,8 @@ typedef struct pp_vulkan_queue {
 /** A device of the program, and the parameters of its creation, which Vulkan cannot report afterwards. Everything must
  * outlive the sessions and scenes opened on it and is left unchanged; the chain of features is read only while one is
  * opened. get_instance_proc_addr must be the same in all calls of a program. The device requires bufferDeviceAddress,
- * scalarBlockLayout, synchronization2 and computeFullSubgroups; an error names what is missing. */
+ * scalarBlockLayout, synchronization2 and computeFullSubgroups; an error names what is missing. With
+ * subgroupSizeControl enabled, palpate requires the subgroup size that suits the GPU. */
 typedef struct pp_vulkan_device {
   uint32_t size;                /**< bytes of this struct */
   uint32_t api_version;         /**< VkApplicationInfo::apiVersion of the instance; 1.3 or later */
