@@ -60,8 +60,9 @@ class ContactStep {
   void put(shared::ContactQuestion question, std::uint32_t probe = 0);
   /// Withdraws the questions that a list is waiting for: it ends without an answer. `tick` as for put().
   void withdraw(std::uint32_t tick);
-  /// Called before a waiting list is submitted: makes it ignore the current question.
-  void awaitAnother();
+  /// Called before a waiting list is submitted: makes it ignore the current question. `rehearses`: a step of one probe
+  /// repeats the last one before it waits, so that its data are in the caches.
+  void awaitAnother(bool rehearses);
   /// Of the last run of `list`, whose section "contact" took `section_us`: the time without the wait for the question.
   /// 0 if the GPU has no clock to tell.
   double answeringTime_us(std::uint32_t list, double section_us) const;

@@ -73,12 +73,12 @@ void QuestionPipeline::allowAhead(std::optional<bool> wanted, std::uint32_t pari
   ahead_ = contact_.canWait() && wanted.value_or(may && hearsTheHost(parity));
 }
 
-void QuestionPipeline::askAhead(std::uint32_t parity) {
+void QuestionPipeline::askAhead(std::uint32_t parity, bool realtime) {
   if (!ahead_ || (state() != QuestionState::idle && state() != QuestionState::ending)) return;
   settle();
   const std::uint32_t first = contact_.waiting(contact_.firstList());
   run_ = {.parity = parity, .first = first, .last = first};
-  contact_.awaitAnother();
+  contact_.awaitAnother(realtime);
   run_.ticket = device_.latencyQueue().submit(lastList(run_));
   progress_.happened(QuestionEvent::submittedAhead);
 }
@@ -92,7 +92,7 @@ void QuestionPipeline::withdraw() {
 
 bool QuestionPipeline::hearsTheHost(std::uint32_t parity) {
   ahead_ = true;
-  askAhead(parity);
+  askAhead(parity, true);
   const bool waits = !device_.latencyQueue().isDone(run_.ticket);
   const Stopwatch watch;
   withdraw();

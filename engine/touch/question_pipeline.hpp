@@ -66,8 +66,8 @@ class QuestionPipeline {
   /// The question in flight, or the last one.
   const Question& question() const { return question_; }
 
-  /// Submits the next question ahead, if allowed.
-  void askAhead(std::uint32_t parity);
+  /// Submits the next question ahead, if allowed. `realtime`: there is time to rehearse the last one.
+  void askAhead(std::uint32_t parity, bool realtime);
   /// Ends a question that was submitted ahead.
   void withdraw();
   /// Whether the last question's list has ended in the driver's view: some us after its answer was seen.

@@ -11,6 +11,13 @@
 
 namespace palpate {
 
+namespace {
+
+// Within this part of the support radius a hand rests; it counts as awake for a moment longer.
+constexpr double kRests = 0.02, kAwake_s = 0.2;
+
+}  // namespace
+
 TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions& options)
     : device_(device),
       options_(options),
@@ -327,11 +334,24 @@ void TouchSide::endTick() noexcept {
   if (failure_) return;
   try {
     if (questions_.isInTick()) followAnswer();
-    // In virtual time the frame of the next pose must be built first.
-    if (!frames_.move() || questions_.question().realtime) questions_.askAhead(index_.parity());
+    if (waitsAhead()) questions_.askAhead(index_.parity(), questions_.question().realtime);
   } catch (...) {
     failure_ = std::current_exception();
   }
+}
+
+// A question that waits keeps the GPU busy, for a whole tick.
+bool TouchSide::waitsAhead() {
+  // In virtual time the frame of the next pose must be built first.
+  if (!questions_.question().realtime) return !frames_.move();
+  const double now_s = questions_.question().time_s;
+  for (GpuHand& hand : hands_) {
+    const DVec3 hip = hand.probes.question().hip;
+    if (hand.probes.answer().neighbours == 0 && glm::distance(hip, hand.restsAt) <= kRests * options_.radius) continue;
+    hand.restsAt = hip;
+    stirred_s_ = now_s;
+  }
+  return now_s - stirred_s_ < kAwake_s;
 }
 
 void TouchSide::followAnswer() {

@@ -28,8 +28,9 @@ namespace palpate {
 /// patch of points that the GPU returned.
 ///
 /// Submitting takes longer than answering, so endTick() can submit the next question ahead: it waits on the GPU until
-/// the host has written the pose into its memory, which also keeps the GPU awake between ticks. A question that
-/// receives no pose in time times out, and the next pose is submitted in the ordinary way.
+/// the host has written the pose into its memory, which also keeps the GPU awake between ticks. In real time it does so
+/// only while a hand moves or is near a surface, so that the GPU rests with the hand. A question that receives no pose
+/// in time times out, and the next pose is submitted in the ordinary way.
 ///
 /// A tool of many points is one question with a probe for each point and one for the HIP, where the brush works; one
 /// dispatch answers all probes. While the answer is late, the patch answers for the points that it covers, each with a
@@ -73,6 +74,8 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   const EditPass* editPass() const { return edits_ ? &edits_->pass() : nullptr; }
   /// Whether questions are submitted ahead of their poses.
   bool asksAhead() const { return questions_.asksAhead(); }
+  /// Whether one waits on the GPU for its pose.
+  bool waitsForPose() const { return questions_.state() == QuestionState::waitingForPose; }
   /// Number of questions answered that way.
   std::uint64_t answeredAhead() const { return questions_.answeredAhead(); }
 
@@ -91,6 +94,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
     ProbeGroup probes;
     std::uint32_t firstProbe;
     std::vector<BridgedPoint> points;
+    DVec3 restsAt{0};  // where it has last moved to, or been near a surface
   };
   // Record of edits, for the readers that follow them.
   struct EditRecord {
@@ -151,6 +155,8 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   std::span<const Contact> given();
   void forget(GpuHand& hand);
   void editIfYielding(bool realtime);
+  // Whether the next question waits on the GPU from now on.
+  bool waitsAhead();
 
   Device& device_;
   TouchOptions options_;
@@ -166,6 +172,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   TouchFrames frames_;
   std::optional<EditPipeline> edits_;  // if points are edited
   std::optional<PatchBridge> bridge_;  // for the first hand
+  double stirred_s_ = 0;               // when a hand last moved or was near a surface
   std::exception_ptr failure_;
 };
 

@@ -43,7 +43,8 @@ constexpr Setting<BackendConfig> kBackend[]{
     {"deterministic", &BackendConfig::deterministic, "--deterministic",
      "bit-identical results in every run (always so in virtual time)"},
     {"ahead", words<&BackendConfig::ahead, kOnOff>(), "--ahead",
-     "submit each query before its pose is known, so that the GPU only waits for the pose: auto "
+     "submit each query before its pose is known, so that the GPU only waits for the pose; in real time while a hand "
+     "moves or is near a surface: auto "
      "(on for drivers known to allow it), on or off"},
     {"times_passes", &BackendConfig::timesPasses, "--print-tick",
      "list the GPU passes of a tick with threads, bytes and GPU time, us"},

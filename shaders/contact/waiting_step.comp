@@ -50,8 +50,8 @@ ContactQuestion awaitedQuestion(uint lastTick, uint most) {
   return question;
 }
 
-// While a step waits, it takes the last one again, without an answer: the points, the index and the code of the next
-// one are then in this processor's caches. Of one round of cells at most, and so many loop steps.
+// While a step waits in real time, it repeats the last one without an answer: the points, the index and the code of the
+// next one are then in this processor's caches. Of one round of cells at most, and so many loop steps.
 const uint kRehearsalBudget = 2000;
 ContactQuestion rehearsal(ContactState own) {
   ContactQuestion question;
@@ -104,9 +104,10 @@ void main() {
   [[dont_unroll]] for (uint look = 0; rehearses; ++look) {  // one copy of the code, to be rehearsed
     // Loaded before the wait, and each time: kept from one to the next they would cost registers.
     const ContactState own = stateAt(args.state, 0);
-    ContactQuestion question = awaitedQuestion(args.pose.head.lastTick, look == 0 ? 1 : args.pose.head.polls);
+    const bool mayRehearse = look == 0 && args.pose.head.rehearses != 0;
+    ContactQuestion question = awaitedQuestion(args.pose.head.lastTick, mayRehearse ? 1 : args.pose.head.polls);
     there = clockTicks();
-    rehearses = look == 0 && arrived[kQuestionTickAt] == 0;
+    rehearses = mayRehearse && arrived[kQuestionTickAt] == 0;
     if (rehearses) question = rehearsal(own);
     if (!rehearses && question.pose.tick == 0) return;
     probe = probeOf(question, own, args.radius);

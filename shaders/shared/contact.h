@@ -123,9 +123,9 @@ PALPATE_SIZE(ContactQuestion, 104);
 
 // Before the questions: for a step that was submitted ahead of them and polls for them.
 struct QuestionHead {
-  uint lastTick;  // of the questions that were there before
-  uint polls;     // at most, of each subgroup
-  uint unused0;
+  uint lastTick;   // of the questions that were there before
+  uint polls;      // at most, of each subgroup
+  uint rehearses;  // not 0: a step of one probe repeats its last one before it waits
   uint unused1;
 };
 PALPATE_SIZE(QuestionHead, 16);

@@ -60,14 +60,14 @@ TEST_CASE_FIXTURE(GpuFixture, "a step that waits answers as one that does not, a
     const float height = i < 10 ? 51.0f - 0.3f * static_cast<float>(i) : i < 20 ? 48.0f : 55.0f;
     const float angle = 0.03f * static_cast<float>(i);
     const Vec3 hip = height * Vec3(std::sin(angle), 0, std::cos(angle));
-    waiting.step().awaitAnother();
+    waiting.step().awaitAnother(true);
     ++tick;
     if (i % 5 == 4) {
       waiting.step().withdraw(tick);
       waiting.run(waits);
       CHECK_FALSE(waiting.step().hasAnswered(tick));
       CHECK(waiting.step().answeringTime_us(waits, 100) == 0);
-      waiting.step().awaitAnother();
+      waiting.step().awaitAnother(true);
       ++tick;
     }
     for (ContactStep* step : {&plain.step(), &waiting.step()}) step->put({.pose = {.hip = hip, .tick = tick}});
@@ -90,7 +90,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a step that waits ends without an answer if there
   const Scene scene = makeScene("sphere", 1'000);
   Asked asked(device, scene);
   asked.step().put({.pose = {.hip = {0, 0, 49}, .tick = 7}});
-  asked.step().awaitAnother();
+  asked.step().awaitAnother(true);
   asked.run(asked.step().waiting(asked.step().firstList()));
   CHECK_FALSE(asked.step().hasAnswered(7));
 }

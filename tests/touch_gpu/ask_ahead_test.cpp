@@ -125,6 +125,27 @@ TEST_CASE("a withdrawn question does not affect later contacts") {
   CHECK(touching > 10);
 }
 
+TEST_CASE("in real time no question waits for a hand that rests away from all surfaces") {
+  Device& device = plainDevice();
+  const Scene scene = makeScene("sphere", 5'000);
+  TouchSide touch(device, scene.cloud, optionsFor(scene, true));
+  constexpr double kInRealTime_us = 1e6, kTick_s = 0.01;
+  double time_s = 0;
+  // Whether a question waits after the hand was there for so long.
+  const auto waitsAfter = [&](double duration_s, const DVec3& hip) {
+    for (const double end_s = time_s + duration_s; time_s < end_s; time_s += kTick_s)
+      REQUIRE(touch.query({.time_s = time_s, .hip = hip}, kInRealTime_us).valid);
+    return touch.waitsForPose();
+  };
+  const DVec3 away(0, 0, 90), near(0, 0, 50.5), beside(0, 1, 90);
+  CHECK(waitsAfter(0.1, away));
+  CHECK(!waitsAfter(0.3, away));
+  CHECK(waitsAfter(kTick_s / 2, beside));  // it moves
+  CHECK(!waitsAfter(0.3, beside));
+  CHECK(waitsAfter(0.5, near));
+  CHECK(!waitsAfter(0.3, away));
+}
+
 TEST_CASE_FIXTURE(CoreGpuFixture, "a question pending ahead does not block finish(), a change or a slow driver") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchOptions options = optionsFor(scene, true);
