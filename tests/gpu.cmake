@@ -10,6 +10,7 @@ endif()
 palpate_tests(gpu LINKS palpate::spatial palpate::gpu palpate::test_shaders palpate::test_watched ${watched}
               WITHOUT ${without_watched})
 palpate_tests(spatial_gpu LINKS palpate::spatial)
+palpate_tests(proof_gpu LINKS palpate::proof)
 palpate_tests(contact_gpu LINKS palpate::touch)
 if(PALPATE_STUDY)
   palpate_tests(study_gpu LINKS palpate::touch)
