@@ -3,7 +3,7 @@
 
 #include "apps/bench/plot.hpp"
 #include "apps/bench/plot_scripts.hpp"
-#include "apps/bench/run_program.hpp"
+#include "apps/cli/run_program.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/system_file.hpp"
 

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <iostream>
 
+#include "apps/cli/doctor_prove.hpp"
 #include "apps/cli/output.hpp"
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/console.hpp"
@@ -19,7 +20,14 @@ namespace palpate {
 
 Context::Context() {
   std::vector<std::unique_ptr<BackendKind>> kinds;
-  kinds.push_back(vulkanBackend([this]() -> Device& { return device(); }));
+  kinds.push_back(vulkanBackend([this]() -> Device& { return device(); },
+                                [this](Device& gpu) {
+                                  const auto damaged = [this](std::string_view what) { log().say("{}", what); };
+                                  return wrongOn(gpu, GpuProofs(), damaged, [&] {
+                                    log().say("proving {}, once for this driver", gpu.name());
+                                    return proveInOwnProcess(gpu_);
+                                  });
+                                }));
   kinds.push_back(cudaBackend());
   kinds.push_back(cpuBackend());
   backends_ = std::make_unique<Backends>(std::move(kinds));
@@ -80,6 +88,8 @@ Device& Context::device() {
                                                      .windowExtensions = windowExtensions_});
   return *device_;
 }
+
+Json Context::proof(std::FILE* out) const { return gpuProof(out, gpu_, validation()); }
 
 bool Context::hasRealGpu() const {
   if (device_) return !device_->isCpu();

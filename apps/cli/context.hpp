@@ -27,6 +27,8 @@ class Context {
   Log& log();
   /// The GPU named by --gpu or PALPATE_GPU, opened at first use.
   Device& device();
+  /// gpuProof() of the GPU of device().
+  Json proof(std::FILE* out) const;
   /// Whether device() opens a real GPU, not a software driver. Opens nothing. False if there is no usable one; throws
   /// GpuError if one is requested by name.
   bool hasRealGpu() const;

@@ -2,6 +2,7 @@
 
 #include "apps/cli/context.hpp"
 #include "apps/cli/doctor_device.hpp"
+#include "apps/cli/doctor_prove.hpp"
 #include "apps/cli/doctor_speed.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stop_by_signal.hpp"
@@ -183,10 +184,12 @@ Json hapticDevices(std::FILE* out) {
   return json;
 }
 
+constexpr const char* kQuietly = "quietly";
+
 struct DoctorOptions {
   double servo_s = 0, rate_Hz = 1000;
   bool network = false, test = false, forget = false, speed = false;
-  std::string device;
+  std::string device, prove;
   NetworkOptions which;
 };
 
@@ -288,6 +291,15 @@ void doctor(Context& context, const DoctorOptions& options) {
     context.writeJson({{"forgotten", forgetBackends(context.tables())}});
     return;
   }
+  if (!options.prove.empty()) {
+    const bool quietly = options.prove == kQuietly;
+    const Json proof = context.proof(quietly ? nullptr : context.tables());
+    context.writeJson({{"proof", proof}});
+    endAfterProof(proof);
+    if (const auto wrong = proof["wrong"].get<std::string>(); !quietly && !wrong.empty())
+      throw Error("{} gives wrong results: {}", proof["gpu"].get<std::string>(), wrong);
+    return;
+  }
   if (options.network) {
     context.writeJson({{"network", network(context.tables(), options.which.config())}});
     return;
@@ -366,6 +378,13 @@ void addDoctor(Options& app, Context& context, Command& command) {
   sub.addFlag("--network", options->network,
               "only list the sessions on the network (palpate serve), with round trips and losses")
       .excludes(servo);
+  sub.addFlag(
+         "--prove", options->prove, {"table", kQuietly},
+         "only prove the GPU (--gpu): run the primitives of which every pass is made, and compare their results; a "
+         "session in real time does so once for each GPU, driver and version, and uses the CPU if one is wrong "
+         "(--prove=quietly: without a table)")
+      .excludes(servo)
+      .excludes(named);
   sub.addFlag(
          "--speed", options->speed,
          "measure what this machine can do, for 3 to 10 s: the rate of a servo loop, and edits of a million points "

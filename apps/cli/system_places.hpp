@@ -10,6 +10,9 @@ namespace palpate {
 /// exist.
 std::vector<std::filesystem::path> fontFiles();
 
+/// This program's own file.
+std::filesystem::path programFile();
+
 /// Folder for the program's state of a user between runs; empty if it is unknown.
 std::filesystem::path stateFolder();
 

@@ -18,6 +18,8 @@ std::vector<std::filesystem::path> fontFiles() {
   return files;
 }
 
+std::filesystem::path programFile() { return std::filesystem::read_symlink("/proc/self/exe"); }
+
 std::filesystem::path stateFolder() {
   if (const char* state = std::getenv("XDG_STATE_HOME"); state && *state) return state;
   if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".local" / "state";

@@ -6,11 +6,15 @@
 
 namespace palpate {
 
-// The first one is shipped with the program; the others belong to Windows.
-std::vector<std::filesystem::path> fontFiles() {
+std::filesystem::path programFile() {
   wchar_t program[MAX_PATH]{};
   ::GetModuleFileNameW(nullptr, program, MAX_PATH - 1);
-  std::vector<std::filesystem::path> files{std::filesystem::path(program).parent_path() / "DejaVuSans.ttf"};
+  return program;
+}
+
+// The first one is shipped with the program; the others belong to Windows.
+std::vector<std::filesystem::path> fontFiles() {
+  std::vector<std::filesystem::path> files{programFile().parent_path() / "DejaVuSans.ttf"};
   wchar_t windows[MAX_PATH]{};
   ::GetWindowsDirectoryW(windows, MAX_PATH - 1);
   for (const char* name : {"msyh.ttc", "msgothic.ttc", "malgun.ttf", "segoeui.ttf", "seguisym.ttf"})

@@ -6,6 +6,7 @@
 #include "engine/gpu/host_device.hpp"
 #include "engine/mesh/marching_cubes.hpp"
 #include "engine/mesh/mesh_memory.hpp"
+#include "engine/proof/gpu_proof.hpp"
 #include "haptics/library/options.hpp"
 #include "haptics/session/picture.hpp"
 #include "haptics/session/vulkan_backend.hpp"
@@ -48,6 +49,7 @@ HostDevice hostFrom(const pp_vulkan_device& device) {
 
 struct GpuHalf::State {
   std::string gpu;
+  bool lent = false;
   std::unique_ptr<Device> device;
   std::optional<SessionPicture> picture;
 
@@ -64,6 +66,7 @@ GpuHalf::GpuHalf(const GpuChoice& choice) : state_(std::make_unique<State>()) {
     return;
   }
   if (names) throw UsageError("gpu: '{}' is named, and a device is lent in vulkan; leave one of them out", choice.gpu);
+  state_->lent = true;
   state_->device = std::make_unique<Device>(hostFrom(optionsFrom(choice.lent, "vulkan")));
 }
 
@@ -72,7 +75,13 @@ GpuHalf::~GpuHalf() {
 }
 
 std::unique_ptr<BackendKind> GpuHalf::backend() {
-  return vulkanBackend([this]() -> Device& { return state_->opened(); });
+  return vulkanBackend([this]() -> Device& { return state_->opened(); },
+                       [this](Device& device) {
+                         const auto quietly = [](std::string_view) {};
+                         return wrongOn(device, GpuProofs(), quietly, [&] {
+                           return state_->lent ? proveGpu(device).wrong() : proveHere({.gpu = state_->gpu});
+                         });
+                       });
 }
 
 void GpuHalf::follow(const EditBatch& batch) noexcept {

@@ -129,6 +129,7 @@ const BackendKind& soonerBackend(const SessionConfig& config, const Model& model
     return candidates.gpu;
   BackendTimes times;
   try {
+    candidates.gpu.requireProof();
     const std::string key = keyOf(measured, model, candidates);
     const auto known = candidates.memory.recall(key, [&](std::string_view what) { candidates.log.say("{}", what); });
     times = known ? BackendTimes{.gpu = {.p99_us = known->gpu_us}, .cpu = {.p99_us = known->cpu_us}}

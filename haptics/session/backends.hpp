@@ -66,6 +66,9 @@ class BackendKind {
   virtual double warmUp_s() const { return 0; }
   /// Estimator of normals for a session on it: the same for the session and for its replay.
   virtual NormalEstimator normalEstimator() const { return estimateNormalsOnCpu; }
+  /// Throws GpuError if the machine has shown that its answers may be wrong: it may not move a hand. make() calls it
+  /// for a session in real time. May take seconds, once for each machine.
+  virtual void requireProof() const {}
   /// Makes a cloud that can be touched, which keeps no reference to the request. Throws Error.
   virtual std::unique_ptr<TouchBackend> make(const BackendRequest& request) const = 0;
   /// The configured method, or the default.

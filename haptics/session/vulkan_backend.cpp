@@ -18,8 +18,8 @@ constexpr double kWarmUp_s = 1;
 
 class VulkanBackend final : public BackendKind {
  public:
-  explicit VulkanBackend(std::function<Device&()> device)
-      : device_(std::move(device)), simulator_(gpuSimulator(device_)) {}
+  VulkanBackend(std::function<Device&()> device, ProveGpu prove)
+      : device_(std::move(device)), prove_(std::move(prove)), simulator_(gpuSimulator(device_)) {}
 
   std::string_view name() const override { return "vulkan"; }
   const std::vector<std::string>& methods() const override {
@@ -37,7 +37,14 @@ class VulkanBackend final : public BackendKind {
   double warmUp_s() const override { return device_().isCpu() ? 0 : kWarmUp_s; }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
   const Simulator* simulator() const override { return simulator_.get(); }
+  void requireProof() const override {
+    Device& gpu = device_();
+    if (const std::string wrong = prove_(gpu); !wrong.empty())
+      throw GpuError("{} may not move a hand: {} (palpate doctor --prove shows it); use the back end cpu", gpu.name(),
+                     wrong == kNoProof ? "its driver did not end a proof" : "wrong results of " + wrong);
+  }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
+    if (request.config.realtime) requireProof();
     if (request.config.model.matter && !request.source) return request.config.model.matter->touch(*this, request);
     return std::make_unique<TouchSide>(device_(), request.model.cloud, optionsFor(request));
   }
@@ -70,13 +77,14 @@ class VulkanBackend final : public BackendKind {
   }
 
   std::function<Device&()> device_;
+  ProveGpu prove_;
   std::unique_ptr<Simulator> simulator_;
 };
 
 }  // namespace
 
-std::unique_ptr<BackendKind> vulkanBackend(std::function<Device&()> device) {
-  return std::make_unique<VulkanBackend>(std::move(device));
+std::unique_ptr<BackendKind> vulkanBackend(std::function<Device&()> device, ProveGpu prove) {
+  return std::make_unique<VulkanBackend>(std::move(device), std::move(prove));
 }
 
 HashGrid gridFor(const Model& model, const IndexConfig& config, double radius) {

@@ -5,14 +5,15 @@
 
 #include "engine/spatial/hash_grid.hpp"
 #include "haptics/session/backends.hpp"
+#include "haptics/session/gpu_proofs.hpp"
 
 namespace palpate {
 
 class Device;
 
 /// A GPU through Vulkan. `device` opens it when it is first needed, and may throw; the device must outlive everything
-/// made on it.
-std::unique_ptr<BackendKind> vulkanBackend(std::function<Device&()> device);
+/// made on it. A session in real time is refused where `prove` names a wrong primitive.
+std::unique_ptr<BackendKind> vulkanBackend(std::function<Device&()> device, ProveGpu prove);
 
 /// Simulates scenes on that GPU; null if palpate was built without PALPATE_SIMULATION.
 std::unique_ptr<Simulator> gpuSimulator(std::function<Device&()> device);

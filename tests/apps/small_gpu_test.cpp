@@ -1,6 +1,8 @@
 // The program on GPUs with only the limits that Vulkan guarantees, or less than palpate requires.
 #include "tests/lost_gpu/lost_gpu.hpp"
 
+#include <algorithm>
+#include <fstream>
 #include <map>
 
 #include "engine/core/clock.hpp"
@@ -99,6 +101,112 @@ TEST_CASE("GPUs of small machines sculpt and draw the same bytes: each pair of w
     CHECK(small.picture == driver.picture);
   }
   ::unsetenv("LP_NATIVE_VECTOR_WIDTH");
+}
+
+TEST_CASE("doctor proves GPUs as small machines have them, and forces there are the same" * kFull) {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string(), json = (folder / "proof.json").string();
+  works("make sphere -n 5000 -o " + model);
+  ::setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1);
+  const auto forces = [&](const std::string& name) {
+    const std::string trace = (folder / name).string();
+    works("touch " + model + " --backend vulkan --path builtin:press --rate 250 --trace " + trace);
+    return readTrace(trace);
+  };
+  const std::vector<Row> here = forces("here.csv");
+  CHECK(std::ranges::count_if(here, [](const Row& row) { return glm::length(row.force) > 0.1; }) > 20);
+  for (const int lanes : {4, 8, 16}) {
+    CAPTURE(lanes);
+    ::setenv("LP_NATIVE_VECTOR_WIDTH", fmt::format("{}", 32 * lanes).c_str(), 1);
+    const LostGpuLayer layer(kMinGpu + ",maxMemoryAllocationSize=134217728,maxBufferSize=134217728");
+    works("doctor --prove --json " + json);
+    const auto proof = jsonOf(json)["proof"];
+    CHECK(proof["subgroup_size"] == lanes);
+    CHECK(proof["wrong"] == "");
+    for (const auto primitive : proof["primitives"]) {
+      const std::string name = primitive["name"];
+      ::setenv("PALPATE_PROOF_FAILS", name.c_str(), 1);
+      checkEnds(1, "doctor --prove --json " + json, {"wrong results: " + name});
+      CHECK(jsonOf(json)["proof"]["wrong"] == name);
+    }
+    ::unsetenv("PALPATE_PROOF_FAILS");
+    const std::vector<Row> there = forces("there.csv");
+    REQUIRE(there.size() == here.size());
+    for (std::size_t i = 0; i < here.size(); ++i) REQUIRE(glm::distance(there[i].force, here[i].force) <= 1e-6);
+  }
+  ::unsetenv("LP_NATIVE_VECTOR_WIDTH");
+  ::unsetenv("XDG_CACHE_HOME");
+}
+
+TEST_CASE("on Intel's GPUs every pass requires subgroups of 16") {
+  ::setenv("LP_NATIVE_VECTOR_WIDTH", "512", 1);
+  ::setenv("PALPATE_COUNT_PIPELINES", "1", 1);
+  {
+    const LostGpuLayer layer(kMinGpu + ",vendorID=32902,minSubgroupSize=8,maxSubgroupSize=32");
+    const Outcome outcome = palpate("doctor --prove");
+    CHECK_MESSAGE(outcome.code == 0, outcome.text);
+    CHECK(says(outcome.text, "pipelines of subgroups of 16"));
+    CHECK(!says(outcome.text, "pipelines of subgroups of 0"));
+  }
+  ::unsetenv("PALPATE_COUNT_PIPELINES");
+  ::unsetenv("LP_NATIVE_VECTOR_WIDTH");
+}
+
+TEST_CASE("a session in real time proves the GPU once, and uses the CPU where a primitive is wrong or hangs") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string(), json = (folder / "touch.json").string();
+  const std::filesystem::path proofs = folder / "cache" / "palpate" / "proofs";
+  works("make sphere -n 3000 -o " + model);
+  ::setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1);
+  const std::string onGpu = "touch " + model + " --backend vulkan --realtime --rate 100 --duration 0.1";
+  const Outcome first = palpate(onGpu), again = palpate(onGpu);
+  CHECK_MESSAGE(first.code == 0, first.text);
+  CHECK(says(first.text, "once for this driver"));
+  CHECK_MESSAGE(again.code == 0, again.text);
+  CHECK(!says(again.text, "once for this driver"));
+  std::ofstream(proofs) << "what is this\n";
+  const Outcome damaged = palpate(onGpu);
+  CHECK(damaged.code == 0);
+  CHECK(says(damaged.text, "is not a file of proofs of GPUs"));
+  CHECK(says(damaged.text, "once for this driver"));
+
+  for (const auto& [fails, why] : {std::pair<std::string, std::string>{"ballot", "wrong results of ballot"},
+                                   {"hang", "its driver did not end a proof"}}) {
+    CAPTURE(fails);
+    std::filesystem::remove(proofs);
+    ::setenv("PALPATE_PROOF_FAILS", fails.c_str(), 1);
+    checkEnds(1, onGpu, {"may not move a hand: " + why, "use the back end cpu"});
+    ::unsetenv("PALPATE_PROOF_FAILS");
+    checkEnds(1, onGpu, {"may not move a hand: " + why});                           // remembered
+    works("touch " + model + " --backend vulkan --path builtin:press --rate 250");  // no hand is moved
+  }
+  std::filesystem::remove(proofs);
+  {
+    const LostGpuLayer layer("submit:5");  // in the middle of the proof
+    checkEnds(1, onGpu, {"lost"});
+    CHECK(!std::filesystem::exists(proofs));
+  }
+  ::setenv("PALPATE_PROOF_FAILS", "sort", 1);
+  {
+    const LostGpuLayer layer(kMinGpu + ",deviceType=1");  // as one that auto would use
+    const Outcome chosen = palpate("touch " + model + " --realtime --rate 100 --duration 0.1 --json " + json);
+    CHECK_MESSAGE(chosen.code == 0, chosen.text);
+    CHECK(says(chosen.text, "wrong results of sort"));
+    CHECK(jsonOf(json)["backend"] == "cpu");
+  }
+  checkEnds(1, "doctor --prove", {"sort", "WRONG", "Sessions in real time use the CPU"});
+  ::unsetenv("PALPATE_PROOF_FAILS");
+  const Outcome right = palpate("doctor --prove");
+  CHECK_MESSAGE(right.code == 0, right.text);
+  CHECK(says(right.text, "All are right in"));
+  // A folder that cannot be written costs a proof at each start, and nothing else.
+  ::setenv("XDG_CACHE_HOME", model.c_str(), 1);
+  for (int start = 0; start < 2; ++start) {
+    const Outcome outcome = palpate(onGpu);
+    CHECK_MESSAGE(outcome.code == 0, outcome.text);
+    CHECK(says(outcome.text, "once for this driver"));
+  }
+  ::unsetenv("XDG_CACHE_HOME");
 }
 
 TEST_CASE("a bench keeps a GPU busy for a second before each size; a software driver has no clock to raise") {

@@ -7,7 +7,7 @@ namespace palpate {
 const bool kOnGpu = true;
 
 std::unique_ptr<BackendKind> backendKind() {
-  return vulkanBackend([]() -> Device& { return coreValidatedDevice(); });
+  return vulkanBackend([]() -> Device& { return coreValidatedDevice(); }, [](Device&) { return std::string(); });
 }
 
 }  // namespace palpate

@@ -15,7 +15,7 @@ TEST_CASE("a command during which the GPU is lost fails, and the session ends wi
     CAPTURE(atSubmit);
     const LostGpuLayer layer;
     Device device({.gpu = "", .validation = Validation::off});
-    const auto kind = vulkanBackend([&]() -> Device& { return device; });
+    const auto kind = vulkanBackend([&]() -> Device& { return device; }, [](Device&) { return std::string(); });
     const auto takeGpu = LostGpuLayer::takeGpu();
     PressingHand hand;
     const auto clock = std::make_shared<SteppedClock>();

@@ -1,4 +1,4 @@
-#include "apps/bench/run_program.hpp"
+#include "apps/cli/run_program.hpp"
 
 #include <spawn.h>
 #include <sys/wait.h>
