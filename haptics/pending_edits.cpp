@@ -31,6 +31,8 @@ void append(EditBatch& edits, const EditBatch& more) {
   const std::size_t before = edits.points.size();
   edits.points.insert(edits.points.end(), more.points.begin(), more.points.end());
   for (const EditMark& mark : more.marks) edits.marks.push_back({before + mark.at, mark.kind});
+  edits.attributes.insert(edits.attributes.end(), more.attributes.begin(),
+                          more.attributes.begin() + static_cast<std::ptrdiff_t>(more.markedAttributes()));
 }
 
 void PendingEdits::add(const EditBatch& edits) {

@@ -8,7 +8,7 @@ namespace palpate {
 
 /// Keeps only the last state of each point between two marks. Returns the number of dropped states.
 std::uint64_t mergeEdits(EditBatch& edits);
-/// Appends `more` to `edits`.
+/// Appends `more` to `edits`, without what its new points took from their parents.
 void append(EditBatch& edits, const EditBatch& more);
 
 /// Edits that wait to be written, from one thread to another. If too many wait, only the last state of each point in

@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "engine/cloud/attribute_bytes.hpp"
 #include "engine/core/checksum.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
@@ -26,7 +27,7 @@ using session_file::Block;
 using session_file::Header;
 using session_file::Mark;
 
-/// The layout of the version before, whose unsaved strokes are still read.
+/// The layout of an older version, whose unsaved strokes are still read.
 namespace version4 {
 
 constexpr std::uint32_t kVersion = 4;
@@ -48,6 +49,10 @@ struct Before {
 static_assert(sizeof(Header) == 24 && sizeof(Block) == 56 && sizeof(Before) == 16 && sizeof(PackedState) == 36);
 
 }  // namespace version4
+
+bool isRead(std::uint32_t version) {
+  return version == session_file::kVersion || version == session_file::kWithoutAttributes;
+}
 
 // Nothing for a point that no back end can have.
 std::optional<PointState> knownState(const session_file::State& state) {
@@ -130,7 +135,7 @@ std::string_view bytesOf(const T& value) {
 /// Reads a log front to back; after an unreadable part it continues with the next complete block.
 class LogReader {
  public:
-  /// `readsOlder`: also the version before.
+  /// `readsOlder`: also version 4.
   LogReader(const std::filesystem::path& file, bool readsOlder) : file_(file), source_(file), readsOlder_(readsOlder) {}
 
   SessionRecord read() {
@@ -162,6 +167,7 @@ class LogReader {
     std::vector<LoggedTick> ticks;
     std::vector<PointState> states;
     std::vector<Mark> marks;
+    std::vector<AttributeChange> attributes;
     std::vector<LoggedCommand> commands;
   };
   bool isWholeBlock(Block& block, Content& content);
@@ -169,6 +175,7 @@ class LogReader {
   bool isWholeBlock(SomeBlock& block, SomeBefore& before, Content& content);
   template <class T>
   bool take(std::vector<T>& values, std::uint64_t count, Checksum& sum);
+  bool takeAttributes(Content& content, Checksum& sum);
   bool takeCommands(const Block& block, Content& content, Checksum& sum);
   void noteGap(std::uint64_t begin, const Block& block);
 
@@ -201,7 +208,7 @@ bool LogReader::isWholeHeader(Header& header) {
   source_.go(at);
   version_ = older.version;
   if (readsOlder_ && version_ == version4::kVersion) return isWhole(older);
-  return version_ == session_file::kVersion && isWhole(header) && header.law == session_file::kForceLaw;
+  return isRead(version_) && isWhole(header) && header.law == session_file::kForceLaw;
 }
 
 // If the first header is damaged, the second one is used.
@@ -212,7 +219,7 @@ void LogReader::readHeader() {
   std::uint32_t law = session_file::kForceLaw;
   const bool isThere = source_.take(first) && first.magic == session_file::kMagic;
   source_.go(offsetof(Header, law));
-  if (first.version == session_file::kVersion) source_.take(law);
+  if (isRead(first.version)) source_.take(law);
   source_.go(0);
   bool whole = isWholeHeader(header);
   if (whole) source_.go(2 * source_.at());
@@ -223,11 +230,11 @@ void LogReader::readHeader() {
   }
   if (whole) return;
   if (!isThere) throw FileError(file_, "is not a session log; record a session to get one");
-  if (first.version != session_file::kVersion)
+  if (!isRead(first.version))
     throw FileError(
-        file_, fmt::format("is a session log of version {}, and this palpate reads version {}; use the palpate that "
-                           "wrote it",
-                           first.version, session_file::kVersion));
+        file_, fmt::format("is a session log of version {}, and this palpate reads versions {} and {}; use the palpate "
+                           "that wrote it",
+                           first.version, session_file::kWithoutAttributes, session_file::kVersion));
   if (law != session_file::kForceLaw)
     throw FileError(file_,
                     fmt::format("is a session log with the force law {}, and this palpate has the law {}, under which "
@@ -243,6 +250,18 @@ bool LogReader::take(std::vector<T>& values, std::uint64_t count, Checksum& sum)
   return true;
 }
 
+bool LogReader::takeAttributes(Content& content, Checksum& sum) {
+  for (const Mark& mark : content.marks) {
+    if (mark.kind > static_cast<std::uint64_t>(EditMark::Kind::redone)) return false;
+    if (!EditMark{.kind = static_cast<EditMark::Kind>(mark.kind)}.hasAttribute()) continue;
+    std::vector<std::byte> bytes;
+    if (!take(bytes, (std::uint64_t{mark.bytes} + 7) / 8 * 8, sum)) return false;
+    bytes.resize(mark.bytes);
+    if (!readChange(bytes, content.attributes.emplace_back())) return false;
+  }
+  return true;
+}
+
 bool LogReader::takeCommands(const Block& block, Content& content, Checksum& sum) {
   std::vector<char> bytes;
   if (!take(bytes, block.commandBytes, sum)) return false;
@@ -253,7 +272,7 @@ bool LogReader::takeCommands(const Block& block, Content& content, Checksum& sum
     std::memcpy(&command, left.data(), sizeof command);
     left = left.subspan(sizeof command);
     const std::uint64_t padded = (std::uint64_t{command.bytes} + 7) / 8 * 8;
-    if (padded > left.size() || command.kind > static_cast<std::uint32_t>(LoggedCommand::Kind::frames)) return false;
+    if (padded > left.size() || command.kind > static_cast<std::uint32_t>(LoggedCommand::Kind::attribute)) return false;
     content.commands.push_back({.tick = command.tick,
                                 .kind = static_cast<LoggedCommand::Kind>(command.kind),
                                 .content = std::string(left.data(), command.bytes)});
@@ -272,7 +291,7 @@ bool LogReader::isWholeBlock(SomeBlock& block, SomeBefore& before, Content& cont
   sum.addValue(before);
   std::vector<SomeState> states;
   if (!take(content.ticks, block.ticks, sum) || !take(states, block.states, sum) ||
-      !take(content.marks, block.marks, sum))
+      !take(content.marks, block.marks, sum) || !takeAttributes(content, sum))
     return false;
   if constexpr (std::is_same_v<SomeBlock, Block>)
     if (!takeCommands(block, content, sum)) return false;
@@ -303,8 +322,7 @@ bool LogReader::isWholeBlock(Block& block, Content& content) {
     return false;
   std::uint64_t last = 0;
   for (const Mark& mark : content.marks) {
-    if (mark.at < last || mark.at > block.states || mark.kind > static_cast<std::uint64_t>(EditMark::Kind::change))
-      return false;
+    if (mark.at < last || mark.at > block.states) return false;
     last = mark.at;
   }
   return true;
@@ -328,12 +346,14 @@ bool LogReader::readBlock() {
   if (!isWholeBlock(block, content)) return false;
   noteGap(begin, block);
   next_ = block.number + 1;
-  sofar_ = {before_.ticks + block.ticks, before_.states + block.states, before_.commands + block.commands};
+  sofar_ = {before_.ticks + block.ticks, before_.states + block.states,
+            before_.commands + block.commands + content.attributes.size()};
   record_.wholeBytes = source_.at();
   for (const Mark& mark : content.marks)
     record_.edits.marks.push_back({record_.edits.points.size() + mark.at, static_cast<EditMark::Kind>(mark.kind)});
   std::ranges::copy(content.ticks, std::back_inserter(record_.ticks));
   std::ranges::copy(content.states, std::back_inserter(record_.edits.points));
+  std::ranges::move(content.attributes, std::back_inserter(record_.edits.attributes));
   std::ranges::move(content.commands, std::back_inserter(record_.commands));
   record_.mergedEdits += block.merged;
   if (record_.mergedEdits == 0 && record_.gaps.empty()) record_.countedEdits = record_.edits.points.size();

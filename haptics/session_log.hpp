@@ -2,10 +2,10 @@
 // and so that a crash loses little.
 //
 // The file: a header (magic, version, a text that says how to run the session again), a copy of the header, then
-// blocks. A block has some of the ticks, edits or commands since the previous one, its number, the counts of those
-// before it, and a checksum; the last block of a complete session also says how it ended. Blocks are small, and each is
-// found by its marker and its checksum, so that damage or a failed write costs little more than itself. All numbers are
-// little-endian; all parts are multiples of four bytes.
+// blocks. A block has some of the ticks, edits (of points, masks and fields) or commands since the previous one, its
+// number, the counts of those before it, and a checksum; the last block of a complete session also says how it ended.
+// Blocks are small, and each is found by its marker and its checksum, so that damage or a failed write costs little
+// more than itself. All numbers are little-endian; all parts are multiples of four bytes.
 #pragma once
 
 #include <array>
@@ -61,7 +61,8 @@ struct LoggedCommand {
     undo,       ///< content: number of strokes
     redo,       ///< content: number of strokes
     parameter,  ///< of a simulation; content: name and value
-    frames      ///< of a depth camera; content: play, pause or step
+    frames,     ///< of a depth camera; content: play, pause or step
+    attribute   ///< a mask or a field changes; without content: it is the next one of EditMark::Kind::attribute
   };
   std::uint64_t tick = 0;  ///< number of ticks of the log before it
   Kind kind = Kind::back;
@@ -80,7 +81,8 @@ namespace session_file {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> kMagic{'p', 'a', 'l', 'p', 'l', 'o', 'g', '\n'};
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
+constexpr std::uint32_t kWithoutAttributes = 5;  ///< the version before, otherwise the same: it is still read
 /// The force law under which forces are recorded: another one does not find them again.
 constexpr std::uint32_t kForceLaw = 2;
 
@@ -108,10 +110,13 @@ struct Command {
   std::uint32_t kind = 0, bytes = 0;
 };
 
-/// A mark; `at` counts states from the beginning of its block.
+/// A mark; `at` counts states from the beginning of its block. The changes of masks and fields of its kind follow the
+/// marks of the block in order: `bytes` of bytesIn(), padded with zeros to a multiple of eight.
 struct Mark {
-  std::uint64_t at = 0, kind = 0;
+  std::uint64_t at = 0;
+  std::uint64_t kind : 8 = 0, bytes : 56 = 0;
 };
+static_assert(sizeof(Mark) == 16);
 
 struct Block {
   std::uint32_t magic = 0x6b636c62;  // "blck"
@@ -126,7 +131,7 @@ struct Block {
 static_assert(sizeof(Block) == 72);
 
 /// Follows the Block, and is followed by its ticks, states, marks and commands: how many of them the session had
-/// handed over before, whether or not they could be written.
+/// handed over before, whether or not they could be written. A change of a mask or a field counts as a command.
 struct Before {
   std::uint64_t ticks = 0, states = 0, commands = 0;
 };
@@ -164,7 +169,7 @@ bool isSessionLog(const std::filesystem::path& file);
 /// Throws FileError for a file that cannot be read, is not a session log, is of another version or force law, or has
 /// lost both its headers. Other damage is skipped and recorded.
 SessionRecord readSessionLog(const std::filesystem::path& file);
-/// The same for the edits of a log of this version or of the one before.
+/// The same for the edits of a log, also of version 4.
 SessionRecord readLoggedEdits(const std::filesystem::path& file);
 
 /// What is missing, and where: a sentence for each gap, and one if the session's end is missing.

@@ -99,9 +99,10 @@ void SessionLogFile::append(const Content& content) {
               .merged = content.merged};
   if (content.end) block.end = *content.end;
   const Before before = before_;
-  before_ = {before.ticks + block.ticks, before.states + block.states, before.commands + block.commands};
+  const std::uint64_t commanded = block.commands + !content.attribute.empty();
+  before_ = {before.ticks + block.ticks, before.states + block.states, before.commands + commanded};
   const std::array body{std::as_bytes(content.ticks), std::as_bytes(std::span(states)), std::as_bytes(content.marks),
-                        std::as_bytes(std::span(commands))};
+                        content.attribute, std::as_bytes(std::span(commands))};
   Checksum sum;
   sum.addValue(block);
   sum.addValue(before);
@@ -117,7 +118,7 @@ void SessionLogFile::append(const Content& content) {
     }
     if (error == 0) {
       bytes_ += size;
-      last_ = {.bytes = size, .ticks = block.ticks, .states = block.states, .commands = block.commands};
+      last_ = {.bytes = size, .ticks = block.ticks, .states = block.states, .commands = commanded};
       return true;
     }
     takeBackTorn();
@@ -128,7 +129,7 @@ void SessionLogFile::append(const Content& content) {
   if (content.end && takeBackLast() && write()) return;
   unwrittenTicks_ += block.ticks;
   unwrittenEdits_ += block.states;
-  unwrittenCommands_ += block.commands;
+  unwrittenCommands_ += commanded;
 }
 
 bool SessionLogFile::takeBackLast() {

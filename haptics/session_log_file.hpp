@@ -21,6 +21,7 @@ class SessionLogFile {
     std::span<const LoggedTick> ticks;
     std::span<const PointState> states;
     std::span<const session_file::Mark> marks;
+    std::span<const std::byte> attribute = {};  ///< of the last mark, padded as in the file
     std::span<const LoggedCommand> commands;
     std::uint64_t merged = 0;
     const SessionEnd* end = nullptr;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/cloud/attribute_bytes.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/start_thread.hpp"
 
@@ -81,7 +82,7 @@ bool SessionWriter::writePending() {
   writtenTicks_ = 0;
   ticks_.take(takenTicks_);
   const bool endsStroke = std::ranges::any_of(takenEdits_.marks, [](const EditMark& mark) {
-    return mark.kind == EditMark::Kind::stroke || mark.kind == EditMark::Kind::change;
+    return mark.kind == EditMark::Kind::stroke || mark.kind == EditMark::Kind::change || mark.hasAttribute();
   });
   const std::uint64_t states = takenEdits_.points.size() + merged;
   writeCommands();
@@ -113,17 +114,31 @@ void SessionWriter::writeCommands() {
 
 // Each block of edits follows the ticks before its edits, so that an end that is lost, or damage, costs as much of
 // both.
+// Each change of a mask or a field ends its block.
 void SessionWriter::writeEdits(std::uint64_t merged) {
   constexpr std::size_t kStates = kBlock_bytes / sizeof(session_file::State);
   const std::span<const PointState> states = takenEdits_.points;
+  const std::vector<EditMark>& all = takenEdits_.marks;
   std::vector<session_file::Mark> marks;
-  for (std::size_t begin = 0, mark = 0; begin < states.size() || mark < takenEdits_.marks.size();) {
+  std::vector<std::byte> attribute;  // of the last of these
+  auto next = takenEdits_.attributes.begin();
+  for (std::size_t begin = 0, mark = 0; begin < states.size() || mark < all.size();) {
     writeTicks(states_ + begin);
-    const std::size_t end = std::min(begin + kStates, states.size());
+    std::size_t end = std::min(begin + kStates, states.size());
     marks.clear();
-    for (; mark < takenEdits_.marks.size() && takenEdits_.marks[mark].at <= end; ++mark)
-      marks.push_back({takenEdits_.marks[mark].at - begin, static_cast<std::uint64_t>(takenEdits_.marks[mark].kind)});
-    file_.append({.states = states.subspan(begin, end - begin), .marks = marks, .merged = std::exchange(merged, 0)});
+    attribute.clear();
+    for (; mark < all.size() && all[mark].at <= end && attribute.empty(); ++mark) {
+      marks.push_back({.at = all[mark].at - begin, .kind = static_cast<std::uint8_t>(all[mark].kind)});
+      if (!all[mark].hasAttribute()) continue;
+      end = all[mark].at;
+      attribute = bytesIn(*next++);
+      marks.back().bytes = attribute.size();
+      attribute.resize((attribute.size() + 7) / 8 * 8);
+    }
+    file_.append({.states = states.subspan(begin, end - begin),
+                  .marks = marks,
+                  .attribute = attribute,
+                  .merged = std::exchange(merged, 0)});
     begin = end;
   }
   takenEdits_.clear();

@@ -1,7 +1,6 @@
 #include "apps/cli/context.hpp"
 #include "apps/cli/output.hpp"
 #include "apps/cli/results.hpp"
-#include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/bounds.hpp"
@@ -46,6 +45,7 @@ void print(std::FILE* out, const Recorded& recorded, const ReplayOutcome* outcom
   row("edits", fmt::format("{} ticks differ", found.editTicks));
   row("points in the end",
       found.ends ? fmt::format("{} differ", found.points) : "not compared: " + reasonOf(*outcome, recorded));
+  if (found.attributes > 0) row("masks and fields", fmt::format("{} differ", found.attributes));
   if (found.first_s) row("first difference", fmt::format("{:.3f} s", *found.first_s));
 }
 
@@ -107,6 +107,11 @@ constexpr Reported<Replayed> kReplay[]{
        if (!r.outcome) return std::nullopt;
        return r.outcome->differences.ends ? Json(r.outcome->differences.points) : Json(nullptr);
      }},
+    {"end_attributes", "", "masks and fields that differ in the end; null: not compared",
+     [](const Replayed& r) -> Value {
+       if (!r.outcome) return std::nullopt;
+       return r.outcome->differences.ends ? Json(r.outcome->differences.attributes) : Json(nullptr);
+     }},
     {"first_difference_s", "s", "time of the first difference; null: none",
      [](const Replayed& r) -> Value {
        return r.outcome ? Value(orNull(r.outcome->differences.first_s)) : std::nullopt;
@@ -130,7 +135,7 @@ void replay(Context& context, const ReplayOptions& options) {
   std::optional<ReplayOutcome> outcome;
   std::string machine;
   if (options.recover) {
-    saveKeeping(options.saveFile, editedCloud(recorded.model.cloud, recorded.points));
+    saveKeeping(options.saveFile, editedCloud(recorded.model.cloud, recorded.points, recorded.attributes.fields()));
     context.log().say("{}: the points after the recorded edits are saved", options.saveFile);
   } else {
     const SessionAgain again = runAgain(recorded, parts);

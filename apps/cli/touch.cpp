@@ -365,7 +365,7 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   const std::optional<UndoneStrokes> undone = finish(session, options);
   SessionRecording* const recording = session.recording();
   outputs.write([&] {
-    if (recording) recording->finish(checksumOf(session.model().cloud.origin, session.history()->points()));
+    if (recording) recording->finish(session.endChecksum());
   });
 
   const bool changes = config.brush || config.moves() || session.shared() || session.far();
@@ -380,8 +380,10 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   if (recording) report.log = reportOf(recording->writer());
   outputs.write([&] {
     if (options.saveFile.empty()) return;
-    saveKeeping(options.saveFile, end.cloud);
-    if (!end.remark.empty()) context.log().say("{}: {}", options.saveFile, end.remark);
+    std::string lost;
+    saveKeeping(options.saveFile, end.cloud, {.notKept = &lost});
+    for (const std::string& remark : {end.remark, lost})
+      if (!remark.empty()) context.log().say("{}: {}", options.saveFile, remark);
   });
   outputs.write([&] {
     if (options.pictureFile.empty()) return;

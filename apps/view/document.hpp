@@ -119,7 +119,7 @@ class Document {
   void install(std::unique_ptr<WindowSession> session, const std::string& file);
   void endLoad(const Loader::Result& result);
   // Gives the points to a session of the same model.
-  void handOn(HandedOn to, const WindowOptions& options);
+  void handOn(HandedOn to, WindowOptions options);
   void findLeft();
   void askFirstAbout(const std::string& file);
   void goOnWith(LeftStrokes left);

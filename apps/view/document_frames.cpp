@@ -64,13 +64,14 @@ void Document::letFramesGoOn() {
   leave("the frames continue", goOn);
 }
 
-void Document::handOn(HandedOn to, const WindowOptions& options) {
-  Model points = session_->handOn();
+void Document::handOn(HandedOn to, WindowOptions options) {
+  WindowSession::HandedOn handed = session_->handOn();
   handedOn_ = to;
   agreed_ = Agreed::yes;
   const bool keepsStrokes = opened_.config.model.stream->fuse || to == HandedOn::held;
   mapIsChanged_ = keepsStrokes && isChanged();
-  loader_.open(options, parts_.settings.brush, parts_.settings.feel, std::move(points));
+  options.live.attributes = std::move(handed.attributes);
+  loader_.open(std::move(options), parts_.settings.brush, parts_.settings.feel, std::move(handed.model));
 }
 
 }  // namespace palpate

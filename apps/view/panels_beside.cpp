@@ -37,6 +37,7 @@ std::string ago(std::filesystem::file_time_type then) {
 
 // "2 strokes and the undoing of 1 saved stroke".
 std::string textOf(const StrokesSince& since) {
+  if (since == StrokesSince()) return "selected or hidden points";  // of a saved file, which cannot have them
   if (since.undone == 0) return counted(since.made, "stroke");
   return (since.made > 0 ? counted(since.made, "stroke") + " and " : "") + "the undoing of " +
          counted(since.undone, "saved stroke");

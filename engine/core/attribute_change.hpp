@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct MaskFlip {
   std::uint16_t layer = 0;
   MaskRole role = MaskRole::selected;
   PointSet points;
+
+  bool operator==(const MaskFlip&) const = default;
 };
 
 /// Points have other values in a field: the present ones for a follower, those on the other side in a history.
@@ -31,9 +34,24 @@ struct FieldChange {
   std::uint32_t field = 0;  ///< its number in the layer
   PointSet points;
   std::vector<std::byte> values;  ///< one for each of the points, ascending, as the field has them
+
+  bool operator==(const FieldChange&) const = default;
+};
+
+/// A field was made, or removed. Fields are made and removed at the end of the list of a layer's fields.
+struct FieldPresence {
+  std::uint16_t layer = 0;
+  std::uint32_t field = 0;  ///< its number in the layer
+  bool isPresent = true;    ///< from now on for a follower, on the other side in a history
+  std::string name, unit;
+  std::uint8_t type = 0;          ///< a ScalarType
+  std::uint64_t points = 0;       ///< that have a number
+  std::vector<std::byte> values;  ///< of a field that is made: one for each of these points; empty: zeros
+
+  bool operator==(const FieldPresence&) const = default;
 };
 
 /// A change of what a layer's points have beside their states. Further kinds are further alternatives.
-using AttributeChange = std::variant<MaskFlip, FieldChange>;
+using AttributeChange = std::variant<MaskFlip, FieldChange, FieldPresence>;
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -8,17 +9,21 @@
 
 namespace palpate {
 
-/// End of one action on the points: the states since the previous mark belong to it.
+/// End of one action: the states since the previous mark belong to it, or it is the next of EditBatch::attributes.
 struct EditMark {
   enum class Kind : std::uint8_t {
-    stroke,   ///< all edits of a brush from the first in a contact until the contact was lost
-    change,   ///< one call of EditStream::change(), not a stroke
-    part,     ///< edits so far of a stroke that continues after received changes
-    received  ///< one call of EditStream::offer(), neither a stroke nor the end of one
+    stroke,     ///< all edits of a brush from the first in a contact until the contact was lost
+    change,     ///< one call of EditStream::change(), not a stroke
+    part,       ///< edits so far of a stroke that continues after received changes
+    received,   ///< one call of EditStream::offer(), neither a stroke nor the end of one
+    attribute,  ///< a mask or a field was changed, between strokes
+    undone,     ///< that was undone
+    redone      ///< and redone
   };
   std::uint64_t at = 0;  ///< number of states before it, in its batch
   Kind kind = Kind::stroke;
 
+  bool hasAttribute() const { return kind >= Kind::attribute; }
   bool operator==(const EditMark&) const = default;
 };
 
@@ -27,11 +32,15 @@ struct EditMark {
 /// next batch. A follower ignores the kinds of changes that it does not show, keep or send.
 struct EditBatch {
   std::vector<PointState> points;
-  std::vector<EditMark> marks;              ///< in order
-  std::vector<AttributeChange> attributes;  ///< after the points, in order
+  std::vector<EditMark> marks;  ///< in order
+  /// In order: one for each mark of its kind, and then what the batch's new points took from their parents.
+  std::vector<AttributeChange> attributes;
 
-  bool changesPoints() const { return !points.empty() || !marks.empty(); }
-  bool empty() const { return !changesPoints() && attributes.empty(); }
+  bool empty() const { return points.empty() && marks.empty() && attributes.empty(); }
+  /// Number of `attributes` that belong to marks.
+  std::size_t markedAttributes() const {
+    return static_cast<std::size_t>(std::ranges::count_if(marks, &EditMark::hasAttribute));
+  }
   void clear() {
     points.clear();
     marks.clear();

@@ -98,10 +98,10 @@ bool PointSet::read(std::span<const std::uint64_t>& words) {
   const auto count = next(1);
   for (std::uint64_t i = 0; !count.empty() && i < count[0]; ++i) {
     const auto head = next(2);
-    if (head.size() < 2 || (head[1] != 1 && head[1] != kWords)) return false;
+    if (head.size() < 2 || (head[1] != 1 && head[1] != kWords) || head[0] > kAll / kPage - 1) return false;
     const auto page = next(head[1]);
-    if (page.size() < head[1]) return false;
-    pages_.emplace_hint(pages_.end(), head[0], Page(page.begin(), page.end()));
+    if (page.size() < head[1] || (!pages_.empty() && head[0] <= pages_.rbegin()->first)) return false;
+    tidy(pages_.emplace_hint(pages_.end(), head[0], Page(page.begin(), page.end())));
   }
   return !count.empty();
 }

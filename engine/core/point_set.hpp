@@ -49,7 +49,8 @@ class PointSet {
 
   /// Memory.
   std::uint64_t bytes() const;
-  /// To words for a file, and back: removes them from the front of `words`. False if they are not those of a set.
+  /// To words for a file, and back: removes them from the front of `words`. False if they are not those of a set, or
+  /// one of its points is too large a number.
   std::vector<std::uint64_t> words() const;
   bool read(std::span<const std::uint64_t>& words);
 

@@ -4,8 +4,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "engine/cloud/attribute_bytes.hpp"
 #include "engine/core/check.hpp"
-#include "engine/edit/attribute_bytes.hpp"
 
 namespace palpate {
 
@@ -85,6 +85,9 @@ void History::follow(const EditBatch& batch) {
         points_.set(states);
         break;
       case EditMark::Kind::part:
+      case EditMark::Kind::attribute:  // which no state belongs to
+      case EditMark::Kind::undone:
+      case EditMark::Kind::redone:
         addToStroke(states);
         break;
       case EditMark::Kind::received:
@@ -99,24 +102,17 @@ void History::follow(const EditBatch& batch) {
 void History::follow(std::vector<ShapeStroke> strokes) {
   for (ShapeStroke& stroke : strokes) {
     ++strokes_;
-    keep({std::move(stroke), std::exchange(version_, ++lastVersion_)});
+    list_.make({std::move(stroke), std::exchange(version_, ++lastVersion_)}, [](HistoryChange&) {});
   }
 }
 
-void History::follow(AttributeChange change) {
+void History::make(AttributeChange change, const std::function<void(AttributeChange&)>& exchange) {
   PALPATE_CHECK(!inStroke_);
-  const std::uint64_t before = version_;
-  if (std::holds_alternative<FieldChange>(change)) version_ = ++lastVersion_;
-  keep({std::move(change), before});
-}
-
-void History::keep(HistoryChange change) {
-  if (!list_.keepsAny()) return;
-  list_.begin();
-  if (list_.makeRoom(bytesOf(change)))
-    list_.add(std::move(change));
-  else
-    list_.addTooLarge();
+  const bool isInFile = !std::holds_alternative<MaskFlip>(change);
+  list_.make({std::move(change), version_}, [&](HistoryChange& made) {
+    exchange(std::get<AttributeChange>(made.what));
+    if (isInFile) version_ = ++lastVersion_;
+  });
 }
 
 void History::receive(std::span<const PointState> states) {

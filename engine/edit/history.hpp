@@ -52,8 +52,9 @@ class History {
   void follow(const EditBatch& batch);
   /// Takes in strokes of a body's shape.
   void follow(std::vector<ShapeStroke> strokes);
-  /// Takes in a change of a mask or a field, as it undoes that. Only between strokes.
-  void follow(AttributeChange change);
+  /// Makes a change of a mask or a field, between strokes: `exchange` carries it out, and leaves what undoes it. If
+  /// that throws, nothing has changed.
+  void make(AttributeChange change, const std::function<void(AttributeChange&)>& exchange);
 
   const PointStates& points() const { return points_; }
 
@@ -92,7 +93,6 @@ class History {
   }
   bool carryOut(HistoryChange& change, const Carriers& carriers);
   bool carryOut(PointStroke& stroke, const Carriers& carriers);
-  void keep(HistoryChange change);
 
   PointStates points_;
   UndoList<HistoryChange> list_;

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <utility>
 
+#include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
+#include "engine/core/checksum.hpp"
 
 namespace palpate {
 
@@ -28,26 +31,54 @@ std::optional<std::uint32_t> LayerAttributes::fieldNamed(std::string_view name) 
   return static_cast<std::uint32_t>(field - fields_.begin());
 }
 
-std::uint32_t LayerAttributes::add(Field field) {
-  fields_.push_back(std::move(field));
-  return static_cast<std::uint32_t>(fields_.size() - 1);
+bool LayerAttributes::fits(const AttributeChange& change) const {
+  if (const auto* const of = std::get_if<FieldChange>(&change))
+    return of->field < fields_.size() && of->values.size() % sizeOf(fields_[of->field].values.type) == 0 &&
+           of->points.count() == of->values.size() / sizeOf(fields_[of->field].values.type);
+  const auto* const of = std::get_if<FieldPresence>(&change);
+  if (!of) return true;
+  if (!of->isPresent) return std::uint64_t{of->field} + 1 == fields_.size();
+  const std::uint64_t bytes = sizeOf(static_cast<ScalarType>(of->type));
+  return of->field == fields_.size() &&
+         (of->values.empty() || (of->values.size() % bytes == 0 && of->values.size() / bytes == of->points));
 }
 
 void LayerAttributes::exchange(AttributeChange& change) {
-  if (const auto* const flip = std::get_if<MaskFlip>(&change)) {
+  PALPATE_CHECK(fits(change));
+  if (const auto* const flip = std::get_if<MaskFlip>(&change))
     masks_[static_cast<std::size_t>(flip->role)].flip(flip->points);
-    return;
-  }
-  auto& [layer, number, points, values] = std::get<FieldChange>(change);
-  Attribute& field = fields_.at(number).values;
+  else if (auto* const of = std::get_if<FieldChange>(&change))
+    exchange(*of);
+  else
+    exchange(std::get<FieldPresence>(change));
+}
+
+void LayerAttributes::exchange(FieldChange& change) {
+  Attribute& field = fields_[change.field].values;
   const std::size_t bytes = sizeOf(field.type);
-  PALPATE_CHECK_EQ(points.count() * bytes, values.size());
-  field.data.resize(std::max<std::size_t>(field.data.size(), points.end() * bytes));
-  std::byte* value = values.data();
-  points.forEach([&](std::uint64_t point) {
+  field.data.resize(std::max<std::size_t>(field.data.size(), change.points.end() * bytes));
+  std::byte* value = change.values.data();
+  change.points.forEach([&](std::uint64_t point) {
     std::swap_ranges(value, value + bytes, valueOf(field, point));
     value += bytes;
   });
+}
+
+void LayerAttributes::exchange(FieldPresence& change) {
+  const std::size_t bytes = sizeOf(static_cast<ScalarType>(change.type));
+  if (change.isPresent) {
+    Field field{.values = {change.name, static_cast<ScalarType>(change.type), {}}, .unit = change.unit};
+    fields_.reserve(fields_.size() + 1);
+    change.values.resize(change.points * bytes);
+    std::swap(field.values.data, change.values);  // no memory is needed from here on
+    fields_.push_back(std::move(field));
+  } else {
+    std::swap(fields_.back().values.data, change.values);
+    fields_.pop_back();
+    change.points = change.values.size() / bytes;
+    if (std::ranges::all_of(change.values, [](std::byte byte) { return byte == std::byte{0}; })) change.values = {};
+  }
+  change.isPresent = !change.isPresent;
 }
 
 std::vector<AttributeChange> LayerAttributes::masks() const {
@@ -58,7 +89,18 @@ std::vector<AttributeChange> LayerAttributes::masks() const {
   return flips;
 }
 
-bool LayerAttributes::empty() const { return fields_.empty() && std::ranges::all_of(masks_, &PointSet::empty); }
+std::vector<AttributeChange> LayerAttributes::all() const {
+  std::vector<AttributeChange> changes;
+  for (const Field& field : fields_)
+    changes.emplace_back(FieldPresence{.field = static_cast<std::uint32_t>(changes.size()),
+                                       .name = field.values.name,
+                                       .unit = field.unit,
+                                       .type = static_cast<std::uint8_t>(field.values.type),
+                                       .points = field.values.data.size() / sizeOf(field.values.type),
+                                       .values = field.values.data});
+  std::ranges::move(masks(), std::back_inserter(changes));
+  return changes;
+}
 
 void LayerAttributes::follow(EditBatch& batch, const PointStates& before) {
   if (empty()) return;
@@ -91,36 +133,129 @@ void LayerAttributes::follow(EditBatch& batch, const PointStates& before) {
   }
 }
 
-PointSet existing(const PointSet& points, const PointStates& states) {
+PointSet existing(const PointSet& points, std::span<const PointState> states) {
   PointSet there = points;
   points.forEach([&](std::uint64_t point) {
-    if (states[point].gone) there.set(point, false);
+    if (point >= states.size() || states[point].gone) there.set(point, false);
   });
   return there;
 }
 
-Field initialField(const PointCloud& file, const PointStates& points, std::string_view name, ScalarType type) {
-  const auto property = std::ranges::find(file.extra, name, &Attribute::name);
-  Field field{.values = property != file.extra.end() ? *property : Attribute{std::string(name), type, {}}};
-  field.values.data.resize(points.size() * sizeOf(field.values.type));
-  for (std::uint64_t point = file.size(); point < points.size(); ++point)
-    copyValue(field.values, points[point].parent, point);
-  return field;
-}
-
-void addFields(const std::vector<Field>& fields, const PointStates& points, PointCloud& edited) {
-  for (const Field& field : fields) {
-    const Attribute& from = field.values;
-    const std::size_t bytes = sizeOf(from.type);
-    auto to = std::ranges::find(edited.extra, from.name, &Attribute::name);
-    if (to == edited.extra.end()) to = edited.extra.insert(to, {from.name, from.type, {}});
-    to->data.clear();
-    for (const PointState& state : points) {
-      if (state.gone) continue;
-      const auto value = std::span(from.data).subspan(state.number * bytes, bytes);
-      to->data.insert(to->data.end(), value.begin(), value.end());
+AttributeChange renumbered(const AttributeChange& change, std::span<const PointState> states) {
+  std::vector<std::uint64_t> numbers(states.size());  // of those before
+  for (std::size_t i = 1; i < states.size(); ++i) numbers[i] = numbers[i - 1] + !states[i - 1].gone;
+  AttributeChange next = change;
+  const auto points = [&](const PointSet& had, auto&& keep) {
+    PointSet kept;
+    std::size_t i = 0;
+    had.forEach([&](std::uint64_t point) {
+      const bool isThere = point < states.size() && !states[point].gone;
+      if (isThere) kept.set(numbers[point]), keep(i);
+      ++i;
+    });
+    return kept;
+  };
+  const auto valueAt = [](std::span<const std::byte> values, std::size_t i, std::size_t bytes) {
+    return values.subspan(i * bytes, bytes);
+  };
+  if (auto* const flip = std::get_if<MaskFlip>(&next)) {
+    flip->points = points(flip->points, [](std::size_t) {});
+  } else if (auto* const of = std::get_if<FieldChange>(&next)) {
+    const std::vector<std::byte> had = std::exchange(of->values, {});
+    const std::size_t bytes = of->points.empty() ? 1 : had.size() / of->points.count();
+    of->points = points(of->points, [&](std::size_t i) {
+      const auto value = valueAt(had, i, bytes);
+      of->values.insert(of->values.end(), value.begin(), value.end());
+    });
+  } else {
+    auto& made = std::get<FieldPresence>(next);
+    const std::vector<std::byte> had = std::exchange(made.values, {});
+    const std::size_t bytes = sizeOf(static_cast<ScalarType>(made.type));
+    made.points = 0;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (states[i].gone) continue;
+      ++made.points;
+      if (had.empty()) continue;
+      made.values.resize(made.points * bytes);
+      if ((i + 1) * bytes > had.size()) continue;
+      std::ranges::copy(valueAt(had, i, bytes), made.values.end() - static_cast<std::ptrdiff_t>(bytes));
     }
   }
+  return next;
+}
+
+FieldPresence initialField(const PointCloud& file, const PointStates& points, std::string_view name, ScalarType type,
+                           std::size_t number) {
+  FieldPresence made{.field = static_cast<std::uint32_t>(number),
+                     .name = std::string(name),
+                     .type = static_cast<std::uint8_t>(type),
+                     .points = points.size()};
+  const auto property = std::ranges::find(file.extra, name, &Attribute::name);
+  if (property == file.extra.end()) return made;
+  Attribute values = *property;
+  values.data.resize(points.size() * sizeOf(values.type));
+  for (std::uint64_t point = file.size(); point < points.size(); ++point)
+    copyValue(values, points[point].parent, point);
+  made.type = static_cast<std::uint8_t>(values.type);
+  made.values = std::move(values.data);
+  return made;
+}
+
+namespace {
+
+// Calls use(bytes) with the value of each existing point.
+void forExisting(const Attribute& values, std::span<const PointState> points, auto&& use) {
+  const std::size_t bytes = sizeOf(values.type);
+  const std::vector<std::byte> zero(bytes);
+  for (const PointState& state : points) {
+    if (state.gone) continue;
+    const bool isThere = (state.number + 1) * bytes <= values.data.size();
+    use(isThere ? std::span(values.data).subspan(state.number * bytes, bytes) : std::span(zero));
+  }
+}
+
+}  // namespace
+
+PointCloud editedCloud(const PointCloud& file, std::span<const PointState> points, const std::vector<Field>& fields) {
+  PointCloud edited = editedCloud(file, points);
+  for (const Field& field : fields) {
+    auto to = std::ranges::find(edited.extra, field.values.name, &Attribute::name);
+    if (to == edited.extra.end()) to = edited.extra.insert(to, {field.values.name, field.values.type, {}});
+    to->type = field.values.type;
+    to->data.clear();
+    forExisting(field.values, points,
+                [&](std::span<const std::byte> value) { to->data.insert(to->data.end(), value.begin(), value.end()); });
+  }
+  return edited;
+}
+
+std::vector<std::uint64_t> checksumsOf(const LayerAttributes& attributes, std::span<const PointState> points) {
+  std::vector<std::uint64_t> sums;
+  for (std::size_t role = 0; role < kMaskRoles; ++role) {
+    Checksum sum;
+    existing(attributes.mask(static_cast<MaskRole>(role)), points).forWords([&](std::uint64_t k, std::uint64_t word) {
+      sum.addValue(k), sum.addValue(word);
+    });
+    sums.push_back(sum.value());
+  }
+  for (const Field& field : attributes.fields()) {
+    Checksum sum;
+    sum.addValue(static_cast<std::uint64_t>(field.values.type));
+    for (const std::string& text : {field.values.name, field.unit}) sum.add(std::as_bytes(std::span(text)));
+    forExisting(field.values, points, [&](std::span<const std::byte> value) { sum.add(value); });
+    sums.push_back(sum.value());
+  }
+  return sums;
+}
+
+std::uint64_t checksumOf(const DVec3& origin, std::span<const PointState> points, const LayerAttributes& attributes) {
+  const std::uint64_t ofPoints = checksumOf(origin, points);
+  const std::vector<std::uint64_t> sums = checksumsOf(attributes, points);
+  if (sums == checksumsOf(LayerAttributes(), {})) return ofPoints;
+  Checksum all;
+  all.addValue(ofPoints);
+  for (const std::uint64_t sum : sums) all.addValue(sum);
+  return all.value();
 }
 
 }  // namespace palpate

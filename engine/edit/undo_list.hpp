@@ -43,6 +43,26 @@ class UndoList {
     bytes_ += bytesOf(change);
     done_.near.push_back(std::move(change));
   }
+  /// A whole change: calls `exchange(change)`, which makes it and leaves in `change` what undoes it. Memory is taken
+  /// before that: if it throws, the list is unchanged.
+  template <class Exchange>
+  void make(Change change, const Exchange& exchange) {
+    if (!keepsAny()) return exchange(change);
+    done_.near.push_back(std::move(change));
+    try {
+      exchange(done_.near.back());
+    } catch (...) {
+      done_.near.pop_back();
+      throw;
+    }
+    begin();
+    bytes_ += bytesOf(done_.near.back());
+    while (bytes_ > budget_ && done_.near.size() > 1) dropped_ += putAway(done_);
+    if (bytes_ <= budget_) return;
+    bytes_ -= bytesOf(done_.near.back());
+    done_.near.pop_back();
+    addTooLarge();
+  }
   /// It has ended, and was larger than the whole budget.
   void addTooLarge() {
     if (!keepsAny()) return;
@@ -110,11 +130,22 @@ class UndoList {
   template <class Exchange>
   bool move(Side& from, Side& to, const Exchange& exchange) {
     if (from.near.empty()) return false;
+    to.near.emplace_back();  // before the exchange, after which no memory may be missing
     Change& change = from.near.back();
     const std::uint64_t before = bytesOf(change);
-    if (!exchange(change)) return false;
+    bool isDone = false;
+    try {
+      isDone = exchange(change);
+    } catch (...) {
+      to.near.pop_back();
+      throw;
+    }
+    if (!isDone) {
+      to.near.pop_back();
+      return false;
+    }
     bytes_ += bytesOf(change) - before;
-    to.near.push_back(std::move(change));
+    to.near.back() = std::move(change);
     from.near.pop_back();
     while (to.far && bytes_ > budget_ && to.near.size() > 1) putAway(to);
     return true;

@@ -79,6 +79,13 @@ void markAsOurs(PointCloud& cloud) {
 
 namespace {
 
+// As `convert` reports it.
+std::string notKept(const std::filesystem::path& file, const PointCloud& cloud, const CloudFormats& formats) {
+  const CloudFormat& format = formats.toSave(file);
+  const std::vector<std::string> lost = format.lacks ? format.lacks(cloud) : std::vector<std::string>();
+  return lost.empty() ? std::string() : fmt::format("not kept: {}", fmt::join(lost, ", "));
+}
+
 /// Whether it is a PLY or PCD file with its numbers in text.
 bool isAscii(const std::filesystem::path& file) {
   const auto start = startOf(file);
@@ -91,9 +98,10 @@ bool isAscii(const std::filesystem::path& file) {
 
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const SaveOptions& options) {
   OwnSave* const own = options.own;
-  markAsOurs(cloud);
   if (areNormalsEstimated(cloud)) cloud.normals.clear();
   markNormalsAsEstimated(cloud, false);
+  if (options.notKept) *options.notKept = notKept(file, cloud, options.formats);
+  markAsOurs(cloud);
   std::filesystem::path kept;
   std::error_code ignored;
   const bool isOwn =

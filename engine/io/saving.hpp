@@ -50,6 +50,7 @@ struct SaveOptions {
   OwnSave* own = nullptr;           ///< of this session; becomes this save
   std::filesystem::path like = {};  ///< file that the cloud was read from: if it is ASCII, `file` will be
   const CloudFormats& formats = cloudFormats();
+  std::string* notKept = nullptr;  ///< becomes what the format does not keep, in words; empty: it keeps all
 };
 /// Writes `cloud`, marked as ours, and without normals that are marked as estimates; keeps an existing file as
 /// AtomicFile::commitAndKeep() does. Of the versions that a session wrote itself only the newest is kept. Returns the

@@ -14,8 +14,10 @@ void DrawnAttributes::follow(std::span<const AttributeChange> changes) {
   for (const AttributeChange& change : changes) {
     if (const auto* const flipped = std::get_if<MaskFlip>(&change))
       flip(*flipped);
-    else
-      set(std::get<FieldChange>(change));
+    else if (const auto* const of = std::get_if<FieldChange>(&change))
+      set(*of);
+    else if (std::get<FieldPresence>(change).field == field_)
+      field_.reset();  // another one has its number, if any
   }
 }
 

@@ -22,7 +22,7 @@ class DrawnAttributes {
 
   /// Applies changes of masks that are seen, and of the field that is shown.
   void follow(std::span<const AttributeChange> changes);
-  /// Shows a field by its number in the layer from now on; null: none.
+  /// Shows a field by its number in the layer from now on, until it is removed; null: none.
   void show(std::uint32_t number, const Field* field);
 
   /// A bit for each point; null while the mask has no points, or is not seen.

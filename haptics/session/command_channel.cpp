@@ -82,7 +82,11 @@ void CommandChannel::add(std::uint64_t tick, LoggedCommand command) {
 }
 
 void CommandChannel::note(LoggedCommand::Kind kind, std::string content) {
-  if (recording_) notes_.push_back({.kind = kind, .content = std::move(content)});
+  if (!recording_) return;
+  LoggedCommand command{.kind = kind, .content = std::move(content)};
+  if (isLent_) return notes_.push_back(std::move(command));
+  const std::uint64_t ticks = recording_->ticks();
+  if (ticks == 0 || kind == LoggedCommand::Kind::attribute) add(ticks, std::move(command));
 }
 
 }  // namespace palpate

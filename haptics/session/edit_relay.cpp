@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "engine/core/start_thread.hpp"
+#include "haptics/session/recorded_edits.hpp"
 
 namespace palpate {
 
@@ -66,9 +67,9 @@ void EditRelay::observe(const TraceRow& row) {
 
 void EditRelay::catchUp() {
   batch_.clear();
-  batch_.attributes = std::exchange(changed_, {});
+  std::swap(batch_, changed_);
   if (keepsPoints() && edits_) edits_->take(batch_);
-  if (batch_.changesPoints()) {
+  if (!batch_.empty()) {
     if (options_.log) options_.log->add(batch_);
     attributes_.follow(batch_, history_->points());
     history_->follow(batch_);
@@ -100,44 +101,82 @@ void EditRelay::finish() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
-void EditRelay::exchange(AttributeChange& change) {
-  AttributeChange done = change;
-  attributes_.exchange(change);
-  changed_.push_back(std::move(done));
+void EditRelay::exchange(AttributeChange& change, EditMark::Kind kind) {
+  changed_.marks.reserve(changed_.marks.size() + 1);
+  changed_.attributes.push_back(change);
+  try {
+    attributes_.exchange(change);
+  } catch (...) {
+    changed_.attributes.pop_back();
+    throw;
+  }
+  changed_.marks.push_back({0, kind});
 }
 
 void EditRelay::change(AttributeChange change) {
   catchUp();
-  exchange(change);
-  history_->follow(std::move(change));
+  history_->make(std::move(change), [&](AttributeChange& made) { exchange(made, EditMark::Kind::attribute); });
   catchUp();
+}
+
+// Undoes and redoes them all; where that fails, the followers learn how far it came.
+EditBatch EditRelay::attributeHistory() {
+  catchUp();
+  const auto isUndone = [&](EditMark::Kind kind) {
+    const History::Carriers carriers{.points = [](std::span<const PointChange>) { return false; },
+                                     .shape = [](ShapeStroke&) { return false; },
+                                     .attributes =
+                                         [&](AttributeChange& change) {
+                                           exchange(change, kind);
+                                           return true;
+                                         }};
+    return kind == EditMark::Kind::undone ? history_->undo(carriers) : history_->redo(carriers);
+  };
+  std::size_t made = 0, undone = 0;
+  while (isUndone(EditMark::Kind::undone)) ++made;
+  EditBatch past{.attributes = attributes_.all()};
+  const std::size_t before = past.attributes.size();
+  // From here on each of them is made, and then some are undone.
+  const auto begin = static_cast<std::ptrdiff_t>(changed_.attributes.size());
+  while (isUndone(EditMark::Kind::redone)) ++undone;
+  for (undone -= made; undone > 0; --undone) isUndone(EditMark::Kind::undone);
+  past.attributes.insert(past.attributes.end(), changed_.attributes.begin() + begin, changed_.attributes.end());
+  past.marks.assign(before, {0, EditMark::Kind::attribute});
+  past.marks.insert(past.marks.end(), changed_.marks.begin() + begin, changed_.marks.end());
+  for (EditMark& mark : past.marks)
+    if (mark.kind == EditMark::Kind::redone) mark.kind = EditMark::Kind::attribute;
+  changed_.clear();
+  return past;
+}
+
+// The followers get the present masks and fields.
+void EditRelay::followAgain(const EditBatch& edits) {
+  palpate::followAgain(*history_, attributes_, edits);
+  changed_.attributes = attributes_.all();
 }
 
 UndoneStrokes EditRelay::undo(std::size_t undo, std::size_t redo) {
   UndoneStrokes done;
   if (!history_) return done;
-  std::size_t edits = 0;
+  EditMark::Kind kind = EditMark::Kind::undone;
   const History::Carriers carriers{.points =
                                        [&](std::span<const PointChange> changes) {
                                          edits_->change(changes);
-                                         ++edits;
                                          return true;
                                        },
                                    .shape =
                                        [&](ShapeStroke& stroke) {
                                          shape_->exchange(stroke);
-                                         ++edits;
                                          return true;
                                        },
                                    .attributes =
                                        [&](AttributeChange& change) {
-                                         exchange(change);
+                                         exchange(change, kind);
                                          return true;
                                        }};
   for (; done.undone < undo && history_->undo(carriers); ++done.undone) catchUp();
-  done.undoneEdits = std::exchange(edits, 0);
+  kind = EditMark::Kind::redone;
   for (; done.redone < redo && history_->redo(carriers); ++done.redone) catchUp();
-  done.redoneEdits = edits;
   const StrokeCounts counts = history_->counts();
   done.strokes = counts.strokes;
   done.dropped = counts.dropped;

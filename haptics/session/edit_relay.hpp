@@ -28,8 +28,6 @@ struct RelayOptions {
 struct UndoneStrokes {
   std::uint64_t strokes = 0;  ///< of the session
   std::size_t undone = 0, redone = 0;
-  /// Of these, those of points or of a shape, which a log repeats.
-  std::size_t undoneEdits = 0, redoneEdits = 0;
   std::uint64_t dropped = 0;   ///< that cannot be undone, because they exceeded the history's budget
   std::uint64_t tooLarge = 0;  ///< of them, those larger than the whole budget
 };
@@ -57,13 +55,18 @@ class EditRelay {
   const EditBatch& batch() const { return batch_; }
   /// Replaces or removes the log that receives the edits.
   void setLog(SessionWriter* log) { options_.log = log; }
+  /// The masks and fields as recorded edits: as they were after the last stroke that can be undone, then the changes
+  /// since, and what of these is undone. Between strokes.
+  EditBatch attributeHistory();
+  /// Begins with recorded edits (followAgain()). Before the first query.
+  void followAgain(const EditBatch& edits);
 
   /// Null if nothing is followed.
   History* history() { return history_ ? &*history_ : nullptr; }
   const History* history() const { return history_ ? &*history_ : nullptr; }
   bool keepsPoints() const { return options_.keepsPoints; }
-  /// Changes a mask or a field, which can be undone, between strokes. Requires keepsPoints(), since new points take the
-  /// masks and values of their parents.
+  /// Changes a mask or a field, which can be undone, between strokes; if memory is out, nothing has changed. Requires
+  /// keepsPoints(), since new points take the masks and values of their parents.
   void change(AttributeChange change);
   /// Undoes up to `undo` changes and redoes up to `redo` of them, between strokes, once all edits were taken. If one
   /// fails, the history stays as after the last one that did not.
@@ -73,7 +76,7 @@ class EditRelay {
 
  private:
   void observe(const TraceRow& row);
-  void exchange(AttributeChange& change);
+  void exchange(AttributeChange& change, EditMark::Kind kind);
   // Whether an edit log of bounded size may soon have no room for another edit.
   bool isNearlyFull() const;
   bool isHalfFull() const;
@@ -85,7 +88,7 @@ class EditRelay {
   RelayOptions options_;
   std::optional<History> history_;
   EditBatch batch_;
-  std::vector<AttributeChange> changed_;  // for the next batch
+  EditBatch changed_;  // begins the next batch
   std::uint64_t ticks_ = 0, period_ = 1;
   double lastFlush_s_ = 0;
   std::exception_ptr failure_, followerFailure_;  // the first one of each

@@ -86,6 +86,7 @@ InteractiveSession::InteractiveSession(const SessionConfig& config, Model model,
   if (!config.model.matter && canBeSculpted(config, this->model()) && config.brush != this->config().brush)
     session_.setBrush(config.brush);
   if (!options.unsavedIn.empty()) keepUnsaved(config);
+  if (options.attributes && session_.abilities().allow(Action::select)) session_.followAgain(*options.attributes);
   if (options.left) goOnWith(*options.left);
   session_.start({hand()}, {.clock = options.clock, .forcesOn = &forcesOn_});
 }
@@ -98,25 +99,19 @@ void InteractiveSession::keepUnsaved(const SessionConfig& config) {
 }
 
 void InteractiveSession::goOnWith(const LeftStrokes& left) {
-  followAgain(*session_.history(), left.edits);
   if (unsaved_) unsaved_->adopt(left);
-  const PointStates before(model().cloud);
-  std::vector<PointChange> changes;
-  for (const PointState& state : history().points()) {
-    const PointState from = before[state.number];
-    if (!(from == state)) changes.push_back({from, state});
-  }
-  if (!changes.empty()) session_.backend().edits()->change(changes);
-  session_.catchUp();
-  constexpr std::uint64_t kNever = ~std::uint64_t{0};  // the file on disk has what was undone
-  if (left.since.undone > 0) saving_.saved = kNever;
+  session_.followAgain(left.edits);
+  // The file on disk has what was undone, or lacks what the history does not count: what a log began with after a save.
+  constexpr std::uint64_t kNever = ~std::uint64_t{0};
+  const bool isCounted = session_.strokes().version != 0 || left.since.made == 0;
+  if (left.since.undone > 0 || !isCounted) saving_.saved = kNever;
   const std::size_t depth = session_.strokes().undoCount;
   since_.before = {.made = left.since.made - std::min(left.since.made, depth), .undone = left.since.undone};
 }
 
 StrokesSince InteractiveSession::strokesSince() {
   const std::size_t depth = session_.strokes().undoCount;
-  if (!isChanged()) since_ = {.before = {}, .saved = depth, .low = depth};
+  if (!isUnsaved()) since_ = {.before = {}, .saved = depth, .low = depth};
   since_.low = std::min(since_.low, depth);
   return {.made = since_.before.made + depth - since_.low, .undone = since_.before.undone + since_.saved - since_.low};
 }
@@ -139,7 +134,7 @@ OpenHand InteractiveSession::hand() {
 void InteractiveSession::take(const EditBatch& batch) {
   batch_.points.insert(batch_.points.end(), batch.points.begin(), batch.points.end());
   edits_ += batch.points.size();
-  if (unsaved_) unsaved_->follow(batch, history().points(), isChanged(), strokesSince());
+  if (unsaved_) unsaved_->follow(batch, history().points(), attributes(), isUnsaved(), strokesSince());
 }
 
 void InteractiveSession::takeIn() {
@@ -252,6 +247,11 @@ void InteractiveSession::setParameter(std::string_view name, double value) {
   if (!failed_) session_.setParameter(name, value);
 }
 
+std::uint32_t InteractiveSession::fieldNamed(std::string_view name, ScalarType type) {
+  if (failed_) throw Error("{}: the session has ended", name);
+  return session_.fieldNamed(name, type);
+}
+
 bool InteractiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
   if (failed_) return false;
   session_.require(Action::undo, "undo");
@@ -268,15 +268,19 @@ std::optional<bool> InteractiveSession::holdFrames() {
 
 void InteractiveSession::stepFrame() { session_.setFrames(Session::Frames::step); }
 
-Model InteractiveSession::handOn() {
+bool InteractiveSession::isUnsaved() const { return isChanged() || attributes().hasMasks(); }
+
+InteractiveSession::HandedOn InteractiveSession::handOn() {
   if (failed_) throw Error("{}: the session has ended; its points can be saved", file());
   endRecording();
   return session_.between([&] {
     const Model& had = model();
     std::shared_ptr<PlayedStream> stream = session_.releaseStream(session_.next_s());
     if (!stream && isHeldStill()) stream = std::make_shared<PlayedStream>(std::exchange(*had.stream(), {}));
+    EditBatch past = session_.attributeHistory();
+    for (AttributeChange& change : past.attributes) change = renumbered(change, history().points());
     // Scale and spacing stay, so that the surface feels the same.
-    Model next{.cloud = session_.sculpted().cloud,
+    Model next{.cloud = past.empty() ? session_.sculpted().cloud : editedCloud(had.cloud, history().points()),
                .scale = had.scale,
                .spacing = had.spacing,
                .wideSpacing = had.wideSpacing,
@@ -286,7 +290,7 @@ Model InteractiveSession::handOn() {
                .cameras = had.cameras,
                .source = {}};
     if (stream) next.source = CameraPoints{.stream = std::move(stream)};
-    return next;
+    return HandedOn{std::move(next), std::make_shared<const EditBatch>(std::move(past))};
   });
 }
 
@@ -312,19 +316,24 @@ void InteractiveSession::save(const std::string& file) {
   saving_.version = session_.strokes().version;
   saving_.depth = session_.strokes().undoCount;
   std::vector<PointState> points(history().points().begin(), history().points().end());
-  saving_.running = std::async(std::launch::async, [this, file, loaded = this->file(), points = std::move(points),
-                                                    present = std::move(present)] {
-    try {
-      // The strokes since are strokes on the model's file, wherever it is saved.
-      std::error_code isNone;
-      if (unsaved_ && std::filesystem::is_regular_file(loaded, isNone)) unsaved_->keepModel();
-      const std::filesystem::path kept = saveKeeping(
-          file, present ? present->cloud : editedCloud(model().cloud, points), {.own = &saving_.own, .like = loaded});
-      return Saved{file, kept.string(), {}, present ? present->remark : std::string()};
-    } catch (const std::exception& error) {
-      return Saved{file, {}, error.what(), {}};
-    }
-  });
+  std::vector<Field> fields = attributes().fields();
+  saving_.running =
+      std::async(std::launch::async, [this, file, loaded = this->file(), points = std::move(points),
+                                      fields = std::move(fields), present = std::move(present)]() mutable {
+        try {
+          // The strokes since are strokes on the model's file, wherever it is saved.
+          std::error_code isNone;
+          if (unsaved_ && std::filesystem::is_regular_file(loaded, isNone)) unsaved_->keepModel();
+          std::string lost;
+          const std::filesystem::path kept =
+              saveKeeping(file, present ? std::move(present->cloud) : editedCloud(model().cloud, points, fields),
+                          {.own = &saving_.own, .like = loaded, .notKept = &lost});
+          if (present && !present->remark.empty()) lost = present->remark + (lost.empty() ? "" : "; " + lost);
+          return Saved{file, kept.string(), {}, lost};
+        } catch (const std::exception& error) {
+          return Saved{file, {}, error.what(), {}};
+        }
+      });
 }
 
 std::optional<InteractiveSession::Saved> InteractiveSession::takeSaved() {

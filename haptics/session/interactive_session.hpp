@@ -28,6 +28,9 @@ struct InteractiveOptions {
   std::filesystem::path unsavedIn;
   /// Unsaved strokes of an earlier program on this model, with which the session continues; null: none.
   std::shared_ptr<const LeftStrokes> left;
+  /// Masks and fields of the session whose points this one continues with, and what of them can be undone (handOn());
+  /// null, or where none can be set: none.
+  std::shared_ptr<const EditBatch> attributes;
 };
 
 /// Throws FileError where the model contains no points.
@@ -103,11 +106,20 @@ class InteractiveSession {
   void setBrush(const std::optional<BrushConfig>& brush);
   void setContact(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
   void setParameter(std::string_view name, double value);
+  void setMask(MaskRole role, const PointSet& points) {
+    if (!failed_) session_.setMask(role, points);
+  }
+  void setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values) {
+    if (!failed_) session_.setField(field, points, std::move(values));
+  }
+  /// Throws Error also after a failure.
+  std::uint32_t fieldNamed(std::string_view name, ScalarType type = ScalarType::f32);
   /// False where there is nothing to undo, or to redo.
   bool undo() { return undoStrokes(1, 0); }
   bool redo() { return session_.strokes().redoCount > 0 && undoStrokes(0, 1); }
 
   const History& history() const { return *session_.history(); }
+  const LayerAttributes& attributes() const { return session_.scene().layers[0].attributes; }
   /// Whether the points, or the rest shape of a soft body, differ from what was loaded or saved last.
   bool isChanged() const { return session_.strokes().version != saving_.saved; }
 
@@ -120,16 +132,23 @@ class InteractiveSession {
   bool holdsFrames() const { return held_; }
   /// Whether the points are a camera's frame that is paused while a person sculpts it (handOn()).
   bool isHeldStill() const { return !config().model.stream && model().stream() && model().stream()->player; }
-  /// The present points as a model; a camera's with its stream, which is paused and leaves this session. A session
-  /// without a configured stream sculpts the points; one with a stream continues from them. Throws query failures.
-  Model handOn();
+  /// The present points as a model, with masks and fields for InteractiveOptions; a camera's with its stream, which is
+  /// paused and leaves this session. A session without a configured stream sculpts the points; one with a stream
+  /// continues from them. Strokes, and what was set before the last of them, cannot be undone there. Throws query
+  /// failures.
+  struct HandedOn {
+    Model model;
+    std::shared_ptr<const EditBatch> attributes;
+  };
+  HandedOn handOn();
   /// Session::releaseStream() at the time of the next tick.
   std::shared_ptr<PlayedStream> releaseStream();
 
   /// Writes the present points on another thread. A file that would lose data by this is kept under another name.
   void save(const std::string& file);
   bool isSaving() const { return saving_.running.valid(); }
-  /// Result of save(): the file and the name that an older one is kept under, or the failure; SculptedCloud::remark.
+  /// Result of save(): the file and the name that an older one is kept under, or the failure; SculptedCloud::remark,
+  /// and what the format does not keep.
   struct Saved {
     std::string file, kept, failure, remark;
   };
@@ -164,6 +183,8 @@ class InteractiveSession {
   void goOnWith(const LeftStrokes& left);
   void dropStroke();
   StrokesSince strokesSince();
+  // isChanged(), or a mask is set, which is in no file.
+  bool isUnsaved() const;
   bool undoStrokes(std::size_t undo, std::size_t redo);
 
   Session session_;

@@ -1,12 +1,12 @@
-// The part of unsaved strokes that the next program needs: finds the strokes and applies them to a history.
+// The part of unsaved strokes that the next program needs: finds the strokes.
 #include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <iterator>
 
 #include "engine/core/error.hpp"
-#include "engine/edit/history.hpp"
 #include "haptics/session/model.hpp"
+#include "haptics/session/recorded_edits.hpp"
 #include "haptics/session/unsaved_strokes.hpp"
 
 namespace palpate {
@@ -23,14 +23,6 @@ unsigned logNumberOf(const std::string& name) {
   const char* const end = name.data() + name.size() - kEnding.size();
   const auto [last, error] = std::from_chars(name.data() + kLog.size(), end, number);
   return error == std::errc() && last == end ? number : 0;
-}
-
-bool isSame(std::span<const PointState> states, std::span<const PointChange> changes) {
-  if (states.size() != changes.size()) return false;
-  std::vector<PointState> ours(states.begin(), states.end()), theirs;
-  for (const PointChange& change : changes) theirs.push_back(change.to);
-  for (auto* each : {&ours, &theirs}) std::ranges::sort(*each, {}, &PointState::number);
-  return ours == theirs;
 }
 
 // A log whose content a power cut has left off: its blocks were never written.
@@ -55,8 +47,9 @@ LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
       if (!failure) failure = error;
       continue;
     }
-    if (!log.empty() && record.edits.points.size() < most) continue;
-    most = record.edits.points.size();
+    const std::size_t edits = record.edits.points.size() + record.edits.attributes.size();
+    if (!log.empty() && edits < most) continue;
+    most = edits;
     log = folder->log(number);
     best = std::move(record);
   }
@@ -72,8 +65,11 @@ LeftStrokes readFolder(std::shared_ptr<StrokeFolder> folder) {
   left.edits = std::move(best.edits);
   const std::vector<EditMark>& marks = left.edits.marks;
   const bool isUnderWay = left.edits.points.size() > (marks.empty() ? 0 : marks.back().at);
-  left.since = folder->since().value_or(StrokesSince{
-      .made = static_cast<std::size_t>(std::ranges::count(marks, EditMark::Kind::stroke, &EditMark::kind))});
+  const auto isMade = [](const EditMark& mark) {
+    return mark.kind == EditMark::Kind::stroke || mark.kind == EditMark::Kind::attribute;
+  };
+  left.since =
+      folder->since().value_or(StrokesSince{.made = static_cast<std::size_t>(std::ranges::count_if(marks, isMade))});
   left.since.made += isUnderWay;
   std::error_code ignored;
   left.made = std::filesystem::last_write_time(log, ignored);
@@ -207,7 +203,7 @@ std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
     }
     try {
       LeftStrokes left = readFolder(folder);
-      if (!left.edits.points.empty() || left.since.undone > 0)
+      if (!left.edits.points.empty() || !left.edits.attributes.empty() || left.since.undone > 0)
         all.push_back(std::move(left));
       else if (left.lacks.empty())
         left.folder->remove();
@@ -218,24 +214,6 @@ std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
   }
   std::ranges::sort(all, std::ranges::greater(), &LeftStrokes::made);
   return all;
-}
-
-void followAgain(History& history, const EditBatch& edits) {
-  const std::span<const PointState> all = edits.points;
-  std::size_t begin = 0;
-  for (const EditMark& mark : edits.marks) {
-    const auto states = all.subspan(begin, mark.at - begin);
-    begin = mark.at;
-    const History::Carriers isThat{
-        .points = [&](std::span<const PointChange> changes) { return isSame(states, changes); }};
-    const bool mayBeUndo = mark.kind == EditMark::Kind::change && !history.inStroke();
-    if (mayBeUndo && (history.undo(isThat) || history.redo(isThat))) continue;
-    history.follow({.points = {states.begin(), states.end()}, .marks = {{states.size(), mark.kind}}});
-  }
-  // The unfinished stroke at the program's end counts as a stroke.
-  const auto rest = all.subspan(begin);
-  if (!rest.empty())
-    history.follow({.points = {rest.begin(), rest.end()}, .marks = {{rest.size(), EditMark::Kind::stroke}}});
 }
 
 }  // namespace palpate

@@ -32,10 +32,11 @@ struct Differences {
   std::size_t forceTicks = 0;  ///< with forces that differ by more than the tolerance
   std::size_t editTicks = 0;   ///< between which the edits differ
   std::size_t points = 0;      ///< that differ in the end; 0 if the ends were not compared
+  std::size_t attributes = 0;  ///< masks and fields that differ in the end; likewise
   bool ends = false;           ///< the ends were compared
   std::optional<double> first_s;
 
-  bool any() const { return forceTicks + editTicks + points > 0; }
+  bool any() const { return forceTicks + editTicks + points + attributes > 0; }
 };
 
 struct Tolerance {

@@ -277,9 +277,8 @@ SculptedCloud Session::sculpted() const {
   SculptedCloud sculpted{.cloud = model().cloud};
   if (pointHistory() && !config_.moves() && !isMoved_) {
     const PointStates& points = history()->points();
-    sculpted.cloud = editedCloud(model().cloud, points);
+    sculpted.cloud = editedCloud(model().cloud, points, scene_.layers[0].attributes.fields());
     sculpted.edited = changedPoints(model().cloud, points);
-    addFields(scene_.layers[0].attributes.fields(), points, sculpted.cloud);
     return sculpted;
   }
   sculpted.edited = backend_->readBack(sculpted.cloud);

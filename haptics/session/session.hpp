@@ -221,12 +221,14 @@ class Session {
   /// Sets a mask of the points, until undo(). Threads and times as for undo(). Throws Error where the model refuses it,
   /// or the points are not followed.
   void setMask(MaskRole role, const PointSet& points);
-  /// Number of the field of that name. The first call makes it, of the file's property or with zeros; throws as
-  /// setMask().
+  /// Number of the field of that name. The first call makes it, of the file's property or with zeros, until undo();
+  /// throws as setMask().
   std::uint32_t fieldNamed(std::string_view name, ScalarType type = ScalarType::f32);
   /// Sets values of the field: one for each of the points, ascending, in native byte order. Otherwise as setMask();
   /// throws Error also if a point has no number yet, or values are missing.
   void setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values);
+  /// Makes one of these changes as a log contains it. Throws Error also if it does not fit (LayerAttributes::fits()).
+  void change(AttributeChange change);
   /// Repeats a command of a session log.
   void repeat(const LoggedCommand& command);
   /// After finish(), or live: undoes and redoes strokes of the points or of the rest shape of a soft body, and changes
@@ -237,6 +239,10 @@ class Session {
   StrokeCounts strokes() const;
   /// The present points: from the history, if there is one and nothing moves, else from the back end, between ticks.
   SculptedCloud sculpted() const;
+  /// Begins with recorded edits of the model, undone ones included. Before the first query.
+  void followAgain(const EditBatch& edits);
+  /// EditRelay::attributeHistory(). In between(), or before and after a run. Empty if no masks and fields are kept.
+  EditBatch attributeHistory();
 
   /// Begins a session log: before a run, with its rate and clock as in `run`; or in a live session, in contact or not,
   /// whose points have not been edited. `hand`: the first one. `onFault` is called at once, on the log's thread, with
@@ -244,6 +250,10 @@ class Session {
   /// history is kept.
   void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {}, const RunOptions& run = {});
   SessionRecording* recording() const { return channel_.recording(); }
+  /// How the log ends: checksum of the present points, masks and fields.
+  std::uint64_t endChecksum() const {
+    return checksumOf(model().cloud.origin, history()->points(), scene_.layers[0].attributes);
+  }
   /// Ends the log and records how the session ended. Throws FileError if not everything could be written, unless
   /// SessionRecording::takeFault() has said so.
   void endRecording();
@@ -297,7 +307,8 @@ class Session {
   PulledParts pulledParts(const PullOptions& options);
   void takeEdits();
   std::string textFor(const SessionConfig& config) const;
-  LayerAttributes& attributesFor(Action action, std::string_view what);
+  const LayerAttributes& attributesFor(Action action, std::string_view what) const;
+  void logAttributes(SessionWriter& log, const EditBatch& past);
   bool settleFar(double timeout_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
 

@@ -107,16 +107,27 @@ UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
   return between([&] {
     if (!history()) throw Error("a session without a history has no strokes to undo");
     const UndoneStrokes done = relay_.undo(strokes, redo);
-    if (done.undoneEdits > 0) channel_.note(LoggedCommand::Kind::undo, std::to_string(done.undoneEdits));
-    if (done.redoneEdits > 0) channel_.note(LoggedCommand::Kind::redo, std::to_string(done.redoneEdits));
+    if (done.undone > 0) channel_.note(LoggedCommand::Kind::undo, std::to_string(done.undone));
+    if (done.redone > 0) channel_.note(LoggedCommand::Kind::redo, std::to_string(done.redone));
     return done;
   });
 }
 
-LayerAttributes& Session::attributesFor(Action action, std::string_view what) {
+const LayerAttributes& Session::attributesFor(Action action, std::string_view what) const {
   require(action, what);
   if (!pointHistory()) throw Error("{}: the session does not follow its points", what);
   return scene_.layers[0].attributes;
+}
+
+void Session::change(AttributeChange change) {
+  const bool isMask = std::holds_alternative<MaskFlip>(change);
+  const LayerAttributes& attributes =
+      attributesFor(isMask ? Action::select : Action::field, isMask ? "select" : "field");
+  between([&] {
+    if (!attributes.fits(change)) throw Error("a recorded change of a field does not fit; the session differs");
+    relay_.change(std::move(change));
+    channel_.note(LoggedCommand::Kind::attribute, {});
+  });
 }
 
 void Session::setMask(MaskRole role, const PointSet& points) {
@@ -124,14 +135,19 @@ void Session::setMask(MaskRole role, const PointSet& points) {
   between([&] {
     MaskFlip flip{.role = role, .points = attributes.mask(role)};
     flip.points.flip(points);
-    if (!flip.points.empty()) relay_.change(std::move(flip));
+    if (!flip.points.empty()) change(std::move(flip));
   });
 }
 
 std::uint32_t Session::fieldNamed(std::string_view name, ScalarType type) {
-  LayerAttributes& attributes = attributesFor(Action::field, name);
+  const LayerAttributes& attributes = attributesFor(Action::field, name);
   if (const auto number = attributes.fieldNamed(name)) return *number;
-  return between([&] { return attributes.add(initialField(model().cloud, history()->points(), name, type)); });
+  return between([&] {
+    FieldPresence made = initialField(model().cloud, history()->points(), name, type, attributes.fields().size());
+    const std::uint32_t number = made.field;
+    change(std::move(made));
+    return number;
+  });
 }
 
 void Session::setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values) {
@@ -146,8 +162,26 @@ void Session::setField(std::uint32_t field, const PointSet& points, std::vector<
     if (points.count() * bytes != values.size())
       throw Error("{}: {} points require {} bytes, not {}", had.name, points.count(), points.count() * bytes,
                   values.size());
-    if (!points.empty()) relay_.change(FieldChange{.field = field, .points = points, .values = std::move(values)});
+    if (!points.empty()) change(FieldChange{.field = field, .points = points, .values = std::move(values)});
   });
+}
+
+EditBatch Session::attributeHistory() {
+  const Abilities can = abilities();
+  return pointHistory() && can.allow(Action::select) ? relay_.attributeHistory() : EditBatch();
+}
+
+void Session::followAgain(const EditBatch& edits) {
+  if (edits.empty()) return;
+  relay_.followAgain(edits);
+  const PointStates before(model().cloud);
+  std::vector<PointChange> changes;
+  for (const PointState& state : history()->points()) {
+    const PointState from = before[state.number];
+    if (!(from == state)) changes.push_back({from, state});
+  }
+  if (!changes.empty()) backend_->edits()->change(changes);
+  catchUp();
 }
 
 std::shared_ptr<PlayedStream> Session::releaseStream(double time_s) {
@@ -178,8 +212,19 @@ void Session::record(const std::string& file, const OpenHand& hand, RecordingFau
                                                                   .passivity = hand.passivity},
                                                   backend_->edits(), std::move(onFault));
   SessionWriter& writer = begun->writer();
+  EditBatch past = attributeHistory();
   channel_.begin(std::move(begun), channel_.isLent() ? recordContacts(*backend_) : std::vector<double>());
   relay_.setLog(&writer);
+  logAttributes(writer, past);
+}
+
+// The log begins with the model's file: its masks and fields are made first.
+void Session::logAttributes(SessionWriter& log, const EditBatch& past) {
+  log.add(past);
+  const auto undone = std::ranges::count(past.marks, EditMark::Kind::undone, &EditMark::kind);
+  for (std::size_t i = past.marks.size() - static_cast<std::size_t>(undone); i > 0; --i)
+    channel_.note(LoggedCommand::Kind::attribute, {});
+  if (undone > 0) channel_.note(LoggedCommand::Kind::undo, std::to_string(undone));
 }
 
 std::unique_ptr<SessionRecording> Session::releaseRecording() {
@@ -191,7 +236,7 @@ std::unique_ptr<SessionRecording> Session::releaseRecording() {
 
 void Session::endRecording() {
   const std::unique_ptr<SessionRecording> ended = releaseRecording();
-  if (ended) ended->finish(checksumOf(model().cloud.origin, history()->points()));
+  if (ended) ended->finish(endChecksum());
 }
 
 void Session::repeat(const LoggedCommand& command) {
@@ -224,6 +269,8 @@ void Session::repeat(const LoggedCommand& command) {
       return setFrames(command.content == "play"    ? Frames::play
                        : command.content == "pause" ? Frames::pause
                                                     : Frames::step);
+    case Kind::attribute:
+      return;  // change()
   }
 }
 

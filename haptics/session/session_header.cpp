@@ -8,7 +8,6 @@
 
 #include "engine/core/characters.hpp"
 #include "engine/core/error.hpp"
-#include "engine/core/packed_state.hpp"
 
 namespace palpate {
 
@@ -73,13 +72,6 @@ void readDevice(const Json& device, RecordedSession& session) {
     if (device.at("passivity") == name) session.passivity = mode;
 }
 
-// Maximum number of states that a log lacks: as its gaps state, or have room for.
-std::uint64_t mostMissingEdits(const SessionRecord& record) {
-  std::uint64_t most = 0;
-  for (const LogGap& gap : record.gaps) most += gap.states.value_or((gap.end - gap.begin) / sizeof(PackedState));
-  return most;
-}
-
 }  // namespace
 
 std::string headerText(const RecordedSession& session) {
@@ -124,14 +116,6 @@ RecordedSession parseHeader(const std::filesystem::path& log, const std::string&
                                      "palpate?",
                                      error.what()));
   }
-}
-
-void requireEditsOf(const std::filesystem::path& log, std::size_t points, const SessionRecord& record) {
-  const std::size_t most = points + record.edits.points.size() + mostMissingEdits(record);
-  for (const PointState& state : record.edits.points)
-    if (state.number >= most || state.parent >= most)
-      throw FileError(log, fmt::format("is damaged: it refers to point {}, but with all its edits there are only {}",
-                                       std::max(state.number, state.parent), most));
 }
 
 void TickTap::ticked(const TraceRow& row, const DeviceState& device) noexcept {

@@ -34,9 +34,6 @@ std::string headerText(const RecordedSession& session);
 /// Reads a header. Throws FileError for a text that it does not understand, such as that of an older palpate.
 RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text);
 
-/// Throws FileError if the edits of a log do not belong to a model with that number of points.
-void requireEditsOf(const std::filesystem::path& log, std::size_t points, const SessionRecord& record);
-
 /// Passes on each tick in the form of a session log, with the back end's part of it.
 class TickTap final : public TickRecorder {
  public:

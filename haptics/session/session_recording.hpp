@@ -39,6 +39,8 @@ class SessionRecording final : public TickRecorder {
   void add(LoggedCommand command) { writer_.add(std::move(command)); }
 
   SessionWriter& writer() { return writer_; }
+  /// Number of recorded ticks. For the thread that ticks, or while none are made.
+  std::uint64_t ticks() const { return ticks_; }
   /// Returns once what could not be written. Thread-safe.
   std::optional<std::string> takeFault();
   /// Records how the session ended. Throws FileError if not everything could be written, unless takeFault() has said

@@ -1,6 +1,7 @@
 #include "haptics/session/session_replay.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -11,18 +12,19 @@
 #include "engine/core/job_stop.hpp"
 #include "engine/edit/point_states.hpp"
 #include "haptics/devices/replay_device.hpp"
+#include "haptics/session/recorded_edits.hpp"
 #include "haptics/session/session.hpp"
 
 namespace palpate {
 
 namespace {
 
-// The points after the edits of a log, which may change points and append new ones.
-std::vector<PointState> edited(const std::string& log, const Model& model, const SessionRecord& record) {
-  requireEditsOf(log, model.cloud.size(), record);
-  PointStates points(model.cloud);
-  points.set(record.edits.points);
-  return {points.begin(), points.end()};
+// Applies the edits of the log, which may change points and append new ones.
+void applyEdits(Recorded& recorded) {
+  requireEditsOf(recorded.file, recorded.model.cloud.size(), recorded.record);
+  History history(recorded.model.cloud);
+  followAgain(history, recorded.attributes, recorded.record.edits);
+  recorded.points.assign(history.points().begin(), history.points().end());
 }
 
 /// Collects all edits.
@@ -33,6 +35,57 @@ class EditCollector final : public EditFollower {
 
  private:
   EditBatch& all_;
+};
+
+/// The commands of a log, given again.
+class CommandsAgain {
+ public:
+  CommandsAgain(const SessionRecord& record, Session& session) : record_(record), session_(session) {}
+
+  /// Before a loop runs: gives those with which the recording began.
+  void begin() {
+    for (; isBefore(0) && isWithoutLoop(record_.commands[next_]); ++next_) give(record_.commands[next_]);
+  }
+  /// Gives those before that tick.
+  void repeat(std::uint64_t tick) {
+    while (isBefore(tick)) give(record_.commands[next_++]);
+  }
+  /// After the loop: gives the rest, as far as it changes what the session ends with.
+  void finish() {
+    for (; next_ < record_.commands.size(); ++next_)
+      if (isWithoutLoop(record_.commands[next_])) give(record_.commands[next_]);
+  }
+
+ private:
+  bool isBefore(std::uint64_t tick) const {
+    return next_ < record_.commands.size() && record_.commands[next_].tick <= tick;
+  }
+  static bool isWithoutLoop(const LoggedCommand& command) {
+    using Kind = LoggedCommand::Kind;
+    constexpr std::array kKinds{Kind::begin, Kind::attribute, Kind::undo, Kind::redo};
+    return std::ranges::count(kKinds, command.kind) > 0;
+  }
+  // In a damaged log a change may be missing, or not fit without one that is.
+  void give(const LoggedCommand& command) {
+    if (command.kind != LoggedCommand::Kind::attribute) return session_.repeat(command);
+    const AttributeChange* const change = nextChange();
+    if (change && session_.scene().layers[0].attributes.fits(*change)) session_.change(*change);
+  }
+  // Null where it is missing.
+  const AttributeChange* nextChange() {
+    const std::vector<EditMark>& marks = record_.edits.marks;
+    while (mark_ < marks.size()) {
+      const EditMark& mark = marks[mark_++];
+      if (!mark.hasAttribute()) continue;
+      const AttributeChange& change = record_.edits.attributes[change_++];
+      if (mark.kind == EditMark::Kind::attribute) return &change;
+    }
+    return nullptr;
+  }
+
+  const SessionRecord& record_;
+  Session& session_;
+  std::size_t next_ = 0, mark_ = 0, change_ = 0;
 };
 
 /// Where the session was when its recording began.
@@ -67,6 +120,14 @@ std::uint64_t undoOf(const SessionRecord& record) {
   UndoConfig undo;
   undo.undo = undoes;
   return undoBytes(undo);
+}
+
+// Number of masks and fields that differ.
+std::size_t differing(std::vector<std::uint64_t> a, std::vector<std::uint64_t> b) {
+  const std::size_t count = std::max(a.size(), b.size()), shared = std::min(a.size(), b.size());
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < shared; ++i) same += a[i] == b[i];
+  return count - same;
 }
 
 }  // namespace
@@ -108,9 +169,10 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
   const auto falls = [](const LoggedTick& a, const LoggedTick& b) { return !(a.time_s < b.time_s); };
   if (std::ranges::adjacent_find(record.ticks, falls) != record.ticks.end())
     throw FileError(log, "its ticks are not in the order of time; it is damaged");
-  recorded.points = edited(log, recorded.model, record);
+  applyEdits(recorded);
   if (record.end)
-    recorded.endsAsRecorded = checksumOf(recorded.model.cloud.origin, recorded.points) == record.end->points;
+    recorded.endsAsRecorded =
+        checksumOf(recorded.model.cloud.origin, recorded.points, recorded.attributes) == record.end->points;
   return recorded;
 }
 
@@ -144,17 +206,19 @@ SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
                       .map = recorded.session.map,
                       .duration_s = record.ticks.back().time_s,
                       .passivity = recorded.session.passivity};
-  auto next = record.commands.begin();
-  const auto repeat = [&](std::uint64_t tick) {
-    for (; next != record.commands.end() && next->tick <= tick; ++next) session.repeat(*next);
-  };
-  again.result = session.run(
-      {&hand, 1}, {.forcesOn = &device.forcesOn(), .recorder = &tap, .before = repeat, .resume = beginning.state()});
+  CommandsAgain commands(record, session);
+  commands.begin();
+  again.result = session.run({&hand, 1}, {.forcesOn = &device.forcesOn(),
+                                          .recorder = &tap,
+                                          .before = [&](std::uint64_t tick) { commands.repeat(tick); },
+                                          .resume = beginning.state()});
   throwIfStopWanted();
   session.finish();
+  commands.finish();
   if (record.end) session.undo(config.undo.undo, config.undo.redo);
   session.checkFollower();
   again.points.assign(session.history()->points().begin(), session.history()->points().end());
+  again.attributes = session.scene().layers[0].attributes;
   return again;
 }
 
@@ -174,7 +238,10 @@ ReplayOutcome compareRuns(const Recorded& recorded, const SessionAgain& again, d
                                      outcome.comparable.count, allowed);
   outcome.differences.ends =
       recorded.record.end && recorded.record.gaps.empty() && outcome.comparable.count == recorded.record.ticks.size();
-  if (outcome.differences.ends) outcome.differences.points = differingPoints(recorded.points, again.points, allowed);
+  if (!outcome.differences.ends) return outcome;
+  outcome.differences.points = differingPoints(recorded.points, again.points, allowed);
+  outcome.differences.attributes =
+      differing(checksumsOf(recorded.attributes, recorded.points), checksumsOf(again.attributes, again.points));
   return outcome;
 }
 

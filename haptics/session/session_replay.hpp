@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/edit/layer_attributes.hpp"
 #include "haptics/session/backends.hpp"
 #include "haptics/session/replay_comparison.hpp"
 #include "haptics/session/session_header.hpp"
@@ -21,7 +22,7 @@ struct ReplayParts {
   std::string naming = "model";       ///< name of the option for the model, for errors
 };
 
-/// A log, its model (until it is run again), and the points after its edits.
+/// A log, its model (until it is run again), and the points, masks and fields after its edits.
 struct Recorded {
   std::string file;
   SessionRecord record;
@@ -29,6 +30,7 @@ struct Recorded {
   Model model;
   ModelScale scale;
   std::vector<PointState> points;
+  LayerAttributes attributes;          ///< of these
   std::optional<bool> endsAsRecorded;  ///< empty if the session was interrupted
 };
 /// Throws FileError for a log that cannot be read or is damaged beyond use, and for another model than the session's.
@@ -40,6 +42,7 @@ struct SessionAgain {
   std::vector<LoggedTick> ticks;
   EditBatch edits;
   std::vector<PointState> points;
+  LayerAttributes attributes;
 };
 /// Moves the model out of `recorded`. Throws FileError if there is no tick, and Error.
 SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts);
@@ -48,7 +51,7 @@ struct ReplayOutcome {
   ComparableTicks comparable;
   Differences differences;
 
-  /// All ticks and the points at the end are the same, bit by bit if the tolerance was 0.
+  /// All ticks, and the points, masks and fields at the end, are the same, bit by bit if the tolerance was 0.
   bool isWhole(const Recorded& recorded) const {
     return !differences.any() && differences.ends && differences.ticks == recorded.record.ticks.size();
   }

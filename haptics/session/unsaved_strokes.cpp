@@ -4,7 +4,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/error.hpp"
-#include "engine/edit/point_states.hpp"
+#include "engine/edit/layer_attributes.hpp"
 #include "haptics/pending_edits.hpp"
 #include "haptics/session/model.hpp"
 
@@ -107,12 +107,15 @@ void UnsavedStrokes::writePending() {
   sinceWritten_ = Stopwatch();
 }
 
-EditBatch UnsavedStrokes::snapshot(const PointStates& points) const {
+// The masks and fields as undone changes, which cannot be undone again.
+EditBatch UnsavedStrokes::snapshot(const PointStates& points, const LayerAttributes& attributes) const {
   const std::vector<PointState> before = statesOf(model_.cloud);
   EditBatch all;
   for (const PointState& state : points)
     if (state.number >= before.size() || !(before[state.number] == state)) all.points.push_back(state);
   all.marks.push_back({all.points.size(), EditMark::Kind::change});
+  all.attributes = attributes.all();
+  all.marks.resize(1 + all.attributes.size(), {all.points.size(), EditMark::Kind::undone});
   return all;
 }
 
@@ -131,19 +134,19 @@ void UnsavedStrokes::noteUnchanged(bool on) {
   if (std::exchange(unchanged_, on) != on) folder().setUnchanged(on);
 }
 
-void UnsavedStrokes::follow(const EditBatch& fresh, const PointStates& points, bool isChanged,
-                            const StrokesSince& since) {
+void UnsavedStrokes::follow(const EditBatch& fresh, const PointStates& points, const LayerAttributes& attributes,
+                            bool isChanged, const StrokesSince& since) {
   takeMade();
   if (isChanged) noteUnchanged(false);
   if (isChanged && !failed_ && since_ != since) folder().setSince(since_ = since);
   if (!isKept()) {
-    if (!fresh.changesPoints() || failed_) return;
-    return begin(wasKept_ ? snapshot(points) : fresh);
+    if ((fresh.empty() && !attributes.hasMasks()) || failed_) return;  // masks are in no saved file
+    return begin(wasKept_ || fresh.marks.empty() ? snapshot(points, attributes) : fresh);
   }
   append(pending_, fresh);
   if (writer_ && pending_.empty() && !isChanged) noteUnchanged(true);
   if (!writer_ || pending_.empty() || sinceWritten_.elapsed_s() < kBetweenWrites_s) return;
-  if (states_ > std::max(kMaxStates, kMaxClouds * model_.cloud.size())) return begin(snapshot(points));
+  if (states_ > std::max(kMaxStates, kMaxClouds * model_.cloud.size())) return begin(snapshot(points, attributes));
   writePending();
 }
 

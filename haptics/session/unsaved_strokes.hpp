@@ -20,7 +20,7 @@
 
 namespace palpate {
 
-class History;
+class LayerAttributes;
 class PointStates;
 struct Model;
 struct ModelConfig;
@@ -89,9 +89,6 @@ struct LeftStrokes {
 /// Folders that cannot be read are renamed and reported to `say`.
 std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
                                      const std::function<void(const std::string&)>& say);
-/// Applies recorded edits to a history of the model, undone and redone strokes included.
-void followAgain(History& history, const EditBatch& edits);
-
 /// Keeps the strokes of a session. It does not delay the caller: files are made and written on other threads. All but
 /// keepModel() is for one thread.
 class UnsavedStrokes {
@@ -108,9 +105,10 @@ class UnsavedStrokes {
   void setDocument(const std::string& file) { session_.document = file; }
   /// Continues the strokes of an earlier program, in its folder.
   void adopt(const LeftStrokes& left);
-  /// `fresh`: edits since the last call, already in `points`. `isChanged`: whether the points differ from those of
-  /// their file, by the strokes `since`.
-  void follow(const EditBatch& fresh, const PointStates& points, bool isChanged, const StrokesSince& since);
+  /// `fresh`: edits since the last call, already in `points` and their `attributes`. `isChanged`: whether those differ
+  /// from the file, by the strokes `since`.
+  void follow(const EditBatch& fresh, const PointStates& points, const LayerAttributes& attributes, bool isChanged,
+              const StrokesSince& since);
   /// Called when the present points have been saved.
   void saved();
   /// Called before the model's file is replaced, from any thread.
@@ -128,7 +126,7 @@ class UnsavedStrokes {
   void noteUnchanged(bool on);
   StrokeFolder& folder();
   void fail(const std::string& what);
-  EditBatch snapshot(const PointStates& points) const;
+  EditBatch snapshot(const PointStates& points, const LayerAttributes& attributes) const;
 
   std::filesystem::path root_;
   const Model& model_;

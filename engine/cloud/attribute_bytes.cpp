@@ -1,0 +1,134 @@
+#include "engine/cloud/attribute_bytes.hpp"
+
+#include <cstring>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "engine/cloud/scalar_type.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Before the words of the points and the values of a field, or of the presence of a field, its words and its values.
+struct ChangeHead {
+  std::uint64_t kind = 0, layer = 0, number = 0;
+};
+struct PresenceHead {
+  std::uint64_t isPresent = 0, type = 0, points = 0, nameBytes = 0, unitBytes = 0;
+};
+
+void add(std::vector<std::byte>& bytes, std::span<const std::byte> more) {
+  bytes.insert(bytes.end(), more.begin(), more.end());
+}
+template <class T>
+void addValue(std::vector<std::byte>& bytes, const T& value) {
+  add(bytes, std::as_bytes(std::span(&value, 1)));
+}
+void addPoints(std::vector<std::byte>& bytes, const PointSet& points) {
+  const std::vector<std::uint64_t> words = points.words();
+  add(bytes, std::as_bytes(std::span(words)));
+}
+
+/// Reads from the front of bytes.
+struct ByteReader {
+  std::span<const std::byte> rest;
+
+  template <class T>
+  bool take(T& value) {
+    if (rest.size() < sizeof value) return false;
+    std::memcpy(&value, rest.data(), sizeof value);
+    rest = rest.subspan(sizeof value);
+    return true;
+  }
+  bool take(std::string& text, std::uint64_t bytes) {
+    if (rest.size() < bytes) return false;
+    text.assign(reinterpret_cast<const char*>(rest.data()), bytes);
+    rest = rest.subspan(bytes);
+    return true;
+  }
+  bool take(PointSet& points) {
+    std::vector<std::uint64_t> words(rest.size() / sizeof(std::uint64_t));
+    if (!words.empty()) std::memcpy(words.data(), rest.data(), words.size() * sizeof(std::uint64_t));
+    std::span<const std::uint64_t> left = words;
+    if (!points.read(left)) return false;
+    rest = rest.subspan((words.size() - left.size()) * sizeof(std::uint64_t));
+    return true;
+  }
+  std::vector<std::byte> values() const { return {rest.begin(), rest.end()}; }
+};
+
+bool readPresence(ByteReader bytes, FieldPresence& made) {
+  PresenceHead head;
+  if (!bytes.take(head) || head.isPresent > 1 || head.type > static_cast<std::uint64_t>(ScalarType::u64)) return false;
+  if (!bytes.take(made.name, head.nameBytes) || !bytes.take(made.unit, head.unitBytes)) return false;
+  made.isPresent = head.isPresent == 1;
+  made.type = static_cast<std::uint8_t>(head.type);
+  made.points = head.points;
+  made.values = bytes.values();
+  return true;
+}
+
+}  // namespace
+
+std::uint64_t bytesOf(const AttributeChange& change) {
+  if (const auto* const flip = std::get_if<MaskFlip>(&change)) return flip->points.bytes();
+  if (const auto* const of = std::get_if<FieldChange>(&change)) return of->points.bytes() + of->values.size();
+  const auto& made = std::get<FieldPresence>(change);
+  return made.name.size() + made.unit.size() + made.values.size();
+}
+
+std::vector<std::byte> bytesIn(const AttributeChange& change) {
+  std::vector<std::byte> bytes;
+  const auto addHead = [&](std::uint64_t layer, std::uint64_t number) {
+    addValue(bytes, ChangeHead{change.index(), layer, number});
+  };
+  if (const auto* const flip = std::get_if<MaskFlip>(&change)) {
+    addHead(flip->layer, static_cast<std::uint64_t>(flip->role));
+    addPoints(bytes, flip->points);
+  } else if (const auto* const of = std::get_if<FieldChange>(&change)) {
+    addHead(of->layer, of->field);
+    addPoints(bytes, of->points);
+    add(bytes, of->values);
+  } else {
+    const auto& made = std::get<FieldPresence>(change);
+    addHead(made.layer, made.field);
+    addValue(bytes, PresenceHead{made.isPresent, made.type, made.points, made.name.size(), made.unit.size()});
+    for (const std::string& text : {made.name, made.unit}) add(bytes, std::as_bytes(std::span(text)));
+    add(bytes, made.values);
+  }
+  return bytes;
+}
+
+bool readChange(std::span<const std::byte> bytes, AttributeChange& change) {
+  ByteReader reader{bytes};
+  ChangeHead head;
+  if (!reader.take(head) || head.layer != 0 || head.number > std::numeric_limits<std::uint32_t>::max()) return false;
+  const auto number = static_cast<std::uint32_t>(head.number);
+  switch (head.kind) {
+    case 0: {
+      MaskFlip flip{.role = static_cast<MaskRole>(number)};
+      if (number >= kMaskRoles || !reader.take(flip.points) || !reader.rest.empty()) return false;
+      change = std::move(flip);
+      return true;
+    }
+    case 1: {
+      FieldChange of{.field = number};
+      if (!reader.take(of.points)) return false;
+      of.values = reader.values();
+      change = std::move(of);
+      return true;
+    }
+    case 2: {
+      FieldPresence made{.field = number};
+      if (!readPresence(reader, made)) return false;
+      change = std::move(made);
+      return true;
+    }
+    default:
+      return false;
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,141 @@
+#include "haptics/session/recorded_edits.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "engine/core/error.hpp"
+#include "engine/core/packed_state.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Maximum number of states that a log lacks: as its gaps state, or have room for.
+std::uint64_t mostMissingEdits(const SessionRecord& record) {
+  std::uint64_t most = 0;
+  for (const LogGap& gap : record.gaps) most += gap.states.value_or((gap.end - gap.begin) / sizeof(PackedState));
+  return most;
+}
+
+bool isSame(std::span<const PointState> states, std::span<const PointChange> changes) {
+  if (states.size() != changes.size()) return false;
+  std::vector<PointState> ours(states.begin(), states.end()), theirs;
+  for (const PointChange& change : changes) theirs.push_back(change.to);
+  for (auto* each : {&ours, &theirs}) std::ranges::sort(*each, {}, &PointState::number);
+  return ours == theirs;
+}
+
+// The number after the last point of a change.
+std::uint64_t endOf(const AttributeChange& change) {
+  if (const auto* const flip = std::get_if<MaskFlip>(&change)) return flip->points.end();
+  if (const auto* const of = std::get_if<FieldChange>(&change)) return of->points.end();
+  return std::get<FieldPresence>(change).points;
+}
+
+std::uint32_t fieldOf(const AttributeChange& change) {
+  const auto* const of = std::get_if<FieldChange>(&change);
+  return of ? of->field : std::get<FieldPresence>(change).field;
+}
+
+void requireAttributesOf(const std::filesystem::path& log, std::size_t most, const SessionRecord& record) {
+  LayerAttributes known;  // fields without values
+  for (const AttributeChange& change : record.edits.attributes) {
+    if (endOf(change) > most)
+      throw FileError(log, fmt::format("is damaged: it refers to point {}, but with all its edits there are only {}",
+                                       endOf(change) - 1, most));
+    if (!known.fits(change)) {
+      if (!record.gaps.empty()) continue;
+      throw FileError(log, fmt::format("is damaged: it changes field {}, which does not exist or is another one; there "
+                                       "are {} then",
+                                       fieldOf(change), known.fields().size()));
+    }
+    const auto* const of = std::get_if<FieldPresence>(&change);
+    if (!of) continue;
+    AttributeChange empty = FieldPresence{
+        .field = of->field, .isPresent = of->isPresent, .name = of->name, .unit = of->unit, .type = of->type};
+    known.exchange(empty);
+  }
+}
+
+}  // namespace
+
+void requireEditsOf(const std::filesystem::path& log, std::size_t points, const SessionRecord& record) {
+  const std::size_t most = points + record.edits.points.size() + mostMissingEdits(record);
+  for (const PointState& state : record.edits.points)
+    if (state.number >= most || state.parent >= most)
+      throw FileError(log, fmt::format("is damaged: it refers to point {}, but with all its edits there are only {}",
+                                       std::max(state.number, state.parent), most));
+  requireAttributesOf(log, most, record);
+}
+
+namespace {
+
+/// Applies one mark after another.
+class EditsAgain {
+ public:
+  EditsAgain(History& history, LayerAttributes& attributes) : history_(history), attributes_(attributes) {}
+
+  void follow(std::span<const PointState> states, EditMark::Kind kind) {
+    const History::Carriers isThat{
+        .points = [&](std::span<const PointChange> changes) { return isSame(states, changes); },
+        .shape = [](ShapeStroke&) { return false; },
+        .attributes = [](AttributeChange&) { return false; }};
+    const bool mayBeUndo = kind == EditMark::Kind::change && !history_.inStroke();
+    if (mayBeUndo && (history_.undo(isThat) || history_.redo(isThat))) return;
+    EditBatch batch{.points = {states.begin(), states.end()}, .marks = {{states.size(), kind}}};
+    attributes_.follow(batch, history_.points());
+    history_.follow(batch);
+  }
+
+  void change(AttributeChange change, EditMark::Kind kind) {
+    if (!attributes_.fits(change)) return;
+    const auto exchange = [&](AttributeChange& made) { attributes_.exchange(made); };
+    if (kind == EditMark::Kind::attribute) return history_.make(std::move(change), exchange);
+    const History::Carriers isThat{.points = [](std::span<const PointChange>) { return false; },
+                                   .shape = [](ShapeStroke&) { return false; },
+                                   .attributes =
+                                       [&](AttributeChange& kept) {
+                                         if (!isSameChange(kept, change)) return false;
+                                         exchange(kept);
+                                         return true;
+                                       }};
+    const bool isKept = kind == EditMark::Kind::undone ? history_.undo(isThat) : history_.redo(isThat);
+    if (!isKept) exchange(change);
+  }
+
+ private:
+  // Of a field that is made again the values are not compared: removed points may have others.
+  static bool isSameChange(const AttributeChange& a, const AttributeChange& b) {
+    const auto* const made = std::get_if<FieldPresence>(&a);
+    const auto* const other = std::get_if<FieldPresence>(&b);
+    if (made && other) return made->field == other->field && made->isPresent == other->isPresent;
+    return a == b;
+  }
+
+  History& history_;
+  LayerAttributes& attributes_;
+};
+
+}  // namespace
+
+void followAgain(History& history, LayerAttributes& attributes, const EditBatch& edits) {
+  EditsAgain again(history, attributes);
+  const std::span<const PointState> all = edits.points;
+  std::size_t begin = 0;
+  auto change = edits.attributes.begin();
+  for (const EditMark& mark : edits.marks) {
+    const auto states = all.subspan(begin, mark.at - begin);
+    begin = mark.at;
+    if (!mark.hasAttribute()) {
+      again.follow(states, mark.kind);
+      continue;
+    }
+    if (!states.empty()) again.follow(states, EditMark::Kind::stroke);  // its own mark is missing
+    again.change(*change++, mark.kind);
+  }
+  // The unfinished stroke at the program's end counts as a stroke.
+  if (begin < all.size()) again.follow(all.subspan(begin), EditMark::Kind::stroke);
+}
+
+}  // namespace palpate
